@@ -1,0 +1,6 @@
+#include "parts.hpp"
+
+PYBIND11_MODULE(_core, module) {
+  module.doc() = "Numeric kernels of leadthrough; arguments are checked by the Python layer above.";
+  leadthrough::bind_so3(module);
+}

@@ -1,0 +1,9 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace leadthrough {
+
+void bind_so3(pybind11::module_& module);
+
+}  // namespace leadthrough

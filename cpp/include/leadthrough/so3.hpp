@@ -1,0 +1,48 @@
+#pragma once
+
+// Rotations as unit quaternions (w, x, y, z) and rotation vectors (axis times angle, rad).
+// Exp and log after Sola, Deray, Atchuthan 2018, "A micro Lie theory", examples 3 and 4.
+
+#include <Eigen/Core>
+
+namespace leadthrough::so3 {
+
+using Vector3 = Eigen::Vector3d;
+using Quaternion = Eigen::Vector4d;  // w, x, y, z
+using Matrix3 = Eigen::Matrix3d;
+
+using Vectors = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+using Matrices = Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor>;
+using Quaternions = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
+
+// Unit quaternion of a rotation vector of any length.
+Quaternion exp(const Vector3& rotation_vector);
+
+// Rotation vector of length at most pi. The quaternion need not have unit length.
+// At exactly pi, of the two opposite vectors the one of the quaternion as given is returned.
+Vector3 log(const Quaternion& quaternion);
+
+// The rotation of b followed by that of a.
+Quaternion compose(const Quaternion& a, const Quaternion& b);
+
+// The inverse of a unit quaternion.
+Quaternion inverse(const Quaternion& quaternion);
+
+// Geodesic distance in rad, from 0 to pi, blind to the quaternions' signs.
+double distance(const Quaternion& a, const Quaternion& b);
+
+// Rotation matrix of a unit quaternion, and back.
+Matrix3 to_matrix(const Quaternion& quaternion);
+Quaternion from_matrix(const Matrix3& matrix);
+
+// One row a rotation.
+Quaternions exp_batch(const Eigen::Ref<const Vectors>& rotation_vectors);
+Vectors log_batch(const Eigen::Ref<const Quaternions>& quaternions);
+Quaternions compose_batch(const Eigen::Ref<const Quaternions>& a,
+                          const Eigen::Ref<const Quaternions>& b);
+// Nine numbers a row: the matrix, row by row.
+Matrices to_matrix_batch(const Eigen::Ref<const Quaternions>& quaternions);
+Eigen::VectorXd distance_batch(const Eigen::Ref<const Quaternions>& a,
+                               const Eigen::Ref<const Quaternions>& b);
+
+}  // namespace leadthrough::so3

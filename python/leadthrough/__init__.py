@@ -1,0 +1,19 @@
+"""leadthrough: hand-guided demonstrations in, executable robot-arm motion out."""
+
+from leadthrough import errors, rotations
+from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
+from leadthrough.shapes import Box, Capsule, Sphere
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Box",
+    "Capsule",
+    "Demonstration",
+    "JointTrajectory",
+    "PoseTrajectory",
+    "Sphere",
+    "Trajectory",
+    "errors",
+    "rotations",
+]

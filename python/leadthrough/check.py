@@ -1,0 +1,153 @@
+"""Checks of users' arguments, each done once, at the boundary.
+
+Every function returns the checked value in the form that the rest of the package works with and
+raises InvalidInput with the argument's name otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from leadthrough.errors import InvalidInput
+
+Float64Array = NDArray[np.float64]
+
+# A recorded quaternion is off by its format's rounding; more than this is not a rotation.
+UNIT_LENGTH_TOLERANCE = 1e-2
+
+
+def array(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
+    """`value` as a finite, C-contiguous float64 array of `shape`.
+
+    shape: an int is that size, a name any size (the same wherever it stands again), so
+    ("n", 3) is any number of rows of three. The result may share memory with `value`.
+    """
+    result = _numeric(value, name)
+    if not _fits(result.shape, shape):
+        raise InvalidInput(f"{name}: expected shape {_shape_text(shape)}, got {result.shape}")
+    if not np.isfinite(result).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(result))[0])
+        position = f" at index {where if len(where) > 1 else where[0]}" if where else ""
+        raise InvalidInput(f"{name}: expected finite numbers, got {result[where]}{position}")
+    return result
+
+
+def frozen(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
+    """A read-only copy of `value`, checked as by `array`."""
+    result = array(value, name, shape=shape).copy()
+    result.setflags(write=False)
+    return result
+
+
+def times(value: Any, name: str) -> Float64Array:
+    """`value` as at least one strictly increasing time, (n,) s; a read-only copy."""
+    result = frozen(value, name, shape=("n",))
+    if len(result) == 0:
+        raise InvalidInput(f"{name}: expected at least one sample, got none")
+    steps = np.diff(result)
+    if (steps <= 0).any():
+        i = int(np.argmax(steps <= 0))
+        raise InvalidInput(
+            f"{name}: expected strictly increasing times, "
+            f"got {result[i]} s then {result[i + 1]} s at samples {i} and {i + 1}"
+        )
+    return result
+
+
+def quaternions(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
+    """`value` as unit quaternions w, x, y, z, normalised; a copy. The last axis holds four."""
+    result = array(value, name, shape=shape)
+    lengths = np.linalg.norm(result, axis=-1, keepdims=True)
+    off = np.abs(lengths - 1.0) > UNIT_LENGTH_TOLERANCE
+    if off.any():
+        raise InvalidInput(
+            f"{name}: expected unit quaternions w, x, y, z, got one of length {lengths[off][0]:.6g}"
+        )
+    return np.asarray(result / lengths)
+
+
+def number(
+    value: Any,
+    name: str,
+    *,
+    above: float | None = None,
+    at_least: float | None = None,
+    below: float | None = None,
+    at_most: float | None = None,
+) -> float:
+    """`value` as a finite float inside the bounds given."""
+    if isinstance(value, (bool, np.bool_, str, bytes)):
+        raise InvalidInput(f"{name}: expected a number, got {value!r}")
+    try:
+        result = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise InvalidInput(f"{name}: expected a number, got {_short(value)}") from None
+    bounds = [
+        ("> ", above, above is None or result > above),
+        (">= ", at_least, at_least is None or result >= at_least),
+        ("< ", below, below is None or result < below),
+        ("<= ", at_most, at_most is None or result <= at_most),
+    ]
+    if not np.isfinite(result) or not all(holds for _, _, holds in bounds):
+        wanted = " and ".join(f"{sign}{bound}" for sign, bound, _ in bounds if bound is not None)
+        raise InvalidInput(
+            f"{name}: expected a finite number {wanted}".rstrip() + f", got {value!r}"
+        )
+    return result
+
+
+def integer(value: Any, name: str, *, at_least: int, at_most: int | None = None) -> int:
+    """`value` as an int inside the bounds given; a float is refused, even a whole one."""
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)):
+        raise InvalidInput(f"{name}: expected an integer, got {_short(value)}")
+    result = int(value)
+    if result < at_least or (at_most is not None and result > at_most):
+        upper = "" if at_most is None else f" and <= {at_most}"
+        raise InvalidInput(f"{name}: expected an integer >= {at_least}{upper}, got {result}")
+    return result
+
+
+def choice(value: Any, name: str, options: Collection[str]) -> str:
+    """`value` if it is one of `options`."""
+    if not isinstance(value, str) or value not in options:
+        names = ", ".join(repr(option) for option in options)
+        raise InvalidInput(f"{name}: expected one of {names}, got {_short(value)}")
+    return value
+
+
+def _numeric(value: Any, name: str) -> Float64Array:
+    try:
+        raw = np.asarray(value)
+    except ValueError:
+        raise InvalidInput(
+            f"{name}: expected a regular array of numbers, got ragged rows"
+        ) from None
+    if raw.dtype.kind not in "fiu":
+        # Booleans, complex numbers, strings and objects would be turned into something plausible.
+        raise InvalidInput(f"{name}: expected numbers, got {_short(value)} of dtype {raw.dtype}")
+    return np.ascontiguousarray(raw, dtype=np.float64).reshape(raw.shape)
+
+
+def _fits(actual: tuple[int, ...], shape: Sequence[int | str]) -> bool:
+    if len(actual) != len(shape):
+        return False
+    named: dict[str, int] = {}
+    for size, wanted in zip(actual, shape, strict=True):
+        expected = named.setdefault(wanted, size) if isinstance(wanted, str) else wanted
+        if size != expected:
+            return False
+    return True
+
+
+def _shape_text(shape: Sequence[int | str]) -> str:
+    comma = "," if len(shape) == 1 else ""
+    return f"({', '.join(str(size) for size in shape)}{comma})"
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

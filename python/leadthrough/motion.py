@@ -1,0 +1,118 @@
+"""Motions and demonstrations: frozen, checked, with read-only copies of the data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from leadthrough import check, rotations
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Timed points.
+
+    times: (n,) s, strictly increasing. positions: (n, d) m (drawings may use any unit).
+    """
+
+    times: Float64Array
+    positions: Float64Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "times", check.times(self.times, "times"))
+        _freeze_rows(self, "positions", len(self.times), "d")
+
+    @property
+    def duration(self) -> float:
+        """Time from the first sample to the last, s."""
+        return float(self.times[-1] - self.times[0])
+
+
+@dataclass(frozen=True, eq=False)
+class PoseTrajectory:
+    """Timed poses in one frame.
+
+    times: (n,) s, strictly increasing. positions: (n, 3) m. orientations: (n, 4) w, x, y, z;
+    normalised and made sign-continuous on entry.
+    """
+
+    times: Float64Array
+    positions: Float64Array
+    orientations: Float64Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "times", check.times(self.times, "times"))
+        _freeze_rows(self, "positions", len(self.times), 3)
+        quaternions = check.quaternions(
+            self.orientations, "orientations", shape=(len(self.times), 4)
+        )
+        continuous = rotations.align_signs(quaternions)
+        continuous.setflags(write=False)
+        object.__setattr__(self, "orientations", continuous)
+
+    @property
+    def duration(self) -> float:
+        """Time from the first sample to the last, s."""
+        return float(self.times[-1] - self.times[0])
+
+
+@dataclass(frozen=True, eq=False)
+class JointTrajectory:
+    """Timed joint configurations.
+
+    times: (n,) s, strictly increasing. positions, velocities, accelerations: (n, joints) in rad,
+    rad/s, rad/s^2 (m for prismatic joints); the last two may be None. joint_names: one a column,
+    or empty.
+    """
+
+    times: Float64Array
+    positions: Float64Array
+    velocities: Float64Array | None = None
+    accelerations: Float64Array | None = None
+    joint_names: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "times", check.times(self.times, "times"))
+        _freeze_rows(self, "positions", len(self.times), "joints")
+        joints = self.positions.shape[1]
+        for name in ("velocities", "accelerations"):
+            if getattr(self, name) is not None:
+                _freeze_rows(self, name, len(self.times), joints)
+        if isinstance(self.joint_names, str):
+            raise InvalidInput(
+                f"joint_names: expected a sequence of names, got {self.joint_names!r}"
+            )
+        object.__setattr__(self, "joint_names", tuple(self.joint_names))
+        if self.joint_names and len(self.joint_names) != joints:
+            raise InvalidInput(f"joint_names: expected {joints} names, got {len(self.joint_names)}")
+
+    @property
+    def duration(self) -> float:
+        """Time from the first sample to the last, s."""
+        return float(self.times[-1] - self.times[0])
+
+
+Motion = Trajectory | PoseTrajectory | JointTrajectory
+
+
+@dataclass(frozen=True, eq=False)
+class Demonstration:
+    """One motion that was shown to the robot."""
+
+    motion: Motion
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.motion, Trajectory | PoseTrajectory | JointTrajectory):
+            raise InvalidInput(
+                "motion: expected a Trajectory, PoseTrajectory or JointTrajectory, "
+                f"got {type(self.motion).__name__}"
+            )
+
+
+def _freeze_rows(motion: Motion, name: str, count: int, width: int | str) -> None:
+    rows = check.frozen(getattr(motion, name), name, shape=(count, width))
+    if rows.shape[1] == 0:
+        raise InvalidInput(f"{name}: expected at least one column, got none")
+    object.__setattr__(motion, name, rows)

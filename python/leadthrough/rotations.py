@@ -1,0 +1,72 @@
+"""Rotations in batches: unit quaternions (w, x, y, z) and rotation vectors (axis times angle, rad).
+
+Source: Sola, Deray and Atchuthan 2018, "A micro Lie theory for state estimation in robotics".
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from leadthrough import _core, check
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+
+
+def exp(rotation_vectors: Any) -> Float64Array:
+    """Unit quaternions (n, 4) of rotation vectors (n, 3) of any length, rad.
+
+    Raises InvalidInput.
+    """
+    return _core.so3_exp(check.array(rotation_vectors, "rotation_vectors", shape=("n", 3)))
+
+
+def log(quaternions: Any) -> Float64Array:
+    """Rotation vectors (n, 3) of length at most pi, rad, of unit quaternions (n, 4).
+
+    q and -q have the same logarithm, but at exactly pi, where the sign of the vector is q's.
+    Raises InvalidInput.
+    """
+    return _core.so3_log(check.quaternions(quaternions, "quaternions", shape=("n", 4)))
+
+
+def compose(a: Any, b: Any) -> Float64Array:
+    """Quaternions (n, 4) of the rotations that turn by b first, then by a, both (n, 4).
+
+    Raises InvalidInput.
+    """
+    return _core.so3_compose(*_pair(a, b))
+
+
+def distance(a: Any, b: Any) -> Float64Array:
+    """Geodesic distance (n,) between rotations (n, 4), from 0 to pi rad, blind to signs.
+
+    Raises InvalidInput.
+    """
+    return _core.so3_distance(*_pair(a, b))
+
+
+def to_matrix(quaternions: Any) -> Float64Array:
+    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4). Raises InvalidInput."""
+    q = check.quaternions(quaternions, "quaternions", shape=("n", 4))
+    return np.asarray(_core.so3_to_matrix(q).reshape(-1, 3, 3))
+
+
+def align_signs(quaternions: Any) -> Float64Array:
+    """The same rotations (n, 4) with signs chosen so that neighbours lie in one hemisphere.
+
+    The first keeps its sign. Raises InvalidInput.
+    """
+    q = check.quaternions(quaternions, "quaternions", shape=("n", 4))
+    flips = np.einsum("ij,ij->i", q[1:], q[:-1]) < 0
+    signs = np.concatenate([np.ones(min(len(q), 1)), np.where(np.cumsum(flips) % 2, -1.0, 1.0)])
+    return q * signs[:, None]
+
+
+def _pair(a: Any, b: Any) -> tuple[Float64Array, Float64Array]:
+    first = check.quaternions(a, "a", shape=("n", 4))
+    second = check.quaternions(b, "b", shape=("n", 4))
+    if first.shape != second.shape:
+        raise InvalidInput(f"b: expected as many rotations as a, {len(first)}, got {len(second)}")
+    return first, second
