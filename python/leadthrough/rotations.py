@@ -61,7 +61,7 @@ def align_signs(quaternions: Any) -> Float64Array:
     q = check.quaternions(quaternions, "quaternions", shape=("n", 4))
     flips = np.einsum("ij,ij->i", q[1:], q[:-1]) < 0
     signs = np.concatenate([np.ones(min(len(q), 1)), np.where(np.cumsum(flips) % 2, -1.0, 1.0)])
-    return q * signs[:, None]
+    return np.asarray(q * signs[:, None])
 
 
 def _pair(a: Any, b: Any) -> tuple[Float64Array, Float64Array]:
