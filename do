@@ -1,0 +1,137 @@
+#!/usr/bin/env bash
+# One entry for everyday work: installs what is missing, rebuilds what has changed, then runs.
+set -euo pipefail
+cd "$(dirname "$0")"
+
+readonly BUILD_PACKAGES=(g++ cmake ninja-build libeigen3-dev liborocos-kdl-dev liburdfdom-dev)
+readonly TEST_PACKAGES=(ccache libgtest-dev)
+
+usage() {
+  cat <<'TEXT'
+usage: ./do COMMAND [OPTIONS]
+
+  demo       demonstrations in, a checked robot trajectory out (leadthrough demo)
+  test       all tests, C++ and Python; options go to pytest
+  sanitize   the C++ tests with AddressSanitizer, UndefinedBehaviorSanitizer and ThreadSanitizer
+  bench      benchmarks against other libraries; options go to python/benchmarks/run.py
+  lint       ruff, mypy and clang-format
+  format     let ruff and clang-format rewrite the code
+TEXT
+}
+
+fail() { echo "do: $*" >&2; exit 1; }
+
+as_root() {
+  if [ "$(id -u)" = 0 ]; then "$@"
+  elif command -v sudo >/dev/null; then sudo "$@"
+  else fail "needs root or sudo to run: $*"
+  fi
+}
+
+# need PACKAGE...: installs those Debian packages that are missing.
+need() {
+  local missing=() package
+  for package in "$@"; do
+    dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed ||
+      missing+=("$package")
+  done
+  [ ${#missing[@]} = 0 ] && return
+  echo "installing Debian packages: ${missing[*]}"
+  as_root apt-get update -qq
+  as_root env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+find_python() {
+  local candidate
+  for candidate in python3.11 python3; do
+    if "$candidate" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+      echo "$candidate"
+      return
+    fi
+  done
+  fail "needs Python 3.11 or newer"
+}
+
+make_environment() {
+  [ -x .venv/bin/pip ] && return
+  local python
+  python=$(find_python)
+  # Debian splits the module venv and the headers from the interpreter.
+  "$python" -c 'import ensurepip' 2>/dev/null || need python3-venv
+  "$python" -c 'import os, sysconfig; open(os.path.join(sysconfig.get_path("include"), "Python.h"))' \
+    2>/dev/null || need python3-dev
+  "$python" -m venv .venv
+}
+
+# A digest of all that the installed package is made from; Python files are used in place.
+sources_digest() {
+  { find cpp robots -type f; echo CMakeLists.txt; echo pyproject.toml; } | LC_ALL=C sort |
+    xargs -d '\n' sha256sum | sha256sum | cut -d' ' -f1
+}
+
+# install_package EXTRAS: the package, editable, with these extras; nothing if nothing changed.
+install_package() {
+  need "${BUILD_PACKAGES[@]}"
+  make_environment
+  local stamp=".venv/installed-$1" digest
+  digest=$(sources_digest)
+  [ "$(cat "$stamp" 2>/dev/null)" = "$digest" ] && return
+  echo "building and installing leadthrough[$1]"
+  .venv/bin/pip install -q --disable-pip-version-check 'scikit-build-core>=0.10' 'pybind11>=2.13'
+  .venv/bin/pip install -q --disable-pip-version-check --no-build-isolation \
+    -C build-dir=build/python -C cmake.define.LEADTHROUGH_WERROR=ON -e ".[$1]"
+  echo "$digest" >"$stamp"
+}
+
+# run_cpp_tests PRESET
+run_cpp_tests() {
+  [ -f "build/$1/build.ninja" ] || cmake --preset "$1" >/dev/null
+  cmake --build --preset "$1" -- --quiet
+  ctest --preset "$1" --quiet || ctest --preset "$1" --rerun-failed
+}
+
+cpp_files() { find cpp tests/cpp -name '*.[ch]pp'; }
+
+main() {
+  local command="${1:-}"
+  [ $# -gt 0 ] && shift
+  case "$command" in
+    demo)
+      install_package demo
+      .venv/bin/leadthrough demo "$@"
+      ;;
+    test)
+      need "${TEST_PACKAGES[@]}"
+      install_package test
+      run_cpp_tests release
+      .venv/bin/python -m pytest "$@"
+      ;;
+    sanitize)
+      need "${BUILD_PACKAGES[@]}" "${TEST_PACKAGES[@]}"
+      run_cpp_tests asan
+      run_cpp_tests tsan
+      ;;
+    bench)
+      install_package bench
+      .venv/bin/python python/benchmarks/run.py "$@"
+      ;;
+    lint)
+      install_package dev
+      .venv/bin/ruff check .
+      .venv/bin/ruff format --check .
+      .venv/bin/mypy
+      cpp_files | xargs .venv/bin/clang-format --dry-run -Werror
+      ;;
+    format)
+      install_package dev
+      .venv/bin/ruff check --fix .
+      .venv/bin/ruff format .
+      cpp_files | xargs .venv/bin/clang-format -i
+      ;;
+    help | -h | --help) usage ;;
+    *) usage >&2; exit 2 ;;
+  esac
+}
+
+main "$@"
