@@ -1,6 +1,7 @@
 """leadthrough: hand-guided demonstrations in, executable robot-arm motion out."""
 
-from leadthrough import errors, rotations
+from leadthrough import errors, io, rotations
+from leadthrough.io import read_demonstrations
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from leadthrough.shapes import Box, Capsule, Sphere
 
@@ -15,5 +16,7 @@ __all__ = [
     "Sphere",
     "Trajectory",
     "errors",
+    "io",
+    "read_demonstrations",
     "rotations",
 ]

@@ -1,0 +1,19 @@
+#include <pybind11/eigen.h>
+
+#include "leadthrough/alignment.hpp"
+#include "parts.hpp"
+
+namespace py = pybind11;
+
+namespace leadthrough {
+
+void bind_alignment(py::module_& module) {
+  using ReleaseGil = py::call_guard<py::gil_scoped_release>;
+
+  module.def("dtw_distance", &dtw_distance, py::arg("a").noconvert(), py::arg("b").noconvert(),
+             ReleaseGil());
+  module.def("frechet_distance", &frechet_distance, py::arg("a").noconvert(),
+             py::arg("b").noconvert(), ReleaseGil());
+}
+
+}  // namespace leadthrough

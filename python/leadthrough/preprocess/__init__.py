@@ -1,0 +1,1 @@
+"""Turns recordings into what models learn from."""
