@@ -9,13 +9,12 @@ from typing import Any
 
 from leadthrough import check
 from leadthrough.errors import InvalidInput
-from leadthrough.io import csv, lasa, mat, npz
+from leadthrough.io import csv, joint_trajectory, lasa, mat, npz
+from leadthrough.io.atomic import StrPath
 from leadthrough.io.table import Table, motion, named_columns
 from leadthrough.motion import Demonstration
 
-__all__ = ["lasa", "read_demonstrations"]
-
-StrPath = str | os.PathLike[str]
+__all__ = ["joint_trajectory", "lasa", "read_demonstrations"]
 
 
 def read_demonstrations(

@@ -1,0 +1,32 @@
+"""Files that appear whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from leadthrough.errors import InvalidInput
+
+StrPath = str | os.PathLike[str]
+
+
+@contextmanager
+def replacing(path: StrPath) -> Iterator[Path]:
+    """A file of another name in the same folder, which becomes `path` when the block succeeds.
+
+    It has the suffix of `path`. Raises InvalidInput where it cannot be written.
+    """
+    target = Path(path)
+    if not target.parent.is_dir():
+        raise InvalidInput(f"path: no such folder: {target.parent}")
+    temporary = target.with_name(f".{uuid.uuid4().hex}{target.suffix}")
+    try:
+        yield temporary
+        temporary.replace(target)
+    except OSError as error:
+        raise InvalidInput(f"path: {target} cannot be written ({error.strerror})") from error
+    finally:
+        temporary.unlink(missing_ok=True)

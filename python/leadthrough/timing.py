@@ -1,0 +1,282 @@
+"""Joint limits along a trajectory: judged, and kept by slowing down.
+
+Derivatives of order k are k! times the divided differences of the samples' positions. By the mean
+value theorem they are values that the true derivative takes, so that samples of a smooth motion
+inside its limits are never judged outside them. Before the first sample and after the last the
+arm stands still: that is how a controller will have it, so a motion that starts or ends at full
+speed shows the acceleration and jerk that this takes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput, LimitsInfeasible
+from leadthrough.motion import JointTrajectory
+
+# Scaled times are rounded, and so are the differences measured on them; a factor that is larger
+# by this brings the few trajectories that end up an ulp outside back inside.
+_MARGIN = 1e-9
+_MOST_CORRECTIONS = 20
+
+# A ratio above 1 by less is rounding: third differences of positions sampled at 1 kHz carry 1e-6
+# rad/s^3 of it, and a position given with seven digits 1e-7 rad.
+ROUNDING = 1e-6
+
+
+@runtime_checkable
+class Limits(Protocol):
+    """What is needed of an arm's limits, (joints,) each; None is not known and not checked.
+
+    lower, upper: rad (m), infinite where there is none. velocity, acceleration, jerk: of the
+    magnitude, per s, s^2 and s^3.
+    """
+
+    @property
+    def joint_names(self) -> Sequence[str]: ...
+    @property
+    def lower(self) -> Float64Array: ...
+    @property
+    def upper(self) -> Float64Array: ...
+    @property
+    def velocity(self) -> Float64Array: ...
+    @property
+    def acceleration(self) -> Float64Array | None: ...
+    @property
+    def jerk(self) -> Float64Array | None: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Peak:
+    """How much of one quantity's limits a trajectory uses at most.
+
+    ratios: (joints,) the largest magnitude over its limit; of a position, the distance from the
+    middle of the range over half the range. joint, time: the worst of them, and when, s.
+    """
+
+    ratios: Float64Array
+    joint: str
+    time: float
+
+    @property
+    def ok(self) -> bool:
+        """Whether no joint exceeds its limit by more than rounding."""
+        return self.ratio <= 1.0 + ROUNDING
+
+    @property
+    def ratio(self) -> float:
+        """The worst joint's ratio."""
+        return float(self.ratios.max())
+
+
+@dataclass(frozen=True, eq=False)
+class LimitsReport:
+    """A trajectory's peaks; None for a quantity whose limits are not known."""
+
+    position: Peak
+    velocity: Peak
+    acceleration: Peak | None
+    jerk: Peak | None
+
+    @property
+    def ok(self) -> bool:
+        """Whether every quantity that has limits keeps them."""
+        peaks = (self.position, self.velocity, self.acceleration, self.jerk)
+        return all(peak is None or peak.ok for peak in peaks)
+
+    @property
+    def unchecked(self) -> tuple[str, ...]:
+        """The quantities without limits."""
+        return tuple(name for name in ("acceleration", "jerk") if getattr(self, name) is None)
+
+
+def check_limits(trajectory: JointTrajectory, limits: Limits) -> LimitsReport:
+    """How a trajectory stands to the limits of the arm; a violation does not raise.
+
+    The trajectory's own velocities and accelerations count as well, where it has them.
+    Raises InvalidInput where trajectory and limits do not belong together.
+    """
+    names = _joint_names(trajectory, limits)
+    bounds = {
+        quantity: _bound(getattr(limits, quantity), quantity, len(names))
+        for quantity in ("lower", "upper", "velocity", "acceleration", "jerk")
+        if quantity not in ("acceleration", "jerk") or getattr(limits, quantity) is not None
+    }
+    given = {"velocity": trajectory.velocities, "acceleration": trajectory.accelerations}
+    peaks = {
+        quantity: _peak(
+            *_magnitudes(trajectory, order, given.get(quantity)), bounds[quantity], names
+        )
+        for order, quantity in enumerate(("velocity", "acceleration", "jerk"), 1)
+        if quantity in bounds
+    }
+    return LimitsReport(
+        position=_position_peak(trajectory, bounds["lower"], bounds["upper"], names),
+        velocity=peaks["velocity"],
+        acceleration=peaks.get("acceleration"),
+        jerk=peaks.get("jerk"),
+    )
+
+
+def scale_to_limits(trajectory: JointTrajectory, limits: Limits) -> JointTrajectory:
+    """The trajectory, slowed down evenly until `check_limits` finds all limits kept.
+
+    It is never sped up, its path and its first time stay; its own velocities and accelerations,
+    where it has them, are scaled along. Raises LimitsInfeasible where a position lies outside its
+    limits or a joint moves that must not, InvalidInput.
+    """
+    report = check_limits(trajectory, limits)
+    if not report.position.ok:
+        raise LimitsInfeasible(
+            f"{report.position.joint} leaves its position limits at {report.position.time:.6g} s",
+            joint=report.position.joint,
+        )
+    scaled, factor = trajectory, 1.0
+    for correction in range(_MOST_CORRECTIONS):
+        if all(peak.ratio <= 1.0 for _, peak in _derivatives(report)):
+            return scaled
+        factor *= _slowing(report) + (_MARGIN if correction else 0.0)
+        scaled = _slowed(trajectory, factor)
+        report = check_limits(scaled, limits)
+    raise LimitsInfeasible(
+        f"{report.velocity.joint} does not come inside its limits at any speed",
+        joint=report.velocity.joint,
+    )
+
+
+def differentiate(trajectory: JointTrajectory) -> JointTrajectory:
+    """The same samples with velocities and accelerations, those of the cubic spline through them.
+
+    The spline starts and ends at rest; a single sample rests. Raises InvalidInput.
+    """
+    _check_type(trajectory)
+    if len(trajectory.times) == 1:
+        zeros = np.zeros_like(trajectory.positions)
+        return replace(trajectory, velocities=zeros, accelerations=zeros)
+    times = trajectory.times - trajectory.times[0]
+    spline = CubicSpline(times, trajectory.positions, bc_type="clamped")
+    velocities = spline(times, 1)
+    velocities[[0, -1]] = 0.0  # the spline's own are zero to rounding
+    return replace(trajectory, velocities=velocities, accelerations=spline(times, 2))
+
+
+def _check_type(trajectory: Any) -> None:
+    if not isinstance(trajectory, JointTrajectory):
+        raise InvalidInput(
+            f"trajectory: expected a JointTrajectory, got {type(trajectory).__name__}"
+        )
+
+
+def _joint_names(trajectory: JointTrajectory, limits: Limits) -> tuple[str, ...]:
+    _check_type(trajectory)
+    if not isinstance(limits, Limits):
+        raise InvalidInput(f"limits: expected the limits of joints, got {type(limits).__name__}")
+    joints = trajectory.positions.shape[1]
+    wanted = tuple(limits.joint_names)
+    if len(wanted) != joints:
+        raise InvalidInput(f"limits: expected limits of {joints} joints, got {len(wanted)}")
+    if trajectory.joint_names and trajectory.joint_names != wanted:
+        raise InvalidInput(
+            f"limits: expected limits of {list(trajectory.joint_names)}, got {list(wanted)}"
+        )
+    return wanted
+
+
+def _bound(value: Any, name: str, joints: int) -> Float64Array:
+    bound = np.asarray(value)
+    if bound.dtype.kind not in "fiu" or bound.shape != (joints,) or np.isnan(bound).any():
+        raise InvalidInput(f"limits.{name}: expected {joints} numbers, got {value}")
+    if name not in ("lower", "upper") and (bound < 0.0).any():
+        raise InvalidInput(f"limits.{name}: expected magnitudes, got {value}")
+    return bound
+
+
+def _magnitudes(
+    trajectory: JointTrajectory, order: int, given: Float64Array | None
+) -> tuple[Float64Array, Float64Array]:
+    """Times (m,) and the magnitudes (m, joints) there, measured and, behind them, `given`."""
+    times, values = _differences(trajectory.times, trajectory.positions, order)
+    if given is not None:
+        times, values = np.append(times, trajectory.times), np.vstack([values, given])
+    return times, np.abs(values)
+
+
+def _differences(
+    times: Float64Array, positions: Float64Array, order: int
+) -> tuple[Float64Array, Float64Array]:
+    """Times (m,) and derivatives (m, joints) of a motion that starts and ends at rest."""
+    if len(times) == 1:
+        return times, np.zeros_like(positions)
+    rest = order - 1  # as many samples of standing still as a difference reaches beyond an end
+    t = times - times[0]
+    before = t[0] - (t[1] - t[0]) * np.arange(rest, 0, -1)
+    after = t[-1] + (t[-1] - t[-2]) * np.arange(1, rest + 1)
+    t = np.concatenate([before, t, after])
+    values = np.pad(positions, ((rest, rest), (0, 0)), mode="edge")
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        for k in range(1, order + 1):
+            values = k * np.diff(values, axis=0) / (t[k:] - t[:-k])[:, None]
+    middles = times[0] + 0.5 * (t[order:] + t[:-order])
+    return np.clip(middles, times[0], times[-1]), values
+
+
+def _peak(
+    times: Float64Array, magnitudes: Float64Array, limit: Float64Array, names: tuple[str, ...]
+) -> Peak:
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        # 0 / 0 is a joint at rest that must rest; anything else not a number overflowed.
+        ratios = np.where(magnitudes == 0.0, 0.0, magnitudes / limit)
+    return _worst(times, np.where(np.isnan(ratios), np.inf, ratios), names)
+
+
+def _position_peak(
+    trajectory: JointTrajectory, lower: Float64Array, upper: Float64Array, names: tuple[str, ...]
+) -> Peak:
+    q = trajectory.positions
+    inside = (lower <= q) & (q <= upper)
+    bounded = np.isfinite(lower) & np.isfinite(upper) & (lower < upper)
+    low, high = np.where(bounded, lower, -1.0), np.where(bounded, upper, 1.0)
+    ratios = np.abs(q - 0.5 * (low + high)) / (0.5 * (high - low))
+    unbounded = np.where(inside, 0.0, np.inf)
+    return _worst(trajectory.times, np.where(bounded, ratios, unbounded), names)
+
+
+def _worst(times: Float64Array, ratios: Float64Array, names: tuple[str, ...]) -> Peak:
+    sample, joint = np.unravel_index(int(ratios.argmax()), ratios.shape)
+    peaks = ratios.max(axis=0)
+    peaks.setflags(write=False)
+    return Peak(peaks, names[joint], float(times[sample]))
+
+
+def _derivatives(report: LimitsReport) -> list[tuple[int, Peak]]:
+    """The peaks of the derivatives that have limits, with their orders."""
+    peaks = enumerate((report.velocity, report.acceleration, report.jerk), 1)
+    return [(order, peak) for order, peak in peaks if peak is not None]
+
+
+def _slowing(report: LimitsReport) -> float:
+    """The factor on time that the worst ratio asks for, at least 1."""
+    for _, peak in _derivatives(report):
+        if not np.isfinite(peak.ratio):
+            raise LimitsInfeasible(
+                f"{peak.joint} moves at {peak.time:.6g} s, beyond its limits at any speed",
+                joint=peak.joint,
+            )
+    return max(1.0, *(peak.ratio ** (1.0 / order) for order, peak in _derivatives(report)))
+
+
+def _slowed(trajectory: JointTrajectory, factor: float) -> JointTrajectory:
+    velocities, accelerations = trajectory.velocities, trajectory.accelerations
+    start = trajectory.times[0]
+    return replace(
+        trajectory,
+        times=start + (trajectory.times - start) * factor,
+        velocities=None if velocities is None else velocities / factor,
+        accelerations=None if accelerations is None else accelerations / factor**2,
+    )
