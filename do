@@ -88,7 +88,7 @@ install_package() {
 run_cpp_tests() {
   [ -f "build/$1/build.ninja" ] || cmake --preset "$1" >/dev/null
   cmake --build --preset "$1" -- --quiet
-  ctest --preset "$1" --quiet || ctest --preset "$1" --rerun-failed
+  ctest --preset "$1"
 }
 
 cpp_files() { find cpp tests/cpp -name '*.[ch]pp'; }
