@@ -1,0 +1,75 @@
+#pragma once
+
+// Robot descriptions: URDF read by urdfdom, checked before (structure, bounds, numbers) and after
+// (values), since urdfdom accepts contradictory robots and overflows its stack on deep ones.
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace leadthrough::urdf {
+
+// Maps a point of the child frame into the parent frame: rotation * point + position.
+struct Transform {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+};
+
+enum class JointType { kFixed, kRevolute, kContinuous, kPrismatic, kPlanar, kFloating };
+
+struct Mimic {
+  std::string joint;
+  double multiplier = 1.0;
+  double offset = 0.0;  // rad or m
+};
+
+// Angles in rad, lengths in m; a limit that is not given is infinite.
+struct Joint {
+  std::string name;
+  JointType type = JointType::kFixed;
+  int parent = 0;  // links
+  int child = 0;
+  Transform T_parent_child;                         // at zero
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // unit, in the child's frame
+  double lower = 0.0;
+  double upper = 0.0;
+  double velocity = 0.0;
+  double effort = 0.0;
+  std::optional<Mimic> mimic;
+};
+
+struct Inertia {
+  double mass = 0.0;                                  // kg
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();   // m, in the link's frame
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();  // kg m^2 about the centre, link's axes
+};
+
+struct Link {
+  std::string name;
+  int parent_joint = -1;  // -1 for the root
+  Inertia inertia;
+};
+
+// A tree. links[0] is the root; every joint's parent stands before its child.
+struct Robot {
+  std::string name;
+  std::vector<Link> links;
+  std::vector<Joint> joints;
+};
+
+struct Error {
+  std::string where;  // the element at fault
+  std::string why;
+};
+
+// More links than any robot has, and few enough for urdfdom's recursive destruction.
+constexpr std::size_t kMaxLinks = 5000;
+
+// The robot of a URDF document. By URDF's rules: one of lower and upper that is left out is zero,
+// axes of any length but zero are normalised, continuous joints have no bounds.
+std::variant<Robot, Error> parse(const std::string& document);
+
+}  // namespace leadthrough::urdf

@@ -1,0 +1,79 @@
+#include "leadthrough/tracking.hpp"
+
+#include "descent_step.hpp"
+
+namespace leadthrough {
+
+namespace {
+
+struct Sample {
+  IkTarget target;
+  const double* max_step;
+  double midrange;
+};
+
+// The limits, narrowed to what the joints may move from `q`.
+DescentBounds reachable(const Chain& chain, const JointArray& q, const double* max_step) {
+  DescentBounds bounds{};
+  for (int i = 0; i < chain.joints(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    bounds.lower[k] = std::max(chain.lower[i], q[k] - max_step[i]);
+    bounds.upper[k] = std::min(chain.upper[i], q[k] + max_step[i]);
+  }
+  return bounds;
+}
+
+JointArray pull_to_middle(const Chain& chain, const JointVector& goal, const JointArray& q,
+                          double share) {
+  JointArray pull{};
+  for (int i = 0; i < chain.joints(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const bool bounded = std::isfinite(chain.lower[i]) && std::isfinite(chain.upper[i]);
+    if (bounded) pull[k] = share * (goal[i] - q[k]);
+  }
+  return pull;
+}
+
+template <int M>
+DescentEnd follow_sample(const Chain& chain, const Sample& sample, const JointVector& goal,
+                         const TrackOptions& options, JointArray& q) {
+  const DescentBounds bounds = reachable(chain, q, sample.max_step);
+  const double share = chain.joints() > M ? sample.midrange : 0.0;
+  return descend<M>(chain, sample.target, bounds, pull_to_middle(chain, goal, q, share),
+                    options.tolerance, options.max_iterations, q);
+}
+
+}  // namespace
+
+Eigen::Index Track::reached() const {
+  const auto first = std::find_if(status.begin(), status.end(),
+                                  [](IkStatus sample) { return sample != IkStatus::kConverged; });
+  return first - status.begin();
+}
+
+Track track(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
+            const Eigen::Ref<const Rows4>& orientations,
+            const Eigen::Ref<const Eigen::VectorXd>& start, const Eigen::Ref<const Rows>& max_steps,
+            const Eigen::Ref<const Eigen::VectorXd>& midrange, const TrackOptions& options) {
+  const Eigen::Index samples = positions.rows();
+  const bool oriented = orientations.rows() > 0;
+  Track result{Rows(samples, chain.joints()), Eigen::VectorXd(samples), Eigen::VectorXd(samples),
+               std::vector<IkStatus>(static_cast<std::size_t>(samples))};
+  const JointVector goal = middle(chain);
+  const JointVector inside = project(chain, start);
+  JointArray q{};
+  std::copy(inside.data(), inside.data() + inside.size(), q.begin());
+  for (Eigen::Index k = 0; k < samples; ++k) {
+    Sample sample{{positions.row(k), std::nullopt}, max_steps.row(k).data(), midrange[k]};
+    if (oriented) sample.target.rotation = so3::to_matrix(Eigen::Vector4d(orientations.row(k)));
+    const DescentEnd end = oriented ? follow_sample<6>(chain, sample, goal, options, q)
+                                    : follow_sample<3>(chain, sample, goal, options, q);
+    std::copy(q.begin(), q.begin() + chain.joints(), result.q.row(k).data());
+    result.position_errors[k] = end.position_error;
+    result.orientation_errors[k] = end.orientation_error;
+    result.status[static_cast<std::size_t>(k)] = end.status;
+  }
+  return result;
+}
+
+}  // namespace leadthrough

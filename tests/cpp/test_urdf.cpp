@@ -1,0 +1,142 @@
+#include <gtest/gtest.h>
+
+#include "leadthrough/urdf.hpp"
+#include "robots.hpp"
+
+using namespace leadthrough;
+using test::joint;
+using test::link;
+
+namespace {
+
+// "where: why" of a refused document, "" of one that is accepted.
+std::string refusal(const std::string& document) {
+  const auto answer = urdf::parse(document);
+  const auto* error = std::get_if<urdf::Error>(&answer);
+  return error == nullptr ? "" : error->where + ": " + error->why;
+}
+
+std::string robot(const std::string& inside) { return "<robot name='r'>" + inside + "</robot>"; }
+
+std::string two_links(const std::string& inside, const std::string& type = "revolute") {
+  return robot(link("a") + link("b") + joint("j", type, "a", "b", inside));
+}
+
+const std::string kLimit = "<limit lower='-1' upper='1' velocity='2' effort='3'/>";
+
+// Links named so that a map destroys the leaf first.
+std::string long_chain(int links) {
+  std::string text;
+  const auto name = [](int i) { return "l" + std::to_string(1'000'000 - i); };
+  for (int i = 0; i < links; ++i) text += link(name(i));
+  for (int i = 1; i < links; ++i)
+    text += joint("j" + std::to_string(i), "fixed", name(i - 1), name(i), "");
+  return robot(text);
+}
+
+}  // namespace
+
+TEST(Urdf, AWholeRobotIsRead) {
+  const auto arm = std::get<urdf::Robot>(urdf::parse(test::crooked_arm()));
+  EXPECT_EQ(arm.name, "crooked");
+  EXPECT_EQ(arm.links.size(), 10U);
+  EXPECT_EQ(arm.joints.size(), 9U);
+  EXPECT_EQ(arm.links.front().name, "l0");
+  EXPECT_EQ(arm.joints[0].type, urdf::JointType::kPrismatic);
+  EXPECT_EQ(arm.joints[0].upper, 0.35);
+  EXPECT_EQ(arm.joints[1].effort, 50.0);
+  EXPECT_EQ(arm.links[3].inertia.mass, 1.5);
+  EXPECT_TRUE(arm.links[3].inertia.moments.isApprox(arm.links[3].inertia.moments.transpose()));
+}
+
+TEST(Urdf, AxesAreNormalisedAndLeftOutBoundsAreZero) {
+  const auto arm = std::get<urdf::Robot>(
+      urdf::parse(two_links("<axis xyz='0 3 4'/><limit upper='1' velocity='2' effort='3'/>")));
+  EXPECT_LE((arm.joints[0].axis - Eigen::Vector3d(0, 0.6, 0.8)).norm(), 1e-15);
+  EXPECT_EQ(arm.joints[0].lower, 0.0);
+}
+
+TEST(Urdf, ContradictoryJointsAreRefusedWithTheReason) {
+  EXPECT_EQ(refusal(two_links("<limit lower='-1' upper='1' effort='3'/>")),
+            "joint 'j': its <limit> has no velocity");
+  EXPECT_EQ(refusal(two_links("<limit lower='-1' upper='1' velocity='3'/>")),
+            "joint 'j': its <limit> has no effort");
+  EXPECT_EQ(refusal(two_links("<limit velocity='1' effort='3'/>")),
+            "joint 'j': its <limit> has neither lower nor upper; a joint that turns without bounds "
+            "is continuous");
+  EXPECT_EQ(refusal(two_links("")), "joint 'j': a revolute joint needs a <limit>");
+  EXPECT_EQ(refusal(two_links("<limit lower='1' upper='-1' velocity='2' effort='3'/>")),
+            "joint 'j': its lower limit 1.000000 is above its upper limit -1.000000");
+  EXPECT_EQ(refusal(two_links("<limit lower='-1' upper='1' velocity='-2' effort='3'/>")),
+            "joint 'j': its velocity limit is negative");
+  EXPECT_EQ(refusal(two_links("<limit lower='-1' upper='1' velocity='2' effort='-3'/>")),
+            "joint 'j': its effort limit is negative");
+  EXPECT_EQ(refusal(two_links("<axis xyz='0 0 0'/>" + kLimit)),
+            "joint 'j': its axis is zero or not finite");
+  EXPECT_EQ(refusal(two_links("<mimic joint='ghost'/>" + kLimit)),
+            "joint 'j': mimics 'ghost', which does not exist");
+  EXPECT_EQ(refusal(two_links(kLimit, "hinge")), "joint 'j': its type 'hinge' is unknown");
+}
+
+TEST(Urdf, NumbersThatAreNotFiniteAreRefused) {
+  EXPECT_EQ(refusal(two_links("<origin xyz='0 nan 0'/>" + kLimit)),
+            "joint 'j': origin xyz: expected 3 finite numbers, got '0 nan 0'");
+  EXPECT_EQ(refusal(two_links("<origin xyz='0 0'/>" + kLimit)),
+            "joint 'j': origin xyz: expected 3 finite numbers, got '0 0'");
+  EXPECT_EQ(refusal(two_links("<limit lower='-inf' upper='1' velocity='2' effort='3'/>")),
+            "joint 'j': limit lower: expected 1 finite number, got '-inf'");
+  EXPECT_EQ(refusal(two_links("<limit lower='-1' upper='1e999' velocity='2' effort='3'/>")),
+            "joint 'j': limit upper: expected 1 finite number, got '1e999'");
+}
+
+TEST(Urdf, NegativeMassesAndMomentsAreRefused) {
+  const auto body = [](const std::string& mass, const std::string& ixx) {
+    return robot("<link name='a'><inertial><mass value='" + mass + "'/><inertia ixx='" + ixx +
+                 "' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>");
+  };
+  EXPECT_EQ(refusal(body("1", "1")), "");
+  EXPECT_EQ(refusal(body("-1", "1")), "link 'a': its mass -1.000000 is negative or not finite");
+  EXPECT_EQ(refusal(body("1", "-1")), "link 'a': a moment of inertia is negative");
+}
+
+TEST(Urdf, EveryRobotIsOneTree) {
+  EXPECT_EQ(refusal(robot("")), "robot: has no link");
+  EXPECT_EQ(refusal(robot(link("a") + link("a"))), "link 'a': the name stands twice");
+  EXPECT_EQ(refusal(robot(link("a") + link("b"))),
+            "robot: has several root links, among them 'a' and 'b'");
+  EXPECT_EQ(refusal(robot(link("a") + joint("j", "fixed", "a", "b", ""))),
+            "joint 'j': child link 'b' does not exist");
+  const std::string three = link("a") + link("b") + link("c");
+  EXPECT_EQ(
+      refusal(robot(three + joint("j", "fixed", "a", "c", "") + joint("k", "fixed", "b", "c", ""))),
+      "link 'c': is the child of two joints");
+  EXPECT_EQ(refusal(robot(link("a") + link("b") + joint("j", "fixed", "a", "b", "") +
+                          joint("k", "fixed", "b", "a", ""))),
+            "robot: has no root link: its joints form a loop");
+  EXPECT_EQ(
+      refusal(robot(three + joint("j", "fixed", "b", "c", "") + joint("k", "fixed", "c", "b", ""))),
+      "link 'b': is part of a loop of joints");
+}
+
+TEST(Urdf, WhatIsNotXmlIsRefusedWithItsLine) {
+  EXPECT_EQ(refusal(""), "line 1: no element");
+  EXPECT_EQ(refusal("hello"), "line 1: text outside of any element");
+  EXPECT_EQ(refusal("<robot>\n<link>\n</robot>"), "line 3: </robot> closes nothing that is open");
+  EXPECT_EQ(refusal("<robot>\n"), "line 2: <robot> is never closed");
+  EXPECT_EQ(refusal("<robot name='r"), "line 1: attribute 'name' lacks its quotes");
+  EXPECT_EQ(refusal("<!-- never"), "line 1: '<!--' is never closed");
+  EXPECT_EQ(refusal("<!DOCTYPE robot [<!ENTITY a 'b'>]><robot/>"),
+            "line 1: unsupported markup in '<!'");
+  EXPECT_EQ(refusal("<car/>"), "document: expected <robot>, got <car>");
+  EXPECT_EQ(refusal(std::string("<robot/>\0", 9)), "document: contains a zero byte");
+  EXPECT_EQ(refusal(std::string(std::size_t{17} << 20, ' ')), "document: larger than 16 MiB");
+}
+
+TEST(Urdf, DepthAndLengthAreBounded) {
+  std::string deep;
+  for (int i = 0; i < 1'000'000; ++i) deep += "<a>";
+  EXPECT_EQ(refusal(deep), "line 1: elements are nested deeper than 64");
+  EXPECT_EQ(refusal(long_chain(static_cast<int>(urdf::kMaxLinks))), "");
+  EXPECT_EQ(refusal(long_chain(100'000)), "line 1: more than 200000 elements");
+  EXPECT_EQ(refusal(long_chain(20'000)), "robot: has more than 5000 links");
+}
