@@ -35,6 +35,12 @@ std::vector<std::string> link_names(const urdf::Robot& robot) {
   return names;
 }
 
+std::vector<std::string> joint_names(const urdf::Robot& robot) {
+  std::vector<std::string> names;
+  for (const urdf::Joint& joint : robot.joints) names.push_back(joint.name);
+  return names;
+}
+
 std::vector<std::string> leaf_names(const urdf::Robot& robot) {
   std::vector<bool> is_leaf(robot.links.size(), true);
   for (const urdf::Joint& joint : robot.joints)
@@ -106,6 +112,7 @@ void bind_arm(py::module_& module) {
       .def(py::init(&parse), py::arg("document"))
       .def_readonly("name", &urdf::Robot::name)
       .def_property_readonly("links", &link_names)
+      .def_property_readonly("joints", &joint_names)
       .def_property_readonly("leaves", &leaf_names);
 
   py::class_<IkTolerance>(module, "IkTolerance")
@@ -138,6 +145,7 @@ void bind_arm(py::module_& module) {
       .def_readonly("upper", &Chain::upper)
       .def_readonly("velocity", &Chain::velocity)
       .def_readonly("effort", &Chain::effort)
+      .def_property_readonly("middle", &middle)
       .def(
           "with_bounds",
           [](const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& lower,

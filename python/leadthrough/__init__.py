@@ -2,12 +2,15 @@
 
 from leadthrough import errors, io, rotations
 from leadthrough.io import read_demonstrations
+from leadthrough import errors, rotations
+from leadthrough.arm import Arm
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from leadthrough.shapes import Box, Capsule, Sphere
 
 __version__ = "0.1.0"
 
 __all__ = [
+    "Arm",
     "Box",
     "Capsule",
     "Demonstration",

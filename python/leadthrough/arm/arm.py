@@ -1,0 +1,212 @@
+"""A robot arm: the chain of joints from a base link to a tip link of a URDF."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from leadthrough import _core, check
+from leadthrough.arm import following, robots
+from leadthrough.arm.limits import JointLimits, read_limits
+from leadthrough.arm.options import ik_options
+from leadthrough.arm.results import STATUSES, IkBatch, IkResult
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
+
+_NO_ORIENTATIONS = np.empty((0, 4))
+_DEFAULTS = ik_options()
+
+
+@dataclass(frozen=True, eq=False)
+class Arm:
+    """An arm in the frame of its base link; make one by `Arm.load` or `Arm.from_urdf`.
+
+    Joint values are rad (m for prismatic joints), in the order of `joint_names`. Poses are
+    positions in m and orientations w, x, y, z of the tip in the base frame.
+    """
+
+    document: str = field(repr=False)
+    base: str
+    tip: str
+    limits: JointLimits = field(repr=False)
+    _chain: _core.Chain = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        chain = _core.Chain(_core.Robot(self.document), self.base, self.tip)
+        bounded = chain.with_bounds(self.limits.lower, self.limits.upper)
+        object.__setattr__(self, "_chain", bounded)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Arm, (self.document, self.base, self.tip, self.limits)
+
+    @staticmethod
+    def load(name: str) -> Arm:
+        """A robot that comes with the package: "panda", "ur3" or "tiago". Raises InvalidInput."""
+        folder = robots.find_robot(name)
+        urdf = folder / f"{name}.urdf"
+        return Arm.from_urdf(urdf, tip=robots.TIPS.get(name), limits=folder / "limits.toml")
+
+    @staticmethod
+    def from_urdf(
+        path_or_xml: Any, *, base: str | None = None, tip: str | None = None, limits: Any = None
+    ) -> Arm:
+        """The arm from link `base` (the root) to link `tip` (the only leaf) of a URDF.
+
+        path_or_xml: a path, or the document itself. limits: JointLimits, or the path of a TOML
+        file that completes the URDF's. Raises InvalidInput, InvalidRobot.
+        """
+        document = _read(path_or_xml)
+        robot = _core.Robot(document)
+        base = robot.links[0] if base is None else check.choice(base, "base", robot.links)
+        tip = _only_leaf(robot) if tip is None else check.choice(tip, "tip", robot.links)
+        stated = _stated_limits(_core.Chain(robot, base, tip))
+        return Arm(document, base, tip, _complete(limits, stated, robot))
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The moving joints, from the base to the tip."""
+        return self.limits.joint_names
+
+    def forward_kinematics(self, q: Any) -> tuple[Float64Array, Float64Array]:
+        """Position and orientation of the tip.
+
+        q: (joints,), giving (3,) and (4,), or (m, joints), giving (m, 3) and (m, 4); outside the
+        limits as well. Raises InvalidInput.
+        """
+        batch = np.ndim(q) == 2
+        rows = self._rows(q if batch else [q], "q")
+        positions, orientations = self._chain.forward_kinematics(rows)
+        return (positions, orientations) if batch else (positions[0], orientations[0])
+
+    def jacobian(self, q: Any) -> Float64Array:
+        """Geometric Jacobian (6, joints) at the tip: linear rows first, base frame.
+
+        q: (joints,). Raises InvalidInput.
+        """
+        return self._chain.jacobian(check.array(q, "q", shape=(len(self.joint_names),)))
+
+    def inverse_kinematics(
+        self, position: Any, orientation: Any = None, *, seed: Any = None, **options: Any
+    ) -> IkResult:
+        """A configuration inside the limits that brings the tip to a pose.
+
+        position: (3,) m. orientation: (4,) w, x, y, z; None leaves it free. seed: (joints,), moved
+        inside the limits, the start of the search; the middle of the ranges where there is none.
+        options: those of `ik_options`. A target that cannot be reached gives success False and the
+        closest configuration found. The same input gives the same answer. Raises InvalidInput.
+        """
+        positions = check.array(position, "position", shape=(3,))[None]
+        orientations = _NO_ORIENTATIONS
+        if orientation is not None:
+            orientations = check.quaternions(orientation, "orientation", shape=(4,))[None]
+        seeds = self._middle() if seed is None else self._joints(seed, "seed")
+        q, status, position_error, orientation_error, iterations = self._chain.solve_ik(
+            positions, orientations, seeds[None], ik_options(**options) if options else _DEFAULTS, 1
+        )
+        return IkResult(
+            q[0],
+            bool(status[0] == 0),
+            STATUSES[status[0]],
+            float(position_error[0]),
+            float(orientation_error[0]),
+            int(iterations[0]),
+        )
+
+    def inverse_kinematics_batch(
+        self,
+        positions: Any,
+        orientations: Any = None,
+        *,
+        seeds: Any = None,
+        threads: int = 1,
+        **options: Any,
+    ) -> IkBatch:
+        """Configurations for many poses at once, each as by `inverse_kinematics`.
+
+        positions: (m, 3). orientations: (m, 4) or None. seeds: (m, joints), or (joints,) for all.
+        threads: do not change the answer. Raises InvalidInput.
+        """
+        targets = check.array(positions, "positions", shape=("m", 3))
+        count = len(targets)
+        turned = _NO_ORIENTATIONS
+        if orientations is not None:
+            turned = check.quaternions(orientations, "orientations", shape=(count, 4))
+        q, status, position_errors, orientation_errors, iterations = self._chain.solve_ik(
+            targets,
+            turned,
+            self._seeds(seeds, count),
+            ik_options(**options),
+            check.integer(threads, "threads", at_least=1, at_most=256),
+        )
+        return IkBatch(
+            q,
+            status == 0,
+            np.array(STATUSES)[status],
+            position_errors,
+            orientation_errors,
+            iterations,
+        )
+
+    def follow(
+        self, motion: Trajectory | PoseTrajectory, *, seed: Any = None, **options: Any
+    ) -> JointTrajectory:
+        """Joint positions and velocities that take the tip along a motion without a jump.
+
+        See `following.follow` for the options. Raises InvalidInput, IkFailure.
+        """
+        start = None if seed is None else self._joints(seed, "seed")
+        return following.follow(
+            self._chain, motion, velocity=self.limits.velocity, seed=start, **options
+        )
+
+    def _middle(self) -> Float64Array:
+        return self._chain.middle
+
+    def _joints(self, value: Any, name: str) -> Float64Array:
+        return check.array(value, name, shape=(len(self.joint_names),))
+
+    def _rows(self, value: Any, name: str) -> Float64Array:
+        return check.array(value, name, shape=("m", len(self.joint_names)))
+
+    def _seeds(self, seeds: Any, count: int) -> Float64Array:
+        if seeds is not None and np.ndim(seeds) == 2:
+            return check.array(seeds, "seeds", shape=(count, len(self.joint_names)))
+        one = self._middle() if seeds is None else self._joints(seeds, "seeds")
+        return np.tile(one, (count, 1))
+
+
+def _read(path_or_xml: Any) -> str:
+    if isinstance(path_or_xml, str) and path_or_xml.lstrip("\ufeff \t\r\n").startswith("<"):
+        return path_or_xml
+    try:
+        return Path(path_or_xml).read_text(encoding="utf-8")
+    except (OSError, ValueError, TypeError) as error:
+        raise InvalidInput(f"path_or_xml: expected a URDF or its path: {error}") from None
+
+
+def _only_leaf(robot: _core.Robot) -> str:
+    if len(robot.leaves) > 1:
+        raise InvalidInput(f"tip: the robot ends in several links; name one of {robot.leaves}")
+    return robot.leaves[0]
+
+
+def _stated_limits(chain: _core.Chain) -> JointLimits:
+    return JointLimits(
+        tuple(chain.joint_names), chain.lower, chain.upper, chain.velocity, effort=chain.effort
+    )
+
+
+def _complete(limits: Any, stated: JointLimits, robot: _core.Robot) -> JointLimits:
+    if limits is None:
+        return stated
+    if not isinstance(limits, JointLimits):
+        return read_limits(limits, stated, other_joints=robot.joints)
+    if limits.joint_names != stated.joint_names:
+        raise InvalidInput(
+            f"limits: expected the joints {stated.joint_names}, got {limits.joint_names}"
+        )
+    return limits

@@ -1,0 +1,57 @@
+"""Arms of three makers, from the URDFs of example-robot-data."""
+
+import importlib.metadata
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+
+# name: file, base, tip, a comfortable posture
+ROBOTS = {
+    "panda": ("panda.urdf", "panda_link0", "panda_hand", [0, -0.5, 0, -2, 0, 1.6, 0.7]),
+    "ur3": ("ur3_robot.urdf", "base_link", "tool0", [0, -1.2, 1.4, -1.7, -1.5, 0.3]),
+    "tiago": (
+        "tiago_no_hand.urdf",
+        "base_link",
+        "arm_7_link",
+        [0.15, 1.3, 0.2, -0.5, 1.6, 0.3, 0.4, 0.2],
+    ),
+}
+
+
+def urdf(name):
+    file = ROBOTS[name][0]
+    for entry in importlib.metadata.distribution("example-robot-data").files:
+        if entry.name == file:
+            return Path(entry.locate())
+    raise FileNotFoundError(file)
+
+
+@pytest.fixture(params=ROBOTS)
+def robot(request):
+    """Name, arm, URDF path, posture."""
+    _, base, tip, posture = ROBOTS[request.param]
+    path = urdf(request.param)
+    return request.param, lt.Arm.from_urdf(path, base=base, tip=tip), path, np.array(posture, float)
+
+
+@pytest.fixture
+def arm(robot):
+    return robot[1]
+
+
+@pytest.fixture
+def posture(robot):
+    return robot[3]
+
+
+@pytest.fixture
+def random_configurations():
+    def draw(arm, count, seed):
+        lower = np.maximum(arm.limits.lower, -np.pi)
+        upper = np.minimum(arm.limits.upper, np.pi)
+        return np.random.default_rng(seed).uniform(lower, upper, (count, len(lower)))
+
+    return draw

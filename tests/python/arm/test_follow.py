@@ -1,0 +1,147 @@
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough.errors import IkFailure, InvalidInput
+
+TIMES = np.linspace(0.0, 4.0, 400)
+
+
+def loop(arm, posture, size=0.05):
+    """Poses on a smooth loop near a posture, the tool rocking a little."""
+    position, orientation = arm.forward_kinematics(posture)
+    offsets = np.stack(
+        [np.sin(2 * TIMES) * np.cos(TIMES), np.cos(2 * TIMES) - 1, np.sin(TIMES)], axis=1
+    )
+    rocking = np.zeros((len(TIMES), 3))
+    rocking[:, 0] = 0.2 * np.sin(TIMES)
+    turned = lt.rotations.compose(lt.rotations.exp(rocking), np.tile(orientation, (len(TIMES), 1)))
+    return lt.PoseTrajectory(TIMES, position + size * offsets, turned)
+
+
+def assert_follows(arm, motion, joints):
+    reached, turned = arm.forward_kinematics(joints.positions)
+    assert np.linalg.norm(reached - motion.positions, axis=1).max() < 1e-5
+    if isinstance(motion, lt.PoseTrajectory):
+        assert lt.rotations.distance(turned, motion.orientations).max() < 1e-5
+    assert (joints.positions >= arm.limits.lower).all()
+    assert (joints.positions <= arm.limits.upper).all()
+
+
+@pytest.mark.parametrize("seeded", [True, False])
+def test_a_smooth_path_is_followed_without_a_jump(arm, posture, seeded):
+    motion = loop(arm, posture)
+    joints = arm.follow(motion, seed=posture if seeded else None)
+    assert_follows(arm, motion, joints)
+    assert np.abs(np.diff(joints.positions, axis=0)).max() < 0.05
+    assert joints.joint_names == arm.joint_names
+    np.testing.assert_array_equal(joints.times, motion.times)
+
+
+def test_points_leave_the_orientation_free(arm, posture):
+    poses = loop(arm, posture)
+    motion = lt.Trajectory(poses.times, poses.positions)
+    joints = arm.follow(motion)
+    assert_follows(arm, motion, joints)
+
+
+def test_a_seed_keeps_its_posture(arm, posture):
+    joints = arm.follow(loop(arm, posture), seed=posture, midrange=0.0)
+    np.testing.assert_allclose(joints.positions[0], posture, atol=1e-4)
+
+
+def test_velocities_are_the_positions_derivative(arm, posture):
+    motion = loop(arm, posture)
+    joints = arm.follow(motion, seed=posture)
+    steps = np.trapezoid(joints.velocities, TIMES, axis=0)
+    np.testing.assert_allclose(steps, joints.positions[-1] - joints.positions[0], atol=1e-3)
+    assert joints.accelerations is None
+
+
+def test_the_pull_to_the_middle_does_not_move_the_tool(arm, posture):
+    motion = loop(arm, posture, size=0.0)
+    joints = arm.follow(motion, seed=posture, midrange=0.5)
+    reached, _ = arm.forward_kinematics(joints.positions)
+    assert np.linalg.norm(reached - motion.positions, axis=1).max() < 1.1e-6
+
+
+def test_a_motion_that_is_too_fast_is_followed_and_left_to_be_slowed(arm, posture):
+    motion = loop(arm, posture)
+    fast = lt.PoseTrajectory(TIMES / 100, motion.positions, motion.orientations)
+    joints = arm.follow(fast, seed=posture)
+    assert_follows(arm, fast, joints)
+    assert (np.abs(joints.velocities) > arm.limits.velocity).any()
+    with pytest.raises(IkFailure) as failure:
+        arm.follow(fast, seed=posture, speed_limit=1.0)
+    assert failure.value.status == "jump"
+
+
+def test_a_speed_limit_bounds_every_step(arm, posture):
+    motion = loop(arm, posture)
+    joints = arm.follow(motion, seed=posture, speed_limit=1.0)
+    speeds = np.abs(np.diff(joints.positions, axis=0)) / np.diff(TIMES)[:, None]
+    assert (speeds <= arm.limits.velocity * (1 + 1e-9)).all()
+
+
+def test_leaving_the_workspace_names_the_sample(arm, posture):
+    position, orientation = arm.forward_kinematics(posture)
+    away = np.linspace(0, 5, len(TIMES))[:, None] * np.array([1.0, 0.0, 0.0])
+    motion = lt.PoseTrajectory(TIMES, position + away, np.tile(orientation, (len(TIMES), 1)))
+    with pytest.raises(IkFailure) as failure:
+        arm.follow(motion)
+    error = failure.value
+    assert 0 < error.index < len(TIMES)
+    assert error.status in {"stalled", "unreachable", "budget"}
+    assert error.residual[0] > 1e-6 or error.residual[1] > 1e-6
+    assert error.q.shape == (len(arm.joint_names),)
+    assert f"sample {error.index}" in str(error)
+
+
+def test_an_unreachable_start_is_sample_zero(arm):
+    motion = lt.Trajectory([0.0, 1.0], [[9.0, 0, 0], [9.0, 0, 0.1]])
+    with pytest.raises(IkFailure) as failure:
+        arm.follow(motion)
+    assert failure.value.index == 0
+    assert failure.value.status == "unreachable"
+
+
+def test_a_path_with_a_jump_is_refused_as_one(arm, posture):
+    here, _ = arm.forward_kinematics(posture)
+    there = posture.copy()
+    there[-4] += 0.9
+    there[-6] -= 0.8
+    position, _ = arm.forward_kinematics(there)
+    motion = lt.Trajectory([0.0, 1.0], [here, position])
+    with pytest.raises(IkFailure) as failure:
+        arm.follow(motion, seed=posture, max_step=0.01)
+    assert failure.value.index == 1
+    assert failure.value.status == "jump"
+
+
+def test_one_sample_stands_still(arm, posture):
+    position, orientation = arm.forward_kinematics(posture)
+    joints = arm.follow(lt.PoseTrajectory([0.0], [position], [orientation]))
+    assert joints.positions.shape == (1, len(posture))
+    np.testing.assert_array_equal(joints.velocities, 0.0)
+
+
+def test_the_same_motion_gives_the_same_bits(arm, posture):
+    motion = loop(arm, posture)
+    np.testing.assert_array_equal(arm.follow(motion).positions, arm.follow(motion).positions)
+
+
+@pytest.mark.parametrize(
+    "motion", [None, np.zeros((3, 3)), lt.Trajectory([0.0, 1.0], [[0, 0], [1, 1]])]
+)
+def test_other_motions_are_refused(arm, motion):
+    with pytest.raises(InvalidInput, match="motion"):
+        arm.follow(motion)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"max_step": 0.0}, {"speed_limit": -1.0}, {"midrange": np.nan}, {"position_tolerance": 0.0}],
+)
+def test_bad_options_are_refused(arm, posture, options):
+    with pytest.raises(InvalidInput):
+        arm.follow(loop(arm, posture), **options)
