@@ -6,7 +6,11 @@ from typing import Any
 
 
 class LeadthroughError(Exception):
-    """Root of the package's errors."""
+    """Root of the package's errors; they survive the way back from a worker process."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Exception's own calls the class with the message alone, which not all of them take.
+        return _restored, (type(self), self.args, self.__dict__)
 
 
 class InvalidInput(LeadthroughError, ValueError):
@@ -75,3 +79,11 @@ class MissingDependency(LeadthroughError, ImportError):
         )
         self.package = package
         self.extra = extra
+
+
+def _restored(
+    kind: type[LeadthroughError], args: tuple[Any, ...], attributes: dict[str, Any]
+) -> LeadthroughError:
+    error = kind.__new__(kind, *args)
+    error.__dict__.update(attributes)
+    return error

@@ -268,7 +268,7 @@ def _slowing(report: LimitsReport) -> float:
                 f"{peak.joint} moves at {peak.time:.6g} s, beyond its limits at any speed",
                 joint=peak.joint,
             )
-    return max(1.0, *(peak.ratio ** (1.0 / order) for order, peak in _derivatives(report)))
+    return max(1.0, *(float(peak.ratio ** (1.0 / order)) for order, peak in _derivatives(report)))
 
 
 def _slowed(trajectory: JointTrajectory, factor: float) -> JointTrajectory:

@@ -1,0 +1,103 @@
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from leadthrough import check
+from leadthrough.errors import InvalidInput
+
+
+def test_array_accepts_lists_and_any_real_dtype():
+    for value in ([[1, 2], [3, 4]], np.ones((2, 2), np.float32), np.ones((2, 2), np.int8)):
+        result = check.array(value, "value", shape=("n", 2))
+        assert result.dtype == np.float64
+        assert result.flags.c_contiguous
+
+
+def test_array_names_the_argument_the_shape_and_what_came():
+    with pytest.raises(InvalidInput, match=re.escape("q: expected shape (n, 7), got (50, 6)")):
+        check.array(np.zeros((50, 6)), "q", shape=("n", 7))
+
+
+def test_array_wants_equal_sizes_where_a_name_stands_twice():
+    assert check.array(np.eye(3), "m", shape=("n", "n")).shape == (3, 3)
+    with pytest.raises(InvalidInput, match="m: expected shape"):
+        check.array(np.ones((2, 3)), "m", shape=("n", "n"))
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_array_says_where_a_number_is_not_finite(bad):
+    with pytest.raises(InvalidInput, match=r"at index \(1, 0\)"):
+        check.array([[0.0, 0.0], [bad, 0.0]], "value", shape=("n", 2))
+    with pytest.raises(InvalidInput, match="at index 2"):
+        check.array([0.0, 0.0, bad], "value", shape=("n",))
+
+
+@pytest.mark.parametrize(
+    "value", [[True, False], ["1", "2"], [1j, 2], [None, 1], [[1], [1, 2]], "12", None, {1: 2}]
+)
+def test_array_refuses_what_is_not_numbers(value):
+    with pytest.raises(InvalidInput, match="value: "):
+        check.array(value, "value", shape=("n",))
+
+
+def test_frozen_copies_and_the_copy_is_read_only():
+    value = np.zeros(3)
+    result = check.frozen(value, "value", shape=(3,))
+    value[0] = 1.0
+    assert result[0] == 0.0
+    with pytest.raises(ValueError, match="read-only"):
+        result[0] = 2.0
+
+
+@pytest.mark.parametrize("times", [[0, 0], [1, 0], [0, 1, 1, 2], [], [0, np.nan], [[0, 1]], 3.0])
+def test_times_refuses_what_is_not_strictly_increasing(times):
+    with pytest.raises(InvalidInput, match="stamps: "):
+        check.times(times, "stamps")
+
+
+def test_times_names_the_samples_at_fault():
+    with pytest.raises(InvalidInput, match=r"got 2.0 s then 1.0 s at samples 1 and 2"):
+        check.times([0, 2, 1], "times")
+
+
+def test_quaternions_are_normalised_and_others_refused():
+    result = check.quaternions([[1.005, 0, 0, 0]], "q", shape=("n", 4))
+    assert np.array_equal(result, [[1, 0, 0, 0]])
+    for bad in ([[0, 0, 0, 0]], [[2, 0, 0, 0]], [[1, 0, 0]]):
+        with pytest.raises(InvalidInput, match="q: "):
+            check.quaternions(bad, "q", shape=("n", 4))
+
+
+@given(st.floats())
+def test_number_is_finite_and_inside_its_bounds_or_refused(value):
+    if np.isfinite(value) and 0 < value <= 1:
+        assert check.number(value, "value", above=0, at_most=1) == value
+    else:
+        with pytest.raises(InvalidInput, match="value: expected a finite number > 0 and <= 1"):
+            check.number(value, "value", above=0, at_most=1)
+
+
+@pytest.mark.parametrize("value", [True, "1", b"1", None, [1.0, 2.0], 10**400, 1j])
+def test_number_refuses_what_is_not_a_real_number(value):
+    with pytest.raises(InvalidInput, match="value: expected a "):
+        check.number(value, "value")
+
+
+@pytest.mark.parametrize("value", [1.0, "1", True, None, 0, 11])
+def test_integer_refuses_other_types_and_what_is_out_of_bounds(value):
+    with pytest.raises(InvalidInput, match="count: expected an integer"):
+        check.integer(value, "count", at_least=1, at_most=10)
+
+
+def test_integer_takes_numpy_integers():
+    assert check.integer(np.int32(3), "count", at_least=1) == 3
+
+
+@pytest.mark.parametrize("value", ["up", None, 1, ["left"]])
+def test_choice_lists_the_options(value):
+    with pytest.raises(InvalidInput, match="side: expected one of 'left', 'right', got"):
+        check.choice(value, "side", ("left", "right"))
+    assert check.choice("left", "side", ("left", "right")) == "left"

@@ -1,0 +1,78 @@
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough.errors import InvalidInput
+
+TIMES = np.array([0.0, 0.5, 2.0])
+UNIT = np.tile([1.0, 0.0, 0.0, 0.0], (3, 1))
+
+
+def test_data_are_copied_and_read_only():
+    positions = np.zeros((3, 2))
+    motion = lt.Trajectory(TIMES, positions)
+    positions[0, 0] = 1.0
+    assert motion.positions[0, 0] == 0.0
+    with pytest.raises(ValueError, match="read-only"):
+        motion.positions[0, 0] = 1.0
+    with pytest.raises(AttributeError):
+        motion.positions = positions
+
+
+def test_duration_is_from_the_first_to_the_last_sample():
+    assert lt.Trajectory(TIMES + 3.0, np.zeros((3, 2))).duration == 2.0
+    assert lt.PoseTrajectory(TIMES, np.zeros((3, 3)), UNIT).duration == 2.0
+    assert lt.JointTrajectory(TIMES, np.zeros((3, 6))).duration == 2.0
+
+
+@pytest.mark.parametrize(
+    "positions", [np.zeros((2, 2)), np.zeros(3), np.zeros((3, 0)), np.full((3, 2), np.nan), None]
+)
+def test_positions_that_do_not_fit_the_times_are_refused(positions):
+    for motion in (lt.Trajectory, lt.JointTrajectory):
+        with pytest.raises(InvalidInput, match="positions: "):
+            motion(TIMES, positions)
+
+
+def test_a_motion_without_samples_is_refused():
+    with pytest.raises(InvalidInput, match="times: expected at least one sample"):
+        lt.Trajectory([], np.zeros((0, 2)))
+
+
+def test_orientations_are_normalised_and_sign_continuous():
+    flipped = UNIT * np.array([[1.001], [-1.0], [1.0]])
+    motion = lt.PoseTrajectory(TIMES, np.zeros((3, 3)), flipped)
+    assert np.array_equal(motion.orientations, UNIT)
+
+
+def test_poses_are_in_space():
+    with pytest.raises(InvalidInput, match=r"positions: expected shape \(3, 3\)"):
+        lt.PoseTrajectory(TIMES, np.zeros((3, 2)), UNIT)
+    with pytest.raises(InvalidInput, match="orientations: "):
+        lt.PoseTrajectory(TIMES, np.zeros((3, 3)), np.zeros((3, 4)))
+
+
+def test_joint_derivatives_have_the_shape_of_the_positions():
+    for name in ("velocities", "accelerations"):
+        with pytest.raises(InvalidInput, match=f"{name}: expected shape"):
+            lt.JointTrajectory(TIMES, np.zeros((3, 2)), **{name: np.zeros((3, 1))})
+
+
+@pytest.mark.parametrize("names", ["ab", ("a",), ("a", "b", "c")])
+def test_joint_names_are_one_a_column(names):
+    with pytest.raises(InvalidInput, match="joint_names: "):
+        lt.JointTrajectory(TIMES, np.zeros((3, 2)), joint_names=names)
+
+
+def test_a_demonstration_holds_a_motion():
+    motion = lt.Trajectory(TIMES, np.zeros((3, 2)))
+    assert lt.Demonstration(motion, name="first").motion is motion
+    with pytest.raises(InvalidInput, match="motion: expected a Trajectory"):
+        lt.Demonstration(np.zeros((3, 2)))
+
+
+def test_motions_compare_by_identity_and_can_be_hashed():
+    a, b = (lt.Trajectory(TIMES, np.zeros((3, 2))) for _ in range(2))
+    assert a == a  # noqa: PLR0124
+    assert a != b
+    assert len({a, b}) == 2

@@ -1,0 +1,99 @@
+"""Signed distances against points sampled on the surfaces."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+import leadthrough as lt
+from leadthrough import rotations
+from leadthrough.errors import InvalidInput
+
+TURN = rotations.exp([[0.3, -0.7, 1.1]])[0]
+PLACE = np.array([0.4, -0.2, 0.9])
+BOX = lt.Box((0.4, 0.6, 1.0), PLACE, TURN)
+CAPSULE = lt.Capsule(0.2, 0.8, PLACE, TURN)
+SPHERE = lt.Sphere(0.5, PLACE)
+SHAPES = [BOX, CAPSULE, SPHERE]
+
+points = arrays(float, (5, 3), elements=st.floats(-3, 3))
+
+
+def to_base(local):
+    return local @ rotations.to_matrix(TURN[None])[0].T + PLACE
+
+
+def surface(shape, count=40_000):
+    """Points on the surface, dense enough that the nearest one is near the true foot point."""
+    random = np.random.default_rng(1)
+    directions = random.normal(size=(count, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    if isinstance(shape, lt.Sphere):
+        return shape.position + shape.radius * directions
+    if isinstance(shape, lt.Capsule):
+        ends = shape.radius * directions + np.outer(np.sign(directions[:, 2]), [0, 0, 0.5]) * (
+            shape.length
+        )
+        sides = directions.copy()
+        sides[:, :2] *= shape.radius / np.linalg.norm(sides[:, :2], axis=1, keepdims=True)
+        sides[:, 2] = random.uniform(-0.5, 0.5, count) * shape.length
+        return to_base(np.vstack([ends, sides]))
+    faces = random.uniform(-0.5, 0.5, (count, 3))
+    faces[np.arange(count), np.arange(count) % 3] = np.where(random.random(count) < 0.5, -0.5, 0.5)
+    return to_base(faces * shape.size)
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: type(shape).__name__)
+def test_distance_is_to_the_nearest_point_of_the_surface(shape):
+    shell = surface(shape)
+    queries = PLACE + np.random.default_rng(2).uniform(-1, 1, (200, 3))
+    nearest = np.array([np.linalg.norm(shell - query, axis=1).min() for query in queries])
+    assert np.abs(np.abs(shape.distance(queries)) - nearest).max() < 0.02
+    assert np.abs(shape.distance(shell)).max() < 1e-15 * 10
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: type(shape).__name__)
+def test_distance_is_negative_inside_and_positive_outside(shape):
+    assert shape.distance([PLACE])[0] < 0
+    assert shape.distance([PLACE + 10])[0] > 0
+
+
+def test_distances_on_the_axes_are_exact():
+    box = lt.Box((2.0, 4.0, 6.0), (0.0, 0.0, 0.0))
+    np.testing.assert_array_equal(box.distance([[0, 0, 0], [3, 0, 0], [4, 6, 3]]), [-1, 2, 5])
+    capsule = lt.Capsule(1.0, 4.0, (0.0, 0.0, 0.0))
+    np.testing.assert_array_equal(capsule.distance([[0, 0, 0], [3, 0, 1], [0, 0, 5]]), [-1, 2, 2])
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: type(shape).__name__)
+@given(a=points, b=points)
+def test_distance_changes_no_faster_than_the_point_moves(shape, a, b):
+    change = np.abs(shape.distance(a) - shape.distance(b))
+    assert (change <= np.linalg.norm(a - b, axis=1) + 1e-12).all()
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: type(shape).__name__)
+def test_bad_points_are_refused(shape):
+    for bad in ([0.0, 0, 0], [[0.0, 0]], [[np.nan, 0, 0]], None):
+        with pytest.raises(InvalidInput, match="points: "):
+            shape.distance(bad)
+    assert shape.distance(np.zeros((0, 3))).shape == (0,)
+
+
+@pytest.mark.parametrize(
+    ("call", "name"),
+    [
+        (lambda: lt.Box((1, 0, 1), PLACE), "size"),
+        (lambda: lt.Box((1, np.inf, 1), PLACE), "size"),
+        (lambda: lt.Box((1, 1), PLACE), "size"),
+        (lambda: lt.Box((1, 1, 1), PLACE, (0, 0, 0, 0)), "orientation"),
+        (lambda: lt.Sphere(-1.0, PLACE), "radius"),
+        (lambda: lt.Sphere(1.0, (0, 0)), "position"),
+        (lambda: lt.Capsule(0.1, -1.0, PLACE), "length"),
+        (lambda: lt.Capsule(np.nan, 1.0, PLACE), "radius"),
+    ],
+)
+def test_impossible_shapes_are_refused(call, name):
+    with pytest.raises(InvalidInput, match=f"{name}: "):
+        call()
