@@ -5,6 +5,7 @@ from leadthrough.io import read_demonstrations
 from leadthrough import errors, rotations
 from leadthrough.arm import Arm
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
+from leadthrough.planning import Grid, arrival_times
 from leadthrough.shapes import Box, Capsule, Sphere
 
 __version__ = "0.1.0"
@@ -14,10 +15,12 @@ __all__ = [
     "Box",
     "Capsule",
     "Demonstration",
+    "Grid",
     "JointTrajectory",
     "PoseTrajectory",
     "Sphere",
     "Trajectory",
+    "arrival_times",
     "errors",
     "io",
     "read_demonstrations",

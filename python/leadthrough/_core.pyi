@@ -1,8 +1,11 @@
 """Types of the compiled module. A test compares names and arguments with the module."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
+Float32Array = NDArray[np.float32]
 Float64Array = NDArray[np.float64]
 Int32Array = NDArray[np.int32]
 
@@ -75,3 +78,27 @@ def so3_to_matrix(quaternions: Float64Array) -> Float64Array: ...
 def so3_distance(a: Float64Array, b: Float64Array) -> Float64Array: ...
 def dtw_distance(a: Float64Array, b: Float64Array) -> float: ...
 def frechet_distance(a: Float64Array, b: Float64Array) -> float: ...
+def march_float32(
+    speed: Float32Array,
+    spacing: Sequence[float],
+    cells: NDArray[np.int64],
+    times: Float64Array,
+    order: int,
+    stop: int,
+) -> Float32Array: ...
+def march_float64(
+    speed: Float64Array,
+    spacing: Sequence[float],
+    cells: NDArray[np.int64],
+    times: Float64Array,
+    order: int,
+    stop: int,
+) -> Float64Array: ...
+def distance_transform(mask: NDArray[np.bool_], spacing: Sequence[float]) -> Float64Array: ...
+def descend(
+    arrival: Float64Array,
+    spacing: Sequence[float],
+    start: Sequence[float],
+    goal: Sequence[float],
+    step: float,
+) -> tuple[str, Float64Array]: ...

@@ -1,0 +1,35 @@
+#pragma once
+
+// The quickest way through a field of arrival times: down its gradient, from a start to the source.
+
+#include <array>
+#include <vector>
+
+#include "leadthrough/grid.hpp"
+
+namespace leadthrough {
+
+// Continuous index coordinates: whole numbers at the cells' centres. A point lies in the cell that
+// its coordinates round to. In a 2D grid the first coordinate is 0.
+using Coordinates = std::array<double, 3>;
+
+enum class DescentStatus {
+  kOk,
+  kStartOutside,
+  kStartUnreached,  // infinite arrival: a wall, or walled off
+  kOtherSource,     // the descent ends in a cell that is not the goal's
+  kTooManySteps,
+};
+
+struct Descent {
+  DescentStatus status;
+  std::vector<Coordinates> path;  // from start to goal if the status is kOk
+};
+
+// Steps are at most `step` of the smallest spacing long, below 1. Every segment of the path stays
+// in cells of finite arrival. Arrival falls from each point to the next one; where the way rounds a
+// corner too narrow for the gradient, it passes centres of cells, each earlier than the last.
+Descent descend(const Grid& grid, const double* arrival, const Coordinates& start,
+                const Coordinates& goal, double step);
+
+}  // namespace leadthrough

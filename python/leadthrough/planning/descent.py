@@ -1,0 +1,58 @@
+"""Quickest paths: down a field of arrival times to its source."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from leadthrough import _core, check
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput, NoPath
+from leadthrough.planning.grid import Grid
+
+_REASONS = {
+    "start_outside": "the start lies outside the grid",
+    "start_unreached": "the start lies in a wall, or walls separate it from the goal",
+    "other_source": "the descent ends at a source that is not the goal's cell",
+    "too_many_steps": "the descent does not end",
+}
+
+
+def descend(arrival: Any, grid: Grid, start: Any, goal: Any, *, step: float = 0.5) -> Float64Array:
+    """The quickest path (n, d) from start to goal, in the grid's unit; both ends are exact.
+
+    arrival: times of shape grid.shape, from `arrival_times` with the goal's cell as source, inf in
+    walls. start, goal: (d,). step: longest step in cells (of the smallest spacing), below 1.
+    No segment enters a cell of infinite arrival (a point's cell is the nearest one), and arrival
+    falls along the path: on it where it is smooth, from cell to cell around narrow corners.
+    Raises InvalidInput; NoPath with reason "start_outside", "start_unreached" or "other_source".
+    """
+    times = _times(arrival, grid)
+    length = check.number(step, "step", at_least=1e-3, below=1.0)
+    begin = check.array(start, "start", shape=(grid.dimensions,))
+    end = check.array(goal, "goal", shape=(grid.dimensions,))
+    if not grid.contains(end[None])[0]:
+        raise InvalidInput(f"goal: expected a point in the grid, got {end}")
+    if not np.isfinite(times[tuple(grid.cells_of(end[None])[0])]):
+        raise InvalidInput(f"goal: expected a cell of finite arrival, got {end}")
+    first, last = grid.coordinates(np.stack([begin, end])).tolist()
+    status, coordinates = _core.descend(times, grid.spacing.tolist(), first, last, length)
+    if status != "ok":
+        raise NoPath(f"no path from {begin} to {end}: {_REASONS[status]}", reason=status)
+    path = grid.points_at(coordinates)
+    path[0], path[-1] = begin, end
+    return path
+
+
+def _times(arrival: Any, grid: Grid) -> Float64Array:
+    raw = np.asarray(arrival)
+    if raw.dtype.kind != "f" or raw.shape != grid.shape:
+        raise InvalidInput(
+            f"arrival: expected floats of the grid's shape {grid.shape}, "
+            f"got {raw.shape} of {raw.dtype}"
+        )
+    times = np.ascontiguousarray(raw, dtype=np.float64)
+    if not times.min() >= 0.0:
+        raise InvalidInput(f"arrival: expected times >= 0, got {times.min()}")
+    return times

@@ -1,0 +1,30 @@
+"""Exact Euclidean distances to a set of cells.
+
+Source: Felzenszwalb and Huttenlocher 2012, "Distance transforms of sampled functions".
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from leadthrough import _core
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.planning.grid import MOST_CELLS, spacings
+
+
+def distance_transform(mask: Any, *, spacing: Any = 1.0) -> Float64Array:
+    """Distance of every cell to the nearest True cell, centre to centre; inf if there is none.
+
+    mask: 2-D or 3-D booleans. spacing: (d,) or one number, > 0, the length between neighbouring
+    cells. Returns an array of the shape of `mask`. Raises InvalidInput.
+    """
+    cells = np.ascontiguousarray(mask)
+    if cells.dtype != np.bool_ or cells.ndim not in (2, 3) or not 0 < cells.size <= MOST_CELLS:
+        raise InvalidInput(
+            f"mask: expected a 2-D or 3-D array of booleans with 1 to {MOST_CELLS:.0e} cells, "
+            f"got shape {cells.shape} of {cells.dtype}"
+        )
+    return _core.distance_transform(cells, spacings(spacing, cells.ndim).tolist())

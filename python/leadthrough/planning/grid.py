@@ -1,0 +1,133 @@
+"""Regular grids of cells in space."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from leadthrough import check
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+
+CellArray = NDArray[np.int64]
+
+# A march over this many cells takes some 10 s and 5 GB; a finer grid is a slip of the resolution.
+MOST_CELLS = 200_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Cells about the points origin + index * spacing, in C order.
+
+    origin: (d,) centre of the first cell, in the unit of the points; d is 2 or 3.
+    spacing: (d,) distance between neighbours' centres, > 0; a number holds for every axis.
+    shape: (d,) cells along every axis, at most 2e8 in all.
+    Raises InvalidInput.
+    """
+
+    origin: Float64Array
+    spacing: Float64Array
+    shape: tuple[int, ...]
+
+    def __post_init__(self) -> None:
+        origin = check.frozen(self.origin, "origin", shape=("d",))
+        if len(origin) not in (2, 3):
+            raise InvalidInput(f"origin: expected 2 or 3 numbers, got {len(origin)}")
+        object.__setattr__(self, "origin", origin)
+        object.__setattr__(self, "spacing", spacings(self.spacing, len(origin)))
+        object.__setattr__(self, "shape", _shape(self.shape, len(origin)))
+
+    @classmethod
+    def covering(cls, points: Any, *, margin: float, spacing: Any) -> Grid:
+        """The smallest grid whose cells' centres reach `margin` beyond points (n, d) on all sides.
+
+        Centres lie on whole multiples of the spacing, so that grids of one spacing coincide.
+        Raises InvalidInput.
+        """
+        p = check.array(points, "points", shape=("n", "d"))
+        if len(p) == 0 or p.shape[1] not in (2, 3):
+            raise InvalidInput(f"points: expected shape (n, 2) or (n, 3), got {p.shape}")
+        room = check.number(margin, "margin", at_least=0.0)
+        steps = spacings(spacing, p.shape[1])
+        with np.errstate(over="ignore"):
+            low = np.floor((p.min(axis=0) - room) / steps)
+            high = np.ceil((p.max(axis=0) + room) / steps)
+            counts = high - low + 1
+        if not counts.prod() <= MOST_CELLS:
+            raise InvalidInput(
+                f"spacing: expected a grid of at most {MOST_CELLS:.0e} cells, "
+                f"got one of {' x '.join(f'{count:.6g}' for count in counts)}"
+            )
+        return cls(low * steps, steps, tuple(int(count) for count in counts))
+
+    @property
+    def dimensions(self) -> int:
+        """Number of axes, 2 or 3."""
+        return len(self.shape)
+
+    def centres(self) -> Float64Array:
+        """Centres of all cells, (*shape, d)."""
+        axes = [
+            start + step * np.arange(count)
+            for start, step, count in zip(self.origin, self.spacing, self.shape, strict=True)
+        ]
+        return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+
+    def coordinates(self, points: Any) -> Float64Array:
+        """Continuous indices (n, d) of points (n, d): whole numbers at cells' centres.
+
+        Raises InvalidInput.
+        """
+        p = check.array(points, "points", shape=("n", self.dimensions))
+        return np.asarray((p - self.origin) / self.spacing)
+
+    def points_at(self, coordinates: Any) -> Float64Array:
+        """Points (n, d) at continuous indices (n, d). Raises InvalidInput."""
+        c = check.array(coordinates, "coordinates", shape=("n", self.dimensions))
+        return np.asarray(self.origin + c * self.spacing)
+
+    def contains(self, points: Any) -> NDArray[np.bool_]:
+        """Whether each of points (n, d) lies in a cell of the grid, (n,). Raises InvalidInput."""
+        nearest = np.floor(self.coordinates(points) + 0.5)
+        return np.asarray(((nearest >= 0) & (nearest < self.shape)).all(axis=1))
+
+    def cells_of(self, points: Any) -> CellArray:
+        """Indices (n, d) of the cells that points (n, d) lie in.
+
+        Raises InvalidInput, also for a point outside the grid: ask `contains` first.
+        """
+        inside = self.contains(points)
+        if not inside.all():
+            outside = np.asarray(points, dtype=np.float64)[int(np.argmin(inside))]
+            last = self.origin + self.spacing * (np.array(self.shape) - 1)
+            raise InvalidInput(
+                f"points: expected points in the grid, from {self.origin} to {last}, got {outside}"
+            )
+        return np.floor(self.coordinates(points) + 0.5).astype(np.int64)
+
+
+def spacings(spacing: Any, dimensions: int) -> Float64Array:
+    """A read-only (dimensions,) copy of a spacing, given once or for every axis."""
+    raw = check.array(spacing, "spacing", shape=("d",)) if np.ndim(spacing) else None
+    steps = np.full(dimensions, check.number(spacing, "spacing")) if raw is None else raw.copy()
+    if steps.shape != (dimensions,):
+        raise InvalidInput(f"spacing: expected {dimensions} numbers, got {len(steps)}")
+    for step in steps:
+        check.number(float(step), "spacing", above=0.0)
+    steps.setflags(write=False)
+    return steps
+
+
+def _shape(shape: Any, dimensions: int) -> tuple[int, ...]:
+    if not np.iterable(shape) or isinstance(shape, str):
+        raise InvalidInput(f"shape: expected {dimensions} integers, got {shape!r}")
+    counts = tuple(check.integer(count, "shape", at_least=1) for count in shape)
+    if len(counts) != dimensions:
+        raise InvalidInput(f"shape: expected {dimensions} integers, got {len(counts)}")
+    if math.prod(counts) > MOST_CELLS:
+        raise InvalidInput(f"shape: expected at most {MOST_CELLS:.0e} cells, got {counts}")
+    return counts

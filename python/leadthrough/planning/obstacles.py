@@ -1,0 +1,60 @@
+"""Obstacles on a grid."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from leadthrough import check
+from leadthrough.errors import InvalidInput
+from leadthrough.planning.grid import Grid
+from leadthrough.shapes import Box, Capsule, Shape, Sphere
+
+
+def occupied(grid: Grid, obstacles: Iterable[Shape], *, margin: float = 0.0) -> NDArray[np.bool_]:
+    """Which cells have their centre in an obstacle or closer to it than `margin`, grid.shape.
+
+    margin: in the grid's unit, >= 0. A 2-D grid is the plane z = 0. Raises InvalidInput.
+    """
+    room = check.number(margin, "margin", at_least=0.0)
+    result = np.zeros(grid.shape, dtype=np.bool_)
+    for obstacle in obstacles:
+        if not isinstance(obstacle, Box | Sphere | Capsule):
+            raise InvalidInput(
+                f"obstacles: expected Box, Sphere or Capsule, got {type(obstacle).__name__}"
+            )
+        near = _neighbourhood(grid, obstacle, room)
+        if all(part.stop > part.start for part in near):
+            result[near] |= _distances(grid, near, obstacle) <= room
+    return result
+
+
+def _neighbourhood(grid: Grid, obstacle: Shape, room: float) -> tuple[slice, ...]:
+    """The cells that a ball about the obstacle reaches."""
+    d = grid.dimensions
+    reach = _radius(obstacle) + room
+    offset = (obstacle.position[:d] - grid.origin) / grid.spacing
+    low = np.clip(np.floor(offset - reach / grid.spacing), 0, grid.shape)
+    high = np.clip(np.ceil(offset + reach / grid.spacing) + 1, 0, grid.shape)
+    return tuple(slice(int(a), int(b)) for a, b in zip(low, high, strict=True))
+
+
+def _radius(obstacle: Shape) -> float:
+    if isinstance(obstacle, Box):
+        return float(0.5 * np.linalg.norm(obstacle.size))
+    if isinstance(obstacle, Capsule):
+        return obstacle.radius + 0.5 * obstacle.length
+    return obstacle.radius
+
+
+def _distances(grid: Grid, near: tuple[slice, ...], obstacle: Shape) -> NDArray[np.float64]:
+    axes = [
+        start + step * np.arange(part.start, part.stop)
+        for start, step, part in zip(grid.origin, grid.spacing, near, strict=True)
+    ]
+    if grid.dimensions == 2:
+        axes.append(np.zeros(1))
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    return obstacle.distance(points).reshape([part.stop - part.start for part in near])
