@@ -1,0 +1,110 @@
+"""The robots' collision shapes against the surfaces of the makers' models."""
+
+from typing import NamedTuple
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+COVERED_WITHIN = 0.008  # m that the maker's surface may stand out of our shapes
+TIGHT_WITHIN = 0.03  # m that our shapes may reach beyond the maker's surface along an axis
+
+UR = "ur_description/meshes/ur3/collision"
+FRANKA = "panda_description/meshes/collision"
+PAL = "tiago_description/meshes"
+SURFACES = [
+    *(
+        ("ur3", f"{link}_link", f"{UR}/{link.replace('_', '')}.stl")
+        for link in ("base", "shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")
+    ),
+    *(("panda", f"panda_link{i}", f"{FRANKA}/link{i}.stl") for i in range(8)),
+    *(("tiago", f"arm_{i}_link", f"{PAL}/arm/arm_{i}.stl") for i in range(1, 7)),
+]
+
+
+class Shape(NamedTuple):
+    """A box or a cylinder along its own z; half: half its extent along its own x, y and z."""
+
+    round: bool
+    half: np.ndarray
+    position: np.ndarray
+    rotation: np.ndarray
+
+    def distance(self, points):
+        local = (points - self.position) @ self.rotation
+        if self.round:
+            local = np.column_stack([np.linalg.norm(local[:, :2], axis=1), local[:, 2]])
+        outside = np.abs(local) - (self.half[1:] if self.round else self.half)
+        return np.linalg.norm(np.maximum(outside, 0), axis=1) + np.minimum(outside.max(axis=1), 0)
+
+    def bounds(self):
+        axes = np.abs(self.rotation)
+        if self.round:
+            radius, half_length = self.half[1:]
+            sine = np.sqrt(np.maximum(0.0, 1.0 - axes[:, 2] ** 2))
+            reach = radius * sine + half_length * axes[:, 2]
+        else:
+            reach = axes @ self.half
+        return np.array([self.position - reach, self.position + reach])
+
+
+def numbers(element, key):
+    text = "0 0 0" if element is None else element.get(key, "0 0 0")
+    return np.array(text.split(), dtype=float)
+
+
+def read_shape(collision):
+    origin, solid = collision.find("origin"), collision.find("geometry")[0]
+    # URDF turns about fixed x, then y, then z.
+    rotation = Rotation.from_euler("xyz", numbers(origin, "rpy")).as_matrix()
+    if solid.tag == "box":
+        return Shape(False, numbers(solid, "size") / 2, numbers(origin, "xyz"), rotation)
+    assert solid.tag == "cylinder"
+    radius, length = float(solid.get("radius")), float(solid.get("length"))
+    half = np.array([radius, radius, length / 2])
+    return Shape(True, half, numbers(origin, "xyz"), rotation)
+
+
+def shapes_of(robots, robot, link):
+    root = ElementTree.parse(robots / robot / f"{robot}.urdf").getroot()
+    return [read_shape(c) for c in root.findall(f"link[@name='{link}']/collision")]
+
+
+def read_surface(path):
+    """Corners and centres of a binary STL file's triangles."""
+    facet = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    corners = np.frombuffer(path.read_bytes(), facet, offset=84)["corners"].astype(float)
+    return np.vstack([corners.reshape(-1, 3), corners.mean(axis=1)])
+
+
+def uncovered(shapes, points):
+    return np.min([shape.distance(points) for shape in shapes], axis=0).max()
+
+
+@pytest.mark.parametrize("robot", ["ur3", "panda", "tiago"])
+def test_every_link_with_a_mass_has_a_shape_and_no_link_a_mesh(robots, robot):
+    root = ElementTree.parse(robots / robot / f"{robot}.urdf").getroot()
+    for link in root.findall("link[inertial]"):
+        assert shapes_of(robots, robot, link.get("name")), link.get("name")
+    assert not list(root.iter("mesh"))
+
+
+@pytest.mark.parametrize(("robot", "link", "surface"), SURFACES)
+def test_shapes_fit_the_makers_surface_tightly(robots, published, robot, link, surface):
+    shapes = shapes_of(robots, robot, link)
+    points = read_surface(published / surface)
+    assert uncovered(shapes, points) < COVERED_WITHIN
+    bounds = np.array([shape.bounds() for shape in shapes])
+    assert (bounds[:, 0].min(axis=0) > points.min(axis=0) - TIGHT_WITHIN).all()
+    assert (bounds[:, 1].max(axis=0) < points.max(axis=0) + TIGHT_WITHIN).all()
+
+
+@pytest.mark.parametrize("opening", [0.0, 0.02, 0.04])
+def test_the_hand_holds_its_fingers_however_far_they_are_open(robots, published, opening):
+    shapes = shapes_of(robots, "panda", "panda_hand")
+    assert uncovered(shapes, read_surface(published / FRANKA / "hand.stl")) < COVERED_WITHIN
+    finger = read_surface(published / FRANKA / "finger.stl")
+    left = finger + np.array([0.0, opening, 0.0584])
+    assert uncovered(shapes, left) < COVERED_WITHIN
+    assert uncovered(shapes, left * [-1.0, -1.0, 1.0]) < COVERED_WITHIN
