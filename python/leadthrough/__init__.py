@@ -1,9 +1,8 @@
 """leadthrough: hand-guided demonstrations in, executable robot-arm motion out."""
 
 from leadthrough import errors, io, rotations
-from leadthrough.io import read_demonstrations
-from leadthrough import errors, rotations
 from leadthrough.arm import Arm
+from leadthrough.io import read_demonstrations
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from leadthrough.planning import Grid, arrival_times
 from leadthrough.shapes import Box, Capsule, Sphere
