@@ -36,6 +36,17 @@ struct Task {
   }
 };
 
+// The step that takes every joint a share of its way to the middle of its range.
+inline JointArray pull_to_middle(const Chain& chain, const JointArray& q, double share) {
+  JointArray pull{};
+  for (int i = 0; i < chain.joints(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double middle = 0.5 * chain.lower[i] + 0.5 * chain.upper[i];
+    if (std::isfinite(middle)) pull[k] = share * (middle - q[k]);
+  }
+  return pull;
+}
+
 inline Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& m) {
   const Eigen::Vector3d skew(0.5 * (m(2, 1) - m(1, 2)), 0.5 * (m(0, 2) - m(2, 0)),
                              0.5 * (m(1, 0) - m(0, 1)));

@@ -109,8 +109,11 @@ class Solver {
       if (task_.squared() > least) q_ = best;
       status = come_close(beyond ? IkStatus::kUnreachable : status);
     }
-    if (status == IkStatus::kConverged && n_ > M && options_.midrange > 0.0) approach_middle();
-    return result(status, start);
+    const bool centred = status == IkStatus::kConverged && n_ > M && options_.midrange > 0.0;
+    const JointVector goal = centred ? middle(chain_) : start;
+    take_turns_near(goal);
+    if (centred) approach_middle();
+    return result(status);
   }
 
  private:
@@ -160,13 +163,17 @@ class Solver {
     return end.status == IkStatus::kConverged ? IkStatus::kConverged : reason;
   }
 
-  double distance_to_middle(const JointArray& q, const JointVector& goal) const {
+  // Of the turns of a joint that wraps, the one nearest to `goal`.
+  void take_turns_near(const JointVector& goal) {
+    for (int i = 0; i < n_; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      if (wraps_[k]) q_[k] = wrapped(q_[k], goal[i], limits_.lower[k], limits_.upper[k]);
+    }
+  }
+
+  double distance_to_middle(const JointArray& q) const {
     double sum = 0.0;
-    for (int i = 0; i < n_; ++i)
-      if (!wraps_[static_cast<std::size_t>(i)]) {
-        const double away = goal[i] - q[static_cast<std::size_t>(i)];
-        sum += away * away;
-      }
+    for (const double away : pull_to_middle(chain_, q, 1.0)) sum += away * away;
     return sum;
   }
 
@@ -176,18 +183,15 @@ class Solver {
     constexpr int kSteps = 20;
     constexpr double kLeastGain = 1e-4;        // of the distance
     constexpr double kWellConditioned = 1e-9;  // pivots of J J^T: next to a singularity stay
-    const JointVector goal = middle(chain_);
-    double distance = distance_to_middle(q_, goal);
+    double distance = distance_to_middle(q_);
     double share = std::min(options_.midrange, 1.0);
     for (int k = 0; k < kSteps && iterations_ < options_.max_iterations; ++k) {
       DampedNormal<M> normal(task_, n_, 0.0, [](int) { return true; });
       if (!normal.factorize(kWellConditioned)) return;
-      JointArray pull{}, trial = q_;
+      const JointArray pull = pull_to_middle(chain_, q_, share);
+      JointArray trial = q_;
       TaskVector<M> leak = TaskVector<M>::Zero();
-      for (std::size_t i = 0; i < count(); ++i) {
-        pull[i] = wraps_[i] ? 0.0 : share * (goal[static_cast<Eigen::Index>(i)] - q_[i]);
-        leak += pull[i] * task_.columns[i];
-      }
+      for (std::size_t i = 0; i < count(); ++i) leak += pull[i] * task_.columns[i];
       const TaskVector<M> dual = normal.solve(leak);
       for (std::size_t i = 0; i < count(); ++i)
         trial[i] = std::clamp(q_[i] + pull[i] - task_.columns[i].dot(dual), limits_.lower[i],
@@ -195,7 +199,7 @@ class Solver {
       const DescentEnd end =
           descend<M>(chain_, target_, limits_, JointArray{}, options_.tolerance, 5, trial);
       iterations_ += 1 + end.iterations;
-      const double nearer = distance_to_middle(trial, goal);
+      const double nearer = distance_to_middle(trial);
       if (end.status != IkStatus::kConverged || nearer >= distance) {
         share *= 0.5;
         continue;

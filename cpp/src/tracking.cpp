@@ -23,23 +23,12 @@ DescentBounds reachable(const Chain& chain, const JointArray& q, const double* m
   return bounds;
 }
 
-JointArray pull_to_middle(const Chain& chain, const JointVector& goal, const JointArray& q,
-                          double share) {
-  JointArray pull{};
-  for (int i = 0; i < chain.joints(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const bool bounded = std::isfinite(chain.lower[i]) && std::isfinite(chain.upper[i]);
-    if (bounded) pull[k] = share * (goal[i] - q[k]);
-  }
-  return pull;
-}
-
 template <int M>
-DescentEnd follow_sample(const Chain& chain, const Sample& sample, const JointVector& goal,
+DescentEnd follow_sample(const Chain& chain, const Sample& sample,
                          const TrackOptions& options, JointArray& q) {
   const DescentBounds bounds = reachable(chain, q, sample.max_step);
   const double share = chain.joints() > M ? sample.midrange : 0.0;
-  return descend<M>(chain, sample.target, bounds, pull_to_middle(chain, goal, q, share),
+  return descend<M>(chain, sample.target, bounds, pull_to_middle(chain, q, share),
                     options.tolerance, options.max_iterations, q);
 }
 
@@ -59,15 +48,14 @@ Track track(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
   const bool oriented = orientations.rows() > 0;
   Track result{Rows(samples, chain.joints()), Eigen::VectorXd(samples), Eigen::VectorXd(samples),
                std::vector<IkStatus>(static_cast<std::size_t>(samples))};
-  const JointVector goal = middle(chain);
   const JointVector inside = project(chain, start);
   JointArray q{};
   std::copy(inside.data(), inside.data() + inside.size(), q.begin());
   for (Eigen::Index k = 0; k < samples; ++k) {
     Sample sample{{positions.row(k), std::nullopt}, max_steps.row(k).data(), midrange[k]};
     if (oriented) sample.target.rotation = so3::to_matrix(Eigen::Vector4d(orientations.row(k)));
-    const DescentEnd end = oriented ? follow_sample<6>(chain, sample, goal, options, q)
-                                    : follow_sample<3>(chain, sample, goal, options, q);
+    const DescentEnd end = oriented ? follow_sample<6>(chain, sample, options, q)
+                                    : follow_sample<3>(chain, sample, options, q);
     std::copy(q.begin(), q.begin() + chain.joints(), result.q.row(k).data());
     result.position_errors[k] = end.position_error;
     result.orientation_errors[k] = end.orientation_error;

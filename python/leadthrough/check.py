@@ -61,7 +61,7 @@ def times(value: Any, name: str) -> Float64Array:
 def quaternions(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
     """`value` as unit quaternions w, x, y, z, normalised; a copy. The last axis holds four."""
     result = array(value, name, shape=shape)
-    lengths = np.linalg.norm(result, axis=-1, keepdims=True)
+    lengths = np.sqrt((result * result).sum(axis=-1, keepdims=True))
     off = np.abs(lengths - 1.0) > UNIT_LENGTH_TOLERANCE
     if off.any():
         raise InvalidInput(

@@ -47,8 +47,7 @@ class Arm:
     def load(name: str) -> Arm:
         """A robot that comes with the package: "panda", "ur3" or "tiago". Raises InvalidInput."""
         folder = robots.find_robot(name)
-        urdf = folder / f"{name}.urdf"
-        return Arm.from_urdf(urdf, tip=robots.TIPS.get(name), limits=folder / "limits.toml")
+        return Arm.from_urdf(folder / f"{name}.urdf", limits=folder / "limits.toml")
 
     @staticmethod
     def from_urdf(

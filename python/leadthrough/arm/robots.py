@@ -8,9 +8,6 @@ from typing import Any
 import leadthrough
 from leadthrough.errors import InvalidInput
 
-# Where the tool is, in robots whose links end in several places.
-TIPS = {"panda": "panda_hand_tcp", "ur3": "tool0", "tiago": "arm_7_link"}
-
 
 def find_robot(name: Any) -> Path:
     """The folder of a robot, with <name>.urdf and limits.toml. Raises InvalidInput."""
