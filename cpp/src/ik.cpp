@@ -211,14 +211,9 @@ class Solver {
     }
   }
 
-  IkResult result(IkStatus status, const JointVector& start) {
+  IkResult result(IkStatus status) {
     IkResult answer;
-    answer.q.resize(n_);
-    for (int i = 0; i < n_; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      answer.q[i] =
-          wraps_[k] ? wrapped(q_[k], start[i], limits_.lower[k], limits_.upper[k]) : q_[k];
-    }
+    answer.q = Eigen::Map<const Eigen::VectorXd>(q_.data(), n_);
     answer.status = status;
     answer.position_error = task_.position_error;
     answer.orientation_error = task_.orientation_error;

@@ -24,8 +24,8 @@ DescentBounds reachable(const Chain& chain, const JointArray& q, const double* m
 }
 
 template <int M>
-DescentEnd follow_sample(const Chain& chain, const Sample& sample,
-                         const TrackOptions& options, JointArray& q) {
+DescentEnd follow_sample(const Chain& chain, const Sample& sample, const TrackOptions& options,
+                         JointArray& q) {
   const DescentBounds bounds = reachable(chain, q, sample.max_step);
   const double share = chain.joints() > M ? sample.midrange : 0.0;
   return descend<M>(chain, sample.target, bounds, pull_to_middle(chain, q, share),
