@@ -11,11 +11,17 @@ namespace leadthrough {
 
 namespace {
 
+// A document's text may be cut inside a character.
+py::str to_text(const std::string& text) {
+  return py::reinterpret_steal<py::str>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "replace"));
+}
+
 template <typename Value>
 Value value_or_raise(std::variant<Value, urdf::Error>&& answer) {
   if (const auto* error = std::get_if<urdf::Error>(&answer)) {
     const py::object type = py::module_::import("leadthrough.errors").attr("InvalidRobot");
-    PyErr_SetObject(type.ptr(), type(error->where, error->why).ptr());
+    PyErr_SetObject(type.ptr(), type(to_text(error->where), to_text(error->why)).ptr());
     throw py::error_already_set();
   }
   return std::get<Value>(std::move(answer));

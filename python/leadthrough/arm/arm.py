@@ -17,6 +17,8 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
 
+# Bytes: above the core's own bound, which refuses the document with a reason.
+_LARGEST_FILE = 2**25
 _NO_ORIENTATIONS = np.empty((0, 4))
 _DEFAULTS = ik_options()
 
@@ -179,10 +181,12 @@ class Arm:
 
 
 def _read(path_or_xml: Any) -> str:
-    if isinstance(path_or_xml, str) and path_or_xml.lstrip("\ufeff \t\r\n").startswith("<"):
-        return path_or_xml
+    is_document = isinstance(path_or_xml, str) and path_or_xml.lstrip("\ufeff \t\r\n")[:1] == "<"
     try:
-        return Path(path_or_xml).read_text(encoding="utf-8")
+        if is_document:
+            return str(path_or_xml.encode("utf-8"), "utf-8")
+        with Path(path_or_xml).open("rb") as file:
+            return str(file.read(_LARGEST_FILE), "utf-8")
     except (OSError, ValueError, TypeError) as error:
         raise InvalidInput(f"path_or_xml: expected a URDF or its path: {error}") from None
 

@@ -81,7 +81,10 @@ def read_limits(path: Any, urdf: JointLimits, *, other_joints: Collection[str] =
 
 def _values(limits: JointLimits, name: str) -> Float64Array:
     count = len(limits.joint_names)
-    values = np.array(getattr(limits, name), dtype=np.float64)
+    try:
+        values = np.array(getattr(limits, name), dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidInput(f"{name}: expected {count} numbers") from None
     if values.shape != (count,):
         raise InvalidInput(f"{name}: expected shape ({count},), got {values.shape}")
     wrong = np.isnan(values) | ((values < 0) & (name in _RATES))

@@ -1,0 +1,125 @@
+import pickle
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough.arm import JointLimits
+from leadthrough.errors import InvalidInput, InvalidRobot
+
+LIMIT = '<limit lower="-1" upper="1" velocity="2" effort="3"/>'
+
+
+def planar(inside=LIMIT, kind="revolute"):
+    return (
+        '<robot name="planar"><link name="base"/><link name="tool"/>'
+        f'<joint name="turn" type="{kind}"><parent link="base"/><child link="tool"/>'
+        f'<axis xyz="0 0 1"/>{inside}</joint></robot>'
+    )
+
+
+@pytest.mark.parametrize("name", ["panda", "ur3", "tiago"])
+def test_bundled_robots_load_with_all_their_limits(name):
+    arm = lt.Arm.load(name)
+    for quantity in ("lower", "upper", "velocity", "acceleration", "jerk", "effort"):
+        assert getattr(arm.limits, quantity).shape == (len(arm.joint_names),)
+
+
+@pytest.mark.parametrize("name", ["nao", "", None, 3, "../panda"])
+def test_another_robot_is_refused_with_the_names_there_are(name):
+    with pytest.raises(InvalidInput, match="'panda'"):
+        lt.Arm.load(name)
+
+
+def test_a_document_and_its_file_are_the_same_robot(tmp_path):
+    path = tmp_path / "planar.urdf"
+    path.write_text(planar())
+    for source in (planar(), path, str(path)):
+        arm = lt.Arm.from_urdf(source)
+        assert (arm.base, arm.tip, arm.joint_names) == ("base", "tool", ("turn",))
+        np.testing.assert_array_equal(arm.limits.velocity, [2.0])
+        assert arm.limits.acceleration is None
+
+
+def test_limits_come_from_a_file_or_as_they_are(tmp_path):
+    path = tmp_path / "limits.toml"
+    path.write_text("[joints]\nturn = { upper = 0.5, acceleration = 4 }\n")
+    from_file = lt.Arm.from_urdf(planar(), limits=path)
+    assert from_file.limits.upper[0] == 0.5
+    assert from_file.limits.acceleration[0] == 4
+    given = lt.Arm.from_urdf(planar(), limits=JointLimits(("turn",), [-0.2], [0.2], [1]))
+    assert given.inverse_kinematics([0, 0, 0], [np.cos(0.4), 0, 0, np.sin(0.4)]).q[0] == 0.2
+    with pytest.raises(InvalidInput, match="limits"):
+        lt.Arm.from_urdf(planar(), limits=JointLimits(("other",), [-0.2], [0.2], [1]))
+
+
+def test_several_ends_ask_for_the_tip():
+    fork = planar().replace(
+        "</robot>",
+        '<link name="camera"/><joint name="mount" type="fixed"><parent link="base"/>'
+        '<child link="camera"/></joint></robot>',
+    )
+    with pytest.raises(InvalidInput, match="'tool'"):
+        lt.Arm.from_urdf(fork)
+    assert lt.Arm.from_urdf(fork, tip="tool").joint_names == ("turn",)
+
+
+@pytest.mark.parametrize("names", [{"base": "nowhere"}, {"tip": "nowhere"}, {"tip": 3}])
+def test_unknown_links_are_refused(names):
+    with pytest.raises(InvalidInput, match=next(iter(names))):
+        lt.Arm.from_urdf(planar(), **names)
+
+
+@pytest.mark.parametrize("source", ["nowhere.urdf", None, 3, b"<robot/>", "/"])
+def test_what_is_no_urdf_is_refused(source):
+    with pytest.raises(InvalidInput, match="path_or_xml"):
+        lt.Arm.from_urdf(source)
+
+
+@pytest.mark.parametrize(
+    ("document", "where"),
+    [
+        ("<robot", "line 1"),
+        ("<robot></robot>", "robot"),
+        (planar(""), "joint 'turn'"),
+        (planar('<limit lower="2" upper="1" velocity="1" effort="1"/>'), "joint 'turn'"),
+        (planar('<limit lower="-1" upper="1" effort="1"/>'), "joint 'turn'"),
+        (planar('<mimic joint="ghost"/>' + LIMIT), "joint 'turn'"),
+        (planar("", "fixed"), "tip"),
+        ("<a>" * 10**6, "line 1"),
+        ("<robot>" + " " * (17 << 20), "document"),
+        (planar().replace("planar", "\ud800"), "path_or_xml"),
+    ],
+)
+def test_a_malformed_or_contradictory_robot_is_refused(document, where):
+    with pytest.raises((InvalidRobot, InvalidInput)) as refusal:
+        lt.Arm.from_urdf(document)
+    assert str(refusal.value).startswith(where)
+
+
+def test_a_chain_of_a_hundred_thousand_joints_is_refused():
+    links = "".join(f'<link name="{i}"/>' for i in range(100_001))
+    joints = "".join(
+        f'<joint name="j{i}" type="fixed"><parent link="{i}"/><child link="{i + 1}"/></joint>'
+        for i in range(100_000)
+    )
+    with pytest.raises(InvalidRobot, match="more than"):
+        lt.Arm.from_urdf(f'<robot name="long">{links}{joints}</robot>')
+
+
+def test_an_arm_travels_between_processes():
+    arm = lt.Arm.load("ur3")
+    again = pickle.loads(pickle.dumps(arm))
+    q = np.linspace(0.1, 0.6, 6)
+    np.testing.assert_array_equal(arm.forward_kinematics(q)[0], again.forward_kinematics(q)[0])
+    np.testing.assert_array_equal(arm.limits.jerk, again.limits.jerk)
+
+
+def test_joints_without_bounds_are_solved_nearest_to_the_seed():
+    wheel = lt.Arm.from_urdf(planar("", "continuous"))
+    target = [np.cos(0.4), 0, 0, np.sin(0.4)]
+    assert wheel.limits.upper[0] == np.inf
+    for turns in (-3, 0, 5):
+        seed = [0.7 + 2 * np.pi * turns]
+        result = wheel.inverse_kinematics([0, 0, 0], target, seed=seed)
+        np.testing.assert_allclose(result.q, [0.8 + 2 * np.pi * turns], atol=1e-5)
