@@ -1,11 +1,13 @@
 """leadthrough: hand-guided demonstrations in, executable robot-arm motion out."""
 
-from leadthrough import errors, io, rotations
+from leadthrough import errors, io, planning, rotations
 from leadthrough.arm import Arm
 from leadthrough.io import read_demonstrations
+from leadthrough.models import FastMarching
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from leadthrough.planning import Grid, arrival_times
 from leadthrough.shapes import Box, Capsule, Sphere
+from leadthrough.timing import check_limits, differentiate, scale_to_limits
 
 __version__ = "0.1.0"
 
@@ -14,14 +16,19 @@ __all__ = [
     "Box",
     "Capsule",
     "Demonstration",
+    "FastMarching",
     "Grid",
     "JointTrajectory",
     "PoseTrajectory",
     "Sphere",
     "Trajectory",
     "arrival_times",
+    "check_limits",
+    "differentiate",
     "errors",
     "io",
+    "planning",
     "read_demonstrations",
     "rotations",
+    "scale_to_limits",
 ]

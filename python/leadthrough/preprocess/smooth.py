@@ -31,6 +31,8 @@ def smooth_path(
     comes back as it is.
     """
     length = arc_length(path)[-1]
+    if length == 0.0:
+        return path
     for halving in range(_HALVINGS + 1):
         pieces = int(np.ceil(length / knot_spacing)) * 2**halving
         candidate = _fit(path, max(pieces, 1))

@@ -1,0 +1,160 @@
+"""Fast Marching Learning: what it promises of paths, obstacles, timing and bad input."""
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough.errors import FitError, InvalidInput, NoPath
+
+
+def wave(amplitude=0.05, *, count=200, duration=2.0, shift=0.0, scale=1.0):
+    """One arch of a sine over 0.4 m, covered in minimum-jerk time."""
+    t = np.linspace(0.0, 1.0, count)
+    u = 10 * t**3 - 15 * t**4 + 6 * t**5
+    points = np.column_stack([0.4 * u, amplitude * np.sin(2 * np.pi * u) + shift * (1 - u)])
+    return lt.Demonstration(lt.Trajectory(duration * t, scale * points))
+
+
+def distance_to(path, points):
+    return np.linalg.norm(points[:, None] - path[None], axis=2).min(axis=1)
+
+
+def on_table(motion):
+    return np.column_stack([motion.positions, np.zeros(len(motion.times))])
+
+
+@pytest.fixture(scope="module")
+def skill():
+    return lt.FastMarching().fit([wave(shift=shift) for shift in (-0.01, 0.0, 0.01)])
+
+
+def test_reproduction_stays_in_the_tube_of_a_single_demonstration():
+    shown = wave()
+    skill = lt.FastMarching().fit([shown])
+    motion = skill.generate()
+    off = distance_to(shown.motion.positions, motion.positions)
+    assert off.max() < skill.area_of_influence
+
+
+def test_motion_goes_from_the_start_to_the_goal_asked_for(skill):
+    motion = skill.generate(start=(-0.02, 0.03), goal=(0.41, -0.02))
+    np.testing.assert_allclose(motion.positions[0], (-0.02, 0.03), atol=1e-12)
+    np.testing.assert_allclose(motion.positions[-1], (0.41, -0.02), atol=1e-12)
+
+
+def test_motion_starts_and_ends_at_rest_and_is_smooth(skill):
+    motion = skill.generate(dt=0.01)
+    velocity = np.diff(motion.positions, axis=0) / np.diff(motion.times)[:, None]
+    speed = np.linalg.norm(velocity, axis=1)
+    assert speed[[0, -1]].max() < 0.02 * speed.max()
+    steps = np.linalg.norm(np.diff(velocity, axis=0), axis=1)
+    assert steps.max() < 0.1 * speed.max()
+
+
+def test_duration_is_the_demonstrations_own_or_the_one_asked_for(skill):
+    assert skill.generate().duration == pytest.approx(2.0, rel=0.03)
+    assert skill.generate(duration=5.0).duration == pytest.approx(5.0)
+
+
+def test_path_goes_around_a_box_and_keeps_the_area_of_influence(skill):
+    box = lt.Box((0.03, 0.03, 0.1), (0.2, 0.0, 0.0))
+    motion = skill.generate(obstacles=[box])
+    assert box.distance(on_table(motion)).min() > 0.5 * skill.area_of_influence
+    assert box.distance(on_table(skill.generate())).min() < 0.0
+
+
+def test_three_dimensions_work_like_two():
+    shown = wave().motion
+    lifted = np.column_stack([shown.positions, 0.1 * shown.positions[:, 0]])
+    skill = lt.FastMarching(resolution=0.006, area_of_influence=0.015).fit(
+        [lt.Demonstration(lt.Trajectory(shown.times, lifted))]
+    )
+    sphere = lt.Sphere(0.02, lifted[100])
+    motion = skill.generate(obstacles=[sphere])
+    assert sphere.distance(motion.positions).min() > 0.0
+    np.testing.assert_allclose(motion.positions[-1], lifted[-1], atol=1e-12)
+
+
+def test_unit_of_length_changes_nothing_but_the_unit():
+    metres = lt.FastMarching().fit([wave()]).generate()
+    millimetres = lt.FastMarching().fit([wave(scale=1000.0)]).generate()
+    np.testing.assert_allclose(millimetres.positions, 1000.0 * metres.positions, atol=1e-3)
+
+
+def test_same_input_gives_the_same_bits(skill):
+    again = lt.FastMarching().fit([wave(shift=shift) for shift in (-0.01, 0.0, 0.01)])
+    box = lt.Box((0.03, 0.03, 0.1), (0.2, 0.0, 0.0))
+    first = skill.generate(obstacles=[box])
+    second = again.generate(obstacles=[box])
+    assert first.positions.tobytes() == second.positions.tobytes()
+
+
+def test_kappa_is_high_on_the_demonstrations_and_the_saturation_far_from_them(skill):
+    assert skill.kappa(skill.generate().positions) > 0.6
+    assert skill.kappa([[0.2, 0.12]]) == pytest.approx(skill.saturation)
+
+
+def test_start_equal_to_goal_is_a_motion_that_stands_still(skill):
+    motion = skill.generate(start=(0.1, 0.0), goal=(0.1, 0.0), duration=1.0)
+    assert np.ptp(motion.positions, axis=0).max() == 0.0
+
+
+def test_demonstrations_are_not_modified():
+    shown = wave()
+    before = shown.motion.positions.copy()
+    lt.FastMarching().fit([shown]).generate()
+    np.testing.assert_array_equal(shown.motion.positions, before)
+
+
+@pytest.mark.parametrize(
+    ("box", "reason"),
+    [
+        (lt.Box((0.05, 0.05, 0.1), (0.0, 0.0, 0.0)), "start_in_wall"),
+        (lt.Box((0.05, 0.05, 0.1), (0.4, 0.0, 0.0)), "goal_in_wall"),
+        (lt.Box((0.05, 9.0, 0.1), (0.2, 0.0, 0.0)), "goal_enclosed"),
+    ],
+)
+def test_no_path_says_why(skill, box, reason):
+    with pytest.raises(NoPath) as error:
+        skill.generate(start=(0.0, 0.0), obstacles=[box])
+    assert error.value.reason == reason
+
+
+@pytest.mark.parametrize(
+    ("query", "message"),
+    [
+        ({"start": (0.0, np.nan)}, "start: expected finite numbers"),
+        ({"start": (0.0, 0.0, 0.0)}, r"start: expected shape \(2,\)"),
+        ({"goal": "there"}, "goal: expected numbers"),
+        ({"duration": 0.0}, "duration: expected a finite number > 0"),
+        ({"dt": -1.0}, "dt: expected a finite number > 0"),
+        ({"goal": (1e6, 0.0)}, "cells"),
+        ({"obstacles": [1]}, "obstacles"),
+    ],
+)
+def test_bad_query_names_the_argument(skill, query, message):
+    with pytest.raises(InvalidInput, match=message):
+        skill.generate(**query)
+
+
+def test_bad_demonstrations_are_refused():
+    still = lt.Demonstration(lt.Trajectory([0.0, 1.0], [[0.0, 0.0], [0.0, 0.0]]))
+    with pytest.raises(FitError, match="does not move"):
+        lt.FastMarching().fit([still])
+    with pytest.raises(FitError, match="got none"):
+        lt.FastMarching().fit([])
+    with pytest.raises(FitError, match="single sample"):
+        lt.FastMarching().fit([lt.Demonstration(lt.Trajectory([0.0], [[0.0, 0.0]]))])
+    with pytest.raises(InvalidInput, match="two or all in three"):
+        lt.FastMarching().fit([lt.Demonstration(lt.Trajectory([0.0, 1.0], [[0.0], [1.0]]))])
+    with pytest.raises(InvalidInput, match="expected a sequence"):
+        lt.FastMarching().fit(wave())
+    with pytest.raises(InvalidInput, match=r"demonstrations\[0\]"):
+        lt.FastMarching().fit([1])
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan, "wide"])
+def test_bad_parameters_name_themselves(value):
+    for name in ("area_of_influence", "saturation", "resolution"):
+        with pytest.raises(InvalidInput, match=name):
+            lt.FastMarching(**{name: value})
