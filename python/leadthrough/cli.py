@@ -2,6 +2,60 @@
 
 from __future__ import annotations
 
-import typer
+import sys
+from pathlib import Path
+from typing import Annotated
 
-app = typer.Typer(no_args_is_help=True)
+import typer
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+from leadthrough.errors import LeadthroughError
+
+app = typer.Typer(no_args_is_help=True, add_completion=False)
+
+
+@app.callback()
+def leadthrough() -> None:
+    """Hand-guided demonstrations in, executable robot-arm motion out."""
+
+
+@app.command()
+def demo(
+    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("leadthrough-demo"),
+) -> None:
+    """Learn human handwriting, plan it around a box and write it with a UR3."""
+    from leadthrough.arm import Arm
+    from leadthrough.experiments import handwriting, handwriting_report
+
+    config = handwriting.HandwritingConfig()
+    arm = Arm.load(config.robot)
+    results = []
+    for name in track(config.motions, description="Learning and writing"):
+        result = handwriting.run(name, arm, config)
+        handwriting_report.write_motion(result, arm.limits, out / name)
+        results.append(result)
+    handwriting_report.write_summary(results, out)
+
+    table = Table("motion", "SEA", "V_rmse", "DTWD/N", "Fréchet", "time s", "slowed", "limits")
+    rows = handwriting_report.error_rows(results)
+    for row, result in zip(rows, results, strict=False):
+        verdict = "kept" if result.limits.ok else "exceeded"
+        slowed = f"x {result.slowing:.2f}"
+        table.add_row(*row, f"{result.joints.duration:.2f}", slowed, verdict)
+    table.add_row(*rows[-1], end_section=True)
+    console = Console()
+    console.print(table)
+    console.print(f"Figures, errors.csv and the joint trajectories: {out}/")
+    if not all(result.limits.ok for result in results):
+        raise typer.Exit(1)
+
+
+def main() -> None:
+    """Entry point: an expected error is one line on stderr and exit code 2."""
+    try:
+        app()
+    except LeadthroughError as error:
+        print(f"leadthrough: {error}", file=sys.stderr)
+        sys.exit(2)

@@ -1,0 +1,102 @@
+"""What the handwriting study leaves in a folder: figures, a table of errors, joint trajectories."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from leadthrough.arm import JointLimits
+from leadthrough.experiments.handwriting import Handwriting
+from leadthrough.io import joint_trajectory
+from leadthrough.io.atomic import replacing
+from leadthrough.show import plot
+
+COLUMNS = ("motion", "SEA_mm2", "V_rmse_mm_s", "DTWD_per_N_mm", "Frechet_mm")
+
+
+def write_motion(result: Handwriting, limits: JointLimits, folder: Path) -> None:
+    """Two figures and the joint trajectory as CSV and JSON, in `folder`, made if missing."""
+    folder.mkdir(parents=True, exist_ok=True)
+    save_figure(_learning_figure(result), folder / "learning.png")
+    save_figure(plot.joint_figure(result.joints, limits), folder / "joints.png")
+    joint_trajectory.write_csv(result.joints, folder / "trajectory.csv")
+    joint_trajectory.write_json(result.joints, folder / "trajectory.json")
+
+
+def write_summary(results: Sequence[Handwriting], folder: Path) -> None:
+    """One figure of all motions and the table of errors, errors.csv."""
+    folder.mkdir(parents=True, exist_ok=True)
+    save_figure(_overview_figure(results), folder / "overview.png")
+    with (
+        replacing(folder / "errors.csv") as temporary,
+        temporary.open("w", encoding="utf-8", newline="") as file,
+    ):
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        writer.writerows(error_rows(results))
+
+
+def error_rows(results: Sequence[Handwriting]) -> list[tuple[str, ...]]:
+    """A row a motion and their mean, in the order of COLUMNS."""
+    values = np.array(
+        [
+            (e.swept_error_area, e.velocity_rmse, e.dtw_distance, e.frechet_distance)
+            for e in (result.errors for result in results)
+        ]
+    )
+    names = [*(result.name for result in results), "mean"]
+    rows = np.vstack([values, values.mean(axis=0)])
+    return [
+        (name, *(f"{value:.4g}" for value in row)) for name, row in zip(names, rows, strict=True)
+    ]
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """The figure as a PNG file, complete or not at all."""
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=110)
+
+
+def _learning_figure(result: Handwriting) -> Figure:
+    figure = Figure(figsize=(10.0, 4.4), layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=(1.2, 1.0))
+    plot.draw_velocity_map(left, result.skill)
+    _draw_motion(left, result)
+    left.set_title(f"{result.name} on the table, m", fontsize=10)
+    left.legend(fontsize=7)
+    plot.draw_speed(right, result.held_out, plot.HELD_OUT, label="held-out demonstration")
+    plot.draw_speed(right, result.reproduction, plot.PATH, label="reproduced from its start")
+    right.set_title("speed on the table, m/s", fontsize=10)
+    right.legend(fontsize=7)
+    return figure
+
+
+def _overview_figure(results: Sequence[Handwriting]) -> Figure:
+    columns = min(len(results), 4)
+    rows = -(-len(results) // columns)
+    figure = Figure(figsize=(3.0 * columns, 3.0 * rows), layout="constrained")
+    panels = figure.subplots(rows, columns, squeeze=False).ravel()
+    for axes in panels:
+        axes.set_axis_off()
+    for axes, result in zip(panels, results, strict=False):
+        plot.draw_velocity_map(axes, result.skill)
+        _draw_motion(axes, result)
+        axes.set_title(result.name, fontsize=10)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=9)
+    return figure
+
+
+def _draw_motion(axes: Axes, result: Handwriting) -> None:
+    shown = [motion.positions for motion in result.shown]
+    plot.draw_paths(axes, shown, plot.DEMONSTRATION, label="six demonstrations")
+    held_out = [result.held_out.positions]
+    plot.draw_paths(axes, held_out, plot.HELD_OUT, label="held-out demonstration")
+    plot.draw_paths(axes, [result.reproduction.positions], plot.PATH, label="reproduction")
+    plot.draw_paths(axes, [result.detour.positions], plot.DETOUR, label="around the box")
+    plot.draw_box(axes, result.box)

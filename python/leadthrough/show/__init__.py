@@ -1,0 +1,1 @@
+"""Pictures of demonstrations, skills and trajectories. Imported only where something is drawn."""
