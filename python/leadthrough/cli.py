@@ -24,6 +24,9 @@ def leadthrough() -> None:
 @app.command()
 def demo(
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("leadthrough-demo"),
+    motion: Annotated[
+        list[str] | None, typer.Option(help="A motion of the LASA set; may be repeated.")
+    ] = None,
 ) -> None:
     """Learn human handwriting, plan it around a box and write it with a UR3."""
     from leadthrough.arm import Arm
@@ -32,7 +35,7 @@ def demo(
     config = handwriting.HandwritingConfig()
     arm = Arm.load(config.robot)
     results = []
-    for name in track(config.motions, description="Learning and writing"):
+    for name in track(motion or handwriting.MOTIONS, description="Learning and writing"):
         result = handwriting.run(name, arm, config)
         handwriting_report.write_motion(result, arm.limits, out / name)
         results.append(result)
@@ -56,6 +59,6 @@ def main() -> None:
     """Entry point: an expected error is one line on stderr and exit code 2."""
     try:
         app()
-    except LeadthroughError as error:
+    except (LeadthroughError, OSError) as error:
         print(f"leadthrough: {error}", file=sys.stderr)
         sys.exit(2)

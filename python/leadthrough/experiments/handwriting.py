@@ -37,7 +37,6 @@ class HandwritingConfig:
     decide. posture: (joints,) rad, elbow up, from which the first pose is searched.
     """
 
-    motions: tuple[str, ...] = MOTIONS
     robot: str = "ur3"
     model: FastMarching = field(default_factory=FastMarching)
     centre: tuple[float, float] = (0.30, 0.0)
@@ -123,12 +122,12 @@ def _drawing(demonstration: Demonstration) -> Trajectory:
 
 
 def _box_in_the_way(path: Float64Array, config: HandwritingConfig) -> Box:
-    """A box on the middle half of the path, there where the ends are farthest."""
+    """A box in the table on the middle half of the path, there where the ends are farthest."""
     even = by_arc_length(path, 101)
     middle = even[25:76]
     ends = np.minimum(*(np.linalg.norm(middle - end, axis=1) for end in even[[0, -1]]))
     x, y = middle[int(np.argmax(ends))]
-    return Box(np.array(config.box_size), np.array([x, y, 0.5 * config.box_size[2]]))
+    return Box(np.array(config.box_size), np.array([x, y, 0.0]))
 
 
 def _hurried(motion: PoseTrajectory, config: HandwritingConfig) -> PoseTrajectory:

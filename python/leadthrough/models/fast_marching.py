@@ -151,7 +151,6 @@ class FastMarchingSkill:
             grid,
             obstacles,
             area_of_influence=self.area_of_influence,
-            saturation=self.saturation,
         )
         start_cell, goal_cell = grid.cells_of(np.stack([start, goal]))
         for name, point, cell in (("start", start, start_cell), ("goal", goal, goal_cell)):

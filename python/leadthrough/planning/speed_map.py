@@ -38,25 +38,20 @@ def experience_map(
 
 
 def add_obstacles(
-    speed: Float64Array,
-    grid: Grid,
-    obstacles: Sequence[Shape],
-    *,
-    area_of_influence: float,
-    saturation: float,
+    speed: Float64Array, grid: Grid, obstacles: Sequence[Shape], *, area_of_influence: float
 ) -> Float64Array:
-    """The speed map with walls (speed 0) at the obstacles and slow cells beside them, eq. 7.
+    """The speed map with walls (speed 0) at the obstacles and slower cells beside them.
 
-    The obstacles' own map grows linearly with the distance from them and passes the saturation at
-    one area of influence: nearer cells take the smaller of both maps, so that a path keeps that
-    distance wherever there is room.
+    The speed grows from 0 at an obstacle to its own value one area of influence away, so that a
+    path keeps that distance wherever there is room. The paper's eq. 7 takes the smaller of both
+    maps, and only below the saturation: that leaves a step in the speed, whose corners the path
+    would follow.
     """
     walls = occupied(grid, obstacles)
     if not walls.any():
         return speed
     distance = distance_transform(walls, spacing=grid.spacing)
-    obstacle_speed = saturation * distance / area_of_influence
-    return np.where(obstacle_speed < saturation, np.minimum(obstacle_speed, speed), speed)
+    return np.asarray(speed * np.minimum(distance / area_of_influence, 1.0))
 
 
 def _dense(path: Float64Array, grid: Grid) -> Float64Array:

@@ -1,0 +1,37 @@
+"""A recording of joint angles in a CSV file becomes a trajectory that a UR3 may run.
+
+Writes recording.json and recording.png: python python/demos/04_recording_to_robot.py [FOLDER]
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import leadthrough as lt
+from leadthrough.show import plot
+
+folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
+arm = lt.Arm.load("ur3")
+
+# Stands for the file that a robot's own recorder writes: a header, 100 Hz, a brisk hand.
+phase = np.linspace(0.0, 1.0, 121)
+swing = 10 * phase**3 - 15 * phase**4 + 6 * phase**5
+q = np.array([0.0, -1.6, 1.9, -1.9, -1.6, 0.0]) + np.outer(swing, [1.2, 0.3, -0.4, 0.5, 0.6, 2.0])
+recording = folder / "recording.csv"
+header = ",".join(["time", *arm.joint_names])
+np.savetxt(recording, np.column_stack([1.2 * phase, q]), delimiter=",", header=header, comments="")
+
+(demonstration,) = lt.read_demonstrations(recording)
+asked = lt.differentiate(demonstration.motion)
+before = lt.check_limits(asked, arm.limits)
+joints = lt.scale_to_limits(asked, arm.limits)
+after = lt.check_limits(joints, arm.limits)
+for name in ("velocity", "acceleration", "jerk"):
+    peaks = [getattr(report, name) for report in (before, after)]
+    print(f"{name}: {peaks[0].ratio:.0%} of the limit -> {peaks[1].ratio:.0%} ({peaks[1].joint})")
+
+lt.io.joint_trajectory.write_json(joints, folder / "recording.json")
+plot.joint_figure(joints, arm.limits).savefig(folder / "recording.png", dpi=110)
+print(f"slowed from {asked.duration:.2f} s to {joints.duration:.2f} s")
+print(f"wrote {folder / 'recording.json'} and {folder / 'recording.png'}")
