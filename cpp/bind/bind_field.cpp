@@ -82,6 +82,8 @@ const char* name(DescentStatus status) {
       return "start_outside";
     case DescentStatus::kStartUnreached:
       return "start_unreached";
+    case DescentStatus::kGoalNotSource:
+      return "goal_not_source";
     case DescentStatus::kOtherSource:
       return "other_source";
     case DescentStatus::kTooManySteps:

@@ -224,6 +224,9 @@ Descent descend(const Grid& grid, const double* arrival, const Coordinates& star
   const Field field(grid, arrival);
   if (!field.contains(Field::cell_of(start))) return {DescentStatus::kStartOutside, {}};
   if (field.at(Field::cell_of(start)) == kInfinity) return {DescentStatus::kStartUnreached, {}};
+  const CellIndex source = Field::cell_of(goal);
+  if (field.at(source) == kInfinity || field.earliest_neighbour(source) != source)
+    return {DescentStatus::kGoalNotSource, {}};
 
   Descent result{DescentStatus::kOk, {start}};
   if (start == goal) return result;

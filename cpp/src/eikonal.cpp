@@ -65,7 +65,7 @@ class BucketMarch {
   Real inverse_width_ = 0;
   int current_ = 0;
   std::vector<Cell> waiting_;
-  // Cells to update, found in one chunk: the front's time at their neighbour, their new time.
+  // Cells to update, found in one chunk: first a lower bound of their new time, then that time.
   std::array<Cell, kCapacity> cells_{};
   Column reached_ = Column::Zero();
   std::array<Column, D> upwind_{};
@@ -115,7 +115,7 @@ int BucketMarch<Real, D, Cubes>::find_neighbours(const Cell* cells, int count) {
       for (const Index stride : {-field_.stride[axis], field_.stride[axis]}) {
         const Index neighbour = cell + stride;
         cells_[found] = static_cast<Cell>(neighbour);
-        reached_[found] = t;
+        reached_[found] = t * kLater<Real>;
         found +=
             static_cast<int>(time[neighbour] > t) & static_cast<int>(time[neighbour + stride] >= t);
       }
@@ -139,7 +139,7 @@ void BucketMarch<Real, D, Cubes>::update(int count) {
     std::array<Lanes, D> upwind;
     for (int axis = 0; axis < D; ++axis) upwind[axis] = upwind_[axis].template segment<kLanes>(n);
     const Lanes step = step_.template segment<kLanes>(n);
-    // Never before the front, not even by rounding: that bucket is behind us.
+    // Never before the front: that bucket is behind us.
     auto reached = reached_.template segment<kLanes>(n);
     if constexpr (Cubes) {
       reached = solve_cubes(upwind, step).max(reached);

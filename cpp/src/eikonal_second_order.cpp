@@ -44,7 +44,7 @@ class HeapMarch {
         const Index neighbour = cell + stride;
         const Real old = field_.time[neighbour];
         if (!(old > t) || field_.step[neighbour] == kInfinity<Real>) continue;
-        const Real time = std::max(t, solve(neighbour, t));
+        const Real time = std::max(t * kLater<Real>, solve(neighbour, t));
         if (time < old) set(static_cast<Cell>(neighbour), time);
       }
     }

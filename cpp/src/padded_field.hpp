@@ -15,6 +15,11 @@ using Cell = std::uint32_t;  // a place in a padded field
 template <typename Real>
 constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
 
+// A front gets later from cell to cell by this factor at least, even where a step is lost in
+// rounding: a way down the times then exists from everywhere.
+template <typename Real>
+constexpr Real kLater = 1 + 2 * std::numeric_limits<Real>::epsilon();
+
 // Times and steps inside a border of infinite cells, in units of the quickest step between two
 // cells, so that no speed or spacing overflows. D is 2 or 3.
 template <typename Real, int D>

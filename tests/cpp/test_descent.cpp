@@ -62,6 +62,27 @@ TEST(Descent, EndsOnTheGoalOutsideTheWallsOfRandomMazes) {
   EXPECT_GT(found, 50);
 }
 
+TEST(Descent, EndsAtTheOtherSourceWithAnError) {
+  const Grid grid{{1, 9, 9}};
+  const std::vector<double> speed(81, 1.0);
+  const auto time = leadthrough::march_first_order(grid, speed.data(), {{0, 0.0}, {80, 0.0}});
+  EXPECT_EQ(leadthrough::descend(grid, time.data(), {0, 1, 3}, {0, 8, 8}, 0.5).status,
+            DescentStatus::kOtherSource);
+}
+
+TEST(Descent, FindsAWayOutOfAFastRegionWhoseTimesAreLostInRounding) {
+  const Grid grid{{1, 40, 40}};
+  std::vector<float> speed(grid.size());
+  for (Index n = 0; n < grid.size(); ++n) speed[n] = n % 40 > 5 && n / 40 > 5 ? 1.0f : 1e-12f;
+  for (const auto& march :
+       {leadthrough::march_first_order<float>, leadthrough::march_second_order<float>}) {
+    const auto single = march(grid, speed.data(), {{0, 0.0}}, leadthrough::kNoStop);
+    const std::vector<double> time(single.begin(), single.end());
+    EXPECT_EQ(leadthrough::descend(grid, time.data(), {0, 35, 35}, {0, 0, 0}, 0.5).status,
+              DescentStatus::kOk);
+  }
+}
+
 TEST(Descent, SaysWhyThereIsNoPath) {
   const Grid grid{{1, 5, 5}};
   std::vector<double> speed(25, 1.0);
@@ -74,5 +95,6 @@ TEST(Descent, SaysWhyThereIsNoPath) {
   EXPECT_EQ(status({0, 4.6, 1}, {0, 0, 0}), DescentStatus::kStartOutside);
   EXPECT_EQ(status({0, 4, 2}, {0, 0, 0}), DescentStatus::kStartUnreached);
   EXPECT_EQ(status({0, 4, 4}, {0, 0, 0}), DescentStatus::kStartUnreached);
-  EXPECT_EQ(status({0, 2, 0}, {0, 4, 0}), DescentStatus::kOtherSource);
+  EXPECT_EQ(status({0, 2, 0}, {0, 4, 0}), DescentStatus::kGoalNotSource);
+  EXPECT_EQ(status({0, 2, 0}, {0, 4, 2}), DescentStatus::kGoalNotSource);
 }

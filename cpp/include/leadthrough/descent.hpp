@@ -17,6 +17,7 @@ enum class DescentStatus {
   kOk,
   kStartOutside,
   kStartUnreached,  // infinite arrival: a wall, or walled off
+  kGoalNotSource,   // a neighbour of the goal's cell is earlier, or the goal is unreached
   kOtherSource,     // the descent ends in a cell that is not the goal's
   kTooManySteps,
 };

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from leadthrough import _core, check
+from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.planning.grid import MOST_CELLS, spacings
 
@@ -40,7 +41,7 @@ def arrival_times(
     if precision not in (np.dtype(np.float32), np.dtype(np.float64)):
         raise InvalidInput(f"dtype: expected float32 or float64, got {precision}")
     check.integer(order, "order", at_least=1, at_most=2)
-    field = _speed(speed, precision)
+    field = _speed(speed)
     cells = _cells(sources, "sources", field.shape)
     walls = field.ravel()[cells] == 0.0
     if walls.any():
@@ -49,30 +50,51 @@ def arrival_times(
             f"sources: expected cells of speed > 0, got a wall at {tuple(int(i) for i in at)}"
         )
     last = -1 if stop is None else int(_cells(stop, "stop", field.shape)[0])
-    steps = spacings(spacing, field.ndim).tolist()
+    steps = spacings(spacing, field.ndim)
+    _check_range(field, steps, precision)
     march = _core.march_float32 if precision == np.float32 else _core.march_float64
-    return march(field, steps, cells, np.zeros(len(cells)), order, last)
+    return march(
+        np.ascontiguousarray(field, precision),
+        steps.tolist(),
+        cells,
+        np.zeros(len(cells)),
+        order,
+        last,
+    )
 
 
-def _speed(speed: Any, dtype: np.dtype[Any]) -> NDArray[Any]:
-    raw = np.asarray(speed)
-    if raw.dtype.kind not in "fiu" or raw.ndim not in (2, 3) or raw.size == 0:
+def _speed(speed: Any) -> NDArray[Any]:
+    field = np.asarray(speed)
+    if field.dtype.kind not in "fiu" or field.ndim not in (2, 3) or field.size == 0:
         raise InvalidInput(
-            f"speed: expected a 2-D or 3-D array of numbers, got shape {raw.shape} of {raw.dtype}"
+            "speed: expected a 2-D or 3-D array of numbers, "
+            f"got shape {field.shape} of {field.dtype}"
         )
-    if raw.size > MOST_CELLS:
-        raise InvalidInput(f"speed: expected at most {MOST_CELLS:.0e} cells, got {raw.size}")
-    field = np.ascontiguousarray(raw, dtype=dtype)
-    least, most = float(field.min()), float(field.max())
-    if not (least >= 0.0 and most < np.inf):
-        raise InvalidInput(f"speed: expected finite numbers >= 0, got values {least} to {most}")
-    slowest = float(np.min(field, where=field > 0.0, initial=np.inf)) if least == 0.0 else least
+    if field.size > MOST_CELLS:
+        raise InvalidInput(f"speed: expected at most {MOST_CELLS:.0e} cells, got {field.size}")
+    if not (field.min() >= 0 and field.max() < np.inf):
+        at = tuple(int(i) for i in np.argwhere(~((field >= 0) & (field < np.inf)))[0])
+        raise InvalidInput(f"speed: expected finite numbers >= 0, got {field[at]} at {at}")
+    return field
+
+
+def _check_range(speed: NDArray[Any], spacing: Float64Array, dtype: np.dtype[Any]) -> None:
+    """Raises InvalidInput where the times could not be told apart or leave the range of dtype."""
+    least, most = float(speed.min()), float(speed.max())
+    slowest = least if least > 0.0 else float(np.where(speed > 0, speed, np.inf).min())
     if slowest < most / MOST_SPEED_RATIO:
         raise InvalidInput(
             f"speed: expected 0 or at least {1 / MOST_SPEED_RATIO:.0e} of the fastest, {most}, "
             f"got {slowest}; make such cells walls or raise them"
         )
-    return field
+    limits = np.finfo(dtype)
+    with np.errstate(over="ignore"):
+        quickest = spacing.min() / np.float64(most)
+        longest = spacing.max() / np.float64(slowest) * speed.size
+    if not (limits.tiny < min(quickest, slowest) and max(longest, most) < limits.max):
+        raise InvalidInput(
+            f"speed: expected times in the range of {dtype}, got speeds from {slowest} to {most}"
+        )
 
 
 def _cells(indices: Any, name: str, shape: tuple[int, ...]) -> NDArray[np.int64]:

@@ -34,10 +34,10 @@ def descend(arrival: Any, grid: Grid, start: Any, goal: Any, *, step: float = 0.
     end = check.array(goal, "goal", shape=(grid.dimensions,))
     if not grid.contains(end[None])[0]:
         raise InvalidInput(f"goal: expected a point in the grid, got {end}")
-    if not np.isfinite(times[tuple(grid.cells_of(end[None])[0])]):
-        raise InvalidInput(f"goal: expected a cell of finite arrival, got {end}")
     first, last = grid.coordinates(np.stack([begin, end])).tolist()
     status, coordinates = _core.descend(times, grid.spacing.tolist(), first, last, length)
+    if status == "goal_not_source":
+        raise InvalidInput(f"goal: expected a point in a source's cell, got {end}")
     if status != "ok":
         raise NoPath(f"no path from {begin} to {end}: {_REASONS[status]}", reason=status)
     path = grid.points_at(coordinates)

@@ -1,0 +1,220 @@
+import numpy as np
+import pytest
+import skfmm
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import leadthrough as lt
+from leadthrough.errors import InvalidInput
+
+SHAPES = [(31, 40), (14, 17, 20)]
+
+
+def smooth_speed(shape, seed):
+    """Speeds between 0.3 and 1 that vary over some ten cells."""
+    axes = np.meshgrid(*(np.arange(n) for n in shape), indexing="ij")
+    rng = np.random.default_rng(seed)
+    waves = [np.sin(rng.uniform(0.1, 0.4) * axis + rng.uniform(0, 6)) for axis in axes]
+    return 0.65 + 0.35 * np.prod(waves, axis=0)
+
+
+def random_walls(shape, source, seed, share=0.15):
+    walls = np.random.default_rng(seed).random(shape) < share
+    walls[source] = False
+    return walls
+
+
+def scikit_fmm(speed, walls, source, spacing, order):
+    phi = np.ones(speed.shape)
+    phi[source] = 0.0  # exactly: a contour between the nodes would make every time half a cell low
+    times = skfmm.travel_time(np.ma.MaskedArray(phi, walls), speed, dx=spacing, order=order)
+    return np.ma.filled(times, np.inf)
+
+
+def distances(shape, source, spacing):
+    axes = np.meshgrid(*(np.arange(n) for n in shape), indexing="ij")
+    return np.sqrt(sum((h * (a - s)) ** 2 for a, s, h in zip(axes, source, spacing, strict=True)))
+
+
+def middle(shape):
+    return tuple(n // 2 for n in shape)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("spacing", [(1.0, 1.0, 1.0), (0.5, 1.2, 0.8)])
+@pytest.mark.parametrize("order", [1, 2])
+def test_distance_errors_are_those_of_scikit_fmm_at_constant_speed(shape, spacing, order):
+    spacing, source = spacing[: len(shape)], middle(shape)
+    ours = lt.arrival_times(np.ones(shape), source, spacing=spacing, order=order)
+    peers = scikit_fmm(np.ones(shape), np.zeros(shape, bool), source, spacing, order)
+    np.testing.assert_allclose(ours, peers, rtol=1e-12)
+    errors = np.abs(ours - distances(shape, source, spacing))
+    assert errors.max() < (1.7 if order == 1 else 0.7)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("spacing", [(1.0, 1.0, 1.0), (0.5, 1.2, 0.8)])
+def test_first_order_equals_scikit_fmm_with_any_speed_and_walls(shape, spacing):
+    spacing, source = spacing[: len(shape)], middle(shape)
+    walls = random_walls(shape, source, 2)
+    speed = np.exp(np.random.default_rng(3).normal(size=shape))
+    ours = lt.arrival_times(np.where(walls, 0.0, speed), source, spacing=spacing)
+    np.testing.assert_allclose(ours, scikit_fmm(speed, walls, source, spacing, 1), rtol=1e-9)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_float32_follows_float64(shape):
+    speed, source = smooth_speed(shape, 1), middle(shape)
+    for order in (1, 2):
+        double = lt.arrival_times(speed, source, order=order)
+        single = lt.arrival_times(speed, source, order=order, dtype=np.float32)
+        assert single.dtype == np.float32
+        np.testing.assert_allclose(single, double, rtol=1e-5)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_axes_may_be_swapped(order):
+    speed, source = smooth_speed((12, 15, 9), 4), (3, 7, 2)
+    times = lt.arrival_times(speed, source, spacing=(1.0, 2.0, 0.5), order=order)
+    swapped = lt.arrival_times(
+        np.transpose(speed, (2, 0, 1)), (2, 3, 7), spacing=(0.5, 1.0, 2.0), order=order
+    )
+    np.testing.assert_allclose(np.transpose(swapped, (1, 2, 0)), times, rtol=1e-13)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_units_of_length_and_speed_scale_the_times(order):
+    speed, source = smooth_speed((15, 18), 5), (4, 9)
+    times = lt.arrival_times(speed, source, order=order)
+    scaled = lt.arrival_times(3e-7 * speed, source, spacing=1e5, order=order)
+    np.testing.assert_allclose(scaled, times * (1e5 / 3e-7), rtol=1e-13)
+
+
+def test_slower_speeds_never_make_a_front_earlier():
+    speed = smooth_speed((20, 22), 6)
+    slower = speed * np.random.default_rng(6).uniform(0.5, 1.0, speed.shape)
+    times = lt.arrival_times(speed, (3, 3))
+    assert (lt.arrival_times(slower, (3, 3)) >= times * (1 - 1e-12)).all()
+
+
+def test_many_sources_give_the_earliest_of_their_fronts_at_most():
+    speed, sources = smooth_speed((20, 22), 7), [(2, 3), (15, 20), (10, 0)]
+    each = np.min([lt.arrival_times(speed, source) for source in sources], axis=0)
+    together = lt.arrival_times(speed, sources)
+    assert (together <= each * (1 + 1e-12)).all()
+    assert (together[tuple(np.transpose(sources))] == 0.0).all()
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.lists(st.tuples(st.integers(0, 11), st.integers(0, 9)), min_size=3, max_size=3))
+def test_times_at_constant_speed_obey_the_triangle_inequality(cells):
+    a, b, c = cells
+    from_a = lt.arrival_times(np.ones((12, 10)), a)
+    from_b = lt.arrival_times(np.ones((12, 10)), b)
+    assert from_a[c] <= from_a[b] + from_b[c] + 1e-12
+    assert from_a[b] == pytest.approx(from_b[a], rel=1e-13)  # and it is symmetric
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32), st.sampled_from([(9, 11), (5, 6, 7), (1, 12), (8, 1, 5), (1, 1)]))
+def test_every_reached_cell_has_an_earlier_neighbour_and_no_wall_is_reached(seed, shape):
+    rng = np.random.default_rng(seed)
+    source = tuple(int(rng.integers(n)) for n in shape)
+    speed = np.where(random_walls(shape, source, seed, 0.3), 0.0, 10.0 ** rng.uniform(-6, 0, shape))
+    for order in (1, 2):
+        times = lt.arrival_times(speed, source, order=order)
+        assert np.isinf(times[speed == 0.0]).all()
+        assert times[source] == 0.0
+        padded = np.pad(times, 1, constant_values=np.inf)
+        neighbours = [np.roll(padded, s, k) for k in range(len(shape)) for s in (-1, 1)]
+        earliest = np.min(neighbours, axis=0)[(slice(1, -1),) * len(shape)]
+        others = np.ones(shape, bool)
+        others[source] = False
+        reached = np.isfinite(times) & others
+        assert (earliest[reached] <= times[reached]).all()
+        assert np.isinf(earliest[np.isinf(times) & (speed > 0.0)]).all()
+
+
+def test_same_input_gives_same_bits_whatever_the_layout_of_the_array():
+    speed = smooth_speed((13, 14, 15), 8)
+    times = lt.arrival_times(speed, (1, 2, 3))
+    np.testing.assert_array_equal(lt.arrival_times(speed, (1, 2, 3)), times)
+    np.testing.assert_array_equal(lt.arrival_times(np.asfortranarray(speed), (1, 2, 3)), times)
+
+
+def test_the_speed_is_not_modified():
+    speed = smooth_speed((13, 14), 9)
+    before = speed.copy()
+    lt.arrival_times(speed, (1, 2), order=2)
+    np.testing.assert_array_equal(speed, before)
+
+
+def test_stopping_at_a_cell_gives_its_time_and_all_earlier_ones():
+    speed = smooth_speed((30, 31), 10)
+    whole, part = lt.arrival_times(speed, (2, 2)), lt.arrival_times(speed, (2, 2), stop=(9, 14))
+    earlier = whole <= whole[9, 14]
+    np.testing.assert_array_equal(part[earlier], whole[earlier])
+    assert np.isinf(part[~earlier]).all()
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 9), (9, 1), (1, 1, 1), (1, 6, 7), (5, 1, 1)])
+@pytest.mark.parametrize("order", [1, 2])
+def test_thin_grids_from_a_corner(shape, order):
+    times = lt.arrival_times(np.full(shape, 2.0), (0,) * len(shape), spacing=3.0, order=order)
+    if sum(n > 1 for n in shape) <= 1:
+        np.testing.assert_allclose(times.ravel(), 1.5 * np.arange(times.size), rtol=1e-14)
+    else:
+        assert np.isfinite(times).all()
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -1.0, 1e-300])
+def test_speeds_that_are_not_speeds_are_refused(bad):
+    speed = np.ones((5, 6))
+    speed[2, 3] = bad
+    with pytest.raises(InvalidInput, match="speed"):
+        lt.arrival_times(speed, (0, 0))
+
+
+@pytest.mark.parametrize(
+    "speed",
+    [np.ones(5), np.ones((2, 2, 2, 2)), np.ones((0, 3)), [["a"]], np.ones((3, 3), complex), None],
+)
+def test_speeds_of_the_wrong_kind_are_refused(speed):
+    with pytest.raises(InvalidInput, match="speed"):
+        lt.arrival_times(speed, (0, 0))
+
+
+@pytest.mark.parametrize(
+    "sources",
+    [(5, 0), (-1, 0), (0.0, 0.0), (0,), (0, 0, 0), [], np.empty((0, 2), int), [(0, 0), (1, 1)]],
+)
+def test_sources_that_are_no_free_cells_are_refused(sources):
+    speed = np.ones((5, 6))
+    speed[1, 1] = 0.0
+    with pytest.raises(InvalidInput, match="sources"):
+        lt.arrival_times(speed, sources)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("scale", [1e-320, 1e-50, 1e50, 1e308])
+def test_times_are_in_range_or_refused(dtype, scale):
+    try:
+        times = lt.arrival_times(np.full((5, 6), scale), (0, 0), dtype=dtype)
+    except InvalidInput as error:
+        assert "range" in str(error)
+    else:
+        np.testing.assert_allclose(times[4, 0] * scale, 4.0, rtol=1e-6)
+
+
+def test_options_are_checked():
+    speed = np.ones((5, 6))
+    for name, options in {
+        "order": {"order": 3},
+        "dtype": {"dtype": np.int32},
+        "spacing": {"spacing": 0.0},
+        "stop": {"stop": (9, 9)},
+    }.items():
+        with pytest.raises(InvalidInput, match=name):
+            lt.arrival_times(speed, (0, 0), **options)
+    with pytest.raises(InvalidInput, match="spacing"):
+        lt.arrival_times(speed, (0, 0), spacing=(1.0, 1.0, 1.0))

@@ -1,0 +1,142 @@
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import leadthrough as lt
+from leadthrough.errors import InvalidInput, NoPath
+from leadthrough.planning import descend
+
+
+def length(path):
+    return np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+
+
+def between(path, count=50):
+    """The path's points and `count` more on each of its segments."""
+    t = np.linspace(0.0, 1.0, count + 2)[:, None]
+    return np.concatenate([a + t * (b - a) for a, b in itertools.pairwise(path)])
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    st.integers(0, 2**32),
+    st.lists(st.integers(2, 16), min_size=2, max_size=3),
+    st.floats(0.0, 0.45),
+    st.floats(0.05, 0.95),
+)
+def test_paths_reach_the_goal_and_touch_no_wall(seed, shape, share, step):
+    rng = np.random.default_rng(seed)
+    d = len(shape)
+    grid = lt.Grid(rng.normal(size=d), rng.uniform(0.5, 1.5, d), tuple(shape))
+    start, goal = grid.points_at(rng.uniform(-0.5, np.array(shape) - 0.5, (2, d)))
+    cells = tuple(grid.cells_of([goal])[0])
+    speed = np.where(rng.random(shape) < share, 0.0, 10.0 ** rng.uniform(-1, 0, shape))
+    speed[cells] = 1.0
+    times = lt.arrival_times(speed, cells, spacing=grid.spacing, order=1 + seed % 2)
+    if np.isinf(times[tuple(grid.cells_of([start])[0])]):
+        with pytest.raises(NoPath) as caught:
+            descend(times, grid, start, goal, step=step)
+        assert caught.value.reason == "start_unreached"
+        return
+    path = descend(times, grid, start, goal, step=step)
+    np.testing.assert_array_equal(path[[0, -1]], [start, goal])
+    assert np.isfinite(times[tuple(grid.cells_of(between(path)).T)]).all()
+
+
+def test_a_path_through_free_space_is_straight():
+    grid = lt.Grid((0.0, 0.0), 1.0, (120, 130))
+    times = lt.arrival_times(np.ones(grid.shape), (100, 90), order=2)
+    start, goal = np.array([7.3, 11.8]), np.array([100.0, 90.0])
+    path = descend(times, grid, start, goal)
+    normal = np.array([-(goal - start)[1], (goal - start)[0]]) / np.linalg.norm(goal - start)
+    assert np.abs((path - start) @ normal).max() < 0.1
+    assert length(path) == pytest.approx(np.linalg.norm(goal - start), rel=1e-4)
+
+
+def test_a_path_around_a_box_hugs_its_corner():
+    grid = lt.Grid((0.0, 0.0), 0.01, (100, 100))
+    speed = np.ones(grid.shape)
+    speed[40:60, :70] = 0.0
+    times = lt.arrival_times(speed, (80, 10), spacing=0.01)
+    path = descend(times, grid, (0.2, 0.1), (0.8, 0.1))
+    corners = np.array([(0.2, 0.1), (0.395, 0.695), (0.595, 0.695), (0.8, 0.1)])
+    assert length(corners) - 1e-9 < length(path) < 1.02 * length(corners)
+
+
+def test_arrival_falls_along_a_path_through_a_smooth_field():
+    grid = lt.Grid((0.0, 0.0, 0.0), 1.0, (30, 30, 30))
+    x, y, z = np.moveaxis(grid.centres(), -1, 0)
+    speed = 0.6 + 0.4 * np.sin(0.3 * x) * np.cos(0.2 * y) * np.sin(0.25 * z + 1)
+    times = lt.arrival_times(speed, (25, 24, 23), order=2)
+    path = descend(times, grid, (2.2, 3.1, 1.7), (25, 24, 23))
+    along = np.array([_interpolated(times, p) for p in path])
+    assert (np.diff(along) < 0).all()
+    # Along the quickest path, length over speed adds up to the arrival time.
+    speeds = np.array([_interpolated(speed, p) for p in 0.5 * (path[1:] + path[:-1])])
+    spent = np.sum(np.linalg.norm(np.diff(path, axis=0), axis=1) / speeds)
+    assert spent == pytest.approx(along[0], rel=0.05)
+
+
+def _interpolated(field, point):
+    low = np.clip(np.floor(point).astype(int), 0, np.array(field.shape) - 2)
+    x, y, z = point - low
+    cube = field[tuple(slice(n, n + 2) for n in low)]
+    return np.array([1 - x, x]) @ (cube @ [1 - z, z]) @ [1 - y, y]
+
+
+def test_a_corridor_one_cell_wide_is_followed_to_its_end():
+    speed = np.zeros((9, 9))
+    speed[::2] = 1.0
+    speed[1::4, 8] = speed[3::4, 0] = 1.0
+    grid = lt.Grid((0.0, 0.0), 1.0, speed.shape)
+    times = lt.arrival_times(speed, (8, 8))
+    path = descend(times, grid, (0.0, 0.0), (8.0, 8.0))
+    assert np.isfinite(times[tuple(grid.cells_of(between(path)).T)]).all()
+    assert length(path) > 40.0
+
+
+def test_a_start_at_the_goal_is_the_whole_path():
+    grid = lt.Grid((0.0, 0.0), 1.0, (5, 5))
+    times = lt.arrival_times(np.ones((5, 5)), (2, 2))
+    np.testing.assert_array_equal(descend(times, grid, (2.0, 2.0), (2.0, 2.0)), [[2.0, 2.0]])
+
+
+def test_no_path_says_why():
+    grid = lt.Grid((0.0, 0.0), 1.0, (7, 7))
+    speed = np.ones((7, 7))
+    speed[3] = 0.0
+    times = lt.arrival_times(speed, (0, 0))
+    for start, reason in {
+        (9.0, 0.0): "start_outside",
+        (3.0, 3.0): "start_unreached",
+        (5.0, 5.0): "start_unreached",
+    }.items():
+        with pytest.raises(NoPath) as caught:
+            descend(times, grid, start, (0.0, 0.0))
+        assert caught.value.reason == reason
+    both = lt.arrival_times(speed, [(0, 0), (2, 6)])
+    with pytest.raises(NoPath) as caught:
+        descend(both, grid, (1.0, 5.0), (0.0, 0.0))
+    assert caught.value.reason == "other_source"
+
+
+def test_bad_input_is_refused():
+    grid = lt.Grid((0.0, 0.0), 1.0, (5, 5))
+    times = lt.arrival_times(np.ones((5, 5)), (2, 2))
+    good = {"arrival": times, "grid": grid, "start": (0.0, 0.0), "goal": (2.0, 2.0)}
+    for name, value in [
+        ("arrival", times[1:]),
+        ("arrival", np.full((5, 5), np.nan)),
+        ("arrival", -times),
+        ("start", (0.0, np.nan)),
+        ("start", (0.0, 0.0, 0.0)),
+        ("goal", (9.0, 9.0)),
+        ("goal", (3.0, 3.0)),
+        ("step", 1.0),
+        ("step", np.nan),
+    ]:
+        with pytest.raises(InvalidInput, match=name):
+            descend(**{**good, name: value})
