@@ -1,0 +1,98 @@
+"""Runs the benchmarks: python python/benchmarks/run.py [--quick] [--out DIR] [--only TEXT].
+
+Prints a table and writes benchmarks.json with versions and facts of the machine. Answers are
+compared with the peer's first; a wrong one fails the run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import importlib.metadata
+import json
+import os
+import platform
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from frame import Row, measure
+
+from leadthrough.io.atomic import replacing
+
+FILES = [
+    "bench_eikonal",
+]
+REPEATS = {"quick": 3, "full": 5}
+
+
+def main() -> int:
+    """0 if all answers agree."""
+    options = _options()
+    repeats = REPEATS["quick" if options.quick else "full"]
+    print(f"{'problem':<58} {'peer':<12} {'error':>8} {'ours s':>9} {'peer s':>9} {'ratio':>6}")
+    rows = []
+    for name in FILES:
+        for benchmark in importlib.import_module(name).benchmarks(quick=options.quick):
+            if options.only in benchmark.name:
+                rows.append(measure(benchmark, repeats))
+                print(_text(rows[-1]), flush=True)
+    _write(options.out / "benchmarks.json", _report(rows, quick=options.quick))
+    return 0 if all(row.passed for row in rows) else 1
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="small problems, under half a minute")
+    parser.add_argument("--out", type=Path, default=Path("benchmark-results"), help="folder")
+    parser.add_argument("--only", default="", help="run the problems whose name has this text")
+    return parser.parse_args()
+
+
+def _text(row: Row) -> str:
+    head = f"{row.name:<58} {row.peer:<12} {row.error:8.1e}"
+    if not row.passed:
+        return f"{head} WRONG ANSWER: expected at most {row.tolerance:.1e}"
+    return f"{head} {row.ours_best:9.4f} {row.peer_best:9.4f} {row.ratio:6.1f}"
+
+
+def _report(rows: list[Row], *, quick: bool) -> dict[str, Any]:
+    libraries = ["leadthrough", "numpy", "scipy", *sorted({row.peer for row in rows})]
+    return {
+        "quick": quick,
+        "times": "CPU seconds, best and median of runs that alternate with the peer's",
+        "machine": {
+            "processor": _processor(),
+            "processors": os.cpu_count(),
+            "system": platform.platform(),
+            "python": platform.python_version(),
+        },
+        "versions": {name: _version(name) for name in dict.fromkeys(map(str.lower, libraries))},
+        "rows": [asdict(row) for row in rows],
+    }
+
+
+def _processor() -> str:
+    facts = Path("/proc/cpuinfo")
+    lines = facts.read_text().splitlines() if facts.exists() else []
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return models[0] if models else platform.processor()
+
+
+def _version(name: str) -> str | None:
+    try:
+        return importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        return None
+
+
+def _write(path: Path, report: dict[str, Any]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(path) as temporary:
+        temporary.write_text(json.dumps(report, indent=2))
+    print(f"written: {path}")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
