@@ -1,6 +1,7 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include "leadthrough/so3.hpp"
 #include "leadthrough/tracking.hpp"
 #include "leadthrough/urdf.hpp"
 #include "parts.hpp"
@@ -77,6 +78,21 @@ IkColumns columns(const std::vector<IkResult>& results, int joints) {
     table.iterations[i] = result.iterations;
   }
   return table;
+}
+
+// `orientation` has four numbers or none.
+py::tuple solve_one(const Chain& chain, const Eigen::Vector3d& position,
+                    const Eigen::Ref<const Eigen::VectorXd>& orientation,
+                    const Eigen::Ref<const Eigen::VectorXd>& seed, const IkOptions& options) {
+  IkResult result;
+  {
+    const py::gil_scoped_release release;
+    IkTarget target{position, std::nullopt};
+    if (orientation.size() == 4) target.rotation = so3::to_matrix(orientation);
+    result = solve_ik(chain, target, seed, options);
+  }
+  return py::make_tuple(result.q, static_cast<int>(result.status), result.position_error,
+                        result.orientation_error, result.iterations);
 }
 
 py::tuple solve(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
@@ -175,7 +191,9 @@ void bind_arm(py::module_& module) {
           py::arg("q").noconvert())
       .def("jacobian", &jacobian, py::arg("q").noconvert(),
            py::call_guard<py::gil_scoped_release>())
-      .def("solve_ik", &solve, py::arg("positions").noconvert(),
+      .def("solve_ik", &solve_one, py::arg("position"), py::arg("orientation").noconvert(),
+           py::arg("seed").noconvert(), py::arg("options"))
+      .def("solve_ik_batch", &solve, py::arg("positions").noconvert(),
            py::arg("orientations").noconvert(), py::arg("seeds").noconvert(), py::arg("options"),
            py::arg("threads"))
       .def("track", &follow, py::arg("positions").noconvert(), py::arg("orientations").noconvert(),

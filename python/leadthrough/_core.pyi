@@ -55,6 +55,13 @@ class Chain:
     def jacobian(self, q: Float64Array) -> Float64Array: ...
     def solve_ik(
         self,
+        position: Float64Array,
+        orientation: Float64Array,
+        seed: Float64Array,
+        options: IkOptions,
+    ) -> tuple[Float64Array, int, float, float, int]: ...
+    def solve_ik_batch(
+        self,
         positions: Float64Array,
         orientations: Float64Array,
         seeds: Float64Array,

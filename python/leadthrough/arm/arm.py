@@ -19,6 +19,7 @@ from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
 
 # Bytes: above the core's own bound, which refuses the document with a reason.
 _LARGEST_FILE = 2**25
+_FREE = np.empty(0)
 _NO_ORIENTATIONS = np.empty((0, 4))
 _DEFAULTS = ik_options()
 
@@ -100,21 +101,16 @@ class Arm:
         options: those of `ik_options`. A target that cannot be reached gives success False and the
         closest configuration found. The same input gives the same answer. Raises InvalidInput.
         """
-        positions = check.array(position, "position", shape=(3,))[None]
-        orientations = _NO_ORIENTATIONS
-        if orientation is not None:
-            orientations = check.quaternions(orientation, "orientation", shape=(4,))[None]
-        seeds = self._middle() if seed is None else self._joints(seed, "seed")
         q, status, position_error, orientation_error, iterations = self._chain.solve_ik(
-            positions, orientations, seeds[None], ik_options(**options) if options else _DEFAULTS, 1
+            check.array(position, "position", shape=(3,)),
+            _FREE
+            if orientation is None
+            else check.quaternions(orientation, "orientation", shape=(4,)),
+            self._middle() if seed is None else self._joints(seed, "seed"),
+            ik_options(**options) if options else _DEFAULTS,
         )
         return IkResult(
-            q[0],
-            bool(status[0] == 0),
-            STATUSES[status[0]],
-            float(position_error[0]),
-            float(orientation_error[0]),
-            int(iterations[0]),
+            q, status == 0, STATUSES[status], position_error, orientation_error, iterations
         )
 
     def inverse_kinematics_batch(
@@ -136,7 +132,7 @@ class Arm:
         turned = _NO_ORIENTATIONS
         if orientations is not None:
             turned = check.quaternions(orientations, "orientations", shape=(count, 4))
-        q, status, position_errors, orientation_errors, iterations = self._chain.solve_ik(
+        q, status, position_errors, orientation_errors, iterations = self._chain.solve_ik_batch(
             targets,
             turned,
             self._seeds(seeds, count),

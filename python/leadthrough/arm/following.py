@@ -131,10 +131,10 @@ def _starts(
 ) -> Float64Array:
     """Postures for the first sample, the closest one alone where none reaches it."""
     if seed is not None:
-        return chain.solve_ik(*task.first(), seed[None], solver, 1)[0]
+        return chain.solve_ik_batch(*task.first(), seed[None], solver, 1)[0]
     seeds = _seeds(chain)
     positions, orientations = (np.repeat(part, len(seeds), axis=0) for part in task.first())
-    q, status, position_errors, orientation_errors, _ = chain.solve_ik(
+    q, status, position_errors, orientation_errors, _ = chain.solve_ik_batch(
         positions, orientations, seeds, solver, 1
     )
     if not (status == 0).any():
@@ -173,7 +173,7 @@ def _velocities(times: Float64Array, q: Float64Array) -> Float64Array:
 def _failure(chain: _core.Chain, task: _Task, track: _Track, solver: _core.IkOptions) -> IkFailure:
     i = track.reached
     residual = (float(track.position_errors[i]), float(track.orientation_errors[i]))
-    _, status, *_ = chain.solve_ik(
+    _, status, *_ = chain.solve_ik_batch(
         task.positions[i : i + 1], task.orientations[i : i + 1], track.q[i : i + 1], solver, 1
     )
     reason = STATUSES[status[0]] if status[0] else "jump"
