@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from leadthrough import check, rotations
@@ -79,11 +80,12 @@ class JointTrajectory:
         for name in ("velocities", "accelerations"):
             if getattr(self, name) is not None:
                 _freeze_rows(self, name, len(self.times), joints)
-        if isinstance(self.joint_names, str):
-            raise InvalidInput(
-                f"joint_names: expected a sequence of names, got {self.joint_names!r}"
-            )
-        object.__setattr__(self, "joint_names", tuple(self.joint_names))
+        names = self.joint_names
+        if isinstance(names, str) or not isinstance(names, Sequence):
+            raise InvalidInput(f"joint_names: expected a sequence of names, got {names!r}")
+        if not all(isinstance(name, str) for name in names):
+            raise InvalidInput(f"joint_names: expected names, got {names!r}")
+        object.__setattr__(self, "joint_names", tuple(names))
         if self.joint_names and len(self.joint_names) != joints:
             raise InvalidInput(f"joint_names: expected {joints} names, got {len(self.joint_names)}")
 

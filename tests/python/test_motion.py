@@ -58,7 +58,7 @@ def test_joint_derivatives_have_the_shape_of_the_positions():
             lt.JointTrajectory(TIMES, np.zeros((3, 2)), **{name: np.zeros((3, 1))})
 
 
-@pytest.mark.parametrize("names", ["ab", ("a",), ("a", "b", "c")])
+@pytest.mark.parametrize("names", ["ab", ("a",), ("a", "b", "c"), ("a", 1), None, 2])
 def test_joint_names_are_one_a_column(names):
     with pytest.raises(InvalidInput, match="joint_names: "):
         lt.JointTrajectory(TIMES, np.zeros((3, 2)), joint_names=names)

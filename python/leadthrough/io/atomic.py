@@ -19,6 +19,8 @@ def replacing(path: StrPath) -> Iterator[Path]:
 
     It has the suffix of `path`. Raises InvalidInput where it cannot be written.
     """
+    if not isinstance(path, str | os.PathLike):
+        raise InvalidInput(f"path: expected a path, got {path!r}")
     target = Path(path)
     if not target.parent.is_dir():
         raise InvalidInput(f"path: no such folder: {target.parent}")

@@ -11,7 +11,8 @@ import numpy as np
 from leadthrough.errors import InvalidInput
 from leadthrough.io.table import ArrayTable
 
-# What NumPy and zipfile let through on archives that are cut off, encrypted, pickled or altered.
+# What NumPy and zipfile let through on archives that are cut off, encrypted, pickled or altered,
+# and on a single array that was renamed to .npz (TypeError).
 _UNREADABLE = (
     ValueError,
     TypeError,
@@ -29,8 +30,8 @@ _UNREADABLE = (
 def table(path: Path) -> ArrayTable:
     """The arrays of an archive. Raises InvalidInput."""
     try:
-        with np.load(path, allow_pickle=False) as archive:
+        # NumPy leaves a file open that it opened itself and could not read.
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
             return ArrayTable({name: archive[name] for name in archive.files})
-    except (AttributeError, *_UNREADABLE) as error:
-        # AttributeError: a single array that was renamed to .npz has no files.
+    except _UNREADABLE as error:
         raise InvalidInput(f"not a readable .npz archive of plain arrays ({error})") from None

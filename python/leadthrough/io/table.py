@@ -138,7 +138,12 @@ def _times(table: Table, time: Columns | None, rate: float | None, count: int) -
         return np.arange(count) / rate
     if rate is not None:
         raise InvalidInput(f"rate: there is a time column, {time[0]!r}; leave rate out")
-    return check.array(table.numbers(time[0]), time[0], shape=(count,))
+    times = table.numbers(time[0])
+    if times.shape != (count,):
+        raise InvalidInput(
+            f"{time[0]}: expected one time for each of {count} samples, got shape {times.shape}"
+        )
+    return times
 
 
 def _choices(found: Sequence[Columns]) -> str:

@@ -1,0 +1,187 @@
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough.errors import InvalidInput
+
+HEADER = "t,x,y,z,qw,qx,qy,qz,joint_1,joint_2,label"
+JOINTS = {"joints": ["joint_1", "joint_2"]}
+
+
+@pytest.fixture
+def write(tmp_path):
+    def to_file(text, name="recording.csv"):
+        path = tmp_path / name
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return path
+
+    return to_file
+
+
+def read(path, **options):
+    (demonstration,) = lt.read_demonstrations(path, **options)
+    return demonstration.motion
+
+
+def test_points_are_found_by_their_names(write):
+    motion = read(write("t,x,y\n0,1,2\n0.5,3,4\n"))
+    assert type(motion) is lt.Trajectory
+    assert np.array_equal(motion.times, [0, 0.5])
+    assert np.array_equal(motion.positions, [[1, 2], [3, 4]])
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        "Time,px,py,pz,qw,qx,qy,qz",
+        "timestamp,pos_x,pos_y,pos_z,orientation_w,orientation_x,orientation_y,orientation_z",
+        "stamp,position.x,position.y,position.z,quat_w,quat_x,quat_y,quat_z",
+        "t,tool_position_x,tool_position_y,tool_position_z,tool_rot_w,tool_rot_x,tool_rot_y,tool_rot_z",
+    ],
+)
+def test_poses_are_found_by_their_names(write, names):
+    motion = read(write(f"{names}\n0,1,2,3,1,0,0,0\n1,4,5,6,0,1,0,0\n"))
+    assert type(motion) is lt.PoseTrajectory
+    assert np.array_equal(motion.positions, [[1, 2, 3], [4, 5, 6]])
+    assert np.array_equal(motion.orientations, [[1, 0, 0, 0], [0, 1, 0, 0]])
+
+
+def test_quaternions_are_read_as_w_x_y_z_wherever_w_stands(write):
+    motion = read(write("t,x,y,z,qx,qy,qz,qw\n0,0,0,0,0.6,0,0,0.8\n"))
+    assert np.array_equal(motion.orientations, [[0.8, 0.6, 0, 0]])
+
+
+@pytest.mark.parametrize(
+    "names", ["joint_1,joint_2", "q0,q1", "panda_joint1,panda_joint2", "pan_joint,lift_joint"]
+)
+def test_joints_are_found_by_their_names_and_keep_them(write, names):
+    motion = read(write(f"t,{names}\n0,1,2\n1,3,4\n"))
+    assert type(motion) is lt.JointTrajectory
+    assert motion.joint_names == tuple(names.split(","))
+    assert np.array_equal(motion.positions, [[1, 2], [3, 4]])
+
+
+def test_joints_are_ordered_by_their_numbers(write):
+    names = [f"joint_{i}" for i in (10, 1, 2, 3, 4, 5, 6, 7, 8, 9)]
+    motion = read(write(f"t,{','.join(names)}\n0,10,1,2,3,4,5,6,7,8,9\n"))
+    assert np.array_equal(motion.positions, [np.arange(1, 11)])
+
+
+def test_joints_with_a_number_left_out_are_not_guessed(write):
+    with pytest.raises(InvalidInput, match="neither positions nor joints"):
+        read(write("t,joint_1,joint_3\n0,1,2\n"))
+
+
+def test_columns_choose_what_is_read(write):
+    path = write(f"{HEADER}\n0,1,2,3,1,0,0,0,0.1,0.2,go\n1,4,5,6,1,0,0,0,0.3,0.4,stop\n")
+    joints = read(path, columns=JOINTS)
+    assert joints.joint_names == ("joint_1", "joint_2")
+    assert np.array_equal(joints.times, [0, 1])
+    poses = read(path, columns={"orientations": ["qw", "qx", "qy", "qz"]})
+    assert np.array_equal(poses.positions, [[1, 2, 3], [4, 5, 6]])
+    points = read(path, columns={"time": "joint_1", "positions": ["z", "x"]})
+    assert type(points) is lt.Trajectory
+    assert np.array_equal(points.positions, [[3, 1], [6, 4]])
+    assert np.array_equal(points.times, [0.1, 0.3])
+
+
+def test_poses_and_joints_at_once_need_a_choice(write):
+    with pytest.raises(InvalidInput, match=r"positions \(x, y, z\) or joints \(joint_1, joint_2\)"):
+        read(write(f"{HEADER}\n0,1,2,3,1,0,0,0,0.1,0.2,go\n"))
+
+
+def test_several_positions_need_a_choice(write):
+    path = write("t,current_pos_x,current_pos_y,goal_pos_x,goal_pos_y\n0,1,2,3,4\n")
+    with pytest.raises(InvalidInput, match=r"current_pos_x, current_pos_y \| goal_pos_x, goal_pos"):
+        read(path)
+    chosen = read(path, columns={"positions": ["goal_pos_x", "goal_pos_y"]})
+    assert np.array_equal(chosen.positions, [[3, 4]])
+
+
+def test_a_rate_stands_in_for_time(write):
+    path = write("x,y\n1,2\n3,4\n5,6\n")
+    assert np.array_equal(read(path, rate=20).times, [0, 0.05, 0.1])
+    with pytest.raises(InvalidInput, match="rate: needed where there is no time"):
+        read(path)
+    with pytest.raises(InvalidInput, match="rate: there is a time column, 't'"):
+        read(write("t,x,y\n0,1,2\n"), rate=20)
+
+
+@pytest.mark.parametrize("rate", [0, -1, np.nan, np.inf, "20", True])
+def test_an_impossible_rate_is_refused(write, rate):
+    with pytest.raises(InvalidInput, match="rate: "):
+        read(write("x,y\n1,2\n"), rate=rate)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "t;x;y\n0;1;2\n1;3;4\n",
+        "t\tx\ty\n0\t1\t2\n1\t3\t4\n",
+        "\ufefft,x,y\r\n0,1,2\r\n1,3,4\r\n",
+        "# t, x, y\n0, 1, 2\n1, 3, 4",
+        "# made by a recorder\n\nt,x,y\n0,1,2\n# paused\n\n1,3,4\n\n",
+        '"t","x","y"\n"0",1,2\n1,3.0,4e0\n',
+    ],
+)
+def test_dialects_are_understood(write, text):
+    motion = read(write(text))
+    assert np.array_equal(motion.times, [0, 1])
+    assert np.array_equal(motion.positions, [[1, 2], [3, 4]])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "got an empty file"),
+        ("\n\n", "got an empty file"),
+        ("t,x,y\n", "expected samples below the header"),
+        ("# t,x,y\n", "expected samples below the header"),
+        ("0,1,2\n1,3,4\n", "line 1: expected a header"),
+        ("t,x,y\n0,1,2\n1,3\n", "line 3: expected 3 cells, as in the header, got 2"),
+        ("t,x,y\n0,1,2,3\n", "line 2: expected 3 cells, as in the header, got 4"),
+        ("t,x,y\n0,1,2\n1,nan,4\n", "line 3, column 'x': expected a finite number, got 'nan'"),
+        ("t,x,y\n0,1,2\n1,,4\n", "line 3, column 'x': expected a finite number, got ''"),
+        ("t,x,y\n0,1,2\n\n1,3,one\n", "line 4, column 'y': expected a finite number, got 'one'"),
+        ("t,x,y\n0,1,2_0\n", "line 2, column 'y': expected a finite number, got '2_0'"),
+        ("t,x,y\n0,1,1e999\n", "line 2, column 'y': expected a finite number, got '1e999'"),
+        ("t,x,y\n0,1,2\n0,3,4\n", "times: expected strictly increasing"),
+        ("t,x,y\n1,1,2\n0,3,4\n", "times: expected strictly increasing"),
+        ("t,x,y,x\n0,1,2,3\n", "line 1: expected different column names, got 'x' twice"),
+        (
+            "t,a,b\n0,1,2\n",
+            "neither positions nor joints by their names; name them, there are t, a",
+        ),
+        ("t,time,x,y\n0,0,1,2\n", "columns: time: several fit, t | time"),
+        ('t,x,y\n0,"1,2\n', "line 2: "),
+        (b"t,x,y\n0,1,\xff\n", "expected UTF-8 text"),
+        ("t,x,y,z,qw,qx,qy,qz\n0,1,2,3,0,0,0,0\n", "orientations: expected unit quaternions"),
+    ],
+)
+def test_what_is_wrong_with_a_file_is_said(write, text, message):
+    path = write(text)
+    with pytest.raises(InvalidInput) as caught:
+        read(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        ({"velocity": ["x"]}, "columns: expected one of 'time', 'positions'"),
+        ({"positions": ["x", "u"]}, r"columns\['positions'\]: no column 'u'; there are t, x"),
+        ({"positions": []}, r"columns\['positions'\]: expected different names, at least one"),
+        ({"positions": ["x", "x"]}, r"columns\['positions'\]: expected different names"),
+        ({"positions": 3}, r"columns\['positions'\]: expected column names"),
+        ({"positions": [1, 2]}, r"columns\['positions'\]: expected column names"),
+        ({"time": ["t", "x"]}, r"columns\['time'\]: expected one name, got 2"),
+        ({"positions": ["x"], "joints": ["y"]}, "expected poses or joints, got both"),
+        ({"positions": ["x", "y", "z"], "orientations": ["qw"]}, "orientations: expected shape"),
+        (["x", "y"], "columns: expected a mapping, got list"),
+    ],
+)
+def test_wrong_columns_are_refused(write, columns, message):
+    path = write(f"{HEADER}\n0,1,2,3,1,0,0,0,0.1,0.2,go\n")
+    with pytest.raises(InvalidInput, match=message):
+        read(path, columns=columns)

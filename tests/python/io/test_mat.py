@@ -1,0 +1,99 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.io import savemat
+
+import leadthrough as lt
+from leadthrough.errors import InvalidInput
+
+TIMES = np.linspace(0.0, 1.0, 5)
+POINTS = np.vstack([TIMES, TIMES**2, TIMES**3])
+
+
+@pytest.fixture
+def save(tmp_path):
+    def to_file(**variables):
+        savemat(tmp_path / "recording.mat", variables)
+        return tmp_path / "recording.mat"
+
+    return to_file
+
+
+def cells(*structures):
+    result = np.empty(len(structures), object)
+    result[:] = structures
+    return result
+
+
+def test_each_structure_is_a_demonstration(save):
+    path = save(demos=cells({"pos": POINTS, "t": TIMES}, {"pos": POINTS[:, :4], "t": TIMES[:4]}))
+    demonstrations = lt.read_demonstrations(path)
+    assert [d.name for d in demonstrations] == ["recording[0]", "recording[1]"]
+    assert np.array_equal(demonstrations[0].motion.positions, POINTS.T)
+    assert np.array_equal(demonstrations[1].motion.times, TIMES[:4])
+
+
+def test_arrays_of_structures_are_read_as_well(save):
+    structures = np.empty((1, 2), dtype=[("pos", object), ("vel", object)])
+    structures["pos"] = [[cells(POINTS)[0], cells(2 * POINTS)[0]]]
+    structures["vel"] = [[cells(POINTS)[0], cells(POINTS)[0]]]
+    demonstrations = lt.read_demonstrations(save(symbol=structures), rate=4)
+    assert np.array_equal(demonstrations[1].motion.positions, 2 * POINTS.T)
+    assert np.array_equal(demonstrations[1].motion.times, TIMES)
+
+
+def test_plain_variables_are_one_demonstration(save):
+    (demonstration,) = lt.read_demonstrations(save(time=TIMES, joints=POINTS.T, rate=4.0))
+    assert demonstration.name == "recording"
+    assert type(demonstration.motion) is lt.JointTrajectory
+    assert np.array_equal(demonstration.motion.positions, POINTS.T)
+
+
+def test_fields_can_be_mapped(save):
+    path = save(demos=cells({"path": POINTS, "clock": TIMES, "note": "by hand"}))
+    (demonstration,) = lt.read_demonstrations(path, columns={"time": "clock", "positions": "path"})
+    assert np.array_equal(demonstration.motion.positions, POINTS.T)
+
+
+@pytest.mark.parametrize(
+    ("variables", "message"),
+    [
+        ({"a": {"pos": POINTS}, "b": {"pos": POINTS}}, "structures in one variable, got them in a"),
+        ({"demos": {"force": POINTS}}, "neither positions nor joints"),
+        ({"demos": {"pos": POINTS}}, "rate: needed"),
+        ({"demos": {"pos": POINTS, "t": TIMES[:3]}}, "t: expected one time for each of 5 samples"),
+        ({"demos": {"pos": POINTS * np.nan, "t": TIMES}}, "pos: expected finite"),
+        ({"demos": {"pos": "text", "t": TIMES}}, "pos: expected numbers"),
+        (
+            {"demos": {"pos": np.zeros((0, 0)), "t": TIMES}},
+            "t: expected one time for each of 0 samples",
+        ),
+        ({}, "neither positions nor joints"),
+    ],
+)
+def test_what_makes_no_motion_is_refused(save, variables, message):
+    with pytest.raises(InvalidInput, match=message):
+        lt.read_demonstrations(save(**variables))
+
+
+def test_newer_matlab_files_are_named_as_such(tmp_path):
+    path = tmp_path / "recording.mat"
+    path.write_bytes(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM" + bytes(400))
+    with pytest.raises(InvalidInput, match=r"expected MATLAB 7.2 or older; save with -v7"):
+        lt.read_demonstrations(path)
+
+
+@given(data=st.data())
+def test_a_damaged_file_is_read_or_refused(tmp_path_factory, data):
+    folder = tmp_path_factory.mktemp("damaged")
+    savemat(folder / "whole.mat", {"demos": {"pos": POINTS, "t": TIMES}}, do_compression=True)
+    content = bytearray((folder / "whole.mat").read_bytes())
+    for i in data.draw(st.lists(st.integers(0, len(content) - 1), max_size=4)):
+        content[i] = data.draw(st.integers(0, 255))
+    path = folder / "damaged.mat"
+    path.write_bytes(content[: data.draw(st.integers(0, len(content)))])
+    try:
+        lt.read_demonstrations(path)
+    except InvalidInput as error:
+        assert "damaged.mat" in str(error)

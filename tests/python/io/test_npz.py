@@ -1,0 +1,96 @@
+import zipfile
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import leadthrough as lt
+from leadthrough.errors import InvalidInput
+
+TIMES = np.array([0.0, 0.1, 0.3])
+QUATERNIONS = np.tile([0.0, 1.0, 0.0, 0.0], (3, 1))
+
+
+@pytest.fixture
+def save(tmp_path):
+    def to_file(**arrays):
+        np.savez(tmp_path / "recording.npz", **arrays)
+        return tmp_path / "recording.npz"
+
+    return to_file
+
+
+def read(path, **options):
+    (demonstration,) = lt.read_demonstrations(path, **options)
+    return demonstration.motion
+
+
+def test_arrays_make_points_poses_or_joints(save):
+    positions = np.arange(9.0).reshape(3, 3)
+    points = read(save(times=TIMES, positions=positions))
+    assert np.array_equal(points.times, TIMES)
+    assert np.array_equal(points.positions, positions)
+    poses = read(save(times=TIMES, positions=positions, orientations=QUATERNIONS))
+    assert np.array_equal(poses.orientations, QUATERNIONS)
+    joints = read(save(times=TIMES, joints=np.zeros((3, 7), np.float32)))
+    assert joints.positions.shape == (3, 7)
+
+
+def test_other_names_can_be_mapped(save):
+    path = save(stamps=TIMES, a=np.ones(3), b=np.zeros((3, 2)), note=np.array("hand guided"))
+    motion = read(path, columns={"time": "stamps", "positions": ["a", "b"]})
+    assert np.array_equal(motion.positions, [[1, 0, 0]] * 3)
+
+
+@pytest.mark.parametrize(
+    ("arrays", "message"),
+    [
+        ({"times": TIMES}, "neither positions nor joints"),
+        ({"positions": np.zeros((3, 2))}, "rate: needed"),
+        ({"times": TIMES, "positions": np.zeros((2, 2))}, "times: expected one time for each of 2"),
+        ({"times": TIMES, "positions": np.full((3, 2), np.inf)}, "positions: expected finite"),
+        ({"times": TIMES, "positions": np.zeros((3, 2, 2))}, "positions: expected shape"),
+        ({"times": TIMES, "positions": np.array(["a", "b", "c"])}, "positions: expected numbers"),
+        ({"times": TIMES, "positions": np.zeros((3, 2), complex)}, "positions: expected numbers"),
+        ({"times": TIMES, "positions": np.zeros((0, 2))}, "times: expected one time for"),
+        ({"times": TIMES[:0], "positions": np.zeros((0, 2))}, "at least one sample"),
+        ({"times": TIMES, "joints": TIMES, "positions": np.zeros((3, 2))}, "both poses and joints"),
+    ],
+)
+def test_arrays_that_make_no_motion_are_refused(save, arrays, message):
+    with pytest.raises(InvalidInput, match=message):
+        read(save(**arrays))
+
+
+def test_pickled_objects_are_never_loaded(save):
+    with pytest.raises(InvalidInput, match=r"not a readable .npz archive of plain arrays"):
+        read(save(times=TIMES, positions=np.array([object()] * 3)))
+
+
+def test_what_is_no_archive_is_refused(tmp_path):
+    path = tmp_path / "recording.npz"
+    np.save(tmp_path / "array.npy", TIMES)
+    with zipfile.ZipFile(tmp_path / "text.npz", "w") as archive:
+        archive.writestr("times.npy", "not an array")
+    for content in (b"", b"text", (tmp_path / "array.npy").read_bytes()):
+        path.write_bytes(content)
+        with pytest.raises(InvalidInput, match=r"not a readable .npz archive"):
+            read(path)
+    with pytest.raises(InvalidInput):
+        read(tmp_path / "text.npz")
+
+
+@given(data=st.data())
+def test_a_damaged_archive_is_read_or_refused(tmp_path_factory, data):
+    folder = tmp_path_factory.mktemp("damaged")
+    np.savez(folder / "whole.npz", times=TIMES, positions=np.zeros((3, 2)))
+    content = bytearray((folder / "whole.npz").read_bytes())
+    for i in data.draw(st.lists(st.integers(0, len(content) - 1), max_size=4)):
+        content[i] = data.draw(st.integers(0, 255))
+    path = folder / "damaged.npz"
+    path.write_bytes(content[: data.draw(st.integers(0, len(content)))])
+    try:
+        read(path)
+    except InvalidInput as error:
+        assert "damaged.npz" in str(error)

@@ -1,0 +1,86 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from leadthrough.errors import InvalidInput
+from leadthrough.preprocess import resample
+
+curves = arrays(float, st.tuples(st.integers(1, 12), st.integers(1, 3)), elements=st.floats(-9, 9))
+
+
+def test_arc_length_is_the_length_walked_so_far():
+    assert np.array_equal(resample.arc_length([[0, 0], [3, 4], [3, 4], [3, 5]]), [0, 5, 5, 6])
+    assert np.array_equal(resample.arc_length([[1, 2]]), [0])
+
+
+def test_points_are_spaced_equally_along_the_curve():
+    corner = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [1.0, 3.0]]
+    assert np.array_equal(
+        resample.by_arc_length(corner, 5), [[0, 0], [1, 0], [1, 1], [1, 2], [1, 3]]
+    )
+
+
+def test_a_semicircle_is_walked_at_even_angles():
+    uneven = np.pi * np.linspace(0, 1, 20_001) ** 3
+    angles = np.linspace(0, np.pi, 50)
+    resampled = resample.by_arc_length(np.column_stack([np.cos(uneven), np.sin(uneven)]), 50)
+    np.testing.assert_allclose(
+        resampled, np.column_stack([np.cos(angles), np.sin(angles)]), atol=1e-6
+    )
+
+
+@given(curves, st.integers(2, 30))
+def test_the_ends_stay_and_the_spacing_is_never_exceeded(curve, count):
+    resampled = resample.by_arc_length(curve, count)
+    assert resampled.shape == (count, curve.shape[1])
+    np.testing.assert_allclose(resampled[[0, -1]], curve[[0, -1]], atol=1e-12)
+    spacing = resample.arc_length(curve)[-1] / (count - 1)
+    assert (np.linalg.norm(np.diff(resampled, axis=0), axis=1) <= spacing + 1e-12).all()
+
+
+@given(curves, st.lists(st.integers(1, 4), min_size=12, max_size=12), st.integers(2, 30))
+def test_pauses_do_not_matter(curve, repeats, count):
+    paused = np.repeat(curve, repeats[: len(curve)], axis=0)
+    np.testing.assert_allclose(
+        resample.by_arc_length(paused, count), resample.by_arc_length(curve, count), atol=1e-12
+    )
+
+
+@given(curves, arrays(float, (8,), elements=st.floats(0, 1)))
+def test_more_samples_of_the_same_polygon_do_not_matter(curve, parts):
+    segments = np.arange(len(curve) - 1) if len(curve) > 1 else np.zeros(0, int)
+    dense = [curve[:1]]
+    for i in segments:
+        part = np.sort(parts)[:, None]
+        dense += [(1 - part) * curve[i] + part * curve[i + 1], curve[i + 1 : i + 2]]
+    np.testing.assert_allclose(
+        resample.by_arc_length(np.vstack(dense), 9), resample.by_arc_length(curve, 9), atol=1e-9
+    )
+
+
+def test_a_curve_that_never_moves_stays_a_point():
+    assert np.array_equal(resample.by_arc_length([[1.0, 2.0]] * 3, 4), [[1, 2]] * 4)
+    assert np.array_equal(resample.by_arc_length([[1.0, 2.0]], 2), [[1, 2]] * 2)
+
+
+def test_tiny_steps_beside_a_long_way_are_harmless():
+    curve = [[0.0], [1e-300], [1e20], [1e20 + 1e4], [2e20]]
+    resampled = resample.by_arc_length(curve, 3)
+    np.testing.assert_allclose(resampled, [[0], [1e20], [2e20]])
+
+
+@pytest.mark.parametrize(
+    "points", [[], np.zeros((0, 2)), [1.0, 2.0], [[np.nan, 0]], None, [[1e308, 0], [-1e308, 0]]]
+)
+def test_bad_points_are_refused(points):
+    for call in (resample.arc_length, lambda p: resample.by_arc_length(p, 5)):
+        with pytest.raises(InvalidInput, match="points: "):
+            call(points)
+
+
+@pytest.mark.parametrize("count", [1, 0, -3, 2.0, None, True])
+def test_a_bad_count_is_refused(count):
+    with pytest.raises(InvalidInput, match="count: expected an integer"):
+        resample.by_arc_length([[0.0], [1.0]], count)
