@@ -9,13 +9,13 @@ speed shows the acceleration and jerk that this takes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, LimitsInfeasible
 from leadthrough.motion import JointTrajectory
@@ -28,28 +28,6 @@ _MOST_CORRECTIONS = 20
 # A ratio above 1 by less is rounding: third differences of positions sampled at 1 kHz carry 1e-6
 # rad/s^3 of it, and a position given with seven digits 1e-7 rad.
 ROUNDING = 1e-6
-
-
-@runtime_checkable
-class Limits(Protocol):
-    """What is needed of an arm's limits, (joints,) each; None is not known and not checked.
-
-    lower, upper: rad (m), infinite where there is none. velocity, acceleration, jerk: of the
-    magnitude, per s, s^2 and s^3.
-    """
-
-    @property
-    def joint_names(self) -> Sequence[str]: ...
-    @property
-    def lower(self) -> Float64Array: ...
-    @property
-    def upper(self) -> Float64Array: ...
-    @property
-    def velocity(self) -> Float64Array: ...
-    @property
-    def acceleration(self) -> Float64Array | None: ...
-    @property
-    def jerk(self) -> Float64Array | None: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,35 +74,25 @@ class LimitsReport:
         return tuple(name for name in ("acceleration", "jerk") if getattr(self, name) is None)
 
 
-def check_limits(trajectory: JointTrajectory, limits: Limits) -> LimitsReport:
+def check_limits(trajectory: JointTrajectory, limits: JointLimits) -> LimitsReport:
     """How a trajectory stands to the limits of the arm; a violation does not raise.
 
     The trajectory's own velocities and accelerations count as well, where it has them.
     Raises InvalidInput where trajectory and limits do not belong together.
     """
     names = _joint_names(trajectory, limits)
-    bounds = {
-        quantity: _bound(getattr(limits, quantity), quantity, len(names))
-        for quantity in ("lower", "upper", "velocity", "acceleration", "jerk")
-        if quantity not in ("acceleration", "jerk") or getattr(limits, quantity) is not None
-    }
-    given = {"velocity": trajectory.velocities, "acceleration": trajectory.accelerations}
-    peaks = {
-        quantity: _peak(
-            *_magnitudes(trajectory, order, given.get(quantity)), bounds[quantity], names
-        )
-        for order, quantity in enumerate(("velocity", "acceleration", "jerk"), 1)
-        if quantity in bounds
-    }
+    acceleration, jerk = limits.acceleration, limits.jerk
     return LimitsReport(
-        position=_position_peak(trajectory, bounds["lower"], bounds["upper"], names),
-        velocity=peaks["velocity"],
-        acceleration=peaks.get("acceleration"),
-        jerk=peaks.get("jerk"),
+        position=_position_peak(trajectory, limits, names),
+        velocity=_peak(trajectory, 1, limits.velocity, names, own=trajectory.velocities),
+        acceleration=None
+        if acceleration is None
+        else _peak(trajectory, 2, acceleration, names, own=trajectory.accelerations),
+        jerk=None if jerk is None else _peak(trajectory, 3, jerk, names),
     )
 
 
-def scale_to_limits(trajectory: JointTrajectory, limits: Limits) -> JointTrajectory:
+def scale_to_limits(trajectory: JointTrajectory, limits: JointLimits) -> JointTrajectory:
     """The trajectory, slowed down evenly until `check_limits` finds all limits kept.
 
     It is never sped up, its path and its first time stay; its own velocities and accelerations,
@@ -173,12 +141,12 @@ def _check_type(trajectory: Any) -> None:
         )
 
 
-def _joint_names(trajectory: JointTrajectory, limits: Limits) -> tuple[str, ...]:
+def _joint_names(trajectory: JointTrajectory, limits: JointLimits) -> tuple[str, ...]:
     _check_type(trajectory)
-    if not isinstance(limits, Limits):
-        raise InvalidInput(f"limits: expected the limits of joints, got {type(limits).__name__}")
+    if not isinstance(limits, JointLimits):
+        raise InvalidInput(f"limits: expected JointLimits, got {type(limits).__name__}")
     joints = trajectory.positions.shape[1]
-    wanted = tuple(limits.joint_names)
+    wanted = limits.joint_names
     if len(wanted) != joints:
         raise InvalidInput(f"limits: expected limits of {joints} joints, got {len(wanted)}")
     if trajectory.joint_names and trajectory.joint_names != wanted:
@@ -186,25 +154,6 @@ def _joint_names(trajectory: JointTrajectory, limits: Limits) -> tuple[str, ...]
             f"limits: expected limits of {list(trajectory.joint_names)}, got {list(wanted)}"
         )
     return wanted
-
-
-def _bound(value: Any, name: str, joints: int) -> Float64Array:
-    bound = np.asarray(value)
-    if bound.dtype.kind not in "fiu" or bound.shape != (joints,) or np.isnan(bound).any():
-        raise InvalidInput(f"limits.{name}: expected {joints} numbers, got {value}")
-    if name not in ("lower", "upper") and (bound < 0.0).any():
-        raise InvalidInput(f"limits.{name}: expected magnitudes, got {value}")
-    return bound
-
-
-def _magnitudes(
-    trajectory: JointTrajectory, order: int, given: Float64Array | None
-) -> tuple[Float64Array, Float64Array]:
-    """Times (m,) and the magnitudes (m, joints) there, measured and, behind them, `given`."""
-    times, values = _differences(trajectory.times, trajectory.positions, order)
-    if given is not None:
-        times, values = np.append(times, trajectory.times), np.vstack([values, given])
-    return times, np.abs(values)
 
 
 def _differences(
@@ -227,18 +176,27 @@ def _differences(
 
 
 def _peak(
-    times: Float64Array, magnitudes: Float64Array, limit: Float64Array, names: tuple[str, ...]
+    trajectory: JointTrajectory,
+    order: int,
+    limit: Float64Array,
+    names: tuple[str, ...],
+    *,
+    own: Float64Array | None = None,
 ) -> Peak:
+    """The peak of a derivative, measured and, where the trajectory has its own, given."""
+    times, values = _differences(trajectory.times, trajectory.positions, order)
+    if own is not None:
+        times, values = np.append(times, trajectory.times), np.vstack([values, own])
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         # 0 / 0 is a joint at rest that must rest; anything else not a number overflowed.
-        ratios = np.where(magnitudes == 0.0, 0.0, magnitudes / limit)
+        ratios = np.where(values == 0.0, 0.0, np.abs(values) / limit)
     return _worst(times, np.where(np.isnan(ratios), np.inf, ratios), names)
 
 
 def _position_peak(
-    trajectory: JointTrajectory, lower: Float64Array, upper: Float64Array, names: tuple[str, ...]
+    trajectory: JointTrajectory, limits: JointLimits, names: tuple[str, ...]
 ) -> Peak:
-    q = trajectory.positions
+    q, lower, upper = trajectory.positions, limits.lower, limits.upper
     inside = (lower <= q) & (q <= upper)
     bounded = np.isfinite(lower) & np.isfinite(upper) & (lower < upper)
     low, high = np.where(bounded, lower, -1.0), np.where(bounded, upper, 1.0)
