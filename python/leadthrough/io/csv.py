@@ -7,6 +7,7 @@ comments everywhere else. A byte order mark and empty rows are skipped.
 from __future__ import annotations
 
 import csv
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -48,9 +49,9 @@ def table(path: Path) -> CsvTable:
     header, start = _header(lines)
     delimiter = max(_DELIMITERS, key=header.count)
     names = _split(header, delimiter, start)
-    for name in names:
-        if names.count(name) > 1:
-            raise InvalidInput(f"line {start}: expected different column names, got {name!r} twice")
+    name, times = Counter(names).most_common(1)[0]
+    if times > 1:
+        raise InvalidInput(f"line {start}: expected different column names, got {name!r} twice")
     rows = [
         Row(number, _split(line, delimiter, number))
         for number, line in enumerate(lines[start:], start + 1)
@@ -72,7 +73,8 @@ def _header(lines: Sequence[str]) -> tuple[str, int]:
     comment: tuple[str, int] | None = None
     for number, line in enumerate(lines, 1):
         if line.startswith("#"):
-            comment = (line.lstrip("# "), number)
+            names = line.lstrip("# ")
+            comment = (names, number) if names.strip() else comment
         elif line.strip() and not _starts_with_number(line):
             return line, number
         elif line.strip():

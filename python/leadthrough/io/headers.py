@@ -28,7 +28,7 @@ _WHOLE = {
     "joints": {"joints", "joint_positions"},
 }
 _COMPONENT = re.compile(r"(?P<part>.*?)[_.\-/ ]?(?P<axis>[wxyz])")
-_NUMBERED_JOINT = re.compile(r"(?P<arm>(.*[_.\-/ ])?(joint|j|q)[_.\-/ ]?)(?P<number>[0-9]+)")
+_NUMBERED_JOINT = re.compile(r"(?P<arm>(.*[_.\-/ ])?(joint|j|q)[_.\-/ ]?)(?P<number>[0-9]{1,4})")
 
 
 def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:

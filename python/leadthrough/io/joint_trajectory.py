@@ -114,7 +114,8 @@ def _resting_at_both_ends(velocities: Float64Array | None) -> Float64Array:
         fastest = float(np.abs(velocities[i]).max())
         if fastest > REST_VELOCITY:
             raise InvalidInput(
-                f"trajectory: expected rest at the {which} sample, got {fastest:.6g} rad/s"
+                f"trajectory: expected rest at the {which} sample, got {fastest:.6g} rad/s; "
+                "timing.differentiate brings the ends to rest"
             )
     result = velocities.copy()
     result[[0, -1]] = 0.0

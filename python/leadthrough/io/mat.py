@@ -1,8 +1,8 @@
-"""Reads MATLAB files, version 7.2 and older.
+"""Reads demonstrations from MATLAB files, versions 5 to 7.2.
 
 Every element of an array of structures, or of a cell array of them, is one demonstration, its
 fields the columns; the structures are in one variable. A file without structures is itself one
-demonstration, its variables the columns. The longer axis of a field is time, rows in a square.
+demonstration, its variables the columns. The longer axis of a field is time, columns in a square.
 """
 
 from __future__ import annotations
@@ -12,45 +12,36 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.io import loadmat
 
 from leadthrough.errors import InvalidInput
+from leadthrough.io import mat5
 from leadthrough.io.table import ArrayTable
 
 
 def tables(path: Path) -> list[ArrayTable]:
     """One table a demonstration. Raises InvalidInput."""
-    try:
-        content = loadmat(path)
-    except NotImplementedError:
-        raise InvalidInput("expected MATLAB 7.2 or older; save with -v7") from None
-    except Exception as error:  # SciPy's parser lets through whatever it trips over.
-        raise InvalidInput(f"not a readable MATLAB file ({error})") from None
-    variables = {name: value for name, value in content.items() if not name.startswith("__")}
+    variables = mat5.variables(path.read_bytes())
     structures = {name: list(_structures(value)) for name, value in variables.items()}
     filled = {name: found for name, found in structures.items() if found}
     if len(filled) > 1:
         raise InvalidInput(f"expected structures in one variable, got them in {', '.join(filled)}")
     records = next(iter(filled.values()), [variables])
     return [
-        ArrayTable({name: _samples_first(record[name]) for name in record}) for record in records
+        ArrayTable({name: _samples_first(value) for name, value in record.items()})
+        for record in records
     ]
 
 
-def _structures(value: Any) -> Iterator[dict[str, Any]]:
-    if not isinstance(value, np.ndarray):
-        return
-    if value.dtype.names is not None:
-        for element in value.ravel():
-            yield {name: element[name] for name in value.dtype.names}
-    elif value.dtype == object:
-        for cell in value.ravel():
-            yield from _structures(cell)
+def _structures(value: mat5.Value) -> Iterator[dict[str, Any]]:
+    if isinstance(value, dict):
+        yield value
+    elif isinstance(value, list):
+        for element in value:
+            yield from _structures(element)
 
 
-def _samples_first(value: Any) -> Any:
-    array = np.asarray(value)
-    if array.ndim != 2:
-        return array
-    samples_first = array if array.shape[0] > array.shape[1] else array.T
+def _samples_first(value: mat5.Value) -> mat5.Value:
+    if not isinstance(value, np.ndarray) or value.ndim != 2:
+        return value
+    samples_first = value if value.shape[0] > value.shape[1] else value.T
     return samples_first[:, 0] if samples_first.shape[1] == 1 else samples_first

@@ -40,8 +40,9 @@ class ArrayTable:
         return tuple(self.arrays)
 
     def numbers(self, name: str) -> Float64Array:
-        array = np.asarray(self.arrays[name])
-        return check.array(array, name, shape=("n",) if array.ndim == 1 else ("n", "k"))
+        value = self.arrays[name]
+        flat = isinstance(value, np.ndarray) and value.ndim == 1
+        return check.array(value, name, shape=("n",) if flat else ("n", "k"))
 
 
 def named_columns(columns: Any) -> dict[str, Columns]:

@@ -1,5 +1,7 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
@@ -152,6 +154,7 @@ def test_dialects_are_understood(write, text):
             "t,a,b\n0,1,2\n",
             "neither positions nor joints by their names; name them, there are t, a",
         ),
+        (f"t,q{'1' * 5000}\n0,1\n", "neither positions nor joints"),
         ("t,time,x,y\n0,0,1,2\n", "columns: time: several fit, t | time"),
         ('t,x,y\n0,"1,2\n', "line 2: "),
         (b"t,x,y\n0,1,\xff\n", "expected UTF-8 text"),
@@ -164,6 +167,16 @@ def test_what_is_wrong_with_a_file_is_said(write, text, message):
         read(path)
     assert str(caught.value).startswith(f"{path}: ")
     assert message in str(caught.value)
+
+
+@given(st.text(alphabet='txyq0123456789.,;\t\n\r#"-+en_ \0', max_size=60))
+def test_any_text_is_read_or_refused(tmp_path_factory, text):
+    path = tmp_path_factory.mktemp("any") / "recording.csv"
+    path.write_text(text)
+    try:
+        read(path)
+    except InvalidInput as error:
+        assert "recording.csv" in str(error)
 
 
 @pytest.mark.parametrize(

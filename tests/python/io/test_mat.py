@@ -3,9 +3,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.io import savemat
+from scipy.sparse import csr_array
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
+from leadthrough.io import mat5
 
 TIMES = np.linspace(0.0, 1.0, 5)
 POINTS = np.vstack([TIMES, TIMES**2, TIMES**3])
@@ -84,10 +86,36 @@ def test_newer_matlab_files_are_named_as_such(tmp_path):
         lt.read_demonstrations(path)
 
 
-@given(data=st.data())
-def test_a_damaged_file_is_read_or_refused(tmp_path_factory, data):
+@pytest.mark.parametrize("compressed", [True, False])
+@pytest.mark.parametrize("kind", ["f8", "f4", "i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8", "?"])
+def test_numbers_of_every_kind_keep_their_order_and_shape(tmp_path, compressed, kind):
+    values = (np.arange(24).reshape(2, 3, 4) % 100).astype(kind)
+    path = tmp_path / "numbers.mat"
+    savemat(path, {"a": values, "b": {"deep": cells({"c": values[0]})}}, do_compression=compressed)
+    found = mat5.variables(path.read_bytes())
+    assert np.array_equal(found["a"], values)
+    assert np.array_equal(found["b"][0]["deep"][0][0]["c"], values[0])
+
+
+def test_what_is_no_number_is_left_out(tmp_path):
+    path = tmp_path / "others.mat"
+    savemat(path, {"text": "by hand", "complex": 1j, "sparse": csr_array(np.eye(3)), "empty": []})
+    found = mat5.variables(path.read_bytes())
+    assert found["text"] is found["complex"] is found["sparse"] is None
+    assert found["empty"].size == 0
+
+
+def test_a_field_of_uneven_cells_is_refused(save):
+    path = save(demos=cells({"pos": cells(POINTS, TIMES), "t": TIMES}))
+    with pytest.raises(InvalidInput, match="pos: expected "):
+        lt.read_demonstrations(path)
+
+
+@given(data=st.data(), compressed=st.booleans())
+def test_a_damaged_file_is_read_or_refused(tmp_path_factory, data, compressed):
     folder = tmp_path_factory.mktemp("damaged")
-    savemat(folder / "whole.mat", {"demos": {"pos": POINTS, "t": TIMES}}, do_compression=True)
+    content = {"demos": {"pos": POINTS, "t": TIMES}}
+    savemat(folder / "whole.mat", content, do_compression=compressed)
     content = bytearray((folder / "whole.mat").read_bytes())
     for i in data.draw(st.lists(st.integers(0, len(content) - 1), max_size=4)):
         content[i] = data.draw(st.integers(0, 255))
