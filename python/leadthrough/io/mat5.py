@@ -82,7 +82,7 @@ def _matrix(data: memoryview, order: str, depth: int) -> tuple[str, Value]:
     shape = [int(size) for size in _numbers(next(parts), order)]
     if not shape or min(shape) < 0:
         raise ValueError(f"an array of shape {shape}")
-    name = bytes(next(parts)[1]).decode("ascii")
+    name = bytes(next(parts)[1]).decode("utf-8")
     kind = flags & 0xFF
     if kind == _CELL:
         return name, _matrices(parts, math.prod(shape), order, depth)
