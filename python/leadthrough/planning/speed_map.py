@@ -47,7 +47,8 @@ def add_obstacles(
     maps, and only below the saturation: that leaves a step in the speed, whose corners the path
     would follow.
     """
-    walls = occupied(grid, obstacles)
+    # A path may pass a free cell's corner, half a diagonal from the centre that was tested.
+    walls = occupied(grid, obstacles, margin=0.5 * float(np.linalg.norm(grid.spacing)))
     if not walls.any():
         return speed
     distance = distance_transform(walls, spacing=grid.spacing)
