@@ -1,41 +1,64 @@
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "lazy_heap.hpp"
 #include "leadthrough/eikonal.hpp"
 #include "padded_field.hpp"
+#include "schedule.hpp"
 #include "upwind.hpp"
 
 namespace leadthrough {
 
 namespace {
 
-// The march of second order on a heap: its solution depends on the order in which cells become
-// final, so that buckets would not do.
+// The march of second order. Its solution depends on the order in which cells become final: the
+// cells of a bucket are sorted by a heap, which is far smaller than one for the whole front.
 template <typename Real, int D>
-class HeapMarch {
+class SortedMarch {
  public:
-  explicit HeapMarch(PaddedField<Real, D>& field) : field_(field) {}
-
-  void start(Cell cell, Real time) {
-    if (time < field_.time[cell]) set(cell, time);
+  explicit SortedMarch(PaddedField<Real, D>& field) : field_(field), schedule_(field.time) {
+    for (int axis = 0; axis < D; ++axis)
+      weights_[axis] = 1 / (field.spacing[axis] * field.spacing[axis]);
   }
 
+  void start(Cell cell, Real time) { schedule_.start(cell, time); }
+
+  // Runs until every time is final, or those up to the time of `stop`, if there is one.
   void run(const Cell* stop) {
-    while (!heap_.empty()) {
-      const LazyHeap::Entry entry = heap_.pop();
-      const Real t = field_.time[entry.cell];
-      if (entry.time != static_cast<float>(t)) continue;  // improved since
-      if (stop && entry.cell == *stop) return;
-      advance(entry.cell, t);
+    while (schedule_.refill()) {
+      do {
+        run_bucket();
+        if (stop && schedule_.is_final(field_.time[*stop])) return;
+      } while (schedule_.next());
     }
   }
 
  private:
+  void run_bucket() {
+    std::array<Cell, BucketQueue::kChunk> cells;
+    while (const int count = schedule_.take(cells.data()))
+      for (int n = 0; n < count; ++n) heap_.push(key(field_.time[cells[n]]), cells[n]);
+    while (!heap_.empty()) {
+      const LazyHeap::Entry entry = heap_.pop();
+      const Real t = field_.time[entry.cell];
+      if (entry.time == key(t)) advance(entry.cell, t);  // otherwise improved since
+    }
+  }
+
+  // Times in the bucket begin at 0, so that a float tells them apart.
+  float key(Real time) const {
+    return static_cast<float>(std::max(time - schedule_.begin(), Real(0)));
+  }
+
   void set(Cell cell, Real time) {
-    field_.time[cell] = time;
-    heap_.push(static_cast<float>(time), cell);
+    if (schedule_.is_due(time)) {
+      field_.time[cell] = time;
+      heap_.push(key(time), cell);
+    } else {
+      schedule_.improve(cell, time);
+    }
   }
 
   void advance(Cell cell, Real t) {
@@ -43,7 +66,9 @@ class HeapMarch {
       for (const Index stride : {-field_.stride[axis], field_.stride[axis]}) {
         const Index neighbour = cell + stride;
         const Real old = field_.time[neighbour];
-        if (!(old > t) || field_.step[neighbour] == kInfinity<Real>) continue;
+        // An earlier opposite neighbour is what this axis takes, not the cell.
+        if (!(old > t) || field_.time[neighbour + stride] < t) continue;
+        if (field_.step[neighbour] == kInfinity<Real>) continue;
         const Real time = std::max(t * kLater<Real>, solve(neighbour, t));
         if (time < old) set(static_cast<Cell>(neighbour), time);
       }
@@ -67,11 +92,11 @@ class HeapMarch {
     for (int axis = 0; axis < D; ++axis) {
       if (nearest[axis] == kInfinity<Real>) continue;
       latest = std::max(latest, nearest[axis]);
-      Real weight = 1 / (field_.spacing[axis] * field_.spacing[axis]);
+      Real weight = weights_[axis];
       Real value = nearest[axis] - least;
       const Real beyond = second_neighbour(cell, axis);
       if (beyond <= nearest[axis]) {
-        value += (nearest[axis] - beyond) / 3;
+        value += (nearest[axis] - beyond) * Real(1.0 / 3.0);
         weight *= Real(9.0 / 4.0);
       }
       weights += weight;
@@ -101,6 +126,8 @@ class HeapMarch {
   }
 
   PaddedField<Real, D>& field_;
+  Schedule<Real> schedule_;
+  std::array<Real, D> weights_{};
   LazyHeap heap_;
 };
 
@@ -108,7 +135,7 @@ template <typename Real, int D>
 std::vector<Real> second_order(const Grid& grid, const Real* speed,
                                const std::vector<Source>& sources, Index stop) {
   PaddedField<Real, D> field(grid, speed);
-  return run_march<HeapMarch<Real, D>>(field, sources, stop);
+  return run_march<SortedMarch<Real, D>>(field, sources, stop);
 }
 
 }  // namespace

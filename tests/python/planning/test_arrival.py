@@ -62,6 +62,21 @@ def test_first_order_equals_scikit_fmm_with_any_speed_and_walls(shape, spacing):
     np.testing.assert_allclose(ours, scikit_fmm(speed, walls, source, spacing, 1), rtol=1e-9)
 
 
+def test_second_order_is_closer_to_the_truth_than_scikit_fmm_where_speed_grows_linearly():
+    """There T = acosh(1 + g^2 r^2 / (2 F F0)) / g (Slotnick 1959), with r from the source."""
+    h, gradient, source = 0.01, np.array([3.0, 1.0]), (25, 50)
+    x = h * np.stack(np.meshgrid(np.arange(101), np.arange(101), indexing="ij"), axis=-1)
+    speed = 0.5 + x @ gradient
+    r = np.linalg.norm(x - x[source], axis=-1)
+    g = np.linalg.norm(gradient)
+    truth = np.arccosh(1 + (g * r) ** 2 / (2 * speed * speed[source])) / g
+    first, second = (lt.arrival_times(speed, source, spacing=h, order=order) for order in (1, 2))
+    peers = scikit_fmm(speed, np.zeros(speed.shape, bool), source, h, 2)
+    error = np.abs(second - truth).max()
+    assert error < 0.5 * np.abs(peers - truth).max()
+    assert error < 0.3 * np.abs(first - truth).max()
+
+
 @pytest.mark.parametrize("shape", SHAPES)
 def test_float32_follows_float64(shape):
     speed, source = smooth_speed(shape, 1), middle(shape)
