@@ -21,8 +21,9 @@ struct DescentEnd {
 // moves the tip 1 m a rad a bias of a millionth.
 constexpr double kDampingFloor = 1e-6;
 
-// Moves q, which must lie inside the bounds. `rest` biases the first step only: the self-motion
-// that it asks for, as far as the task allows.
+// Moves q, which must lie inside the bounds. Takes at least one step, so that a slow path is
+// followed smoothly and not in jerks of the tolerance's size. `rest` biases the first step only:
+// the self-motion that it asks for, as far as the task allows.
 template <int M>
 DescentEnd descend(const Chain& chain, const IkTarget& target, const DescentBounds& bounds,
                    const JointArray& rest, const IkTolerance& tolerance, int max_iterations,
@@ -43,7 +44,7 @@ DescentEnd descend(const Chain& chain, const IkTarget& target, const DescentBoun
   double caution = 1.0;
   int retries = 0;
   while (end.iterations < max_iterations) {
-    if (resting && now->within(tolerance)) {
+    if (end.iterations > 0 && now->within(tolerance)) {
       end.status = IkStatus::kConverged;
       break;
     }

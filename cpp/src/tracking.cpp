@@ -26,10 +26,17 @@ DescentBounds reachable(const Chain& chain, const JointArray& q, const double* m
 template <int M>
 DescentEnd follow_sample(const Chain& chain, const Sample& sample, const TrackOptions& options,
                          JointArray& q) {
+  // Beside a singularity the last digits cost most: they are tried for, not insisted on.
+  constexpr double kAim = 0.1;
+  const IkTolerance aim{kAim * options.tolerance.position, kAim * options.tolerance.orientation};
   const DescentBounds bounds = reachable(chain, q, sample.max_step);
   const double share = chain.joints() > M ? sample.midrange : 0.0;
-  return descend<M>(chain, sample.target, bounds, pull_to_middle(chain, q, share),
-                    options.tolerance, options.max_iterations, q);
+  DescentEnd end = descend<M>(chain, sample.target, bounds, pull_to_middle(chain, q, share), aim,
+                              options.max_iterations, q);
+  if (end.position_error <= options.tolerance.position &&
+      end.orientation_error <= options.tolerance.orientation)
+    end.status = IkStatus::kConverged;
+  return end;
 }
 
 }  // namespace

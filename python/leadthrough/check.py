@@ -63,16 +63,17 @@ def times(value: Any, name: str) -> Float64Array:
 def quaternions(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
     """`value` as unit quaternions w, x, y, z, normalised; a copy. The last axis holds four."""
     result = array(value, name, shape=shape)
-    if result.ndim == 1:  # an arm asks for one pose thousands of times a second
-        lengths = np.sqrt(np.vdot(result, result))
+    if result.ndim == 1:  # the quick way: an arm is asked for single poses in a loop
+        length = math.sqrt(np.vdot(result, result))
+        worst = length
     else:
-        lengths = np.sqrt(np.einsum("...i,...i", result, result))[..., None]
-    off = np.abs(lengths - 1.0) > UNIT_LENGTH_TOLERANCE
-    if off.any():
+        length = np.sqrt(np.einsum("...i,...i", result, result))[..., None]
+        worst = max(length.min(initial=1.0), length.max(initial=1.0), key=lambda x: abs(x - 1.0))
+    if abs(worst - 1.0) > UNIT_LENGTH_TOLERANCE:
         raise InvalidInput(
-            f"{name}: expected unit quaternions w, x, y, z, got one of length {lengths[off][0]:.6g}"
+            f"{name}: expected unit quaternions w, x, y, z, got one of length {worst:.6g}"
         )
-    return np.asarray(result / lengths)
+    return np.asarray(result / length)
 
 
 def number(

@@ -11,7 +11,8 @@
 namespace leadthrough {
 
 struct TrackOptions {
-  IkTolerance tolerance;
+  // What counts as reached; most samples come far closer.
+  IkTolerance tolerance{1e-5, 1e-5};
   int max_iterations = 60;  // a sample
 };
 

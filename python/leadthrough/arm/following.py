@@ -61,19 +61,23 @@ def follow(
     max_step: float = 0.5,
     speed_limit: float | None = None,
     midrange: float = 1.0,
-    position_tolerance: float = 1e-6,
-    orientation_tolerance: float = 1e-6,
+    position_tolerance: float = 1e-5,
+    orientation_tolerance: float = 1e-5,
 ) -> JointTrajectory:
     """Joint positions and velocities that take the tip along `motion`; its times are kept.
 
-    motion: poses, or points in 3-D that leave the orientation free. velocity:
-    (joints,) limits, rad/s (m/s). seed: (joints,), the start of
-    the search for the first sample's posture. max_step: the most a joint moves between two
-    samples, rad or m: what makes it a path. speed_limit: where given, the joints also keep below
-    this multiple of their velocity limits at the motion's own pace; without it a motion that is
-    too fast is followed all the same, to be slowed down afterwards. midrange: rate, 1/s, at which
-    a redundant arm moves itself towards the middle of its ranges. Velocities are the positions'
-    differences in time (second order); accelerations are left to the time law.
+    motion: poses, or points in 3-D that leave the orientation free.
+    velocity: (joints,) limits, rad/s (m/s).
+    seed: (joints,), where the search for the first sample's posture starts.
+    max_step: the most a joint moves between two samples, rad or m; it makes the answer a path.
+    speed_limit: where given, the joints also keep below this multiple of `velocity` at the
+        motion's own pace; without it a motion that is too fast is followed all the same, to be
+        slowed down afterwards.
+    midrange: rate, 1/s, at which a redundant arm moves itself towards the middle of its ranges.
+    position_tolerance, orientation_tolerance: m and rad, what counts as reached; all but samples
+        beside a singularity come ten times closer.
+    The velocities are the positions' differences in time (second order); accelerations are left
+    to the time law.
     Raises InvalidInput; IkFailure with the first sample that no posture reached, its status one of
     IkResult's, or "jump" where the pose can be reached but not from the sample before.
     Source: Nakamura and Hanafusa 1986 for the damped step.
@@ -85,11 +89,7 @@ def follow(
     steps = _steps(task, velocity, max_step, speed_limit)
     rate = check.number(midrange, "midrange", at_least=0.0)
     shares = np.minimum(rate * np.diff(task.times, prepend=task.times[0]), 1.0)
-    solver = ik_options(
-        position_tolerance=position_tolerance,
-        orientation_tolerance=orientation_tolerance,
-        midrange=1.0 if rate > 0 and seed is None else 0.0,
-    )
+    solver = ik_options(midrange=1.0 if rate > 0 and seed is None else 0.0)
     tracks = [
         _Track(*chain.track(task.positions, task.orientations, start, steps, shares, options))
         for start in _starts(chain, task, seed, solver)
