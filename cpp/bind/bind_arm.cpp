@@ -1,6 +1,9 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <stdexcept>
+
 #include "leadthrough/so3.hpp"
 #include "leadthrough/tracking.hpp"
 #include "leadthrough/urdf.hpp"
@@ -58,6 +61,15 @@ std::vector<std::string> leaf_names(const urdf::Robot& robot) {
   return names;
 }
 
+// The Python layer says what is wrong; this keeps the kernels inside their arrays.
+void require(bool sizes_agree) {
+  if (!sizes_agree) throw std::invalid_argument("sizes of the arrays and of the chain differ");
+}
+
+bool fits(Eigen::Index rows, Eigen::Index orientations) {
+  return orientations == rows || orientations == 0;
+}
+
 struct IkColumns {
   Rows q;
   Eigen::VectorXi status;
@@ -84,6 +96,7 @@ IkColumns columns(const std::vector<IkResult>& results, int joints) {
 py::tuple solve_one(const Chain& chain, const Eigen::Vector3d& position,
                     const Eigen::Ref<const Eigen::VectorXd>& orientation,
                     const Eigen::Ref<const Eigen::VectorXd>& seed, const IkOptions& options) {
+  require(seed.size() == chain.joints() && (orientation.size() == 4 || orientation.size() == 0));
   IkResult result;
   {
     const py::gil_scoped_release release;
@@ -98,6 +111,8 @@ py::tuple solve_one(const Chain& chain, const Eigen::Vector3d& position,
 py::tuple solve(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
                 const Eigen::Ref<const Rows4>& orientations, const Eigen::Ref<const Rows>& seeds,
                 const IkOptions& options, int threads) {
+  require(seeds.rows() == positions.rows() && seeds.cols() == chain.joints() &&
+          fits(positions.rows(), orientations.rows()));
   IkColumns table;
   {
     const py::gil_scoped_release release;
@@ -114,6 +129,9 @@ py::tuple follow(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
                  const Eigen::Ref<const Eigen::VectorXd>& start,
                  const Eigen::Ref<const Rows>& max_steps,
                  const Eigen::Ref<const Eigen::VectorXd>& midrange, const TrackOptions& options) {
+  require(start.size() == chain.joints() && max_steps.cols() == chain.joints() &&
+          max_steps.rows() == positions.rows() && midrange.size() == positions.rows() &&
+          fits(positions.rows(), orientations.rows()));
   Track path;
   Eigen::VectorXi status;
   {
@@ -172,6 +190,7 @@ void bind_arm(py::module_& module) {
           "with_bounds",
           [](const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& lower,
              const Eigen::Ref<const Eigen::VectorXd>& upper) {
+            require(lower.size() == chain.joints() && upper.size() == chain.joints());
             Chain bounded = chain;
             bounded.lower = lower;
             bounded.upper = upper;
@@ -181,6 +200,7 @@ void bind_arm(py::module_& module) {
       .def(
           "forward_kinematics",
           [](const Chain& chain, const Eigen::Ref<const Rows>& q) {
+            require(q.cols() == chain.joints());
             Poses poses;
             {
               const py::gil_scoped_release release;
@@ -189,8 +209,14 @@ void bind_arm(py::module_& module) {
             return py::make_tuple(std::move(poses.positions), std::move(poses.orientations));
           },
           py::arg("q").noconvert())
-      .def("jacobian", &jacobian, py::arg("q").noconvert(),
-           py::call_guard<py::gil_scoped_release>())
+      .def(
+          "jacobian",
+          [](const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& q) {
+            require(q.size() == chain.joints());
+            const py::gil_scoped_release release;
+            return jacobian(chain, q);
+          },
+          py::arg("q").noconvert())
       .def("solve_ik", &solve_one, py::arg("position"), py::arg("orientation").noconvert(),
            py::arg("seed").noconvert(), py::arg("options"))
       .def("solve_ik_batch", &solve, py::arg("positions").noconvert(),

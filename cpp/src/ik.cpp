@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <limits>
+#include <system_error>
 #include <thread>
 
 #include "descent_step.hpp"
@@ -278,7 +279,11 @@ std::vector<IkResult> solve_ik_batch(const Chain& chain, const Eigen::Ref<const 
     }
   };
   std::vector<std::thread> helpers;
-  for (int i = 1; i < threads; ++i) helpers.emplace_back(work);
+  try {
+    for (int i = 1; i < threads; ++i) helpers.emplace_back(work);
+  } catch (const std::system_error&) {
+    // The system has no more threads: those that there are do the work.
+  }
   work();
   for (std::thread& helper : helpers) helper.join();
   return results;

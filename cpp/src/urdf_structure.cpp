@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <locale>
 #include <map>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,14 +41,13 @@ std::string element_text(const Element& element) {
   return std::string(element.name) + (name == nullptr ? "" : " " + quoted(*name));
 }
 
+// As urdfdom reads it, whatever the process's locale; infinite and undefined numbers are none.
 bool is_number(const std::string& text) {
-  std::size_t used = 0;
-  try {
-    const double value = std::stod(text, &used);
-    return used == text.size() && std::isfinite(value);
-  } catch (const std::exception&) {
-    return false;
-  }
+  std::istringstream stream(text);
+  stream.imbue(std::locale::classic());
+  double value = 0.0;
+  stream >> value;
+  return !stream.fail() && stream.eof() && std::isfinite(value);
 }
 
 bool are_numbers(std::string_view text, int count) {

@@ -22,6 +22,7 @@ from frame import Row, measure
 from leadthrough.io.atomic import replacing
 
 FILES = [
+    "bench_arm",
     "bench_eikonal",
 ]
 REPEATS = {"quick": 3, "full": 5}

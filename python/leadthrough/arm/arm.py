@@ -40,6 +40,10 @@ class Arm:
 
     def __post_init__(self) -> None:
         chain = _core.Chain(_core.Robot(self.document), self.base, self.tip)
+        if list(self.joint_names) != chain.joint_names:
+            raise InvalidInput(
+                f"limits: expected the joints {chain.joint_names}, got {list(self.joint_names)}"
+            )
         bounded = chain.with_bounds(self.limits.lower, self.limits.upper)
         object.__setattr__(self, "_chain", bounded)
 
@@ -202,10 +206,6 @@ def _stated_limits(chain: _core.Chain) -> JointLimits:
 def _complete(limits: Any, stated: JointLimits, robot: _core.Robot) -> JointLimits:
     if limits is None:
         return stated
-    if not isinstance(limits, JointLimits):
-        return read_limits(limits, stated, other_joints=robot.joints)
-    if limits.joint_names != stated.joint_names:
-        raise InvalidInput(
-            f"limits: expected the joints {stated.joint_names}, got {limits.joint_names}"
-        )
-    return limits
+    if isinstance(limits, JointLimits):
+        return limits
+    return read_limits(limits, stated, other_joints=robot.joints)

@@ -90,10 +90,10 @@ def follow(
     rate = check.number(midrange, "midrange", at_least=0.0)
     shares = np.minimum(rate * np.diff(task.times, prepend=task.times[0]), 1.0)
     solver = ik_options(midrange=1.0 if rate > 0 and seed is None else 0.0)
-    tracks = [
+    tracks = (
         _Track(*chain.track(task.positions, task.orientations, start, steps, shares, options))
         for start in _starts(chain, task, seed, solver)
-    ]
+    )
     best = min(tracks, key=lambda track: (-track.reached, _haste(track, task.times, velocity)))
     if best.reached < len(task.times):
         raise _failure(chain, task, best, solver)

@@ -1,7 +1,10 @@
+import contextlib
 import pickle
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import leadthrough as lt
 from leadthrough.arm import JointLimits
@@ -123,3 +126,20 @@ def test_joints_without_bounds_are_solved_nearest_to_the_seed():
         seed = [0.7 + 2 * np.pi * turns]
         result = wheel.inverse_kinematics([0, 0, 0], target, seed=seed)
         np.testing.assert_allclose(result.q, [0.8 + 2 * np.pi * turns], atol=1e-5)
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.integers(0, 10**6), st.integers(1, 60), st.sampled_from(["", "<", '"', ">", "-9", "nan"]))
+def test_a_damaged_document_is_read_or_refused(at, length, patch):
+    document = planar()
+    start = at % len(document)
+    damaged = document[:start] + patch + document[start + length :]
+    with contextlib.suppress(InvalidRobot, InvalidInput):
+        arm = lt.Arm.from_urdf(damaged, tip="tool")
+        assert np.isfinite(arm.forward_kinematics(np.zeros(len(arm.joint_names)))[0]).all()
+
+
+def test_the_limits_must_be_the_chains():
+    limits = JointLimits(("turn", "twist"), [-1, -1], [1, 1], [1, 1])
+    with pytest.raises(InvalidInput, match="limits"):
+        lt.Arm(planar(), "base", "tool", limits)
