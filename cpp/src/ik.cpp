@@ -5,7 +5,7 @@
 #include <system_error>
 #include <thread>
 
-#include "descent_step.hpp"
+#include "pose_descent.hpp"
 
 namespace leadthrough {
 
@@ -157,8 +157,9 @@ class Solver {
   // From the best attempt to the nearest configuration that a descent finds.
   IkStatus come_close(IkStatus reason) {
     constexpr int kLastSteps = 100;
-    const DescentEnd end =
-        descend<M>(chain_, target_, limits_, JointArray{}, options_.tolerance, kLastSteps, q_);
+    PoseDescent<M> descent(chain_, target_, limits_, q_);
+    const DescentEnd end = descent.run(options_.tolerance, kLastSteps);
+    q_ = descent.q();
     iterations_ += end.iterations;
     evaluate(chain_, target_, q_.data(), task_);
     return end.status == IkStatus::kConverged ? IkStatus::kConverged : reason;
@@ -182,6 +183,7 @@ class Solver {
   // target and kept if it brought the joints nearer to the middle of their ranges.
   void approach_middle() {
     constexpr int kSteps = 20;
+    constexpr int kBackSteps = 5;
     constexpr double kLeastGain = 1e-4;        // of the distance
     constexpr double kWellConditioned = 1e-9;  // pivots of J J^T: next to a singularity stay
     double distance = distance_to_middle(q_);
@@ -197,8 +199,9 @@ class Solver {
       for (std::size_t i = 0; i < count(); ++i)
         trial[i] = std::clamp(q_[i] + pull[i] - task_.columns[i].dot(dual), limits_.lower[i],
                               limits_.upper[i]);
-      const DescentEnd end =
-          descend<M>(chain_, target_, limits_, JointArray{}, options_.tolerance, 5, trial);
+      PoseDescent<M> descent(chain_, target_, limits_, trial);
+      const DescentEnd end = descent.run(options_.tolerance, kBackSteps);
+      trial = descent.q();
       iterations_ += 1 + end.iterations;
       const double nearer = distance_to_middle(trial);
       if (end.status != IkStatus::kConverged || nearer >= distance) {

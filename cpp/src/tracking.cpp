@@ -1,6 +1,6 @@
 #include "leadthrough/tracking.hpp"
 
-#include "descent_step.hpp"
+#include "pose_descent.hpp"
 
 namespace leadthrough {
 
@@ -30,12 +30,20 @@ DescentEnd follow_sample(const Chain& chain, const Sample& sample, const TrackOp
   constexpr double kAim = 0.1;
   const IkTolerance aim{kAim * options.tolerance.position, kAim * options.tolerance.orientation};
   const DescentBounds bounds = reachable(chain, q, sample.max_step);
-  const double share = chain.joints() > M ? sample.midrange : 0.0;
-  DescentEnd end = descend<M>(chain, sample.target, bounds, pull_to_middle(chain, q, share), aim,
-                              options.max_iterations, q);
-  if (end.position_error <= options.tolerance.position &&
-      end.orientation_error <= options.tolerance.orientation)
-    end.status = IkStatus::kConverged;
+  const bool pulls = chain.joints() > M && sample.midrange > 0.0;
+  DescentEnd end;
+  for (const bool pulled : {true, false}) {  // without the pull where it leads astray
+    if (pulled && !pulls) continue;
+    PoseDescent<M> descent(chain, sample.target, bounds, q);
+    if (pulled) descent.pull(pull_to_middle(chain, q, sample.midrange));
+    end = descent.run(aim, options.max_iterations);
+    if (end.position_error <= options.tolerance.position &&
+        end.orientation_error <= options.tolerance.orientation)
+      end.status = IkStatus::kConverged;
+    if (pulled && end.status != IkStatus::kConverged) continue;
+    q = descent.q();
+    break;
+  }
   return end;
 }
 

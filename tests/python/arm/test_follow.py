@@ -58,11 +58,19 @@ def test_velocities_are_the_positions_derivative(arm, posture):
     assert joints.accelerations is None
 
 
-def test_the_pull_to_the_middle_does_not_move_the_tool(arm, posture):
+def test_the_pull_moves_a_redundant_arm_and_not_the_tool(arm, posture):
     motion = loop(arm, posture, size=0.0)
-    joints = arm.follow(motion, seed=posture, midrange=0.5)
+    still = lt.PoseTrajectory(TIMES, motion.positions, np.tile(motion.orientations[0], (400, 1)))
+    joints = arm.follow(still, seed=posture, midrange=0.5)
     reached, _ = arm.forward_kinematics(joints.positions)
-    assert np.linalg.norm(reached - motion.positions, axis=1).max() < 1.1e-6
+    assert np.linalg.norm(reached - still.positions, axis=1).max() < 1.1e-6
+    middle = 0.5 * (arm.limits.lower + arm.limits.upper)
+    away = np.linalg.norm(joints.positions - middle, axis=1)
+    if len(posture) > 6:
+        assert (np.diff(away) < 1e-9).all()
+        assert away[-1] < away[0] - 0.01
+    else:
+        np.testing.assert_allclose(joints.positions, np.tile(posture, (400, 1)), atol=1e-9)
 
 
 def test_a_motion_that_is_too_fast_is_followed_and_left_to_be_slowed(arm, posture):
