@@ -133,50 +133,96 @@ class DampedNormal {
   double inverse_[M];
 };
 
-// The step d inside lower <= d <= upper with the least |J d - e|^2 + damping |d - rest|^2.
-// Joints at a bound whose multiplier has the wrong sign are released again.
+// The step d inside lower <= d <= upper with the least |J d - e|^2 + damping |d - rest|^2, by an
+// active set: joints that leave the box are held at its side, and released where that is wrong.
 template <int M>
-void boxed_step(const Task<M>& task, int joints, double damping, const JointArray& rest,
-                const JointArray& lower, const JointArray& upper, JointArray& step) {
-  enum class Side : signed char { kFree, kLower, kUpper };
-  std::array<Side, kMaxJoints> side{};
-  const auto n = static_cast<std::size_t>(joints);
-  const int passes = 3 * joints;  // an active set may cycle on ties
-  for (int pass = 0; pass < passes; ++pass) {
-    TaskVector<M> residual = task.error;
-    for (std::size_t i = 0; i < n; ++i) {
-      step[i] = side[i] == Side::kFree ? rest[i] : side[i] == Side::kLower ? lower[i] : upper[i];
-      residual -= step[i] * task.columns[i];
+class BoxedStep {
+ public:
+  BoxedStep(const Task<M>& task, int joints, double damping, const JointArray& rest,
+            const JointArray& lower, const JointArray& upper)
+      : task_(task),
+        joints_(joints),
+        damping_(damping),
+        rest_(rest),
+        lower_(lower),
+        upper_(upper) {}
+
+  JointArray solve() {
+    const int passes = 3 * joints_;  // an active set may cycle on ties
+    for (int pass = 0; pass < passes; ++pass) {
+      if (!solve_free()) break;
+      if (hold_strays()) continue;
+      if (!release_worst()) break;
     }
-    DampedNormal<M> normal(task, joints, damping,
-                           [&](int i) { return side[static_cast<std::size_t>(i)] == Side::kFree; });
-    if (!normal.factorize(0.0)) break;
-    const TaskVector<M> dual = normal.solve(residual);
-    bool changed = false;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (side[i] != Side::kFree) continue;
-      step[i] += task.columns[i].dot(dual);
-      if (step[i] >= lower[i] && step[i] <= upper[i]) continue;
-      side[i] = step[i] < lower[i] ? Side::kLower : Side::kUpper;
-      changed = true;
-    }
-    if (changed) continue;
-    // At the solution e - J d is damping times dual, which makes each multiplier this product.
-    std::size_t worst = n;
-    double most = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (side[i] == Side::kFree || lower[i] == upper[i]) continue;
-      const double pull = task.columns[i].dot(dual) - (step[i] - rest[i]);
-      const double inward = side[i] == Side::kLower ? pull : -pull;
-      if (inward > most) {
-        most = inward;
-        worst = i;
-      }
-    }
-    if (worst == n) break;
-    side[worst] = Side::kFree;
+    for (std::size_t i = 0; i < count(); ++i) step_[i] = std::clamp(step_[i], lower_[i], upper_[i]);
+    return step_;
   }
-  for (std::size_t i = 0; i < n; ++i) step[i] = std::clamp(step[i], lower[i], upper[i]);
+
+ private:
+  enum class Side : signed char { kFree, kLower, kUpper };
+
+  // The best step of the free joints, the others held; false where rounding left no solution.
+  bool solve_free() {
+    TaskVector<M> residual = task_.error;
+    for (std::size_t i = 0; i < count(); ++i) {
+      const double held = side_[i] == Side::kLower ? lower_[i] : upper_[i];
+      step_[i] = side_[i] == Side::kFree ? rest_[i] : held;
+      residual -= step_[i] * task_.columns[i];
+    }
+    DampedNormal<M> normal(task_, joints_, damping_, [this](int i) {
+      return side_[static_cast<std::size_t>(i)] == Side::kFree;
+    });
+    if (!normal.factorize(0.0)) return false;
+    dual_ = normal.solve(residual);
+    for (std::size_t i = 0; i < count(); ++i)
+      if (side_[i] == Side::kFree) step_[i] += task_.columns[i].dot(dual_);
+    return true;
+  }
+
+  bool hold_strays() {
+    bool any = false;
+    for (std::size_t i = 0; i < count(); ++i) {
+      if (side_[i] != Side::kFree || (step_[i] >= lower_[i] && step_[i] <= upper_[i])) continue;
+      side_[i] = step_[i] < lower_[i] ? Side::kLower : Side::kUpper;
+      any = true;
+    }
+    return any;
+  }
+
+  // At the solution e - J d is damping times dual, so a multiplier is damping times this pull.
+  bool release_worst() {
+    std::size_t worst = count();
+    double most = 0.0;
+    for (std::size_t i = 0; i < count(); ++i) {
+      if (side_[i] == Side::kFree || lower_[i] == upper_[i]) continue;
+      const double pull = task_.columns[i].dot(dual_) - (step_[i] - rest_[i]);
+      const double inward = side_[i] == Side::kLower ? pull : -pull;
+      if (inward <= most) continue;
+      most = inward;
+      worst = i;
+    }
+    if (worst == count()) return false;
+    side_[worst] = Side::kFree;
+    return true;
+  }
+
+  std::size_t count() const { return static_cast<std::size_t>(joints_); }
+
+  const Task<M>& task_;
+  int joints_;
+  double damping_;
+  const JointArray& rest_;
+  const JointArray& lower_;
+  const JointArray& upper_;
+  std::array<Side, kMaxJoints> side_{};
+  JointArray step_{};
+  TaskVector<M> dual_;
+};
+
+template <int M>
+JointArray boxed_step(const Task<M>& task, int joints, double damping, const JointArray& rest,
+                      const JointArray& lower, const JointArray& upper) {
+  return BoxedStep<M>(task, joints, damping, rest, lower, upper).solve();
 }
 
 }  // namespace leadthrough

@@ -124,7 +124,7 @@ class Solver {
     constexpr int kPatience = 2;
     evaluate(chain_, target_, q_.data(), task_);
     const JointArray zero{};
-    JointArray lower{}, upper{}, step{};
+    JointArray lower{}, upper{};
     int idle = 0;
     double attempt_least = task_.squared();
     while (!task_.within(options_.tolerance)) {
@@ -134,8 +134,7 @@ class Solver {
         lower[i] = wraps_[i] ? -kInfinity : limits_.lower[i] - q_[i];
         upper[i] = wraps_[i] ? kInfinity : limits_.upper[i] - q_[i];
       }
-      boxed_step(task_, n_, kErrorDamping * squared, zero, lower, upper, step);
-      move(step);
+      move(boxed_step(task_, n_, kErrorDamping * squared, zero, lower, upper));
       evaluate(chain_, target_, q_.data(), task_);
       ++iterations_;
       // Measured against the least error so far: a cycle makes no progress.

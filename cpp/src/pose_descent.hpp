@@ -76,13 +76,13 @@ class PoseDescent {
 
   void propose(const JointArray& rest, double caution) {
     const int n = chain_.joints();
-    JointArray lower{}, upper{}, step{};
+    JointArray lower{}, upper{};
     for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
       lower[i] = bounds_.lower[i] - q_[i];
       upper[i] = bounds_.upper[i] - q_[i];
     }
     const double damping = caution * (kErrorDamping * now_->squared() + kDampingFloor);
-    boxed_step(*now_, n, damping, rest, lower, upper, step);
+    const JointArray step = boxed_step(*now_, n, damping, rest, lower, upper);
     for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i)
       moved_[i] = std::clamp(q_[i] + step[i], bounds_.lower[i], bounds_.upper[i]);
     evaluate(chain_, target_, moved_.data(), *next_);

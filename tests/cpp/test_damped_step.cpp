@@ -36,8 +36,8 @@ TEST(DampedStep, ABoxedStepMeetsTheConditionsOfOptimality) {
   for (int repeat = 0; repeat < 500; ++repeat) {
     const int joints = 1 + repeat % kMaxJoints;
     const Problem problem = random_problem(generator, joints);
-    JointArray step{};
-    boxed_step(problem.task, joints, damping, problem.rest, problem.lower, problem.upper, step);
+    const JointArray step =
+        boxed_step(problem.task, joints, damping, problem.rest, problem.lower, problem.upper);
     TaskVector<6> residual = problem.task.error;
     for (std::size_t i = 0; i < static_cast<std::size_t>(joints); ++i)
       residual -= step[i] * problem.task.columns[i];
