@@ -6,7 +6,8 @@ Source: Prados et al. 2023, Appl. Sci. 13:2028, Algorithm 1, eqs. 6 and 7.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -14,24 +15,31 @@ from scipy.interpolate import CubicSpline
 
 from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.errors import FitError, InvalidInput, NoPath
-from leadthrough.models.phase import mean_progress, progress_at
+from leadthrough.errors import InvalidInput
+from leadthrough.models import phase, route
+from leadthrough.models.route import Query, Route, Scales
+from leadthrough.models.shown import Shown, keep
 from leadthrough.motion import Demonstration, Trajectory
-from leadthrough.planning.arrival import arrival_times
-from leadthrough.planning.descent import descend
 from leadthrough.planning.grid import Grid
-from leadthrough.planning.speed_map import add_obstacles, experience_map
-from leadthrough.preprocess.resample import arc_length, by_arc_length
-from leadthrough.preprocess.smooth import smooth_path
+from leadthrough.planning.obstacles import check_shapes
+from leadthrough.planning.speed_map import experience_map
+from leadthrough.preprocess.resample import by_arc_length
 from leadthrough.shapes import Shape
 
-# Shares of the demonstrations' mean length, so that the unit of the data does not matter.
-_AREA_OF_INFLUENCE = 0.02
-_CELLS_PER_AREA = 5.0
-# Free space around everything, as a share of the extent: room to walk around an obstacle.
-_MARGIN = 0.25
-# Grid noise is shorter than this; the shapes of demonstrations are not.
-_CELLS_PER_KNOT = 4.0
+METHODS = ("auto", "map", "start", "mean_path")
+TIMINGS = ("demonstrations", "speed_map", "constant")
+
+# Shares of the demonstrations' mean length, so that the unit of the data does not matter. The map
+# of all demonstrations wants tubes that overlap, a tube around one path a thin one.
+_MAP_RADIUS = 0.02
+_TUBE_RADIUS = 0.01
+# In three dimensions thin tubes need more cells than they are worth.
+_GROWTH = 3.0
+# A mean path is trusted where a demonstration's ends are nearer to start and goal than this share
+# of the distance between these, or, for motions that return, of its own length. Farther off the
+# demonstrations say little about the way, and bending them to it gives detours.
+_NEAR_OF_DISTANCE = 0.5
+_NEAR_OF_LENGTH = 0.1
 # Found on human handwriting: between isochrony (0) and constant speed (1).
 _DURATION_EXPONENT = 0.25
 
@@ -40,81 +48,113 @@ _DURATION_EXPONENT = 0.25
 class FastMarching:
     """Fast Marching Learning of point-to-point motions in two or three dimensions.
 
-    area_of_influence: radius of the tube around the demonstrations in their unit, > 0; by
-    default 0.02 of their mean length. saturation: speed outside the tubes, in (0, 1]; small
-    values follow the demonstrations closely, large ones cut corners. resolution: edge of a cell
-    in the same unit, > 0; by default a fifth of the area of influence.
+    area_of_influence: radius of the tubes around paths in the demonstrations' unit, > 0; by
+    default 0.02 of their mean length for "map", 0.01 otherwise. saturation: speed outside the
+    tubes, in (0, 1]; small values follow the demonstrations closely, large ones cut corners.
+    resolution: edge of a cell in the same unit, > 0; by default a fifth of the radius.
+    method: "map", all demonstrations in one map, Algorithm 1; "start", those that start near;
+    "mean_path", a tube around the path that they predict; "auto", the last where start and goal
+    lie near a demonstration's ends, otherwise the first.
+    timing: "demonstrations", their mean progress along the path; "speed_map", speed proportional
+    to the map's; "constant". All start and end at rest.
     """
 
     area_of_influence: float | None = None
     saturation: float = 0.02
     resolution: float | None = None
+    method: str = "auto"
+    timing: str = "demonstrations"
 
     def __post_init__(self) -> None:
         check.number(self.saturation, "saturation", above=0.0, at_most=1.0)
         for name in ("area_of_influence", "resolution"):
             if getattr(self, name) is not None:
                 check.number(getattr(self, name), name, above=0.0)
+        check.choice(self.method, "method", METHODS)
+        check.choice(self.timing, "timing", TIMINGS)
 
     def fit(self, demonstrations: Sequence[Demonstration]) -> FastMarchingSkill:
         """A skill from demonstrations that hold a Trajectory of two or three dimensions each.
 
-        Raises InvalidInput for other motions, FitError where nothing can be learned.
+        Without any, the skill goes the shortest way. Raises InvalidInput for other motions,
+        FitError for one that does not move.
         """
-        motions = _trajectories(demonstrations)
-        paths = tuple(motion.positions for motion in motions)
-        lengths = np.array([arc_length(path)[-1] for path in paths])
-        if not lengths.all():
-            raise FitError(f"demonstrations: number {int(np.argmin(lengths))} does not move")
-        area = self.area_of_influence or _AREA_OF_INFLUENCE * float(lengths.mean())
-        return FastMarchingSkill(
-            experience=paths,
-            durations=np.array([motion.duration for motion in motions]),
-            progress=mean_progress([motion.times for motion in motions], paths),
-            area_of_influence=area,
-            saturation=self.saturation,
-            resolution=self.resolution or area / _CELLS_PER_AREA,
-        )
+        return FastMarchingSkill(self, keep(demonstrations))
 
 
 @dataclass(frozen=True, eq=False)
 class FastMarchingSkill:
     """What was learned; made by `FastMarching.fit`.
 
-    experience: paths, each (n, d). durations: (k,) s of the demonstrations. progress: (m,) share
-    of the path covered at evenly spaced normalised times. The rest as in `FastMarching`.
+    model: its parameters. shown: the demonstrations. learned: paths that were added since.
     """
 
-    experience: tuple[Float64Array, ...]
-    durations: Float64Array
-    progress: Float64Array
-    area_of_influence: float
-    saturation: float
-    resolution: float
-    grid: Grid = field(init=False)
-    velocity_map: Float64Array = field(init=False)
+    model: FastMarching
+    shown: tuple[Shown, ...]
+    learned: tuple[Shown, ...] = ()
 
     supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration", "obstacles"})
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "grid", self._grid_over(()))
-        object.__setattr__(self, "velocity_map", self._experience_map(self.grid))
-        self.velocity_map.setflags(write=False)
+    @property
+    def experience(self) -> tuple[Float64Array, ...]:
+        """All paths, (n, d) each, first the demonstrated, then the auto-learned ones."""
+        return tuple(each.path for each in self._all)
 
     @property
-    def dimensions(self) -> int:
-        """2 or 3."""
-        return int(self.experience[0].shape[1])
+    def area_of_influence(self) -> float:
+        """Radius of the tubes in the velocity map."""
+        return self._map_scales.radius
 
     @property
-    def start(self) -> Float64Array:
-        """(d,) centroid of the demonstrations' first points."""
-        return np.asarray(np.mean([path[0] for path in self.experience], axis=0))
+    def grid(self) -> Grid:
+        """The cells of the velocity map."""
+        return self._map[0]
 
     @property
-    def goal(self) -> Float64Array:
-        """(d,) centroid of the demonstrations' last points, the wave's source."""
-        return np.asarray(np.mean([path[-1] for path in self.experience], axis=0))
+    def velocity_map(self) -> Float64Array:
+        """Speeds in [saturation, 1] over `grid`, from the raw experience: Algorithm 1's F."""
+        return self._map[1]
+
+    def kappa(self, path: Any) -> float:
+        """Mean of the velocity map over a path (n, d), eq. 6: 1 deep in the experience.
+
+        Never below the saturation, which holds outside the map. Raises InvalidInput.
+        """
+        points = check.array(path, "path", shape=("n", self._dimensions()))
+        if len(points) == 0:
+            raise InvalidInput("path: expected at least one point, got none")
+        inside = self.grid.contains(points)
+        speeds = np.full(len(points), self.model.saturation)
+        speeds[inside] = self.velocity_map[tuple(self.grid.cells_of(points[inside]).T)]
+        return float(speeds.mean())
+
+    def with_experience(self, path: Any, *, duration: float | None = None) -> FastMarchingSkill:
+        """A new skill that has also learned a path (n, d), n >= 2.
+
+        duration: s, > 0; by default the demonstrations', adapted to its length. Its timing is the
+        demonstrations'. Raises InvalidInput.
+        """
+        points = check.frozen(path, "path", shape=("n", self._dimensions()))
+        if len(points) < 2 or not np.ptp(points, axis=0).any():
+            raise InvalidInput("path: expected at least two different points")
+        if duration is not None:
+            check.number(duration, "duration", above=0.0)
+        progress = np.mean([each.progress for each in self._all], axis=0)
+        added = Shown(points, 1.0, progress)
+        own = duration or _duration(self._all, np.ones(len(self._all)), added.length)
+        return replace(self, learned=(*self.learned, replace(added, duration=own)))
+
+    def auto_learn(self, motion: Trajectory, *, threshold: float = 0.6) -> FastMarchingSkill:
+        """The skill with the motion's path added if its kappa is below the threshold.
+
+        Otherwise the skill itself: the motion shows nothing new. Raises InvalidInput.
+        """
+        check.number(threshold, "threshold")
+        if not isinstance(motion, Trajectory):
+            raise InvalidInput(f"motion: expected a Trajectory, got {type(motion).__name__}")
+        if self.kappa(motion.positions) >= threshold:
+            return self
+        return self.with_experience(motion.positions, duration=motion.duration)
 
     def generate(
         self,
@@ -130,103 +170,121 @@ class FastMarchingSkill:
         start, goal: (d,), by default the centroids of the demonstrations' ends. duration: s, > 0,
         by default theirs, adapted to the path's length. dt: s, upper bound of the sampling step.
         obstacles: shapes in the demonstrations' frame; a drawing of two dimensions lies in the
-        plane z = 0. The motion starts and ends at rest, with the demonstrations' mean progress
-        along the path. Raises InvalidInput, NoPath.
+        plane z = 0. The motion starts and ends at rest. Raises InvalidInput, NoPath.
         """
-        first = self._point(start, "start", self.start)
-        last = self._point(goal, "goal", self.goal)
         check.number(dt, "dt", above=0.0)
         if duration is not None:
             check.number(duration, "duration", above=0.0)
-        path = self.plan(first, last, obstacles)
-        return self._timed(path, duration, dt)
+        found = self.plan(start=start, goal=goal, obstacles=obstacles)
+        return self._timed(found, duration, dt)
 
     def plan(
-        self, start: Float64Array, goal: Float64Array, obstacles: Sequence[Shape] = ()
-    ) -> Float64Array:
-        """The path (n, d) from start to goal, (d,) each, without a time law. Raises NoPath."""
-        grid = self._grid_over((start, goal))
-        speed = add_obstacles(
-            self._experience_map(grid),
-            grid,
-            obstacles,
-            area_of_influence=self.area_of_influence,
-        )
-        start_cell, goal_cell = grid.cells_of(np.stack([start, goal]))
-        for name, point, cell in (("start", start, start_cell), ("goal", goal, goal_cell)):
-            if speed[tuple(cell)] == 0.0:
-                raise NoPath(f"{name}: {point} lies in an obstacle", reason=f"{name}_in_wall")
-        arrival = arrival_times(speed, goal_cell, spacing=grid.spacing)
-        if np.isinf(arrival[tuple(start_cell)]):
-            raise NoPath("goal: obstacles separate it from the start", reason="goal_enclosed")
-        path = descend(arrival, grid, start, goal)
-        walls = speed == 0.0
-        return smooth_path(
-            path,
-            knot_spacing=_CELLS_PER_KNOT * self.resolution,
-            accept=lambda points: not walls[tuple(grid.cells_of(points).T)].any(),
-        )
+        self, *, start: Any = None, goal: Any = None, obstacles: Sequence[Shape] = ()
+    ) -> Route:
+        """The path of `generate`, without a time law, and how it was found.
 
-    def kappa(self, path: Any) -> float:
-        """Mean of the velocity map over a path (n, d), eq. 6: 1 deep in the experience.
-
-        Never below the saturation. Raises InvalidInput, also for a path that leaves the map.
+        Raises InvalidInput, NoPath.
         """
-        points = check.array(path, "path", shape=("n", self.dimensions))
-        if len(points) == 0:
-            raise InvalidInput("path: expected at least one point, got none")
-        return float(self.velocity_map[tuple(self.grid.cells_of(points).T)].mean())
+        shapes = check_shapes(obstacles)
+        query = Query(self._end(start, "start", 0), self._end(goal, "goal", -1), shapes)
+        if len(query.start) != len(query.goal):
+            raise InvalidInput(f"goal: expected shape {query.start.shape}, got {query.goal.shape}")
+        method = self.model.method
+        if not self._all or method == "map" or (method == "auto" and not self._is_near(query)):
+            return route.through_map(self._all, query, self._scales(_MAP_RADIUS, query))
+        find = route.from_start if method == "start" else route.along_mean
+        return find(self._all, query, self._scales(_TUBE_RADIUS, query))
 
-    def _point(self, value: Any, name: str, default: Float64Array) -> Float64Array:
-        return default if value is None else check.array(value, name, shape=(self.dimensions,))
+    @property
+    def _all(self) -> tuple[Shown, ...]:
+        return self.shown + self.learned
 
-    def _grid_over(self, points: Sequence[Float64Array]) -> Grid:
-        everything = np.concatenate([*self.experience, *(point[None] for point in points)])
-        extent = float(np.ptp(everything, axis=0).max())
-        margin = max(_MARGIN * extent, 2.0 * self.area_of_influence)
-        return Grid.covering(everything, margin=margin, spacing=self.resolution)
-
-    def _experience_map(self, grid: Grid) -> Float64Array:
-        return experience_map(
+    @cached_property
+    def _map(self) -> tuple[Grid, Float64Array]:
+        self._dimensions()
+        grid, scales = route.grid_over(self.experience, (), self._map_scales)
+        speed = experience_map(
             grid,
             self.experience,
-            area_of_influence=self.area_of_influence,
-            saturation=self.saturation,
+            area_of_influence=scales.radius,
+            saturation=scales.saturation,
+        )
+        speed.setflags(write=False)
+        return grid, speed
+
+    @property
+    def _map_scales(self) -> Scales:
+        self._dimensions()
+        return self._scales(_MAP_RADIUS, None)
+
+    def _scales(self, share: float, query: Query | None) -> Scales:
+        lengths = [each.length for each in self.shown]
+        if not lengths and query is not None:
+            lengths = [float(np.linalg.norm(query.goal - query.start)) or 1.0]
+        given = self.model.area_of_influence
+        length = float(np.mean(lengths))
+        return Scales(
+            radius=given or share * length,
+            clearance=given or _MAP_RADIUS * length,
+            saturation=self.model.saturation,
+            resolution=self.model.resolution,
+            growth=1.0 if given else _GROWTH,
         )
 
-    def _timed(self, path: Float64Array, duration: float | None, dt: float) -> Trajectory:
-        length = float(arc_length(path)[-1])
-        total = duration or self._duration_of(length)
+    def _dimensions(self) -> int:
+        if not self._all:
+            raise InvalidInput("skill: was fitted to no demonstration and has no map")
+        return int(self._all[0].path.shape[1])
+
+    def _end(self, value: Any, name: str, index: int) -> Float64Array:
+        if self._all:
+            if value is None:
+                return np.asarray(np.mean([each.path[index] for each in self.shown], axis=0))
+            return check.array(value, name, shape=(self._dimensions(),))
+        if value is None:
+            raise InvalidInput(f"{name}: expected a point, as there is no demonstration")
+        point = check.array(value, name, shape=("d",))
+        if len(point) not in (2, 3):
+            raise InvalidInput(f"{name}: expected 2 or 3 coordinates, got {len(point)}")
+        return point
+
+    def _is_near(self, query: Query) -> bool:
+        distance = float(np.linalg.norm(query.goal - query.start))
+        for each in self._all:
+            path = each.facing(query.start, query.goal).path
+            gaps = np.linalg.norm(path[[0, -1]] - query.ends, axis=1)
+            if gaps.max() <= max(_NEAR_OF_DISTANCE * distance, _NEAR_OF_LENGTH * each.length):
+                return True
+        return False
+
+    def _timed(self, found: Route, duration: float | None, dt: float) -> Trajectory:
+        length = float(np.linalg.norm(np.diff(found.path, axis=0), axis=1).sum())
+        if duration is None and not found.used:
+            raise InvalidInput("duration: expected a time, as there is no demonstration")
+        total = duration or _duration(found.used, found.weights, length)
         times = np.linspace(0.0, total, int(np.ceil(total / dt)) + 1)
         if length == 0.0:
-            return Trajectory(times, np.repeat(path[:1], len(times), axis=0))
-        even = by_arc_length(path, len(path))
+            return Trajectory(times, np.repeat(found.path[:1], len(times), axis=0))
+        even = by_arc_length(found.path, len(found.path))
         curve = CubicSpline(np.linspace(0.0, 1.0, len(even)), even)
-        return Trajectory(times, curve(progress_at(self.progress, times / total)))
+        progress = phase.rest_to_rest(self._progress(found))
+        return Trajectory(times, curve(phase.progress_at(progress, times / total)))
 
-    def _duration_of(self, length: float) -> float:
-        """Longer paths take longer, but less than in proportion, as in human movements."""
-        lengths = np.array([arc_length(path)[-1] for path in self.experience])
-        return float(np.median(self.durations * (length / lengths) ** _DURATION_EXPONENT))
+    def _progress(self, found: Route) -> Float64Array:
+        if self.model.timing == "speed_map":
+            return phase.progress_by_speed(found.path, found.speed)
+        if self.model.timing == "constant" or not found.used:
+            return phase.uniform_progress()
+        progress = [each.progress for each in found.used]
+        return np.asarray(np.average(progress, axis=0, weights=found.weights))
 
 
-def _trajectories(demonstrations: Sequence[Demonstration]) -> list[Trajectory]:
-    if isinstance(demonstrations, Demonstration):
-        raise InvalidInput("demonstrations: expected a sequence, got a single Demonstration")
-    motions = []
-    for i, demonstration in enumerate(demonstrations):
-        motion = getattr(demonstration, "motion", None)
-        if not isinstance(motion, Trajectory):
-            got = type(motion if motion is not None else demonstration).__name__
-            raise InvalidInput(f"demonstrations[{i}]: expected one with a Trajectory, got {got}")
-        if len(motion.times) < 2:
-            raise FitError(f"demonstrations[{i}]: has a single sample, needs at least two")
-        motions.append(motion)
-    if not motions:
-        raise FitError("demonstrations: got none, needs at least one")
-    dimensions = {motion.positions.shape[1] for motion in motions}
-    if len(dimensions) > 1 or not dimensions <= {2, 3}:
-        raise InvalidInput(
-            f"demonstrations: expected all in two or all in three dimensions, got {dimensions}"
-        )
-    return motions
+def _duration(used: Sequence[Shown], weights: Float64Array, length: float) -> float:
+    """The weighted median of the durations, each adapted to the path's length.
+
+    Longer paths take longer, but less than in proportion, as in human movements.
+    """
+    adapted = [each.duration * (length / each.length) ** _DURATION_EXPONENT for each in used]
+    order = np.argsort(adapted, kind="stable")
+    share = weights[order] / weights.sum()
+    return float(np.interp(0.5, np.cumsum(share) - 0.5 * share, np.array(adapted)[order]))

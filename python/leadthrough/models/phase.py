@@ -1,8 +1,6 @@
-"""How a motion runs along its path: progress over time, learned from demonstrations."""
+"""How a motion runs along its path: the share of the path covered over normalised time."""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -11,45 +9,57 @@ from scipy.ndimage import uniform_filter1d
 from leadthrough.check import Float64Array
 from leadthrough.preprocess.resample import arc_length
 
-_SAMPLES = 1001
-# Share of the duration over which the speed is averaged, twice: it makes the acceleration
-# continuous and takes the sampling noise out of recorded speeds.
-_SMOOTHING = 0.05
+SAMPLES = 1001  # of progress, at even normalised times
+# Shares of the duration. The speed is averaged twice over the first, which makes the acceleration
+# continuous and takes the noise out of recorded speeds, and rises from and falls to rest within
+# the second. Recordings are cut while the hand still moves: longer ramps would distort them.
+_SMOOTHING = 0.035
+_RAMP = 0.025
 
 
-def mean_progress(times: Sequence[Float64Array], paths: Sequence[Float64Array]) -> Float64Array:
-    """Mean share of the path covered at evenly spaced normalised times, (1001,) from 0 to 1.
+def progress_of(times: Float64Array, path: Float64Array) -> Float64Array:
+    """Share of a path (n, d) covered at even normalised times, (1001,) from 0 to 1.
 
-    times: each (n,) s. paths: each (n, d). The speed is smoothed and vanishes at both ends, so
-    that the motion starts and ends at rest. Paths without length count as a uniform motion.
+    times: (n,) s, at least two. A path without length counts as a uniform motion.
     """
-    normalised = np.linspace(0.0, 1.0, _SAMPLES)
-    progress = np.zeros(_SAMPLES)
-    for stamps, points in zip(times, paths, strict=True):
-        covered = arc_length(points)
-        share = covered / covered[-1] if covered[-1] > 0 else np.linspace(0.0, 1.0, len(points))
-        progress += np.interp(normalised, (stamps - stamps[0]) / (stamps[-1] - stamps[0]), share)
-    return _rest_to_rest(progress / len(paths))
+    covered = arc_length(path)
+    share = covered / covered[-1] if covered[-1] > 0 else np.linspace(0.0, 1.0, len(path))
+    return np.interp(np.linspace(0, 1, SAMPLES), (times - times[0]) / (times[-1] - times[0]), share)
 
 
 def uniform_progress() -> Float64Array:
-    """Progress at constant speed but for short ramps from and to rest, (1001,)."""
-    return _rest_to_rest(np.linspace(0.0, 1.0, _SAMPLES))
+    """Progress at constant speed, (1001,)."""
+    return np.linspace(0.0, 1.0, SAMPLES)
+
+
+def progress_by_speed(path: Float64Array, speed: Float64Array) -> Float64Array:
+    """Progress (1001,) along a path (n, d) at a speed (n,) > 0 given there, of any unit."""
+    pace = 1.0 / speed
+    steps = np.diff(arc_length(path)) * 0.5 * (pace[1:] + pace[:-1])
+    clock = np.concatenate([[0.0], np.cumsum(steps)])
+    if clock[-1] == 0.0:
+        return uniform_progress()
+    return progress_of(*_rising(clock, path))
+
+
+def rest_to_rest(progress: Float64Array) -> Float64Array:
+    """The progress (1001,), smoothed, starting and ending at rest."""
+    speed = np.gradient(progress)
+    for _ in range(2):
+        speed = uniform_filter1d(speed, int(_SMOOTHING * SAMPLES), mode="nearest")
+    u = np.linspace(0.0, 1.0, SAMPLES)
+    x = np.clip(np.minimum(u, 1.0 - u) / _RAMP, 0.0, 1.0)
+    speed = speed * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+    total = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))])
+    return np.asarray(total / total[-1])
 
 
 def progress_at(progress: Float64Array, normalised_times: Float64Array) -> Float64Array:
     """Share of the path covered at normalised times in [0, 1], with a continuous acceleration."""
-    knots = np.linspace(0.0, 1.0, len(progress))
-    spline = CubicSpline(knots, progress, bc_type="clamped")
+    spline = CubicSpline(np.linspace(0.0, 1.0, len(progress)), progress, bc_type="clamped")
     return np.asarray(np.clip(spline(normalised_times), 0.0, 1.0))
 
 
-def _rest_to_rest(progress: Float64Array) -> Float64Array:
-    speed = np.gradient(progress)
-    width = int(_SMOOTHING * _SAMPLES)
-    # Zeros beyond the ends let both averages fall to rest inside the motion.
-    speed[:width] = speed[-width:] = 0.0
-    for _ in range(2):
-        speed = uniform_filter1d(speed, width, mode="constant")
-    total = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))])
-    return np.asarray(total / total[-1])
+def _rising(clock: Float64Array, path: Float64Array) -> tuple[Float64Array, Float64Array]:
+    kept = np.concatenate([[True], np.diff(clock) > 0.0])
+    return clock[kept], path[kept]

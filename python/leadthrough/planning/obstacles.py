@@ -20,28 +20,38 @@ def occupied(grid: Grid, obstacles: Iterable[Shape], *, margin: float = 0.0) -> 
     """
     room = check.number(margin, "margin", at_least=0.0)
     result = np.zeros(grid.shape, dtype=np.bool_)
-    for obstacle in obstacles:
-        if not isinstance(obstacle, Box | Sphere | Capsule):
-            raise InvalidInput(
-                f"obstacles: expected Box, Sphere or Capsule, got {type(obstacle).__name__}"
-            )
+    for obstacle in check_shapes(obstacles):
         near = _neighbourhood(grid, obstacle, room)
         if all(part.stop > part.start for part in near):
             result[near] |= _distances(grid, near, obstacle) <= room
     return result
 
 
+def check_shapes(obstacles: Iterable[Shape]) -> tuple[Shape, ...]:
+    """The obstacles, if all are shapes. Raises InvalidInput."""
+    if not isinstance(obstacles, Iterable):
+        raise InvalidInput(f"obstacles: expected a sequence, got {type(obstacles).__name__}")
+    shapes = tuple(obstacles)
+    for shape in shapes:
+        if not isinstance(shape, Box | Sphere | Capsule):
+            raise InvalidInput(
+                f"obstacles: expected Box, Sphere or Capsule, got {type(shape).__name__}"
+            )
+    return shapes
+
+
 def _neighbourhood(grid: Grid, obstacle: Shape, room: float) -> tuple[slice, ...]:
     """The cells that a ball about the obstacle reaches."""
     d = grid.dimensions
-    reach = _radius(obstacle) + room
+    reach = bounding_radius(obstacle) + room
     offset = (obstacle.position[:d] - grid.origin) / grid.spacing
     low = np.clip(np.floor(offset - reach / grid.spacing), 0, grid.shape)
     high = np.clip(np.ceil(offset + reach / grid.spacing) + 1, 0, grid.shape)
     return tuple(slice(int(a), int(b)) for a, b in zip(low, high, strict=True))
 
 
-def _radius(obstacle: Shape) -> float:
+def bounding_radius(obstacle: Shape) -> float:
+    """Radius of the smallest ball about the obstacle's position that holds it, m."""
     if isinstance(obstacle, Box):
         return float(0.5 * np.linalg.norm(obstacle.size))
     if isinstance(obstacle, Capsule):

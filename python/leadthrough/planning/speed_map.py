@@ -9,10 +9,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
+from scipy.spatial import cKDTree
 
 from leadthrough.check import Float64Array
 from leadthrough.planning.distance import distance_transform
-from leadthrough.planning.grid import Grid
+from leadthrough.planning.grid import CellArray, Grid
 from leadthrough.planning.obstacles import occupied
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.shapes import Shape
@@ -37,6 +39,30 @@ def experience_map(
     return np.asarray(saturation + (1.0 - saturation) * depth / deepest)
 
 
+def tube_map(
+    grid: Grid,
+    paths: Sequence[Float64Array],
+    weights: Sequence[float] | Float64Array,
+    *,
+    area_of_influence: float,
+    saturation: float,
+) -> Float64Array:
+    """Speed that falls linearly from weight_j on path j to the saturation one radius away from it.
+
+    Where tubes overlap the faster one counts. paths: each (n, d), inside the grid. weights: in
+    [0, 1]. area_of_influence: radius, in the grid's unit. Returns an array of the grid's shape.
+    """
+    nearness = np.zeros(grid.shape)
+    for path, weight in zip(paths, weights, strict=True):
+        dense = _dense(path, grid)
+        cells = _cells_near(grid, dense, area_of_influence)
+        distance, _ = cKDTree(dense).query(grid.points_at(cells.astype(np.float64)))
+        closeness = weight * np.maximum(1.0 - distance / area_of_influence, 0.0)
+        index = tuple(cells.T)
+        nearness[index] = np.maximum(nearness[index], closeness)
+    return np.asarray(saturation + (1.0 - saturation) * nearness)
+
+
 def add_obstacles(
     speed: Float64Array, grid: Grid, obstacles: Sequence[Shape], *, area_of_influence: float
 ) -> Float64Array:
@@ -53,6 +79,17 @@ def add_obstacles(
         return speed
     distance = distance_transform(walls, spacing=grid.spacing)
     return np.asarray(speed * np.minimum(distance / area_of_influence, 1.0))
+
+
+def _cells_near(grid: Grid, points: Float64Array, radius: float) -> CellArray:
+    """Cells (m, d) in the cubes of half edge `radius` around points (n, d)."""
+    reach = np.ceil(radius / grid.spacing).astype(np.int64)
+    occupied_cells = np.unique(grid.cells_of(points), axis=0)
+    near = np.zeros(grid.shape, dtype=bool)
+    near[tuple(occupied_cells.T)] = True
+    for axis, cells in enumerate(reach):
+        near = maximum_filter1d(near, 2 * int(cells) + 1, axis=axis, mode="constant")
+    return np.argwhere(near)
 
 
 def _dense(path: Float64Array, grid: Grid) -> Float64Array:

@@ -5,6 +5,8 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.errors import FitError, InvalidInput, NoPath
+from leadthrough.experiments import metrics
+from leadthrough.preprocess.resample import by_arc_length
 
 
 def wave(amplitude=0.05, *, count=200, duration=2.0, shift=0.0, scale=1.0):
@@ -91,12 +93,96 @@ def test_same_input_gives_the_same_bits(skill):
 
 def test_kappa_is_high_on_the_demonstrations_and_the_saturation_far_from_them(skill):
     assert skill.kappa(skill.generate().positions) > 0.6
-    assert skill.kappa([[0.2, 0.12]]) == pytest.approx(skill.saturation)
+    assert skill.kappa([[0.2, 0.12]]) == pytest.approx(skill.model.saturation)
 
 
 def test_start_equal_to_goal_is_a_motion_that_stands_still(skill):
     motion = skill.generate(start=(0.1, 0.0), goal=(0.1, 0.0), duration=1.0)
     assert np.ptp(motion.positions, axis=0).max() == 0.0
+
+
+def test_without_demonstrations_the_path_is_the_shortest_one():
+    skill = lt.FastMarching().fit([])
+    motion = skill.generate(start=(0.0, 0.0), goal=(0.3, 0.1), duration=1.0)
+    across = np.array([-0.1, 0.3]) / np.hypot(0.3, 0.1)
+    assert np.abs(motion.positions @ across).max() < 2e-3
+    with pytest.raises(InvalidInput, match="duration"):
+        skill.generate(start=(0.0, 0.0), goal=(0.3, 0.1))
+    with pytest.raises(InvalidInput, match="start"):
+        skill.generate(duration=1.0)
+
+
+def test_demonstration_asked_for_backwards_is_followed_backwards():
+    shown = wave()
+    for method in ("auto", "map", "start", "mean_path"):
+        skill = lt.FastMarching(method=method).fit([shown])
+        path = shown.motion.positions
+        back = skill.generate(start=path[-1], goal=path[0])
+        assert distance_to(path, back.positions).max() < 2 * skill.area_of_influence, method
+        np.testing.assert_allclose(back.positions[[0, -1]], path[[-1, 0]], atol=1e-12)
+
+
+def test_useless_demonstrations_do_not_bend_the_path():
+    rng = np.random.default_rng(4)
+    scribbles = [
+        lt.Demonstration(lt.Trajectory(np.arange(200.0), rng.normal(0.0, 0.02, (200, 2)).cumsum(0)))
+        for _ in range(3)
+    ]
+    skill = lt.FastMarching(saturation=0.25).fit(scribbles)
+    start, goal = np.array([1.0, 1.0]), np.array([1.09, 1.0])
+    found = skill.plan(start=start, goal=goal)
+    assert found.method == "map"
+    assert np.linalg.norm(np.diff(found.path, axis=0), axis=1).sum() < 1.05 * 0.09
+
+
+def test_new_path_far_from_the_experience_is_auto_learned(skill):
+    box = lt.Box((0.06, 0.06, 0.1), (0.2, 0.0, 0.0))
+    detour = skill.generate(obstacles=[box])
+    taught = skill.auto_learn(detour, threshold=0.99)
+    assert len(taught.learned) == 1
+    assert len(taught.experience) == len(skill.experience) + 1
+    assert taught.kappa(detour.positions) > skill.kappa(detour.positions)
+    assert skill.auto_learn(skill.generate(), threshold=0.5) is skill
+    assert not skill.learned
+
+
+def test_timing_follows_the_speed_map_or_is_constant_if_asked():
+    shown = [wave(shift=shift) for shift in (-0.01, 0.01)]
+    speeds = {}
+    for timing in ("demonstrations", "speed_map", "constant"):
+        motion = lt.FastMarching(timing=timing).fit(shown).generate()
+        steps = np.linalg.norm(np.diff(motion.positions, axis=0), axis=1)
+        speeds[timing] = steps[15:-15] / steps.mean()
+    assert np.ptp(speeds["constant"]) < 0.02
+    assert np.ptp(speeds["demonstrations"]) > 0.5
+    assert np.ptp(speeds["speed_map"]) < np.ptp(speeds["demonstrations"])
+
+
+def figure_eight(t):
+    return np.column_stack([np.sin(2 * np.pi * t), 0.5 * np.sin(4 * np.pi * t)])
+
+
+def crossing_spiral(t):
+    radius = 0.3 + 0.7 * t
+    centre = np.column_stack([0.9 * t, np.zeros_like(t)])
+    angle = 4 * np.pi * t
+    return centre + radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def double_loop(t):
+    angle = 4 * np.pi * t
+    return np.column_stack([2.0 * t + 0.5 * np.sin(angle), 0.5 * np.cos(angle)])
+
+
+@pytest.mark.parametrize("curve", [figure_eight, crossing_spiral, double_loop])
+def test_demonstration_that_crosses_itself_is_followed_through_the_crossing(curve):
+    path = curve(np.linspace(0.0, 1.0, 600))
+    skill = lt.FastMarching().fit([lt.Demonstration(lt.Trajectory(np.arange(600.0), path))])
+    made = skill.generate().positions
+    length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+    assert metrics.frechet_distance(by_arc_length(path, 500), by_arc_length(made, 500)) < (
+        0.02 * length
+    )
 
 
 def test_demonstrations_are_not_modified():
@@ -141,8 +227,6 @@ def test_bad_demonstrations_are_refused():
     still = lt.Demonstration(lt.Trajectory([0.0, 1.0], [[0.0, 0.0], [0.0, 0.0]]))
     with pytest.raises(FitError, match="does not move"):
         lt.FastMarching().fit([still])
-    with pytest.raises(FitError, match="got none"):
-        lt.FastMarching().fit([])
     with pytest.raises(FitError, match="single sample"):
         lt.FastMarching().fit([lt.Demonstration(lt.Trajectory([0.0], [[0.0, 0.0]]))])
     with pytest.raises(InvalidInput, match="two or all in three"):

@@ -1,0 +1,75 @@
+"""What a path-planning model keeps of a demonstration."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from leadthrough.check import Float64Array
+from leadthrough.errors import FitError, InvalidInput
+from leadthrough.models.phase import progress_of
+from leadthrough.motion import Demonstration, Trajectory
+from leadthrough.preprocess.resample import arc_length
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """A demonstrated, or auto-learned, path.
+
+    path: (n, d). duration: s. progress: (1001,) share of the path at even normalised times.
+    """
+
+    path: Float64Array
+    duration: float
+    progress: Float64Array
+
+    @property
+    def length(self) -> float:
+        """Arc length, in the path's unit."""
+        return float(arc_length(self.path)[-1])
+
+    def facing(self, start: Float64Array, goal: Float64Array) -> Shown:
+        """Itself, or reversed where that brings its ends nearer to start and goal, (d,) each."""
+        gaps = [
+            np.linalg.norm(first - start) + np.linalg.norm(last - goal)
+            for first, last in ((self.path[0], self.path[-1]), (self.path[-1], self.path[0]))
+        ]
+        if gaps[0] <= gaps[1]:
+            return self
+        return Shown(self.path[::-1].copy(), self.duration, 1.0 - self.progress[::-1])
+
+
+def keep(demonstrations: Sequence[Demonstration]) -> tuple[Shown, ...]:
+    """What to keep of demonstrations that hold a Trajectory in two or three dimensions each.
+
+    Raises InvalidInput, FitError for one that does not move.
+    """
+    if isinstance(demonstrations, Demonstration) or not isinstance(demonstrations, Sequence):
+        got = type(demonstrations).__name__
+        raise InvalidInput(f"demonstrations: expected a sequence of them, got {got}")
+    motions = [_trajectory(demonstration, i) for i, demonstration in enumerate(demonstrations)]
+    dimensions = {motion.positions.shape[1] for motion in motions}
+    if len(dimensions) > 1 or not dimensions <= {2, 3}:
+        raise InvalidInput(
+            f"demonstrations: expected all in two or all in three dimensions, got {dimensions}"
+        )
+    return tuple(
+        Shown(motion.positions, motion.duration, progress_of(motion.times, motion.positions))
+        for motion in motions
+    )
+
+
+def _trajectory(demonstration: Any, index: int) -> Trajectory:
+    name = f"demonstrations[{index}]"
+    motion = getattr(demonstration, "motion", None)
+    if not isinstance(motion, Trajectory):
+        got = type(motion if motion is not None else demonstration).__name__
+        raise InvalidInput(f"{name}: expected one with a Trajectory, got {got}")
+    if len(motion.times) < 2:
+        raise FitError(f"{name}: has a single sample, needs at least two")
+    if arc_length(motion.positions)[-1] == 0.0:
+        raise FitError(f"{name}: does not move")
+    return motion
