@@ -9,8 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
 from leadthrough.check import Float64Array
@@ -23,6 +25,7 @@ from leadthrough.planning.descent import descend
 from leadthrough.planning.grid import Grid
 from leadthrough.planning.obstacles import bounding_radius
 from leadthrough.planning.speed_map import add_obstacles, experience_map, tube_map
+from leadthrough.preprocess.resample import arc_length
 from leadthrough.preprocess.smooth import smooth_path
 from leadthrough.shapes import Shape
 
@@ -32,7 +35,7 @@ _LEAST_CELLS_PER_RADIUS = 2.0
 # Beyond this many cells a default resolution gets coarser: 160 cubed, half a second to march.
 _MOST_DEFAULT_CELLS = 4_000_000
 # Grid noise is shorter than this many cells; the shapes of demonstrations are not.
-_CELLS_PER_KNOT = 4.0
+_CELLS_PER_KNOT = 8.0
 # Room around everything, in radii, and around obstacles, as a share of the extent.
 _MARGIN = 4.0
 _ROOM = 0.25
@@ -121,21 +124,12 @@ def along_mean(shown: Sequence[Shown], query: Query, scales: Scales) -> Route:
     free = add_obstacles(
         np.ones(grid.shape), grid, query.obstacles, area_of_influence=scales.clearance
     )
-
-    def tube(part: Float64Array) -> Float64Array:
-        speed = tube_map(
-            grid, [part], [1.0], area_of_influence=scales.radius, saturation=scales.saturation
-        )
-        return np.asarray(speed * free)
-
-    pieces = cut_at_short_cuts(mean.path, radius=scales.radius, saturation=scales.saturation)
-    pieces = _joined_in_walls(pieces, grid, free)
-    parts = [_quickest(grid, tube(piece), piece[0], piece[-1]) for piece in pieces]
-    path = np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
+    path = _along_tube(mean.path, grid, free, scales)
+    speed = free * _tube(mean.path, grid, scales)
     chosen = mean.weights > 0.0
     used = tuple(each for each, wanted in zip(faced, chosen, strict=True) if wanted)
     weights = np.ones(len(used))  # whose start is nearest says nothing about the pace
-    return _route(path, grid, tube(mean.path), used=used, weights=weights, method="mean_path")
+    return _route(path, grid, speed, used=used, weights=weights, method="mean_path")
 
 
 def grid_over(
@@ -191,17 +185,55 @@ def _nearness(starts: Float64Array, start: Float64Array) -> Float64Array:
     return np.asarray(np.exp(-(squared - squared.min()) / (2.0 * width**2)))
 
 
-def _joined_in_walls(
-    pieces: list[Float64Array], grid: Grid, free: Float64Array
-) -> list[Float64Array]:
-    """The pieces, with those cuts left out that lie in an obstacle."""
-    joined = pieces[:1]
-    for piece in pieces[1:]:
-        if free[tuple(grid.cells_of(piece[:1])[0])] > 0.0:
-            joined.append(piece)
-        else:
-            joined[-1] = np.concatenate([joined[-1], piece[1:]])
-    return joined
+def _along_tube(mean: Float64Array, grid: Grid, free: Float64Array, scales: Scales) -> Float64Array:
+    """The path through the tube around a mean path, piece by piece. Raises NoPath.
+
+    It makes a detour where `free`, the obstacles' factor on the speed, is below 1 on the way.
+    """
+    influenced = free[tuple(grid.cells_of(mean).T)] < 1.0
+    parts = []
+    try:
+        for stretch, blocked in _stretches(mean, influenced):
+            if blocked:
+                # A tube as wide as the detour may become: it leaves and rejoins the path gently.
+                wide = replace(scales, radius=0.5 * float(arc_length(stretch)[-1]))
+                speed = free * _tube(stretch, grid, wide)
+                parts.append(_quickest(grid, speed, stretch[0], stretch[-1]))
+                continue
+            for piece in cut_at_short_cuts(
+                stretch, radius=scales.radius, saturation=scales.saturation
+            ):
+                parts.append(_quickest(grid, _tube(piece, grid, scales), piece[0], piece[-1]))
+    except NoPath:
+        # An end of a detour may be enclosed although start and goal are not.
+        parts = [_quickest(grid, free * _tube(mean, grid, scales), mean[0], mean[-1])]
+    return np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
+
+
+def _tube(path: Float64Array, grid: Grid, scales: Scales) -> Float64Array:
+    return tube_map(
+        grid, [path], [1.0], area_of_influence=scales.radius, saturation=scales.saturation
+    )
+
+
+def _stretches(
+    path: Float64Array, influenced: NDArray[np.bool_]
+) -> list[tuple[Float64Array, bool]]:
+    """Consecutive parts of a path (n, d) and whether each is a detour around an obstacle.
+
+    influenced: (n,). A detour begins and ends half its obstacle's stretch early and late, so that
+    there is way to leave the path and to come back. Neighbours share their end point.
+    """
+    blocked = np.zeros(len(path), dtype=bool)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], influenced, [0]])))
+    for first, end in edges.reshape(-1, 2):
+        extra = (end - first + 1) // 2
+        blocked[max(first - extra, 0) : end + extra] = True
+    changes = np.flatnonzero(np.diff(blocked)) + 1
+    bounds = [0, *(int(change) for change in changes), len(path) - 1]
+    return [
+        (path[a : b + 1], bool(blocked[a])) for a, b in pairwise(bounds) if b > a or len(path) == 1
+    ]
 
 
 def _quickest(
