@@ -1,11 +1,26 @@
 #include <pybind11/eigen.h>
 
 #include "leadthrough/so3.hpp"
+#include "leadthrough/so3_mean.hpp"
 #include "parts.hpp"
 
 namespace py = pybind11;
 
 namespace leadthrough {
+
+namespace {
+
+py::tuple mean(const Eigen::Ref<const so3::Quaternions>& layers,
+               const Eigen::Ref<const Eigen::VectorXd>& weights) {
+  so3::Means result;
+  {
+    const py::gil_scoped_release release;
+    result = so3::mean_batch(layers, weights);
+  }
+  return py::make_tuple(std::move(result.means), std::move(result.reach));
+}
+
+}  // namespace
 
 void bind_so3(py::module_& module) {
   using ReleaseGil = py::call_guard<py::gil_scoped_release>;
@@ -18,6 +33,9 @@ void bind_so3(py::module_& module) {
              ReleaseGil());
   module.def("so3_distance", &so3::distance_batch, py::arg("a").noconvert(),
              py::arg("b").noconvert(), ReleaseGil());
+  module.def("so3_slerp", &so3::slerp_batch, py::arg("a").noconvert(), py::arg("b").noconvert(),
+             py::arg("fractions").noconvert(), ReleaseGil());
+  module.def("so3_mean", &mean, py::arg("layers").noconvert(), py::arg("weights").noconvert());
 }
 
 }  // namespace leadthrough

@@ -50,6 +50,10 @@ double distance(const Quaternion& a, const Quaternion& b) {
   return 2.0 * std::atan2(difference.tail<3>().stableNorm(), std::abs(difference[0]));
 }
 
+Quaternion slerp(const Quaternion& a, const Quaternion& b, double fraction) {
+  return compose(a, exp(fraction * log(compose(inverse(a), b))));
+}
+
 Matrix3 to_matrix(const Quaternion& q) {
   const double w = q[0], x = q[1], y = q[2], z = q[3];
   Matrix3 m;
@@ -108,6 +112,15 @@ Matrices to_matrix_batch(const Eigen::Ref<const Quaternions>& quaternions) {
         to_matrix(Quaternion(quaternions.row(i)));
     result.row(i) = Eigen::Map<const Eigen::Matrix<double, 1, 9>>(m.data());
   }
+  return result;
+}
+
+Quaternions slerp_batch(const Eigen::Ref<const Quaternions>& a,
+                        const Eigen::Ref<const Quaternions>& b,
+                        const Eigen::Ref<const Eigen::VectorXd>& fractions) {
+  Quaternions result(a.rows(), 4);
+  for (Eigen::Index i = 0; i < a.rows(); ++i)
+    result.row(i) = slerp(Quaternion(a.row(i)), Quaternion(b.row(i)), fractions[i]);
   return result;
 }
 

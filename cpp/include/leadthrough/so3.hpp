@@ -31,6 +31,10 @@ Quaternion inverse(const Quaternion& quaternion);
 // Geodesic distance in rad, from 0 to pi, blind to the quaternions' signs.
 double distance(const Quaternion& a, const Quaternion& b);
 
+// From a by this fraction of the shortest turn to b, in the hemisphere of a. Of the two turns of
+// exactly pi, the one to b with the sign as given.
+Quaternion slerp(const Quaternion& a, const Quaternion& b, double fraction);
+
 // Rotation matrix of a unit quaternion, and back.
 Matrix3 to_matrix(const Quaternion& quaternion);
 Quaternion from_matrix(const Matrix3& matrix);
@@ -42,6 +46,9 @@ Quaternions compose_batch(const Eigen::Ref<const Quaternions>& a,
                           const Eigen::Ref<const Quaternions>& b);
 // Nine numbers a row: the matrix, row by row.
 Matrices to_matrix_batch(const Eigen::Ref<const Quaternions>& quaternions);
+Quaternions slerp_batch(const Eigen::Ref<const Quaternions>& a,
+                        const Eigen::Ref<const Quaternions>& b,
+                        const Eigen::Ref<const Eigen::VectorXd>& fractions);
 Eigen::VectorXd distance_batch(const Eigen::Ref<const Quaternions>& a,
                                const Eigen::Ref<const Quaternions>& b);
 

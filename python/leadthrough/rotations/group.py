@@ -1,7 +1,4 @@
-"""Rotations in batches: unit quaternions (w, x, y, z) and rotation vectors (axis times angle, rad).
-
-Source: Sola, Deray and Atchuthan 2018, "A micro Lie theory for state estimation in robotics".
-"""
+"""The group of rotations: exponential, logarithm, product, inverse, distance."""
 
 from __future__ import annotations
 
@@ -36,7 +33,13 @@ def compose(a: Any, b: Any) -> Float64Array:
 
     Raises InvalidInput.
     """
-    return _core.so3_compose(*_pair(a, b))
+    return _core.so3_compose(*pair(a, b))
+
+
+def inverse(quaternions: Any) -> Float64Array:
+    """Quaternions (n, 4) that turn back what unit quaternions (n, 4) turn. Raises InvalidInput."""
+    q = check.quaternions(quaternions, "quaternions", shape=("n", 4))
+    return np.asarray(q * [1.0, -1.0, -1.0, -1.0])
 
 
 def distance(a: Any, b: Any) -> Float64Array:
@@ -44,13 +47,7 @@ def distance(a: Any, b: Any) -> Float64Array:
 
     Raises InvalidInput.
     """
-    return _core.so3_distance(*_pair(a, b))
-
-
-def to_matrix(quaternions: Any) -> Float64Array:
-    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4). Raises InvalidInput."""
-    q = check.quaternions(quaternions, "quaternions", shape=("n", 4))
-    return np.asarray(_core.so3_to_matrix(q).reshape(-1, 3, 3))
+    return _core.so3_distance(*pair(a, b))
 
 
 def align_signs(quaternions: Any) -> Float64Array:
@@ -64,7 +61,8 @@ def align_signs(quaternions: Any) -> Float64Array:
     return np.asarray(q * signs[:, None])
 
 
-def _pair(a: Any, b: Any) -> tuple[Float64Array, Float64Array]:
+def pair(a: Any, b: Any) -> tuple[Float64Array, Float64Array]:
+    """Both arguments as unit quaternions (n, 4), as many in one as in the other."""
     first = check.quaternions(a, "a", shape=("n", 4))
     second = check.quaternions(b, "b", shape=("n", 4))
     if first.shape != second.shape:
