@@ -1,6 +1,7 @@
 #include <pybind11/eigen.h>
 
 #include "leadthrough/so3.hpp"
+#include "leadthrough/so3_curve.hpp"
 #include "leadthrough/so3_mean.hpp"
 #include "parts.hpp"
 
@@ -20,6 +21,15 @@ py::tuple mean(const Eigen::Ref<const so3::Quaternions>& layers,
   return py::make_tuple(std::move(result.means), std::move(result.reach));
 }
 
+py::tuple lift(const Eigen::Ref<const so3::Quaternions>& quaternions) {
+  so3::Lifted result;
+  {
+    const py::gil_scoped_release release;
+    result = so3::lift(quaternions);
+  }
+  return py::make_tuple(std::move(result.vectors), result.broken);
+}
+
 }  // namespace
 
 void bind_so3(py::module_& module) {
@@ -31,11 +41,20 @@ void bind_so3(py::module_& module) {
              ReleaseGil());
   module.def("so3_to_matrix", &so3::to_matrix_batch, py::arg("quaternions").noconvert(),
              ReleaseGil());
+  module.def("so3_from_matrix", &so3::from_matrix_batch, py::arg("matrices").noconvert(),
+             ReleaseGil());
   module.def("so3_distance", &so3::distance_batch, py::arg("a").noconvert(),
              py::arg("b").noconvert(), ReleaseGil());
   module.def("so3_slerp", &so3::slerp_batch, py::arg("a").noconvert(), py::arg("b").noconvert(),
              py::arg("fractions").noconvert(), ReleaseGil());
   module.def("so3_mean", &mean, py::arg("layers").noconvert(), py::arg("weights").noconvert());
+  module.def("so3_lift", &lift, py::arg("quaternions").noconvert());
+  module.def("so3_left_jacobian", &so3::left_jacobian_batch,
+             py::arg("rotation_vectors").noconvert(), ReleaseGil());
+  module.def("so3_left_jacobian_inverse", &so3::left_jacobian_inverse_batch,
+             py::arg("rotation_vectors").noconvert(), ReleaseGil());
+  module.def("so3_integrate", &so3::integrate, py::arg("times").noconvert(),
+             py::arg("angular_velocities").noconvert(), py::arg("start").noconvert(), ReleaseGil());
 }
 
 }  // namespace leadthrough

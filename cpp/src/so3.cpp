@@ -13,7 +13,7 @@ constexpr double kSeriesAngle = 1e-4;  // rad
 }  // namespace
 
 Quaternion exp(const Vector3& rotation_vector) {
-  const double half = 0.5 * rotation_vector.stableNorm();
+  const double half = (0.5 * rotation_vector).stableNorm();  // the full norm may overflow
   const double scale =
       half < kSeriesAngle ? 0.5 * (1.0 - half * half / 6.0) : 0.5 * std::sin(half) / half;
   Quaternion q;
@@ -111,6 +111,16 @@ Matrices to_matrix_batch(const Eigen::Ref<const Quaternions>& quaternions) {
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> m =
         to_matrix(Quaternion(quaternions.row(i)));
     result.row(i) = Eigen::Map<const Eigen::Matrix<double, 1, 9>>(m.data());
+  }
+  return result;
+}
+
+Quaternions from_matrix_batch(const Eigen::Ref<const Matrices>& matrices) {
+  Quaternions result(matrices.rows(), 4);
+  for (Eigen::Index i = 0; i < matrices.rows(); ++i) {
+    const Eigen::Matrix<double, 1, 9> row = matrices.row(i);
+    result.row(i) =
+        from_matrix(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(row.data()));
   }
   return result;
 }

@@ -33,6 +33,14 @@ class NoPath(LeadthroughError):
         self.reason = reason
 
 
+class NoContinuousLogarithm(LeadthroughError):
+    """A motion's rotation vectors cannot be continued; `index` is the sample where they break."""
+
+    def __init__(self, message: str, *, index: int) -> None:
+        super().__init__(message)
+        self.index = index
+
+
 class IkFailure(LeadthroughError):
     """No joint configuration reaches a sample of a motion.
 

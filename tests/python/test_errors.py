@@ -11,6 +11,7 @@ EXAMPLES = [
     errors.UnsupportedQuery("message"),
     errors.FitError("message"),
     errors.NoPath("message", reason="goal_enclosed"),
+    errors.NoContinuousLogarithm("message", index=3),
     errors.IkFailure("message", index=3, status="stuck", residual=(0.1, 0.2), q=np.zeros(2)),
     errors.LimitsInfeasible("message", joint="elbow"),
     errors.InvalidRobot("joint elbow", "no limit"),

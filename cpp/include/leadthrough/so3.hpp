@@ -46,6 +46,7 @@ Quaternions compose_batch(const Eigen::Ref<const Quaternions>& a,
                           const Eigen::Ref<const Quaternions>& b);
 // Nine numbers a row: the matrix, row by row.
 Matrices to_matrix_batch(const Eigen::Ref<const Quaternions>& quaternions);
+Quaternions from_matrix_batch(const Eigen::Ref<const Matrices>& matrices);
 Quaternions slerp_batch(const Eigen::Ref<const Quaternions>& a,
                         const Eigen::Ref<const Quaternions>& b,
                         const Eigen::Ref<const Eigen::VectorXd>& fractions);

@@ -6,18 +6,38 @@ Source: Sola, Deray and Atchuthan 2018, "A micro Lie theory for state estimation
 """
 
 from leadthrough.rotations.averaging import mean
+from leadthrough.rotations.derivatives import (
+    angular_acceleration,
+    angular_velocity,
+    integrate,
+    left_jacobian,
+    left_jacobian_inverse,
+)
+from leadthrough.rotations.euler import from_euler, to_euler
 from leadthrough.rotations.group import align_signs, compose, distance, exp, inverse, log
-from leadthrough.rotations.interpolation import slerp
-from leadthrough.rotations.matrices import to_matrix
+from leadthrough.rotations.interpolation import interpolate, slerp, squad
+from leadthrough.rotations.lifting import lift
+from leadthrough.rotations.matrices import from_matrix, to_matrix
 
 __all__ = [
     "align_signs",
+    "angular_acceleration",
+    "angular_velocity",
     "compose",
     "distance",
     "exp",
+    "from_euler",
+    "from_matrix",
+    "integrate",
+    "interpolate",
     "inverse",
+    "left_jacobian",
+    "left_jacobian_inverse",
+    "lift",
     "log",
     "mean",
     "slerp",
+    "squad",
+    "to_euler",
     "to_matrix",
 ]

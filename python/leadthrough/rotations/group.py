@@ -68,3 +68,11 @@ def pair(a: Any, b: Any) -> tuple[Float64Array, Float64Array]:
     if first.shape != second.shape:
         raise InvalidInput(f"b: expected as many rotations as a, {len(first)}, got {len(second)}")
     return first, second
+
+
+def timed(times: Any, quaternions: Any, *, at_least: int) -> tuple[Float64Array, Float64Array]:
+    """Times (n,) s and as many unit quaternions (n, 4), n >= at_least."""
+    t = check.times(times, "times")
+    if len(t) < at_least:
+        raise InvalidInput(f"times: expected at least {at_least} samples, got {len(t)}")
+    return t, check.quaternions(quaternions, "quaternions", shape=(len(t), 4))

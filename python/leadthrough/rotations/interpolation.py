@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.rotations.group import pair
+from leadthrough.rotations.derivatives import angular_velocity
+from leadthrough.rotations.group import align_signs, pair, timed
 
 
 def slerp(a: Any, b: Any, fractions: Any) -> Float64Array:
@@ -24,3 +28,59 @@ def slerp(a: Any, b: Any, fractions: Any) -> Float64Array:
             f"fractions: expected numbers from 0 to 1, got {parts.min()} to {parts.max()}"
         )
     return _core.so3_slerp(first, second, parts)
+
+
+def interpolate(times: Any, quaternions: Any, at: Any) -> Float64Array:
+    """Rotations (m, 4) at times `at` (m,) s on the shortest turns between samples (n, 4).
+
+    times: (n,) s, n >= 2; `at` must lie inside them. Continuous, signs too, with a jump of the
+    angular velocity at every sample. Raises InvalidInput.
+    """
+    t, samples = timed(times, quaternions, at_least=2)
+    q = align_signs(samples)
+    i, fractions = _places(t, at)
+    return _core.so3_slerp(q[i], q[i + 1], fractions)
+
+
+def squad(times: Any, quaternions: Any, at: Any) -> Float64Array:
+    """Rotations (m, 4) at times `at` (m,) s on a curve through samples (n, 4), smooth at them.
+
+    times: (n,) s, n >= 2, uneven or not; `at` must lie inside them. The angular velocity is
+    continuous: at the samples it is `angular_velocity`, so any three neighbours must turn less than
+    half a turn. On even times it is Shoemake's curve.
+    Raises InvalidInput. Source: Shoemake 1987, "Quaternion calculus and fast animation".
+    """
+    t, samples = timed(times, quaternions, at_least=2)
+    q = align_signs(samples)
+    i, fractions = _places(t, at)
+    leaving, arriving = _controls(t, q, angular_velocity(t, q))
+    chord = _core.so3_slerp(q[i], q[i + 1], fractions)
+    handle = _core.so3_slerp(leaving[i], arriving[i], fractions)
+    return _core.so3_slerp(chord, handle, 2.0 * fractions * (1.0 - fractions))
+
+
+def _controls(
+    times: Float64Array, q: Float64Array, velocities: Float64Array
+) -> tuple[Float64Array, Float64Array]:
+    """Each interval's two inner quaternions, which give the curve its velocity at the ends.
+
+    With d the turn of the chord and h omega that of the velocity, both in the base frame, squad
+    leaves a sample with d + 2 log(leaving q^-1) and arrives with d - 2 log(arriving q^-1).
+    """
+    turns = _core.so3_log(_core.so3_compose(q[1:], q[:-1] * [1.0, -1.0, -1.0, -1.0]))
+    steps = np.diff(times)[:, None]
+    outwards = _core.so3_exp(0.5 * (steps * velocities[:-1] - turns))
+    inwards = _core.so3_exp(0.5 * (turns - steps * velocities[1:]))
+    return _core.so3_compose(outwards, q[:-1]), _core.so3_compose(inwards, q[1:])
+
+
+def _places(times: Float64Array, at: Any) -> tuple[NDArray[np.intp], Float64Array]:
+    """The interval that each time lies in, and the fraction of it that has passed."""
+    asked = check.array(at, "at", shape=("m",))
+    outside = (asked < times[0]) | (asked > times[-1])
+    if outside.any():
+        raise InvalidInput(
+            f"at: expected times from {times[0]} s to {times[-1]} s, got {asked[outside][0]} s"
+        )
+    i = np.clip(np.searchsorted(times, asked, side="right") - 1, 0, len(times) - 2)
+    return i, (asked - times[i]) / (times[i + 1] - times[i])

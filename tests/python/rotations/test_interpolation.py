@@ -57,3 +57,94 @@ def test_slerp_of_half_a_turn_takes_the_way_to_b_as_given():
 def test_bad_slerps_are_refused(arguments, message):
     with pytest.raises(InvalidInput, match=message):
         rotations.slerp(*arguments)
+
+
+def curve(times):
+    t = np.asarray(times)[:, None]
+    first = rotations.exp(np.sin(2 * t) * [0, 0.6, 0.8])
+    return rotations.compose(first, rotations.exp((np.cos(3 * t) + t) * [1.0, 0, 0]))
+
+
+def uneven(count):
+    """Times from 0 to 2 s whose steps differ by a factor of up to four."""
+    steps = np.random.default_rng(0).uniform(1, 4, count)
+    return np.concatenate([[0], np.cumsum(steps)]) * 2 / steps.sum()
+
+
+@pytest.mark.parametrize("between", [rotations.interpolate, rotations.squad])
+def test_curves_pass_through_their_samples_with_continuous_signs(between):
+    times = uneven(30)
+    q = curve(times)
+    flipped = q * np.where(np.arange(31) % 3 == 1, -1.0, 1.0)[:, None]
+    np.testing.assert_allclose(between(times, flipped, times), q, atol=1e-14)
+    dense = between(times, flipped, np.linspace(0, times[-1], 5000))
+    assert np.abs(np.diff(dense, axis=0)).max() < 0.01
+
+
+def test_interpolate_agrees_with_scipy():
+    times, at = uneven(30), np.linspace(0, 1.99, 501)
+    q = curve(times)
+    theirs = Slerp(times, Rotation.from_quat(q[:, [1, 2, 3, 0]]))(at).as_quat()[:, [3, 0, 1, 2]]
+    assert rotations.distance(rotations.interpolate(times, q, at), theirs).max() < 1e-14
+
+
+def test_squad_has_the_velocity_of_the_samples_on_both_sides_of_each():
+    times = uneven(12)
+    q = curve(times)
+    expected = rotations.angular_velocity(times, q)
+    step = 1e-6
+    for side, rows in ((step, slice(0, -1)), (-step, slice(1, None))):
+        near = rotations.squad(times, q, times[rows] + side)
+        turned = rotations.log(rotations.compose(near, rotations.inverse(q[rows])))
+        np.testing.assert_allclose(turned / side, expected[rows], atol=1e-4)
+
+
+def test_squad_is_nearer_to_a_smooth_motion_than_slerp():
+    times, at = uneven(40), np.linspace(0, 1.99, 2001)
+    off = [
+        rotations.distance(between(times, curve(times), at), curve(at)).max()
+        for between in (rotations.interpolate, rotations.squad)
+    ]
+    assert off[1] < 0.1 * off[0]
+
+
+def test_squad_on_even_times_is_shoemakes_curve():
+    times = np.arange(6.0)
+    q = curve(times / 5)
+    back, onwards = (
+        rotations.log(rotations.compose(rotations.inverse(q[1:-1]), q[rows]))
+        for rows in (slice(0, -2), slice(2, None))
+    )
+    inner = rotations.compose(q[1:-1], rotations.exp(-(back + onwards) / 4))
+    u = np.full(3, 0.3)
+    chord = rotations.slerp(q[1:-2], q[2:-1], u)
+    expected = rotations.slerp(chord, rotations.slerp(inner[:-1], inner[1:], u), 2 * u * (1 - u))
+    ours = rotations.squad(times, q, times[1:4] + 0.3)
+    assert rotations.distance(ours, expected).max() < 1e-14
+
+
+def test_two_samples_are_joined_by_slerp():
+    q = rotations.exp([[0.1, 0.2, 0.3], [1.0, -1.0, 0.5]])
+    at = [1.0, 2.0, 4.5, 5.0]
+    fractions = (np.array(at) - 1) / 4
+    expected = rotations.slerp(*(np.repeat(end[None], 4, axis=0) for end in q), fractions)
+    for between in (rotations.interpolate, rotations.squad):
+        np.testing.assert_allclose(between([1, 5], q, at), expected, atol=1e-14)
+        assert between([1, 5], q, []).shape == (0, 4)
+
+
+@pytest.mark.parametrize("between", [rotations.interpolate, rotations.squad])
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (([0, 1], np.eye(4)[:2], [1.5]), r"at: expected times from 0.0 s to 1.0 s, got 1.5 s"),
+        (([0, 1], np.eye(4)[:2], [np.nan]), "at: expected finite"),
+        (([0, 1], np.eye(4)[:2], 0.5), r"at: expected shape \(m,\)"),
+        (([0, 1], np.eye(4)[:3], [0.5]), r"quaternions: expected shape \(2, 4\)"),
+        (([0], np.eye(4)[:1], [0.0]), "times: expected at least 2"),
+        (([1, 0], np.eye(4)[:2], [0.5]), "times: expected strictly increasing"),
+    ],
+)
+def test_bad_curves_are_refused(between, arguments, message):
+    with pytest.raises(InvalidInput, match=message):
+        between(*arguments)
