@@ -16,7 +16,7 @@ constexpr double kWholeTurn = 1e-11;  // sine of half the angle
 constexpr double kMaxGain = 10.0;
 
 // What rounding may turn the axis by, next to kWholeTurn.
-constexpr double kAxisNoise = 1e-3;  // rad
+constexpr double kAxisNoise = 1e-4;  // rad
 
 // Two rotations this close to half a turn apart have no shortest turn between them.
 constexpr double kHalfTurnMargin = 1e-6;  // rad

@@ -7,7 +7,7 @@ namespace leadthrough::so3 {
 
 namespace {
 
-// Every step shrinks the error to a third or less, so what is left is far below this.
+// Every step is a fraction of the one before, so what is left is below this too.
 constexpr double kLastStep = 1e-14;  // rad
 constexpr int kMaxSteps = 100;
 
@@ -19,7 +19,7 @@ struct Column {
   Quaternion operator[](Eigen::Index i) const { return layers.row(first + i * stride); }
 };
 
-// Markley et al. 2007, "Averaging quaternions", eq. 12: the mean of the chordal distance.
+// Markley et al. 2007, "Averaging quaternions": the mean of the chordal distance.
 template <typename Weights>
 Quaternion chordal_mean(const Column& column, const Weights& weights) {
   Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();

@@ -50,13 +50,16 @@ def times(value: Any, name: str) -> Float64Array:
     result = frozen(value, name, shape=("n",))
     if len(result) == 0:
         raise InvalidInput(f"{name}: expected at least one sample, got none")
-    steps = np.diff(result)
+    with np.errstate(over="ignore"):  # an infinite duration is refused below
+        steps = np.diff(result)
     if (steps <= 0).any():
         i = int(np.argmax(steps <= 0))
         raise InvalidInput(
             f"{name}: expected strictly increasing times, "
             f"got {result[i]} s then {result[i + 1]} s at samples {i} and {i + 1}"
         )
+    if not math.isfinite(float(result[-1]) - float(result[0])):
+        raise InvalidInput(f"{name}: expected a finite duration, got {result[0]} to {result[-1]} s")
     return result
 
 

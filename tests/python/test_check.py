@@ -58,6 +58,11 @@ def test_times_refuses_what_is_not_strictly_increasing(times):
         check.times(times, "stamps")
 
 
+def test_times_refuses_an_infinite_duration():
+    with pytest.raises(InvalidInput, match="t: expected a finite duration"):
+        check.times([-1.5e308, 0.0, 1.5e308], "t")
+
+
 def test_times_names_the_samples_at_fault():
     with pytest.raises(InvalidInput, match=r"got 2.0 s then 1.0 s at samples 1 and 2"):
         check.times([0, 2, 1], "times")

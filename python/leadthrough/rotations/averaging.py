@@ -10,8 +10,8 @@ from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
-# Within a quarter turn of one point there is one mean only (Afsari 2011, theorem 2.1); two
-# rotations half a turn apart have two. The margin keeps the choice between them from rounding.
+# Within a quarter turn of one point there is one mean only (Afsari 2011); two rotations half a turn
+# apart have two. The margin keeps the choice between them from rounding.
 MAX_REACH = np.pi / 2 - 1e-6  # rad
 
 
@@ -23,7 +23,7 @@ def mean(quaternions: Any, *, weights: Any = None) -> Float64Array:
     nearer of the first rotation's two quaternions.
     Raises InvalidInput, also where rotations of weight > 0 lie a quarter turn or more from their
     unweighted middle, which leaves more than one mean possible.
-    Source: Markley et al. 2007, "Averaging quaternions", eq. 12, for the start; Manton 2004, "A
+    Source: Markley et al. 2007, "Averaging quaternions", for the start; Manton 2004, "A
     globally convergent numerical algorithm for computing the centre of mass on compact Lie groups".
     """
     single = _is_one_column(quaternions)

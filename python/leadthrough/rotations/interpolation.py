@@ -47,7 +47,8 @@ def squad(times: Any, quaternions: Any, at: Any) -> Float64Array:
 
     times: (n,) s, n >= 2, uneven or not; `at` must lie inside them. The angular velocity is
     continuous: at the samples it is `angular_velocity`, so any three neighbours must turn less than
-    half a turn. On even times it is Shoemake's curve.
+    half a turn. On even times it is Shoemake's curve. A long step after a short and fast one takes
+    its velocity over and swings far out: there `interpolate` is the safer one.
     Raises InvalidInput. Source: Shoemake 1987, "Quaternion calculus and fast animation".
     """
     t, samples = timed(times, quaternions, at_least=2)
@@ -56,6 +57,8 @@ def squad(times: Any, quaternions: Any, at: Any) -> Float64Array:
     leaving, arriving = _controls(t, q, angular_velocity(t, q))
     chord = _core.so3_slerp(q[i], q[i + 1], fractions)
     handle = _core.so3_slerp(leaving[i], arriving[i], fractions)
+    if not np.isfinite(handle).all():
+        raise InvalidInput("times: expected steps of similar length, got some far too uneven")
     return _core.so3_slerp(chord, handle, 2.0 * fractions * (1.0 - fractions))
 
 
@@ -69,8 +72,9 @@ def _controls(
     """
     turns = _core.so3_log(_core.so3_compose(q[1:], q[:-1] * [1.0, -1.0, -1.0, -1.0]))
     steps = np.diff(times)[:, None]
-    outwards = _core.so3_exp(0.5 * (steps * velocities[:-1] - turns))
-    inwards = _core.so3_exp(0.5 * (turns - steps * velocities[1:]))
+    with np.errstate(over="ignore"):  # what is not finite is refused by squad
+        outwards = _core.so3_exp(0.5 * (steps * velocities[:-1] - turns))
+        inwards = _core.so3_exp(0.5 * (turns - steps * velocities[1:]))
     return _core.so3_compose(outwards, q[:-1]), _core.so3_compose(inwards, q[1:])
 
 

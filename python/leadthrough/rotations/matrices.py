@@ -27,7 +27,7 @@ def from_matrix(matrices: Any) -> Float64Array:
     """Unit quaternions (n, 4), w >= 0, of the rotations nearest to matrices (n, 3, 3).
 
     Raises InvalidInput where M^T M is off the identity by more than 0.01, or the determinant is
-    negative (a reflection). Source: Higham 1986, "Computing the polar decomposition", eq. 3.1.
+    negative (a reflection). Source: Higham 1986, "Computing the polar decomposition" (Newton).
     """
     m = check.array(matrices, "matrices", shape=("n", 3, 3))
     _check_rotations(m)

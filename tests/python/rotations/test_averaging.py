@@ -32,6 +32,15 @@ def test_mean_is_where_the_pulls_cancel(quaternions, weights):
     assert np.linalg.norm(pull(mean, quaternions, weights)) < 1e-14
 
 
+@given(arrays(float, (5, 3), elements=st.floats(-2, 2)).map(rotations.exp), weights)
+def test_wide_spreads_have_an_exact_mean_or_are_refused(quaternions, weights):
+    try:
+        mean = rotations.mean(quaternions, weights=weights)
+    except InvalidInput:
+        return
+    assert np.linalg.norm(pull(mean, quaternions, weights)) < 1e-13
+
+
 @given(near_identity, weights, unit_quaternions)
 def test_mean_moves_with_the_rotations(quaternions, weights, turn):
     mean = rotations.mean(quaternions, weights=weights)

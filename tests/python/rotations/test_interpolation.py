@@ -148,3 +148,9 @@ def test_two_samples_are_joined_by_slerp():
 def test_bad_curves_are_refused(between, arguments, message):
     with pytest.raises(InvalidInput, match=message):
         between(*arguments)
+
+
+def test_squad_refuses_steps_that_are_too_uneven_to_carry_a_velocity_over():
+    q = rotations.exp([[0, 0, 0], [0, 0, 1], [0, 1, 1]])
+    with pytest.raises(InvalidInput, match="times: expected steps of similar length"):
+        rotations.squad([0, 1e-290, 1e290], q, [1.0])
