@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from rich import box
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
@@ -53,6 +54,42 @@ def demo(
     console.print(f"Figures, errors.csv and the joint trajectories: {out}/")
     if not all(result.limits.ok for result in results):
         raise typer.Exit(1)
+
+
+@app.command()
+def experiment(
+    name: Annotated[str, typer.Argument(help="lasa")],
+    quick: Annotated[bool, typer.Option("--quick", help="A small part of the study.")] = False,
+    out: Annotated[Path | None, typer.Option(help="Folder for the results.")] = None,
+    seed: Annotated[int, typer.Option(help="Of whatever is drawn at random.")] = 0,
+    jobs: Annotated[int, typer.Option(help="Processes.")] = 1,
+) -> None:
+    """Run a study; what its folder already holds is not computed again."""
+    from leadthrough import check
+    from leadthrough.experiments import study
+    from leadthrough.experiments.catalogue import STUDIES
+
+    chosen = STUDIES[check.choice(name, "NAME", STUDIES)]
+    folder = out or Path(f"leadthrough-{name}")
+    config = chosen.configure(quick, check.integer(seed, "seed", at_least=0))
+    outcome = study.run(chosen, config, out=folder, jobs=jobs)
+    console = Console()
+    console.print(_table(outcome.report.table))
+    console.print(f"results.json, table.csv and figures: {folder}/")
+    for failure in outcome.failures:
+        console.print(f"failed: {failure}", style="red", markup=False)
+    if outcome.failures:
+        raise typer.Exit(1)
+
+
+def _table(rows: list[dict[str, Any]]) -> Table:
+    table = Table(*(rows[0] if rows else ()), box=box.SIMPLE, padding=0)
+    for row in rows:
+        cells = (
+            "" if x is None else f"{x:.4g}" if isinstance(x, float) else x for x in row.values()
+        )
+        table.add_row(*map(str, cells))
+    return table
 
 
 def main() -> None:

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from leadthrough.arm import JointLimits
 from leadthrough.experiments.handwriting import Handwriting
+from leadthrough.experiments.results import save_figure
 from leadthrough.io import joint_trajectory
 from leadthrough.io.atomic import replacing
 from leadthrough.show import plot
@@ -54,12 +55,6 @@ def error_rows(results: Sequence[Handwriting]) -> list[tuple[str, ...]]:
     return [
         (name, *(f"{value:.4g}" for value in row)) for name, row in zip(names, rows, strict=True)
     ]
-
-
-def save_figure(figure: Figure, path: Path) -> None:
-    """The figure as a PNG file, complete or not at all."""
-    with replacing(path) as temporary:
-        figure.savefig(temporary, dpi=110)
 
 
 def _learning_figure(result: Handwriting) -> Figure:

@@ -1,0 +1,75 @@
+"""The methods that the handwriting study compares; another joins with one line in `METHODS`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import fields
+from typing import Any, Protocol
+
+import numpy as np
+
+from leadthrough.check import Float64Array
+from leadthrough.models import FastMarching
+from leadthrough.motion import Demonstration, Trajectory
+from leadthrough.preprocess.resample import arc_length
+
+Method = Callable[[Sequence[Demonstration], Float64Array], Trajectory]
+
+PIXELS_PER_MM = 8.3
+PAPER_AREA_OF_INFLUENCE = 25.0 / PIXELS_PER_MM  # mm
+PAPER_SATURATION = 0.1
+
+_VARIANTS = "method" in {option.name for option in fields(FastMarching)}
+
+
+class _Model(Protocol):
+    def fit(self, demonstrations: Sequence[Demonstration]) -> Any: ...
+
+
+def paper_setting(saturation: float = PAPER_SATURATION, **options: Any) -> FastMarching:
+    """Algorithm 1 of Prados et al. 2023 at one cell a pixel, area of influence 25 pixels."""
+    variant = {"method": "map"} if _VARIANTS else {}
+    return FastMarching(
+        area_of_influence=PAPER_AREA_OF_INFLUENCE,
+        saturation=saturation,
+        resolution=1.0 / PIXELS_PER_MM,
+        **variant,
+        **options,
+    )
+
+
+def generated_by(model: _Model) -> Method:
+    """The method that fits a model and generates a motion from the start asked for."""
+
+    def reproduce(demonstrations: Sequence[Demonstration], start: Float64Array) -> Trajectory:
+        motion: Trajectory = model.fit(demonstrations).generate(start=start)
+        return motion
+
+    return reproduce
+
+
+def nearest_shifted(demonstrations: Sequence[Demonstration], start: Float64Array) -> Trajectory:
+    """The demonstration that starts nearest, its offset fading with the share of the path left."""
+    motions = [demonstration.motion for demonstration in demonstrations]
+    assert all(isinstance(motion, Trajectory) for motion in motions)
+    nearest = min(motions, key=lambda motion: float(np.linalg.norm(motion.positions[0] - start)))
+    covered = arc_length(nearest.positions)
+    left = 1.0 - covered / covered[-1]
+    return Trajectory(
+        nearest.times, nearest.positions + left[:, None] * (start - nearest.positions[0])
+    )
+
+
+METHODS: dict[str, Method] = {
+    "FML, paper's setting": generated_by(paper_setting()),
+    "FML": generated_by(FastMarching()),
+    "nearest demonstration, shifted": nearest_shifted,
+}
+if _VARIANTS:
+    METHODS |= {
+        "FML, paper's setting, speed by F": generated_by(paper_setting(timing="speed_map")),
+        **{
+            f"FML, {name.replace('_', ' ')}": generated_by(FastMarching(**{"method": name}))
+            for name in ("map", "start", "mean_path")
+        },
+    }

@@ -1,0 +1,75 @@
+"""What a study leaves in its folder: results.json, table.csv, figures, and a store of rows."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from leadthrough.io.atomic import replacing
+
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Store:
+    """Rows by key, each key's in a file of its own, complete or not there."""
+
+    folder: Path
+
+    def read(self, key: str) -> list[Row] | None:
+        """The rows, None where there are none or the file is damaged."""
+        try:
+            rows = json.loads(self._path(key).read_text(encoding="utf-8"))
+        except (FileNotFoundError, ValueError):
+            return None
+        return rows if isinstance(rows, list) else None
+
+    def write(self, key: str, text: str) -> list[Row]:
+        """Keep rows, given as JSON; returns what `read` will."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        _write_text(self._path(key), text)
+        rows: list[Row] = json.loads(text)
+        return rows
+
+    def _path(self, key: str) -> Path:
+        return self.folder / f"{key}.json"
+
+
+def write(
+    folder: Path,
+    *,
+    document: Mapping[str, Any],
+    table: Sequence[Row],
+    figures: Mapping[str, Figure],
+) -> None:
+    """results.json, table.csv and <name>.png, in `folder`, made if missing. Raises InvalidInput."""
+    folder.mkdir(parents=True, exist_ok=True)
+    _write_text(folder / "results.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
+    _write_table(folder / "table.csv", table)
+    for name, figure in figures.items():
+        save_figure(figure, folder / f"{name}.png")
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """The figure as a PNG file, complete or not at all."""
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=110)
+
+
+def _write_table(path: Path, table: Sequence[Row]) -> None:
+    columns = list(table[0]) if table else []
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(table)
+
+
+def _write_text(path: Path, text: str) -> None:
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
