@@ -28,14 +28,19 @@ class _Model(Protocol):
 
 def paper_setting(saturation: float = PAPER_SATURATION, **options: Any) -> FastMarching:
     """Algorithm 1 of Prados et al. 2023 at one cell a pixel, area of influence 25 pixels."""
-    variant = {"method": "map"} if _VARIANTS else {}
+    if _VARIANTS:
+        options = {"method": "map", **options}
     return FastMarching(
         area_of_influence=PAPER_AREA_OF_INFLUENCE,
         saturation=saturation,
         resolution=1.0 / PIXELS_PER_MM,
-        **variant,
         **options,
     )
+
+
+def _variant(method: Any) -> FastMarching:
+    options = {"method": method}
+    return FastMarching(**options)
 
 
 def generated_by(model: _Model) -> Method:
@@ -68,8 +73,7 @@ METHODS: dict[str, Method] = {
 if _VARIANTS:
     METHODS |= {
         "FML, paper's setting, speed by F": generated_by(paper_setting(timing="speed_map")),
-        **{
-            f"FML, {name.replace('_', ' ')}": generated_by(FastMarching(**{"method": name}))
-            for name in ("map", "start", "mean_path")
-        },
+        "FML, map": generated_by(_variant("map")),
+        "FML, start": generated_by(_variant("start")),
+        "FML, mean path": generated_by(_variant("mean_path")),
     }

@@ -106,6 +106,38 @@ def end_error(demonstration: Trajectory, reproduction: Trajectory) -> float:
         return _finite(np.linalg.norm(demonstration.positions[-1] - reproduction.positions[-1]))
 
 
+def turning(path: Any, *, step: float) -> float:
+    """Total angle that a path (n, d) turns by, rad, seen in pieces of one length near `step`.
+
+    0 for a straight line, more for every bend and every tremble longer than the pieces. step: in
+    the path's unit, > 0. Raises InvalidInput.
+    """
+    points = check.array(path, "path", shape=("n", "d"))
+    pieces = resample.arc_length(points)[-1] / check.number(step, "step", above=0.0)
+    chords = np.diff(resample.by_arc_length(points, max(int(np.ceil(pieces)), 1) + 1), axis=0)
+    lengths = np.linalg.norm(chords, axis=1)
+    cosines = (chords[1:] * chords[:-1]).sum(axis=1) / (lengths[1:] * lengths[:-1])
+    return _finite(np.arccos(np.clip(cosines, -1.0, 1.0)).sum())
+
+
+def dimensionless_jerk(motion: Trajectory, *, samples: int = 101) -> float:
+    """Integral of the squared jerk times duration^5 / length^2; 720 for a minimum-jerk line.
+
+    The motion is seen at `samples` even times, so that the recording's rate plays no part.
+    Source: Hogan and Sternad 2009, "Sensitivity of smoothness measures to movement duration,
+    amplitude, and arrests". Raises InvalidInput.
+    """
+    count = check.integer(samples, "samples", at_least=8)
+    even = np.linspace(motion.times[0], motion.times[-1], count)
+    points = np.column_stack([np.interp(even, motion.times, x) for x in motion.positions.T])
+    step = 1.0 / (count - 1)  # of the duration
+    jerk = np.diff(points, n=3, axis=0) / step**3
+    length = resample.arc_length(points)[-1]
+    if length == 0.0:
+        raise InvalidInput("motion: expected one that moves, got a single place")
+    return _finite((jerk**2).sum() * step / length**2)
+
+
 def _curves(a: Any, b: Any) -> tuple[Float64Array, Float64Array]:
     first = check.array(a, "a", shape=("n", "d"))
     second = check.array(b, "b", shape=("m", first.shape[1]))

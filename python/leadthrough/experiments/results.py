@@ -45,12 +45,13 @@ def write(
     folder: Path,
     *,
     document: Mapping[str, Any],
+    rows: Sequence[Row],
     table: Sequence[Row],
     figures: Mapping[str, Figure],
 ) -> None:
     """results.json, table.csv and <name>.png, in `folder`, made if missing. Raises InvalidInput."""
     folder.mkdir(parents=True, exist_ok=True)
-    _write_text(folder / "results.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
+    _write_text(folder / "results.json", _json(document, rows))
     _write_table(folder / "table.csv", table)
     for name, figure in figures.items():
         save_figure(figure, folder / f"{name}.png")
@@ -60,6 +61,13 @@ def save_figure(figure: Figure, path: Path) -> None:
     """The figure as a PNG file, complete or not at all."""
     with replacing(path) as temporary:
         figure.savefig(temporary, dpi=110)
+
+
+def _json(document: Mapping[str, Any], rows: Sequence[Row]) -> str:
+    """The document with the rows as its last entry, each on a line of its own."""
+    head = json.dumps(document, indent=1, allow_nan=False).removesuffix("\n}")
+    lines = ",\n".join(json.dumps(row, allow_nan=False) for row in rows)
+    return f'{head},\n "rows": [\n{lines}\n]}}\n'
 
 
 def _write_table(path: Path, table: Sequence[Row]) -> None:

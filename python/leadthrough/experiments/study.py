@@ -104,8 +104,8 @@ def run(study: Study, config: Any, *, out: Path, jobs: int | None = None) -> Out
             "summary": report.summary,
             "table": report.table,
             "failures": failures,
-            "rows": rows,
         },
+        rows=rows,
         table=report.table,
         figures=report.figures,
     )
