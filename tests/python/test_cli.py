@@ -2,11 +2,13 @@
 
 import csv
 import json
+from dataclasses import replace
 
 import pytest
 from typer.testing import CliRunner
 
 from leadthrough import cli
+from leadthrough.experiments import catalogue, study, ur3_study
 
 runner = CliRunner()
 
@@ -46,7 +48,51 @@ def test_output_folder_that_cannot_be_made_is_an_error_of_one_line(tmp_path, mon
     assert str(tmp_path / "file") in capsys.readouterr().err.replace("\n", "")
 
 
+def test_experiment_writes_results_and_goes_on_where_it_was(tmp_path, monkeypatch):
+    config = ur3_study.Ur3Config(
+        (1,), (), ur3_study.Setting(resolution=0.025), saturations=(), seed=3
+    )
+    asked = []
+    small = replace(
+        ur3_study.STUDY, configure=lambda quick, seed: asked.append((quick, seed)) or config
+    )
+    monkeypatch.setitem(catalogue.STUDIES, "ur3", small)
+    arguments = ["experiment", "ur3", "--quick", "--seed", "3", "--out", str(tmp_path)]
+    first = runner.invoke(cli.app, arguments)
+    assert first.exit_code == 0, first.output
+    assert asked == [(True, 3)]
+    assert "kappa paper" in first.output
+    written = (tmp_path / "results.json").read_bytes()
+    assert json.loads(written)["configuration"]["seed"] == 3
+    assert runner.invoke(cli.app, arguments).exit_code == 0
+    assert (tmp_path / "results.json").read_bytes() == written
+
+
+def test_experiment_with_a_failure_says_so_and_ends_with_one(tmp_path, monkeypatch):
+    def fail(*, scene, **_):
+        raise ValueError(f"scene {scene} is out of paper")
+
+    broken = replace(
+        ur3_study.STUDY,
+        tasks=lambda config: [study.Task(fail, {"scene": n}) for n in config.scenes],
+    )
+    monkeypatch.setitem(catalogue.STUDIES, "ur3", broken)
+    result = runner.invoke(cli.app, ["experiment", "ur3", "--out", str(tmp_path)])
+    assert result.exit_code == 1
+    assert "scene 4 is out of paper" in " ".join(result.output.split())
+
+
+@pytest.mark.parametrize("wrong", [["nothing"], ["lasa", "--seed", "-1"], ["ur3", "--jobs", "0"]])
+def test_wrong_arguments_of_an_experiment_are_an_error_of_one_line(wrong, monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["leadthrough", "experiment", *wrong])
+    with pytest.raises(SystemExit) as error:
+        cli.main()
+    assert error.value.code == 2
+    assert wrong[-1] in capsys.readouterr().err
+
+
 def test_help_names_the_commands():
     result = runner.invoke(cli.app, ["--help"])
     assert result.exit_code == 0
     assert "demo" in result.output
+    assert "experiment" in result.output

@@ -53,6 +53,18 @@ def generated_by(model: _Model) -> Method:
     return reproduce
 
 
+def at_mean_duration(model: _Model) -> Method:
+    """As `generated_by`, in the mean duration of the demonstrations, however long the path is."""
+
+    def reproduce(demonstrations: Sequence[Demonstration], start: Float64Array) -> Trajectory:
+        duration = np.mean([demonstration.motion.duration for demonstration in demonstrations])
+        skill = model.fit(demonstrations)
+        motion: Trajectory = skill.generate(start=start, duration=float(duration))
+        return motion
+
+    return reproduce
+
+
 def nearest_shifted(demonstrations: Sequence[Demonstration], start: Float64Array) -> Trajectory:
     """The demonstration that starts nearest, its offset fading with the share of the path left."""
     motions = [demonstration.motion for demonstration in demonstrations]
@@ -66,13 +78,13 @@ def nearest_shifted(demonstrations: Sequence[Demonstration], start: Float64Array
 
 
 METHODS: dict[str, Method] = {
-    "FML, paper's setting": generated_by(paper_setting()),
+    "FML, paper's setting": at_mean_duration(paper_setting()),
     "FML": generated_by(FastMarching()),
     "nearest demonstration, shifted": nearest_shifted,
 }
 if _VARIANTS:
     METHODS |= {
-        "FML, paper's setting, speed by F": generated_by(paper_setting(timing="speed_map")),
+        "FML, paper's setting, speed by F": at_mean_duration(paper_setting(timing="speed_map")),
         "FML, map": generated_by(_variant("map")),
         "FML, start": generated_by(_variant("start")),
         "FML, mean path": generated_by(_variant("mean_path")),

@@ -39,14 +39,17 @@ REMARK = (
 def report(config: Any, rows: list[Row]) -> Report:
     """Means over all reproductions, beside the paper's table; shapes ranked; the sweeps."""
     compared = selected(rows, study="compare")
+    figures = {}
+    if compared:
+        figures["methods"] = _methods_figure(config, compared)
+    if selected(compared, protocol=HEADLINE):
+        figures["ranking"] = _ranking_figure(config, compared)
+        figures["shapes"] = _shapes_figure(config, compared)
+    if selected(rows, study="sweep"):
+        figures["saturation"] = _saturation_figure(config, rows)
     return Report(
         table=[*_comparison(config, compared), *_auto_learning(config, rows), *_quoted()],
-        figures={
-            "methods": _methods_figure(config, compared),
-            "ranking": _ranking_figure(config, compared),
-            "shapes": _shapes_figure(config, compared),
-            "saturation": _saturation_figure(config, rows),
-        },
+        figures=figures,
         summary={
             "remark": REMARK,
             "ranking": {name: ranking(config, compared, name) for name in config.methods},
@@ -71,7 +74,7 @@ def _line(protocol: str, method: str, rows: Sequence[Row]) -> Row:
     return {
         "protocol": protocol,
         "method": method,
-        "reproductions": len(rows),
+        "n": len(rows),
         **means,
         "SEA_sum_px2": pixels,
     }

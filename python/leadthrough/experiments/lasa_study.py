@@ -1,13 +1,14 @@
 """The LASA handwriting study: 30 motions of 7 demonstrations, reproduced and compared.
 
-Each demonstration in turn is the one tested: a method sees others (LOO), or all of them (IN),
-and reproduces it from its start. Errors are those of `metrics`, in mm and s. The saturation is
-swept, and auto-learning is tried, in the setting of Prados et al. 2023, section 4.1.
+Each demonstration in turn is the one tested: a method sees the others, or some of them (LOO), or
+all (IN), and reproduces it from its start. Errors are those of `metrics`, in mm and s. The
+saturation is swept, and auto-learning is tried, in the setting of Prados et al. 2023, section 4.1.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import zlib
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -33,7 +34,10 @@ _DRAWN = 60
 
 @dataclass(frozen=True)
 class LasaConfig:
-    """threshold: of kappa, below which a path is learned. seed: recorded; nothing is random."""
+    """threshold: of kappa, below which a path is learned.
+
+    seed: of the draw of the demonstrations shown, where not all others are.
+    """
 
     motions: tuple[str, ...]
     methods: tuple[str, ...] = tuple(METHODS)
@@ -56,7 +60,10 @@ def tasks(config: LasaConfig) -> list[Task]:
     learning = hasattr(FastMarchingSkill, "auto_learn")
     return [
         *(
-            Task(compare, {"motion": motion, "protocol": protocol, "method": method})
+            Task(
+                compare,
+                {"motion": motion, "protocol": protocol, "method": method, "seed": config.seed},
+            )
             for protocol in config.protocols
             for method in config.methods
             for motion in config.motions
@@ -76,11 +83,11 @@ def tasks(config: LasaConfig) -> list[Task]:
     ]
 
 
-def compare(*, motion: str, protocol: str, method: str) -> list[Row]:
+def compare(*, motion: str, protocol: str, method: str, seed: int) -> list[Row]:
     """A row for every demonstration tested; of the left out ones the path made, for drawing."""
     labels = {"study": "compare", "protocol": protocol, "method": method, "motion": motion}
     rows = []
-    for i, (shown, tested) in enumerate(splits(lasa.load(motion), PROTOCOLS[protocol])):
+    for i, shown, tested in _splits(motion, protocol, seed):
         made = METHODS[method](shown, tested.positions[0])
         row = {**labels, "tested": i, **error_columns(tested, made)}
         if protocol == HEADLINE:
@@ -95,7 +102,7 @@ def sweep(*, motion: str, setting: str, saturation: float) -> list[Row]:
     labels = {"study": "sweep", "method": setting, "saturation": saturation, "motion": motion}
     return [
         {**labels, "tested": i, **error_columns(tested, method(shown, tested.positions[0]))}
-        for i, (shown, tested) in enumerate(splits(lasa.load(motion), PROTOCOLS["LOO"]))
+        for i, shown, tested in _splits(motion, "LOO")
     ]
 
 
@@ -105,8 +112,9 @@ def auto_learn(*, motion: str, setting: str, threshold: float) -> list[Row]:
     travel_time: of a wave in the skill's speed map along the path, in mm over a speed of at most 1.
     """
     rows = []
-    for i, (shown, tested) in enumerate(splits(lasa.load(motion), PROTOCOLS["IN"])):
-        skill: Any = _setting(setting).fit(shown)
+    for i, shown, tested in _splits(motion, "IN"):
+        model = _setting(setting)
+        skill: Any = model.fit(shown)
         before = skill.generate(start=tested.positions[0])
         learned = skill.auto_learn(before, threshold=threshold)
         after = learned.generate(start=tested.positions[0])
@@ -117,28 +125,37 @@ def auto_learn(*, motion: str, setting: str, threshold: float) -> list[Row]:
                 "kappa": skill.kappa(before.positions),
                 "auto_learned": int(learned is not skill),
                 "length_before_mm": float(arc_length(before.positions)[-1]),
-                "travel_time_before": travel_time(skill, before.positions),
-                "travel_time": travel_time(learned, after.positions),
+                "travel_time_before": travel_time(skill, before.positions, model.saturation),
+                "travel_time": travel_time(learned, after.positions, model.saturation),
             }
         )
     return rows
 
 
 def splits(
-    demonstrations: Sequence[Demonstration], shown: int
+    demonstrations: Sequence[Demonstration], shown: int, rng: np.random.Generator
 ) -> list[tuple[list[Demonstration], Trajectory]]:
-    """For each demonstration the ones that are shown, and its motion.
+    """For each demonstration the ones that are shown, in their order, and its motion.
 
-    Those that follow it in the set are shown, and after the last one the first; all where `shown`
-    is their number.
+    All are shown where `shown` is their number, else others, drawn where not all are wanted.
     """
     total = len(demonstrations)
     sets = []
     for i, tested in enumerate(demonstrations):
         assert isinstance(tested.motion, Trajectory)
-        chosen = sorted((i + 1 + k) % total for k in range(shown))
+        candidates = [j for j in range(total) if j != i or shown == total]
+        chosen = sorted(rng.choice(candidates, shown, replace=False))
         sets.append(([demonstrations[j] for j in chosen], tested.motion))
     return sets
+
+
+def _splits(
+    motion: str, protocol: str, seed: int = 0
+) -> Iterator[tuple[int, list[Demonstration], Trajectory]]:
+    # The same draw for every method, whatever motions are compared.
+    rng = np.random.default_rng([seed, zlib.crc32(motion.encode())])
+    for i, (shown, tested) in enumerate(splits(lasa.load(motion), PROTOCOLS[protocol], rng)):
+        yield i, shown, tested
 
 
 def error_columns(tested: Trajectory, made: Trajectory) -> Row:
@@ -152,10 +169,10 @@ def error_columns(tested: Trajectory, made: Trajectory) -> Row:
     }
 
 
-def travel_time(skill: FastMarchingSkill, path: Float64Array) -> float:
-    """The integral of 1/F along a path (n, d) inside the skill's map."""
+def travel_time(skill: FastMarchingSkill, path: Float64Array, outside: float) -> float:
+    """The integral of 1/F along a path (n, d); F is `outside` where the skill has no map."""
     middles = 0.5 * (path[1:] + path[:-1])
-    speed = skill.velocity_map[tuple(skill.grid.cells_of(middles).T)]
+    speed = metrics.speed_along(middles, skill.grid, skill.velocity_map, outside)
     return float((np.linalg.norm(np.diff(path, axis=0), axis=1) / speed).sum())
 
 

@@ -16,6 +16,7 @@ from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import Trajectory
+from leadthrough.planning import Grid
 from leadthrough.preprocess import resample
 
 SAMPLES = 1000  # points a curve is resampled to
@@ -136,6 +137,18 @@ def dimensionless_jerk(motion: Trajectory, *, samples: int = 101) -> float:
     if length == 0.0:
         raise InvalidInput("motion: expected one that moves, got a single place")
     return _finite((jerk**2).sum() * step / length**2)
+
+
+def speed_along(path: Any, grid: Grid, speed: Float64Array, outside: float) -> Float64Array:
+    """The speed (n,) in the cells that points (n, d) of a path lie in.
+
+    speed: an array of the grid's shape. outside: the speed off the grid. Raises InvalidInput.
+    """
+    points = check.array(path, "path", shape=("n", grid.dimensions))
+    inside = grid.contains(points)
+    found = np.full(len(points), check.number(outside, "outside"))
+    found[inside] = speed[tuple(grid.cells_of(points[inside]).T)]
+    return found
 
 
 def _curves(a: Any, b: Any) -> tuple[Float64Array, Float64Array]:

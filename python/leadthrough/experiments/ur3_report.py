@@ -18,18 +18,21 @@ _NOT_IN_THE_TABLE = ("study", "path")
 
 def report(config: Any, rows: list[Row]) -> Report:
     """The experiments beside the paper's kappa; the sweep and the paces in the summary."""
-    scenes = selected(rows, study="scenes")
+    scenes, swept, taught = (selected(rows, study=name) for name in ("scenes", "sweep", "teaching"))
+    figures = {}
+    if scenes:
+        figures["experiments"] = _scenes_figure(config, scenes)
+    if swept:
+        figures["sweep"] = _sweep_figure(config, swept)
+    if taught:
+        figures["teaching"] = _teaching_figure(taught)
     return Report(
         table=[_without(row, *_NOT_IN_THE_TABLE) for row in scenes],
-        figures={
-            "experiments": _scenes_figure(config, scenes),
-            "sweep": _sweep_figure(config, selected(rows, study="sweep")),
-            "teaching": _teaching_figure(selected(rows, study="teaching")),
-        },
+        figures=figures,
         summary={
             "assumptions": ur3_scenes.__doc__,
             "workspace": [_without(row, "study") for row in selected(rows, study="march")],
-            "teaching": [_without(row, "study") for row in selected(rows, study="teaching")],
+            "teaching": [_without(row, "study") for row in taught],
         },
     )
 
@@ -39,7 +42,7 @@ def _without(row: Row, *columns: str) -> Row:
 
 
 def _scenes_figure(config: Any, rows: list[Row]) -> Figure:
-    figure = Figure(figsize=(3.6 * max(len(rows), 1), 4.0))
+    figure = Figure(figsize=(3.6 * len(rows), 4.0))
     figure.subplots_adjust(left=0.01, right=0.97, wspace=0.15)
     for i, row in enumerate(rows):
         axes: Any = figure.add_subplot(1, len(rows), i + 1, projection="3d")
@@ -94,7 +97,6 @@ def _teaching_figure(rows: list[Row]) -> Figure:
             axes.bar(places + offset, heights, 0.4, label=f"path {name}")
         axes.set_xticks(places, [row["pace"] for row in rows])
         axes.set_title(title, fontsize=10)
-    if rows:
-        right.set_yscale("log")
+    right.set_yscale("log")
     left.legend(fontsize=8)
     return figure
