@@ -130,8 +130,9 @@ def _learning(config: Any, rows: Sequence[Row]) -> list[Row]:
                 "paths": len(own),
                 "auto_learned": len(new),
                 "kappa": mean(own, "kappa"),
-                "length_ratio": _ratio(new, "length_mm", "length_before_mm"),
-                "travel_time_ratio": _ratio(new, "travel_time", "travel_time_before"),
+                "length_to_shown": _ratio(own, "length_mm", "length_shown_mm"),
+                "length_to_before": _ratio(new, "length_mm", "length_before_mm"),
+                "travel_time_to_before": _ratio(new, "travel_time", "travel_time_before"),
             }
         )
     return lines

@@ -124,6 +124,7 @@ def auto_learn(*, motion: str, setting: str, threshold: float) -> list[Row]:
                 **error_columns(tested, after),
                 "kappa": skill.kappa(before.positions),
                 "auto_learned": int(learned is not skill),
+                "length_shown_mm": float(arc_length(tested.positions)[-1]),
                 "length_before_mm": float(arc_length(before.positions)[-1]),
                 "travel_time_before": travel_time(skill, before.positions, model.saturation),
                 "travel_time": travel_time(learned, after.positions, model.saturation),

@@ -12,7 +12,6 @@ import hashlib
 import json
 import platform
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass, field
 from functools import cache
 from importlib.metadata import version
@@ -138,22 +137,33 @@ def _solve_all(tasks: Sequence[Task], out: Path, jobs: int | None) -> tuple[list
     known = [store.read(task.key) for task in tasks]
     missing = [i for i, rows in enumerate(known) if rows is None]
     failures: dict[int, Row] = {}
-    with _workers(jobs):
-        for i, text, failure in _progress(tasks, missing):
-            if failure:
-                failures[i] = {"task": tasks[i].arguments, **failure}
-            else:
-                known[i] = store.write(tasks[i].key, text)
+    for i, text, failure in _progress(tasks, missing, jobs):
+        if failure:
+            failures[i] = {"task": tasks[i].arguments, **failure}
+        else:
+            known[i] = store.write(tasks[i].key, text)
     return [row for rows in known for row in rows or ()], [failures[i] for i in sorted(failures)]
 
 
-def _progress(tasks: Sequence[Task], missing: Sequence[int]) -> Iterator[tuple[int, str, Row]]:
-    solved = Parallel(return_as="generator_unordered")(
+def _progress(
+    tasks: Sequence[Task], missing: Sequence[int], jobs: int | None
+) -> Iterator[tuple[int, str, Row]]:
+    solved = _parallel(jobs)(
         delayed(_attempt)(i, tasks[i].function, tasks[i].arguments) for i in missing
     )
     description = f"{len(missing)} of {len(tasks)} tasks"
     console = Console(stderr=True)
     yield from track(solved, description=description, total=len(missing), console=console)
+
+
+def _parallel(jobs: int | None) -> Parallel:
+    if jobs is None:
+        return Parallel(return_as="generator_unordered")
+    count = check.integer(jobs, "jobs", at_least=1)
+    # BLAS gets one thread, for equal bits and honest processor times. A process that runs cannot be
+    # told so any more: a single job has a second process beside it, which gets no work.
+    with parallel_config(backend="loky", n_jobs=max(count, 2), inner_max_num_threads=1):
+        return Parallel(return_as="generator_unordered", pre_dispatch=count, batch_size=1)
 
 
 def _attempt(
@@ -164,13 +174,6 @@ def _attempt(
         return index, json.dumps(function(**arguments), allow_nan=False), {}
     except Exception as error:
         return index, "", {"error": type(error).__name__, "message": str(error)}
-
-
-def _workers(jobs: int | None) -> AbstractContextManager[Any]:
-    if jobs is None:
-        return nullcontext()
-    count = check.integer(jobs, "jobs", at_least=1)
-    return parallel_config(backend="loky", n_jobs=count, inner_max_num_threads=1)  # type: ignore[no-any-return]
 
 
 def selected(rows: Sequence[Row], **values: Any) -> list[Row]:
