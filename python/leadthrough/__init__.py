@@ -3,7 +3,7 @@
 from leadthrough import errors, io, planning, rotations
 from leadthrough.arm import Arm
 from leadthrough.io import read_demonstrations
-from leadthrough.models import FastMarching
+from leadthrough.models import FastMarching, load_skill
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from leadthrough.planning import Grid, arrival_times
 from leadthrough.shapes import Box, Capsule, Sphere
@@ -27,6 +27,7 @@ __all__ = [
     "differentiate",
     "errors",
     "io",
+    "load_skill",
     "planning",
     "read_demonstrations",
     "rotations",

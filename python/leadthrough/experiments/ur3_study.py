@@ -219,7 +219,8 @@ def _times(scene: int, setting: dict[str, float], shown: list[Demonstration]) ->
     skill = model.fit(shown)
 
     def plan(obstacles: list[Shape]) -> Trajectory:
-        return skill.generate(start=place.start, goal=place.goal, obstacles=obstacles)
+        made: Trajectory = skill.generate(start=place.start, goal=place.goal, obstacles=obstacles)
+        return made
 
     return {
         "fit_cpu_s": _cpu_time(lambda: model.fit(shown).velocity_map),

@@ -1,5 +1,6 @@
 """Models that learn a motion from demonstrations."""
 
 from leadthrough.models.fast_marching import FastMarching, FastMarchingSkill
+from leadthrough.models.skills import load_skill
 
-__all__ = ["FastMarching", "FastMarchingSkill"]
+__all__ = ["FastMarching", "FastMarchingSkill", "load_skill"]

@@ -6,28 +6,28 @@ Source: Prados et al. 2023, Appl. Sci. 13:2028, Algorithm 1, eqs. 6 and 7.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.models import phase, route
+from leadthrough.io.atomic import StrPath
+from leadthrough.models import archive, orientation, route
 from leadthrough.models.route import Query, Route, Scales
 from leadthrough.models.shown import Shown, keep
-from leadthrough.motion import Demonstration, Trajectory
+from leadthrough.models.time_law import TIMINGS, timed, usual_duration
+from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
 from leadthrough.planning.grid import Grid
 from leadthrough.planning.obstacles import check_shapes
 from leadthrough.planning.speed_map import experience_map
-from leadthrough.preprocess.resample import by_arc_length
+from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Shape
 
 METHODS = ("auto", "map", "start", "mean_path")
-TIMINGS = ("demonstrations", "speed_map", "constant")
 
 # Shares of the demonstrations' mean length, so that the unit of the data does not matter. The map
 # of all demonstrations wants tubes that overlap, a tube around one path a thin one.
@@ -40,8 +40,6 @@ _GROWTH = 3.0
 # demonstrations say little about the way, and bending them to it gives detours.
 _NEAR_OF_DISTANCE = 0.5
 _NEAR_OF_LENGTH = 0.1
-# Found on human handwriting: between isochrony (0) and constant speed (1).
-_DURATION_EXPONENT = 0.25
 
 
 @dataclass(frozen=True)
@@ -74,7 +72,7 @@ class FastMarching:
         check.choice(self.timing, "timing", TIMINGS)
 
     def fit(self, demonstrations: Sequence[Demonstration]) -> FastMarchingSkill:
-        """A skill from demonstrations that hold a Trajectory of two or three dimensions each.
+        """A skill from demonstrations: all a Trajectory in two or three dimensions, or all poses.
 
         Without any, the skill goes the shortest way. Raises InvalidInput for other motions,
         FitError for one that does not move.
@@ -93,6 +91,7 @@ class FastMarchingSkill:
     shown: tuple[Shown, ...]
     learned: tuple[Shown, ...] = ()
 
+    kind: ClassVar[str] = "fast_marching"
     supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration", "obstacles"})
 
     @property
@@ -139,19 +138,27 @@ class FastMarchingSkill:
             raise InvalidInput("path: expected at least two different points")
         if duration is not None:
             check.number(duration, "duration", above=0.0)
+        weights = np.ones(len(self._all))
         progress = np.mean([each.progress for each in self._all], axis=0)
-        added = Shown(points, 1.0, progress)
-        own = duration or _duration(self._all, np.ones(len(self._all)), added.length)
-        return replace(self, learned=(*self.learned, replace(added, duration=own)))
+        length = float(arc_length(points)[-1])
+        turned = None
+        if self._has_orientations:
+            shares = arc_length(points) / length
+            turned = orientation.along(self._all, weights, start=None, goal=None, shares=shares)
+        own = duration or usual_duration(self._all, weights, length)
+        return replace(self, learned=(*self.learned, Shown(points, own, progress, turned)))
 
-    def auto_learn(self, motion: Trajectory, *, threshold: float = 0.6) -> FastMarchingSkill:
+    def auto_learn(
+        self, motion: Trajectory | PoseTrajectory, *, threshold: float = 0.6
+    ) -> FastMarchingSkill:
         """The skill with the motion's path added if its kappa is below the threshold.
 
         Otherwise the skill itself: the motion shows nothing new. Raises InvalidInput.
         """
         check.number(threshold, "threshold")
-        if not isinstance(motion, Trajectory):
-            raise InvalidInput(f"motion: expected a Trajectory, got {type(motion).__name__}")
+        if not isinstance(motion, Trajectory | PoseTrajectory):
+            got = type(motion).__name__
+            raise InvalidInput(f"motion: expected a Trajectory or a PoseTrajectory, got {got}")
         if self.kappa(motion.positions) >= threshold:
             return self
         return self.with_experience(motion.positions, duration=motion.duration)
@@ -164,19 +171,28 @@ class FastMarchingSkill:
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
-    ) -> Trajectory:
-        """A motion from start to goal that follows the demonstrations and avoids obstacles.
+    ) -> Any:
+        """A motion of the type that was shown, around obstacles.
 
-        start, goal: (d,), by default the centroids of the demonstrations' ends. duration: s, > 0,
-        by default theirs, adapted to the path's length. dt: s, upper bound of the sampling step.
-        obstacles: shapes in the demonstrations' frame; a drawing of two dimensions lies in the
-        plane z = 0. The motion starts and ends at rest. Raises InvalidInput, NoPath.
+        A Trajectory, or a PoseTrajectory where poses were shown.
+        start, goal: (d,), by default the centroids of the demonstrations' ends; for poses also
+        (position (3,), orientation (4,)), by default as demonstrated. duration: s, > 0, by default
+        theirs, adapted to the path's length. dt: s, upper bound of the sampling step. obstacles:
+        shapes in the demonstrations' frame; a drawing of two dimensions lies in the plane z = 0.
+        The motion starts and ends at rest. Raises InvalidInput, NoPath.
         """
         check.number(dt, "dt", above=0.0)
-        if duration is not None:
-            check.number(duration, "duration", above=0.0)
-        found = self.plan(start=start, goal=goal, obstacles=obstacles)
-        return self._timed(found, duration, dt)
+        wanted = None if duration is None else check.number(duration, "duration", above=0.0)
+        first, first_turned = self._pose(start, "start")
+        last, last_turned = self._pose(goal, "goal")
+        found = self.plan(start=first, goal=last, obstacles=obstacles)
+        motion, shares = timed(found, timing=self.model.timing, duration=wanted, dt=dt)
+        if not self._has_orientations:
+            return motion
+        turned = orientation.along(
+            found.used, found.weights, start=first_turned, goal=last_turned, shares=shares
+        )
+        return PoseTrajectory(motion.times, motion.positions, turned)
 
     def plan(
         self, *, start: Any = None, goal: Any = None, obstacles: Sequence[Shape] = ()
@@ -194,6 +210,24 @@ class FastMarchingSkill:
             return route.through_map(self._all, query, self._scales(_MAP_RADIUS, query))
         find = route.from_start if method == "start" else route.along_mean
         return find(self._all, query, self._scales(_TUBE_RADIUS, query))
+
+    def save(self, path: StrPath) -> None:
+        """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""
+        settings = {**asdict(self.model), "shown": len(self.shown), "learned": len(self.learned)}
+        arrays = {
+            f"{name}_{i}": value
+            for i, each in enumerate(self._all)
+            for name, value in each.arrays().items()
+        }
+        archive.write(path, self.kind, settings, arrays)
+
+    @classmethod
+    def from_archive(cls, settings: dict[str, Any], arrays: archive.Arrays) -> FastMarchingSkill:
+        """The skill that `save` took apart. Raises KeyError, TypeError, ValueError."""
+        counts = [int(settings.pop(name)) for name in ("shown", "learned")]
+        everything = [Shown.from_arrays(arrays, i) for i in range(sum(counts))]
+        model = FastMarching(**settings)
+        return cls(model, tuple(everything[: counts[0]]), tuple(everything[counts[0] :]))
 
     @property
     def _all(self) -> tuple[Shown, ...]:
@@ -248,6 +282,16 @@ class FastMarchingSkill:
             raise InvalidInput(f"{name}: expected 2 or 3 coordinates, got {len(point)}")
         return point
 
+    @property
+    def _has_orientations(self) -> bool:
+        return bool(self._all) and self._all[0].orientations is not None
+
+    def _pose(self, value: Any, name: str) -> tuple[Any, Float64Array | None]:
+        """A query's position, and its orientation if it has one."""
+        if not self._has_orientations or not isinstance(value, tuple | list) or len(value) != 2:
+            return value, None
+        return value[0], check.quaternions(value[1], name, shape=(4,))
+
     def _is_near(self, query: Query) -> bool:
         distance = float(np.linalg.norm(query.goal - query.start))
         for each in self._all:
@@ -256,35 +300,3 @@ class FastMarchingSkill:
             if gaps.max() <= max(_NEAR_OF_DISTANCE * distance, _NEAR_OF_LENGTH * each.length):
                 return True
         return False
-
-    def _timed(self, found: Route, duration: float | None, dt: float) -> Trajectory:
-        length = float(np.linalg.norm(np.diff(found.path, axis=0), axis=1).sum())
-        if duration is None and not found.used:
-            raise InvalidInput("duration: expected a time, as there is no demonstration")
-        total = duration or _duration(found.used, found.weights, length)
-        times = np.linspace(0.0, total, int(np.ceil(total / dt)) + 1)
-        if length == 0.0:
-            return Trajectory(times, np.repeat(found.path[:1], len(times), axis=0))
-        even = by_arc_length(found.path, len(found.path))
-        curve = CubicSpline(np.linspace(0.0, 1.0, len(even)), even)
-        progress = phase.rest_to_rest(self._progress(found))
-        return Trajectory(times, curve(phase.progress_at(progress, times / total)))
-
-    def _progress(self, found: Route) -> Float64Array:
-        if self.model.timing == "speed_map":
-            return phase.progress_by_speed(found.path, found.speed)
-        if self.model.timing == "constant" or not found.used:
-            return phase.uniform_progress()
-        progress = [each.progress for each in found.used]
-        return np.asarray(np.average(progress, axis=0, weights=found.weights))
-
-
-def _duration(used: Sequence[Shown], weights: Float64Array, length: float) -> float:
-    """The weighted median of the durations, each adapted to the path's length.
-
-    Longer paths take longer, but less than in proportion, as in human movements.
-    """
-    adapted = [each.duration * (length / each.length) ** _DURATION_EXPONENT for each in used]
-    order = np.argsort(adapted, kind="stable")
-    share = weights[order] / weights.sum()
-    return float(np.interp(0.5, np.cumsum(share) - 0.5 * share, np.array(adapted)[order]))

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput
-from leadthrough.models.phase import progress_of
-from leadthrough.motion import Demonstration, Trajectory
+from leadthrough.models.phase import SAMPLES, progress_of
+from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
 from leadthrough.preprocess.resample import arc_length
 
 
@@ -20,11 +21,13 @@ class Shown:
     """A demonstrated, or auto-learned, path.
 
     path: (n, d). duration: s. progress: (1001,) share of the path at even normalised times.
+    orientations: (n, 4) w, x, y, z along the path, or None.
     """
 
     path: Float64Array
     duration: float
     progress: Float64Array
+    orientations: Float64Array | None = None
 
     @property
     def length(self) -> float:
@@ -39,35 +42,66 @@ class Shown:
         ]
         if gaps[0] <= gaps[1]:
             return self
-        return Shown(self.path[::-1].copy(), self.duration, 1.0 - self.progress[::-1])
+        turned = None if self.orientations is None else self.orientations[::-1].copy()
+        return Shown(self.path[::-1].copy(), self.duration, 1.0 - self.progress[::-1], turned)
+
+    def arrays(self) -> dict[str, Float64Array]:
+        """Its parts by name, for a file."""
+        parts = {
+            "path": self.path,
+            "duration": np.array(self.duration),
+            "progress": self.progress,
+        }
+        if self.orientations is not None:
+            parts["orientations"] = self.orientations
+        return parts
+
+    @staticmethod
+    def from_arrays(arrays: Mapping[str, Any], index: int) -> Shown:
+        """The one whose `arrays` stand under <name>_<index>. Raises KeyError, InvalidInput."""
+        path = check.frozen(arrays[f"path_{index}"], "path", shape=("n", "d"))
+        turned = arrays.get(f"orientations_{index}")
+        return Shown(
+            path,
+            check.number(arrays[f"duration_{index}"], "duration", above=0.0),
+            check.frozen(arrays[f"progress_{index}"], "progress", shape=(SAMPLES,)),
+            None if turned is None else check.quaternions(turned, "path", shape=(len(path), 4)),
+        )
 
 
 def keep(demonstrations: Sequence[Demonstration]) -> tuple[Shown, ...]:
-    """What to keep of demonstrations that hold a Trajectory in two or three dimensions each.
+    """What to keep of demonstrations: all points in two or three dimensions, or all poses.
 
     Raises InvalidInput, FitError for one that does not move.
     """
     if isinstance(demonstrations, Demonstration) or not isinstance(demonstrations, Sequence):
         got = type(demonstrations).__name__
         raise InvalidInput(f"demonstrations: expected a sequence of them, got {got}")
-    motions = [_trajectory(demonstration, i) for i, demonstration in enumerate(demonstrations)]
+    motions = [_moving(demonstration, i) for i, demonstration in enumerate(demonstrations)]
     dimensions = {motion.positions.shape[1] for motion in motions}
     if len(dimensions) > 1 or not dimensions <= {2, 3}:
         raise InvalidInput(
             f"demonstrations: expected all in two or all in three dimensions, got {dimensions}"
         )
+    if len({type(motion) for motion in motions}) > 1:
+        raise InvalidInput("demonstrations: expected points or poses, got both")
     return tuple(
-        Shown(motion.positions, motion.duration, progress_of(motion.times, motion.positions))
+        Shown(
+            motion.positions,
+            motion.duration,
+            progress_of(motion.times, motion.positions),
+            motion.orientations if isinstance(motion, PoseTrajectory) else None,
+        )
         for motion in motions
     )
 
 
-def _trajectory(demonstration: Any, index: int) -> Trajectory:
+def _moving(demonstration: Any, index: int) -> Trajectory | PoseTrajectory:
     name = f"demonstrations[{index}]"
     motion = getattr(demonstration, "motion", None)
-    if not isinstance(motion, Trajectory):
+    if not isinstance(motion, Trajectory | PoseTrajectory):
         got = type(motion if motion is not None else demonstration).__name__
-        raise InvalidInput(f"{name}: expected one with a Trajectory, got {got}")
+        raise InvalidInput(f"{name}: expected one with a Trajectory or a PoseTrajectory, got {got}")
     if len(motion.times) < 2:
         raise FitError(f"{name}: has a single sample, needs at least two")
     if arc_length(motion.positions)[-1] == 0.0:

@@ -19,6 +19,8 @@ from leadthrough.planning.obstacles import occupied
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.shapes import Shape
 
+_ROUNDING = 1e-9
+
 
 def experience_map(
     grid: Grid, paths: Sequence[Float64Array], *, area_of_influence: float, saturation: float
@@ -31,7 +33,9 @@ def experience_map(
     labelled = np.zeros(grid.shape, dtype=bool)
     for path in paths:
         labelled[tuple(grid.cells_of(_dense(path, grid)).T)] = True
-    tube = distance_transform(labelled, spacing=grid.spacing) <= area_of_influence
+    # Radii are often whole numbers of cells: rounding must not decide which cells belong.
+    reach = area_of_influence * (1.0 + _ROUNDING)
+    tube = distance_transform(labelled, spacing=grid.spacing) <= reach
     depth = distance_transform(~tube, spacing=grid.spacing)
     deepest = depth.max()
     if deepest == 0.0 or np.isinf(deepest):  # no experience, or experience everywhere

@@ -242,3 +242,43 @@ def test_bad_parameters_name_themselves(value):
     for name in ("area_of_influence", "saturation", "resolution"):
         with pytest.raises(InvalidInput, match=name):
             lt.FastMarching(**{name: value})
+
+
+def pose_wave(shift=0.0):
+    """The wave in space, the tool turning by one radian about the vertical on its way."""
+    flat = wave(shift=shift).motion
+    positions = np.column_stack([flat.positions, np.full(len(flat.times), 0.2)])
+    angle = flat.positions[:, 0] / 0.4
+    turned = lt.rotations.exp(np.outer(angle, [0.0, 0.0, 1.0]))
+    return lt.Demonstration(lt.PoseTrajectory(flat.times, positions, turned))
+
+
+@pytest.fixture(scope="module")
+def pose_skill():
+    return lt.FastMarching(area_of_influence=0.02).fit([pose_wave(s) for s in (-0.01, 0.01)])
+
+
+def test_pose_demonstrations_give_poses_that_turn_along_the_path_as_shown(pose_skill):
+    motion = pose_skill.generate()
+    assert isinstance(motion, lt.PoseTrajectory)
+    shares = motion.positions[:, 0] / 0.4
+    expected = lt.rotations.exp(np.outer(shares, [0.0, 0.0, 1.0]))
+    assert lt.rotations.distance(motion.orientations, expected).max() < 0.05
+
+
+def test_orientations_asked_for_are_met_without_an_added_turn(pose_skill):
+    start = lt.rotations.exp([[0.3, 0.0, 0.0]])[0]
+    goal = lt.rotations.exp([[0.0, -0.4, 1.2]])[0]
+    motion = pose_skill.generate(
+        start=((0.0, 0.0, 0.2), start), goal=((0.4, 0.0, 0.2), -goal), dt=0.005
+    )
+    ends = lt.rotations.distance(motion.orientations[[0, -1]], np.stack([start, goal]))
+    assert ends.max() < 1e-9
+    steps = lt.rotations.distance(motion.orientations[1:], motion.orientations[:-1])
+    assert steps.sum() < 1.0 + 0.3 + 0.5
+    assert steps.max() < 0.02
+
+
+def test_pose_that_is_no_rotation_is_refused(pose_skill):
+    with pytest.raises(InvalidInput, match="goal: expected unit quaternions"):
+        pose_skill.generate(goal=((0.4, 0.0, 0.2), (2.0, 0.0, 0.0, 0.0)))

@@ -1,0 +1,44 @@
+"""Skills in files: NumPy archives without pickle, versioned, complete or not there at all."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from leadthrough.errors import InvalidInput
+from leadthrough.io import npz
+from leadthrough.io.atomic import StrPath, replacing
+
+FORMAT = "leadthrough skill"
+VERSION = 1
+
+Arrays = Mapping[str, NDArray[Any]]
+
+
+def write(path: StrPath, kind: str, settings: Mapping[str, Any], arrays: Arrays) -> None:
+    """Writes a skill. settings: plain values. arrays: numbers only. Raises InvalidInput."""
+    head = {"format": FORMAT, "version": VERSION, "kind": kind, "settings": dict(settings)}
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        np.savez(file, allow_pickle=False, head=np.array(json.dumps(head)), **dict(arrays))
+
+
+def read(path: StrPath) -> tuple[str, dict[str, Any], dict[str, NDArray[Any]]]:
+    """Kind, settings and arrays of a skill in a file. Raises InvalidInput."""
+    try:
+        arrays = npz.arrays(Path(path))
+        head = json.loads(str(arrays.pop("head")))
+        if head["format"] != FORMAT:
+            raise InvalidInput(f"is of format {head['format']!r}")
+        kind, version, settings = str(head["kind"]), int(head["version"]), dict(head["settings"])
+    except (ValueError, KeyError, TypeError) as error:
+        raise InvalidInput(f"path: expected a saved skill, got {path} ({error})") from None
+    if version > VERSION:
+        raise InvalidInput(
+            f"path: {path} is of format version {version}, this leadthrough reads up to {VERSION}"
+        )
+    return kind, settings, arrays

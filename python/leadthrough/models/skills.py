@@ -1,0 +1,21 @@
+"""Reads back any skill that the package can save."""
+
+from __future__ import annotations
+
+from leadthrough.errors import InvalidInput
+from leadthrough.io.atomic import StrPath
+from leadthrough.models import archive
+from leadthrough.models.fast_marching import FastMarchingSkill
+
+_KINDS = {FastMarchingSkill.kind: FastMarchingSkill.from_archive}
+
+
+def load_skill(path: StrPath) -> FastMarchingSkill:
+    """The skill in a file that its `save` wrote. Raises InvalidInput."""
+    kind, settings, arrays = archive.read(path)
+    if kind not in _KINDS:
+        raise InvalidInput(f"path: expected a skill of {sorted(_KINDS)}, got {kind!r}")
+    try:
+        return _KINDS[kind](settings, arrays)
+    except (KeyError, TypeError, ValueError, IndexError) as error:
+        raise InvalidInput(f"path: {path} is damaged ({error})") from None
