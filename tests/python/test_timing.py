@@ -48,7 +48,7 @@ def test_the_peaks_are_those_of_the_motion():
     assert report.unchecked == ()
 
 
-@given(st.floats(0.5, 20), st.integers(2, 300), st.floats(-3, 3))
+@given(st.floats(0.5, 20), st.integers(2, 300), st.floats(-3, 3, allow_subnormal=False))
 def test_samples_of_a_motion_inside_its_limits_are_never_judged_outside(duration, samples, target):
     peak = abs(target) * np.array([15 / 8 / duration, 10 / 3**0.5 / duration**2, 60 / duration**3])
     motion = between([0, 0], [0, target], duration, samples)
