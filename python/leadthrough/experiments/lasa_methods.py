@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields
 from typing import Any, Protocol
 
 import numpy as np
@@ -19,8 +18,6 @@ PIXELS_PER_MM = 8.3
 PAPER_AREA_OF_INFLUENCE = 25.0 / PIXELS_PER_MM  # mm
 PAPER_SATURATION = 0.1
 
-_VARIANTS = "method" in {option.name for option in fields(FastMarching)}
-
 
 class _Model(Protocol):
     def fit(self, demonstrations: Sequence[Demonstration]) -> Any: ...
@@ -28,19 +25,13 @@ class _Model(Protocol):
 
 def paper_setting(saturation: float = PAPER_SATURATION, **options: Any) -> FastMarching:
     """Algorithm 1 of Prados et al. 2023 at one cell a pixel, area of influence 25 pixels."""
-    if _VARIANTS:
-        options = {"method": "map", **options}
     return FastMarching(
         area_of_influence=PAPER_AREA_OF_INFLUENCE,
         saturation=saturation,
         resolution=1.0 / PIXELS_PER_MM,
+        method="map",
         **options,
     )
-
-
-def _variant(method: Any) -> FastMarching:
-    options = {"method": method}
-    return FastMarching(**options)
 
 
 def generated_by(model: _Model) -> Method:
@@ -79,13 +70,10 @@ def nearest_shifted(demonstrations: Sequence[Demonstration], start: Float64Array
 
 METHODS: dict[str, Method] = {
     "FML, paper's setting": at_mean_duration(paper_setting()),
+    "FML, paper's setting, speed by F": at_mean_duration(paper_setting(timing="speed_map")),
     "FML": generated_by(FastMarching()),
+    "FML, map": generated_by(FastMarching(method="map")),
+    "FML, start": generated_by(FastMarching(method="start")),
+    "FML, mean path": generated_by(FastMarching(method="mean_path")),
     "nearest demonstration, shifted": nearest_shifted,
 }
-if _VARIANTS:
-    METHODS |= {
-        "FML, paper's setting, speed by F": at_mean_duration(paper_setting(timing="speed_map")),
-        "FML, map": generated_by(_variant("map")),
-        "FML, start": generated_by(_variant("start")),
-        "FML, mean path": generated_by(_variant("mean_path")),
-    }

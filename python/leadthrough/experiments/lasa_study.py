@@ -57,7 +57,6 @@ def configure(quick: bool, seed: int) -> LasaConfig:
 
 def tasks(config: LasaConfig) -> list[Task]:
     """A task for every motion with every method, saturation and setting of auto-learning."""
-    learning = hasattr(FastMarchingSkill, "auto_learn")
     return [
         *(
             Task(
@@ -78,7 +77,6 @@ def tasks(config: LasaConfig) -> list[Task]:
             Task(auto_learn, {"motion": motion, "setting": setting, "threshold": config.threshold})
             for setting in config.settings
             for motion in config.motions
-            if learning
         ),
     ]
 
@@ -114,7 +112,7 @@ def auto_learn(*, motion: str, setting: str, threshold: float) -> list[Row]:
     rows = []
     for i, shown, tested in _splits(motion, "IN"):
         model = _setting(setting)
-        skill: Any = model.fit(shown)
+        skill = model.fit(shown)
         before = skill.generate(start=tested.positions[0])
         learned = skill.auto_learn(before, threshold=threshold)
         after = learned.generate(start=tested.positions[0])

@@ -13,7 +13,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -25,7 +24,7 @@ from leadthrough.experiments.metrics import speed_along
 from leadthrough.experiments.study import Row, Study, Task
 from leadthrough.experiments.ur3_report import report
 from leadthrough.experiments.ur3_scenes import SCENES, WORKSPACE, demonstrations, table
-from leadthrough.models import FastMarching
+from leadthrough.models import FastMarching, FastMarchingSkill
 from leadthrough.motion import Demonstration, Trajectory
 from leadthrough.planning import Grid, arrival_times
 from leadthrough.planning.descent import descend
@@ -56,10 +55,7 @@ class Setting:
 
     def model(self) -> FastMarching:
         """Algorithm 1 in this setting."""
-        options: dict[str, Any] = dict(vars(self))
-        if "method" in FastMarching.__dataclass_fields__:
-            options["method"] = "map"
-        return FastMarching(**options)
+        return FastMarching(**vars(self), method="map")
 
 
 @dataclass(frozen=True)
@@ -176,7 +172,7 @@ def march(*, setting: dict[str, float], seed: int) -> list[Row]:
 
 def _plan(
     scene: int, setting: dict[str, float], threshold: float, shown: list[Demonstration]
-) -> tuple[Row, Trajectory, Any]:
+) -> tuple[Row, Trajectory, FastMarchingSkill]:
     place, obstacles = SCENES[scene], _obstacles(scene)
     skill = Setting(**setting).model().fit(shown)
     made = skill.generate(start=place.start, goal=place.goal, obstacles=obstacles)
@@ -202,9 +198,7 @@ def _plan(
     return row, made, skill
 
 
-def _after_learning(skill: Any, made: Trajectory, scene: int) -> Row:
-    if not hasattr(skill, "with_experience"):
-        return _NOT_LEARNED
+def _after_learning(skill: FastMarchingSkill, made: Trajectory, scene: int) -> Row:
     place = SCENES[scene]
     learned = skill.with_experience(made.positions)
     again = learned.generate(start=place.start, goal=place.goal, obstacles=_obstacles(scene))
