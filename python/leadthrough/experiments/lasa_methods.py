@@ -68,11 +68,18 @@ def nearest_shifted(demonstrations: Sequence[Demonstration], start: Float64Array
     )
 
 
+# The settings whose saturation is swept and which learn from themselves.
+SETTINGS = {
+    "FML, paper's setting": paper_setting(),
+    "FML": FastMarching(),
+    "FML, map": FastMarching(method="map"),
+}
+
 METHODS: dict[str, Method] = {
-    "FML, paper's setting": at_mean_duration(paper_setting()),
+    "FML, paper's setting": at_mean_duration(SETTINGS["FML, paper's setting"]),
     "FML, paper's setting, speed by F": at_mean_duration(paper_setting(timing="speed_map")),
-    "FML": generated_by(FastMarching()),
-    "FML, map": generated_by(FastMarching(method="map")),
+    "FML": generated_by(SETTINGS["FML"]),
+    "FML, map": generated_by(SETTINGS["FML, map"]),
     "FML, start": generated_by(FastMarching(method="start")),
     "FML, mean path": generated_by(FastMarching(method="mean_path")),
     "nearest demonstration, shifted": nearest_shifted,

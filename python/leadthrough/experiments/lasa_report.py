@@ -154,7 +154,8 @@ def _methods_figure(config: Any, rows: Sequence[Row]) -> Figure:
             axes.bar(places, [height or 0.0 for height in heights], width, label=method)
         axes.set_xticks(range(len(config.protocols)), config.protocols)
         axes.set_title("SEA, mm²" if axes is left else "V_rmse, mm/s", fontsize=10)
-    right.legend(fontsize=7)
+    handles, labels = right.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8)
     return figure
 
 

@@ -10,23 +10,21 @@ from __future__ import annotations
 import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.experiments import metrics
-from leadthrough.experiments.lasa_methods import METHODS, Method, generated_by, paper_setting
+from leadthrough.experiments.lasa_methods import METHODS, SETTINGS, generated_by
 from leadthrough.experiments.lasa_report import HEADLINE, report
 from leadthrough.experiments.study import Row, Study, Task
 from leadthrough.io import lasa
-from leadthrough.models import FastMarching, FastMarchingSkill
+from leadthrough.models import FastMarchingSkill
 from leadthrough.motion import Demonstration, Trajectory
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 
 # How many of the 7 demonstrations are shown.
 PROTOCOLS = {"IN": 7, "LOO": 6, "LOO from 3": 3, "LOO from 1": 1}
-SETTINGS = ("FML, paper's setting", "FML")
 QUICK_MOTIONS = ("GShape", "Leaf_1", "Sshape", "WShape")
 # Points of a path kept for the figures.
 _DRAWN = 60
@@ -43,7 +41,7 @@ class LasaConfig:
     methods: tuple[str, ...] = tuple(METHODS)
     protocols: tuple[str, ...] = tuple(PROTOCOLS)
     saturations: tuple[float, ...] = (0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0)
-    settings: tuple[str, ...] = SETTINGS
+    settings: tuple[str, ...] = tuple(SETTINGS)
     threshold: float = 0.6
     seed: int = 0
 
@@ -96,7 +94,7 @@ def compare(*, motion: str, protocol: str, method: str, seed: int) -> list[Row]:
 
 def sweep(*, motion: str, setting: str, saturation: float) -> list[Row]:
     """A row for every demonstration left out, at a saturation."""
-    method: Method = generated_by(_setting(setting, saturation=saturation))
+    method = generated_by(replace(SETTINGS[setting], saturation=saturation))
     labels = {"study": "sweep", "method": setting, "saturation": saturation, "motion": motion}
     return [
         {**labels, "tested": i, **error_columns(tested, method(shown, tested.positions[0]))}
@@ -111,7 +109,7 @@ def auto_learn(*, motion: str, setting: str, threshold: float) -> list[Row]:
     """
     rows = []
     for i, shown, tested in _splits(motion, "IN"):
-        model = _setting(setting)
+        model = SETTINGS[setting]
         skill = model.fit(shown)
         before = skill.generate(start=tested.positions[0])
         learned = skill.auto_learn(before, threshold=threshold)
@@ -173,11 +171,6 @@ def travel_time(skill: FastMarchingSkill, path: Float64Array, outside: float) ->
     middles = 0.5 * (path[1:] + path[:-1])
     speed = metrics.speed_along(middles, skill.grid, skill.velocity_map, outside)
     return float((np.linalg.norm(np.diff(path, axis=0), axis=1) / speed).sum())
-
-
-def _setting(name: str, **changes: Any) -> FastMarching:
-    model = FastMarching() if name == "FML" else paper_setting()
-    return replace(model, **changes)
 
 
 STUDY = Study(configure, tasks, report)
