@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import leadthrough as lt
 from leadthrough.errors import FitError, InvalidInput, NoPath
@@ -282,3 +284,29 @@ def test_orientations_asked_for_are_met_without_an_added_turn(pose_skill):
 def test_pose_that_is_no_rotation_is_refused(pose_skill):
     with pytest.raises(InvalidInput, match="goal: expected unit quaternions"):
         pose_skill.generate(goal=((0.4, 0.0, 0.2), (2.0, 0.0, 0.0, 0.0)))
+
+
+@given(
+    centres=st.lists(
+        st.tuples(st.floats(0.08, 0.32), st.floats(-0.08, 0.08)), min_size=1, max_size=4
+    ),
+    radius=st.floats(0.01, 0.03),
+    method=st.sampled_from(["auto", "map", "start"]),
+)
+def test_no_point_of_a_path_lies_in_an_obstacle(centres, radius, method):
+    skill = lt.FastMarching(method=method).fit([wave()])
+    balls = [lt.Sphere(radius, (*centre, 0.0)) for centre in centres]
+    motion = skill.generate(obstacles=balls)
+    for ball in balls:
+        assert ball.distance(on_table(motion)).min() > 0.0
+
+
+@given(
+    start=st.tuples(st.floats(-0.1, 0.5), st.floats(-0.2, 0.2)),
+    goal=st.tuples(st.floats(-0.1, 0.5), st.floats(-0.2, 0.2)),
+    saturation=st.floats(0.02, 1.0),
+)
+def test_kappa_lies_between_the_saturation_and_one(start, goal, saturation):
+    skill = lt.FastMarching(saturation=saturation).fit([wave()])
+    path = skill.plan(start=start, goal=goal).path
+    assert saturation * (1 - 1e-12) <= skill.kappa(path) <= 1.0
