@@ -80,7 +80,8 @@ install_package() {
   echo "building and installing leadthrough[$1]"
   .venv/bin/pip install -q --disable-pip-version-check 'scikit-build-core>=0.10' 'pybind11>=2.13'
   .venv/bin/pip install -q --disable-pip-version-check --no-build-isolation \
-    -C build-dir=build/python -C cmake.define.LEADTHROUGH_WERROR=ON -e ".[$1]"
+    --config-settings=build-dir=build/python \
+    --config-settings=cmake.define.LEADTHROUGH_WERROR=ON -e ".[$1]"
   echo "$digest" >"$stamp"
 }
 
