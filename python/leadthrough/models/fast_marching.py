@@ -24,7 +24,7 @@ from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
 from leadthrough.planning.grid import Grid
 from leadthrough.planning.obstacles import check_shapes
 from leadthrough.planning.speed_map import experience_map
-from leadthrough.preprocess.resample import arc_length
+from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.shapes import Shape
 
 METHODS = ("auto", "map", "start", "mean_path")
@@ -40,6 +40,8 @@ _GROWTH = 3.0
 # demonstrations say little about the way, and bending them to it gives detours.
 _NEAR_OF_DISTANCE = 0.5
 _NEAR_OF_LENGTH = 0.1
+# Points at which kappa looks the map up, at the most; two a cell otherwise.
+_MOST_KAPPA_STEPS = 100_000
 
 
 @dataclass(frozen=True)
@@ -48,8 +50,10 @@ class FastMarching:
 
     area_of_influence: radius of the tubes around paths in the demonstrations' unit, > 0; by
     default 0.02 of their mean length for "map", 0.01 otherwise. saturation: speed outside the
-    tubes, in (0, 1]; small values follow the demonstrations closely, large ones cut corners.
-    resolution: edge of a cell in the same unit, > 0; by default a fifth of the radius.
+    tubes, in (0, 1]; with "map" and "start" small values follow the demonstrations closely and
+    large ones cut corners; "mean_path" allows no short cuts. resolution: edge of a cell in the
+    same unit, > 0; by default a fifth of the radius. workspace: (lower, upper) corners (d,) each,
+    which no path leaves and the map fills; by default there is room around the demonstrations.
     method: "map", all demonstrations in one map, Algorithm 1; "start", those that start near;
     "mean_path", a tube around the path that they predict; "auto", the last where start and goal
     lie near a demonstration's ends, otherwise the first.
@@ -62,6 +66,7 @@ class FastMarching:
     resolution: float | None = None
     method: str = "auto"
     timing: str = "demonstrations"
+    workspace: tuple[tuple[float, ...], tuple[float, ...]] | None = None
 
     def __post_init__(self) -> None:
         check.number(self.saturation, "saturation", above=0.0, at_most=1.0)
@@ -70,6 +75,12 @@ class FastMarching:
                 check.number(getattr(self, name), name, above=0.0)
         check.choice(self.method, "method", METHODS)
         check.choice(self.timing, "timing", TIMINGS)
+        if self.workspace is not None:
+            corners = check.array(self.workspace, "workspace", shape=(2, "d"))
+            if not (corners[0] < corners[1]).all():
+                raise InvalidInput(f"workspace: expected lower < upper corners, got {corners}")
+            plain = tuple(tuple(float(x) for x in corner) for corner in corners)
+            object.__setattr__(self, "workspace", plain)
 
     def fit(self, demonstrations: Sequence[Demonstration]) -> FastMarchingSkill:
         """A skill from demonstrations: all a Trajectory in two or three dimensions, or all poses.
@@ -115,13 +126,16 @@ class FastMarchingSkill:
         return self._map[1]
 
     def kappa(self, path: Any) -> float:
-        """Mean of the velocity map over a path (n, d), eq. 6: 1 deep in the experience.
+        """Mean of the velocity map along a path (n, d), eq. 6: 1 deep in the experience.
 
-        Never below the saturation, which holds outside the map. Raises InvalidInput.
+        Taken evenly over the path's length, so that pauses do not count. Never below the
+        saturation, which holds outside the map. Raises InvalidInput.
         """
-        points = check.array(path, "path", shape=("n", self._dimensions()))
-        if len(points) == 0:
+        given = check.array(path, "path", shape=("n", self._dimensions()))
+        if len(given) == 0:
             raise InvalidInput("path: expected at least one point, got none")
+        steps = 2.0 * float(arc_length(given)[-1]) / float(self.grid.spacing.min())
+        points = by_arc_length(given, int(min(np.ceil(steps), _MOST_KAPPA_STEPS)) + 2)
         inside = self.grid.contains(points)
         speeds = np.full(len(points), self.model.saturation)
         speeds[inside] = self.velocity_map[tuple(self.grid.cells_of(points[inside]).T)]
@@ -226,7 +240,7 @@ class FastMarchingSkill:
         """The skill that `save` took apart. Raises KeyError, TypeError, ValueError."""
         counts = [int(settings.pop(name)) for name in ("shown", "learned")]
         everything = [Shown.from_arrays(arrays, i) for i in range(sum(counts))]
-        model = FastMarching(**settings)
+        model = FastMarching(**settings)  # JSON keeps no tuples; the model makes them again
         return cls(model, tuple(everything[: counts[0]]), tuple(everything[counts[0] :]))
 
     @property
@@ -263,6 +277,7 @@ class FastMarchingSkill:
             saturation=self.model.saturation,
             resolution=self.model.resolution,
             growth=1.0 if given else _GROWTH,
+            workspace=self.model.workspace,
         )
 
     def _dimensions(self) -> int:

@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
+from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.errors import NoPath
+from leadthrough.errors import InvalidInput, NoPath
 from leadthrough.models import mean_path
 from leadthrough.models.pieces import cut_at_short_cuts
 from leadthrough.models.shown import Shown
@@ -50,7 +51,7 @@ class Scales:
     radius: of the tubes. clearance: distance from obstacles below which they slow the wave down.
     saturation: speed outside them, in (0, 1]. resolution: edge of a cell;
     None: a fifth of the radius, or up to half of it in a large space. growth: how much wider than
-    the radius the tubes may become there.
+    the radius the tubes may become there. workspace: corners of the grid; None: as needed.
     """
 
     radius: float
@@ -58,6 +59,7 @@ class Scales:
     saturation: float
     resolution: float | None
     growth: float = 1.0
+    workspace: tuple[tuple[float, ...], tuple[float, ...]] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,13 +142,7 @@ def grid_over(
     It leaves room to go around the obstacles among the points. Raises InvalidInput where it would
     be too large.
     """
-    everything = np.concatenate(points)
-    lower, upper = everything.min(axis=0), everything.max(axis=0)
-    extent = float((upper - lower).max())
-    margin = _MARGIN * scales.radius
-    corners = [lower, upper, *_obstacle_corners(obstacles, lower, upper, extent)]
-    if obstacles:
-        margin = max(margin, _ROOM * extent)
+    corners, margin = _bounds(np.concatenate(points), obstacles, scales)
     resolution = scales.resolution
     if resolution is None:
         sides = np.ptp(corners, axis=0) + 2.0 * margin
@@ -156,6 +152,26 @@ def grid_over(
     radius = max(scales.radius, _LEAST_CELLS_PER_RADIUS * resolution)
     grid = Grid.covering(corners, margin=margin, spacing=resolution)
     return grid, replace(scales, radius=radius, resolution=resolution)
+
+
+def _bounds(
+    points: Float64Array, obstacles: Sequence[Shape], scales: Scales
+) -> tuple[Float64Array, float]:
+    """Points that the grid covers and the margin around them. Raises InvalidInput."""
+    lower, upper = points.min(axis=0), points.max(axis=0)
+    if scales.workspace is not None:
+        corners = check.array(scales.workspace, "workspace", shape=(2, len(lower)))
+        if (lower < corners[0]).any() or (upper > corners[1]).any():
+            raise InvalidInput(
+                f"workspace: expected one around demonstrations, start and goal, from {lower} "
+                f"to {upper}, got {corners[0]} to {corners[1]}"
+            )
+        return corners, 0.0
+    extent = float((upper - lower).max())
+    margin = _MARGIN * scales.radius
+    if obstacles:
+        margin = max(margin, _ROOM * extent)
+    return np.stack([lower, upper, *_obstacle_corners(obstacles, lower, upper, extent)]), margin
 
 
 def _obstacle_corners(

@@ -310,3 +310,31 @@ def test_kappa_lies_between_the_saturation_and_one(start, goal, saturation):
     skill = lt.FastMarching(saturation=saturation).fit([wave()])
     path = skill.plan(start=start, goal=goal).path
     assert saturation * (1 - 1e-12) <= skill.kappa(path) <= 1.0
+
+
+def test_paths_and_map_stay_in_the_workspace():
+    lower, upper = (-0.05, -0.08), (0.45, 0.08)
+    skill = lt.FastMarching(workspace=(lower, upper)).fit([wave()])
+    np.testing.assert_allclose(skill.grid.origin, lower, atol=float(skill.grid.spacing.max()))
+    wall = lt.Box((0.02, 0.12, 1.0), (0.2, -0.02, 0.0))
+    motion = skill.generate(obstacles=[wall])
+    assert (motion.positions >= lower).all()
+    assert (motion.positions <= np.array(upper) + skill.grid.spacing).all()
+    with pytest.raises(NoPath):
+        skill.generate(obstacles=[lt.Box((0.02, 0.2, 1.0), (0.2, 0.0, 0.0))])
+    with pytest.raises(InvalidInput, match="workspace"):
+        skill.generate(start=(0.0, 0.1))
+
+
+@pytest.mark.parametrize(
+    "workspace", [((0.0, 0.0), (0.0, 1.0)), ((0.0,), (1.0, 2.0)), "all", ((0, np.nan), (1, 1))]
+)
+def test_workspace_without_inside_is_refused(workspace):
+    with pytest.raises(InvalidInput, match="workspace"):
+        lt.FastMarching(workspace=workspace)
+
+
+def test_pauses_do_not_count_in_kappa(skill):
+    path = skill.generate(start=(0.0, 0.1)).positions
+    paused = np.concatenate([np.repeat(path[:1], 500, axis=0), path])
+    assert skill.kappa(paused) == pytest.approx(skill.kappa(path), rel=1e-9)
