@@ -35,9 +35,8 @@ class Box:
     def distance(self, points: Any) -> Float64Array:
         """Signed distance (n,) of points (n, 3) in the base frame, m. Raises InvalidInput."""
         outside = np.abs(_to_local(self, points)) - 0.5 * self.size
-        return np.asarray(
-            np.linalg.norm(np.maximum(outside, 0.0), axis=1) + np.minimum(outside.max(axis=1), 0.0)
-        )
+        deepest = np.maximum(np.maximum(outside[:, 0], outside[:, 1]), outside[:, 2])
+        return _length(np.maximum(outside, 0.0)) + np.minimum(deepest, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +53,7 @@ class Sphere:
     def distance(self, points: Any) -> Float64Array:
         """Signed distance (n,) of points (n, 3) in the base frame, m. Raises InvalidInput."""
         p = check.array(points, "points", shape=("n", 3))
-        return np.asarray(np.linalg.norm(p - self.position, axis=1) - self.radius)
+        return _length(p - self.position) - self.radius
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +79,7 @@ class Capsule:
         local = _to_local(self, points)
         half = 0.5 * self.length
         local[:, 2] -= np.clip(local[:, 2], -half, half)
-        return np.asarray(np.linalg.norm(local, axis=1) - self.radius)
+        return _length(local) - self.radius
 
 
 Shape = Box | Sphere | Capsule
@@ -91,6 +90,11 @@ def _freeze_pose(shape: Box | Capsule) -> None:
     orientation = check.quaternions(shape.orientation, "orientation", shape=(4,))
     orientation.setflags(write=False)
     object.__setattr__(shape, "orientation", orientation)
+
+
+def _length(vectors: Float64Array) -> Float64Array:
+    """Lengths (n,) of vectors (n, 3): many times quicker than NumPy's reduction over three."""
+    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
 
 
 def _to_local(shape: Box | Capsule, points: Any) -> Float64Array:
