@@ -1,12 +1,16 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 
+#include "leadthrough/arrival_field.hpp"
 #include "leadthrough/descent.hpp"
 #include "leadthrough/distance.hpp"
 #include "leadthrough/eikonal.hpp"
+#include "leadthrough/nearest_source.hpp"
 #include "parts.hpp"
 
 namespace py = pybind11;
@@ -48,20 +52,120 @@ std::vector<py::ssize_t> shape_of(const py::array& array) {
   return {array.shape(), array.shape() + array.ndim()};
 }
 
-template <typename Real>
-py::array_t<Real> march(const CArray<Real>& speed, const std::vector<double>& spacing,
-                        const CArray<Index>& cells, const CArray<double>& times, int order,
-                        Index stop) {
-  const Grid grid = grid_of(speed, spacing);
+std::vector<Source> sources_at(const CArray<Index>& cells) {
   std::vector<Source> sources;
-  for (py::ssize_t n = 0; n < cells.size(); ++n) sources.push_back({cells.at(n), times.at(n)});
+  for (py::ssize_t n = 0; n < cells.size(); ++n) sources.push_back({cells.at(n)});
+  return sources;
+}
+
+template <typename Real>
+py::array_t<Real> march_one(const CArray<Real>& speed, const std::vector<double>& spacing,
+                            const CArray<Index>& cells, int order, double source_radius,
+                            Index stop) {
+  const Grid grid = grid_of(speed, spacing);
+  const MarchProblem<Real> problem{speed.data(), sources_at(cells)};
   std::vector<Real> arrival;
   {
     const py::gil_scoped_release release;
-    arrival = order == 1 ? march_first_order(grid, speed.data(), sources, stop)
-                         : march_second_order(grid, speed.data(), sources, stop);
+    arrival = march(grid, problem, {order, source_radius, stop});
   }
   return owning(std::move(arrival), shape_of(speed));
+}
+
+// One speed map a problem, all of one shape.
+template <typename Real>
+py::list march_many(const std::vector<CArray<Real>>& speeds, const std::vector<double>& spacing,
+                    const std::vector<CArray<Index>>& cells, int order, double source_radius,
+                    int threads) {
+  const Grid grid = grid_of(speeds.at(0), spacing);
+  std::vector<MarchProblem<Real>> problems;
+  for (std::size_t n = 0; n < speeds.size(); ++n)
+    problems.push_back({speeds[n].data(), sources_at(cells.at(n))});
+  std::vector<std::vector<Real>> arrivals;
+  {
+    const py::gil_scoped_release release;
+    arrivals = march_batch(grid, problems, {order, source_radius}, threads);
+  }
+  py::list result;
+  for (std::vector<Real>& arrival : arrivals)
+    result.append(owning(std::move(arrival), shape_of(speeds[0])));
+  return result;
+}
+
+// The field with what numpy needs to know about it.
+template <typename Real>
+class BoundArrivalField {
+ public:
+  BoundArrivalField(const CArray<Real>& speed, const std::vector<double>& spacing,
+                    const CArray<Index>& cells)
+      : shape_(shape_of(speed)) {
+    const Grid grid = grid_of(speed, spacing);
+    const std::vector<Source> sources = sources_at(cells);
+    const py::gil_scoped_release release;
+    field_ = make_arrival_field(grid, speed.data(), sources);
+  }
+
+  py::tuple update(const std::vector<Index>& low, const CArray<Real>& speed) {
+    Region region{{0, 0, 0}, {1, 1, 1}};
+    const std::size_t lead = 3 - low.size();
+    for (std::size_t axis = 0; axis < low.size(); ++axis) {
+      region.low[lead + axis] = low[axis];
+      region.shape[lead + axis] = speed.shape(static_cast<py::ssize_t>(axis));
+    }
+    Update update{};
+    {
+      const py::gil_scoped_release release;
+      update = field_->update(region, speed.data());
+    }
+    return py::make_tuple(name(update.kind), update.invalidated);
+  }
+
+  py::array_t<Real> times() const {
+    std::vector<Real> times;
+    {
+      const py::gil_scoped_release release;
+      times = field_->times();
+    }
+    return owning(std::move(times), shape_);
+  }
+
+ private:
+  static const char* name(UpdateKind kind) {
+    switch (kind) {
+      case UpdateKind::kNone:
+        return "none";
+      case UpdateKind::kRepair:
+        return "repair";
+      case UpdateKind::kFullMarch:
+        break;
+    }
+    return "full_march";
+  }
+
+  std::vector<py::ssize_t> shape_;
+  std::unique_ptr<ArrivalField<Real>> field_;
+};
+
+template <typename Real>
+void bind_arrival_field(py::module_& module, const char* name) {
+  using Bound = BoundArrivalField<Real>;
+  py::class_<Bound>(module, name)
+      .def(py::init<const CArray<Real>&, const std::vector<double>&, const CArray<Index>&>(),
+           py::arg("speed").noconvert(), py::arg("spacing"), py::arg("cells").noconvert())
+      .def("update", &Bound::update, py::arg("low"), py::arg("speed").noconvert())
+      .def("times", &Bound::times);
+}
+
+py::array_t<std::int32_t> label_sources(const CArray<double>& arrival,
+                                        const std::vector<double>& spacing,
+                                        const std::vector<Index>& cells) {
+  const Grid grid = grid_of(arrival, spacing);
+  std::vector<std::int32_t> labels;
+  {
+    const py::gil_scoped_release release;
+    labels = nearest_sources(grid, arrival.data(), cells);
+  }
+  return owning(std::move(labels), shape_of(arrival));
 }
 
 py::array_t<double> transform(const CArray<bool>& mask, const std::vector<double>& spacing) {
@@ -87,12 +191,15 @@ const char* name(DescentStatus status) {
     case DescentStatus::kOtherSource:
       return "other_source";
     case DescentStatus::kTooManySteps:
+      return "too_many_steps";
+    case DescentStatus::kNotTimes:
       break;
   }
-  return "too_many_steps";
+  return "not_times";
 }
 
-py::tuple follow_down(const CArray<double>& arrival, const std::vector<double>& spacing,
+template <typename Real>
+py::tuple follow_down(const CArray<Real>& arrival, const std::vector<double>& spacing,
                       const std::vector<double>& start, const std::vector<double>& goal,
                       double step) {
   const Grid grid = grid_of(arrival, spacing);
@@ -110,18 +217,64 @@ py::tuple follow_down(const CArray<double>& arrival, const std::vector<double>& 
   return py::make_tuple(name(descent.status), path);
 }
 
+// Directions (n, d) and, where there is none, the first such point's number and why.
+template <typename Real>
+py::tuple find_directions(const CArray<Real>& arrival, const std::vector<double>& spacing,
+                          const CArray<double>& points) {
+  const Grid grid = grid_of(arrival, spacing);
+  const std::size_t dimensions = spacing.size();
+  const auto count = static_cast<std::size_t>(points.shape(0));
+  py::array_t<double> directions({count, dimensions});
+  const double* from = points.data();
+  double* to = directions.mutable_data();
+  DescentStatus status = DescentStatus::kOk;
+  std::size_t n = 0;
+  {
+    const py::gil_scoped_release release;
+    for (; n < count; ++n, from += dimensions) {
+      Coordinates p{};
+      std::copy_backward(from, from + dimensions, p.end());
+      const Direction found = direction(grid, arrival.data(), p);
+      status = found.status;
+      if (status != DescentStatus::kOk) break;
+      to = std::copy(found.unit.end() - static_cast<std::ptrdiff_t>(dimensions), found.unit.end(),
+                     to);
+    }
+  }
+  return py::make_tuple(name(status), n, directions);
+}
+
+// The functions that exist in both precisions.
+template <typename Real>
+void bind_marches(py::module_& module, const std::string& precision) {
+  module.def(("march_" + precision).c_str(), &march_one<Real>, py::arg("speed").noconvert(),
+             py::arg("spacing"), py::arg("cells").noconvert(), py::arg("order"),
+             py::arg("source_radius"), py::arg("stop"));
+  module.def(("march_batch_" + precision).c_str(), &march_many<Real>, py::arg("speeds"),
+             py::arg("spacing"), py::arg("cells"), py::arg("order"), py::arg("source_radius"),
+             py::arg("threads"));
+}
+
+template <typename Real>
+void bind_descent(py::module_& module) {
+  module.def("descend", &follow_down<Real>, py::arg("arrival").noconvert(), py::arg("spacing"),
+             py::arg("start"), py::arg("goal"), py::arg("step"));
+  module.def("directions", &find_directions<Real>, py::arg("arrival").noconvert(),
+             py::arg("spacing"), py::arg("points").noconvert());
+}
+
 }  // namespace
 
 void bind_field(py::module_& module) {
-  module.def("march_float32", &march<float>, py::arg("speed").noconvert(), py::arg("spacing"),
-             py::arg("cells").noconvert(), py::arg("times").noconvert(), py::arg("order"),
-             py::arg("stop"));
-  module.def("march_float64", &march<double>, py::arg("speed").noconvert(), py::arg("spacing"),
-             py::arg("cells").noconvert(), py::arg("times").noconvert(), py::arg("order"),
-             py::arg("stop"));
+  bind_marches<float>(module, "float32");
+  bind_marches<double>(module, "float64");
+  bind_arrival_field<float>(module, "ArrivalFieldFloat32");
+  bind_arrival_field<double>(module, "ArrivalFieldFloat64");
+  module.def("nearest_sources", &label_sources, py::arg("arrival").noconvert(), py::arg("spacing"),
+             py::arg("cells"));
   module.def("distance_transform", &transform, py::arg("mask").noconvert(), py::arg("spacing"));
-  module.def("descend", &follow_down, py::arg("arrival").noconvert(), py::arg("spacing"),
-             py::arg("start"), py::arg("goal"), py::arg("step"));
+  bind_descent<float>(module);
+  bind_descent<double>(module);
 }
 
 }  // namespace leadthrough

@@ -18,18 +18,19 @@ constexpr double kLeastGain = 0.1;
 
 using CellIndex = std::array<Index, 3>;
 
+CellIndex cell_of(const Coordinates& p) {
+  return {static_cast<Index>(std::floor(p[0] + 0.5)), static_cast<Index>(std::floor(p[1] + 0.5)),
+          static_cast<Index>(std::floor(p[2] + 0.5))};
+}
+
+template <typename Real>
 class Field {
  public:
-  Field(const Grid& grid, const double* arrival)
+  Field(const Grid& grid, const Real* arrival)
       : grid_(grid),
         strides_(grid.strides()),
         smallest_(*std::min_element(grid.spacing.begin(), grid.spacing.end())),
         arrival_(arrival) {}
-
-  static CellIndex cell_of(const Coordinates& p) {
-    return {static_cast<Index>(std::floor(p[0] + 0.5)), static_cast<Index>(std::floor(p[1] + 0.5)),
-            static_cast<Index>(std::floor(p[2] + 0.5))};
-  }
 
   // Infinite outside the grid.
   double at(const CellIndex& cell) const {
@@ -38,7 +39,7 @@ class Field {
       if (cell[axis] < 0 || cell[axis] >= grid_.shape[axis]) return kInfinity;
       offset += cell[axis] * strides_[axis];
     }
-    return arrival_[offset];
+    return static_cast<double>(arrival_[offset]);
   }
 
   bool contains(const CellIndex& cell) const {
@@ -60,11 +61,12 @@ class Field {
   const Grid& grid_;
   std::array<Index, 3> strides_;
   double smallest_;
-  const double* arrival_;
+  const Real* arrival_;
 };
 
 // The cell itself if no neighbour across a face is earlier.
-CellIndex Field::earliest_neighbour(const CellIndex& cell) const {
+template <typename Real>
+CellIndex Field<Real>::earliest_neighbour(const CellIndex& cell) const {
   CellIndex result = cell;
   double earliest = at(cell);
   for (int axis = 0; axis < 3; ++axis) {
@@ -80,7 +82,8 @@ CellIndex Field::earliest_neighbour(const CellIndex& cell) const {
 }
 
 // Time per distance at a cell of finite arrival, from the earlier neighbour along every axis.
-Coordinates Field::upwind_gradient(const CellIndex& cell) const {
+template <typename Real>
+Coordinates Field<Real>::upwind_gradient(const CellIndex& cell) const {
   Coordinates gradient{};
   for (int axis = 0; axis < 3; ++axis) {
     CellIndex before = cell, after = cell;
@@ -96,7 +99,8 @@ Coordinates Field::upwind_gradient(const CellIndex& cell) const {
 // Arrival and gradient between the centres of cells, multilinear over the corners of finite
 // arrival; infinite in a wall. Corners behind a wall, not joined to the point's cell by faces
 // between free corners, do not count.
-double Field::interpolate(const Coordinates& p, Coordinates& gradient) const {
+template <typename Real>
+double Field<Real>::interpolate(const Coordinates& p, Coordinates& gradient) const {
   constexpr int kCorners = 8;
   CellIndex low{};
   Coordinates part{};
@@ -139,7 +143,8 @@ double Field::interpolate(const Coordinates& p, Coordinates& gradient) const {
 
 // Whether a segment touches only cells of finite arrival: one point between any two crossings of
 // cells' borders, and the end.
-bool Field::is_free(const Coordinates& from, const Coordinates& to) const {
+template <typename Real>
+bool Field<Real>::is_free(const Coordinates& from, const Coordinates& to) const {
   constexpr int kMostCrossings = 16;  // ample: a segment crosses two borders at most along an axis
   std::array<double, kMostCrossings> crossings{0.0, 1.0};
   int count = 2;
@@ -159,7 +164,8 @@ bool Field::is_free(const Coordinates& from, const Coordinates& to) const {
   return at(cell_of(to)) < kInfinity;
 }
 
-bool Field::is_near(const Coordinates& p, const Coordinates& goal) const {
+template <typename Real>
+bool Field<Real>::is_near(const Coordinates& p, const Coordinates& goal) const {
   for (int axis = 0; axis < 3; ++axis)
     if (std::abs(p[axis] - goal[axis]) > kNearGoal) return false;
   return true;
@@ -182,7 +188,8 @@ Coordinates moved(const Grid& grid, const Coordinates& p, const Coordinates& gra
 
 // One midpoint step down the gradient, halved until it lowers the arrival and meets no wall;
 // `arrival` is the point's on entry and the new point's on return. False if no step does.
-bool step_down(const Field& field, double length, Coordinates& p, double& arrival) {
+template <typename Real>
+bool step_down(const Field<Real>& field, double length, Coordinates& p, double& arrival) {
   constexpr int kHalvings = 3;
   Coordinates gradient{};
   field.interpolate(p, gradient);
@@ -205,8 +212,9 @@ bool step_down(const Field& field, double length, Coordinates& p, double& arriva
 // From centre to centre of ever earlier cells until one is earlier than `arrival`. The discrete
 // equation gives every cell but a source an earlier neighbour across a face, and the box of two
 // such cells is free. False if a source is not earlier.
-bool walk_down(const Field& field, std::vector<Coordinates>& path, double& arrival) {
-  CellIndex cell = Field::cell_of(path.back());
+template <typename Real>
+bool walk_down(const Field<Real>& field, std::vector<Coordinates>& path, double& arrival) {
+  CellIndex cell = cell_of(path.back());
   do {
     const CellIndex next = field.earliest_neighbour(cell);
     if (next == cell) return false;
@@ -217,14 +225,48 @@ bool walk_down(const Field& field, std::vector<Coordinates>& path, double& arriv
   return true;
 }
 
+// Whether the cells about a cell hold times; `Field` trusts them.
+template <typename Real>
+bool holds_times(const Field<Real>& field, const CellIndex& cell) {
+  constexpr Index kReach = 3;  // a step, its interpolation and the neighbours' slopes
+  CellIndex at{};
+  for (at[0] = cell[0] - kReach; at[0] <= cell[0] + kReach; ++at[0])
+    for (at[1] = cell[1] - kReach; at[1] <= cell[1] + kReach; ++at[1])
+      for (at[2] = cell[2] - kReach; at[2] <= cell[2] + kReach; ++at[2])
+        if (!(field.at(at) >= 0.0)) return false;
+  return true;
+}
+
+Coordinates stepped(const Grid& grid, const Coordinates& p, const Coordinates& unit,
+                    double length) {
+  Coordinates result = p;
+  for (int axis = 0; axis < 3; ++axis) result[axis] += length * unit[axis] / grid.spacing[axis];
+  return result;
+}
+
+// 0 between points that differ by rounding only.
+Coordinates unit_vector(const Grid& grid, const Coordinates& from, const Coordinates& to) {
+  constexpr double kRounding = 1e-9;  // cells
+  double farthest = 0.0;
+  for (int axis = 0; axis < 3; ++axis)
+    farthest = std::max(farthest, std::abs(to[axis] - from[axis]));
+  if (farthest < kRounding) return {};
+  Coordinates result{};
+  for (int axis = 0; axis < 3; ++axis) result[axis] = (to[axis] - from[axis]) * grid.spacing[axis];
+  const double length = std::hypot(result[0], result[1], result[2]);
+  for (double& part : result) part /= length;
+  return result;
+}
+
 }  // namespace
 
-Descent descend(const Grid& grid, const double* arrival, const Coordinates& start,
+template <typename Real>
+Descent descend(const Grid& grid, const Real* arrival, const Coordinates& start,
                 const Coordinates& goal, double step) {
-  const Field field(grid, arrival);
-  if (!field.contains(Field::cell_of(start))) return {DescentStatus::kStartOutside, {}};
-  if (field.at(Field::cell_of(start)) == kInfinity) return {DescentStatus::kStartUnreached, {}};
-  const CellIndex source = Field::cell_of(goal);
+  const Field<Real> field(grid, arrival);
+  if (!field.contains(cell_of(start))) return {DescentStatus::kStartOutside, {}};
+  if (field.at(cell_of(start)) == kInfinity) return {DescentStatus::kStartUnreached, {}};
+  const CellIndex source = cell_of(goal);
   if (field.at(source) == kInfinity || field.earliest_neighbour(source) != source)
     return {DescentStatus::kGoalNotSource, {}};
 
@@ -247,5 +289,32 @@ Descent descend(const Grid& grid, const double* arrival, const Coordinates& star
   if (p != goal) result.path.push_back(goal);
   return result;
 }
+
+template <typename Real>
+Direction direction(const Grid& grid, const Real* arrival, const Coordinates& p) {
+  constexpr double kStep = 0.5;  // cells
+  const Field<Real> field(grid, arrival);
+  const CellIndex cell = cell_of(p);
+  if (!field.contains(cell)) return {DescentStatus::kStartOutside, {}};
+  if (!holds_times(field, cell)) return {DescentStatus::kNotTimes, {}};
+  if (field.at(cell) == kInfinity) return {DescentStatus::kStartUnreached, {}};
+
+  const CellIndex earlier = field.earliest_neighbour(cell);
+  const double length = kStep * field.smallest_spacing();
+  Coordinates next = p, unused{};
+  double time = field.interpolate(p, unused);
+  if (earlier != cell && step_down(field, length, next, time)) {
+    const Coordinates along = unit_vector(grid, p, next);
+    if (field.is_free(p, stepped(grid, p, along, length))) return {DescentStatus::kOk, along};
+  }
+  // The way to the centre of a neighbour is free, and longer than the step.
+  return {DescentStatus::kOk, unit_vector(grid, p, centre(earlier))};
+}
+
+template Descent descend(const Grid&, const float*, const Coordinates&, const Coordinates&, double);
+template Descent descend(const Grid&, const double*, const Coordinates&, const Coordinates&,
+                         double);
+template Direction direction(const Grid&, const float*, const Coordinates&);
+template Direction direction(const Grid&, const double*, const Coordinates&);
 
 }  // namespace leadthrough

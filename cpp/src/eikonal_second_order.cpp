@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include "lazy_heap.hpp"
 #include "leadthrough/eikonal.hpp"
@@ -18,12 +20,19 @@ namespace {
 template <typename Real, int D>
 class SortedMarch {
  public:
-  explicit SortedMarch(PaddedField<Real, D>& field) : field_(field), schedule_(field.time) {
+  explicit SortedMarch(PaddedField<Real, D>& field)
+      : field_(field), schedule_(field.time, MarchKind::kFresh) {
     for (int axis = 0; axis < D; ++axis)
       weights_[axis] = 1 / (field.spacing[axis] * field.spacing[axis]);
   }
 
-  void start(Cell cell, Real time) { schedule_.start(cell, time); }
+  void start(Cell cell, Real time, Index ball) {
+    if (time >= field_.time[cell]) return;
+    schedule_.start(cell, time);
+    if (ball == kNoBall && ball_.empty()) return;
+    if (ball_.empty()) ball_.assign(field_.time.size(), kNone);
+    ball_[cell] = static_cast<std::int32_t>(ball);
+  }
 
   // Runs until every time is final, or those up to the time of `stop`, if there is one.
   void run(const Cell* stop) {
@@ -36,6 +45,8 @@ class SortedMarch {
   }
 
  private:
+  static constexpr std::int32_t kNone = kNoBall;
+
   void run_bucket() {
     std::array<Cell, BucketQueue::kChunk> cells;
     while (const int count = schedule_.take(cells.data()))
@@ -52,7 +63,12 @@ class SortedMarch {
     return static_cast<float>(std::max(time - schedule_.begin(), Real(0)));
   }
 
+  bool are_exact(Cell a, Index b) const {
+    return !ball_.empty() && ball_[a] != kNone && ball_[a] == ball_[b];
+  }
+
   void set(Cell cell, Real time) {
+    if (!ball_.empty()) ball_[cell] = kNone;
     if (schedule_.is_due(time)) {
       field_.time[cell] = time;
       heap_.push(key(time), cell);
@@ -70,7 +86,8 @@ class SortedMarch {
         if (!(old > t) || field_.time[neighbour + stride] < t) continue;
         if (field_.step[neighbour] == kInfinity<Real>) continue;
         const Real time = std::max(t * kLater<Real>, solve(neighbour, t));
-        if (time < old) set(static_cast<Cell>(neighbour), time);
+        if (time < old && !(old < kInfinity<Real> && are_exact(cell, neighbour)))
+          set(static_cast<Cell>(neighbour), time);
       }
     }
   }
@@ -129,6 +146,7 @@ class SortedMarch {
   Schedule<Real> schedule_;
   std::array<Real, D> weights_{};
   LazyHeap heap_;
+  std::vector<std::int32_t> ball_;  // of each cell that has the exact time of one
 };
 
 template <typename Real, int D>

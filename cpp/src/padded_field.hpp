@@ -41,6 +41,9 @@ struct PaddedField {
     const Index line = index / shape[2];
     return static_cast<Cell>(row(line / shape[1], line % shape[1]) + index % shape[2]);
   }
+  bool has_cubes() const {
+    return std::all_of(spacing.begin(), spacing.end(), [](Real h) { return h == Real(1); });
+  }
   std::vector<Real> times_up_to(Real limit) const;
 };
 
@@ -91,7 +94,7 @@ std::vector<Real> run_march(PaddedField<Real, D>& field, const std::vector<Sourc
                             Index stop) {
   March march(field);
   for (const Source& source : sources)
-    march.start(field.cell(source.cell), static_cast<Real>(source.time / field.unit));
+    march.start(field.cell(source.cell), static_cast<Real>(source.time / field.unit), source.ball);
   if (stop == kNoStop) {
     march.run(nullptr);
     return field.times_up_to(kInfinity<Real>);

@@ -13,10 +13,13 @@ namespace leadthrough {
 
 // The cells of a front in buckets of time. A cell whose time falls is put into its new bucket; the
 // entry in the old one is then stale and dropped when it comes.
+enum class MarchKind { kFresh, kRepair };  // a repair begins with times that are not queued
+
 template <typename Real>
 class Schedule {
  public:
-  explicit Schedule(std::vector<Real>& time) : time_(time) {}
+  Schedule(std::vector<Real>& time, MarchKind kind)
+      : time_(time), fresh_(kind == MarchKind::kFresh) {}
 
   // A source. All of them come before the first refill.
   void start(Cell cell, Real time) {
@@ -51,8 +54,8 @@ class Schedule {
     const Real old = time_[cell];
     time_[cell] = time;
     const int target = bucket(time);
-    const bool queued =
-        old < std::numeric_limits<Real>::infinity() && target == bucket(old) && target != current_;
+    const bool queued = fresh_ && old < std::numeric_limits<Real>::infinity() &&
+                        target == bucket(old) && target != current_;
     if (!queued) queue_.push(target, cell);
   }
 
@@ -74,6 +77,7 @@ class Schedule {
   }
 
   std::vector<Real>& time_;
+  bool fresh_;
   BucketQueue queue_;
   Real base_ = 0;
   Real inverse_width_ = 0;

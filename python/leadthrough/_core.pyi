@@ -1,6 +1,7 @@
 """Types of the compiled module. A test compares names and arguments with the module."""
 
 from collections.abc import Sequence
+from typing import overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,19 +99,62 @@ def march_float32(
     speed: Float32Array,
     spacing: Sequence[float],
     cells: NDArray[np.int64],
-    times: Float64Array,
     order: int,
+    source_radius: float,
     stop: int,
 ) -> Float32Array: ...
 def march_float64(
     speed: Float64Array,
     spacing: Sequence[float],
     cells: NDArray[np.int64],
-    times: Float64Array,
     order: int,
+    source_radius: float,
     stop: int,
 ) -> Float64Array: ...
+def march_batch_float32(
+    speeds: Sequence[Float32Array],
+    spacing: Sequence[float],
+    cells: Sequence[NDArray[np.int64]],
+    order: int,
+    source_radius: float,
+    threads: int,
+) -> list[Float32Array]: ...
+def march_batch_float64(
+    speeds: Sequence[Float64Array],
+    spacing: Sequence[float],
+    cells: Sequence[NDArray[np.int64]],
+    order: int,
+    source_radius: float,
+    threads: int,
+) -> list[Float64Array]: ...
+
+class ArrivalFieldFloat32:
+    def __init__(
+        self, speed: Float32Array, spacing: Sequence[float], cells: NDArray[np.int64]
+    ) -> None: ...
+    def update(self, low: Sequence[int], speed: Float32Array) -> tuple[str, int]: ...
+    def times(self) -> Float32Array: ...
+
+class ArrivalFieldFloat64:
+    def __init__(
+        self, speed: Float64Array, spacing: Sequence[float], cells: NDArray[np.int64]
+    ) -> None: ...
+    def update(self, low: Sequence[int], speed: Float64Array) -> tuple[str, int]: ...
+    def times(self) -> Float64Array: ...
+
+def nearest_sources(
+    arrival: Float64Array, spacing: Sequence[float], cells: Sequence[int]
+) -> Int32Array: ...
 def distance_transform(mask: NDArray[np.bool_], spacing: Sequence[float]) -> Float64Array: ...
+@overload
+def descend(
+    arrival: Float32Array,
+    spacing: Sequence[float],
+    start: Sequence[float],
+    goal: Sequence[float],
+    step: float,
+) -> tuple[str, Float64Array]: ...
+@overload
 def descend(
     arrival: Float64Array,
     spacing: Sequence[float],
@@ -118,3 +162,11 @@ def descend(
     goal: Sequence[float],
     step: float,
 ) -> tuple[str, Float64Array]: ...
+@overload
+def directions(
+    arrival: Float32Array, spacing: Sequence[float], points: Float64Array
+) -> tuple[str, int, Float64Array]: ...
+@overload
+def directions(
+    arrival: Float64Array, spacing: Sequence[float], points: Float64Array
+) -> tuple[str, int, Float64Array]: ...

@@ -20,6 +20,7 @@ enum class DescentStatus {
   kGoalNotSource,   // a neighbour of the goal's cell is earlier, or the goal is unreached
   kOtherSource,     // the descent ends in a cell that is not the goal's
   kTooManySteps,
+  kNotTimes,  // NaN or a negative number near the point
 };
 
 struct Descent {
@@ -30,7 +31,18 @@ struct Descent {
 // Steps are at most `step` of the smallest spacing long, below 1. Every segment of the path stays
 // in cells of finite arrival. Arrival falls from each point to the next one; where the way rounds a
 // corner too narrow for the gradient, it passes centres of cells, each earlier than the last.
-Descent descend(const Grid& grid, const double* arrival, const Coordinates& start,
+// Real is float or double.
+template <typename Real>
+Descent descend(const Grid& grid, const Real* arrival, const Coordinates& start,
                 const Coordinates& goal, double step);
+
+struct Direction {
+  DescentStatus status;  // of the point as a start
+  Coordinates unit;      // vector in space; 0 at a source's centre
+};
+
+// Where a descent through a point goes next. A step of half a cell or less that way meets no wall.
+template <typename Real>
+Direction direction(const Grid& grid, const Real* arrival, const Coordinates& p);
 
 }  // namespace leadthrough

@@ -6,18 +6,28 @@ order: Sethian 1999, "Fast marching methods".
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from leadthrough import _core, check
-from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.planning.grid import MOST_CELLS, spacings
+from leadthrough.planning.grid import spacings
+from leadthrough.planning.march_input import (
+    check_range,
+    flat_indices,
+    precision_of,
+    range_of,
+    source_cells,
+    speed_map,
+)
 
-# Beyond this ratio squares of times leave the range of float32.
-MOST_SPEED_RATIO = 1e15
+# Cells; at second order it takes the largest error of a point source in 150^3 cells of constant
+# speed from 0.62 to 0.08 cells. At first order the error grows from everywhere, not the source.
+_SOURCE_RADIUS = {1: 0.0, 2: 8.0}
+_LARGEST_RADIUS = 50.0
 
 
 def arrival_times(
@@ -28,6 +38,7 @@ def arrival_times(
     order: int = 1,
     dtype: DTypeLike = np.float64,
     stop: Any = None,
+    source_radius: float | None = None,
 ) -> NDArray[Any]:
     """Time at which a front that leaves the sources at time 0 reaches each cell; inf if never.
 
@@ -35,81 +46,74 @@ def arrival_times(
     1e-15 of the fastest. sources: (d,) or (k, d) cells' indices. spacing: (d,) or one number, the
     length between neighbouring cells. order: 1 or 2. dtype: float32 or float64 of times and
     arithmetic. stop: (d,) a cell; cells that the front reaches later stay inf, which saves time.
+    source_radius: cells (of the smallest spacing), 0 to 50; within it times are exact distances
+    over the source's speed, as far as no cell of another speed comes near and at most half way to
+    the next source. By default 0 at order 1 and 8 at order 2.
     Returns an array of the shape of `speed`. Raises InvalidInput.
     """
-    precision = np.dtype(dtype)
-    if precision not in (np.dtype(np.float32), np.dtype(np.float64)):
-        raise InvalidInput(f"dtype: expected float32 or float64, got {precision}")
+    precision = precision_of(dtype)
     check.integer(order, "order", at_least=1, at_most=2)
-    field = _speed(speed)
-    cells = _cells(sources, "sources", field.shape)
-    walls = field.ravel()[cells] == 0.0
-    if walls.any():
-        at = np.unravel_index(cells[int(np.argmax(walls))], field.shape)
-        raise InvalidInput(
-            f"sources: expected cells of speed > 0, got a wall at {tuple(int(i) for i in at)}"
-        )
-    last = -1 if stop is None else int(_cells(stop, "stop", field.shape)[0])
+    radius = _radius(source_radius, order)
+    field = speed_map(speed)
+    cells = source_cells(sources, field)
+    last = -1 if stop is None else int(flat_indices(stop, "stop", field.shape)[0])
     steps = spacings(spacing, field.ndim)
-    _check_range(field, steps, precision)
+    check_range(*range_of(field), cells=field.size, spacing=steps, dtype=precision)
     march = _core.march_float32 if precision == np.float32 else _core.march_float64
+    return march(np.ascontiguousarray(field, precision), steps.tolist(), cells, order, radius, last)
+
+
+def _radius(source_radius: float | None, order: int) -> float:
+    if source_radius is None:
+        return _SOURCE_RADIUS[order]
+    return check.number(source_radius, "source_radius", at_least=0.0, at_most=_LARGEST_RADIUS)
+
+
+def arrival_times_batch(
+    speeds: Sequence[Any],
+    sources: Sequence[Any],
+    *,
+    spacing: Any = 1.0,
+    order: int = 1,
+    dtype: DTypeLike = np.float64,
+    source_radius: float | None = None,
+    threads: int = 1,
+) -> list[NDArray[Any]]:
+    """The times of several problems, as `arrival_times` gives them one by one, on several threads.
+
+    speeds: maps of one shape. sources: one entry a problem. A single map serves all sources, a
+    single entry of sources all maps. threads: at least 1; the result's bits do not depend on it.
+    The rest as in `arrival_times`. Raises InvalidInput.
+    """
+    precision = precision_of(dtype)
+    check.integer(order, "order", at_least=1, at_most=2)
+    check.integer(threads, "threads", at_least=1)
+    radius = _radius(source_radius, order)
+    maps = [speed_map(speed) for speed in speeds]
+    starts = list(sources)
+    count = max(len(maps), len(starts))
+    if not maps or {len(maps), len(starts)} - {1, count}:
+        raise InvalidInput(
+            "sources: expected as many entries as speeds, or a single one of either, "
+            f"got {len(starts)} for {len(maps)}"
+        )
+    shapes = {field.shape for field in maps}
+    if len(shapes) > 1:
+        raise InvalidInput(f"speeds: expected maps of one shape, got {sorted(shapes)}")
+    steps = spacings(spacing, maps[0].ndim)
+    for field in maps:
+        check_range(*range_of(field), cells=field.size, spacing=steps, dtype=precision)
+    arrays = [np.ascontiguousarray(field, precision) for field in maps]
+    pairs = [
+        (k % len(maps), source_cells(starts[k % len(starts)], maps[k % len(maps)]))
+        for k in range(count)
+    ]
+    march = _core.march_batch_float32 if precision == np.float32 else _core.march_batch_float64
     return march(
-        np.ascontiguousarray(field, precision),
+        [arrays[k] for k, _ in pairs],
         steps.tolist(),
-        cells,
-        np.zeros(len(cells)),
+        [cells for _, cells in pairs],
         order,
-        last,
+        radius,
+        threads,
     )
-
-
-def _speed(speed: Any) -> NDArray[Any]:
-    field = np.asarray(speed)
-    if field.dtype.kind not in "fiu" or field.ndim not in (2, 3) or field.size == 0:
-        raise InvalidInput(
-            "speed: expected a 2-D or 3-D array of numbers, "
-            f"got shape {field.shape} of {field.dtype}"
-        )
-    if field.size > MOST_CELLS:
-        raise InvalidInput(f"speed: expected at most {MOST_CELLS:.0e} cells, got {field.size}")
-    if not (field.min() >= 0 and field.max() < np.inf):
-        at = tuple(int(i) for i in np.argwhere(~((field >= 0) & (field < np.inf)))[0])
-        raise InvalidInput(f"speed: expected finite numbers >= 0, got {field[at]} at {at}")
-    return field
-
-
-def _check_range(speed: NDArray[Any], spacing: Float64Array, dtype: np.dtype[Any]) -> None:
-    """Raises InvalidInput where the times could not be told apart or leave the range of dtype."""
-    least, most = float(speed.min()), float(speed.max())
-    slowest = least if least > 0.0 else float(np.where(speed > 0, speed, np.inf).min())
-    if slowest < most / MOST_SPEED_RATIO:
-        raise InvalidInput(
-            f"speed: expected 0 or at least {1 / MOST_SPEED_RATIO:.0e} of the fastest, {most}, "
-            f"got {slowest}; make such cells walls or raise them"
-        )
-    limits = np.finfo(dtype)
-    with np.errstate(over="ignore"):
-        quickest = spacing.min() / np.float64(most)
-        longest = spacing.max() / np.float64(slowest) * speed.size
-    if not (limits.tiny < min(quickest, slowest) and max(longest, most) < limits.max):
-        raise InvalidInput(
-            f"speed: expected times in the range of {dtype}, got speeds from {slowest} to {most}"
-        )
-
-
-def _cells(indices: Any, name: str, shape: tuple[int, ...]) -> NDArray[np.int64]:
-    cells = np.asarray(indices)
-    dimensions = len(shape)
-    if cells.dtype.kind not in "iu" or cells.ndim not in (1, 2) or cells.shape[-1] != dimensions:
-        raise InvalidInput(
-            f"{name}: expected integer indices of shape ({dimensions},) or (k, {dimensions}), "
-            f"got shape {cells.shape} of {cells.dtype}"
-        )
-    rows = cells.reshape(-1, dimensions)
-    if len(rows) == 0:
-        raise InvalidInput(f"{name}: expected at least one cell, got none")
-    outside = ((rows < 0) | (rows >= np.array(shape))).any(axis=1)
-    if outside.any():
-        row = tuple(int(i) for i in rows[int(np.argmax(outside))])
-        raise InvalidInput(f"{name}: expected cells in a grid of shape {shape}, got {row}")
-    return np.asarray(np.ravel_multi_index(tuple(rows.T), shape), dtype=np.int64)

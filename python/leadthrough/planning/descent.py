@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
@@ -45,14 +46,42 @@ def descend(arrival: Any, grid: Grid, start: Any, goal: Any, *, step: float = 0.
     return path
 
 
-def _times(arrival: Any, grid: Grid) -> Float64Array:
+def direction(arrival: Any, grid: Grid, positions: Any) -> Float64Array:
+    """Where the descents through positions (n, d) go next, unit vectors (n, d); 0 at a source.
+
+    arrival: as for `descend`; contiguous floats are not copied, so that a controller may ask in
+    every cycle. A step that way of half a cell or less (of the smallest spacing) enters no wall;
+    in a source's cell the vector points to its centre. A position in a wall, walled off
+    or outside the grid has none: NoPath with reason "start_unreached" or
+    "start_outside". Raises InvalidInput.
+    """
+    points = check.array(positions, "positions", shape=("n", grid.dimensions))
+    times = _floats(arrival, grid)
+    status, count, vectors = _core.directions(
+        times, grid.spacing.tolist(), grid.coordinates(points)
+    )
+    if status == "not_times":
+        raise InvalidInput(f"arrival: expected times >= 0, got others near {points[count]}")
+    if status != "ok":
+        raise NoPath(
+            f"positions[{count}]: no direction at {points[count]}: {_REASONS[status]}",
+            reason=status,
+        )
+    return vectors
+
+
+def _times(arrival: Any, grid: Grid) -> NDArray[Any]:
+    times = _floats(arrival, grid)
+    if not times.min() >= 0.0:
+        raise InvalidInput(f"arrival: expected times >= 0, got {times.min()}")
+    return times
+
+
+def _floats(arrival: Any, grid: Grid) -> NDArray[Any]:
     raw = np.asarray(arrival)
     if raw.dtype.kind != "f" or raw.shape != grid.shape:
         raise InvalidInput(
             f"arrival: expected floats of the grid's shape {grid.shape}, "
             f"got {raw.shape} of {raw.dtype}"
         )
-    times = np.ascontiguousarray(raw, dtype=np.float64)
-    if not times.min() >= 0.0:
-        raise InvalidInput(f"arrival: expected times >= 0, got {times.min()}")
-    return times
+    return np.ascontiguousarray(raw, np.float32 if raw.dtype == np.float32 else np.float64)

@@ -45,7 +45,7 @@ def middle(shape):
 @pytest.mark.parametrize("order", [1, 2])
 def test_distance_errors_are_those_of_scikit_fmm_at_constant_speed(shape, spacing, order):
     spacing, source = spacing[: len(shape)], middle(shape)
-    ours = lt.arrival_times(np.ones(shape), source, spacing=spacing, order=order)
+    ours = lt.arrival_times(np.ones(shape), source, spacing=spacing, order=order, source_radius=0.0)
     peers = scikit_fmm(np.ones(shape), np.zeros(shape, bool), source, spacing, order)
     np.testing.assert_allclose(ours, peers, rtol=1e-12)
     errors = np.abs(ours - distances(shape, source, spacing))
@@ -182,6 +182,61 @@ def test_thin_grids_from_a_corner(shape, order):
         assert np.isfinite(times).all()
 
 
+def test_the_source_ball_takes_the_largest_error_to_a_quarter_of_scikit_fmms():
+    shape, source = (61, 61, 61), (30, 30, 30)
+    truth = distances(shape, source, (1.0, 1.0, 1.0))
+    peers = scikit_fmm(np.ones(shape), np.zeros(shape, bool), source, 1.0, 2)
+    for dtype in (np.float64, np.float32):
+        ours = lt.arrival_times(np.ones(shape), source, order=2, dtype=dtype)
+        assert np.abs(ours - truth).max() < 0.25 * np.abs(peers - truth).max()
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_times_in_the_source_ball_are_exact(order):
+    spacing, source = (0.5, 1.2, 0.8), (6, 3, 15)
+    times = lt.arrival_times(
+        np.full((14, 17, 20), 2.0), source, spacing=spacing, order=order, source_radius=5.0
+    )
+    truth = distances((14, 17, 20), source, spacing) / 2.0
+    inside = truth <= 5.0 * 0.5 / 2.0
+    np.testing.assert_allclose(times[inside], truth[inside], rtol=1e-14)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 2**32), radius=st.floats(0.0, 9.0))
+def test_the_source_ball_looks_through_no_wall_and_over_no_other_speed(order, seed, radius):
+    rng = np.random.default_rng(seed)
+    shape, source = (30, 26), tuple(int(i) for i in rng.integers(3, 23, 2))
+    speed = np.ones(shape)
+    row = int(rng.integers(1, 29))
+    speed[row:] = rng.choice([0.2, 0.5, 3.0])
+    speed[int(rng.integers(0, 29)) :, int(rng.integers(1, 25))] = 0.0
+    speed[source] = 1.0
+    without = lt.arrival_times(speed, source, order=order, source_radius=0.0)
+    times = lt.arrival_times(speed, source, order=order, source_radius=radius)
+    np.testing.assert_array_equal(np.isinf(times), np.isinf(without))
+    reached = np.isfinite(times)
+    gain = without[reached] - times[reached]  # the error at the edge of a ball of speed 1
+    assert -0.1 < gain.min() <= gain.max() < 0.7
+
+
+def test_balls_of_many_sources_give_the_nearest_ones_distance():
+    shape = (50, 60)
+    sources = np.array([(10, 10), (10, 13), (30, 40), (36, 44), (45, 5), (20, 50)])
+    times = lt.arrival_times(np.ones(shape), sources, order=2)
+    truth = np.min([distances(shape, source, (1.0, 1.0)) for source in sources], axis=0)
+    assert np.abs(times - truth).max() < 0.5
+    assert (times[tuple(sources.T)] == 0.0).all()
+    late = np.abs(times - truth)[np.all([distances(shape, s, (1.0, 1.0)) > 8 for s in sources], 0)]
+    assert late.mean() < 0.1
+
+
+def test_every_cell_may_be_a_source():
+    cells = np.argwhere(np.ones((40, 41), bool))
+    assert not lt.arrival_times(np.ones((40, 41)), cells, order=2).any()
+
+
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -1.0, 1e-300])
 def test_speeds_that_are_not_speeds_are_refused(bad):
     speed = np.ones((5, 6))
@@ -228,6 +283,7 @@ def test_options_are_checked():
         "dtype": {"dtype": np.int32},
         "spacing": {"spacing": 0.0},
         "stop": {"stop": (9, 9)},
+        "source_radius": {"source_radius": -1.0},
     }.items():
         with pytest.raises(InvalidInput, match=name):
             lt.arrival_times(speed, (0, 0), **options)

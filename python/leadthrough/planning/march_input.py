@@ -1,0 +1,105 @@
+"""What a march takes: speeds, sources and a precision, checked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.planning.grid import MOST_CELLS
+
+# Beyond this ratio squares of times leave the range of float32.
+MOST_SPEED_RATIO = 1e15
+
+# A field that is kept counts in units of up to this times its fastest speed.
+_HEADROOM = 4.0
+
+
+def precision_of(dtype: DTypeLike) -> np.dtype[Any]:
+    """float32 or float64, in which a march computes. Raises InvalidInput."""
+    precision = np.dtype(dtype)
+    if precision not in (np.dtype(np.float32), np.dtype(np.float64)):
+        raise InvalidInput(f"dtype: expected float32 or float64, got {precision}")
+    return precision
+
+
+def speed_map(speed: Any) -> NDArray[Any]:
+    """`speed` as a 2-D or 3-D array of finite numbers >= 0. Raises InvalidInput."""
+    field = np.asarray(speed)
+    if field.dtype.kind not in "fiu" or field.ndim not in (2, 3) or field.size == 0:
+        raise InvalidInput(
+            "speed: expected a 2-D or 3-D array of numbers, "
+            f"got shape {field.shape} of {field.dtype}"
+        )
+    if field.size > MOST_CELLS:
+        raise InvalidInput(f"speed: expected at most {MOST_CELLS:.0e} cells, got {field.size}")
+    return finite_speeds(field)
+
+
+def finite_speeds(field: NDArray[Any]) -> NDArray[Any]:
+    """`field` if its numbers are finite and >= 0. Raises InvalidInput."""
+    if not (field.min() >= 0 and field.max() < np.inf):
+        at = tuple(int(i) for i in np.argwhere(~((field >= 0) & (field < np.inf)))[0])
+        raise InvalidInput(f"speed: expected finite numbers >= 0, got {field[at]} at {at}")
+    return field
+
+
+def range_of(speed: NDArray[Any]) -> tuple[float, float]:
+    """The slowest speed above 0, inf if there is none, and the fastest."""
+    least = float(speed.min())
+    slowest = least if least > 0.0 else float(np.where(speed > 0, speed, np.inf).min())
+    return slowest, float(speed.max())
+
+
+def check_range(
+    slowest: float, fastest: float, *, cells: int, spacing: Float64Array, dtype: np.dtype[Any]
+) -> None:
+    """Raises InvalidInput where the times could not be told apart or leave the range of dtype."""
+    if slowest < fastest / MOST_SPEED_RATIO:
+        raise InvalidInput(
+            f"speed: expected 0 or at least {1 / MOST_SPEED_RATIO:.0e} of the fastest, {fastest}, "
+            f"got {slowest}; make such cells walls or raise them"
+        )
+    limits = np.finfo(dtype)
+    with np.errstate(over="ignore"):
+        quickest = spacing.min() / np.float64(fastest)
+        longest = spacing.max() / np.float64(slowest) * cells
+        highest = _HEADROOM * np.float64(fastest)
+    if not (limits.tiny < min(quickest, slowest) and max(longest, highest) < limits.max):
+        raise InvalidInput(
+            f"speed: expected times in the range of {dtype}, got speeds from {slowest} to {fastest}"
+        )
+
+
+def source_cells(sources: Any, speed: NDArray[Any]) -> NDArray[np.int64]:
+    """Flat indices (k,) of free cells of the map. Raises InvalidInput."""
+    cells = flat_indices(sources, "sources", speed.shape)
+    walls = speed.ravel()[cells] == 0.0
+    if walls.any():
+        at = np.unravel_index(cells[int(np.argmax(walls))], speed.shape)
+        raise InvalidInput(
+            f"sources: expected cells of speed > 0, got a wall at {tuple(int(i) for i in at)}"
+        )
+    return cells
+
+
+def flat_indices(indices: Any, name: str, shape: tuple[int, ...]) -> NDArray[np.int64]:
+    """Flat indices (k,) of cells given as (d,) or (k, d), k > 0. Raises InvalidInput."""
+    cells = np.asarray(indices)
+    dimensions = len(shape)
+    if cells.dtype.kind not in "iu" or cells.ndim not in (1, 2) or cells.shape[-1] != dimensions:
+        raise InvalidInput(
+            f"{name}: expected integer indices of shape ({dimensions},) or (k, {dimensions}), "
+            f"got shape {cells.shape} of {cells.dtype}"
+        )
+    rows = cells.reshape(-1, dimensions)
+    if len(rows) == 0:
+        raise InvalidInput(f"{name}: expected at least one cell, got none")
+    outside = ((rows < 0) | (rows >= np.array(shape))).any(axis=1)
+    if outside.any():
+        row = tuple(int(i) for i in rows[int(np.argmax(outside))])
+        raise InvalidInput(f"{name}: expected cells in a grid of shape {shape}, got {row}")
+    return np.asarray(np.ravel_multi_index(tuple(rows.T), shape), dtype=np.int64)
