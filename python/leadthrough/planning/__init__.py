@@ -4,19 +4,25 @@ from leadthrough.planning.arrival import arrival_times, arrival_times_batch
 from leadthrough.planning.arrival_field import ArrivalField, FieldUpdate
 from leadthrough.planning.descent import descend, direction
 from leadthrough.planning.distance import distance_transform
+from leadthrough.planning.fm2 import Plan, fm2_speed, plan, plan_many
 from leadthrough.planning.grid import Grid
 from leadthrough.planning.nearest_source import nearest_sources
-from leadthrough.planning.obstacles import occupied
+from leadthrough.planning.obstacles import occupied, occupied_by_points
 
 __all__ = [
     "ArrivalField",
     "FieldUpdate",
     "Grid",
+    "Plan",
     "arrival_times",
     "arrival_times_batch",
     "descend",
     "direction",
     "distance_transform",
+    "fm2_speed",
     "nearest_sources",
     "occupied",
+    "occupied_by_points",
+    "plan",
+    "plan_many",
 ]

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from leadthrough import check
+from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.planning.distance import distance_transform
 from leadthrough.planning.grid import Grid
 from leadthrough.shapes import Box, Capsule, Shape, Sphere
 
@@ -38,6 +42,36 @@ def check_shapes(obstacles: Iterable[Shape]) -> tuple[Shape, ...]:
                 f"obstacles: expected Box, Sphere or Capsule, got {type(shape).__name__}"
             )
     return shapes
+
+
+def occupied_by_points(grid: Grid, points: Any, *, radius: float) -> NDArray[np.bool_]:
+    """Which cells have their centre within `radius` of a point of a cloud, grid.shape.
+
+    points: (n, d), in the grid's unit; those outside the grid count as far as they reach into it.
+    radius: > 0, same unit; below half a cell's diagonal a point may lie between all centres.
+    Raises InvalidInput.
+    """
+    cloud = check.array(points, "points", shape=("n", grid.dimensions))
+    reach = check.number(radius, "radius", above=0.0)
+    if len(cloud) == 0:
+        return np.zeros(grid.shape, dtype=np.bool_)
+    # A point and the centre of its cell are apart by half a diagonal at most: only cells as near
+    # the sphere around that centre have to be asked for. What a point outside reaches lies also in
+    # the reach of the nearest point of the grid.
+    slack = 0.5 * float(np.linalg.norm(grid.spacing))
+    last = grid.origin + grid.spacing * (np.array(grid.shape) - 1)
+    result = _distance_to_cells(grid, cloud[grid.contains(cloud)]) <= reach - slack
+    asked = _distance_to_cells(grid, np.clip(cloud, grid.origin, last)) <= reach + slack
+    asked &= ~result
+    centres = grid.points_at(np.argwhere(asked))
+    result[asked] = cKDTree(cloud).query(centres)[0] <= reach
+    return result
+
+
+def _distance_to_cells(grid: Grid, points: Float64Array) -> Float64Array:
+    cells = np.zeros(grid.shape, dtype=np.bool_)
+    cells[tuple(grid.cells_of(points).T)] = True
+    return distance_transform(cells, spacing=grid.spacing)
 
 
 def _neighbourhood(grid: Grid, obstacle: Shape, room: float) -> tuple[slice, ...]:

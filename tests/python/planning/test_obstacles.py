@@ -1,9 +1,11 @@
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
-from leadthrough.planning import occupied
+from leadthrough.planning import occupied, occupied_by_points
 
 TURNED = np.array([0.8, 0.2, -0.4, 0.4])
 SHAPES = [
@@ -36,9 +38,28 @@ def test_no_obstacle_occupies_nothing():
     assert not occupied(lt.Grid((0.0, 0.0), 1.0, (3, 3)), []).any()
 
 
+@settings(max_examples=60, deadline=None)
+@given(
+    st.integers(0, 2**32), st.lists(st.integers(1, 12), min_size=2, max_size=3), st.floats(0.1, 4.0)
+)
+def test_cells_near_a_point_cloud_are_occupied_and_no_others(seed, shape, radius):
+    rng = np.random.default_rng(seed)
+    d = len(shape)
+    grid = lt.Grid(rng.normal(size=d), rng.uniform(0.3, 1.5, d), tuple(shape))
+    low, high = -3.0 * grid.spacing, (np.array(shape) + 3.0) * grid.spacing
+    points = grid.origin + rng.uniform(low, high, (int(rng.integers(0, 8)), d))
+    gaps = np.linalg.norm(grid.centres()[..., None, :] - points, axis=-1)
+    expected = (gaps <= radius).any(axis=-1)
+    np.testing.assert_array_equal(occupied_by_points(grid, points, radius=radius), expected)
+
+
 def test_bad_input_is_refused():
     grid = lt.Grid((0.0, 0.0), 1.0, (3, 3))
     with pytest.raises(InvalidInput, match="obstacles"):
         occupied(grid, ["box"])
     with pytest.raises(InvalidInput, match="margin"):
         occupied(grid, [], margin=np.nan)
+    with pytest.raises(InvalidInput, match="points"):
+        occupied_by_points(grid, [(0.0, np.inf)], radius=0.1)
+    with pytest.raises(InvalidInput, match="radius"):
+        occupied_by_points(grid, [(0.0, 0.0)], radius=0.0)

@@ -1,0 +1,138 @@
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import leadthrough as lt
+from leadthrough.errors import InvalidInput
+from leadthrough.planning import (
+    distance_transform,
+    fm2_speed,
+    occupied,
+    occupied_by_points,
+    plan,
+    plan_many,
+)
+
+GRID = lt.Grid((0.0, 0.0), 0.01, (100, 100))
+WALL = lt.Box((0.2, 0.7, 1.0), (0.5, 0.3, 0.0))  # from the lower edge up to 0.65
+
+
+def length(path):
+    return np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+
+
+def least_distance(path, walls):
+    distance = distance_transform(walls, spacing=GRID.spacing)
+    return distance[tuple(GRID.cells_of(path).T)].min()
+
+
+def test_speed_grows_from_the_walls_to_one_at_the_area_of_influence():
+    walls = occupied(GRID, [WALL])
+    speed = fm2_speed(GRID, walls, area_of_influence=0.1)
+    distance = distance_transform(walls, spacing=0.01)
+    assert not speed[walls].any()
+    assert (speed[distance >= 0.1 + 1e-12] == 1.0).all()
+    between = (distance > 0) & (distance < 0.1)
+    np.testing.assert_allclose(speed[between], distance[between] / 0.1, rtol=1e-12)
+
+
+def test_saturation_is_a_share_of_the_largest_distance():
+    walls = occupied(GRID, [WALL])
+    deepest = distance_transform(walls, spacing=0.01).max()
+    np.testing.assert_array_equal(
+        fm2_speed(GRID, walls, saturation=0.25),
+        fm2_speed(GRID, walls, area_of_influence=0.25 * deepest),
+    )
+    np.testing.assert_array_equal(fm2_speed(GRID, walls, saturation=0.0), np.where(walls, 0.0, 1.0))
+
+
+def test_a_larger_area_of_influence_gives_longer_and_safer_paths():
+    walls = occupied(GRID, [WALL])
+    lengths, distances = [], []
+    for saturation in (0.0, 0.1, 0.3, 1.0):
+        speed = fm2_speed(GRID, walls, saturation=saturation)
+        path = plan(speed, GRID, (0.2, 0.1), (0.8, 0.1)).path
+        lengths.append(length(path))
+        distances.append(least_distance(path[np.abs(path[:, 0] - 0.5) < 0.1], walls))
+    assert (np.diff(lengths) > 0).all()
+    assert (np.diff(distances) > 0).all()
+
+
+def test_maps_without_walls_or_without_free_space_have_one_speed():
+    assert (fm2_speed(GRID, np.zeros(GRID.shape, bool), saturation=0.5) == 1.0).all()
+    assert not fm2_speed(GRID, np.ones(GRID.shape, bool), area_of_influence=0.5).any()
+
+
+def test_a_plan_without_a_path_says_why():
+    ring = np.zeros(GRID.shape, bool)
+    ring[20:81, 20:81] = True
+    ring[25:76, 25:76] = False
+    speed = fm2_speed(GRID, ring, saturation=0.0)
+    inside, outside, wall, beyond = (0.5, 0.5), (0.05, 0.05), (0.22, 0.5), (2.0, 0.5)
+    for start, goal, reason in [
+        (inside, outside, "goal_enclosed"),
+        (outside, inside, "goal_enclosed"),
+        (wall, inside, "start_in_wall"),
+        (inside, wall, "goal_in_wall"),
+        (beyond, inside, "start_outside"),
+        (inside, beyond, "goal_outside"),
+    ]:
+        refused = plan(speed, GRID, start, goal)
+        assert (refused.found, refused.reason) == (False, reason)
+        assert refused.path.shape == (0, 2)
+        assert refused.arrival_time == np.inf
+    found = plan(speed, GRID, inside, (0.6, 0.6))
+    assert (found.found, found.reason) == (True, "")
+    assert found.arrival_time == pytest.approx(np.hypot(0.1, 0.1), rel=0.1)
+
+
+def test_many_starts_have_the_plans_of_each():
+    walls = occupied(GRID, [WALL])
+    speed = fm2_speed(GRID, walls, area_of_influence=0.1)
+    starts = [(0.2, 0.1), (0.5, 0.2), (3.0, 0.1), (0.9, 0.9)]
+    plans = plan_many(speed, GRID, starts, (0.8, 0.1))
+    assert [p.reason for p in plans] == ["", "start_in_wall", "start_outside", ""]
+    for start, together in zip(starts, plans, strict=True):
+        np.testing.assert_array_equal(together.path, plan(speed, GRID, start, (0.8, 0.1)).path)
+    assert plan_many(speed, GRID, np.empty((0, 2)), (0.8, 0.1)) == []
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 2**32), st.integers(2, 3))
+def test_paths_among_random_obstacles_touch_no_wall(seed, dimensions):
+    rng = np.random.default_rng(seed)
+    grid = lt.Grid(np.zeros(dimensions), 0.05, (20,) * dimensions)
+    shapes = [lt.Box(rng.uniform(0.05, 0.4, 3), rng.uniform(0, 1, 3)) for _ in range(3)]
+    shapes.append(lt.Sphere(rng.uniform(0.05, 0.2), rng.uniform(0, 1, 3)))
+    shapes.append(lt.Capsule(0.05, 0.3, rng.uniform(0, 1, 3)))
+    walls = occupied(grid, shapes)
+    walls |= occupied_by_points(grid, rng.uniform(0, 1, (10, dimensions)), radius=0.05)
+    speed = fm2_speed(grid, walls, saturation=rng.uniform())
+    start, goal = rng.uniform(0, 0.95, (2, dimensions))
+    found = plan(speed, grid, start, goal)
+    if not found.found:
+        return
+    t = np.linspace(0.0, 1.0, 30)[:, None]
+    dense = np.concatenate([a + t * (b - a) for a, b in itertools.pairwise(found.path)])
+    assert not walls[tuple(grid.cells_of(dense).T)].any()
+    np.testing.assert_array_equal(found.path[[0, -1]], [start, goal])
+
+
+def test_bad_input_is_refused():
+    walls = np.zeros(GRID.shape, bool)
+    speed = np.ones(GRID.shape)
+    for name, call in {
+        "walls": lambda: fm2_speed(GRID, walls[1:], saturation=0.5),
+        "saturation: expected": lambda: fm2_speed(GRID, walls, saturation=1.5),
+        "saturation": lambda: fm2_speed(GRID, walls),
+        "area_of_influence": lambda: fm2_speed(GRID, walls, area_of_influence=0.0),
+        "not both": lambda: fm2_speed(GRID, walls, saturation=0.5, area_of_influence=1.0),
+        "speed": lambda: plan(speed[1:], GRID, (0.1, 0.1), (0.2, 0.2)),
+        "start": lambda: plan(speed, GRID, (0.1, np.nan), (0.2, 0.2)),
+        "goal": lambda: plan(speed, GRID, (0.1, 0.1), (0.2, 0.2, 0.2)),
+    }.items():
+        with pytest.raises(InvalidInput, match=name):
+            call()
