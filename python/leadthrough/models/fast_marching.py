@@ -17,6 +17,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive, orientation, route
+from leadthrough.models.policy import Policy
 from leadthrough.models.route import Query, Route, Scales
 from leadthrough.models.shown import Shown, keep
 from leadthrough.models.time_law import TIMINGS, timed, usual_duration
@@ -224,6 +225,32 @@ class FastMarchingSkill:
             return route.through_map(self._all, query, self._scales(_MAP_RADIUS, query))
         find = route.from_start if method == "start" else route.along_mean
         return find(self._all, query, self._scales(_TUBE_RADIUS, query))
+
+    def policy(self, position: Any) -> Float64Array:
+        """The velocity (d,) that leads from a position (d,) to the demonstrations' goal.
+
+        In the unit of the data per second, without planning again: after a push the tool joins the
+        demonstrated way anew. Raises InvalidInput; NoPath far outside the demonstrations.
+        """
+        return self._policy(position)
+
+    def policy_to(self, goal: Any = None, *, obstacles: Sequence[Shape] = ()) -> Policy:
+        """A policy for a goal (d,) and among obstacles; what it needs is computed here, once.
+
+        It goes by the map of all demonstrations, at their mean speed, slower near the goal. Where
+        they cross themselves it takes the short cut: a place does not tell how far the task is.
+        Raises InvalidInput, NoPath for a goal in an obstacle.
+        """
+        self._dimensions()
+        end = self._end(goal, "goal", -1)
+        scales = self._map_scales
+        grid, arrival = route.field_to(self._all, end, check_shapes(obstacles), scales)
+        pace = float(np.mean([each.length / each.duration for each in self._all]))
+        return Policy(grid, arrival, end, pace, scales.radius)
+
+    @cached_property
+    def _policy(self) -> Policy:
+        return self.policy_to()
 
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""

@@ -40,6 +40,8 @@ _CELLS_PER_KNOT = 8.0
 # Room around everything, in radii, and around obstacles, as a share of the extent.
 _MARGIN = 4.0
 _ROOM = 0.25
+# Room for a policy around its goal, as a share of the demonstrations' extent.
+_PUSHED = 1.25
 # Width of the weights over the demonstrations' starts, in their mean distance from each other.
 _START_WIDTH = 0.25
 
@@ -132,6 +134,29 @@ def along_mean(shown: Sequence[Shown], query: Query, scales: Scales) -> Route:
     used = tuple(each for each, wanted in zip(faced, chosen, strict=True) if wanted)
     weights = np.ones(len(used))  # whose start is nearest says nothing about the pace
     return _route(path, grid, speed, used=used, weights=weights, method="mean_path")
+
+
+def field_to(
+    shown: Sequence[Shown], goal: Float64Array, obstacles: Sequence[Shape], scales: Scales
+) -> tuple[Grid, Float64Array]:
+    """The grid and the arrival times of a wave from a goal through the map of all demonstrations.
+
+    There is room for a tool that was pushed away. Raises InvalidInput, NoPath.
+    """
+    paths = [each.path for each in shown]
+    room = _PUSHED * float(np.ptp(np.concatenate(paths), axis=0).max())
+    around = np.concatenate([goal[None] - room, goal[None] + room, *paths])
+    if scales.workspace is not None:
+        around = np.concatenate([goal[None], *paths])
+    grid, scales = grid_over([around], obstacles, scales)
+    speed = experience_map(
+        grid, paths, area_of_influence=scales.radius, saturation=scales.saturation
+    )
+    speed = add_obstacles(speed, grid, obstacles, area_of_influence=scales.clearance)
+    cell = grid.cells_of(goal[None])
+    if speed[tuple(cell[0])] == 0.0:
+        raise NoPath(f"goal: {goal} lies in an obstacle", reason="goal_in_wall")
+    return grid, arrival_times(speed, cell, spacing=grid.spacing)
 
 
 def grid_over(
