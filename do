@@ -79,9 +79,11 @@ install_package() {
   [ "$(cat "$stamp" 2>/dev/null)" = "$digest" ] && return
   echo "building and installing leadthrough[$1]"
   .venv/bin/pip install -q --disable-pip-version-check 'scikit-build-core>=0.10' 'pybind11>=2.13'
-  .venv/bin/pip install -q --disable-pip-version-check --no-build-isolation \
+  .venv/bin/pip install -q --disable-pip-version-check --no-build-isolation --no-deps \
     --config-settings=build-dir=build/python \
-    --config-settings=cmake.define.LEADTHROUGH_WERROR=ON -e ".[$1]"
+    --config-settings=cmake.define.LEADTHROUGH_WERROR=ON -e .
+  # What it depends on, by name: some of it builds from source and needs isolation for that.
+  .venv/bin/pip install -q --disable-pip-version-check "leadthrough[$1]"
   echo "$digest" >"$stamp"
 }
 

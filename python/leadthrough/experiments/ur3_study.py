@@ -181,13 +181,15 @@ def _plan(
     with_obstacles = add_obstacles(
         skill.velocity_map, skill.grid, obstacles, area_of_influence=setting["area_of_influence"]
     )
+    before, after = (
+        speed_along(path, skill.grid, speed, slowest)
+        for speed in (skill.velocity_map, with_obstacles)
+    )
     row = {
         "scene": scene,
         "kappa": kappa,
         "kappa_before_rescaling": (kappa - slowest) / (1.0 - slowest) if slowest < 1.0 else None,
-        "kappa_with_obstacles": float(
-            speed_along(path, skill.grid, with_obstacles, slowest).mean()
-        ),
+        "kappa_with_obstacles": kappa - float((before - after).mean()),
         "auto_learned": int(kappa < threshold),
         "length_m": float(arc_length(made.positions)[-1]),
         "goal_error_m": float(np.linalg.norm(made.positions[-1] - place.goal)),
