@@ -98,3 +98,43 @@ TEST(Descent, SaysWhyThereIsNoPath) {
   EXPECT_EQ(status({0, 2, 0}, {0, 4, 0}), DescentStatus::kGoalNotSource);
   EXPECT_EQ(status({0, 2, 0}, {0, 4, 2}), DescentStatus::kGoalNotSource);
 }
+
+TEST(Descent, DirectionsLeadDownWithoutTouchingAWall) {
+  std::mt19937 generator(2);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  for (int repeat = 0; repeat < 200; ++repeat) {
+    const Grid grid = repeat % 2 ? Grid{{1, 12, 15}, {1.0, 1.0, 1.5}} : Grid{{6, 8, 5}};
+    std::vector<float> speed(grid.size());
+    for (float& value : speed)
+      value = uniform(generator) < 0.35 ? 0.0f : static_cast<float>(0.1 + uniform(generator));
+    speed[0] = 1.0f;
+    const auto time = leadthrough::march_first_order(grid, speed.data(), {{0}});
+    Coordinates p{};
+    for (int axis = 0; axis < 3; ++axis)
+      if (grid.shape[axis] > 1)
+        p[axis] = uniform(generator) * static_cast<double>(grid.shape[axis]) - 0.5;
+    const auto direction = leadthrough::direction(grid, time.data(), p);
+    if (std::isinf(time[cell_of(grid, p)])) {
+      EXPECT_EQ(direction.status, DescentStatus::kStartUnreached);
+      continue;
+    }
+    ASSERT_EQ(direction.status, DescentStatus::kOk);
+    if (cell_of(grid, p) == 0) continue;
+    EXPECT_NEAR(std::hypot(direction.unit[0], direction.unit[1], direction.unit[2]), 1.0, 1e-12);
+    for (int part = 0; part <= 40; ++part) {
+      Coordinates q = p;
+      for (int axis = 0; axis < 3; ++axis)
+        q[axis] += 0.5 * part / 40.0 * direction.unit[axis] / grid.spacing[axis];
+      ASSERT_FALSE(std::isinf(time[cell_of(grid, q)]));
+    }
+  }
+}
+
+TEST(Descent, TheDirectionAtASourceIsZero) {
+  const Grid grid{{1, 5, 5}};
+  const std::vector<double> speed(grid.size(), 1.0);
+  const auto time = leadthrough::march_first_order(grid, speed.data(), {{12}});
+  EXPECT_EQ(leadthrough::direction(grid, time.data(), {0, 2, 2}).unit, (Coordinates{0, 0, 0}));
+  EXPECT_EQ(leadthrough::direction(grid, time.data(), {0, 9, 2}).status,
+            DescentStatus::kStartOutside);
+}

@@ -200,3 +200,50 @@ TEST(Eikonal, SecondOrderIsCloserToTheDistanceThanFirst) {
   EXPECT_LT(first_error, 1.7);
   EXPECT_LT(second_error, 0.65);
 }
+
+TEST(Eikonal, ABallMakesTimesExactUpToTheFirstOtherSpeed) {
+  const Grid grid{{1, 21, 31}, {1.0, 1.0, 1.0}};
+  std::vector<double> speed(grid.size(), 2.0);
+  const Index source = 10 * 31 + 10;
+  speed[10 * 31 + 15] = 0.0;  // 5 cells away
+  const auto ball = leadthrough::with_balls(grid, speed.data(), {{source, 1.0}}, 9.0);
+  double farthest = 0.0;
+  for (const Source& cell : ball) {
+    const double distance = std::hypot(static_cast<double>(cell.cell / 31 - 10),
+                                       static_cast<double>(cell.cell % 31 - 10));
+    EXPECT_DOUBLE_EQ(cell.time, 1.0 + distance / 2.0);
+    farthest = std::max(farthest, distance);
+  }
+  EXPECT_DOUBLE_EQ(farthest, std::sqrt(20.0));
+}
+
+TEST(Eikonal, SecondOrderFromABallStaysBelowAQuarterOfItsError) {
+  const Grid grid{{61, 61, 61}, {1.0, 1.0, 1.0}};
+  const std::vector<float> speed(grid.size(), 1.0f);
+  const std::vector<Source> source{{grid.size() / 2}};
+  const auto error = [&](double radius) {
+    const auto time = leadthrough::march(
+        grid, leadthrough::MarchProblem<float>{speed.data(), source}, {2, radius});
+    double worst = 0.0;
+    Index cell = 0;
+    for (int x = -30; x <= 30; ++x)
+      for (int y = -30; y <= 30; ++y)
+        for (int z = -30; z <= 30; ++z, ++cell)
+          worst = std::max(worst, std::abs(time[cell] - std::sqrt(double(x * x + y * y + z * z))));
+    return worst;
+  };
+  EXPECT_LT(error(8.0), 0.25 * error(0.0));
+}
+
+TEST(Eikonal, ABatchHasTheSameBitsOnAnyNumberOfThreads) {
+  std::vector<Case> cases;
+  for (unsigned seed = 0; seed < 12; ++seed)
+    cases.push_back(random_case(seed, {{9, 14, 11}, {1.0, 1.0, 1.0}}, 0.2, 0.2, 2, 0.0));
+  std::vector<leadthrough::MarchProblem<double>> problems;
+  for (const Case& c : cases) problems.push_back({c.speed.data(), c.sources});
+  for (const int order : {1, 2}) {
+    const auto one = leadthrough::march_batch(cases[0].grid, problems, {order, 4.0}, 1);
+    EXPECT_EQ(leadthrough::march_batch(cases[0].grid, problems, {order, 4.0}, 4), one);
+    EXPECT_EQ(leadthrough::march_batch(cases[0].grid, problems, {order, 4.0}, 64), one);
+  }
+}
