@@ -25,8 +25,9 @@ def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
     plane, cube = ((300, 300), (60, 60, 60)) if quick else ((1000, 1000), (150, 150, 150))
     for shape in (plane, cube):
         size = " x ".join(map(str, shape))
-        yield from _marches(f"march {size}, constant speed", *_constant(shape))
-        yield from _marches(f"march {size}, variable speed, walls", *_variable(shape))
+        yield from _marches(f"march {size}, constant speed", *constant_speed(shape))
+        yield from _marches(f"march {size}, variable speed, walls", *variable_speed(shape))
+        yield _largest_error(f"march {size}, order 2, error over the peer's", shape)
         yield from _distances(f"distances {size}", np.random.default_rng(1).random(shape) < 2e-4)
 
 
@@ -43,9 +44,26 @@ def _marches(name: str, speed: Any, source: tuple[int, ...]) -> Iterator[Benchma
             ),
             peer=_scikit_fmm(speed, source, options.get("order", 1)),
             peer_name="scikit-fmm",
-            error=_relative_error,
+            error=relative_error,
             tolerance=TOLERANCE[variant],
         )
+
+
+def _largest_error(name: str, shape: tuple[int, ...]) -> Benchmark:
+    """Here the truth judges both: the exact distance from a point source."""
+    speed, source = constant_speed(shape)
+    axes = np.meshgrid(
+        *(np.arange(n) - s for n, s in zip(shape, source, strict=True)), indexing="ij"
+    )
+    truth = np.sqrt(sum(axis.astype(float) ** 2 for axis in axes))
+    return Benchmark(
+        name=name,
+        ours=partial(lt.arrival_times, speed, source, order=2),
+        peer=_scikit_fmm(speed, source, order=2),
+        peer_name="scikit-fmm",
+        error=lambda a, b: float(np.abs(a - truth).max() / np.abs(b - truth).max()),
+        tolerance=0.25,
+    )
 
 
 def _distances(name: str, mask: Any) -> Iterator[Benchmark]:
@@ -55,14 +73,15 @@ def _distances(name: str, mask: Any) -> Iterator[Benchmark]:
     }
     for peer_name, peer in peers.items():
         ours = partial(distance_transform, mask)
-        yield Benchmark(name, ours, peer, peer_name, _relative_error, TOLERANCE["float32"])
+        yield Benchmark(name, ours, peer, peer_name, relative_error, TOLERANCE["float32"])
 
 
-def _constant(shape: tuple[int, ...]) -> tuple[Any, tuple[int, ...]]:
+def constant_speed(shape: tuple[int, ...]) -> tuple[Any, tuple[int, ...]]:
+    """Speed 1 and the middle cell."""
     return np.ones(shape), tuple(n // 2 for n in shape)
 
 
-def _variable(shape: tuple[int, ...]) -> tuple[Any, tuple[int, ...]]:
+def variable_speed(shape: tuple[int, ...]) -> tuple[Any, tuple[int, ...]]:
     """Waves between 0.1 and 1 with blocks of 13 cells on a lattice."""
     axes = np.meshgrid(*(np.arange(n) for n in shape), indexing="ij")
     waves = [np.sin(k * axis + 1) for axis, k in zip(axes, (0.13, 0.11, 0.09), strict=False)]
@@ -82,7 +101,8 @@ def _scikit_fmm(speed: Any, source: tuple[int, ...], order: int) -> Callable[[],
     return partial(skfmm.travel_time, front, np.where(walls, 1.0, speed), order=order)
 
 
-def _relative_error(ours: Any, peers: Any) -> float:
+def relative_error(ours: Any, peers: Any) -> float:
+    """The largest difference over the latest time; inf where only one has reached a cell."""
     expected = np.ma.filled(peers, np.inf)
     finite = np.isfinite(expected)
     if not np.array_equal(np.isfinite(ours), finite):

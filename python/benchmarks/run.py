@@ -24,6 +24,7 @@ from leadthrough.io.atomic import replacing
 FILES = [
     "bench_arm",
     "bench_eikonal",
+    "bench_replan",
 ]
 REPEATS = {"quick": 3, "full": 5}
 
@@ -32,7 +33,7 @@ def main() -> int:
     """0 if all answers agree."""
     options = _options()
     repeats = REPEATS["quick" if options.quick else "full"]
-    print(f"{'problem':<58} {'peer':<12} {'error':>8} {'ours s':>9} {'peer s':>9} {'ratio':>6}")
+    print(f"{'problem':<65} {'peer':<12} {'error':>8} {'ours s':>9} {'peer s':>9} {'ratio':>6}")
     rows = []
     for name in FILES:
         for benchmark in importlib.import_module(name).benchmarks(quick=options.quick):
@@ -52,7 +53,7 @@ def _options() -> argparse.Namespace:
 
 
 def _text(row: Row) -> str:
-    head = f"{row.name:<58} {row.peer:<12} {row.error:8.1e}"
+    head = f"{row.name:<65} {row.peer:<12} {row.error:8.1e}"
     if not row.passed:
         return f"{head} WRONG ANSWER: expected at most {row.tolerance:.1e}"
     return f"{head} {row.ours_best:9.4f} {row.peer_best:9.4f} {row.ratio:6.1f}"
@@ -62,7 +63,7 @@ def _report(rows: list[Row], *, quick: bool) -> dict[str, Any]:
     libraries = ["leadthrough", "numpy", "scipy", *sorted({row.peer for row in rows})]
     return {
         "quick": quick,
-        "times": "CPU seconds, best and median of runs that alternate with the peer's",
+        "times": "CPU seconds, or wall where named; best and median, alternating with the peer",
         "machine": {
             "processor": _processor(),
             "processors": os.cpu_count(),
