@@ -40,7 +40,7 @@ def _replans(name: str, speed: Any, source: tuple[int, ...]) -> Iterator[Benchma
     grid = lt.Grid(np.zeros(speed.ndim), 1.0, speed.shape)
     field = ArrivalField(speed, grid, np.array(source, float), dtype=speed.dtype)
     # On a diagonal all between the box and the corner lies in its shadow.
-    low = 1.0 - 0.015 ** (1.0 / speed.ndim)
+    low = 1.0 - 0.012 ** (1.0 / speed.ndim)
     box = tuple(slice(round(low * n), round((low + 0.07) * n)) for n in speed.shape)
     free, blocked = speed[box].copy(), np.zeros_like(speed[box])
     walled = speed.copy()
