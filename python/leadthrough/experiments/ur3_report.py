@@ -31,7 +31,6 @@ def report(config: Any, rows: list[Row]) -> Report:
         figures=figures,
         summary={
             "assumptions": ur3_scenes.__doc__,
-            "workspace": [_without(row, "study") for row in selected(rows, study="march")],
             "teaching": [_without(row, "study") for row in taught],
         },
     )

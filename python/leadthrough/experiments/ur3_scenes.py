@@ -4,7 +4,7 @@ The paper gives the two ends, the cells (150^3 of 1 cm), kappa and the kind of d
 Assumed here, all in its workspace frame, x, y and z up, in m:
 
 - Demonstrations come from `demonstrator`, five an experiment, their ends scattered by 3 cm: from
-  one end to the other (1, 3), the same over the box (2), up and down at five places 15 cm beside
+  one end to the other (1, 3), the same over the box (2), up and down at five places 10 cm beside
   the way, left and right in turn (4), wandering within 15 cm of the way (5).
 - The table's top is at z = 0.62, below the lowest end of all paths and its area of influence,
   under the whole workspace.
@@ -32,7 +32,7 @@ WORKSPACE = 1.5  # m, edge of the cube
 TABLE_TOP = 0.62
 DEMONSTRATIONS = 5
 _REACH_OF_WANDERING = 0.15
-_BESIDE_THE_WAY = 0.15
+_BESIDE_THE_WAY = 0.10
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def _shown(
         way = goal - start
         beside = np.array([way[1], -way[0], 0.0]) / np.hypot(way[0], way[1])
         side = _BESIDE_THE_WAY if index % 2 else -_BESIDE_THE_WAY
-        place = start + (index + 0.5) / DEMONSTRATIONS * way + side * beside
+        place = start + (index + 1) / (DEMONSTRATIONS + 1) * way + side * beside
         ends = np.tile(place, (2, 1))
         ends[:, 2] = (start[2], goal[2]) if index % 2 else (goal[2], start[2])
         return guide(ends, teaching, rng)

@@ -26,9 +26,7 @@ from leadthrough.experiments.ur3_report import report
 from leadthrough.experiments.ur3_scenes import SCENES, WORKSPACE, demonstrations, table
 from leadthrough.models import FastMarching, FastMarchingSkill
 from leadthrough.motion import Demonstration, Trajectory
-from leadthrough.planning import Grid, arrival_times
-from leadthrough.planning.descent import descend
-from leadthrough.planning.speed_map import add_obstacles, experience_map
+from leadthrough.planning.speed_map import add_obstacles
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.shapes import Shape
 
@@ -54,8 +52,9 @@ class Setting:
     resolution: float = 0.01
 
     def model(self) -> FastMarching:
-        """Algorithm 1 in this setting."""
-        return FastMarching(**vars(self), method="map")
+        """Algorithm 1 in this setting, over the whole workspace."""
+        last = WORKSPACE - self.resolution  # the centre of the last cell
+        return FastMarching(**vars(self), method="map", workspace=((0.0,) * 3, (last,) * 3))
 
 
 @dataclass(frozen=True)
@@ -98,7 +97,6 @@ def tasks(config: Ur3Config) -> list[Task]:
             Task(teach, {"pace": pace, "setting": setting, "seed": config.seed})
             for pace in config.paces
         ),
-        Task(march, {"setting": setting, "seed": config.seed}),
     ]
 
 
@@ -135,39 +133,6 @@ def teach(*, pace: str, setting: dict[str, float], seed: int) -> list[Row]:
             **row,
         }
     ]
-
-
-def march(*, setting: dict[str, float], seed: int) -> list[Row]:
-    """One row: processor times in the whole workspace, for the third experiment.
-
-    Fit: the speed map. Plan: march and descent. Re-plan: the same after the box has appeared.
-    """
-    scene = SCENES[3]
-    edge = setting["resolution"]
-    count = round(WORKSPACE / edge)
-    grid = Grid(np.full(3, 0.5 * edge), np.full(3, edge), (count,) * 3)
-    paths = [
-        _motion(demonstration).positions for demonstration in demonstrations(3, Teaching(), seed)
-    ]
-    area = setting["area_of_influence"]
-
-    def fit() -> Float64Array:
-        saturation = setting["saturation"]
-        return experience_map(grid, paths, area_of_influence=area, saturation=saturation)
-
-    def plan(obstacles: list[Shape]) -> Float64Array:
-        free = add_obstacles(speed, grid, obstacles, area_of_influence=area)
-        start, goal = np.array(scene.start), np.array(scene.goal)
-        arrival = arrival_times(free, grid.cells_of(goal[None])[0], spacing=grid.spacing)
-        return descend(arrival, grid, start, goal)
-
-    speed = fit()
-    row = {
-        "fit_cpu_s": _cpu_time(fit),
-        "plan_cpu_s": _cpu_time(lambda: plan([table()])),
-        "replan_cpu_s": _cpu_time(lambda: plan(_obstacles(3))),
-    }
-    return [{"study": "march", "cells": count**3, **row}]
 
 
 def _plan(
