@@ -63,6 +63,12 @@ def arrival_times(
     return march(np.ascontiguousarray(field, precision), steps.tolist(), cells, order, radius, last)
 
 
+def _entries(values: Any, name: str) -> list[Any]:
+    if not isinstance(values, Sequence | np.ndarray) or isinstance(values, str) or len(values) == 0:
+        raise InvalidInput(f"{name}: expected a sequence with one entry a problem, got {values!r}")
+    return list(values)
+
+
 def _radius(source_radius: float | None, order: int) -> float:
     if source_radius is None:
         return _SOURCE_RADIUS[order]
@@ -89,10 +95,10 @@ def arrival_times_batch(
     check.integer(order, "order", at_least=1, at_most=2)
     check.integer(threads, "threads", at_least=1)
     radius = _radius(source_radius, order)
-    maps = [speed_map(speed) for speed in speeds]
-    starts = list(sources)
+    maps = [speed_map(speed) for speed in _entries(speeds, "speeds")]
+    starts = _entries(sources, "sources")
     count = max(len(maps), len(starts))
-    if not maps or {len(maps), len(starts)} - {1, count}:
+    if {len(maps), len(starts)} - {1, count}:
         raise InvalidInput(
             "sources: expected as many entries as speeds, or a single one of either, "
             f"got {len(starts)} for {len(maps)}"

@@ -22,6 +22,7 @@ from leadthrough.planning.march_input import (
     finite_speeds,
     precision_of,
     range_of,
+    regular,
     source_cells,
     speed_map,
 )
@@ -58,7 +59,7 @@ class ArrivalField:
             raise InvalidInput(
                 f"speed: expected the grid's shape {grid.shape}, got shape {field.shape}"
             )
-        points = np.asarray(sources)
+        points = regular(sources, "sources")
         cells = grid.cells_of(points[None] if points.ndim == 1 else points)
         self._sources = source_cells(cells, field)
         self._grid = grid
@@ -96,7 +97,7 @@ class ArrivalField:
 
     def update(self, speed: Any) -> FieldUpdate:
         """Replaces the whole speed map; the changed part is found first. Raises InvalidInput."""
-        field = np.asarray(speed)
+        field = regular(speed, "speed")
         if field.shape != self._grid.shape or field.dtype.kind not in "fiu":
             raise InvalidInput(
                 f"speed: expected numbers of shape {self._grid.shape}, "
@@ -165,7 +166,7 @@ class ArrivalField:
 
 
 def _fitting(speed: Any, shape: tuple[int, ...]) -> NDArray[Any]:
-    values = np.asarray(speed)
+    values = regular(speed, "speed")
     if values.dtype.kind not in "fiu" or values.shape not in ((), shape):
         raise InvalidInput(
             f"speed: expected a number or numbers of the part's shape {shape}, "

@@ -20,15 +20,26 @@ _HEADROOM = 4.0
 
 def precision_of(dtype: DTypeLike) -> np.dtype[Any]:
     """float32 or float64, in which a march computes. Raises InvalidInput."""
-    precision = np.dtype(dtype)
+    try:
+        precision = np.dtype(dtype)
+    except TypeError:
+        raise InvalidInput(f"dtype: expected float32 or float64, got {dtype!r}") from None
     if precision not in (np.dtype(np.float32), np.dtype(np.float64)):
         raise InvalidInput(f"dtype: expected float32 or float64, got {precision}")
     return precision
 
 
+def regular(value: Any, name: str) -> NDArray[Any]:
+    """`value` as an array of whatever kind. Raises InvalidInput for ragged rows."""
+    try:
+        return np.asarray(value)
+    except ValueError:
+        raise InvalidInput(f"{name}: expected a regular array, got ragged rows") from None
+
+
 def speed_map(speed: Any) -> NDArray[Any]:
     """`speed` as a 2-D or 3-D array of finite numbers >= 0. Raises InvalidInput."""
-    field = np.asarray(speed)
+    field = regular(speed, "speed")
     if field.dtype.kind not in "fiu" or field.ndim not in (2, 3) or field.size == 0:
         raise InvalidInput(
             "speed: expected a 2-D or 3-D array of numbers, "
@@ -88,7 +99,7 @@ def source_cells(sources: Any, speed: NDArray[Any]) -> NDArray[np.int64]:
 
 def flat_indices(indices: Any, name: str, shape: tuple[int, ...]) -> NDArray[np.int64]:
     """Flat indices (k,) of cells given as (d,) or (k, d), k > 0. Raises InvalidInput."""
-    cells = np.asarray(indices)
+    cells = regular(indices, name)
     dimensions = len(shape)
     if cells.dtype.kind not in "iu" or cells.ndim not in (1, 2) or cells.shape[-1] != dimensions:
         raise InvalidInput(

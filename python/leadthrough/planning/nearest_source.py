@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from leadthrough import _core
 from leadthrough.errors import InvalidInput
 from leadthrough.planning.grid import spacings
-from leadthrough.planning.march_input import flat_indices
+from leadthrough.planning.march_input import flat_indices, regular
 
 
 def nearest_sources(arrival: Any, sources: Any, *, spacing: Any = 1.0) -> NDArray[np.int32]:
@@ -23,7 +23,7 @@ def nearest_sources(arrival: Any, sources: Any, *, spacing: Any = 1.0) -> NDArra
     The number is carried down the characteristics: each cell takes a mean of its earlier
     neighbours' shares of the sources, by the weights of the differentiated upwind equation.
     """
-    raw = np.asarray(arrival)
+    raw = regular(arrival, "arrival")
     if raw.dtype.kind != "f" or raw.ndim not in (2, 3) or raw.size == 0 or not raw.min() >= 0.0:
         raise InvalidInput(
             "arrival: expected a 2-D or 3-D array of times >= 0, "

@@ -46,7 +46,8 @@ def test_bad_input_is_refused():
         "sources": ([speed], [(9, 9)]),
         "speeds": ([speed, np.ones((6, 5))], [(0, 0)]),
         "speed: ": ([speed, -speed], [(0, 0)]),
-        "0 for 0": ([], []),
+        "speeds: expected a sequence": ([], []),
+        "sources: expected a sequence": ([speed], None),
     }.items():
         with pytest.raises(InvalidInput, match=name):
             arrival_times_batch(*arguments)

@@ -171,6 +171,7 @@ def test_a_field_of_the_wrong_kind_is_refused():
         "speed": (np.ones((9, 8)), grid, (2.0, 2.0)),
         "points": (np.ones((9, 9)), grid, (20.0, 2.0)),
         "sources": (np.zeros((9, 9)), grid, (2.0, 2.0)),
+        "sources: expected a regular": (np.ones((9, 9)), grid, [(2.0, 2.0), (1.0,)]),
     }.items():
         with pytest.raises(InvalidInput, match=name):
             ArrivalField(*arguments)
