@@ -64,9 +64,10 @@ def arrival_times(
 
 
 def _entries(values: Any, name: str) -> list[Any]:
-    if not isinstance(values, Sequence | np.ndarray) or isinstance(values, str) or len(values) == 0:
+    entries = list(values) if np.iterable(values) and not isinstance(values, str) else []
+    if not entries:
         raise InvalidInput(f"{name}: expected a sequence with one entry a problem, got {values!r}")
-    return list(values)
+    return entries
 
 
 def _radius(source_radius: float | None, order: int) -> float:
