@@ -43,6 +43,9 @@ class FieldUpdate:
 class ArrivalField:
     """Arrival times of first order from sources, kept up to date with a speed map that changes.
 
+    Of first order, since only there each time is a function of its neighbours' times alone: at
+    second order it also depends on the sequence of the march.
+
     speed: of grid.shape, as for `arrival_times`. grid: its spacing counts. sources: points (d,) or
     (k, d) in cells of speed > 0. dtype: float32 or float64 of times and arithmetic.
     `update` and `update_part` change the object in place, at a cost in proportion to what changes;
