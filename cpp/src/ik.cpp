@@ -1,10 +1,8 @@
 #include "leadthrough/ik.hpp"
 
-#include <atomic>
 #include <limits>
-#include <system_error>
-#include <thread>
 
+#include "parallel.hpp"
 #include "pose_descent.hpp"
 
 namespace leadthrough {
@@ -269,25 +267,14 @@ std::vector<IkResult> solve_ik_batch(const Chain& chain, const Eigen::Ref<const 
                                      int threads) {
   const auto count = static_cast<std::size_t>(positions.rows());
   std::vector<IkResult> results(count);
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t i = next++; i < count; i = next++) {
-      const auto row = static_cast<Eigen::Index>(i);
-      IkTarget target{positions.row(row), std::nullopt};
-      if (orientations.rows() > 0)
-        target.rotation = so3::to_matrix(Eigen::Vector4d(orientations.row(row)));
-      const JointVector seed = seeds.row(row);
-      results[i] = solve_ik(chain, target, seed, options, i);
-    }
-  };
-  std::vector<std::thread> helpers;
-  try {
-    for (int i = 1; i < threads; ++i) helpers.emplace_back(work);
-  } catch (const std::system_error&) {
-    // The system has no more threads: those that there are do the work.
-  }
-  work();
-  for (std::thread& helper : helpers) helper.join();
+  for_each_index(count, threads, [&](std::size_t i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    IkTarget target{positions.row(row), std::nullopt};
+    if (orientations.rows() > 0)
+      target.rotation = so3::to_matrix(Eigen::Vector4d(orientations.row(row)));
+    const JointVector seed = seeds.row(row);
+    results[i] = solve_ik(chain, target, seed, options, i);
+  });
   return results;
 }
 
