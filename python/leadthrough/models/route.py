@@ -124,12 +124,16 @@ def along_mean(shown: Sequence[Shown], query: Query, scales: Scales) -> Route:
     """The quickest path in the tube around the demonstrations' mean path. Raises NoPath."""
     faced = [each.facing(query.start, query.goal) for each in shown]
     mean = mean_path.predict([each.path for each in faced], query.start, query.goal)
-    grid, scales = grid_over([mean.path], query.obstacles, scales)
+    way = mean.path
+    if scales.workspace is not None:
+        way = np.clip(way, *scales.workspace)  # start and goal decide whether that is an error
+        way[[0, -1]] = query.ends
+    grid, scales = grid_over([way], query.obstacles, scales)
     free = add_obstacles(
         np.ones(grid.shape), grid, query.obstacles, area_of_influence=scales.clearance
     )
-    path = _along_tube(mean.path, grid, free, scales)
-    speed = free * _tube(mean.path, grid, scales)
+    path = _along_tube(way, grid, free, scales)
+    speed = free * _tube(way, grid, scales)
     chosen = mean.weights > 0.0
     used = tuple(each for each, wanted in zip(faced, chosen, strict=True) if wanted)
     weights = np.ones(len(used))  # whose start is nearest says nothing about the pace

@@ -6,11 +6,12 @@ from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
 from leadthrough.models.fast_marching import FastMarchingSkill
+from leadthrough.models.protocol import Skill
 
 _KINDS = {FastMarchingSkill.kind: FastMarchingSkill.from_archive}
 
 
-def load_skill(path: StrPath) -> FastMarchingSkill:
+def load_skill(path: StrPath) -> Skill:
     """The skill in a file that its `save` wrote. Raises InvalidInput."""
     kind, settings, arrays = archive.read(path)
     if kind not in _KINDS:

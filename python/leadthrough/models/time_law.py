@@ -20,6 +20,9 @@ TIMINGS = ("demonstrations", "speed_map", "constant")
 # Found on human handwriting: between isochrony (0) and constant speed (1).
 _DURATION_EXPONENT = 0.25
 
+# A motion of more samples is a slip of the unit of dt or of the duration.
+_MOST_SAMPLES = 10_000_000
+
 
 def timed(
     route: Route, *, timing: str, duration: float | None, dt: float
@@ -33,6 +36,10 @@ def timed(
     if duration is None and not route.used:
         raise InvalidInput("duration: expected a time, as there is no demonstration")
     total = duration or usual_duration(route.used, route.weights, length)
+    if not total / dt <= _MOST_SAMPLES:
+        raise InvalidInput(
+            f"dt: expected at most {_MOST_SAMPLES:.0e} samples in {total:.6g} s, got {dt} s"
+        )
     times = np.linspace(0.0, total, int(np.ceil(total / dt)) + 1)
     if length == 0.0:
         still = np.repeat(route.path[:1], len(times), axis=0)

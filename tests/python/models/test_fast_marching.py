@@ -216,6 +216,8 @@ def test_no_path_says_why(skill, box, reason):
         ({"goal": "there"}, "goal: expected numbers"),
         ({"duration": 0.0}, "duration: expected a finite number > 0"),
         ({"dt": -1.0}, "dt: expected a finite number > 0"),
+        ({"dt": 1e-9}, "dt: expected at most 1e.07 samples"),
+        ({"duration": 1e300}, "dt: expected at most 1e.07 samples"),
         ({"goal": (1e6, 0.0)}, "cells"),
         ({"obstacles": [1]}, "obstacles"),
     ],
@@ -338,3 +340,10 @@ def test_pauses_do_not_count_in_kappa(skill):
     path = skill.generate(start=(0.0, 0.1)).positions
     paused = np.concatenate([np.repeat(path[:1], 500, axis=0), path])
     assert skill.kappa(paused) == pytest.approx(skill.kappa(path), rel=1e-9)
+
+
+def test_mean_path_that_swings_out_of_the_workspace_is_kept_inside():
+    skill = lt.FastMarching(workspace=((-0.05, -0.08), (0.45, 0.08))).fit([wave(0.07)])
+    motion = skill.generate(start=(0.0, 0.06))
+    assert motion.positions[:, 1].max() <= 0.08 + float(skill.grid.spacing.max())
+    np.testing.assert_allclose(motion.positions[0], (0.0, 0.06), atol=1e-12)
