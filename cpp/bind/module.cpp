@@ -3,7 +3,8 @@
 PYBIND11_MODULE(_core, module) {
   module.doc() = "Numeric kernels of leadthrough; arguments are checked by the Python layer above.";
   leadthrough::bind_alignment(module);
-  leadthrough::bind_arm(module);
+  leadthrough::bind_chain(module);
   leadthrough::bind_field(module);
+  leadthrough::bind_ik(module);
   leadthrough::bind_so3(module);
 }

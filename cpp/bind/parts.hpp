@@ -2,11 +2,19 @@
 
 #include <pybind11/pybind11.h>
 
+#include <stdexcept>
+
 namespace leadthrough {
 
 void bind_alignment(pybind11::module_& module);
-void bind_arm(pybind11::module_& module);
+void bind_chain(pybind11::module_& module);
 void bind_field(pybind11::module_& module);
+void bind_ik(pybind11::module_& module);
 void bind_so3(pybind11::module_& module);
+
+// The Python layer says what is wrong; this keeps the kernels inside their arrays.
+inline void require(bool sizes_agree) {
+  if (!sizes_agree) throw std::invalid_argument("sizes of the arrays and of the chain differ");
+}
 
 }  // namespace leadthrough

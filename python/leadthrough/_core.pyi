@@ -54,31 +54,31 @@ class Chain:
     def with_bounds(self, lower: Float64Array, upper: Float64Array) -> Chain: ...
     def forward_kinematics(self, q: Float64Array) -> tuple[Float64Array, Float64Array]: ...
     def jacobian(self, q: Float64Array) -> Float64Array: ...
-    def solve_ik(
-        self,
-        position: Float64Array,
-        orientation: Float64Array,
-        seed: Float64Array,
-        options: IkOptions,
-    ) -> tuple[Float64Array, int, float, float, int]: ...
-    def solve_ik_batch(
-        self,
-        positions: Float64Array,
-        orientations: Float64Array,
-        seeds: Float64Array,
-        options: IkOptions,
-        threads: int,
-    ) -> tuple[Float64Array, Int32Array, Float64Array, Float64Array, Int32Array]: ...
-    def track(
-        self,
-        positions: Float64Array,
-        orientations: Float64Array,
-        start: Float64Array,
-        max_steps: Float64Array,
-        midrange: Float64Array,
-        options: TrackOptions,
-    ) -> tuple[Float64Array, Int32Array, Float64Array, Float64Array]: ...
 
+def solve_ik(
+    chain: Chain,
+    position: Float64Array,
+    orientation: Float64Array,
+    seed: Float64Array,
+    options: IkOptions,
+) -> tuple[Float64Array, int, float, float, int]: ...
+def solve_ik_batch(
+    chain: Chain,
+    positions: Float64Array,
+    orientations: Float64Array,
+    seeds: Float64Array,
+    options: IkOptions,
+    threads: int,
+) -> tuple[Float64Array, Int32Array, Float64Array, Float64Array, Int32Array]: ...
+def track(
+    chain: Chain,
+    positions: Float64Array,
+    orientations: Float64Array,
+    start: Float64Array,
+    max_steps: Float64Array,
+    midrange: Float64Array,
+    options: TrackOptions,
+) -> tuple[Float64Array, Int32Array, Float64Array, Float64Array]: ...
 def so3_exp(rotation_vectors: Float64Array) -> Float64Array: ...
 def so3_log(quaternions: Float64Array) -> Float64Array: ...
 def so3_compose(a: Float64Array, b: Float64Array) -> Float64Array: ...

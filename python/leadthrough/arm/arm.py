@@ -9,19 +9,15 @@ from typing import Any
 import numpy as np
 
 from leadthrough import _core, check
-from leadthrough.arm import following, robots
+from leadthrough.arm import following, robots, single_pose
 from leadthrough.arm.limits import JointLimits, read_limits
-from leadthrough.arm.options import ik_options
-from leadthrough.arm.results import STATUSES, IkBatch, IkResult
+from leadthrough.arm.results import IkBatch, IkResult
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
 
 # Bytes: above the core's own bound, which refuses the document with a reason.
 _LARGEST_FILE = 2**25
-_FREE = np.empty(0)
-_NO_ORIENTATIONS = np.empty((0, 4))
-_DEFAULTS = ik_options()
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,17 +101,8 @@ class Arm:
         options: those of `ik_options`. A target that cannot be reached gives success False and the
         closest configuration found. The same input gives the same answer. Raises InvalidInput.
         """
-        q, status, position_error, orientation_error, iterations = self._chain.solve_ik(
-            check.array(position, "position", shape=(3,)),
-            _FREE
-            if orientation is None
-            else check.quaternions(orientation, "orientation", shape=(4,)),
-            self._middle() if seed is None else self._joints(seed, "seed"),
-            ik_options(**options) if options else _DEFAULTS,
-        )
-        return IkResult(
-            q, status == 0, STATUSES[status], position_error, orientation_error, iterations
-        )
+        start = None if seed is None else self._joints(seed, "seed")
+        return single_pose.solve(self._chain, position, orientation, seed=start, **options)
 
     def inverse_kinematics_batch(
         self,
@@ -131,25 +118,8 @@ class Arm:
         positions: (m, 3). orientations: (m, 4) or None. seeds: (m, joints), or (joints,) for all.
         threads: do not change the answer. Raises InvalidInput.
         """
-        targets = check.array(positions, "positions", shape=("m", 3))
-        count = len(targets)
-        turned = _NO_ORIENTATIONS
-        if orientations is not None:
-            turned = check.quaternions(orientations, "orientations", shape=(count, 4))
-        q, status, position_errors, orientation_errors, iterations = self._chain.solve_ik_batch(
-            targets,
-            turned,
-            self._seeds(seeds, count),
-            ik_options(**options),
-            check.integer(threads, "threads", at_least=1, at_most=256),
-        )
-        return IkBatch(
-            q,
-            status == 0,
-            np.array(STATUSES)[status],
-            position_errors,
-            orientation_errors,
-            iterations,
+        return single_pose.solve_batch(
+            self._chain, positions, orientations, seeds=seeds, threads=threads, **options
         )
 
     def follow(
@@ -164,20 +134,11 @@ class Arm:
             self._chain, motion, velocity=self.limits.velocity, seed=start, **options
         )
 
-    def _middle(self) -> Float64Array:
-        return self._chain.middle
-
     def _joints(self, value: Any, name: str) -> Float64Array:
         return check.array(value, name, shape=(len(self.joint_names),))
 
     def _rows(self, value: Any, name: str) -> Float64Array:
         return check.array(value, name, shape=("m", len(self.joint_names)))
-
-    def _seeds(self, seeds: Any, count: int) -> Float64Array:
-        if seeds is not None and np.ndim(seeds) == 2:
-            return check.array(seeds, "seeds", shape=(count, len(self.joint_names)))
-        one = self._middle() if seeds is None else self._joints(seeds, "seeds")
-        return np.tile(one, (count, 1))
 
 
 def _read(path_or_xml: Any) -> str:

@@ -91,7 +91,9 @@ def follow(
     shares = np.minimum(rate * np.diff(task.times, prepend=task.times[0]), 1.0)
     solver = ik_options(midrange=1.0 if rate > 0 and seed is None else 0.0)
     tracks = (
-        _Track(*chain.track(task.positions, task.orientations, start, steps, shares, options))
+        _Track(
+            *_core.track(chain, task.positions, task.orientations, start, steps, shares, options)
+        )
         for start in _starts(chain, task, seed, solver)
     )
     best = min(tracks, key=lambda track: (-track.reached, _haste(track, task.times, velocity)))
@@ -131,11 +133,11 @@ def _starts(
 ) -> Float64Array:
     """Postures for the first sample, the closest one alone where none reaches it."""
     if seed is not None:
-        return chain.solve_ik_batch(*task.first(), seed[None], solver, 1)[0]
+        return _core.solve_ik_batch(chain, *task.first(), seed[None], solver, 1)[0]
     seeds = _seeds(chain)
     positions, orientations = (np.repeat(part, len(seeds), axis=0) for part in task.first())
-    q, status, position_errors, orientation_errors, _ = chain.solve_ik_batch(
-        positions, orientations, seeds, solver, 1
+    q, status, position_errors, orientation_errors, _ = _core.solve_ik_batch(
+        chain, positions, orientations, seeds, solver, 1
     )
     if not (status == 0).any():
         return q[[np.argmin(position_errors + orientation_errors)]]
@@ -173,8 +175,13 @@ def _velocities(times: Float64Array, q: Float64Array) -> Float64Array:
 def _failure(chain: _core.Chain, task: _Task, track: _Track, solver: _core.IkOptions) -> IkFailure:
     i = track.reached
     residual = (float(track.position_errors[i]), float(track.orientation_errors[i]))
-    _, status, *_ = chain.solve_ik_batch(
-        task.positions[i : i + 1], task.orientations[i : i + 1], track.q[i : i + 1], solver, 1
+    _, status, *_ = _core.solve_ik_batch(
+        chain,
+        task.positions[i : i + 1],
+        task.orientations[i : i + 1],
+        track.q[i : i + 1],
+        solver,
+        1,
     )
     reason = STATUSES[status[0]] if status[0] else "jump"
     hint = " (reachable, but not from the sample before)" if reason == "jump" else ""
