@@ -100,14 +100,6 @@ void bind_chain(py::module_& module) {
             }
             return py::make_tuple(std::move(poses.positions), std::move(poses.orientations));
           },
-          py::arg("q").noconvert())
-      .def(
-          "jacobian",
-          [](const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& q) {
-            require(q.size() == chain.joints());
-            const py::gil_scoped_release release;
-            return jacobian(chain, q);
-          },
           py::arg("q").noconvert());
 }
 

@@ -2,11 +2,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <kdl/chain.hpp>
 #include <stdexcept>
 
 #include "leadthrough/so3.hpp"
+#include "run_down.hpp"
 
 namespace leadthrough {
 
@@ -123,29 +123,6 @@ KDL::RigidBodyInertia to_kdl(const urdf::Inertia& inertia) {
       KDL::RotationalInertia(m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2)));
 }
 
-// Runs down the chain; at_joint(i, z axis, origin) sees each joint's line in the base frame.
-template <typename AtJoint>
-Pose run_down(const Chain& chain, const double* q, AtJoint at_joint) {
-  const auto n = static_cast<std::size_t>(chain.joints());
-  Eigen::Matrix3d rotation = chain.fixed[0].rotation;
-  Eigen::Vector3d position = chain.fixed[0].position;
-  for (std::size_t i = 0; i < n; ++i) {
-    at_joint(i, rotation.col(2), position);
-    if (chain.prismatic[i]) {
-      position += q[i] * rotation.col(2);
-    } else {
-      const double cosine = std::cos(q[i]);
-      const double sine = std::sin(q[i]);
-      const Eigen::Vector3d x = rotation.col(0);
-      rotation.col(0) = cosine * x + sine * rotation.col(1);
-      rotation.col(1) = cosine * rotation.col(1) - sine * x;
-    }
-    position += rotation * chain.fixed[i + 1].position;
-    rotation = (rotation * chain.fixed[i + 1].rotation).eval();
-  }
-  return {rotation, position};
-}
-
 }  // namespace
 
 std::variant<Chain, urdf::Error> make_chain(const Robot& robot, const std::string& base,
@@ -202,15 +179,6 @@ Poses forward_kinematics_batch(const Chain& chain, const Eigen::Ref<const Rows>&
     poses.orientations.row(i) = so3::from_matrix(pose.rotation);
   }
   return poses;
-}
-
-Rows jacobian(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& q) {
-  Kinematics kinematics;
-  forward_kinematics(chain, q.data(), kinematics);
-  Rows result(6, chain.joints());
-  for (Eigen::Index i = 0; i < result.cols(); ++i)
-    result.col(i) = kinematics.jacobian[static_cast<std::size_t>(i)];
-  return result;
 }
 
 }  // namespace leadthrough

@@ -38,6 +38,16 @@ def array(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
     return result
 
 
+def array_of_rank(value: Any, name: str, *, shapes: Sequence[Sequence[int | str]]) -> Float64Array:
+    """`value` checked as by `array` against the one of `shapes` that has as many axes."""
+    result = _numeric(value, name)
+    for shape in shapes:
+        if len(shape) == result.ndim:
+            return array(result, name, shape=shape)
+    wanted = " or ".join(_shape_text(shape) for shape in shapes)
+    raise InvalidInput(f"{name}: expected shape {wanted}, got {result.shape}")
+
+
 def frozen(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
     """A read-only copy of `value`, checked as by `array`."""
     result = array(value, name, shape=shape).copy()

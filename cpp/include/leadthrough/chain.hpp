@@ -70,6 +70,5 @@ struct Poses {
   Rows4 orientations;
 };
 Poses forward_kinematics_batch(const Chain& chain, const Eigen::Ref<const Rows>& q);
-Rows jacobian(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& q);
 
 }  // namespace leadthrough

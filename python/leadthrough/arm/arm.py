@@ -6,10 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from leadthrough import _core, check
-from leadthrough.arm import following, robots, single_pose
+from leadthrough.arm import following, kinematics, robots, single_pose
 from leadthrough.arm.limits import JointLimits, read_limits
 from leadthrough.arm.results import IkBatch, IkResult
 from leadthrough.check import Float64Array
@@ -79,17 +77,30 @@ class Arm:
         q: (joints,), giving (3,) and (4,), or (m, joints), giving (m, 3) and (m, 4); outside the
         limits as well. Raises InvalidInput.
         """
-        batch = np.ndim(q) == 2
-        rows = self._rows(q if batch else [q], "q")
-        positions, orientations = self._chain.forward_kinematics(rows)
-        return (positions, orientations) if batch else (positions[0], orientations[0])
+        return kinematics.forward_kinematics(self._chain, q)
 
     def jacobian(self, q: Any) -> Float64Array:
         """Geometric Jacobian (6, joints) at the tip: linear rows first, base frame.
 
-        q: (joints,). Raises InvalidInput.
+        q: (joints,), or (m, joints), giving (m, 6, joints). Raises InvalidInput.
         """
-        return self._chain.jacobian(check.array(q, "q", shape=(len(self.joint_names),)))
+        return kinematics.jacobian(self._chain, q)
+
+    def jacobian_derivative(self, q: Any, qd: Any) -> Float64Array:
+        """The Jacobian's derivative in time (6, joints) while the joints move at qd, rad/s (m/s).
+
+        The tip's acceleration is J qdd + J' qd. q, qd: (joints,), or (m, joints), giving
+        (m, 6, joints). Raises InvalidInput.
+        """
+        return kinematics.jacobian_derivative(self._chain, q, qd)
+
+    def jacobian_second_derivative(self, q: Any, qd: Any, qdd: Any) -> Float64Array:
+        """The Jacobian's second derivative in time (6, joints), qdd in rad/s^2 (m/s^2).
+
+        The tip's jerk is J qddd + 2 J' qdd + J'' qd. q, qd, qdd: (joints,), or (m, joints), giving
+        (m, 6, joints). Raises InvalidInput.
+        """
+        return kinematics.jacobian_second_derivative(self._chain, q, qd, qdd)
 
     def inverse_kinematics(
         self, position: Any, orientation: Any = None, *, seed: Any = None, **options: Any
@@ -136,9 +147,6 @@ class Arm:
 
     def _joints(self, value: Any, name: str) -> Float64Array:
         return check.array(value, name, shape=(len(self.joint_names),))
-
-    def _rows(self, value: Any, name: str) -> Float64Array:
-        return check.array(value, name, shape=("m", len(self.joint_names)))
 
 
 def _read(path_or_xml: Any) -> str:

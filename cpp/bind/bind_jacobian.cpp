@@ -1,0 +1,48 @@
+#include <pybind11/eigen.h>
+
+#include "leadthrough/jacobian.hpp"
+#include "parts.hpp"
+
+namespace py = pybind11;
+
+namespace leadthrough {
+
+namespace {
+
+using RowsRef = Eigen::Ref<const Rows>;
+
+bool fit(const Chain& chain, const RowsRef& q, const RowsRef& other) {
+  return other.cols() == chain.joints() && other.rows() == q.rows();
+}
+
+}  // namespace
+
+void bind_jacobian(py::module_& module) {
+  module.def(
+      "jacobian",
+      [](const Chain& chain, const RowsRef& q) {
+        require(fit(chain, q, q));
+        const py::gil_scoped_release release;
+        return jacobian_batch(chain, q);
+      },
+      py::arg("chain"), py::arg("q").noconvert());
+  module.def(
+      "jacobian_derivative",
+      [](const Chain& chain, const RowsRef& q, const RowsRef& qd) {
+        require(fit(chain, q, q) && fit(chain, q, qd));
+        const py::gil_scoped_release release;
+        return jacobian_derivative_batch(chain, q, qd);
+      },
+      py::arg("chain"), py::arg("q").noconvert(), py::arg("qd").noconvert());
+  module.def(
+      "jacobian_second_derivative",
+      [](const Chain& chain, const RowsRef& q, const RowsRef& qd, const RowsRef& qdd) {
+        require(fit(chain, q, q) && fit(chain, q, qd) && fit(chain, q, qdd));
+        const py::gil_scoped_release release;
+        return jacobian_second_derivative_batch(chain, q, qd, qdd);
+      },
+      py::arg("chain"), py::arg("q").noconvert(), py::arg("qd").noconvert(),
+      py::arg("qdd").noconvert());
+}
+
+}  // namespace leadthrough

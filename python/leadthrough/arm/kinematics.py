@@ -1,0 +1,61 @@
+"""Poses, Jacobians and their derivatives in time, of one configuration or of many at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from leadthrough import _core, check
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+
+
+def forward_kinematics(chain: _core.Chain, q: Any) -> tuple[Float64Array, Float64Array]:
+    """See `Arm.forward_kinematics`."""
+    batch, (rows,) = joint_rows(chain, q=q)
+    positions, orientations = chain.forward_kinematics(rows)
+    return (positions, orientations) if batch else (positions[0], orientations[0])
+
+
+def jacobian(chain: _core.Chain, q: Any) -> Float64Array:
+    """See `Arm.jacobian`."""
+    return _matrices(_core.jacobian, chain, q=q)
+
+
+def jacobian_derivative(chain: _core.Chain, q: Any, qd: Any) -> Float64Array:
+    """See `Arm.jacobian_derivative`."""
+    return _matrices(_core.jacobian_derivative, chain, q=q, qd=qd)
+
+
+def jacobian_second_derivative(chain: _core.Chain, q: Any, qd: Any, qdd: Any) -> Float64Array:
+    """See `Arm.jacobian_second_derivative`."""
+    return _matrices(_core.jacobian_second_derivative, chain, q=q, qd=qd, qdd=qdd)
+
+
+def joint_rows(chain: _core.Chain, **values: Any) -> tuple[bool, list[Float64Array]]:
+    """Whether the values are batches, and each as checked rows (m, joints).
+
+    values: all (joints,) or all (m, joints) with the same m. Raises InvalidInput.
+    """
+    joints = len(chain.joint_names)
+    (first, value), *others = values.items()
+    rows = check.array_of_rank(value, first, shapes=[(joints,), ("m", joints)])
+    checked = [check.array(other, name, shape=rows.shape) for name, other in others]
+    return rows.ndim == 2, [np.atleast_2d(array) for array in (rows, *checked)]
+
+
+def finite(result: Float64Array) -> Float64Array:
+    """`result`, unless numbers too large to compute with went into it. Raises InvalidInput."""
+    if not np.isfinite(result).all():
+        raise InvalidInput("joint values, velocities or accelerations are too large: they overflow")
+    return result
+
+
+def _matrices(
+    kernel: Callable[..., Float64Array], chain: _core.Chain, **values: Any
+) -> Float64Array:
+    batch, rows = joint_rows(chain, **values)
+    matrices = finite(kernel(chain, *rows)).reshape(len(rows[0]), 6, len(chain.joint_names))
+    return matrices if batch else matrices[0]
