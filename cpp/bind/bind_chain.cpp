@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include "leadthrough/ik.hpp"
+#include "leadthrough/so3.hpp"
 #include "leadthrough/urdf.hpp"
 #include "parts.hpp"
 
@@ -17,13 +18,17 @@ py::str to_text(const std::string& text) {
       PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "replace"));
 }
 
+template <typename... Arguments>
+[[noreturn]] void raise(const char* name, const Arguments&... arguments) {
+  const py::object type = py::module_::import("leadthrough.errors").attr(name);
+  PyErr_SetObject(type.ptr(), type(arguments...).ptr());
+  throw py::error_already_set();
+}
+
 template <typename Value>
 Value value_or_raise(std::variant<Value, urdf::Error>&& answer) {
-  if (const auto* error = std::get_if<urdf::Error>(&answer)) {
-    const py::object type = py::module_::import("leadthrough.errors").attr("InvalidRobot");
-    PyErr_SetObject(type.ptr(), type(to_text(error->where), to_text(error->why)).ptr());
-    throw py::error_already_set();
-  }
+  if (const auto* error = std::get_if<urdf::Error>(&answer))
+    raise("InvalidRobot", to_text(error->where), to_text(error->why));
   return std::get<Value>(std::move(answer));
 }
 
@@ -47,6 +52,43 @@ std::vector<std::string> joint_names(const urdf::Robot& robot) {
   return names;
 }
 
+std::vector<urdf::Joint> path(const urdf::Robot& robot, const std::string& base,
+                              const std::string& tip) {
+  std::vector<urdf::Joint> joints;
+  for (const urdf::Joint* joint : value_or_raise(joints_between(robot, base, tip)))
+    joints.push_back(*joint);
+  return joints;
+}
+
+// A value that a joint cannot be held at is the caller's mistake and not the robot's.
+urdf::Robot hold(const urdf::Robot& robot,
+                 const std::vector<std::pair<std::string, double>>& values) {
+  std::vector<urdf::Held> joints;
+  for (const auto& [name, value] : values) joints.push_back({name, value});
+  auto answer = urdf::hold(robot, joints);
+  if (const auto* error = std::get_if<urdf::Error>(&answer))
+    raise("InvalidInput", to_text("hold: " + error->where + ": " + error->why));
+  return std::get<urdf::Robot>(std::move(answer));
+}
+
+const char* kind(const urdf::Joint& joint) {
+  switch (joint.type) {
+    case urdf::JointType::kFixed:
+      return "fixed";
+    case urdf::JointType::kRevolute:
+      return "revolute";
+    case urdf::JointType::kContinuous:
+      return "continuous";
+    case urdf::JointType::kPrismatic:
+      return "prismatic";
+    case urdf::JointType::kPlanar:
+      return "planar";
+    case urdf::JointType::kFloating:
+      return "floating";
+  }
+  return "";
+}
+
 std::vector<std::string> leaf_names(const urdf::Robot& robot) {
   std::vector<bool> is_leaf(robot.links.size(), true);
   for (const urdf::Joint& joint : robot.joints)
@@ -60,12 +102,24 @@ std::vector<std::string> leaf_names(const urdf::Robot& robot) {
 }  // namespace
 
 void bind_chain(py::module_& module) {
+  py::class_<urdf::Mimic>(module, "Mimic")
+      .def_readonly("joint", &urdf::Mimic::joint)
+      .def_readonly("multiplier", &urdf::Mimic::multiplier)
+      .def_readonly("offset", &urdf::Mimic::offset);
+
+  py::class_<urdf::Joint>(module, "Joint")
+      .def_readonly("name", &urdf::Joint::name)
+      .def_property_readonly("kind", &kind)
+      .def_readonly("mimic", &urdf::Joint::mimic);
+
   py::class_<urdf::Robot>(module, "Robot")
       .def(py::init(&parse), py::arg("document"))
       .def_readonly("name", &urdf::Robot::name)
       .def_property_readonly("links", &link_names)
       .def_property_readonly("joints", &joint_names)
-      .def_property_readonly("leaves", &leaf_names);
+      .def_property_readonly("leaves", &leaf_names)
+      .def("path", &path, py::arg("base"), py::arg("tip"))
+      .def("hold", &hold, py::arg("values"));
 
   py::class_<Chain>(module, "Chain")
       .def(py::init([](const urdf::Robot& robot, const std::string& base, const std::string& tip) {
@@ -78,6 +132,8 @@ void bind_chain(py::module_& module) {
       .def_readonly("velocity", &Chain::velocity)
       .def_readonly("effort", &Chain::effort)
       .def_property_readonly("middle", &middle)
+      .def_readonly("mass", &Chain::mass)
+      .def_property_readonly("reach", &reach)
       .def(
           "with_bounds",
           [](const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& lower,
@@ -89,6 +145,18 @@ void bind_chain(py::module_& module) {
             return bounded;
           },
           py::arg("lower").noconvert(), py::arg("upper").noconvert())
+      .def(
+          "with_tool",
+          [](const Chain& chain, const Eigen::Vector3d& position,
+             const Eigen::Vector4d& orientation) {
+            return with_tool(chain, {so3::to_matrix(orientation), position});
+          },
+          py::arg("position"), py::arg("orientation"))
+      .def(
+          "with_load",
+          [](const Chain& chain, double mass, const Eigen::Vector3d& center,
+             const Eigen::Matrix3d& inertia) { return with_load(chain, {mass, center, inertia}); },
+          py::arg("mass"), py::arg("center"), py::arg("inertia"))
       .def(
           "forward_kinematics",
           [](const Chain& chain, const Eigen::Ref<const Rows>& q) {

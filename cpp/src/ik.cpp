@@ -35,8 +35,7 @@ class RandomStream {
 
 // A joint that can turn once around wraps instead of stopping at its limits.
 bool wraps(const Chain& chain, int i) {
-  return !chain.prismatic[static_cast<std::size_t>(i)] &&
-         chain.upper[i] - chain.lower[i] >= 2.0 * kPi;
+  return chain.turns[static_cast<std::size_t>(i)] && chain.upper[i] - chain.lower[i] >= 2.0 * kPi;
 }
 
 // The whole turns that bring an angle nearest to another one without leaving the limits.
@@ -52,24 +51,13 @@ JointArray random_configuration(const Chain& chain, RandomStream& random) {
   JointArray q{};
   for (int i = 0; i < chain.joints(); ++i) {
     // A joint without bounds is sampled over one turn, or a metre to both sides.
-    const double reach = chain.prismatic[static_cast<std::size_t>(i)] ? 1.0 : kPi;
+    const double reach = chain.turns[static_cast<std::size_t>(i)] ? kPi : 1.0;
     const bool from = std::isfinite(chain.lower[i]), to = std::isfinite(chain.upper[i]);
     const double lower = from ? chain.lower[i] : to ? chain.upper[i] - 2.0 * reach : -reach;
     const double upper = to ? chain.upper[i] : from ? chain.lower[i] + 2.0 * reach : reach;
     q[static_cast<std::size_t>(i)] = lower + random.uniform() * (upper - lower);
   }
   return q;
-}
-
-// The tip's largest distance from the first joint.
-double reach(const Chain& chain) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(chain.joints()); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    sum += chain.fixed[i + 1].position.norm();
-    if (chain.prismatic[i]) sum += std::max(std::abs(chain.lower[k]), std::abs(chain.upper[k]));
-  }
-  return sum;
 }
 
 template <int M>

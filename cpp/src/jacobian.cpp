@@ -19,10 +19,12 @@ struct MovingChain {
   Motion tip;
 };
 
-// Velocities and accelerations, joint after joint. Without SECOND no accelerations.
+// Velocities and accelerations, joint after joint, from the moving joints' rates. Without SECOND no
+// accelerations.
 template <bool SECOND>
-void move(const Chain& chain, const double* qd, const double* qdd, MovingChain& moving) {
-  const auto n = static_cast<std::size_t>(chain.joints());
+void move(const Chain& chain, const double* rates, const double* second_rates,
+          MovingChain& moving) {
+  const std::size_t n = moving_count(chain);
   Eigen::Vector3d turning = Eigen::Vector3d::Zero();   // the link's angular velocity
   Eigen::Vector3d speeding = Eigen::Vector3d::Zero();  // its angular acceleration
   moving.origins[0].first.setZero();
@@ -34,16 +36,16 @@ void move(const Chain& chain, const double* qd, const double* qdd, MovingChain& 
     axis.first = turning.cross(axis.value);
     if constexpr (SECOND) axis.second = speeding.cross(axis.value) + turning.cross(axis.first);
     if (!chain.prismatic[i]) {
-      turning += qd[i] * axis.value;
-      if constexpr (SECOND) speeding += qdd[i] * axis.value + qd[i] * axis.first;
+      turning += rates[i] * axis.value;
+      if constexpr (SECOND) speeding += second_rates[i] * axis.value + rates[i] * axis.first;
     }
     const Eigen::Vector3d arm = next.value - origin.value;
     Eigen::Vector3d velocity = turning.cross(arm);
-    if (chain.prismatic[i]) velocity += qd[i] * axis.value;
+    if (chain.prismatic[i]) velocity += rates[i] * axis.value;
     next.first = origin.first + velocity;
     if constexpr (SECOND) {
       next.second = origin.second + speeding.cross(arm) + turning.cross(velocity);
-      if (chain.prismatic[i]) next.second += qdd[i] * axis.value + qd[i] * axis.first;
+      if (chain.prismatic[i]) next.second += second_rates[i] * axis.value + rates[i] * axis.first;
     }
   }
 }
@@ -51,14 +53,17 @@ void move(const Chain& chain, const double* qd, const double* qdd, MovingChain& 
 template <bool SECOND>
 void differentiate(const Chain& chain, const double* q, const double* qd, const double* qdd,
                    JacobianColumns& derivative) {
+  MovingValues values, rates, second_rates;
   MovingChain moving;
-  moving.tip.value = run_down(chain, q, [&](std::size_t i, const auto& axis, const auto& origin) {
-                       moving.axes[i].value = axis;
-                       moving.origins[i].value = origin;
-                     }).position;
-  move<SECOND>(chain, qd, qdd, moving);
-  const auto n = static_cast<std::size_t>(chain.joints());
-  for (std::size_t i = 0; i < n; ++i) {
+  moving.tip.value = run_down(chain, moving_values(chain, q, values),
+                              [&](std::size_t i, const auto& axis, const auto& origin) {
+                                moving.axes[i].value = axis;
+                                moving.origins[i].value = origin;
+                              })
+                         .position;
+  move<SECOND>(chain, moving_rates(chain, qd, rates),
+               SECOND ? moving_rates(chain, qdd, second_rates) : nullptr, moving);
+  for (std::size_t i = 0; i < moving_count(chain); ++i) {
     const Motion& axis = moving.axes[i];
     const Motion& origin = moving.origins[i];
     const Eigen::Vector3d& angular = SECOND ? axis.second : axis.first;
@@ -76,6 +81,7 @@ void differentiate(const Chain& chain, const double* q, const double* qd, const 
       linear = axis.first.cross(arm) + axis.value.cross(arm_first);
     derivative[i] << linear, angular;
   }
+  gather(chain, derivative);
 }
 
 // A matrix by rows in each row of the result; at_row(i) gives its columns.

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "mimics.hpp"
 #include "urdf_structure.hpp"
 
 namespace leadthrough::urdf {
@@ -133,6 +134,7 @@ std::variant<Robot, Error> to_robot(const ::urdf::ModelInterface& model) {
       robot.joints.push_back(std::move(joint));
     }
   }
+  if (auto error = resolve_mimics(robot)) return *error;
   return robot;
 }
 

@@ -3,6 +3,7 @@
 #include <kdl/chainjnttojacdotsolver.hpp>
 #include <random>
 
+#include "kdl_chain.hpp"
 #include "leadthrough/jacobian.hpp"
 #include "robots.hpp"
 
@@ -21,7 +22,7 @@ Rows random_rows(Eigen::Index rows, Eigen::Index cols, unsigned seed) {
 TEST(Jacobian, DerivativeAgreesWithKdl) {
   const urdf::Robot robot = std::get<urdf::Robot>(urdf::parse(test::crooked_arm()));
   const Chain chain = std::get<Chain>(make_chain(robot, "l0", "l9"));
-  const KDL::Chain peer = make_kdl_chain(robot, "l0", "l9");
+  const KDL::Chain peer = test::kdl_chain(robot, "l0", "l9");
   KDL::ChainJntToJacDotSolver solver(peer);  // its default is our frame and point
   const Rows q = random_rows(100, chain.joints(), 1);
   const Rows qd = random_rows(100, chain.joints(), 2);

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "leadthrough/urdf.hpp"
 #include "robots.hpp"
 
@@ -76,6 +78,54 @@ TEST(Urdf, ContradictoryJointsAreRefusedWithTheReason) {
   EXPECT_EQ(refusal(two_links("<mimic joint='ghost'/>" + kLimit)),
             "joint 'j': mimics 'ghost', which does not exist");
   EXPECT_EQ(refusal(two_links(kLimit, "hinge")), "joint 'j': its type 'hinge' is unknown");
+}
+
+TEST(Urdf, MimicsEndAtTheJointThatLeads) {
+  const auto text = [](const std::string& b, const std::string& c) {
+    const auto hinge = [](const std::string& name, const std::string& child,
+                          const std::string& mimic) {
+      return joint(name, "continuous", "base", child, "<axis xyz='0 0 1'/>" + mimic);
+    };
+    return robot(link("base") + link("la") + link("lb") + link("lc") + hinge("a", "la", "") +
+                 hinge("b", "lb", b) + hinge("c", "lc", c));
+  };
+  const std::string of_c = "<mimic joint='c' multiplier='2' offset='0.1'/>";
+  const auto arm = std::get<urdf::Robot>(
+      urdf::parse(text(of_c, "<mimic joint='a' multiplier='3' offset='0.2'/>")));
+  const auto& mimic = *arm.joints[1].mimic;
+  EXPECT_EQ(mimic.joint, "a");
+  EXPECT_DOUBLE_EQ(mimic.multiplier, 6.0);
+  EXPECT_DOUBLE_EQ(mimic.offset, 0.5);
+  EXPECT_EQ(refusal(text("<mimic joint='b'/>", "")),
+            "joint 'b': mimics itself, directly or by way of others");
+  EXPECT_EQ(refusal(text(of_c, "<mimic joint='b'/>")),
+            "joint 'b': mimics itself, directly or by way of others");
+  EXPECT_EQ(refusal(text("<mimic joint='c' multiplier='1e200'/>",
+                         "<mimic joint='a' multiplier='1e200'/>")),
+            "joint 'b': its multiplier or offset is too large");
+  const auto still = std::get<urdf::Robot>(
+      urdf::parse(text("<mimic joint='a' multiplier='0' offset='0.5'/>", "")));
+  EXPECT_EQ(still.joints[1].type, urdf::JointType::kFixed);
+  EXPECT_NEAR(still.joints[1].T_parent_child.rotation(1, 0), std::sin(0.5), 1e-15);
+}
+
+TEST(Urdf, OnlyJointsThatMoveByThemselvesAreHeld) {
+  const auto arm = std::get<urdf::Robot>(urdf::parse(robot(
+      link("a") + link("b") + link("c") + link("d") + joint("lead", "revolute", "a", "b", kLimit) +
+      joint("follow", "revolute", "b", "c", kLimit + "<mimic joint='lead' multiplier='2'/>") +
+      joint("bolt", "fixed", "c", "d", ""))));
+  const auto why = [&](const std::string& name, double value) {
+    const auto answer = urdf::hold(arm, {{name, value}});
+    const auto* error = std::get_if<urdf::Error>(&answer);
+    return error == nullptr ? "" : error->where + ": " + error->why;
+  };
+  EXPECT_EQ(why("lead", 0.5), "");
+  EXPECT_EQ(why("ghost", 0.5), "joint 'ghost': does not exist");
+  EXPECT_EQ(why("bolt", 0.5), "joint 'bolt': is fixed");
+  EXPECT_EQ(why("follow", 0.5), "joint 'follow': mimics 'lead'; hold that one");
+  EXPECT_EQ(why("lead", 1.5), "joint 'lead': 1.500000 is outside its limits -1.000000 to 1.000000");
+  EXPECT_EQ(why("lead", 0.6),
+            "joint 'follow': 1.200000 is outside its limits -1.000000 to 1.000000");
 }
 
 TEST(Urdf, NumbersThatAreNotFiniteAreRefused) {

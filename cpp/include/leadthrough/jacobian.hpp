@@ -8,9 +8,6 @@
 
 namespace leadthrough {
 
-// One column a joint of the chain.
-using JacobianColumns = std::array<Vector6, kMaxJoints>;
-
 // q, qd, qdd: one value a joint; rad or m, per second, per second squared.
 void jacobian_derivative(const Chain& chain, const double* q, const double* qd,
                          JacobianColumns& derivative);

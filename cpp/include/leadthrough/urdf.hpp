@@ -38,7 +38,7 @@ struct Joint {
   double upper = 0.0;
   double velocity = 0.0;
   double effort = 0.0;
-  std::optional<Mimic> mimic;
+  std::optional<Mimic> mimic;  // of a joint that mimics none
 };
 
 struct Inertia {
@@ -69,7 +69,17 @@ struct Error {
 constexpr std::size_t kMaxLinks = 5000;
 
 // The robot of a URDF document. By URDF's rules: one of lower and upper that is left out is zero,
-// axes of any length but zero are normalised, continuous joints have no bounds.
+// axes of any length but zero are normalised, continuous joints have no bounds; what mimics a joint
+// that never moves is fixed.
 std::variant<Robot, Error> parse(const std::string& document);
+
+struct Held {
+  std::string joint;
+  double value = 0.0;  // rad or m
+};
+
+// The robot with these joints fixed at their values, and with them the joints that mimic them.
+// Refused: joints that do not exist, are fixed or mimic, values outside the limits.
+std::variant<Robot, Error> hold(const Robot& robot, const std::vector<Held>& joints);
 
 }  // namespace leadthrough::urdf
