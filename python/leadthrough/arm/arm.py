@@ -2,20 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from pathlib import Path
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Any
 
 from leadthrough import _core, check
-from leadthrough.arm import following, kinematics, robots, single_pose
-from leadthrough.arm.limits import JointLimits, read_limits
+from leadthrough.arm import (
+    description,
+    dynamics,
+    following,
+    holding,
+    kinematics,
+    loading,
+    robots,
+    single_pose,
+)
+from leadthrough.arm.attachment import Attachment, Load
+from leadthrough.arm.limits import JointLimits
 from leadthrough.arm.results import IkBatch, IkResult
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
+from leadthrough.shapes import Shape
 
-# Bytes: above the core's own bound, which refuses the document with a reason.
-_LARGEST_FILE = 2**25
+_NOTHING_HELD: Mapping[str, float] = MappingProxyType({})
+_NO_INERTIA = ((0.0, 0.0, 0.0),) * 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,19 +42,26 @@ class Arm:
     base: str
     tip: str
     limits: JointLimits = field(repr=False)
+    held: Mapping[str, float] = field(default_factory=dict)
+    attachment: Attachment = field(default_factory=Attachment, repr=False)
+    _robot: _core.Robot = field(init=False, repr=False)
     _chain: _core.Chain = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        chain = _core.Chain(_core.Robot(self.document), self.base, self.tip)
+        object.__setattr__(self, "held", holding.checked(self.held))
+        robot = _core.Robot(self.document).hold(list(self.held.items()))
+        chain = _core.Chain(robot, self.base, self.tip)
         if list(self.joint_names) != chain.joint_names:
             raise InvalidInput(
                 f"limits: expected the joints {chain.joint_names}, got {list(self.joint_names)}"
             )
         bounded = chain.with_bounds(self.limits.lower, self.limits.upper)
-        object.__setattr__(self, "_chain", bounded)
+        object.__setattr__(self, "_robot", robot)
+        object.__setattr__(self, "_chain", self.attachment.applied_to(bounded))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Arm, (self.document, self.base, self.tip, self.limits)
+        held = dict(self.held)
+        return Arm, (self.document, self.base, self.tip, self.limits, held, self.attachment)
 
     @staticmethod
     def load(name: str) -> Arm:
@@ -52,24 +71,82 @@ class Arm:
 
     @staticmethod
     def from_urdf(
-        path_or_xml: Any, *, base: str | None = None, tip: str | None = None, limits: Any = None
+        path_or_xml: Any,
+        *,
+        base: str | None = None,
+        tip: str | None = None,
+        limits: Any = None,
+        hold: Mapping[str, float] = _NOTHING_HELD,
     ) -> Arm:
         """The arm from link `base` (the root) to link `tip` (the only leaf) of a URDF.
 
         path_or_xml: a path, or the document itself. limits: JointLimits, or the path of a TOML
-        file that completes the URDF's. Raises InvalidInput, InvalidRobot.
+        file that completes the URDF's. hold: joints that are frozen, and the values inside the
+        URDF's limits that they are frozen at; they may lie outside the arm, such as fingers or a
+        joint that one of the arm's mimics. Raises InvalidInput, InvalidRobot.
         """
-        document = _read(path_or_xml)
+        held = holding.checked(hold)
+        document = loading.read(path_or_xml)
         robot = _core.Robot(document)
         base = robot.links[0] if base is None else check.choice(base, "base", robot.links)
-        tip = _only_leaf(robot) if tip is None else check.choice(tip, "tip", robot.links)
-        stated = _stated_limits(_core.Chain(robot, base, tip))
-        return Arm(document, base, tip, _complete(limits, stated, robot))
+        tip = loading.only_leaf(robot) if tip is None else check.choice(tip, "tip", robot.links)
+        stated = loading.stated_limits(_core.Chain(robot.hold(list(held.items())), base, tip))
+        return Arm(document, base, tip, loading.complete(limits, stated, robot), held)
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """The moving joints, from the base to the tip."""
+        """The joints to command, from the base to the tip: none that is held or mimics another."""
         return self.limits.joint_names
+
+    @property
+    def tool(self) -> tuple[Float64Array, Float64Array]:
+        """Position (3,) and orientation (4,) of the tip in the frame of the link `tip`."""
+        return self.attachment.position, self.attachment.orientation
+
+    @property
+    def attached(self) -> tuple[Shape, ...]:
+        """The shapes of the objects that the arm holds, in the frame of the link `tip`."""
+        return self.attachment.shapes
+
+    def hold(self, values: Mapping[str, float]) -> Arm:
+        """The arm whose joints named here are frozen, at values inside its limits.
+
+        Other joints of the robot may be frozen as well: what they carry then counts as a load.
+        Raises InvalidInput.
+        """
+        wanted = holding.checked(values)
+        holding.require_free(wanted, self.held)
+        holding.require_inside(wanted, self.limits)
+        return replace(self, limits=self.limits.without(wanted), held={**self.held, **wanted})
+
+    def with_tool(self, position: Any, orientation: Any = (1.0, 0.0, 0.0, 0.0)) -> Arm:
+        """The arm whose tip is at a pose given in the frame of its present tip; tools compose.
+
+        position: (3,) m. orientation: (4,) w, x, y, z. Raises InvalidInput.
+        """
+        return replace(self, attachment=self.attachment.with_tool(position, orientation))
+
+    def with_payload(
+        self, mass: float, center: Any = (0.0, 0.0, 0.0), inertia: Any = _NO_INERTIA
+    ) -> Arm:
+        """The arm that carries a rigid body, given in the frame of its present tip; loads add up.
+
+        mass: kg. center: (3,) m. inertia: (3, 3) kg m^2 about the centre. Raises InvalidInput.
+        """
+        load = Load(mass, center, inertia)
+        return replace(self, attachment=self.attachment.with_load(load))
+
+    def with_attached(self, shape: Shape, mass: float = 0.0) -> Arm:
+        """The arm that holds an object, whose pose is given in the frame of its present tip.
+
+        shape: Box, Sphere or Capsule; it joins `attached`. mass: kg, of uniform density; it adds
+        to the load. Raises InvalidInput.
+        """
+        return replace(self, attachment=self.attachment.with_shape(shape, mass))
+
+    def describe(self) -> str:
+        """The robot, its joints with their limits, and what it carries, as text for people."""
+        return description.describe(self)
 
     def forward_kinematics(self, q: Any) -> tuple[Float64Array, Float64Array]:
         """Position and orientation of the tip.
@@ -101,6 +178,48 @@ class Arm:
         (m, 6, joints). Raises InvalidInput.
         """
         return kinematics.jacobian_second_derivative(self._chain, q, qd, qdd)
+
+    def manipulability(self, q: Any) -> Float64Array:
+        """Yoshikawa's measure: sqrt(det(J J^T)), the product of J's singular values.
+
+        0 at a singularity; its unit, products of m and rad, allows no comparison between arms. An
+        arm of fewer than six joints is measured in the directions that it has, sqrt(det(J^T J)).
+        q: (joints,), or (m, joints), giving (m,). Raises InvalidInput. Source: Yoshikawa 1985.
+        """
+        return kinematics.manipulability(self._chain, q)
+
+    def condition_number(self, q: Any, *, rotation_weight: float = 0.3) -> Float64Array:
+        """The Jacobian's largest singular value over its smallest; infinite at a singularity.
+
+        rotation_weight: m a rad. The Jacobian's rows are m and rad, and the number would change
+        with the unit of length; so a rotation counts as the path of a point this far from the tip.
+        0.3 is about the reach of an arm's wrist, 1.0 gives the plain SI number.
+        q: (joints,), or (m, joints), giving (m,). Raises InvalidInput.
+        """
+        return kinematics.condition_number(self._chain, q, rotation_weight=rotation_weight)
+
+    def inverse_dynamics(
+        self, q: Any, qd: Any, qdd: Any, *, gravity: Any = dynamics.GRAVITY
+    ) -> Float64Array:
+        """Torques, N m (N), that move the joints at qd with the accelerations qdd.
+
+        Counted are the links that the arm moves, those on branches where they are fixed to it, and
+        its loads; not friction, motors, or what hangs from joints outside the arm unless these are
+        held. q, qd, qdd: (joints,), or (m, joints), giving (m, joints). gravity: (3,) m/s^2 in the
+        base frame. Raises InvalidInput; InvalidRobot where the URDF has no masses.
+        """
+        return dynamics.inverse_dynamics(self._chain, q, qd, qdd, gravity=gravity)
+
+    def gravity_torques(self, q: Any, *, gravity: Any = dynamics.GRAVITY) -> Float64Array:
+        """Torques, N m (N), that hold the arm still, as by `inverse_dynamics`."""
+        return dynamics.gravity_torques(self._chain, q, gravity=gravity)
+
+    def mass_matrix(self, q: Any) -> Float64Array:
+        """The matrix (joints, joints) that turns accelerations into torques, as counted there.
+
+        q: (joints,), or (m, joints), giving (m, joints, joints). Raises InvalidInput, InvalidRobot.
+        """
+        return dynamics.mass_matrix(self._chain, q)
 
     def inverse_kinematics(
         self, position: Any, orientation: Any = None, *, seed: Any = None, **options: Any
@@ -147,34 +266,3 @@ class Arm:
 
     def _joints(self, value: Any, name: str) -> Float64Array:
         return check.array(value, name, shape=(len(self.joint_names),))
-
-
-def _read(path_or_xml: Any) -> str:
-    is_document = isinstance(path_or_xml, str) and path_or_xml.lstrip("\ufeff \t\r\n")[:1] == "<"
-    try:
-        if is_document:
-            return str(path_or_xml.encode("utf-8"), "utf-8")
-        with Path(path_or_xml).open("rb") as file:
-            return str(file.read(_LARGEST_FILE), "utf-8")
-    except (OSError, ValueError, TypeError) as error:
-        raise InvalidInput(f"path_or_xml: expected a URDF or its path: {error}") from None
-
-
-def _only_leaf(robot: _core.Robot) -> str:
-    if len(robot.leaves) > 1:
-        raise InvalidInput(f"tip: the robot ends in several links; name one of {robot.leaves}")
-    return robot.leaves[0]
-
-
-def _stated_limits(chain: _core.Chain) -> JointLimits:
-    return JointLimits(
-        tuple(chain.joint_names), chain.lower, chain.upper, chain.velocity, effort=chain.effort
-    )
-
-
-def _complete(limits: Any, stated: JointLimits, robot: _core.Robot) -> JointLimits:
-    if limits is None:
-        return stated
-    if isinstance(limits, JointLimits):
-        return limits
-    return read_limits(limits, stated, other_joints=robot.joints)

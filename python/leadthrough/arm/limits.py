@@ -11,6 +11,7 @@ A joint's lower, upper, velocity and effort override the URDF's; a URDF has no a
 
 from __future__ import annotations
 
+import json
 import tomllib
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
@@ -57,6 +58,30 @@ class JointLimits:
                 f"got {self.lower[i]} and {self.upper[i]}"
             )
 
+    def without(self, names: Collection[str]) -> JointLimits:
+        """The limits of the other joints."""
+        kept = [i for i, name in enumerate(self.joint_names) if name not in names]
+        columns = {name: getattr(self, name) for name in _BOUNDS + _RATES}
+        rest: dict[str, Any] = {
+            name: None if column is None else column[kept] for name, column in columns.items()
+        }
+        return JointLimits(tuple(self.joint_names[i] for i in kept), **rest)
+
+    def template(self) -> str:
+        """A limits file for `Arm.from_urdf`, to be completed where it has a question mark."""
+        lines = [
+            "# rad/s, rad/s^2, rad/s^3 (m); bounds and effort override the URDF's.",
+            "[joints]",
+        ]
+        for i, name in enumerate(self.joint_names):
+            values = {key: getattr(self, key) for key in ("velocity", "acceleration", "jerk")}
+            row = ", ".join(
+                f"{key} = {'?' if column is None else _toml_number(column[i])}"
+                for key, column in values.items()
+            )
+            lines.append(f"{json.dumps(name)} = {{ {row} }}")
+        return "\n".join(lines) + "\n"
+
 
 def read_limits(path: Any, urdf: JointLimits, *, other_joints: Collection[str] = ()) -> JointLimits:
     """`urdf` overridden and completed by the TOML file at `path`.
@@ -77,6 +102,10 @@ def read_limits(path: Any, urdf: JointLimits, *, other_joints: Collection[str] =
         return replace(urdf, **changes)
     except InvalidInput as error:
         raise InvalidInput(f"{path}: {error}") from None
+
+
+def _toml_number(value: float) -> str:
+    return repr(float(value)) if np.isfinite(value) else "?"
 
 
 def _values(limits: JointLimits, name: str) -> Float64Array:

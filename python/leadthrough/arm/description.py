@@ -1,0 +1,89 @@
+"""An arm in words and numbers, for people."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+if TYPE_CHECKING:
+    from leadthrough import _core
+    from leadthrough.arm.arm import Arm
+
+_COLUMNS = ("joint", "type", "lower", "upper", "velocity", "acceleration", "jerk", "effort")
+_WIDEST = 200  # characters; a table is as wide as it needs to be
+
+
+def describe(arm: Arm) -> str:
+    """See `Arm.describe`."""
+    return "\n".join([_head(arm), "", _joints(arm), "", *_carried(arm)]) + "\n"
+
+
+def _head(arm: Arm) -> str:
+    count = len(arm.joint_names)
+    return (
+        f"{arm._robot.name}: from {arm.base} to {arm.tip}, {count} joint{'s' * (count > 1)}\n"
+        f"reach at most {arm._chain.reach:.3g} m from the first joint, "
+        f"moving mass {arm._chain.mass:.4g} kg\n"
+        "angles in rad (degrees), lengths in m, efforts in N m or N, rates per s, s^2, s^3"
+    )
+
+
+def _joints(arm: Arm) -> str:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for column in _COLUMNS:
+        table.add_column(column, justify="left" if column in ("joint", "type") else "right")
+    for joint in arm._robot.path(arm.base, arm.tip):
+        if joint.name in arm.held:
+            table.add_row(joint.name, f"held at {arm.held[joint.name]:.4g}")
+        elif joint.mimic is not None:
+            table.add_row(joint.name, _mimicry(joint.mimic))
+        elif joint.kind != "fixed":
+            table.add_row(joint.name, joint.kind, *_limits(arm, joint))
+    return _rendered(table)
+
+
+def _mimicry(mimic: _core.Mimic) -> str:
+    return f"= {mimic.multiplier:.4g} {mimic.joint} {mimic.offset:+.4g}"
+
+
+def _limits(arm: Arm, joint: _core.Joint) -> Iterator[str]:
+    i = arm.joint_names.index(joint.name)
+    for name in _COLUMNS[2:]:
+        column = getattr(arm.limits, name)
+        if column is None:
+            yield "unknown"
+        elif not np.isfinite(column[i]):
+            yield "none"
+        else:
+            degrees = name in ("lower", "upper") and joint.kind != "prismatic"
+            yield f"{column[i]:.4g}" + f" ({np.degrees(column[i]):.1f})" * degrees
+
+
+def _carried(arm: Arm) -> Iterator[str]:
+    outside = set(arm.held) - {joint.name for joint in arm._robot.path(arm.base, arm.tip)}
+    if outside:
+        yield "also held: " + ", ".join(
+            f"{name} at {arm.held[name]:.4g}" for name in sorted(outside)
+        )
+    position, orientation = arm.tool
+    yield f"tool: tip at {_numbers(position)} m, {_numbers(orientation)} (w, x, y, z) in {arm.tip}"
+    mass = sum(load.mass for load in arm.attachment.loads)
+    yield f"load: {mass:.4g} kg"
+    for shape in arm.attached:
+        yield f"holds: {type(shape).__name__} at {_numbers(shape.position)} m in {arm.tip}"
+
+
+def _numbers(values: np.typing.NDArray[np.float64]) -> str:
+    return "(" + ", ".join(f"{value + 0.0:.4g}" for value in values) + ")"
+
+
+def _rendered(table: Table) -> str:
+    text = io.StringIO()
+    Console(file=text, width=_WIDEST, color_system=None).print(table)
+    return "\n".join(line.rstrip() for line in text.getvalue().splitlines()).strip("\n")
