@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import leadthrough as lt
+from leadthrough.arm.robots import find_robot
 
 # name: file, base, tip, a comfortable posture
 ROBOTS = {
@@ -55,3 +56,9 @@ def random_configurations():
         return np.random.default_rng(seed).uniform(lower, upper, (count, len(lower)))
 
     return draw
+
+
+@pytest.fixture(scope="session")
+def robots_by_name():
+    """The bundled robots' arms with the paths of their URDFs."""
+    return [(lt.Arm.load(name), find_robot(name) / f"{name}.urdf") for name in ROBOTS]
