@@ -42,7 +42,7 @@ class Arm:
     base: str
     tip: str
     limits: JointLimits = field(repr=False)
-    held: Mapping[str, float] = field(default_factory=dict)
+    held: Mapping[str, float] = field(default_factory=dict, repr=False)
     attachment: Attachment = field(default_factory=Attachment, repr=False)
     _robot: _core.Robot = field(init=False, repr=False)
     _chain: _core.Chain = field(init=False, repr=False)

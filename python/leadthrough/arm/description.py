@@ -17,11 +17,18 @@ if TYPE_CHECKING:
 
 _COLUMNS = ("joint", "type", "lower", "upper", "velocity", "acceleration", "jerk", "effort")
 _WIDEST = 200  # characters; a table is as wide as it needs to be
+_INCOMPLETE = (
+    "A URDF states no acceleration or jerk; complete this file and pass it as limits to "
+    "Arm.from_urdf:"
+)
 
 
 def describe(arm: Arm) -> str:
     """See `Arm.describe`."""
-    return "\n".join([_head(arm), "", _joints(arm), "", *_carried(arm)]) + "\n"
+    parts = [_head(arm), _joints(arm), "\n".join(_carried(arm))]
+    if arm.limits.acceleration is None or arm.limits.jerk is None:
+        parts.append(f"{_INCOMPLETE}\n\n{arm.limits.template().rstrip()}")
+    return "\n\n".join(parts) + "\n"
 
 
 def _head(arm: Arm) -> str:

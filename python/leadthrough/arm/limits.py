@@ -79,7 +79,7 @@ class JointLimits:
                 f"{key} = {'?' if column is None else _toml_number(column[i])}"
                 for key, column in values.items()
             )
-            lines.append(f"{json.dumps(name)} = {{ {row} }}")
+            lines.append(f"{json.dumps(name, ensure_ascii=False)} = {{ {row} }}")
         return "\n".join(lines) + "\n"
 
 

@@ -96,3 +96,27 @@ def test_limits_are_read_only_copies():
     assert limits.lower[0] == -1
     with pytest.raises(ValueError, match="read-only"):
         limits.lower[0] = 0
+
+
+def test_a_template_becomes_a_limits_file(toml):
+    template = URDF.template()
+    assert template.count("?") == 4
+    limits = read_limits(toml(template.replace("?", "7.5")), URDF)
+    np.testing.assert_array_equal(limits.velocity, URDF.velocity)
+    np.testing.assert_array_equal(limits.acceleration, [7.5, 7.5])
+    np.testing.assert_array_equal(limits.jerk, [7.5, 7.5])
+
+
+def test_a_template_of_odd_names_is_toml_as_well(toml):
+    names = ('a "b"', "tür\n")
+    odd = JointLimits(names, [-1, -1], [1, 1], [1, np.inf], [2, 3], [4, 5])
+    limits = read_limits(toml(odd.template().replace("?", "9")), odd)
+    np.testing.assert_array_equal(limits.velocity, [1, 9])
+    np.testing.assert_array_equal(limits.jerk, [4, 5])
+
+
+def test_limits_of_the_other_joints():
+    rest = URDF.without({"one"})
+    assert rest.joint_names == ("two",)
+    np.testing.assert_array_equal(rest.upper, [2])
+    assert rest.acceleration is None

@@ -1,0 +1,161 @@
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+import leadthrough as lt
+from leadthrough.arm.attachment import Attachment
+from leadthrough.errors import InvalidInput
+
+TURN = np.array([0.8, 0.0, 0.6, 0.0])
+Q = np.array([0.1, -0.5, 0.2, -2.0, 0.3, 1.6, 0.7])
+
+lengths = st.floats(-0.5, 0.5)
+positions = st.tuples(lengths, lengths, lengths)
+orientations = st.tuples(lengths, lengths, lengths).map(
+    lambda vector: lt.rotations.exp([vector])[0]
+)
+
+
+@pytest.fixture(scope="module")
+def panda():
+    return lt.Arm.load("panda")
+
+
+def matrix(position, orientation):
+    w, x, y, z = orientation
+    pose = np.eye(4)
+    pose[:3, :3] = Rotation.from_quat([x, y, z, w]).as_matrix()
+    pose[:3, 3] = position
+    return pose
+
+
+@given(positions, orientations, positions, orientations)
+def test_tools_compose(panda, p1, o1, p2, o2):
+    arm = panda.with_tool(p1, o1).with_tool(p2, o2)
+    expected = matrix(*panda.forward_kinematics(Q)) @ matrix(p1, o1) @ matrix(p2, o2)
+    np.testing.assert_allclose(matrix(*arm.forward_kinematics(Q)), expected, atol=1e-12)
+    np.testing.assert_allclose(matrix(*arm.tool), matrix(p1, o1) @ matrix(p2, o2), atol=1e-12)
+
+
+def test_the_jacobian_and_the_inverse_are_those_of_the_moved_tip(panda):
+    arm = panda.with_tool((0.1, 0.2, 0.3), TURN)
+    position, orientation = arm.forward_kinematics(Q)
+    lever = position - panda.forward_kinematics(Q)[0]
+    jacobian = panda.jacobian(Q)
+    moved = jacobian[:3] + np.cross(jacobian[3:], lever, axis=0)
+    np.testing.assert_allclose(arm.jacobian(Q), np.vstack([moved, jacobian[3:]]), atol=1e-12)
+    assert arm.inverse_kinematics(position, orientation).success
+
+
+def test_the_arm_without_a_tool_stays_as_it_was(panda):
+    panda.with_tool((0.1, 0.2, 0.3)).with_payload(1.0).with_attached(lt.Sphere(0.1, (0, 0, 0)))
+    np.testing.assert_array_equal(panda.tool[0], [0, 0, 0])
+    np.testing.assert_array_equal(panda.tool[1], [1, 0, 0, 0])
+    assert panda.attached == ()
+    with pytest.raises(ValueError, match="read-only"):
+        panda.tool[0][0] = 1.0
+
+
+def test_an_attached_object_stays_on_the_link_when_the_tool_moves(panda):
+    box = lt.Box((0.1, 0.2, 0.3), (0.0, 0.0, 0.05), TURN)
+    arm = panda.with_tool((0.1, 0.0, 0.2), TURN).with_attached(box).with_tool((0.0, 0.0, 0.4))
+    (held,) = arm.attached
+    expected = matrix((0.1, 0.0, 0.2), TURN) @ matrix(box.position, box.orientation)
+    np.testing.assert_allclose(matrix(held.position, held.orientation), expected, atol=1e-12)
+    np.testing.assert_array_equal(held.size, box.size)
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        lt.Box((0.1, 0.25, 0.4), (0.02, 0.03, 0.1), TURN),
+        lt.Sphere(0.15, (0.02, 0.03, 0.1)),
+        lt.Capsule(0.08, 0.3, (0.02, 0.03, 0.1), TURN),
+        lt.Capsule(0.08, 0.0, (0.02, 0.03, 0.1), TURN),
+    ],
+    ids=["box", "sphere", "capsule", "ball"],
+)
+def test_an_attached_object_weighs_as_a_solid_body(shape):
+    """Against sums over many small pieces of it."""
+    steps = np.linspace(-0.28, 0.28, 80)
+    samples = shape.position + np.stack(np.meshgrid(steps, steps, steps), axis=-1).reshape(-1, 3)
+    inside = samples[shape.distance(samples) < 0]
+    mean = inside.mean(axis=0)
+    offsets = inside - mean
+    squares = offsets.T @ offsets / len(inside)
+    (load,) = Attachment().with_shape(shape, 2.0).loads
+    assert load.mass == 2.0
+    np.testing.assert_allclose(load.center, mean, atol=1e-3)
+    expected = 2.0 * (np.trace(squares) * np.eye(3) - squares)
+    np.testing.assert_allclose(load.inertia, expected, atol=2e-2 * np.abs(expected).max())
+
+
+def test_a_load_is_what_the_same_pieces_weigh(panda):
+    whole = panda.with_payload(2.0, (0.0, 0.0, 0.1), np.diag([0.02, 0.02, 0.0]))
+    halves = panda.with_payload(1.0, (0.0, 0.1, 0.1)).with_payload(1.0, (0.0, -0.1, 0.1))
+    pieces = np.diag([0.02, 0.0, 0.02])
+    same = panda.with_payload(2.0, (0.0, 0.0, 0.1), pieces)
+    np.testing.assert_allclose(halves.mass_matrix(Q), same.mass_matrix(Q), atol=1e-12)
+    np.testing.assert_allclose(halves.gravity_torques(Q), whole.gravity_torques(Q), atol=1e-12)
+
+
+def test_a_loaded_arm_travels_between_processes(panda):
+    arm = (
+        panda.with_tool((0.1, 0.0, 0.2), TURN)
+        .with_attached(lt.Capsule(0.05, 0.1, (0, 0, 0.1), TURN), mass=0.5)
+        .with_payload(1.0, (0.0, 0.0, 0.1))
+    )
+    again = pickle.loads(pickle.dumps(arm))
+    for ours, theirs in zip(again.tool, arm.tool, strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+    np.testing.assert_array_equal(again.attached[0].position, arm.attached[0].position)
+    np.testing.assert_array_equal(again.mass_matrix(Q), arm.mass_matrix(Q))
+
+
+@pytest.mark.parametrize("bad", [np.nan, "here", None, (0, 0), [[0], [0, 1]], (0, np.inf, 0)])
+def test_places_that_are_none_are_refused(panda, bad):
+    with pytest.raises(InvalidInput, match="position"):
+        panda.with_tool(bad)
+    with pytest.raises(InvalidInput, match="orientation"):
+        panda.with_tool((0, 0, 0), bad)
+    with pytest.raises(InvalidInput, match="center"):
+        panda.with_payload(1.0, bad)
+
+
+@pytest.mark.parametrize("bad", [-1.0, np.nan, np.inf, "heavy", None])
+def test_masses_that_are_none_are_refused(panda, bad):
+    with pytest.raises(InvalidInput, match="mass"):
+        panda.with_payload(bad)
+    with pytest.raises(InvalidInput, match="mass"):
+        panda.with_attached(lt.Sphere(0.1, (0, 0, 0)), mass=bad)
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        np.eye(2),
+        np.full((3, 3), np.nan),
+        np.diag([1.0, 1.0, -1.0]),
+        np.diag([1.0, 1.0, 3.0]),
+        [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]],
+        None,
+    ],
+)
+def test_inertias_that_no_body_has_are_refused(panda, bad):
+    with pytest.raises(InvalidInput, match="inertia"):
+        panda.with_payload(1.0, (0, 0, 0), bad)
+
+
+@pytest.mark.parametrize("bad", [None, "box", (0, 0, 0), lt.Box])
+def test_what_is_no_shape_is_refused(panda, bad):
+    with pytest.raises(InvalidInput, match="shape"):
+        panda.with_attached(bad)
+
+
+def test_numbers_beyond_computing_are_refused(panda):
+    with pytest.raises(InvalidInput):
+        panda.with_payload(1e308, (1e200, 0, 0)).mass_matrix(Q)

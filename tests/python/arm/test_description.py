@@ -1,0 +1,73 @@
+import numpy as np
+import pytest
+
+import leadthrough as lt
+
+
+def line_of(text, word):
+    (line,) = (line for line in text.splitlines() if word in line.split())
+    return line
+
+
+@pytest.mark.parametrize("name", ["panda", "ur3", "tiago"])
+def test_every_joint_stands_in_a_line_with_its_limits(name):
+    arm = lt.Arm.load(name)
+    text = arm.describe()
+    assert text.startswith(f"{name}: from {arm.base} to {arm.tip}, {len(arm.joint_names)} joints")
+    for i, joint in enumerate(arm.joint_names):
+        line = line_of(text, joint)
+        for quantity in ("velocity", "acceleration", "jerk", "effort"):
+            assert f"{getattr(arm.limits, quantity)[i]:.4g}" in line
+    assert "\x1b" not in text
+    assert max(map(len, text.splitlines())) <= 130
+
+
+def test_positions_are_also_told_in_degrees_where_they_are_angles():
+    text = lt.Arm.load("tiago").describe()
+    assert "(157.5)" in line_of(text, "arm_1_joint")
+    assert "(" not in line_of(text, "torso_lift_joint")
+
+
+def test_what_is_unknown_or_endless_is_called_so():
+    document = (
+        '<robot name="one"><link name="a"/><link name="b"/><joint name="j" type="continuous">'
+        '<parent link="a"/><child link="b"/></joint></robot>'
+    )
+    text = lt.Arm.from_urdf(document).describe()
+    line = line_of(text, "j")
+    assert '"j" = { velocity = ?, acceleration = ?, jerk = ? }' in text
+    assert line.split().count("none") == 4
+    assert line.split().count("unknown") == 2
+
+
+def test_what_is_held_and_carried_is_told():
+    arm = (
+        lt.Arm.load("tiago")
+        .hold({"torso_lift_joint": 0.125})
+        .with_tool((0.0, 0.0, 0.25))
+        .with_attached(lt.Box((0.1, 0.1, 0.1), (0.0, 0.0, 0.5)), mass=0.75)
+        .with_payload(0.5)
+    )
+    text = arm.describe()
+    assert "held at 0.125" in line_of(text, "torso_lift_joint")
+    assert "tip at (0, 0, 0.25) m" in text
+    assert "load: 1.25 kg" in text
+    assert "holds: Box at (0, 0, 0.75) m" in text
+
+
+def test_a_joint_that_mimics_tells_how():
+    document = (
+        '<robot name="two"><link name="a"/><link name="b"/><link name="c"/>'
+        '<joint name="one" type="continuous"><parent link="a"/><child link="b"/></joint>'
+        '<joint name="two" type="continuous"><parent link="b"/><child link="c"/>'
+        '<mimic joint="one" multiplier="-2" offset="0.1"/></joint></robot>'
+    )
+    text = lt.Arm.from_urdf(document).describe()
+    assert "= -2 one +0.1" in text
+
+
+def test_the_reach_is_a_bound(random_configurations):
+    arm = lt.Arm.load("ur3")
+    reach = float(arm.describe().split("reach at most ")[1].split()[0])
+    positions, _ = arm.forward_kinematics(random_configurations(arm, 200, 1))
+    assert np.linalg.norm(positions - [0, 0, 0.1519], axis=1).max() <= reach
