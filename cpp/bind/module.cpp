@@ -8,5 +8,6 @@ PYBIND11_MODULE(_core, module) {
   leadthrough::bind_field(module);
   leadthrough::bind_ik(module);
   leadthrough::bind_jacobian(module);
+  leadthrough::bind_priority(module);
   leadthrough::bind_so3(module);
 }

@@ -12,6 +12,7 @@ void bind_dynamics(pybind11::module_& module);
 void bind_field(pybind11::module_& module);
 void bind_ik(pybind11::module_& module);
 void bind_jacobian(pybind11::module_& module);
+void bind_priority(pybind11::module_& module);
 void bind_so3(pybind11::module_& module);
 
 // The Python layer says what is wrong; this keeps the kernels inside their arrays.

@@ -1,7 +1,7 @@
 """leadthrough: hand-guided demonstrations in, executable robot-arm motion out."""
 
-from leadthrough import errors, io, planning, rotations
-from leadthrough.arm import Arm
+from leadthrough import arm, errors, io, planning, rotations
+from leadthrough.arm import Arm, DifferentialIk
 from leadthrough.io import read_demonstrations
 from leadthrough.models import FastMarching, load_skill
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
@@ -16,12 +16,14 @@ __all__ = [
     "Box",
     "Capsule",
     "Demonstration",
+    "DifferentialIk",
     "FastMarching",
     "Grid",
     "JointTrajectory",
     "PoseTrajectory",
     "Sphere",
     "Trajectory",
+    "arm",
     "arrival_times",
     "check_limits",
     "differentiate",

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 Float32Array = NDArray[np.float32]
 Float64Array = NDArray[np.float64]
 Int32Array = NDArray[np.int32]
+# Of a stack's tasks: error, miss, activation, bounded.
+_Reports = tuple[Float64Array, Float64Array, Float64Array, NDArray[np.bool_]]
 
 class Mimic:
     @property
@@ -87,6 +89,103 @@ def inverse_dynamics(
     chain: Chain, q: Float64Array, qd: Float64Array, qdd: Float64Array, gravity: Float64Array
 ) -> Float64Array: ...
 def mass_matrix(chain: Chain, q: Float64Array) -> Float64Array: ...
+class Shape: ...
+
+class Frame:
+    def __init__(self, chain: Chain, offset: Float64Array) -> None: ...
+
+class ArmTask: ...
+
+class TaskStack:
+    def __init__(
+        self,
+        chain: Chain,
+        tasks: Sequence[ArmTask],
+        velocity: Float64Array,
+        acceleration: Float64Array,
+        reverse: bool,
+        rest_damping: float,
+    ) -> None: ...
+    def velocity(
+        self, q: Float64Array, qd: Float64Array, dt: float
+    ) -> tuple[Float64Array, _Reports]: ...
+    def acceleration(
+        self, q: Float64Array, qd: Float64Array, dt: float
+    ) -> tuple[Float64Array, _Reports]: ...
+    def step(
+        self, q: Float64Array, qd: Float64Array, dt: float
+    ) -> tuple[Float64Array, Float64Array, _Reports]: ...
+
+class DifferentialIk:
+    def __init__(
+        self,
+        chain: Chain,
+        velocity: Float64Array,
+        acceleration: Float64Array,
+        posture: Float64Array,
+        dt: float,
+        gain: float,
+        posture_gain: float,
+    ) -> None: ...
+    def step(
+        self,
+        q: Float64Array,
+        qd: Float64Array,
+        position: Float64Array,
+        orientation: Float64Array,
+        twist: Float64Array,
+    ) -> tuple[Float64Array, Float64Array, float, float]: ...
+
+def box_shape(size: Float64Array, position: Float64Array, orientation: Float64Array) -> Shape: ...
+def sphere_shape(radius: float, position: Float64Array) -> Shape: ...
+def capsule_shape(
+    radius: float, length: float, position: Float64Array, orientation: Float64Array
+) -> Shape: ...
+def pose_task(
+    frame: Frame,
+    position: Float64Array,
+    orientation: Float64Array,
+    twist: Float64Array,
+    gain: float,
+    damping_ratio: float,
+) -> ArmTask: ...
+def position_task(
+    frame: Frame, position: Float64Array, velocity: Float64Array, gain: float, damping_ratio: float
+) -> ArmTask: ...
+def direction_task(
+    frame: Frame, axis: Float64Array, direction: Float64Array, gain: float, damping_ratio: float
+) -> ArmTask: ...
+def cone_task(
+    frame: Frame,
+    axis: Float64Array,
+    direction: Float64Array,
+    cosine: float,
+    margin: float,
+    gain: float,
+    damping_ratio: float,
+) -> ArmTask: ...
+def posture_task(
+    q: Float64Array, velocity: Float64Array, gain: float, damping_ratio: float
+) -> ArmTask: ...
+def joint_limit_task(margin: float, gain: float, damping_ratio: float) -> ArmTask: ...
+def plane_task(
+    frame: Frame, direction: Float64Array, height: float, gain: float, damping_ratio: float
+) -> ArmTask: ...
+def clearance_task(
+    frame: Frame,
+    shape: Shape,
+    distance: float,
+    margin: float,
+    gain: float,
+    damping_ratio: float,
+) -> ArmTask: ...
+def resolve_stack(
+    jacobians: Sequence[Float64Array],
+    wanted: Sequence[Float64Array],
+    lower: Float64Array,
+    upper: Float64Array,
+    reverse: bool,
+) -> Float64Array: ...
 def solve_ik(
     chain: Chain,
     position: Float64Array,

@@ -1,7 +1,38 @@
 """The arm: from a URDF to kinematics, inverse kinematics and joint trajectories along a path."""
 
 from leadthrough.arm.arm import Arm
+from leadthrough.arm.differential import DifferentialIk, JointState
 from leadthrough.arm.limits import JointLimits, read_limits
 from leadthrough.arm.results import IkBatch, IkResult
+from leadthrough.arm.task_stack import StackRun, StackSolution, TaskReport, TaskStack, resolve
+from leadthrough.arm.tasks import (
+    DirectionTask,
+    ElbowTask,
+    JointLimitTask,
+    ObstacleTask,
+    PoseTask,
+    PositionTask,
+    PostureTask,
+)
 
-__all__ = ["Arm", "IkBatch", "IkResult", "JointLimits", "read_limits"]
+__all__ = [
+    "Arm",
+    "DifferentialIk",
+    "DirectionTask",
+    "ElbowTask",
+    "IkBatch",
+    "IkResult",
+    "JointLimitTask",
+    "JointLimits",
+    "JointState",
+    "ObstacleTask",
+    "PoseTask",
+    "PositionTask",
+    "PostureTask",
+    "StackRun",
+    "StackSolution",
+    "TaskReport",
+    "TaskStack",
+    "read_limits",
+    "resolve",
+]

@@ -1,0 +1,281 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include "leadthrough/arm_tasks.hpp"
+#include "leadthrough/differential_ik.hpp"
+#include "leadthrough/so3.hpp"
+#include "parts.hpp"
+
+namespace py = pybind11;
+
+namespace leadthrough {
+
+namespace {
+
+using Vector = Eigen::Ref<const Eigen::VectorXd>;
+
+constexpr int kJointLimitTasks = 1;  // each may fill a level a joint
+
+bool fits(const MotionLimits& limits, int joints) {
+  return limits.velocity.size() == joints && limits.acceleration.size() == joints;
+}
+
+MotionLimits limits_of(const Chain& chain, const Vector& velocity, const Vector& acceleration) {
+  return {chain.lower, chain.upper, velocity, acceleration};
+}
+
+void check_task(const ArmTask& task, const Chain& chain) {
+  require(task.frame.joints >= 0 && task.frame.joints <= chain.joints());
+  if (const auto* posture = std::get_if<PostureGoal>(&task.goal))
+    require(posture->q.size() == chain.joints() && posture->velocity.size() == chain.joints());
+  else if (!std::holds_alternative<JointLimitGoal>(task.goal))
+    require(task.frame.joints > 0);
+}
+
+TaskStack make_stack(const Chain& chain, const std::vector<ArmTask>& tasks, const Vector& velocity,
+                     const Vector& acceleration, bool reverse, double rest_damping) {
+  TaskStack stack{chain, tasks, limits_of(chain, velocity, acceleration),
+                  reverse ? PriorityScheme::kReverse : PriorityScheme::kForward, rest_damping};
+  require(tasks.size() <= static_cast<std::size_t>(kMaxTasks) &&
+          fits(stack.limits, chain.joints()));
+  int joint_limit_tasks = 0;
+  for (const ArmTask& task : tasks) {
+    check_task(task, chain);
+    joint_limit_tasks += std::holds_alternative<JointLimitGoal>(task.goal) ? 1 : 0;
+  }
+  require(joint_limit_tasks <= kJointLimitTasks);
+  return stack;
+}
+
+py::tuple reports(const TaskStack& stack, const StackMotion& solution) {
+  const auto count = static_cast<Eigen::Index>(stack.tasks.size());
+  Eigen::VectorXd error(count), miss(count), activation(count);
+  Eigen::Matrix<bool, Eigen::Dynamic, 1> bounded(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const TaskReport& report = solution.reports[static_cast<std::size_t>(i)];
+    error[i] = report.error;
+    miss[i] = report.miss;
+    activation[i] = report.activation;
+    bounded[i] = report.bounded;
+  }
+  return py::make_tuple(std::move(error), std::move(miss), std::move(activation),
+                        std::move(bounded));
+}
+
+StackWorkspace workspace_for(const TaskStack& stack) {
+  StackWorkspace workspace;
+  const std::size_t levels =
+      stack.tasks.size() + static_cast<std::size_t>(stack.chain.joints()) + 1;
+  workspace.levels.reserve(levels);
+  workspace.owner.reserve(levels);
+  return workspace;
+}
+
+void require_joints(const TaskStack& stack, const Vector& q, const Vector& qd, bool qd_optional) {
+  require(q.size() == stack.chain.joints() &&
+          (qd.size() == q.size() || (qd_optional && qd.size() == 0)));
+}
+
+py::tuple velocity(const TaskStack& stack, const Vector& q, const Vector& qd, double dt) {
+  require_joints(stack, q, qd, true);
+  StackMotion solution;
+  {
+    const py::gil_scoped_release release;
+    StackWorkspace workspace = workspace_for(stack);
+    solution = stack_velocity(stack, q.data(), qd.size() > 0 ? qd.data() : nullptr, dt, workspace);
+  }
+  return py::make_tuple(solution.motion, reports(stack, solution));
+}
+
+py::tuple acceleration(const TaskStack& stack, const Vector& q, const Vector& qd, double dt) {
+  require_joints(stack, q, qd, false);
+  StackMotion solution;
+  {
+    const py::gil_scoped_release release;
+    StackWorkspace workspace = workspace_for(stack);
+    solution = stack_acceleration(stack, q.data(), qd.data(), dt, workspace);
+  }
+  return py::make_tuple(solution.motion, reports(stack, solution));
+}
+
+py::tuple step(const TaskStack& stack, const Vector& q, const Vector& qd, double dt) {
+  require_joints(stack, q, qd, false);
+  StackStep next;
+  {
+    const py::gil_scoped_release release;
+    StackWorkspace workspace = workspace_for(stack);
+    next = stack_step(stack, q.data(), qd.data(), dt, workspace);
+  }
+  return py::make_tuple(next.q, next.qd, reports(stack, next.solution));
+}
+
+// `orientation` has four numbers or none.
+py::tuple differential(const DifferentialIk& solver, const Vector& q, const Vector& qd,
+                       const Eigen::Vector3d& position, const Vector& orientation,
+                       const Vector6& twist) {
+  require(q.size() == solver.chain.joints() && qd.size() == q.size() &&
+          (orientation.size() == 4 || orientation.size() == 0));
+  DifferentialStep next;
+  {
+    const py::gil_scoped_release release;
+    IkTarget target{position, std::nullopt};
+    if (orientation.size() == 4) target.rotation = so3::to_matrix(orientation);
+    next = differential_step(solver, target, twist, q.data(), qd.data());
+  }
+  return py::make_tuple(next.q, next.qd, next.position_error, next.orientation_error);
+}
+
+void bind_shapes(py::module_& module) {
+  py::class_<Shape>(module, "Shape");
+  module.def(
+      "box_shape",
+      [](const Eigen::Vector3d& size, const Eigen::Vector3d& position,
+         const Eigen::Vector4d& orientation) {
+        return Shape{ShapeKind::kBox, so3::to_matrix(orientation), position, 0.5 * size, 0.0};
+      },
+      py::arg("size"), py::arg("position"), py::arg("orientation"));
+  module.def(
+      "sphere_shape",
+      [](double radius, const Eigen::Vector3d& position) {
+        return Shape{ShapeKind::kSphere, Eigen::Matrix3d::Identity(), position,
+                     Eigen::Vector3d::Zero(), radius};
+      },
+      py::arg("radius"), py::arg("position"));
+  module.def(
+      "capsule_shape",
+      [](double radius, double length, const Eigen::Vector3d& position,
+         const Eigen::Vector4d& orientation) {
+        return Shape{ShapeKind::kCapsule, so3::to_matrix(orientation), position,
+                     0.5 * length * Eigen::Vector3d::UnitZ(), radius};
+      },
+      py::arg("radius"), py::arg("length"), py::arg("position"), py::arg("orientation"));
+}
+
+void bind_tasks(py::module_& module) {
+  using Vector3 = Eigen::Vector3d;
+  py::class_<Frame>(module, "Frame")
+      .def(py::init([](const Chain& chain, const Vector3& offset) {
+             Frame frame = tip_frame(chain);
+             frame.T_joint_frame.position += frame.T_joint_frame.rotation * offset;
+             return frame;
+           }),
+           py::arg("chain"), py::arg("offset"));
+  py::class_<ArmTask>(module, "ArmTask");
+  module.def(
+      "pose_task",
+      [](const Frame& frame, const Vector3& position, const Eigen::Vector4d& orientation,
+         const Vector6& twist, double gain, double damping_ratio) {
+        return ArmTask{PoseGoal{position, so3::to_matrix(orientation), twist}, frame, gain,
+                       damping_ratio};
+      },
+      py::arg("frame"), py::arg("position"), py::arg("orientation"), py::arg("twist"),
+      py::arg("gain"), py::arg("damping_ratio"));
+  module.def(
+      "position_task",
+      [](const Frame& frame, const Vector3& position, const Vector3& velocity_, double gain,
+         double damping_ratio) {
+        return ArmTask{PositionGoal{position, velocity_}, frame, gain, damping_ratio};
+      },
+      py::arg("frame"), py::arg("position"), py::arg("velocity"), py::arg("gain"),
+      py::arg("damping_ratio"));
+  module.def(
+      "direction_task",
+      [](const Frame& frame, const Vector3& axis, const Vector3& direction, double gain,
+         double damping_ratio) {
+        return ArmTask{DirectionGoal{axis, direction}, frame, gain, damping_ratio};
+      },
+      py::arg("frame"), py::arg("axis"), py::arg("direction"), py::arg("gain"),
+      py::arg("damping_ratio"));
+  module.def(
+      "cone_task",
+      [](const Frame& frame, const Vector3& axis, const Vector3& direction, double cosine,
+         double margin, double gain, double damping_ratio) {
+        return ArmTask{ConeGoal{axis, direction, cosine, margin}, frame, gain, damping_ratio};
+      },
+      py::arg("frame"), py::arg("axis"), py::arg("direction"), py::arg("cosine"), py::arg("margin"),
+      py::arg("gain"), py::arg("damping_ratio"));
+  module.def(
+      "posture_task",
+      [](const Vector& q, const Vector& velocity_, double gain, double damping_ratio) {
+        require(q.size() <= kMaxJoints && velocity_.size() <= kMaxJoints);
+        return ArmTask{PostureGoal{q, velocity_}, {}, gain, damping_ratio};
+      },
+      py::arg("q").noconvert(), py::arg("velocity").noconvert(), py::arg("gain"),
+      py::arg("damping_ratio"));
+  module.def(
+      "joint_limit_task",
+      [](double margin, double gain, double damping_ratio) {
+        return ArmTask{JointLimitGoal{margin}, {}, gain, damping_ratio};
+      },
+      py::arg("margin"), py::arg("gain"), py::arg("damping_ratio"));
+  module.def(
+      "plane_task",
+      [](const Frame& frame, const Vector3& direction, double height, double gain,
+         double damping_ratio) {
+        return ArmTask{PlaneGoal{direction, height}, frame, gain, damping_ratio};
+      },
+      py::arg("frame"), py::arg("direction"), py::arg("height"), py::arg("gain"),
+      py::arg("damping_ratio"));
+  module.def(
+      "clearance_task",
+      [](const Frame& frame, const Shape& shape, double distance, double margin, double gain,
+         double damping_ratio) {
+        return ArmTask{ClearanceGoal{shape, distance, margin}, frame, gain, damping_ratio};
+      },
+      py::arg("frame"), py::arg("shape"), py::arg("distance"), py::arg("margin"), py::arg("gain"),
+      py::arg("damping_ratio"));
+}
+
+}  // namespace
+
+void bind_priority(py::module_& module) {
+  bind_shapes(module);
+  bind_tasks(module);
+  py::class_<TaskStack>(module, "TaskStack")
+      .def(py::init(&make_stack), py::arg("chain"), py::arg("tasks"),
+           py::arg("velocity").noconvert(), py::arg("acceleration").noconvert(), py::arg("reverse"),
+           py::arg("rest_damping"))
+      .def("velocity", &velocity, py::arg("q").noconvert(), py::arg("qd").noconvert(),
+           py::arg("dt"))
+      .def("acceleration", &acceleration, py::arg("q").noconvert(), py::arg("qd").noconvert(),
+           py::arg("dt"))
+      .def("step", &step, py::arg("q").noconvert(), py::arg("qd").noconvert(), py::arg("dt"));
+
+  py::class_<DifferentialIk>(module, "DifferentialIk")
+      .def(py::init([](const Chain& chain, const Vector& velocity_, const Vector& acceleration_,
+                       const Vector& posture, double dt, double gain, double posture_gain) {
+             DifferentialIk solver{chain,   limits_of(chain, velocity_, acceleration_),
+                                   posture, dt,
+                                   gain,    posture_gain};
+             require(fits(solver.limits, chain.joints()) && posture.size() == chain.joints());
+             return solver;
+           }),
+           py::arg("chain"), py::arg("velocity").noconvert(), py::arg("acceleration").noconvert(),
+           py::arg("posture").noconvert(), py::arg("dt"), py::arg("gain"), py::arg("posture_gain"))
+      .def("step", &differential, py::arg("q").noconvert(), py::arg("qd").noconvert(),
+           py::arg("position").noconvert(), py::arg("orientation").noconvert(),
+           py::arg("twist").noconvert());
+
+  module.def(
+      "resolve_stack",
+      [](const std::vector<Rows>& jacobians, const std::vector<Eigen::VectorXd>& wanted,
+         const Vector& lower, const Vector& upper, bool reverse) {
+        const Eigen::Index n = lower.size();
+        require(upper.size() == n && n <= kMaxJoints && wanted.size() == jacobians.size() &&
+                jacobians.size() <= static_cast<std::size_t>(kMaxTasks));
+        std::vector<Level> levels(jacobians.size());
+        for (std::size_t i = 0; i < levels.size(); ++i) {
+          require(jacobians[i].cols() == n && jacobians[i].rows() <= kMaxJoints &&
+                  jacobians[i].rows() == wanted[i].size());
+          levels[i].jacobian = jacobians[i];
+          levels[i].wanted = wanted[i];
+        }
+        const py::gil_scoped_release release;
+        const auto scheme = reverse ? PriorityScheme::kReverse : PriorityScheme::kForward;
+        return Eigen::VectorXd(resolve(levels, {lower, upper}, scheme));
+      },
+      py::arg("jacobians"), py::arg("wanted"), py::arg("lower").noconvert(),
+      py::arg("upper").noconvert(), py::arg("reverse"));
+}
+
+}  // namespace leadthrough

@@ -1,0 +1,130 @@
+#pragma once
+
+// The point of a polytope nearest to a goal, by the primal active set method (Nocedal and Wright
+// 2006, algorithm 16.3). The origin must lie inside the polytope; every iterate does.
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace leadthrough {
+
+// lower <= rows * x <= upper.
+template <int kMaxRows, int kMaxColumns>
+class NearestPoint {
+ public:
+  using Rows =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, kMaxRows, kMaxColumns>;
+  using Sides = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxRows, 1>;
+  using Point = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxColumns, 1>;
+
+  NearestPoint(const Rows& rows, const Sides& lower, const Sides& upper)
+      : rows_(rows), lower_(lower), upper_(upper) {}
+
+  bool contains(const Point& x) const {
+    for (Eigen::Index i = 0; i < rows_.rows(); ++i) {
+      const double value = rows_.row(i).dot(x);
+      if (value < lower_[i] || value > upper_[i]) return false;
+    }
+    return true;
+  }
+
+  Point solve(const Point& goal) {
+    Point x = Point::Zero(goal.size());
+    const Eigen::Index changes = 8 * (rows_.rows() + 1);  // rounding could make it cycle
+    for (Eigen::Index change = 0; change < changes; ++change) {
+      const Point away = goal - x;
+      const Point direction = along_the_held(away);
+      const Blocking next = first_blocking(x, direction);
+      x += next.share * direction;
+      if (next.row >= 0)
+        hold(next.row, next.upper);
+      else if (!release_worst(away.norm()))
+        break;
+    }
+    return x;
+  }
+
+ private:
+  using Gram = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxColumns,
+                             kMaxColumns>;
+  struct Held {
+    Eigen::Index row;
+    bool upper;
+  };
+  struct Blocking {
+    double share = 1.0;
+    Eigen::Index row = -1;
+    bool upper = false;
+  };
+
+  // The part of `away` that keeps the held rows where they are; leaves their multipliers.
+  Point along_the_held(const Point& away) {
+    if (count_ == 0) return away;
+    Gram gram(count_, count_);
+    Point right(count_);
+    for (Eigen::Index i = 0; i < count_; ++i) {
+      right[i] = row(i).dot(away);
+      for (Eigen::Index k = 0; k <= i; ++k) gram(i, k) = gram(k, i) = row(i).dot(row(k));
+    }
+    multipliers_ = gram.llt().solve(right);
+    Point direction = away;
+    for (Eigen::Index i = 0; i < count_; ++i) direction -= multipliers_[i] * row(i).transpose();
+    if (count_ == away.size()) direction.setZero();
+    return direction;
+  }
+
+  Blocking first_blocking(const Point& x, const Point& direction) const {
+    constexpr double kParallel = 1e-13;  // a share of the lengths: lost in rounding
+    Blocking first;
+    const double length = direction.norm();
+    for (Eigen::Index i = 0; i < rows_.rows(); ++i) {
+      const double speed = rows_.row(i).dot(direction);
+      if (held(i) || !(std::abs(speed) > kParallel * length * rows_.row(i).norm())) continue;
+      const double side = speed > 0.0 ? upper_[i] : lower_[i];
+      const double share = std::max((side - rows_.row(i).dot(x)) / speed, 0.0);
+      if (share < first.share) first = {share, i, speed > 0.0};
+    }
+    return first;
+  }
+
+  void hold(Eigen::Index row, bool upper) {
+    working_[static_cast<std::size_t>(count_++)] = {row, upper};
+  }
+
+  // Lets go of the row that keeps the point from the goal the most; false where none does.
+  bool release_worst(double scale) {
+    constexpr double kNoise = 1e-13;
+    Eigen::Index worst = -1;
+    double most = kNoise * scale;
+    for (Eigen::Index i = 0; i < count_; ++i) {
+      const double outward =
+          working_[static_cast<std::size_t>(i)].upper ? multipliers_[i] : -multipliers_[i];
+      const double inward = -outward * row(i).norm();
+      if (inward <= most) continue;
+      most = inward;
+      worst = i;
+    }
+    if (worst < 0) return false;
+    working_[static_cast<std::size_t>(worst)] = working_[static_cast<std::size_t>(--count_)];
+    return true;
+  }
+
+  bool held(Eigen::Index row) const {
+    return std::any_of(working_.begin(), working_.begin() + count_,
+                       [row](const Held& entry) { return entry.row == row; });
+  }
+
+  auto row(Eigen::Index i) const { return rows_.row(working_[static_cast<std::size_t>(i)].row); }
+
+  const Rows& rows_;
+  const Sides& lower_;
+  const Sides& upper_;
+  std::array<Held, kMaxColumns> working_{};
+  Eigen::Index count_ = 0;
+  Point multipliers_;
+};
+
+}  // namespace leadthrough

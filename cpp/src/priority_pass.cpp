@@ -1,0 +1,183 @@
+#include "priority_pass.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "nearest_point.hpp"
+
+namespace leadthrough {
+
+namespace {
+
+// Singular values below this share of the whole Jacobian's norm are rounding: no range.
+constexpr double kRankTolerance = 1e-12;
+// Where damping sets in, m or rad (weighted) a rad: a joint at 2 rad/s moves a task by 4 cm/s.
+constexpr double kNearSingular = 0.02;
+// How dear motion is that a level has no opinion on, against a miss of 1 m/s at 1 rad/s.
+constexpr double kIdleWeight = 1e-8;
+
+// Chiaverini 1997, eq. (22), squared once more so that the damping is smooth where it sets in.
+double damping(double sigma) {
+  const double share = std::min(sigma / kNearSingular, 1.0);
+  const double fade = 1.0 - share * share;
+  return kNearSingular * kNearSingular * fade * fade;
+}
+
+// Turns the rows pairwise until all are orthogonal (Hestenes 1958, one-sided Jacobi); turned(p, q,
+// c, s) sees each turn. Rows below `negligible` are left as they are.
+template <typename Turned>
+void orthogonalise(TaskMatrix& rows, double negligible, Turned turned) {
+  constexpr int kSweeps = 40;
+  constexpr double kOrthogonal = 1e-15;
+  const double least = negligible * negligible;
+  bool done = false;
+  for (int sweep = 0; sweep < kSweeps && !done; ++sweep) {
+    done = true;
+    for (Eigen::Index p = 0; p + 1 < rows.rows(); ++p)
+      for (Eigen::Index q = p + 1; q < rows.rows(); ++q) {
+        const double alpha = rows.row(p).squaredNorm(), beta = rows.row(q).squaredNorm();
+        const double gamma = rows.row(p).dot(rows.row(q));
+        if (std::min(alpha, beta) <= least) continue;
+        if (std::abs(gamma) <= kOrthogonal * std::sqrt(alpha * beta)) continue;
+        done = false;
+        const double zeta = (beta - alpha) / (2.0 * gamma);
+        const double t = std::copysign(1.0, zeta) / (std::abs(zeta) + std::sqrt(1.0 + zeta * zeta));
+        const double c = 1.0 / std::sqrt(1.0 + t * t), s = c * t;
+        const auto old = rows.row(p).eval();
+        rows.row(p) = c * old - s * rows.row(q);
+        rows.row(q) = s * old + c * rows.row(q);
+        turned(p, q, c, s);
+      }
+  }
+}
+
+// jacobian = sum_i sigma_i u_i v_i^T; goal_i = sigma_i u_i^T error.
+struct Range {
+  Eigen::Index rank = 0;
+  TaskMatrix right;  // v_i, a row each
+  JointVector sigma, pull;
+};
+
+Range numerical_range(const TaskMatrix& jacobian, const JointVector& error, double scale) {
+  const bool wide = jacobian.rows() <= jacobian.cols();
+  TaskMatrix rows = jacobian;
+  TaskMatrix right = TaskMatrix::Identity(jacobian.cols(), jacobian.cols());
+  JointVector turned_error = error;
+  const double negligible = kRankTolerance * scale;
+  if (wide) {
+    orthogonalise(rows, 0.1 * negligible, [&](Eigen::Index p, Eigen::Index q, double c, double s) {
+      const double old = turned_error[p];
+      turned_error[p] = c * old - s * turned_error[q];
+      turned_error[q] = s * old + c * turned_error[q];
+    });
+  } else {
+    rows = jacobian.transpose();
+    orthogonalise(rows, 0.1 * negligible, [&](Eigen::Index p, Eigen::Index q, double c, double s) {
+      const auto old = right.row(p).eval();
+      right.row(p) = c * old - s * right.row(q);
+      right.row(q) = s * old + c * right.row(q);
+    });
+  }
+  Range range{0, TaskMatrix(rows.rows(), jacobian.cols()), JointVector(rows.rows()),
+              JointVector(rows.rows())};
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const double sigma = rows.row(i).norm();
+    if (!(sigma > negligible)) continue;
+    const Eigen::Index k = range.rank++;
+    range.sigma[k] = sigma;
+    if (wide) {
+      range.right.row(k) = rows.row(i) / sigma;
+      range.pull[k] = sigma * turned_error[i];
+    } else {
+      range.right.row(k) = right.row(i);
+      range.pull[k] = rows.row(i).dot(error);
+    }
+  }
+  return range;
+}
+
+// Turns the columns of `basis` so that the first ones span those directions (rows of `right`, in
+// coordinates of the basis) and the others their complement: Householder's reflections.
+template <typename Basis>
+void put_first(const TaskMatrix& right, Eigen::Index rank, Basis& basis) {
+  TaskMatrix rest = right;
+  for (Eigen::Index k = 0; k < rank; ++k) {
+    JointVector mirror = JointVector::Zero(right.cols());
+    mirror.tail(right.cols() - k) = rest.row(k).tail(right.cols() - k).transpose();
+    mirror[k] += std::copysign(mirror.norm(), mirror[k]);
+    const double scale = 2.0 / mirror.squaredNorm();
+    for (Eigen::Index row = k; row < rank; ++row)
+      rest.row(row) -= scale * rest.row(row).dot(mirror) * mirror.transpose();
+    for (Eigen::Index row = 0; row < basis.rows(); ++row)
+      basis.row(row) -= scale * basis.row(row).dot(mirror) * mirror.transpose();
+  }
+}
+
+}  // namespace
+
+PriorityPass::PriorityPass(const MotionBox& box)
+    : box_(box), motion_(box.lower.size()), rows_(0, box.lower.size()), bounds_(0) {
+  const Eigen::Index n = motion_.size();
+  for (Eigen::Index i = 0; i < n; ++i) motion_[i] = std::clamp(0.0, box.lower[i], box.upper[i]);
+  free_ = Basis::Identity(n, n);
+}
+
+bool PriorityPass::equal(const TaskMatrix& jacobian, const JointVector& wanted) {
+  const Step step = plan(jacobian, wanted);
+  const bool bounded = move(step);
+  free_ = step.basis.rightCols(step.basis.cols() - step.rank).eval();
+  return bounded;
+}
+
+bool PriorityPass::at_least(const TaskMatrix& jacobian, double wanted) {
+  bool bounded = false;
+  const double now = jacobian.row(0).dot(motion_);
+  if (now < wanted) bounded = move(plan(jacobian, JointVector::Constant(1, wanted)));
+  const Eigen::Index count = rows_.rows();
+  rows_.conservativeResize(count + 1, Eigen::NoChange);
+  bounds_.conservativeResize(count + 1);
+  rows_.row(count) = jacobian.row(0);
+  bounds_[count] = std::min(wanted, jacobian.row(0).dot(motion_));
+  return bounded;
+}
+
+PriorityPass::Step PriorityPass::plan(const TaskMatrix& jacobian, const JointVector& wanted) const {
+  const Eigen::Index free = free_.cols();
+  const JointVector error = wanted - jacobian.lazyProduct(motion_);
+  const TaskMatrix projected = jacobian.lazyProduct(free_);
+  const Range range = numerical_range(projected, error, jacobian.norm());
+  Step step{free_, JointVector::Zero(free), JointVector::Constant(free, kIdleWeight), range.rank};
+  put_first(range.right, range.rank, step.basis);
+  for (Eigen::Index k = 0; k < range.rank; ++k) {
+    step.basis.col(k) = free_.lazyProduct(range.right.row(k).transpose());
+    step.weight[k] = range.sigma[k] * range.sigma[k] + damping(range.sigma[k]);
+    step.goal[k] = range.pull[k] / step.weight[k];
+  }
+  return step;
+}
+
+bool PriorityPass::move(const Step& step) {
+  const Eigen::Index n = motion_.size(), count = n + rows_.rows(), free = step.basis.cols();
+  if (free == 0) return false;
+  using Solver = NearestPoint<kMaxJoints + kMaxUnilateral, kMaxJoints>;
+  Solver::Rows rows(count, free);
+  Solver::Sides lower(count), upper(count);
+  rows.topRows(n) = step.basis;
+  rows.bottomRows(count - n) = rows_.lazyProduct(step.basis);
+  lower.head(n) = (box_.lower - motion_).cwiseMin(0.0);
+  upper.head(n) = (box_.upper - motion_).cwiseMax(0.0);
+  lower.tail(count - n) = (bounds_ - rows_.lazyProduct(motion_)).cwiseMin(0.0);
+  upper.tail(count - n).setConstant(std::numeric_limits<double>::infinity());
+  // In coordinates where a miss costs the same in every direction.
+  const JointVector root = step.weight.cwiseSqrt();
+  for (Eigen::Index k = 0; k < free; ++k) rows.col(k) /= root[k];
+  const JointVector goal = step.goal.cwiseProduct(root);
+  Solver solver(rows, lower, upper);
+  const bool bounded = !solver.contains(goal);
+  const JointVector reached = bounded ? solver.solve(goal) : goal;
+  motion_ += step.basis.lazyProduct(reached.cwiseQuotient(root));
+  motion_ = motion_.cwiseMax(box_.lower).cwiseMin(box_.upper);  // rounding
+  return bounded;
+}
+
+}  // namespace leadthrough

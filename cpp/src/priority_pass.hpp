@@ -1,0 +1,46 @@
+#pragma once
+
+// One pass down the levels of a stack.
+
+#include "leadthrough/task_priority.hpp"
+
+namespace leadthrough {
+
+// At most the joints' bounds and one row a unilateral level.
+constexpr int kMaxUnilateral = 48;
+
+class PriorityPass {
+ public:
+  // Starts from the motion inside the box that is nearest to rest.
+  explicit PriorityPass(const MotionBox& box);
+
+  // Comes as near to jacobian * motion = wanted as the levels before and the bounds leave room for,
+  // and keeps what was reached from then on. True where a bound stood in the way.
+  bool equal(const TaskMatrix& jacobian, const JointVector& wanted);
+  // The same for jacobian * motion >= wanted, one row.
+  bool at_least(const TaskMatrix& jacobian, double wanted);
+
+  const JointVector& motion() const { return motion_; }
+
+ private:
+  using Basis = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints,
+                              kMaxJoints>;
+  // A change of the motion along `basis`, and how dear it is to miss each coordinate's goal.
+  struct Step {
+    Basis basis;
+    JointVector goal, weight;
+    Eigen::Index rank = 0;  // of the coordinates, those the level is about
+  };
+
+  Step plan(const TaskMatrix& jacobian, const JointVector& wanted) const;
+  bool move(const Step& step);
+
+  MotionBox box_;
+  JointVector motion_;
+  Basis free_;  // orthonormal columns
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, kMaxUnilateral, kMaxJoints>
+      rows_;  // of the unilateral levels so far
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxUnilateral, 1> bounds_;
+};
+
+}  // namespace leadthrough
