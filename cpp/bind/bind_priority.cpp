@@ -109,12 +109,20 @@ py::tuple step(const TaskStack& stack, const Vector& q, const Vector& qd, double
   return py::make_tuple(next.q, next.qd, reports(stack, next.solution));
 }
 
+// Joints, goals and rates of a control loop come without a check of their own: what the solver
+// cannot take is refused here, and the Python layer says why.
+bool usable(const Vector& orientation) {
+  constexpr double kUnitTolerance = 1e-9;
+  return orientation.size() == 0 ||
+         (orientation.size() == 4 && std::abs(orientation.norm() - 1.0) <= kUnitTolerance);
+}
+
 // `orientation` has four numbers or none.
 py::tuple differential(const DifferentialIk& solver, const Vector& q, const Vector& qd,
-                       const Eigen::Vector3d& position, const Vector& orientation,
-                       const Vector6& twist) {
-  require(q.size() == solver.chain.joints() && qd.size() == q.size() &&
-          (orientation.size() == 4 || orientation.size() == 0));
+                       const Vector& position, const Vector& orientation, const Vector& twist) {
+  require(q.size() == solver.chain.joints() && qd.size() == q.size() && position.size() == 3 &&
+          twist.size() == 6 && usable(orientation) && q.allFinite() && qd.allFinite() &&
+          position.allFinite() && twist.allFinite());
   DifferentialStep next;
   {
     const py::gil_scoped_release release;

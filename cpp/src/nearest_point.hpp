@@ -3,7 +3,6 @@
 // The point of a polytope nearest to a goal, by the primal active set method (Nocedal and Wright
 // 2006, algorithm 16.3). The origin must lie inside the polytope; every iterate does.
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
@@ -48,8 +47,7 @@ class NearestPoint {
   }
 
  private:
-  using Gram = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxColumns,
-                             kMaxColumns>;
+  using Square = Eigen::Matrix<double, kMaxColumns, kMaxColumns>;
   struct Held {
     Eigen::Index row;
     bool upper;
@@ -60,18 +58,35 @@ class NearestPoint {
     bool upper = false;
   };
 
-  // The part of `away` that keeps the held rows where they are; leaves their multipliers.
+  // The part of `away` that keeps the held rows where they are; leaves their multipliers. By
+  // Gram-Schmidt, each projection done twice: the bounds must hold to rounding.
   Point along_the_held(const Point& away) {
-    if (count_ == 0) return away;
-    Gram gram(count_, count_);
-    Point right(count_);
+    Square triangle;
     for (Eigen::Index i = 0; i < count_; ++i) {
-      right[i] = row(i).dot(away);
-      for (Eigen::Index k = 0; k <= i; ++k) gram(i, k) = gram(k, i) = row(i).dot(row(k));
+      Point column = row(i).transpose();
+      triangle.col(i).setZero();
+      for (int again = 0; again < 2; ++again)
+        for (Eigen::Index k = 0; k < i; ++k) {
+          const double share = span_.col(k).head(away.size()).dot(column);
+          triangle(k, i) += share;
+          column -= share * span_.col(k).head(away.size());
+        }
+      triangle(i, i) = column.norm();
+      span_.col(i).head(away.size()) = column / triangle(i, i);
     }
-    multipliers_ = gram.llt().solve(right);
     Point direction = away;
-    for (Eigen::Index i = 0; i < count_; ++i) direction -= multipliers_[i] * row(i).transpose();
+    multipliers_.setZero(count_);
+    for (int again = 0; again < 2; ++again)
+      for (Eigen::Index k = 0; k < count_; ++k) {
+        const double share = span_.col(k).head(away.size()).dot(direction);
+        multipliers_[k] += share;
+        direction -= share * span_.col(k).head(away.size());
+      }
+    for (Eigen::Index k = count_; k-- > 0;) {
+      for (Eigen::Index i = k + 1; i < count_; ++i)
+        multipliers_[k] -= triangle(k, i) * multipliers_[i];
+      multipliers_[k] /= triangle(k, k);
+    }
     if (count_ == away.size()) direction.setZero();
     return direction;
   }
@@ -124,6 +139,7 @@ class NearestPoint {
   const Sides& upper_;
   std::array<Held, kMaxColumns> working_{};
   Eigen::Index count_ = 0;
+  Square span_;  // orthonormal columns
   Point multipliers_;
 };
 

@@ -11,6 +11,7 @@ from leadthrough import _core, check
 from leadthrough.arm.arm import Arm
 from leadthrough.arm.task_stack import accelerations
 from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
 
 _FREE = np.empty(0)
 _STILL = np.zeros(6)
@@ -95,16 +96,25 @@ class DifferentialIk:
         position: (3,) m. orientation: (4,) w, x, y, z; None leaves it free. twist: (6,) of the
         target itself, linear first, base frame, m/s and rad/s. Raises InvalidInput.
         """
-        return JointState(
-            *self._solver.step(
-                state.q,
-                state.qd,
-                check.array(position, "position", shape=(3,)),
-                _FREE
-                if orientation is None
-                else check.quaternions(orientation, "orientation", shape=(4,)),
-                _STILL if twist is None else check.array(twist, "twist", shape=(6,)),
-            )
+        turned = _FREE if orientation is None else orientation
+        moving = _STILL if twist is None else twist
+        try:  # the quick way: arrays as the kernel takes them, which looks at them itself
+            return JointState(*self._solver.step(state.q, state.qd, position, turned, moving))
+        except (AttributeError, TypeError, ValueError):
+            return JointState(*self._solver.step(*self._checked(state, position, turned, moving)))
+
+    def _checked(
+        self, state: Any, position: Any, orientation: Any, twist: Any
+    ) -> tuple[Float64Array, ...]:
+        if not isinstance(state, JointState):
+            raise InvalidInput(f"state: expected a JointState, got {type(state).__name__}")
+        free = orientation is _FREE
+        return (
+            check.array(state.q, "state.q", shape=(self._joints,)),
+            check.array(state.qd, "state.qd", shape=(self._joints,)),
+            check.array(position, "position", shape=(3,)),
+            _FREE if free else check.quaternions(orientation, "orientation", shape=(4,)),
+            check.array(twist, "twist", shape=(6,)),
         )
 
 

@@ -1,13 +1,13 @@
 """Stacks of tasks with strict priorities, in velocities and accelerations.
 
 Two schemes. "siciliano-slotine": from the highest task down, each in the null space of those above
-(Siciliano and Slotine 1991, eqs. 8 to 10). "reverse": from the lowest up, each correcting the motion
-so far while it disturbs the tasks below as little as it can, unilateral tasks by the share of their
-activation (Flacco and De Luca 2014 and 2015). The two agree where no unilateral task is partly
-active. In both the joints' position, velocity and acceleration limits hold at every level: where
-one is met the level's null space takes over, and only then the level itself gives way, as in Flacco,
-De Luca and Khatib 2015, found as the optimum of a strictly convex program (Kanoun, Lamiraux and
-Wieber 2011), so the motion is continuous where a limit or a task becomes active.
+(Siciliano and Slotine 1991, eqs. 8 to 10). "reverse": from the lowest up, each correcting the
+motion so far while it disturbs the tasks below as little as it can, unilateral tasks by the share
+of their activation (Flacco and De Luca 2014 and 2015). The two agree where no unilateral task is
+partly active. In both the joints' position, velocity and acceleration limits hold at every level:
+where one is met the level's null space takes over, and only then the level itself gives way, as in
+Flacco, De Luca and Khatib 2015, found as the optimum of a strictly convex program (Kanoun, Lamiraux
+and Wieber 2011), so the motion is continuous where a limit or a task becomes active.
 
 A task is damped where it comes within 2 cm a rad of its singularity, and asks for nothing there in
 the end; its null space stays the exact one, so a lower task never disturbs a higher one.
