@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "mimics.hpp"
+#include "urdf_collisions.hpp"
 #include "urdf_structure.hpp"
 
 namespace leadthrough::urdf {
@@ -143,10 +144,17 @@ std::variant<Robot, Error> to_robot(const ::urdf::ModelInterface& model) {
 std::variant<Robot, Error> parse(const std::string& document) {
   if (auto error = check_structure(document)) return *error;
   try {
-    const ::urdf::ModelInterfaceSharedPtr model = ::urdf::parseURDF(document);
+    auto collisions = read_collisions(document);
+    if (const auto* error = std::get_if<Error>(&collisions)) return *error;
+    const ::urdf::ModelInterfaceSharedPtr model =
+        ::urdf::parseURDF(without_capsules(document));
     if (!model || !model->getRoot())
       return Error{"robot", "urdfdom cannot read it; its reason is on standard error"};
-    return to_robot(*model);
+    auto robot = to_robot(*model);
+    if (auto* read = std::get_if<Robot>(&robot))
+      for (Link& link : read->links)
+        link.collisions = std::move(std::get<Collisions>(collisions)[link.name]);
+    return robot;
   } catch (const std::exception& error) {
     return Error{"robot", error.what()};
   }

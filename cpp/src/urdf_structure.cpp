@@ -76,7 +76,8 @@ int number_count(std::string_view element, std::string_view attribute) {
   if (element == "mass") return attribute == "value" ? 1 : 0;
   if (element == "mimic") return attribute == "multiplier" || attribute == "offset" ? 1 : 0;
   if (element == "box") return attribute == "size" ? 3 : 0;
-  if (element == "sphere" || element == "cylinder")
+  if (element == "mesh") return attribute == "scale" ? 3 : 0;
+  if (element == "sphere" || element == "cylinder" || element == "capsule")
     return attribute == "radius" || attribute == "length" ? 1 : 0;
   return 0;
 }

@@ -47,10 +47,23 @@ struct Inertia {
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();  // kg m^2 about the centre, link's axes
 };
 
+enum class ShapeType { kBox, kCylinder, kCapsule, kSphere, kMesh };
+
+// A piece of a link's collision geometry; cylinders and capsules lie along their own z.
+struct Collision {
+  ShapeType type = ShapeType::kBox;
+  Transform T_link_shape;
+  Eigen::Vector3d size = Eigen::Vector3d::Ones();  // a box's edges, m; a mesh's scale
+  double radius = 0.0;                             // m
+  double length = 0.0;  // m; of a capsule, between the centres of its end balls
+  std::string file;     // of a mesh, as written
+};
+
 struct Link {
   std::string name;
   int parent_joint = -1;  // -1 for the root
   Inertia inertia;
+  std::vector<Collision> collisions;
 };
 
 // A tree. links[0] is the root; every joint's parent stands before its child.
