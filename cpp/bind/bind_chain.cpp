@@ -99,6 +99,17 @@ std::vector<std::string> leaf_names(const urdf::Robot& robot) {
   return names;
 }
 
+// Of each mesh among the collision geometry: link, file as written, scale.
+std::vector<std::tuple<std::string, std::string, Eigen::Vector3d>> meshes(
+    const urdf::Robot& robot) {
+  std::vector<std::tuple<std::string, std::string, Eigen::Vector3d>> found;
+  for (const urdf::Link& link : robot.links)
+    for (const urdf::Collision& collision : link.collisions)
+      if (collision.type == urdf::ShapeType::kMesh)
+        found.emplace_back(link.name, collision.file, collision.size);
+  return found;
+}
+
 }  // namespace
 
 void bind_chain(py::module_& module) {
@@ -118,6 +129,7 @@ void bind_chain(py::module_& module) {
       .def_property_readonly("links", &link_names)
       .def_property_readonly("joints", &joint_names)
       .def_property_readonly("leaves", &leaf_names)
+      .def_property_readonly("meshes", &meshes)
       .def("path", &path, py::arg("base"), py::arg("tip"))
       .def("hold", &hold, py::arg("values"));
 

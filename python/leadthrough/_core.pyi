@@ -38,6 +38,8 @@ class Robot:
     def joints(self) -> list[str]: ...
     @property
     def leaves(self) -> list[str]: ...
+    @property
+    def meshes(self) -> list[tuple[str, str, Float64Array]]: ...
     def path(self, base: str, tip: str) -> list[Joint]: ...
     def hold(self, values: Sequence[tuple[str, float]]) -> Robot: ...
 
@@ -186,6 +188,40 @@ def resolve_stack(
     upper: Float64Array,
     reverse: bool,
 ) -> Float64Array: ...
+
+class CollisionModel:
+    def __init__(
+        self,
+        robot: Robot,
+        chain: Chain,
+        base: str,
+        tip: str,
+        meshes: Sequence[Float64Array],
+        attached: Float64Array,
+    ) -> None: ...
+    @property
+    def bodies(self) -> list[str]: ...
+    @property
+    def pairs(self) -> list[tuple[str, str]]: ...
+    @property
+    def left_out(self) -> list[list[str]]: ...
+
+def nearest_bodies(
+    model: CollisionModel, obstacles: Float64Array, q: Float64Array, threads: int
+) -> tuple[Float64Array, Int32Array, Float64Array]: ...
+def check_motion(
+    model: CollisionModel,
+    obstacles: Float64Array,
+    q: Float64Array,
+    margin: float,
+    tolerance: float,
+    threads: int,
+) -> tuple[
+    Float64Array,
+    tuple[float, int, int, float, Float64Array, Float64Array],
+    tuple[float, int, int, float, Float64Array, Float64Array] | None,
+]: ...
+def longest_step(model: CollisionModel, obstacles: Float64Array, q: Float64Array) -> float: ...
 def solve_ik(
     chain: Chain,
     position: Float64Array,

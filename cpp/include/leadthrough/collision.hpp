@@ -46,21 +46,23 @@ struct CollisionModel {
   std::vector<BodyPair> left_out;
 };
 
-// Pairs are judged at random configurations inside the limits: those that never come as near as
+// Pairs are judged at configurations spread evenly inside the limits: those that never come as near as
 // `margin` and those that always touch are left out, as are links next to each other.
 struct PairOptions {
   int samples = 4000;
   double margin = 0.05;  // m
-  std::uint64_t random_seed = 0;
 };
 
+// Shapes with their poses.
+using PlacedShapes = std::vector<std::pair<Convex, Pose>>;
+
 // The model of the robot that `chain` is the arm of, from the links `base` to `tip`. Joints outside
-// the chain stay at zero or at the limit next to it. hulls: of all meshes, in the order of links
-// and their collisions; attached: in the frame of the tip link.
+// the chain stay at zero or at the limit next to it. hulls: the vertices of all meshes, in the
+// order of links and their collisions; attached: in the frame of the tip link.
 CollisionModel make_collision_model(const urdf::Robot& robot, const Chain& chain,
                                     const std::string& base, const std::string& tip,
-                                    const std::vector<Convex>& hulls,
-                                    const std::vector<std::pair<Convex, Pose>>& attached,
+                                    const std::vector<Eigen::Matrix3Xd>& hulls,
+                                    const PlacedShapes& attached,
                                     const PairOptions& options = {});
 
 // Two bodies where they are nearest; distance is infinite where nothing is checked. Bodies beyond
@@ -75,8 +77,7 @@ struct Nearest {
 
 // One answer a row of q. Obstacles, in the base frame, are checked against all that moves. The
 // answers do not depend on the number of threads.
-using Obstacles = std::vector<std::pair<Convex, Pose>>;
-std::vector<Nearest> nearest_batch(const CollisionModel& model, const Obstacles& obstacles,
+std::vector<Nearest> nearest_batch(const CollisionModel& model, const PlacedShapes& obstacles,
                                    const Eigen::Ref<const Rows>& q, int threads);
 
 // sample: index of a row of q, with the fraction of the way to the next.
@@ -100,11 +101,12 @@ struct MotionReport {
 };
 
 // Between rows the joints move straight and in proportion.
-MotionReport check_motion(const CollisionModel& model, const Obstacles& obstacles,
+MotionReport check_motion(const CollisionModel& model, const PlacedShapes& obstacles,
                           const Eigen::Ref<const Rows>& q, const MotionOptions& options = {});
 
 // A bound on the way of any point of the arm between two rows, m; the work of check_motion grows
 // with its ratio to the tolerance.
-double longest_step(const CollisionModel& model, const Eigen::Ref<const Rows>& q);
+double longest_step(const CollisionModel& model, const PlacedShapes& obstacles,
+                    const Eigen::Ref<const Rows>& q);
 
 }  // namespace leadthrough

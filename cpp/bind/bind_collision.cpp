@@ -1,0 +1,144 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <array>
+#include <utility>
+
+#include "leadthrough/collision.hpp"
+#include "leadthrough/so3.hpp"
+#include "parts.hpp"
+
+namespace py = pybind11;
+
+namespace leadthrough {
+
+namespace {
+
+// A shape a row: kind (sphere 0, capsule 1, box 2), three sizes, position, orientation w, x, y, z.
+using ShapeRows = Eigen::Matrix<double, Eigen::Dynamic, 11, Eigen::RowMajor>;
+using Pairs = Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor>;
+using Points = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;
+
+PlacedShapes to_shapes(const Eigen::Ref<const ShapeRows>& rows) {
+  PlacedShapes shapes;
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const Eigen::Vector3d size = rows.row(i).segment<3>(1);
+    const Pose pose{so3::to_matrix(rows.row(i).tail<4>()), rows.row(i).segment<3>(4)};
+    const auto kind = static_cast<int>(rows(i, 0));
+    shapes.emplace_back(kind == 0   ? sphere(size[0])
+                        : kind == 1 ? capsule(size[0], size[1])
+                                    : box(size),
+                        pose);
+  }
+  return shapes;
+}
+
+CollisionModel make_model(const urdf::Robot& robot, const Chain& chain, const std::string& base,
+                          const std::string& tip, const std::vector<Rows3>& meshes,
+                          const Eigen::Ref<const ShapeRows>& attached) {
+  std::size_t asked = 0;
+  for (const urdf::Link& link : robot.links)
+    for (const urdf::Collision& collision : link.collisions)
+      asked += collision.type == urdf::ShapeType::kMesh ? 1 : 0;
+  require(meshes.size() == asked);
+  const py::gil_scoped_release release;
+  std::vector<Eigen::Matrix3Xd> hulls;
+  for (const Rows3& mesh : meshes) hulls.emplace_back(mesh.transpose());
+  return make_collision_model(robot, chain, base, tip, hulls, to_shapes(attached));
+}
+
+const std::string& name_of(const CollisionModel& model, int body) {
+  return model.bodies[static_cast<std::size_t>(body)].name;
+}
+
+std::vector<std::string> body_names(const CollisionModel& model) {
+  std::vector<std::string> names;
+  for (const Body& body : model.bodies) names.push_back(body.name);
+  return names;
+}
+
+std::vector<std::pair<std::string, std::string>> pair_names(const CollisionModel& model) {
+  std::vector<std::pair<std::string, std::string>> names;
+  for (const auto& [a, b] : model.pairs) {
+    const auto body = [&](int i) { return model.shapes[static_cast<std::size_t>(i)].body; };
+    std::pair<std::string, std::string> pair{name_of(model, body(a)), name_of(model, body(b))};
+    if (names.empty() || names.back() != pair) names.push_back(std::move(pair));
+  }
+  return names;
+}
+
+std::vector<std::array<std::string, 3>> left_out(const CollisionModel& model) {
+  std::vector<std::array<std::string, 3>> names;
+  for (const BodyPair& pair : model.left_out)
+    names.push_back({name_of(model, pair.a), name_of(model, pair.b),
+                     pair.why == LeftOut::kAdjacent ? "adjacent"
+                     : pair.why == LeftOut::kAlways ? "always"
+                                                    : "never"});
+  return names;
+}
+
+py::tuple nearest(const CollisionModel& model, const Eigen::Ref<const ShapeRows>& obstacles,
+                  const Eigen::Ref<const Rows>& q, int threads) {
+  require(q.cols() == model.chain.joints());
+  Eigen::VectorXd distances(q.rows());
+  Pairs bodies(q.rows(), 2);
+  Points points(q.rows(), 6);
+  {
+    const py::gil_scoped_release release;
+    const auto found = nearest_batch(model, to_shapes(obstacles), q, threads);
+    for (Eigen::Index i = 0; i < q.rows(); ++i) {
+      const Nearest& at = found[static_cast<std::size_t>(i)];
+      distances[i] = at.distance;
+      bodies.row(i) << at.a, at.b;
+      points.row(i) << at.on_a.transpose(), at.on_b.transpose();
+    }
+  }
+  return py::make_tuple(std::move(distances), std::move(bodies), std::move(points));
+}
+
+py::tuple to_tuple(const Approach& approach) {
+  const Nearest& at = approach.nearest;
+  return py::make_tuple(approach.sample, at.a, at.b, at.distance, at.on_a, at.on_b);
+}
+
+py::tuple check(const CollisionModel& model, const Eigen::Ref<const ShapeRows>& obstacles,
+                const Eigen::Ref<const Rows>& q, double margin, double tolerance, int threads) {
+  require(q.cols() == model.chain.joints() && q.rows() > 0);
+  MotionReport report;
+  Eigen::VectorXd distances(q.rows());
+  {
+    const py::gil_scoped_release release;
+    report = check_motion(model, to_shapes(obstacles), q, {margin, tolerance, threads});
+    for (Eigen::Index i = 0; i < q.rows(); ++i)
+      distances[i] = report.samples[static_cast<std::size_t>(i)].distance;
+  }
+  return py::make_tuple(std::move(distances), to_tuple(report.closest),
+                        report.first ? py::object(to_tuple(*report.first)) : py::none());
+}
+
+}  // namespace
+
+void bind_collision(py::module_& module) {
+  py::class_<CollisionModel>(module, "CollisionModel")
+      .def(py::init(&make_model), py::arg("robot"), py::arg("chain"), py::arg("base"),
+           py::arg("tip"), py::arg("meshes"), py::arg("attached").noconvert())
+      .def_property_readonly("bodies", &body_names)
+      .def_property_readonly("pairs", &pair_names)
+      .def_property_readonly("left_out", &left_out);
+
+  module.def("nearest_bodies", &nearest, py::arg("model"), py::arg("obstacles").noconvert(),
+             py::arg("q").noconvert(), py::arg("threads"));
+  module.def("check_motion", &check, py::arg("model"), py::arg("obstacles").noconvert(),
+             py::arg("q").noconvert(), py::arg("margin"), py::arg("tolerance"), py::arg("threads"));
+  module.def(
+      "longest_step",
+      [](const CollisionModel& model, const Eigen::Ref<const ShapeRows>& obstacles,
+         const Eigen::Ref<const Rows>& q) {
+        require(q.cols() == model.chain.joints());
+        const py::gil_scoped_release release;
+        return longest_step(model, to_shapes(obstacles), q);
+      },
+      py::arg("model"), py::arg("obstacles").noconvert(), py::arg("q").noconvert());
+}
+
+}  // namespace leadthrough

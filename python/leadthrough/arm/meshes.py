@@ -1,0 +1,65 @@
+"""Mesh collision geometry of a URDF: each mesh counts as its convex hull.
+
+The hull holds the mesh, so that no collision is missed; what a hollow mesh leaves free is not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from urllib.parse import unquote, urlparse
+
+from scipy.spatial import ConvexHull, QhullError
+
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput, InvalidRobot
+from leadthrough.io.mesh import read_vertices
+
+
+def hull_vertices(
+    link: str, file: str, scale: Float64Array, folders: Sequence[str]
+) -> Float64Array:
+    """Vertices (n, 3) of the convex hull of a link's mesh, m, in the mesh's frame.
+
+    file: as the URDF has it. folders: see `find_mesh`. Raises InvalidRobot, MissingDependency.
+    """
+    where = f"link {link!r}"
+    path = find_mesh(file, folders)
+    if path is None:
+        places = ", ".join(folders) or "none"
+        raise InvalidRobot(
+            where, f"mesh {file!r} is not found; looked in mesh_folders ({places}) and above them"
+        )
+    try:
+        vertices = read_vertices(path) * scale
+        return vertices[ConvexHull(vertices).vertices]
+    except InvalidInput as error:
+        raise InvalidRobot(where, str(error)) from None
+    except QhullError:
+        raise InvalidRobot(where, f"mesh {file!r} is flat or has too few vertices") from None
+
+
+def find_mesh(file: str, folders: Sequence[str]) -> Path | None:
+    """The file that a URDF's mesh names, or None.
+
+    A relative name is looked for in `folders`; package://name/rest as name/rest in them and in the
+    folders above them.
+    """
+    for candidate in _candidates(file, folders):
+        if candidate.is_file():
+            return candidate
+    return None
+
+
+def _candidates(file: str, folders: Sequence[str]) -> Iterator[Path]:
+    address = urlparse(file)
+    if address.scheme == "package":
+        rest = Path(address.netloc, unquote(address.path).lstrip("/"))
+        for folder in folders:
+            start = Path(folder).resolve()
+            yield from (place / rest for place in (start, *start.parents))
+        return
+    path = Path(unquote(address.path) if address.scheme == "file" else file)
+    yield from (Path(folder) / path for folder in folders)
+    if path.is_absolute():
+        yield path
