@@ -1,10 +1,8 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
-#include <algorithm>
-
+#include "leadthrough/ik.hpp"
 #include "leadthrough/so3.hpp"
-#include "leadthrough/tracking.hpp"
 #include "parts.hpp"
 
 namespace py = pybind11;
@@ -71,27 +69,6 @@ py::tuple solve(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
                         std::move(table.iterations));
 }
 
-py::tuple follow(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
-                 const Eigen::Ref<const Rows4>& orientations,
-                 const Eigen::Ref<const Eigen::VectorXd>& start,
-                 const Eigen::Ref<const Rows>& max_steps,
-                 const Eigen::Ref<const Eigen::VectorXd>& midrange, const TrackOptions& options) {
-  require(start.size() == chain.joints() && max_steps.cols() == chain.joints() &&
-          max_steps.rows() == positions.rows() && midrange.size() == positions.rows() &&
-          fits(positions.rows(), orientations.rows()));
-  Track path;
-  Eigen::VectorXi status;
-  {
-    const py::gil_scoped_release release;
-    path = track(chain, positions, orientations, start, max_steps, midrange, options);
-    status.resize(path.q.rows());
-    std::transform(path.status.begin(), path.status.end(), status.data(),
-                   [](IkStatus sample) { return static_cast<int>(sample); });
-  }
-  return py::make_tuple(std::move(path.q), std::move(status), std::move(path.position_errors),
-                        std::move(path.orientation_errors));
-}
-
 }  // namespace
 
 void bind_ik(py::module_& module) {
@@ -109,20 +86,11 @@ void bind_ik(py::module_& module) {
            py::arg("tolerance"), py::arg("midrange"), py::arg("max_iterations"),
            py::arg("max_restarts"), py::arg("random_seed"));
 
-  py::class_<TrackOptions>(module, "TrackOptions")
-      .def(py::init([](const IkTolerance& tolerance, int max_iterations) {
-             return TrackOptions{tolerance, max_iterations};
-           }),
-           py::arg("tolerance"), py::arg("max_iterations"));
-
   module.def("solve_ik", &solve_one, py::arg("chain"), py::arg("position"),
              py::arg("orientation").noconvert(), py::arg("seed").noconvert(), py::arg("options"));
   module.def("solve_ik_batch", &solve, py::arg("chain"), py::arg("positions").noconvert(),
              py::arg("orientations").noconvert(), py::arg("seeds").noconvert(), py::arg("options"),
              py::arg("threads"));
-  module.def("track", &follow, py::arg("chain"), py::arg("positions").noconvert(),
-             py::arg("orientations").noconvert(), py::arg("start").noconvert(),
-             py::arg("max_steps").noconvert(), py::arg("midrange").noconvert(), py::arg("options"));
 }
 
 }  // namespace leadthrough

@@ -11,4 +11,5 @@ PYBIND11_MODULE(_core, module) {
   leadthrough::bind_jacobian(module);
   leadthrough::bind_priority(module);
   leadthrough::bind_so3(module);
+  leadthrough::bind_tracking(module);
 }

@@ -8,19 +8,22 @@ namespace {
 
 struct Sample {
   IkTarget target;
-  const double* max_step;
   double midrange;
 };
 
 // The limits, narrowed to what the joints may move from `q`.
-DescentBounds reachable(const Chain& chain, const JointArray& q, const double* max_step) {
+DescentBounds reachable(const Chain& chain, const JointArray& q, double max_step) {
   DescentBounds bounds{};
   for (int i = 0; i < chain.joints(); ++i) {
     const auto k = static_cast<std::size_t>(i);
-    bounds.lower[k] = std::max(chain.lower[i], q[k] - max_step[i]);
-    bounds.upper[k] = std::min(chain.upper[i], q[k] + max_step[i]);
+    bounds.lower[k] = std::max(chain.lower[i], q[k] - max_step);
+    bounds.upper[k] = std::min(chain.upper[i], q[k] + max_step);
   }
   return bounds;
+}
+
+bool reached(const DescentEnd& end, const IkTolerance& tolerance) {
+  return end.position_error <= tolerance.position && end.orientation_error <= tolerance.orientation;
 }
 
 template <int M>
@@ -29,7 +32,7 @@ DescentEnd follow_sample(const Chain& chain, const Sample& sample, const TrackOp
   // Beside a singularity the last digits cost most: they are tried for, not insisted on.
   constexpr double kAim = 0.1;
   const IkTolerance aim{kAim * options.tolerance.position, kAim * options.tolerance.orientation};
-  const DescentBounds bounds = reachable(chain, q, sample.max_step);
+  const DescentBounds bounds = reachable(chain, q, options.max_step);
   const bool pulls = chain.joints() > M && sample.midrange > 0.0;
   DescentEnd end;
   for (const bool pulled : {true, false}) {  // without the pull where it leads astray
@@ -37,10 +40,7 @@ DescentEnd follow_sample(const Chain& chain, const Sample& sample, const TrackOp
     PoseDescent<M> descent(chain, sample.target, bounds, q);
     if (pulled) descent.pull(pull_to_middle(chain, q, sample.midrange));
     end = descent.run(aim, options.max_iterations);
-    if (end.position_error <= options.tolerance.position &&
-        end.orientation_error <= options.tolerance.orientation)
-      end.status = IkStatus::kConverged;
-    if (pulled && end.status != IkStatus::kConverged) continue;
+    if (pulled && !reached(end, options.tolerance)) continue;
     q = descent.q();
     break;
   }
@@ -49,32 +49,34 @@ DescentEnd follow_sample(const Chain& chain, const Sample& sample, const TrackOp
 
 }  // namespace
 
-Eigen::Index Track::reached() const {
-  const auto first = std::find_if(status.begin(), status.end(),
-                                  [](IkStatus sample) { return sample != IkStatus::kConverged; });
-  return first - status.begin();
+void Track::keep(Eigen::Index samples) {
+  q.conservativeResize(samples, Eigen::NoChange);
+  position_errors.conservativeResize(samples);
+  orientation_errors.conservativeResize(samples);
 }
 
 Track track(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
             const Eigen::Ref<const Rows4>& orientations,
-            const Eigen::Ref<const Eigen::VectorXd>& start, const Eigen::Ref<const Rows>& max_steps,
+            const Eigen::Ref<const Eigen::VectorXd>& start,
             const Eigen::Ref<const Eigen::VectorXd>& midrange, const TrackOptions& options) {
   const Eigen::Index samples = positions.rows();
   const bool oriented = orientations.rows() > 0;
-  Track result{Rows(samples, chain.joints()), Eigen::VectorXd(samples), Eigen::VectorXd(samples),
-               std::vector<IkStatus>(static_cast<std::size_t>(samples))};
+  Track result{Rows(samples, chain.joints()), Eigen::VectorXd(samples), Eigen::VectorXd(samples)};
   const JointVector inside = project(chain, start);
   JointArray q{};
   std::copy(inside.data(), inside.data() + inside.size(), q.begin());
   for (Eigen::Index k = 0; k < samples; ++k) {
-    Sample sample{{positions.row(k), std::nullopt}, max_steps.row(k).data(), midrange[k]};
+    Sample sample{{positions.row(k), std::nullopt}, midrange[k]};
     if (oriented) sample.target.rotation = so3::to_matrix(Eigen::Vector4d(orientations.row(k)));
     const DescentEnd end = oriented ? follow_sample<6>(chain, sample, options, q)
                                     : follow_sample<3>(chain, sample, options, q);
     std::copy(q.begin(), q.begin() + chain.joints(), result.q.row(k).data());
     result.position_errors[k] = end.position_error;
     result.orientation_errors[k] = end.orientation_error;
-    result.status[static_cast<std::size_t>(k)] = end.status;
+    if (!reached(end, options.tolerance)) {
+      result.keep(k + 1);
+      break;
+    }
   }
   return result;
 }

@@ -57,7 +57,16 @@ class IkOptions:
     ) -> None: ...
 
 class TrackOptions:
-    def __init__(self, tolerance: IkTolerance, max_iterations: int) -> None: ...
+    def __init__(self, tolerance: IkTolerance, max_iterations: int, max_step: float) -> None: ...
+
+class PursuitOptions:
+    def __init__(
+        self,
+        velocity: Float64Array,
+        acceleration: Float64Array,
+        damping: float,
+        deviation: IkTolerance,
+    ) -> None: ...
 
 class Chain:
     def __init__(self, robot: Robot, base: str, tip: str) -> None: ...
@@ -242,10 +251,21 @@ def track(
     positions: Float64Array,
     orientations: Float64Array,
     start: Float64Array,
-    max_steps: Float64Array,
     midrange: Float64Array,
     options: TrackOptions,
-) -> tuple[Float64Array, Int32Array, Float64Array, Float64Array]: ...
+) -> tuple[Float64Array, Float64Array, Float64Array]: ...
+def pursue(
+    chain: Chain,
+    times: Float64Array,
+    positions: Float64Array,
+    orientations: Float64Array,
+    start: Float64Array,
+    midrange: Float64Array,
+    options: PursuitOptions,
+) -> tuple[Float64Array, Float64Array, Float64Array]: ...
+def slow_down(
+    times: Float64Array, q: Float64Array, velocity: Float64Array, acceleration: Float64Array
+) -> tuple[Float64Array, int]: ...
 def so3_exp(rotation_vectors: Float64Array) -> Float64Array: ...
 def so3_log(quaternions: Float64Array) -> Float64Array: ...
 def so3_compose(a: Float64Array, b: Float64Array) -> Float64Array: ...

@@ -4,8 +4,6 @@
 // joint by a bounded step, so that the arm never jumps. The step is a regularised least-squares
 // problem in a box, solved by an active set, and is taken only when the error falls.
 
-#include <vector>
-
 #include "leadthrough/ik.hpp"
 
 namespace leadthrough {
@@ -14,25 +12,46 @@ struct TrackOptions {
   // What counts as reached; most samples come far closer.
   IkTolerance tolerance{1e-5, 1e-5};
   int max_iterations = 60;  // a sample
+  double max_step = 0.5;    // the most a joint moves between two samples, rad or m
 };
 
+// Up to the first sample that was missed, with it.
 struct Track {
   Rows q;  // one row a sample, inside the limits
   Eigen::VectorXd position_errors;
   Eigen::VectorXd orientation_errors;
-  std::vector<IkStatus> status;
 
-  // The first sample that was not reached, or the number of samples.
-  Eigen::Index reached() const;
+  void keep(Eigen::Index samples);
 };
 
-// positions: one row a sample; orientations (w, x, y, z) may have no rows. start: the
-// configuration before the first sample. max_steps: for each sample, the largest change of each
-// joint from the sample before. midrange: for each sample, the share of the way to the middle of
-// the ranges that a redundant arm takes in the null space.
+// The path alone, no time. positions: one row a sample; orientations (w, x, y, z) may have no
+// rows. start: the configuration before the first sample. midrange: for each sample, the share of
+// the way to the middle of the ranges that a redundant arm takes in the null space.
 Track track(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
             const Eigen::Ref<const Rows4>& orientations,
-            const Eigen::Ref<const Eigen::VectorXd>& start, const Eigen::Ref<const Rows>& max_steps,
+            const Eigen::Ref<const Eigen::VectorXd>& start,
             const Eigen::Ref<const Eigen::VectorXd>& midrange, const TrackOptions& options = {});
+
+// A path as the arm is to follow it at its own times, s.
+struct TimedPath {
+  Eigen::Ref<const Eigen::VectorXd> times;
+  Eigen::Ref<const Rows3> positions;
+  Eigen::Ref<const Rows4> orientations;
+};
+
+struct PursuitOptions {
+  Eigen::VectorXd velocity, acceleration;  // limits of each joint, infinite where there is none
+  // Squared length, m^2, that weighs a joint's step (rad at 1 m) against the tip's error: the more,
+  // the earlier the arm leaves the path beside a singularity, and the more gently.
+  double damping = 0.0;
+  IkTolerance deviation{1e-5, 1e-5};  // further away a sample is missed
+};
+
+// The path at its own times with joints that keep their velocity and acceleration limits and can
+// always brake before their position limits; where that cannot be met the tip falls behind and
+// catches up. The arm is at rest at `start` at the first time, and again at the last.
+Track pursue(const Chain& chain, const TimedPath& path,
+             const Eigen::Ref<const Eigen::VectorXd>& start,
+             const Eigen::Ref<const Eigen::VectorXd>& midrange, const PursuitOptions& options);
 
 }  // namespace leadthrough

@@ -261,7 +261,7 @@ class Arm:
         """
         start = None if seed is None else self._joints(seed, "seed")
         return following.follow(
-            self._chain, motion, velocity=self.limits.velocity, seed=start, **options
+            self._chain, motion, limits=self.limits, seed=start, **options
         )
 
     def _joints(self, value: Any, name: str) -> Float64Array:

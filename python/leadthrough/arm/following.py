@@ -1,9 +1,8 @@
 """Joint trajectories along a motion of the tip.
 
 The path is solved sample after sample, each from the one before, so the arm never jumps to
-another posture. What remains free is the posture at the start: where no seed is given, several are
-followed to the end, and of those that arrive the one is kept whose joints need the least slowing
-down.
+another posture. Where its limits of velocity and acceleration do not allow the motion's pace, as
+beside a singularity, something has to give: the limits, the times or the path.
 """
 
 from __future__ import annotations
@@ -12,158 +11,202 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from leadthrough import _core, check
+from leadthrough.arm.first_posture import first_postures
+from leadthrough.arm.limits import JointLimits
 from leadthrough.arm.options import ik_options, tolerance
 from leadthrough.arm.results import STATUSES
+from leadthrough.arm.tracks import TipPath, Track, solve_sample
 from leadthrough.check import Float64Array
-from leadthrough.errors import IkFailure, InvalidInput
+from leadthrough.errors import IkFailure, InvalidInput, LimitsInfeasible
 from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
 
-# Postures to try at the start. An arm with a wrist has up to eight; a few of them repeat.
-_STARTS = 24
-# Two starts nearer than this in every joint are one, rad or m.
-_SAME_POSTURE = 1e-2
 _SAMPLE_ITERATIONS = 60
-
-
-@dataclass(frozen=True, eq=False)
-class _Task:
-    times: Float64Array
-    positions: Float64Array
-    orientations: Float64Array  # no rows: free
-
-    def first(self) -> tuple[Float64Array, Float64Array]:
-        return self.positions[:1], self.orientations[:1]
-
-
-@dataclass(frozen=True, eq=False)
-class _Track:
-    q: Float64Array
-    status: NDArray[np.int32]
-    position_errors: Float64Array
-    orientation_errors: Float64Array
-
-    @property
-    def reached(self) -> int:
-        """The first sample that was missed, or their number."""
-        missed = np.flatnonzero(self.status)
-        return int(missed[0]) if len(missed) else len(self.status)
+# Damping to try where the arm may leave the path, m^2: from none to (0.1 m)^2, by which a joint's
+# step shortens to a half where it moves the tip 0.1 m a rad.
+_DAMPINGS = (0.0, 1e-5, 1e-4, 1e-3, 1e-2)
+_WHAT_GIVES = ("keep", "slow", "deviate", "raise")
 
 
 def follow(
     chain: _core.Chain,
     motion: Trajectory | PoseTrajectory,
     *,
-    velocity: Float64Array,
+    limits: JointLimits,
     seed: Float64Array | None = None,
+    too_fast: str = "keep",
+    deviation: tuple[float, float] | None = None,
     max_step: float = 0.5,
-    speed_limit: float | None = None,
     midrange: float = 1.0,
     position_tolerance: float = 1e-5,
     orientation_tolerance: float = 1e-5,
 ) -> JointTrajectory:
-    """Joint positions and velocities that take the tip along `motion`; its times are kept.
+    """Joint positions and velocities that take the tip along `motion`, one sample for each of its.
 
     motion: poses, or points in 3-D that leave the orientation free.
-    velocity: (joints,) limits, rad/s (m/s).
-    seed: (joints,), where the search for the first sample's posture starts.
+    seed: (joints,), where the search for the first sample's posture starts; without it several
+        are followed ahead, and the best is kept.
+    too_fast: what gives where velocity and acceleration limits cannot keep the motion's pace.
+        "keep": the limits; path and times are kept, for a time law to slow the motion down.
+        "slow": the times; just there the motion is stretched, the path is kept.
+        "deviate": the path; the tip falls behind by at most `deviation` and returns, on time.
+        "raise": nothing, IkFailure with the status "too_fast".
+        But for "keep" the arm starts and ends at rest, and an acceleration limit that is not known
+        does not count. Between samples the joints move straight.
+    deviation: m and rad, the most the tip may be away from a sample; with "deviate" only.
     max_step: the most a joint moves between two samples, rad or m; it makes the answer a path.
-    speed_limit: where given, the joints also keep below this multiple of `velocity` at the
-        motion's own pace; without it a motion that is too fast is followed all the same, to be
-        slowed down afterwards.
     midrange: rate, 1/s, at which a redundant arm moves itself towards the middle of its ranges.
     position_tolerance, orientation_tolerance: m and rad, what counts as reached; all but samples
         beside a singularity come ten times closer.
     The velocities are the positions' differences in time (second order); accelerations are left
     to the time law.
-    Raises InvalidInput; IkFailure with the first sample that no posture reached, its status one of
-    IkResult's, or "jump" where the pose can be reached but not from the sample before.
-    Source: Nakamura and Hanafusa 1986 for the damped step.
+    Raises InvalidInput; LimitsInfeasible where a joint moves that must not; IkFailure with the
+    first sample that no posture reached, its status one of IkResult's, "too_fast", or "jump" where
+    the pose can be reached but not from the sample before.
+    Source: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for the slowing.
     """
-    task = _task(motion)
-    options = _core.TrackOptions(
-        tolerance(position_tolerance, orientation_tolerance), _SAMPLE_ITERATIONS
+    path = TipPath.of(motion)
+    allowed = (position_tolerance, orientation_tolerance)
+    follower = _Follower(
+        chain=chain,
+        path=path,
+        limits=limits,
+        shares=path.shares(check.number(midrange, "midrange", at_least=0.0)),
+        tolerance=tolerance(*allowed),
+        allowed=allowed,
+        max_step=check.number(max_step, "max_step", above=0.0),
     )
-    steps = _steps(task, velocity, max_step, speed_limit)
-    rate = check.number(midrange, "midrange", at_least=0.0)
-    shares = np.minimum(rate * np.diff(task.times, prepend=task.times[0]), 1.0)
-    solver = ik_options(midrange=1.0 if rate > 0 and seed is None else 0.0)
-    tracks = (
-        _Track(
-            *_core.track(chain, task.positions, task.orientations, start, steps, shares, options)
+    gives = check.choice(too_fast, "too_fast", _WHAT_GIVES)
+    stated = _deviation(deviation, gives, allowed)
+    solver = ik_options(midrange=1.0 if midrange > 0 and seed is None else 0.0)
+    track = _best(follower, _starts(follower, seed, midrange, solver), gives, stated)
+    if track.reached < len(path):
+        raise _failure(follower, track, solver, gives)
+    if gives == "keep":
+        return _trajectory(chain, path.times, track.q, _velocities(path.times, track.q))
+    times = _slowed(chain, path.times, track.q, limits) if gives == "slow" else path.times
+    return _trajectory(chain, times, track.q, _velocities_between_rests(times, track.q))
+
+
+@dataclass(frozen=True, eq=False)
+class _Follower:
+    chain: _core.Chain
+    path: TipPath
+    limits: JointLimits
+    shares: Float64Array
+    tolerance: _core.IkTolerance
+    allowed: tuple[float, float]
+    max_step: float
+
+    def along(self, start: Float64Array, path: TipPath | None = None) -> Track:
+        """The path, whatever speed that takes."""
+        path = self.path if path is None else path
+        options = _core.TrackOptions(self.tolerance, _SAMPLE_ITERATIONS, self.max_step)
+        columns = _core.track(
+            self.chain,
+            path.positions,
+            path.orientations,
+            start,
+            self.shares[: len(path)],
+            options,
         )
-        for start in _starts(chain, task, seed, solver)
+        return Track.of(columns, self.allowed)
+
+    def in_time(self, start: Float64Array, damping: float, deviation: tuple[float, float]) -> Track:
+        """The path at its own pace, inside the limits."""
+        first = self.along(start, self.path.only(slice(1)))
+        options = _core.PursuitOptions(
+            self.limits.velocity, acceleration(self.limits), damping, tolerance(*deviation)
+        )
+        columns = _core.pursue(
+            self.chain,
+            self.path.times,
+            self.path.positions,
+            self.path.orientations,
+            first.q[0],
+            self.shares,
+            options,
+        )
+        return Track.of(columns, deviation)
+
+    def deviating(self, start: Float64Array, deviation: tuple[float, float]) -> Track:
+        """The track that stays nearest to the path, of several dampings."""
+        tracks = [self.in_time(start, damping, deviation) for damping in _DAMPINGS]
+        return min(tracks, key=lambda track: (-track.reached, _distance(track, deviation)))
+
+
+def acceleration(limits: JointLimits) -> Float64Array:
+    """The acceleration limits, infinite where they are not known."""
+    if limits.acceleration is None:
+        return np.full(len(limits.joint_names), np.inf)
+    return limits.acceleration
+
+
+def _deviation(
+    deviation: Any, gives: str, allowed: tuple[float, float]
+) -> tuple[float, float]:
+    if gives != "deviate":
+        if deviation is not None:
+            raise InvalidInput('deviation: expected None but with too_fast="deviate"')
+        return allowed
+    if deviation is None:
+        raise InvalidInput("deviation: expected the most the tip may be away, (m, rad), got None")
+    position, orientation = check.array(deviation, "deviation", shape=(2,))
+    return (
+        check.number(position, "deviation in m", above=0.0),
+        check.number(orientation, "deviation in rad", above=0.0),
     )
-    best = min(tracks, key=lambda track: (-track.reached, _haste(track, task.times, velocity)))
-    if best.reached < len(task.times):
-        raise _failure(chain, task, best, solver)
-    return JointTrajectory(
-        task.times,
-        best.q,
-        velocities=_velocities(task.times, best.q),
-        joint_names=tuple(chain.joint_names),
-    )
-
-
-def _task(motion: Any) -> _Task:
-    if isinstance(motion, PoseTrajectory):
-        return _Task(motion.times, motion.positions, motion.orientations)
-    if isinstance(motion, Trajectory) and motion.positions.shape[1] == 3:
-        return _Task(motion.times, motion.positions, np.empty((0, 4)))
-    what = type(motion).__name__
-    if isinstance(motion, Trajectory):
-        what += f" in {motion.positions.shape[1]}-D"
-    raise InvalidInput(f"motion: expected a PoseTrajectory or a Trajectory in 3-D, got {what}")
-
-
-def _steps(
-    task: _Task, velocity: Float64Array, max_step: float, speed_limit: float | None
-) -> Float64Array:
-    steps = np.full((len(task.times), len(velocity)), check.number(max_step, "max_step", above=0.0))
-    if speed_limit is not None:
-        scale = check.number(speed_limit, "speed_limit", above=0.0)
-        steps[1:] = np.minimum(steps[1:], scale * np.diff(task.times)[:, None] * velocity)
-    return steps
 
 
 def _starts(
-    chain: _core.Chain, task: _Task, seed: Float64Array | None, solver: _core.IkOptions
+    follower: _Follower, seed: Float64Array | None, midrange: float, solver: _core.IkOptions
 ) -> Float64Array:
-    """Postures for the first sample, the closest one alone where none reaches it."""
     if seed is not None:
-        return _core.solve_ik_batch(chain, *task.first(), seed[None], solver, 1)[0]
-    seeds = _seeds(chain)
-    positions, orientations = (np.repeat(part, len(seeds), axis=0) for part in task.first())
-    q, status, position_errors, orientation_errors, _ = _core.solve_ik_batch(
-        chain, positions, orientations, seeds, solver, 1
+        return solve_sample(follower.chain, follower.path, 0, seed[None], solver)[0]
+    return first_postures(
+        follower.chain,
+        follower.path,
+        midrange=midrange,
+        options=solver,
+        tracking=(follower.tolerance, _SAMPLE_ITERATIONS, follower.max_step),
     )
-    if not (status == 0).any():
-        return q[[np.argmin(position_errors + orientation_errors)]]
-    return _distinct(q[status == 0])
 
 
-def _seeds(chain: _core.Chain) -> Float64Array:
-    lower = np.maximum(chain.lower, -np.pi)
-    upper = np.minimum(chain.upper, np.pi)
-    samples = np.random.default_rng(0).uniform(0.0, 1.0, (_STARTS - 1, len(lower)))
-    return np.vstack([chain.middle, lower + samples * (upper - lower)])
+def _best(
+    follower: _Follower, starts: Float64Array, gives: str, deviation: tuple[float, float]
+) -> Track:
+    """The track of the first start that reaches the end, else the one that gets furthest."""
+    best: Track | None = None
+    for start in starts:
+        if gives in ("keep", "slow"):
+            track = follower.along(start)
+        elif gives == "raise":
+            track = follower.in_time(start, 0.0, deviation)
+        else:
+            track = follower.deviating(start, deviation)
+        if best is None or track.reached > best.reached:
+            best = track
+        if best.reached == len(follower.path):
+            break
+    assert best is not None
+    return best
 
 
-def _distinct(q: Float64Array) -> Float64Array:
-    kept = q[:1]
-    for row in q[1:]:
-        if (np.abs(kept - row).max(axis=1) > _SAME_POSTURE).all():
-            kept = np.vstack([kept, row])
-    return kept
+def _distance(track: Track, unit: tuple[float, float]) -> float:
+    return float(
+        max(track.position_errors.max() / unit[0], track.orientation_errors.max() / unit[1])
+    )
 
 
-def _haste(track: _Track, times: Float64Array, velocity: Float64Array) -> float:
-    """The largest joint speed, as a share of its limit where there is one."""
-    limit = np.where(np.isfinite(velocity) & (velocity > 0), velocity, 1.0)
-    speeds = np.abs(np.diff(track.q, axis=0)) / np.diff(times)[:, None] / limit
-    return float(speeds.max(initial=0.0))
+def _slowed(
+    chain: _core.Chain, times: Float64Array, q: Float64Array, limits: JointLimits
+) -> Float64Array:
+    slowed, stuck = _core.slow_down(times, q, limits.velocity, acceleration(limits))
+    if stuck >= 0:
+        joint = chain.joint_names[stuck]
+        raise LimitsInfeasible(f"{joint} has to move, and its limits do not let it", joint=joint)
+    return slowed
 
 
 def _velocities(times: Float64Array, q: Float64Array) -> Float64Array:
@@ -172,21 +215,30 @@ def _velocities(times: Float64Array, q: Float64Array) -> Float64Array:
     return np.asarray(np.gradient(q, times, axis=0, edge_order=2 if len(times) > 2 else 1))
 
 
-def _failure(chain: _core.Chain, task: _Task, track: _Track, solver: _core.IkOptions) -> IkFailure:
-    i = track.reached
+def _velocities_between_rests(times: Float64Array, q: Float64Array) -> Float64Array:
+    velocities = _velocities(times, q)
+    velocities[[0, -1]] = 0.0
+    return velocities
+
+
+def _trajectory(
+    chain: _core.Chain, times: Float64Array, q: Float64Array, velocities: Float64Array
+) -> JointTrajectory:
+    names = tuple(chain.joint_names)
+    return JointTrajectory(times, q, velocities=velocities, joint_names=names)
+
+
+def _failure(
+    follower: _Follower, track: Track, solver: _core.IkOptions, gives: str
+) -> IkFailure:
+    i, chain, path = track.reached, follower.chain, follower.path
     residual = (float(track.position_errors[i]), float(track.orientation_errors[i]))
-    _, status, *_ = _core.solve_ik_batch(
-        chain,
-        task.positions[i : i + 1],
-        task.orientations[i : i + 1],
-        track.q[i : i + 1],
-        solver,
-        1,
-    )
-    reason = STATUSES[status[0]] if status[0] else "jump"
-    hint = " (reachable, but not from the sample before)" if reason == "jump" else ""
+    _, status, _ = solve_sample(chain, path, i, track.q[i : i + 1], solver)
+    on_the_way = "jump" if gives in ("keep", "slow") else "too_fast"
+    reason = STATUSES[status[0]] if status[0] else on_the_way
+    hint = " (reachable, but not from the sample before)" if reason == on_the_way else ""
     message = (
-        f"sample {i} at {task.times[i]:.6g} s: {reason}{hint}, "
+        f"sample {i} at {path.times[i]:.6g} s: {reason}{hint}, "
         f"{residual[0]:.3g} m and {residual[1]:.3g} rad away"
     )
     return IkFailure(message, index=i, status=reason, residual=residual, q=track.q[i].copy())

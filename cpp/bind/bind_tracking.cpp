@@ -1,0 +1,94 @@
+#include <pybind11/eigen.h>
+
+#include "leadthrough/slowing.hpp"
+#include "leadthrough/tracking.hpp"
+#include "parts.hpp"
+
+namespace py = pybind11;
+
+namespace leadthrough {
+
+namespace {
+
+bool fits(Eigen::Index rows, Eigen::Index orientations) {
+  return orientations == rows || orientations == 0;
+}
+
+py::tuple columns(Track&& path) {
+  return py::make_tuple(std::move(path.q), std::move(path.position_errors),
+                        std::move(path.orientation_errors));
+}
+
+py::tuple track_path(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
+                     const Eigen::Ref<const Rows4>& orientations,
+                     const Eigen::Ref<const Eigen::VectorXd>& start,
+                     const Eigen::Ref<const Eigen::VectorXd>& midrange,
+                     const TrackOptions& options) {
+  require(start.size() == chain.joints() && midrange.size() == positions.rows() &&
+          fits(positions.rows(), orientations.rows()));
+  Track path;
+  {
+    const py::gil_scoped_release release;
+    path = track(chain, positions, orientations, start, midrange, options);
+  }
+  return columns(std::move(path));
+}
+
+py::tuple pursue_path(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& times,
+                      const Eigen::Ref<const Rows3>& positions,
+                      const Eigen::Ref<const Rows4>& orientations,
+                      const Eigen::Ref<const Eigen::VectorXd>& start,
+                      const Eigen::Ref<const Eigen::VectorXd>& midrange,
+                      const PursuitOptions& options) {
+  require(times.size() == positions.rows() && start.size() == chain.joints() &&
+          midrange.size() == positions.rows() && fits(positions.rows(), orientations.rows()) &&
+          options.velocity.size() == chain.joints() &&
+          options.acceleration.size() == chain.joints());
+  Track path;
+  {
+    const py::gil_scoped_release release;
+    path = pursue(chain, {times, positions, orientations}, start, midrange, options);
+  }
+  return columns(std::move(path));
+}
+
+py::tuple slow(const Eigen::Ref<const Eigen::VectorXd>& times, const Eigen::Ref<const Rows>& q,
+               const Eigen::Ref<const Eigen::VectorXd>& velocity,
+               const Eigen::Ref<const Eigen::VectorXd>& acceleration) {
+  require(times.size() == q.rows() && velocity.size() == q.cols() &&
+          acceleration.size() == q.cols());
+  Slowing slowing;
+  {
+    const py::gil_scoped_release release;
+    slowing = slow_down(times, q, velocity, acceleration);
+  }
+  return py::make_tuple(std::move(slowing.times), slowing.stuck);
+}
+
+}  // namespace
+
+void bind_tracking(py::module_& module) {
+  py::class_<TrackOptions>(module, "TrackOptions")
+      .def(py::init([](const IkTolerance& tolerance, int max_iterations, double max_step) {
+             return TrackOptions{tolerance, max_iterations, max_step};
+           }),
+           py::arg("tolerance"), py::arg("max_iterations"), py::arg("max_step"));
+
+  py::class_<PursuitOptions>(module, "PursuitOptions")
+      .def(py::init([](const Eigen::VectorXd& velocity, const Eigen::VectorXd& acceleration,
+                       double damping, const IkTolerance& deviation) {
+             return PursuitOptions{velocity, acceleration, damping, deviation};
+           }),
+           py::arg("velocity"), py::arg("acceleration"), py::arg("damping"), py::arg("deviation"));
+
+  module.def("track", &track_path, py::arg("chain"), py::arg("positions").noconvert(),
+             py::arg("orientations").noconvert(), py::arg("start").noconvert(),
+             py::arg("midrange").noconvert(), py::arg("options"));
+  module.def("pursue", &pursue_path, py::arg("chain"), py::arg("times").noconvert(),
+             py::arg("positions").noconvert(), py::arg("orientations").noconvert(),
+             py::arg("start").noconvert(), py::arg("midrange").noconvert(), py::arg("options"));
+  module.def("slow_down", &slow, py::arg("times").noconvert(), py::arg("q").noconvert(),
+             py::arg("velocity").noconvert(), py::arg("acceleration").noconvert());
+}
+
+}  // namespace leadthrough

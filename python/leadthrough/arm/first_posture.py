@@ -1,0 +1,98 @@
+"""The posture to start a path in.
+
+A path that is followed without a jump stays in the family of postures that it was begun in, and
+most families end somewhere: at a joint's limit, or at a singularity. So several are followed
+ahead along a thinned path, and the one is preferred that gets furthest, then the one whose joints
+move slowly and stay away from their limits.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from leadthrough import _core
+from leadthrough.arm.tracks import TipPath, Track, solve_sample
+from leadthrough.check import Float64Array
+
+# Seeds for the first sample. An arm with a wrist has up to eight postures, and each more in which
+# a joint has turned once around; a redundant arm has a curve of them.
+_SEEDS = 48
+# Two postures nearer than this in every joint are one, rad or m.
+_SAME_POSTURE = 1e-2
+# Samples to look ahead over.
+_LOOK_AHEAD = 100
+# A joint that comes this near to a limit, as a share of its range, costs as much as double speed.
+_NEAR_A_LIMIT = 0.05
+
+
+def first_postures(
+    chain: _core.Chain,
+    path: TipPath,
+    *,
+    midrange: float,
+    options: _core.IkOptions,
+    tracking: tuple[_core.IkTolerance, int, float],
+) -> Float64Array:
+    """Postures (m, joints) for the first sample, the most promising first; at least one.
+
+    Where no posture reaches the first sample, it is the closest found. tracking: of the core's
+    TrackOptions.
+    """
+    postures, reached = _solutions(chain, path, options)
+    if not reached or len(postures) == 1:
+        return postures[:1]
+    samples = np.unique(np.linspace(0, len(path) - 1, _LOOK_AHEAD).round().astype(int))
+    thin = path.only(samples)
+    tolerance, iterations, max_step = tracking
+    stride = math.ceil(len(path) / _LOOK_AHEAD)
+    track_options = _core.TrackOptions(tolerance, iterations, max_step * stride)
+    shares = thin.shares(midrange)
+    keys = []
+    for i, posture in enumerate(postures):
+        columns = _core.track(
+            chain, thin.positions, thin.orientations, posture, shares, track_options
+        )
+        keys.append((-len(columns[0]), _cost(chain, columns[0], thin.times), i))
+    return postures[[i for *_, i in sorted(keys)]]
+
+
+def _solutions(
+    chain: _core.Chain, path: TipPath, options: _core.IkOptions
+) -> tuple[Float64Array, bool]:
+    q, status, errors = solve_sample(chain, path, 0, _seeds(chain), options)
+    if not (status == 0).any():
+        return q[[np.argmin(errors)]], False
+    return _distinct(q[status == 0]), True
+
+
+def _seeds(chain: _core.Chain) -> Float64Array:
+    lower = np.maximum(chain.lower, -np.pi)
+    upper = np.minimum(chain.upper, np.pi)
+    samples = np.random.default_rng(0).uniform(0.0, 1.0, (_SEEDS - 1, len(lower)))
+    return np.vstack([chain.middle, lower + samples * (upper - lower)])
+
+
+def _distinct(q: Float64Array) -> Float64Array:
+    kept = q[:1]
+    for row in q[1:]:
+        if (np.abs(kept - row).max(axis=1) > _SAME_POSTURE).all():
+            kept = np.vstack([kept, row])
+    return kept
+
+
+def _cost(chain: _core.Chain, q: Float64Array, times: Float64Array) -> float:
+    """The largest joint speed as a share of its limit, more where joints come near limits."""
+    limit = np.where(np.isfinite(chain.velocity) & (chain.velocity > 0), chain.velocity, 1.0)
+    speeds = np.abs(np.diff(q, axis=0)) / np.diff(times[: len(q)])[:, None] / limit
+    margin = margins(chain.lower, chain.upper, q).min()
+    return float(speeds.max(initial=0.0)) * (1.0 + _NEAR_A_LIMIT / max(float(margin), 1e-9))
+
+
+def margins(lower: Float64Array, upper: Float64Array, q: Float64Array) -> Float64Array:
+    """(n,) the least distance of a joint to a limit as a share of its range; 0.5 at most."""
+    bounded = np.isfinite(lower) & np.isfinite(upper) & (lower < upper)
+    lower, upper, q = lower[bounded], upper[bounded], q[:, bounded]
+    shares = np.minimum(q - lower, upper - q) / (upper - lower)
+    return np.asarray(shares.min(axis=1, initial=0.5))

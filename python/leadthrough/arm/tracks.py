@@ -1,0 +1,83 @@
+"""A path of the tip and the joints that follow it, sample by sample: what the core takes, gives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from leadthrough import _core
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.motion import PoseTrajectory, Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class TipPath:
+    """times: (n,) s. positions: (n, 3) m. orientations: (n, 4) w, x, y, z, or no rows: free."""
+
+    times: Float64Array
+    positions: Float64Array
+    orientations: Float64Array
+
+    @staticmethod
+    def of(motion: Any) -> TipPath:
+        """The path of poses, or of points in 3-D. Raises InvalidInput."""
+        if isinstance(motion, PoseTrajectory):
+            return TipPath(motion.times, motion.positions, motion.orientations)
+        if isinstance(motion, Trajectory) and motion.positions.shape[1] == 3:
+            return TipPath(motion.times, motion.positions, np.empty((0, 4)))
+        what = type(motion).__name__
+        if isinstance(motion, Trajectory):
+            what += f" in {motion.positions.shape[1]}-D"
+        raise InvalidInput(f"motion: expected a PoseTrajectory or a Trajectory in 3-D, got {what}")
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def only(self, samples: Any) -> TipPath:
+        """The path of these samples alone."""
+        orientations = self.orientations[samples] if len(self.orientations) else self.orientations
+        return TipPath(self.times[samples], self.positions[samples], orientations)
+
+    def shares(self, rate: float) -> Float64Array:
+        """(n,) the part of a way that is gone between a sample and the one before at `rate` 1/s."""
+        return np.minimum(rate * np.diff(self.times, prepend=self.times[0]), 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Joints up to the first sample that was missed, with it.
+
+    reached: how many samples were not missed.
+    """
+
+    q: Float64Array
+    position_errors: Float64Array
+    orientation_errors: Float64Array
+    reached: int
+
+    @staticmethod
+    def of(
+        columns: tuple[Float64Array, Float64Array, Float64Array], allowed: tuple[float, float]
+    ) -> Track:
+        q, positions, orientations = columns
+        missed = positions[-1] > allowed[0] or orientations[-1] > allowed[1]
+        return Track(q, positions, orientations, len(q) - int(missed))
+
+
+# From the configuration at the first sample to a track.
+Follow = Callable[[Float64Array], Track]
+
+
+def solve_sample(
+    chain: _core.Chain, path: TipPath, i: int, seeds: Float64Array, options: _core.IkOptions
+) -> tuple[Float64Array, Any, Float64Array]:
+    """Configurations (m, joints), status codes and errors (m,) for one sample from many seeds."""
+    sample = path.only(np.full(len(seeds), i))
+    q, status, position_errors, orientation_errors, *_ = _core.solve_ik_batch(
+        chain, sample.positions, sample.orientations, seeds, options, 1
+    )
+    return q, status, position_errors + orientation_errors
