@@ -7,6 +7,9 @@ namespace leadthrough {
 
 namespace {
 
+// Keeps the damped matrix regular at singularities, (0.1 mm)^2: the box bounds the step.
+constexpr double kFloor = 1e-8;
+
 // Around interval k, from sample k - 1 to sample k. The arm stands still before the first sample
 // and after the last, for as long as the neighbouring interval takes.
 Interval interval_before(const Eigen::Ref<const Eigen::VectorXd>& times, Eigen::Index k) {
@@ -24,6 +27,13 @@ class Pursuit {
   Pursuit(const Chain& chain, const PursuitOptions& options, const JointArray& q,
           const IkTarget& first)
       : chain_(chain), options_(options), q_(q) {
+    double fastest = 0.0;
+    for (std::size_t i = 0; i < count(); ++i) {
+      const double limit = options.velocity[static_cast<Eigen::Index>(i)];
+      scale_[i] = std::isfinite(limit) && limit > 0.0 ? limit : 1.0;
+      fastest = std::max(fastest, scale_[i]);
+    }
+    for (std::size_t i = 0; i < count(); ++i) scale_[i] /= fastest;
     evaluate(chain_, first, q_.data(), lag_);
   }
 
@@ -45,6 +55,9 @@ class Pursuit {
   }
 
  private:
+  // A joint brakes softly before its position limit, so that the others can take over from it.
+  static constexpr double kPartOfBraking = 0.2;
+
   // The changes of the joints that their limits allow.
   DescentBounds box(const Interval& interval) const {
     DescentBounds bounds{};
@@ -53,7 +66,7 @@ class Pursuit {
       const RateLimits limits{options_.velocity[k], options_.acceleration[k]};
       const Span room{std::min(chain_.lower[k] - q_[i], 0.0),
                       std::max(chain_.upper[k] - q_[i], 0.0)};
-      const Span span = allowed_velocities(limits, interval, room, velocity_[i]);
+      const Span span = allowed_velocities(limits, interval, room, velocity_[i], kPartOfBraking);
       bounds.lower[i] = span.lower * interval.duration;
       bounds.upper[i] = span.upper * interval.duration;
     }
@@ -88,7 +101,7 @@ class Pursuit {
 
   double closing_share(double duration) const {
     constexpr double kPartOfAcceleration = 0.5;  // the path itself needs the rest
-    DampedNormal<M> normal(lag_, chain_.joints(), kDampingFloor + options_.damping,
+    DampedNormal<M> normal(lag_, chain_.joints(), kFloor + options_.damping,
                            [](int) { return true; });
     if (!normal.factorize(0.0)) return 1.0;
     const TaskVector<M> dual = normal.solve(lag_.error);
@@ -109,7 +122,7 @@ class Pursuit {
   void move(const IkTarget& target, const DescentBounds& bounds, const JointArray& pull) {
     constexpr int kIterations = 8;
     constexpr double kEnough = 1e-9;  // rad or m of a joint
-    const double damping = kDampingFloor + options_.damping;
+    const double damping = kFloor + options_.damping;
     for (std::size_t i = 0; i < count(); ++i)
       step_[i] = std::clamp(0.0, bounds.lower[i], bounds.upper[i]);
     JointArray rest = pull;
@@ -117,18 +130,19 @@ class Pursuit {
       evaluate_moved(target);
       JointArray lower{}, upper{};
       for (std::size_t i = 0; i < count(); ++i) {
-        lower[i] = bounds.lower[i] - step_[i];
-        upper[i] = bounds.upper[i] - step_[i];
+        task_.columns[i] *= scale_[i];
+        lower[i] = (bounds.lower[i] - step_[i]) / scale_[i];
+        upper[i] = (bounds.upper[i] - step_[i]) / scale_[i];
         if (iteration == 0)
-          rest[i] -= step_[i];
+          rest[i] = (pull[i] - step_[i]) / scale_[i];
         else
-          rest[i] = options_.damping / damping * (pull[i] - step_[i]);
+          rest[i] = options_.damping / damping * (pull[i] - step_[i]) / scale_[i];
       }
       const JointArray change = boxed_step(task_, chain_.joints(), damping, rest, lower, upper);
       double largest = 0.0;
       for (std::size_t i = 0; i < count(); ++i) {
-        step_[i] = std::clamp(step_[i] + change[i], bounds.lower[i], bounds.upper[i]);
-        largest = std::max(largest, std::abs(change[i]));
+        step_[i] = std::clamp(step_[i] + scale_[i] * change[i], bounds.lower[i], bounds.upper[i]);
+        largest = std::max(largest, scale_[i] * std::abs(change[i]));
       }
       if (largest <= kEnough) break;
     }
@@ -145,6 +159,7 @@ class Pursuit {
   const Chain& chain_;
   const PursuitOptions& options_;
   JointArray q_;
+  JointArray scale_{};  // each joint's speed against the fastest one's: the slow are spared
   JointArray velocity_{};
   JointArray step_{};
   Task<M> task_, lag_;

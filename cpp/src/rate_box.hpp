@@ -36,16 +36,18 @@ struct RateLimits {
 };
 
 // Mean velocities allowed over `interval` to a joint that moved at `last` before it, with the
-// position limits `room.lower` (<= 0) and `room.upper` away. Never empty where `last` was allowed.
+// position limits `room.lower` (<= 0) and `room.upper` away, braking
+// before them with a part of the acceleration limit. Never empty where `last` was allowed.
 inline Span allowed_velocities(const RateLimits& limits, const Interval& interval, const Span& room,
-                               double last) {
+                               double last, double part_of_braking) {
   const double change = limits.acceleration * interval.since_last;
   // 0 / 0 is no bound: an acceleration without limit stops the joint at once.
   const double rest = std::isinf(limits.acceleration) ? std::numeric_limits<double>::infinity()
                                                       : limits.acceleration * interval.until_rest;
   const double most = std::min(limits.velocity, rest);
-  const double up = braking_velocity(room.upper, limits.acceleration, interval.duration);
-  const double down = braking_velocity(-room.lower, limits.acceleration, interval.duration);
+  const double braking = part_of_braking * limits.acceleration;
+  const double up = braking_velocity(room.upper, braking, interval.duration);
+  const double down = braking_velocity(-room.lower, braking, interval.duration);
   const double upper = std::min({last + change, most, up});
   const double lower = std::max({last - change, -most, -down});
   return {std::min(lower, upper), upper};  // apart from rounding

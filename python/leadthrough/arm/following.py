@@ -79,7 +79,7 @@ def follow(
     )
     gives = check.choice(too_fast, "too_fast", _WHAT_GIVES)
     stated = _deviation(deviation, gives, allowed)
-    solver = ik_options(midrange=1.0 if midrange > 0 and seed is None else 0.0)
+    solver = ik_options(midrange=0.0)
     track = _best(follower, _starts(follower, seed, midrange, solver), gives, stated)
     if track.reached < len(path):
         raise _failure(follower, track, solver, gives)
@@ -132,7 +132,11 @@ class _Follower:
 
     def deviating(self, start: Float64Array, deviation: tuple[float, float]) -> Track:
         """The track that stays nearest to the path, of several dampings."""
-        tracks = [self.in_time(start, damping, deviation) for damping in _DAMPINGS]
+        tracks = []
+        for damping in _DAMPINGS:
+            tracks.append(self.in_time(start, damping, deviation))
+            if _distance(tracks[-1], self.allowed) <= 1.0:
+                break
         return min(tracks, key=lambda track: (-track.reached, _distance(track, deviation)))
 
 
@@ -176,7 +180,7 @@ def _starts(
 def _best(
     follower: _Follower, starts: Float64Array, gives: str, deviation: tuple[float, float]
 ) -> Track:
-    """The track of the first start that reaches the end, else the one that gets furthest."""
+    """The track of the first start that reaches the end with nothing given up, else the best."""
     best: Track | None = None
     for start in starts:
         if gives in ("keep", "slow"):
@@ -185,12 +189,16 @@ def _best(
             track = follower.in_time(start, 0.0, deviation)
         else:
             track = follower.deviating(start, deviation)
-        if best is None or track.reached > best.reached:
+        if best is None or _rank(track, deviation) < _rank(best, deviation):
             best = track
-        if best.reached == len(follower.path):
+        if best.reached == len(follower.path) and _distance(best, follower.allowed) <= 1.0:
             break
     assert best is not None
     return best
+
+
+def _rank(track: Track, unit: tuple[float, float]) -> tuple[int, float]:
+    return -track.reached, _distance(track, unit)
 
 
 def _distance(track: Track, unit: tuple[float, float]) -> float:
