@@ -56,7 +56,7 @@ class Pursuit {
 
  private:
   // A joint brakes softly before its position limit, so that the others can take over from it.
-  static constexpr double kPartOfBraking = 0.2;
+  static constexpr double kPartOfBraking = 0.5;
 
   // The changes of the joints that their limits allow.
   DescentBounds box(const Interval& interval) const {
