@@ -138,6 +138,7 @@ void bind_chain(py::module_& module) {
              return value_or_raise(make_chain(robot, base, tip));
            }),
            py::arg("robot"), py::arg("base"), py::arg("tip"))
+      .def_property_readonly("joints", &Chain::joints)
       .def_readonly("joint_names", &Chain::joint_names)
       .def_readonly("lower", &Chain::lower)
       .def_readonly("upper", &Chain::upper)

@@ -23,6 +23,7 @@ from leadthrough.io.atomic import replacing
 
 FILES = [
     "bench_arm",
+    "bench_dynamics",
     "bench_eikonal",
     "bench_replan",
 ]

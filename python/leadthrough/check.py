@@ -19,6 +19,7 @@ Float64Array = NDArray[np.float64]
 
 # A recorded quaternion is off by its format's rounding; more than this is not a rotation.
 UNIT_LENGTH_TOLERANCE = 1e-2
+_FEW = 1000
 
 
 def array(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
@@ -27,15 +28,7 @@ def array(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
     shape: an int is that size, a name any size (the same wherever it stands again), so
     ("n", 3) is any number of rows of three. The result may share memory with `value`.
     """
-    result = _numeric(value, name)
-    if not _fits(result.shape, shape):
-        raise InvalidInput(f"{name}: expected shape {_shape_text(shape)}, got {result.shape}")
-    # The inner product is a quick proof; beyond its range it proves nothing.
-    if not math.isfinite(np.vdot(result, result)) and not np.isfinite(result).all():
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(result))[0])
-        position = f" at index {where if len(where) > 1 else where[0]}" if where else ""
-        raise InvalidInput(f"{name}: expected finite numbers, got {result[where]}{position}")
-    return result
+    return _checked(_numeric(value, name), name, shape)
 
 
 def array_of_rank(value: Any, name: str, *, shapes: Sequence[Sequence[int | str]]) -> Float64Array:
@@ -43,7 +36,7 @@ def array_of_rank(value: Any, name: str, *, shapes: Sequence[Sequence[int | str]
     result = _numeric(value, name)
     for shape in shapes:
         if len(shape) == result.ndim:
-            return array(result, name, shape=shape)
+            return _checked(result, name, shape)
     wanted = " or ".join(_shape_text(shape) for shape in shapes)
     raise InvalidInput(f"{name}: expected shape {wanted}, got {result.shape}")
 
@@ -138,6 +131,16 @@ def choice(value: Any, name: str, options: Collection[str]) -> str:
     return value
 
 
+def _checked(result: Float64Array, name: str, shape: Sequence[int | str]) -> Float64Array:
+    if not _fits(result.shape, shape):
+        raise InvalidInput(f"{name}: expected shape {_shape_text(shape)}, got {result.shape}")
+    if not _is_finite(result):
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(result))[0])
+        position = f" at index {where if len(where) > 1 else where[0]}" if where else ""
+        raise InvalidInput(f"{name}: expected finite numbers, got {result[where]}{position}")
+    return result
+
+
 def _numeric(value: Any, name: str) -> Float64Array:
     try:
         raw = np.asarray(value)
@@ -149,6 +152,14 @@ def _numeric(value: Any, name: str) -> Float64Array:
         # Booleans, complex numbers, strings and objects would be turned into something plausible.
         raise InvalidInput(f"{name}: expected numbers, got {_short(value)} of dtype {raw.dtype}")
     return np.ascontiguousarray(raw, dtype=np.float64).reshape(raw.shape)
+
+
+def _is_finite(values: Float64Array) -> bool:
+    # The inner product is a quick proof for few numbers (for many, BLAS wakes its threads); beyond
+    # its range it proves nothing.
+    if values.size <= _FEW and math.isfinite(np.vdot(values, values)):
+        return True
+    return bool(np.isfinite(values).all())
 
 
 def _fits(actual: tuple[int, ...], shape: Sequence[int | str]) -> bool:

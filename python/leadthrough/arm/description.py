@@ -69,7 +69,7 @@ def _limits(arm: Arm, joint: _core.Joint) -> Iterator[str]:
             yield "none"
         else:
             degrees = name in ("lower", "upper") and joint.kind != "prismatic"
-            yield f"{column[i]:.4g}" + f" ({np.degrees(column[i]):.1f})" * degrees
+            yield _number(column[i]) + f" ({np.degrees(column[i]):.1f})" * degrees
 
 
 def _carried(arm: Arm) -> Iterator[str]:
@@ -87,7 +87,12 @@ def _carried(arm: Arm) -> Iterator[str]:
 
 
 def _numbers(values: np.typing.NDArray[np.float64]) -> str:
-    return "(" + ", ".join(f"{value + 0.0:.4g}" for value in values) + ")"
+    return "(" + ", ".join(_number(value) for value in values) + ")"
+
+
+def _number(value: float) -> str:
+    # Neither -0 nor 1e+04.
+    return f"{value + 0.0:.0f}" if abs(value) >= 1000 else f"{value + 0.0:.4g}"
 
 
 def _rendered(table: Table) -> str:

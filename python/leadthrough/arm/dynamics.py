@@ -38,8 +38,8 @@ def mass_matrix(chain: _core.Chain, q: Any) -> Float64Array:
     """See `Arm.mass_matrix`."""
     _require_masses(chain)
     batch, (rows,) = joint_rows(chain, q=q)
-    joints = len(chain.joint_names)
-    matrices = finite(_core.mass_matrix(chain, rows)).reshape(len(rows), joints, joints)
+    shape = (len(rows), chain.joints, chain.joints)
+    matrices = finite(_core.mass_matrix(chain, rows)).reshape(shape)
     return matrices if batch else matrices[0]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -59,11 +59,14 @@ def joint_rows(chain: _core.Chain, **values: Any) -> tuple[bool, list[Float64Arr
 
     values: all (joints,) or all (m, joints) with the same m. Raises InvalidInput.
     """
-    joints = len(chain.joint_names)
-    (first, value), *others = values.items()
-    rows = check.array_of_rank(value, first, shapes=[(joints,), ("m", joints)])
-    checked = [check.array(other, name, shape=rows.shape) for name, other in others]
-    return rows.ndim == 2, [np.atleast_2d(array) for array in (rows, *checked)]
+    shapes: Sequence[tuple[int | str, ...]] = ((chain.joints,), ("m", chain.joints))
+    rows = []
+    for name, value in values.items():
+        rows.append(check.array_of_rank(value, name, shapes=shapes))
+        shapes = (rows[0].shape,)
+    if rows[0].ndim == 2:
+        return True, rows
+    return False, [row[None] for row in rows]
 
 
 def finite(result: Float64Array) -> Float64Array:
@@ -81,5 +84,5 @@ def _matrices(
     kernel: Callable[..., Float64Array], chain: _core.Chain, **values: Any
 ) -> Float64Array:
     batch, rows = joint_rows(chain, **values)
-    matrices = finite(kernel(chain, *rows)).reshape(len(rows[0]), 6, len(chain.joint_names))
+    matrices = finite(kernel(chain, *rows)).reshape(len(rows[0]), 6, chain.joints)
     return matrices if batch else matrices[0]

@@ -6,7 +6,8 @@
     [joints]
     shoulder_pan_joint = { velocity = 3.14, acceleration = 10.0, jerk = 100.0 }
 
-A joint's lower, upper, velocity and effort override the URDF's; a URDF has no acceleration or jerk.
+A joint's lower, upper, velocity and effort override the URDF's, and what joints that mimic it leave
+of its range as well; a URDF has no acceleration or jerk.
 """
 
 from __future__ import annotations

@@ -17,7 +17,8 @@ def test_every_joint_stands_in_a_line_with_its_limits(name):
     for i, joint in enumerate(arm.joint_names):
         line = line_of(text, joint)
         for quantity in ("velocity", "acceleration", "jerk", "effort"):
-            assert f"{getattr(arm.limits, quantity)[i]:.4g}" in line
+            value = getattr(arm.limits, quantity)[i]
+            assert f"{value:.{4 if value < 1000 else 0}{'g' if value < 1000 else 'f'}}" in line
     assert "\x1b" not in text
     assert max(map(len, text.splitlines())) <= 130
 

@@ -1,0 +1,52 @@
+"""What a Panda's joints must hold, alone and with a drill, and how well its posture can move.
+
+Writes load.png: python python/demos/08_feel_the_load.py [FOLDER]
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import leadthrough as lt
+
+folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
+arm = lt.Arm.load("panda")
+
+# A drill: 2 kg about 10 cm beyond the fingers' tips, its bit 25 cm ahead of them.
+drill = lt.Capsule(0.04, 0.12, (0.0, 0.0, 0.1))
+drilling = arm.with_attached(drill, mass=2.0).with_tool((0.25, 0.0, 0.1))
+print(drilling.describe())
+
+# Reaching out, from the chest until the elbow is almost straight.
+phase = np.linspace(0.0, 1.0, 201)
+swing = 10 * phase**3 - 15 * phase**4 + 6 * phase**5
+near, far = (
+    np.array([0.0, -1.0, 0.0, -2.7, 0.0, 1.7, 0.8]),
+    np.array([0.0, 1.2, 0.0, -0.2, 0, 1.5, 0.8]),
+)
+positions = near + np.outer(swing, far - near)
+motion = lt.differentiate(lt.JointTrajectory(2.5 * phase, positions, joint_names=arm.joint_names))
+moves = (motion.positions, motion.velocities, motion.accelerations)
+
+figure = Figure(figsize=(10, 6), layout="constrained")
+(alone, loaded), (posture, volume) = figure.subplots(2, 2, sharex=True)
+loaded.sharey(alone)
+for axes, robot, title in ((alone, arm, "alone"), (loaded, drilling, "with a drill of 2 kg")):
+    torques = 100 * robot.inverse_dynamics(*moves) / arm.limits.effort
+    axes.plot(motion.times, torques, label=[f"joint {i + 1}" for i in range(7)])
+    axes.plot(motion.times, 100 * robot.gravity_torques(moves[0]) / arm.limits.effort, "k:", lw=1)
+    axes.set_title(f"{title}: torque, % of the limit (dotted: gravity)", fontsize=10)
+    joint = int(np.abs(torques).max(axis=0).argmax())
+    print(f"{title}: at most {np.abs(torques).max():.0f} % of the limit, in joint {joint + 1}")
+    for axes_, value in ((posture, robot.condition_number), (volume, robot.manipulability)):
+        axes_.semilogy(motion.times, value(moves[0]), label=title)
+alone.legend(fontsize=8)
+posture.set_title("condition number (0.3 m a rad)", fontsize=10)
+volume.set_title("manipulability: no tool changes it", fontsize=10)
+posture.legend(fontsize=8)
+for axes in (posture, volume):
+    axes.set_xlabel("time in s")
+figure.savefig(folder / "load.png", dpi=120)
+print(f"wrote {folder / 'load.png'}")
