@@ -1,6 +1,8 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <map>
+
 #include "leadthrough/ik.hpp"
 #include "leadthrough/so3.hpp"
 #include "leadthrough/urdf.hpp"
@@ -89,6 +91,13 @@ const char* kind(const urdf::Joint& joint) {
   return "";
 }
 
+std::map<std::string, std::size_t> collisions(const urdf::Robot& robot) {
+  std::map<std::string, std::size_t> counts;
+  for (const urdf::Link& link : robot.links)
+    if (!link.collisions.empty()) counts[link.name] = link.collisions.size();
+  return counts;
+}
+
 std::vector<std::string> leaf_names(const urdf::Robot& robot) {
   std::vector<bool> is_leaf(robot.links.size(), true);
   for (const urdf::Joint& joint : robot.joints)
@@ -129,6 +138,7 @@ void bind_chain(py::module_& module) {
       .def_property_readonly("links", &link_names)
       .def_property_readonly("joints", &joint_names)
       .def_property_readonly("leaves", &leaf_names)
+      .def_property_readonly("collisions", &collisions)
       .def_property_readonly("meshes", &meshes)
       .def("path", &path, py::arg("base"), py::arg("tip"))
       .def("hold", &hold, py::arg("values"));

@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "run_down.hpp"
+
 namespace leadthrough {
 
 namespace {
@@ -41,19 +43,20 @@ void slide(BodyMotion& body, double q, double qd) {
 
 }  // namespace
 
-Frame tip_frame(const Chain& chain) {
-  return {chain.joints(), chain.fixed[static_cast<std::size_t>(chain.joints())]};
-}
+Frame tip_frame(const Chain& chain) { return {chain.moving, chain.fixed[moving_count(chain)]}; }
 
 void body_motions(const Chain& chain, const double* q, const double* qd, BodyMotions& bodies) {
+  MovingValues values_room, rates_room;
+  const double* values = moving_values(chain, q, values_room);
+  const double* rates = moving_rates(chain, qd, rates_room);
   BodyMotion body = at_rest();
-  for (std::size_t i = 0; i < static_cast<std::size_t>(chain.joints()); ++i) {
+  for (std::size_t i = 0; i < moving_count(chain); ++i) {
     body = carried(body, body.rotation * chain.fixed[i].position);
     body.rotation = (body.rotation * chain.fixed[i].rotation).eval();
     if (chain.prismatic[i])
-      slide(body, q[i], qd[i]);
+      slide(body, values[i], rates[i]);
     else
-      turn(body, q[i], qd[i]);
+      turn(body, values[i], rates[i]);
     bodies[i] = body;
   }
 }
@@ -68,13 +71,16 @@ BodyMotion frame_motion(const BodyMotions& bodies, const Frame& frame) {
 FrameJacobian frame_jacobian(const Chain& chain, const BodyMotions& bodies, const Frame& frame) {
   FrameJacobian jacobian = FrameJacobian::Zero(6, chain.joints());
   const Eigen::Vector3d position = frame_motion(bodies, frame).position;
-  for (int i = 0; i < frame.joints; ++i) {
-    const BodyMotion& body = bodies[static_cast<std::size_t>(i)];
-    const Eigen::Vector3d axis = body.rotation.col(2);
-    if (chain.prismatic[static_cast<std::size_t>(i)])
-      jacobian.col(i).head<3>() = axis;
-    else
-      jacobian.col(i) << axis.cross(position - body.position), axis;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(frame.joints); ++i) {
+    const Drive& drive = chain.drives[i];
+    const Eigen::Vector3d axis = drive.multiplier * bodies[i].rotation.col(2);
+    auto column = jacobian.col(drive.joint);
+    if (chain.prismatic[i]) {
+      column.head<3>() += axis;
+    } else {
+      column.head<3>() += axis.cross(position - bodies[i].position);
+      column.tail<3>() += axis;
+    }
   }
   return jacobian;
 }

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "kdl_chain.hpp"
+#include "leadthrough/frame_kinematics.hpp"
 #include "leadthrough/jacobian.hpp"
 #include "robots.hpp"
 
@@ -37,6 +38,32 @@ TEST(Jacobian, DerivativeAgreesWithKdl) {
     for (Eigen::Index i = 0; i < chain.joints(); ++i)
       EXPECT_LE((derivative[static_cast<std::size_t>(i)] - expected.data.col(i)).norm(), 1e-12);
   }
+}
+
+TEST(Jacobian, FramesAndColumnsAgreeWhereJointsMimic) {
+  std::string text = test::crooked_arm();
+  text.insert(text.find("</joint>", text.find("'j4'")), "<mimic joint='j2' multiplier='-1.5'/>");
+  text.insert(text.find("</joint>", text.find("'lift'")), "<mimic joint='j5' multiplier='0.1'/>");
+  const urdf::Robot robot = std::get<urdf::Robot>(urdf::parse(text));
+  const Chain chain = std::get<Chain>(make_chain(robot, "l0", "l9"));
+  ASSERT_EQ(chain.joints(), 5);
+  const Rows q = random_rows(1, 5, 6), qd = random_rows(1, 5, 7);
+  BodyMotions bodies;
+  body_motions(chain, q.data(), qd.data(), bodies);
+  const FrameJacobian frame = frame_jacobian(chain, bodies, tip_frame(chain));
+  Kinematics kinematics;
+  forward_kinematics(chain, q.data(), kinematics);
+  JacobianColumns derivative;
+  jacobian_derivative(chain, q.data(), qd.data(), derivative);
+  Vector6 rest = Vector6::Zero();  // J' qd
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_LE((frame.col(i) - kinematics.jacobian[static_cast<std::size_t>(i)]).norm(), 1e-13);
+    rest += qd(0, i) * derivative[static_cast<std::size_t>(i)];
+  }
+  const BodyMotion tip = frame_motion(bodies, tip_frame(chain));
+  EXPECT_LE((tip.position - kinematics.T_base_tip.position).norm(), 1e-14);
+  EXPECT_LE((tip.acceleration - rest.head<3>()).norm(), 1e-12);
+  EXPECT_LE((tip.angular_acceleration - rest.tail<3>()).norm(), 1e-12);
 }
 
 TEST(Jacobian, BatchesHoldTheMatricesByRows) {

@@ -9,7 +9,7 @@
 
 namespace leadthrough {
 
-// A frame that moves with the first `joints` joints of a chain.
+// A frame that moves with the first `joints` moving joints of a chain.
 struct Frame {
   int joints = 0;
   urdf::Transform T_joint_frame;  // from the last of these joints, turned about its z
@@ -26,7 +26,7 @@ struct BodyMotion {
   Eigen::Vector3d acceleration, angular_acceleration;  // without the joints' own
 };
 
-// What each joint carries; its axis is the third column of its rotation.
+// What each moving joint carries; its axis is the third column of its rotation.
 using BodyMotions = std::array<BodyMotion, kMaxJoints>;
 void body_motions(const Chain& chain, const double* q, const double* qd, BodyMotions& bodies);
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import textwrap
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -82,6 +83,9 @@ def _carried(arm: Arm) -> Iterator[str]:
     yield f"tool: tip at {_numbers(position)} m, {_numbers(orientation)} (w, x, y, z) in {arm.tip}"
     mass = sum(load.mass for load in arm.attachment.loads)
     yield f"load: {mass:.4g} kg"
+    shapes = arm._robot.collisions.items()
+    told = ", ".join(f"{link} {count}" for link, count in shapes) or "none"
+    yield textwrap.fill(f"collision shapes by link: {told}", width=100, subsequent_indent="  ")
     for shape in arm.attached:
         yield f"holds: {type(shape).__name__} at {_numbers(shape.position)} m in {arm.tip}"
 
