@@ -146,8 +146,7 @@ std::variant<Robot, Error> parse(const std::string& document) {
   try {
     auto collisions = read_collisions(document);
     if (const auto* error = std::get_if<Error>(&collisions)) return *error;
-    const ::urdf::ModelInterfaceSharedPtr model =
-        ::urdf::parseURDF(without_capsules(document));
+    const ::urdf::ModelInterfaceSharedPtr model = ::urdf::parseURDF(without_capsules(document));
     if (!model || !model->getRoot())
       return Error{"robot", "urdfdom cannot read it; its reason is on standard error"};
     auto robot = to_robot(*model);
