@@ -3,6 +3,7 @@
 from leadthrough.arm.arm import Arm
 from leadthrough.arm.differential import DifferentialIk, JointState
 from leadthrough.arm.limits import JointLimits, read_limits
+from leadthrough.arm.path_report import PathReport
 from leadthrough.arm.results import IkBatch, IkResult
 from leadthrough.arm.task_stack import StackRun, StackSolution, TaskReport, TaskStack, resolve
 from leadthrough.arm.tasks import (
@@ -26,6 +27,7 @@ __all__ = [
     "JointLimits",
     "JointState",
     "ObstacleTask",
+    "PathReport",
     "PoseTask",
     "PositionTask",
     "PostureTask",

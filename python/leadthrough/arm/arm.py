@@ -20,6 +20,7 @@ from leadthrough.arm import (
 )
 from leadthrough.arm.attachment import Attachment, Load
 from leadthrough.arm.limits import JointLimits
+from leadthrough.arm.path_report import PathReport, path_report
 from leadthrough.arm.results import IkBatch, IkResult
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
@@ -257,12 +258,27 @@ class Arm:
     ) -> JointTrajectory:
         """Joint positions and velocities that take the tip along a motion without a jump.
 
-        See `following.follow` for the options. Raises InvalidInput, IkFailure.
+        seed: (joints,), where the search for the first posture starts. options: those of
+        `following.follow`; `too_fast` says what gives where the arm's limits of velocity and
+        acceleration cannot keep the motion's pace: those limits ("keep", to be slowed down later),
+        the times ("slow") or the path ("deviate"), or nothing ("raise").
+        Raises InvalidInput, IkFailure, LimitsInfeasible.
         """
         start = None if seed is None else self._joints(seed, "seed")
-        return following.follow(
-            self._chain, motion, limits=self.limits, seed=start, **options
-        )
+        return following.follow(self._chain, motion, limits=self.limits, seed=start, **options)
+
+    def path_report(
+        self,
+        trajectory: JointTrajectory,
+        motion: Trajectory | PoseTrajectory,
+        **tolerances: float,
+    ) -> PathReport:
+        """How each sample of `trajectory` keeps to the motion's sample and to the arm's limits.
+
+        tolerances: position_tolerance 1e-4 m and orientation_tolerance 1e-3 rad, for the verdict.
+        Times may differ; a violation does not raise. Raises InvalidInput.
+        """
+        return path_report(self._chain, self.limits, trajectory, motion, **tolerances)
 
     def _joints(self, value: Any, name: str) -> Float64Array:
         return check.array(value, name, shape=(len(self.joint_names),))

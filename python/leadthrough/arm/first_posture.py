@@ -13,12 +13,17 @@ import math
 import numpy as np
 
 from leadthrough import _core
-from leadthrough.arm.tracks import TipPath, Track, solve_sample
+from leadthrough.arm.options import ik_options
+from leadthrough.arm.tracks import TipPath, solve_sample
 from leadthrough.check import Float64Array
 
 # Seeds for the first sample. An arm with a wrist has up to eight postures, and each more in which
 # a joint has turned once around; a redundant arm has a curve of them.
 _SEEDS = 48
+# The first of them also lead to the point of their curve that is nearest to the middle.
+_CENTRED_SEEDS = 16
+# Postures to return at most.
+_POSTURES = 24
 # Two postures nearer than this in every joint are one, rad or m.
 _SAME_POSTURE = 1e-2
 # Samples to look ahead over.
@@ -31,40 +36,40 @@ def first_postures(
     chain: _core.Chain,
     path: TipPath,
     *,
+    velocity: Float64Array,
     midrange: float,
-    options: _core.IkOptions,
     tracking: tuple[_core.IkTolerance, int, float],
 ) -> Float64Array:
     """Postures (m, joints) for the first sample, the most promising first; at least one.
 
-    Where no posture reaches the first sample, it is the closest found. tracking: of the core's
-    TrackOptions.
+    Where no posture reaches the first sample, it is the closest found. velocity: limits, rad/s
+    (m/s). midrange: rate of the pull to the middle, 1/s. tracking: of the core's TrackOptions.
     """
-    postures, reached = _solutions(chain, path, options)
+    postures, reached = _solutions(chain, path)
     if not reached or len(postures) == 1:
         return postures[:1]
     samples = np.unique(np.linspace(0, len(path) - 1, _LOOK_AHEAD).round().astype(int))
     thin = path.only(samples)
     tolerance, iterations, max_step = tracking
     stride = math.ceil(len(path) / _LOOK_AHEAD)
-    track_options = _core.TrackOptions(tolerance, iterations, max_step * stride)
+    options = _core.TrackOptions(tolerance, iterations, max_step * stride)
     shares = thin.shares(midrange)
     keys = []
     for i, posture in enumerate(postures):
-        columns = _core.track(
-            chain, thin.positions, thin.orientations, posture, shares, track_options
-        )
-        keys.append((-len(columns[0]), _cost(chain, columns[0], thin.times), i))
-    return postures[[i for *_, i in sorted(keys)]]
+        q, *_ = _core.track(chain, thin.positions, thin.orientations, posture, shares, options)
+        keys.append((-len(q), _cost(chain, q, thin.times, velocity), i))
+    return postures[[i for *_, i in sorted(keys)[:_POSTURES]]]
 
 
-def _solutions(
-    chain: _core.Chain, path: TipPath, options: _core.IkOptions
-) -> tuple[Float64Array, bool]:
-    q, status, errors = solve_sample(chain, path, 0, _seeds(chain), options)
+def _solutions(chain: _core.Chain, path: TipPath) -> tuple[Float64Array, bool]:
+    seeds = _seeds(chain)
+    q, status, errors = solve_sample(chain, path, 0, seeds, ik_options())
     if not (status == 0).any():
         return q[[np.argmin(errors)]], False
-    return _distinct(q[status == 0]), True
+    centred, its_status, _ = solve_sample(
+        chain, path, 0, seeds[:_CENTRED_SEEDS], ik_options(midrange=1.0)
+    )
+    return _distinct(np.vstack([q[status == 0], centred[its_status == 0]])), True
 
 
 def _seeds(chain: _core.Chain) -> Float64Array:
@@ -82,9 +87,11 @@ def _distinct(q: Float64Array) -> Float64Array:
     return kept
 
 
-def _cost(chain: _core.Chain, q: Float64Array, times: Float64Array) -> float:
+def _cost(
+    chain: _core.Chain, q: Float64Array, times: Float64Array, velocity: Float64Array
+) -> float:
     """The largest joint speed as a share of its limit, more where joints come near limits."""
-    limit = np.where(np.isfinite(chain.velocity) & (chain.velocity > 0), chain.velocity, 1.0)
+    limit = np.where(np.isfinite(velocity) & (velocity > 0), velocity, 1.0)
     speeds = np.abs(np.diff(q, axis=0)) / np.diff(times[: len(q)])[:, None] / limit
     margin = margins(chain.lower, chain.upper, q).min()
     return float(speeds.max(initial=0.0)) * (1.0 + _NEAR_A_LIMIT / max(float(margin), 1e-9))

@@ -79,10 +79,9 @@ def follow(
     )
     gives = check.choice(too_fast, "too_fast", _WHAT_GIVES)
     stated = _deviation(deviation, gives, allowed)
-    solver = ik_options(midrange=0.0)
-    track = _best(follower, _starts(follower, seed, midrange, solver), gives, stated)
+    track = _best(follower, _starts(follower, seed, midrange), gives, stated)
     if track.reached < len(path):
-        raise _failure(follower, track, solver, gives)
+        raise _failure(follower, track, gives)
     if gives == "keep":
         return _trajectory(chain, path.times, track.q, _velocities(path.times, track.q))
     times = _slowed(chain, path.times, track.q, limits) if gives == "slow" else path.times
@@ -147,9 +146,7 @@ def acceleration(limits: JointLimits) -> Float64Array:
     return limits.acceleration
 
 
-def _deviation(
-    deviation: Any, gives: str, allowed: tuple[float, float]
-) -> tuple[float, float]:
+def _deviation(deviation: Any, gives: str, allowed: tuple[float, float]) -> tuple[float, float]:
     if gives != "deviate":
         if deviation is not None:
             raise InvalidInput('deviation: expected None but with too_fast="deviate"')
@@ -163,16 +160,14 @@ def _deviation(
     )
 
 
-def _starts(
-    follower: _Follower, seed: Float64Array | None, midrange: float, solver: _core.IkOptions
-) -> Float64Array:
+def _starts(follower: _Follower, seed: Float64Array | None, midrange: float) -> Float64Array:
     if seed is not None:
-        return solve_sample(follower.chain, follower.path, 0, seed[None], solver)[0]
+        return solve_sample(follower.chain, follower.path, 0, seed[None], ik_options())[0]
     return first_postures(
         follower.chain,
         follower.path,
+        velocity=follower.limits.velocity,
         midrange=midrange,
-        options=solver,
         tracking=(follower.tolerance, _SAMPLE_ITERATIONS, follower.max_step),
     )
 
@@ -236,12 +231,10 @@ def _trajectory(
     return JointTrajectory(times, q, velocities=velocities, joint_names=names)
 
 
-def _failure(
-    follower: _Follower, track: Track, solver: _core.IkOptions, gives: str
-) -> IkFailure:
+def _failure(follower: _Follower, track: Track, gives: str) -> IkFailure:
     i, chain, path = track.reached, follower.chain, follower.path
     residual = (float(track.position_errors[i]), float(track.orientation_errors[i]))
-    _, status, _ = solve_sample(chain, path, i, track.q[i : i + 1], solver)
+    _, status, _ = solve_sample(chain, path, i, track.q[i : i + 1], ik_options())
     on_the_way = "jump" if gives in ("keep", "slow") else "too_fast"
     reason = STATUSES[status[0]] if status[0] else on_the_way
     hint = " (reachable, but not from the sample before)" if reason == on_the_way else ""
