@@ -9,6 +9,7 @@ move slowly and stay away from their limits.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,14 +23,28 @@ from leadthrough.check import Float64Array
 _SEEDS = 48
 # The first of them also lead to the point of their curve that is nearest to the middle.
 _CENTRED_SEEDS = 16
-# Postures to return at most.
-_POSTURES = 24
+# Starts to return at most.
+_STARTS = 24
 # Two postures nearer than this in every joint are one, rad or m.
 _SAME_POSTURE = 1e-2
 # Samples to look ahead over.
 _LOOK_AHEAD = 100
 # A joint that comes this near to a limit, as a share of its range, costs as much as double speed.
 _NEAR_A_LIMIT = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """q: (joints,) at the first sample. midrange: rate of the pull to the middle from there."""
+
+    q: Float64Array
+    midrange: float
+
+
+def seeded(chain: _core.Chain, path: TipPath, seed: Float64Array, midrange: float) -> list[Start]:
+    """The starts next to `seed`; without the pull as well, in case that it leads astray."""
+    (q,), *_ = solve_sample(chain, path, 0, seed[None], ik_options())
+    return [Start(q, rate) for rate in _rates(midrange)]
 
 
 def first_postures(
@@ -39,26 +54,31 @@ def first_postures(
     velocity: Float64Array,
     midrange: float,
     tracking: tuple[_core.IkTolerance, int, float],
-) -> Float64Array:
-    """Postures (m, joints) for the first sample, the most promising first; at least one.
+) -> list[Start]:
+    """Starts for the path, the most promising first; at least one.
 
     Where no posture reaches the first sample, it is the closest found. velocity: limits, rad/s
     (m/s). midrange: rate of the pull to the middle, 1/s. tracking: of the core's TrackOptions.
     """
     postures, reached = _solutions(chain, path)
-    if not reached or len(postures) == 1:
-        return postures[:1]
+    starts = [Start(q, rate) for q in postures for rate in _rates(midrange)]
+    if not reached or len(starts) == 1:
+        return starts[:1]
     samples = np.unique(np.linspace(0, len(path) - 1, _LOOK_AHEAD).round().astype(int))
     thin = path.only(samples)
     tolerance, iterations, max_step = tracking
     stride = math.ceil(len(path) / _LOOK_AHEAD)
     options = _core.TrackOptions(tolerance, iterations, max_step * stride)
-    shares = thin.shares(midrange)
     keys = []
-    for i, posture in enumerate(postures):
-        q, *_ = _core.track(chain, thin.positions, thin.orientations, posture, shares, options)
+    for i, start in enumerate(starts):
+        shares = thin.shares(start.midrange)
+        q, *_ = _core.track(chain, thin.positions, thin.orientations, start.q, shares, options)
         keys.append((-len(q), _cost(chain, q, thin.times, velocity), i))
-    return postures[[i for *_, i in sorted(keys)[:_POSTURES]]]
+    return [starts[i] for *_, i in sorted(keys)[:_STARTS]]
+
+
+def _rates(midrange: float) -> tuple[float, ...]:
+    return (midrange, 0.0) if midrange > 0.0 else (0.0,)
 
 
 def _solutions(chain: _core.Chain, path: TipPath) -> tuple[Float64Array, bool]:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough import _core, check
-from leadthrough.arm.first_posture import first_postures
+from leadthrough.arm.first_posture import Start, first_postures, seeded
 from leadthrough.arm.limits import JointLimits
 from leadthrough.arm.options import ik_options, tolerance
 from leadthrough.arm.results import STATUSES
@@ -72,14 +72,14 @@ def follow(
         chain=chain,
         path=path,
         limits=limits,
-        shares=path.shares(check.number(midrange, "midrange", at_least=0.0)),
         tolerance=tolerance(*allowed),
         allowed=allowed,
         max_step=check.number(max_step, "max_step", above=0.0),
     )
     gives = check.choice(too_fast, "too_fast", _WHAT_GIVES)
     stated = _deviation(deviation, gives, allowed)
-    track = _best(follower, _starts(follower, seed, midrange), gives, stated)
+    rate = check.number(midrange, "midrange", at_least=0.0)
+    track = _best(follower, _starts(follower, seed, rate), gives, stated)
     if track.reached < len(path):
         raise _failure(follower, track, gives)
     if gives == "keep":
@@ -93,28 +93,17 @@ class _Follower:
     chain: _core.Chain
     path: TipPath
     limits: JointLimits
-    shares: Float64Array
     tolerance: _core.IkTolerance
     allowed: tuple[float, float]
     max_step: float
 
-    def along(self, start: Float64Array, path: TipPath | None = None) -> Track:
+    def along(self, start: Start) -> Track:
         """The path, whatever speed that takes."""
-        path = self.path if path is None else path
-        options = _core.TrackOptions(self.tolerance, _SAMPLE_ITERATIONS, self.max_step)
-        columns = _core.track(
-            self.chain,
-            path.positions,
-            path.orientations,
-            start,
-            self.shares[: len(path)],
-            options,
-        )
-        return Track.of(columns, self.allowed)
+        return self._track(start, self.path)
 
-    def in_time(self, start: Float64Array, damping: float, deviation: tuple[float, float]) -> Track:
+    def in_time(self, start: Start, damping: float, deviation: tuple[float, float]) -> Track:
         """The path at its own pace, inside the limits."""
-        first = self.along(start, self.path.only(slice(1)))
+        first = self._track(start, self.path.only(slice(1)))
         options = _core.PursuitOptions(
             self.limits.velocity, acceleration(self.limits), damping, tolerance(*deviation)
         )
@@ -124,19 +113,27 @@ class _Follower:
             self.path.positions,
             self.path.orientations,
             first.q[0],
-            self.shares,
+            self.path.shares(start.midrange),
             options,
         )
         return Track.of(columns, deviation)
 
-    def deviating(self, start: Float64Array, deviation: tuple[float, float]) -> Track:
+    def deviating(self, start: Start, deviation: tuple[float, float]) -> Track:
         """The track that stays nearest to the path, of several dampings."""
         tracks = []
         for damping in _DAMPINGS:
             tracks.append(self.in_time(start, damping, deviation))
             if _distance(tracks[-1], self.allowed) <= 1.0:
                 break
-        return min(tracks, key=lambda track: (-track.reached, _distance(track, deviation)))
+        return min(tracks, key=lambda track: _rank(track, deviation))
+
+    def _track(self, start: Start, path: TipPath) -> Track:
+        options = _core.TrackOptions(self.tolerance, _SAMPLE_ITERATIONS, self.max_step)
+        shares = path.shares(start.midrange)
+        columns = _core.track(
+            self.chain, path.positions, path.orientations, start.q, shares, options
+        )
+        return Track.of(columns, self.allowed)
 
 
 def acceleration(limits: JointLimits) -> Float64Array:
@@ -160,20 +157,21 @@ def _deviation(deviation: Any, gives: str, allowed: tuple[float, float]) -> tupl
     )
 
 
-def _starts(follower: _Follower, seed: Float64Array | None, midrange: float) -> Float64Array:
+def _starts(follower: _Follower, seed: Float64Array | None, midrange: float) -> list[Start]:
+    rate = midrange if len(follower.chain.joint_names) > follower.path.dimension else 0.0
     if seed is not None:
-        return solve_sample(follower.chain, follower.path, 0, seed[None], ik_options())[0]
+        return seeded(follower.chain, follower.path, seed, rate)
     return first_postures(
         follower.chain,
         follower.path,
         velocity=follower.limits.velocity,
-        midrange=midrange,
+        midrange=rate,
         tracking=(follower.tolerance, _SAMPLE_ITERATIONS, follower.max_step),
     )
 
 
 def _best(
-    follower: _Follower, starts: Float64Array, gives: str, deviation: tuple[float, float]
+    follower: _Follower, starts: list[Start], gives: str, deviation: tuple[float, float]
 ) -> Track:
     """The track of the first start that reaches the end with nothing given up, else the best."""
     best: Track | None = None

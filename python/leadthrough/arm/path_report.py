@@ -88,27 +88,29 @@ def path_report(
     turned = np.zeros(len(path))
     if len(path.orientations):
         turned = rotations.distance(orientations, path.orientations)
-    columns: dict[str, Float64Array] = {
-        "position_error": np.linalg.norm(positions - path.positions, axis=1),
-        "orientation_error": turned,
-        "condition_number": kinematics.condition_number(chain, q),
-        "margin": margins(limits.lower, limits.upper, q),
-        "velocity_share": _velocity_share(trajectory.times, q, limits.velocity),
-    }
-    if limits.acceleration is not None:
-        columns["acceleration_share"] = _acceleration_share(
-            trajectory.times, q, limits.acceleration
-        )
-    for column in columns.values():
-        column.setflags(write=False)
+    times = trajectory.times
+    stated = limits.acceleration
     return PathReport(
-        times=trajectory.times,
-        **{"acceleration_share": None, **columns},
+        times=times,
+        position_error=_read_only(np.linalg.norm(positions - path.positions, axis=1)),
+        orientation_error=_read_only(turned),
+        condition_number=_read_only(kinematics.condition_number(chain, q)),
+        margin=_read_only(margins(limits.lower, limits.upper, q)),
+        velocity_share=_read_only(_velocity_share(times, q, limits.velocity)),
+        acceleration_share=None
+        if stated is None
+        else _read_only(_acceleration_share(times, q, stated)),
         position_tolerance=check.number(position_tolerance, "position_tolerance", above=0.0),
         orientation_tolerance=check.number(
             orientation_tolerance, "orientation_tolerance", above=0.0
         ),
     )
+
+
+def _read_only(values: Any) -> Float64Array:
+    result = np.asarray(values, dtype=np.float64)
+    result.setflags(write=False)
+    return result
 
 
 def _joints(trajectory: Any, path: TipPath, limits: JointLimits) -> Float64Array:
@@ -128,7 +130,7 @@ def _velocity_share(times: Float64Array, q: Float64Array, limit: Float64Array) -
     """The larger of the two intervals beside each sample."""
     between = _share(np.diff(q, axis=0) / np.diff(times)[:, None], limit)
     padded = np.concatenate([[0.0], between, [0.0]])
-    return np.maximum(padded[:-1], padded[1:])
+    return np.asarray(np.maximum(padded[:-1], padded[1:]))
 
 
 def _acceleration_share(times: Float64Array, q: Float64Array, limit: Float64Array) -> Float64Array:

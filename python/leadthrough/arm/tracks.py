@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -37,6 +36,11 @@ class TipPath:
     def __len__(self) -> int:
         return len(self.times)
 
+    @property
+    def dimension(self) -> int:
+        """Of the task at a sample: 6 with orientations, 3 without."""
+        return 6 if len(self.orientations) else 3
+
     def only(self, samples: Any) -> TipPath:
         """The path of these samples alone."""
         orientations = self.orientations[samples] if len(self.orientations) else self.orientations
@@ -66,10 +70,6 @@ class Track:
         q, positions, orientations = columns
         missed = positions[-1] > allowed[0] or orientations[-1] > allowed[1]
         return Track(q, positions, orientations, len(q) - int(missed))
-
-
-# From the configuration at the first sample to a track.
-Follow = Callable[[Float64Array], Track]
 
 
 def solve_sample(
