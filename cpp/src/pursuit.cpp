@@ -78,10 +78,12 @@ class Pursuit {
     constexpr double kPartOfSpeed = 0.1;
     if (chain_.joints() <= M || share <= 0.0) return {};
     JointArray pull = pull_to_middle(chain_, q_, share);
-    for (std::size_t i = 0; i < count(); ++i) {
-      const double most = kPartOfSpeed * duration * options_.velocity[static_cast<int>(i)];
-      pull[i] = std::clamp(pull[i], -most, most);
-    }
+    double most = 0.0;  // of the joints' speed limits
+    for (std::size_t i = 0; i < count(); ++i)
+      most = std::max(
+          most, std::abs(pull[i]) / (duration * options_.velocity[static_cast<Eigen::Index>(i)]));
+    if (most > kPartOfSpeed)
+      for (double& part : pull) part *= kPartOfSpeed / most;
     return pull;
   }
 

@@ -80,14 +80,16 @@ def test_a_motion_that_is_too_fast_is_followed_and_left_to_be_slowed(arm, postur
     assert_follows(arm, fast, joints)
     assert (np.abs(joints.velocities) > arm.limits.velocity).any()
     with pytest.raises(IkFailure) as failure:
-        arm.follow(fast, seed=posture, speed_limit=1.0)
-    assert failure.value.status == "jump"
+        arm.follow(fast, seed=posture, too_fast="raise")
+    assert failure.value.status == "too_fast"
 
 
-def test_a_speed_limit_bounds_every_step(arm, posture):
+def test_slowing_bounds_every_step(arm, posture):
     motion = loop(arm, posture)
-    joints = arm.follow(motion, seed=posture, speed_limit=1.0)
-    speeds = np.abs(np.diff(joints.positions, axis=0)) / np.diff(TIMES)[:, None]
+    fast = lt.PoseTrajectory(TIMES / 20, motion.positions, motion.orientations)
+    joints = arm.follow(fast, seed=posture, too_fast="slow")
+    assert_follows(arm, fast, joints)
+    speeds = np.abs(np.diff(joints.positions, axis=0)) / np.diff(joints.times)[:, None]
     assert (speeds <= arm.limits.velocity * (1 + 1e-9)).all()
 
 
@@ -99,7 +101,7 @@ def test_leaving_the_workspace_names_the_sample(arm, posture):
         arm.follow(motion)
     error = failure.value
     assert 0 < error.index < len(TIMES)
-    assert error.status in {"stalled", "unreachable", "budget"}
+    assert error.status in {"stalled", "limits", "unreachable", "budget"}
     assert error.residual[0] > 1e-6 or error.residual[1] > 1e-6
     assert error.q.shape == (len(arm.joint_names),)
     assert f"sample {error.index}" in str(error)
@@ -148,7 +150,7 @@ def test_other_motions_are_refused(arm, motion):
 
 @pytest.mark.parametrize(
     "options",
-    [{"max_step": 0.0}, {"speed_limit": -1.0}, {"midrange": np.nan}, {"position_tolerance": 0.0}],
+    [{"max_step": 0.0}, {"too_fast": "no"}, {"midrange": np.nan}, {"position_tolerance": 0.0}],
 )
 def test_bad_options_are_refused(arm, posture, options):
     with pytest.raises(InvalidInput):
