@@ -75,7 +75,7 @@ class Pursuit {
 
   // Self-motion is left with a small part of the joints' speed: the path needs the rest.
   JointArray gentle_pull(double share, double duration) const {
-    constexpr double kPartOfSpeed = 0.1;
+    constexpr double kPartOfSpeed = 0.3;
     if (chain_.joints() <= M || share <= 0.0) return {};
     JointArray pull = pull_to_middle(chain_, q_, share);
     double most = 0.0;  // of the joints' speed limits

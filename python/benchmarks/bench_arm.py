@@ -1,4 +1,4 @@
-"""The arm against its peers: forward kinematics, single poses, paths; robot by robot.
+"""The arm against its peers: forward kinematics and single poses; robot by robot.
 
 Every answer of ours is judged by Pinocchio's kinematics of the same URDF. Poses are random and the
 same for all, as are the seeds; the peers' share of solved ones stands in the row's name, by the
@@ -38,7 +38,6 @@ def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
         judge = Judge(arm, urdf)
         yield from _kinematics(name, arm, judge, count)
         yield from _single_poses(name, arm, judge, urdf, count)
-        yield _path(name, arm, judge, urdf, 2 * count)
 
 
 class Judge:
@@ -110,10 +109,10 @@ def _single_poses(
 ) -> Iterator[Benchmark]:
     targets = [judge.pose(q) for q in _random(arm, count, seed=2)]
     seeds = _random(arm, count, seed=3)
-    poses = [(target.translation.copy(), _quaternion(target)) for target in targets]
+    poses = [(target.translation.copy(), quaternion(target)) for target in targets]
     peers = {
         "roboticstoolbox-python": _toolbox(arm, urdf),
-        "pytracik": _trac_ik(arm, urdf),
+        "pytracik": trac_ik(arm, urdf),
     }
     for peer_name, solve in peers.items():
         peer = partial(_each, solve, targets, seeds)
@@ -130,36 +129,8 @@ def _single_poses(
         )
 
 
-def _path(name: str, arm: lt.Arm, judge: Judge, urdf: Path, count: int) -> Benchmark:
-    """A smooth path; the peer starts from its last answer."""
-    q = _smooth(arm, count)
-    targets = [judge.pose(row) for row in q]
-    motion = lt.PoseTrajectory(
-        np.linspace(0.0, 4.0, count),
-        [target.translation for target in targets],
-        [_quaternion(target) for target in targets],
-    )
-    peer = partial(_warm_started, _trac_ik(arm, urdf), targets, q[0])
-    return Benchmark(
-        f"{name}: path of {count} poses, peer solves {judge.share(targets, peer())}",
-        ours=lambda: arm.follow(motion, seed=q[0]).positions,
-        peer=peer,
-        peer_name="pytracik",
-        error=partial(judge.worst, targets),
-        tolerance=TOLERANCE,
-    )
-
-
 def _each(solve: Solve, targets: Sequence[Any], seeds: Any) -> list[Any]:
     return [solve(target, seed) for target, seed in zip(targets, seeds, strict=True)]
-
-
-def _warm_started(solve: Solve, targets: Sequence[Any], start: Any) -> list[Any]:
-    answers, last = [], start
-    for target in targets:
-        answers.append(solve(target, last))
-        last = last if answers[-1] is None else answers[-1]
-    return answers
 
 
 def _toolbox(arm: lt.Arm, urdf: Path) -> Solve:
@@ -175,27 +146,20 @@ def _toolbox(arm: lt.Arm, urdf: Path) -> Solve:
     return solve
 
 
-def _trac_ik(arm: lt.Arm, urdf: Path) -> Solve:
+def trac_ik(arm: lt.Arm, urdf: Path) -> Solve:
     solver = TracIK(arm.base, arm.tip, urdf, timeout=TRAC_IK_TIMEOUT, epsilon=PEER_TOLERANCE)
     return lambda target, seed: solver.ik(target.translation, target.rotation, seed)
 
 
-def _ranges(arm: lt.Arm) -> tuple[Any, Any]:
+def ranges(arm: lt.Arm) -> tuple[Any, Any]:
     return np.maximum(arm.limits.lower, -np.pi), np.minimum(arm.limits.upper, np.pi)
 
 
 def _random(arm: lt.Arm, count: int, *, seed: int) -> Any:
-    lower, upper = _ranges(arm)
+    lower, upper = ranges(arm)
     return np.random.default_rng(seed).uniform(lower, upper, (count, len(lower)))
 
 
-def _smooth(arm: lt.Arm, count: int) -> Any:
-    """A slow motion of all joints in the inner parts of their ranges."""
-    lower, upper = _ranges(arm)
-    phase = np.linspace(0.0, np.pi, count)[:, None] + np.arange(len(lower))
-    return 0.5 * (lower + upper) + 0.15 * (upper - lower) * np.sin(phase)
-
-
-def _quaternion(pose: Any) -> Any:
+def quaternion(pose: Any) -> Any:
     x, y, z, w = pin.Quaternion(pose.rotation).coeffs()
     return np.array([w, x, y, z])

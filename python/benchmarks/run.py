@@ -25,6 +25,7 @@ FILES = [
     "bench_arm",
     "bench_dynamics",
     "bench_eikonal",
+    "bench_paths",
     "bench_replan",
 ]
 REPEATS = {"quick": 3, "full": 5}

@@ -38,13 +38,13 @@ def plain_inverse(q):
 
 ways = {
     "slow": arm.follow(line, seed=posture, too_fast="slow"),
-    "deviate": arm.follow(line, seed=posture, too_fast="deviate", deviation=(0.01, 0.03)),
+    "deviate": arm.follow(line, seed=posture, too_fast="deviate", deviation=(1e-3, 5e-3)),
 }
 ways = {"plain inverse": plain_inverse(ways["slow"].positions[0]), **ways}
 figure = Figure(figsize=(9, 7), layout="constrained")
 axes = figure.subplots(3, 1, sharex=True)
 for name, joints in ways.items():
-    report = arm.path_report(joints, line, position_tolerance=0.01, orientation_tolerance=0.03)
+    report = arm.path_report(joints, line, position_tolerance=1e-3, orientation_tolerance=5e-3)
     print(f"{name}: {report.summary()}\n")
     axes[0].semilogy(joints.times, report.velocity_share, label=name)
     axes[1].semilogy(joints.times, 1e3 * report.position_error + 1e-6)

@@ -28,7 +28,7 @@ _STARTS = 24
 # Two postures nearer than this in every joint are one, rad or m.
 _SAME_POSTURE = 1e-2
 # Samples to look ahead over.
-_LOOK_AHEAD = 100
+_LOOK_AHEAD = 40
 # A joint that comes this near to a limit, as a share of its range, costs as much as double speed.
 _NEAR_A_LIMIT = 0.05
 
