@@ -3,8 +3,6 @@
 #include <cmath>
 #include <limits>
 
-#include "nearest_point.hpp"
-
 namespace leadthrough {
 
 namespace {
@@ -15,6 +13,10 @@ constexpr double kRankTolerance = 1e-12;
 constexpr double kNearSingular = 0.02;
 // How dear motion is that a level has no opinion on, against a miss of 1 m/s at 1 rad/s.
 constexpr double kIdleWeight = 1e-8;
+// A level that cannot be met would drive joints to their bounds for the least gain, and to and fro
+// where their lever changes its sign: every 1 m/s that it misses damps it by this, m s / rad^2, so
+// that no joint follows its lever quicker than at 100 1/s. What can be met is met exactly.
+constexpr double kStrain = 1e-2;
 
 // Chiaverini 1997, eq. (22), squared once more so that the damping is smooth where it sets in.
 double damping(double sigma) {
@@ -51,7 +53,7 @@ void orthogonalise(TaskMatrix& rows, double negligible, Turned turned) {
   }
 }
 
-// jacobian = sum_i sigma_i u_i v_i^T; goal_i = sigma_i u_i^T error.
+// jacobian = sum_i sigma_i u_i v_i^T; pull_i = sigma_i u_i^T error.
 struct Range {
   Eigen::Index rank = 0;
   TaskMatrix right;  // v_i, a row each
@@ -151,7 +153,7 @@ PriorityPass::Step PriorityPass::plan(const TaskMatrix& jacobian, const JointVec
   for (Eigen::Index k = 0; k < range.rank; ++k) {
     step.basis.col(k) = free_.lazyProduct(range.right.row(k).transpose());
     step.weight[k] = range.sigma[k] * range.sigma[k] + damping(range.sigma[k]);
-    step.goal[k] = range.pull[k] / step.weight[k];
+    step.pull[k] = range.pull[k];
   }
   return step;
 }
@@ -159,25 +161,36 @@ PriorityPass::Step PriorityPass::plan(const TaskMatrix& jacobian, const JointVec
 bool PriorityPass::move(const Step& step) {
   const Eigen::Index n = motion_.size(), count = n + rows_.rows(), free = step.basis.cols();
   if (free == 0) return false;
-  using Solver = NearestPoint<kMaxJoints + kMaxUnilateral, kMaxJoints>;
-  Solver::Rows rows(count, free);
-  Solver::Sides lower(count), upper(count);
+  Polytope::Rows rows(count, free);
+  Polytope::Sides lower(count), upper(count);
   rows.topRows(n) = step.basis;
   rows.bottomRows(count - n) = rows_.lazyProduct(step.basis);
   lower.head(n) = (box_.lower - motion_).cwiseMin(0.0);
   upper.head(n) = (box_.upper - motion_).cwiseMax(0.0);
   lower.tail(count - n) = (bounds_ - rows_.lazyProduct(motion_)).cwiseMin(0.0);
   upper.tail(count - n).setConstant(std::numeric_limits<double>::infinity());
-  // In coordinates where a miss costs the same in every direction.
-  const JointVector root = step.weight.cwiseSqrt();
-  for (Eigen::Index k = 0; k < free; ++k) rows.col(k) /= root[k];
-  const JointVector goal = step.goal.cwiseProduct(root);
-  Solver solver(rows, lower, upper);
-  const bool bounded = !solver.contains(goal);
-  const JointVector reached = bounded ? solver.solve(goal) : goal;
-  motion_ += step.basis.lazyProduct(reached.cwiseQuotient(root));
+
+  const JointVector goal = step.pull.cwiseQuotient(step.weight);
+  const bool bounded = !Polytope(rows, lower, upper).contains(goal);
+  JointVector reached = goal;
+  if (bounded) {
+    reached = nearest(step, 0.0, rows, lower, upper);
+    const JointVector missed = (goal - reached).cwiseProduct(step.weight.cwiseSqrt());
+    const double miss = missed.head(step.rank).norm();
+    if (miss > 0.0) reached = nearest(step, kStrain * miss, rows, lower, upper);
+  }
+  motion_ += step.basis.lazyProduct(reached);
   motion_ = motion_.cwiseMax(box_.lower).cwiseMin(box_.upper);  // rounding
   return bounded;
+}
+
+JointVector PriorityPass::nearest(const Step& step, double damping, Polytope::Rows rows,
+                                  const Polytope::Sides& lower, const Polytope::Sides& upper) {
+  // In coordinates where a miss costs the same in every direction.
+  const JointVector root = (step.weight.array() + damping).sqrt();
+  for (Eigen::Index k = 0; k < rows.cols(); ++k) rows.col(k) /= root[k];
+  const JointVector goal = step.pull.cwiseQuotient(root);
+  return Polytope(rows, lower, upper).nearest(goal).cwiseQuotient(root);
 }
 
 }  // namespace leadthrough

@@ -3,6 +3,7 @@
 // One pass down the levels of a stack.
 
 #include "leadthrough/task_priority.hpp"
+#include "polytope.hpp"
 
 namespace leadthrough {
 
@@ -25,15 +26,18 @@ class PriorityPass {
  private:
   using Basis = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints,
                               kMaxJoints>;
-  // A change of the motion along `basis`, and how dear it is to miss each coordinate's goal.
+  using Polytope = leadthrough::Polytope<kMaxJoints + kMaxUnilateral, kMaxJoints>;
+  // A change of the motion along `basis`: the least sum of weight * (coordinate - pull / weight)^2.
   struct Step {
     Basis basis;
-    JointVector goal, weight;
+    JointVector pull, weight;
     Eigen::Index rank = 0;  // of the coordinates, those the level is about
   };
 
   Step plan(const TaskMatrix& jacobian, const JointVector& wanted) const;
   bool move(const Step& step);
+  static JointVector nearest(const Step& step, double damping, Polytope::Rows rows,
+                             const Polytope::Sides& lower, const Polytope::Sides& upper);
 
   MotionBox box_;
   JointVector motion_;

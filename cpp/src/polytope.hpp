@@ -1,7 +1,7 @@
 #pragma once
 
-// The point of a polytope nearest to a goal, by the primal active set method (Nocedal and Wright
-// 2006, algorithm 16.3). The origin must lie inside the polytope; every iterate does.
+// Polytopes about the origin, and their point nearest to a goal by the primal active set method
+// (Nocedal and Wright 2006, algorithm 16.3): every iterate lies inside, so it may stop early.
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -10,16 +10,16 @@
 
 namespace leadthrough {
 
-// lower <= rows * x <= upper.
+// lower <= rows * x <= upper, with lower <= 0 <= upper. What it is made of must outlive it.
 template <int kMaxRows, int kMaxColumns>
-class NearestPoint {
+class Polytope {
  public:
   using Rows =
       Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, kMaxRows, kMaxColumns>;
   using Sides = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxRows, 1>;
   using Point = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxColumns, 1>;
 
-  NearestPoint(const Rows& rows, const Sides& lower, const Sides& upper)
+  Polytope(const Rows& rows, const Sides& lower, const Sides& upper)
       : rows_(rows), lower_(lower), upper_(upper) {}
 
   bool contains(const Point& x) const {
@@ -30,7 +30,7 @@ class NearestPoint {
     return true;
   }
 
-  Point solve(const Point& goal) {
+  Point nearest(const Point& goal) {
     Point x = Point::Zero(goal.size());
     const Eigen::Index changes = 8 * (rows_.rows() + 1);  // rounding could make it cycle
     for (Eigen::Index change = 0; change < changes; ++change) {
