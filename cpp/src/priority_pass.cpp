@@ -9,13 +9,15 @@ namespace {
 
 // Singular values below this share of the whole Jacobian's norm are rounding: no range.
 constexpr double kRankTolerance = 1e-12;
+// The same for single rows, of which a bound is made: a lower level moves them by no more.
+constexpr double kLeftover = 1e-11;
 // Where damping sets in, m or rad (weighted) a rad: a joint at 2 rad/s moves a task by 4 cm/s.
 constexpr double kNearSingular = 0.02;
 // How dear motion is that a level has no opinion on, against a miss of 1 m/s at 1 rad/s.
 constexpr double kIdleWeight = 1e-8;
 // A level that cannot be met would drive joints to their bounds for the least gain, and to and fro
-// where their lever changes its sign: every 1 m/s that it misses damps it by this, m s / rad^2, so
-// that no joint follows its lever quicker than at 100 1/s. What can be met is met exactly.
+// where their lever changes its sign: 1 m/s that it misses damps it by half of this, (m / rad)^2,
+// so that joints follow such a lever at about 100 1/s. What can be met is met exactly.
 constexpr double kStrain = 1e-2;
 
 // Chiaverini 1997, eq. (22), squared once more so that the damping is smooth where it sets in.
@@ -164,7 +166,12 @@ bool PriorityPass::move(const Step& step) {
   Polytope::Rows rows(count, free);
   Polytope::Sides lower(count), upper(count);
   rows.topRows(n) = step.basis;
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (rows.row(i).norm() <= kLeftover) rows.row(i).setZero();
   rows.bottomRows(count - n) = rows_.lazyProduct(step.basis);
+  // What a unilateral level has left of its row may be nothing but rounding.
+  for (Eigen::Index i = n; i < count; ++i)
+    if (rows.row(i).norm() <= kLeftover * rows_.row(i - n).norm()) rows.row(i).setZero();
   lower.head(n) = (box_.lower - motion_).cwiseMin(0.0);
   upper.head(n) = (box_.upper - motion_).cwiseMax(0.0);
   lower.tail(count - n) = (bounds_ - rows_.lazyProduct(motion_)).cwiseMin(0.0);
@@ -177,7 +184,8 @@ bool PriorityPass::move(const Step& step) {
     reached = nearest(step, 0.0, rows, lower, upper);
     const JointVector missed = (goal - reached).cwiseProduct(step.weight.cwiseSqrt());
     const double miss = missed.head(step.rank).norm();
-    if (miss > 0.0) reached = nearest(step, kStrain * miss, rows, lower, upper);
+    const double damping = kStrain * miss / (1.0 + miss);
+    if (damping > 0.0) reached = nearest(step, damping, rows, lower, upper);
   }
   motion_ += step.basis.lazyProduct(reached);
   motion_ = motion_.cwiseMax(box_.lower).cwiseMin(box_.upper);  // rounding
