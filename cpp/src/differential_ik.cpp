@@ -32,24 +32,19 @@ class Stepper {
     answer.position_error = task_.position_error;
     answer.orientation_error = task_.orientation_error;
 
-    const MotionBox box = velocity_box(solver_.limits, q_.data(), qd_.data(), solver_.dt);
-    JointArray lower{}, upper{};
-    for (std::size_t i = 0; i < n_; ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      lower[i] = solver_.dt * box.lower[k];
-      upper[i] = solver_.dt * box.upper[k];
-    }
     const TaskVector<M> error = task_.error;
     const double damping = kErrorDamping * error.squaredNorm() + kDampingFloor;
-    task_.error = share(damping) * error + solver_.dt * weighted(twist);
-    const JointArray step = boxed_step(task_, joints(), damping, self_motion(), lower, upper);
-    const JointArray total = straightened(step, error, lower, upper);
+    task_.error = share_of_error(damping) * error + solver_.dt * weighted(twist);
+    const Sides calm = sides(nullptr), sudden = sides(qd_.data());
+    const JointArray step = towards(
+        boxed_step(task_, joints(), damping, self_motion(), calm.lower, calm.upper), sudden);
+    const JointArray total = straightened(step, error, sudden);
 
     answer.q.resize(joints());
     answer.qd.resize(joints());
     for (std::size_t i = 0; i < n_; ++i) {
       const auto k = static_cast<Eigen::Index>(i);
-      answer.qd[k] = std::clamp(total[i] / solver_.dt, box.lower[k], box.upper[k]);
+      answer.qd[k] = total[i] / solver_.dt;
       answer.q[k] = std::clamp(q_[i] + total[i], std::min(q_[i], solver_.limits.lower[k]),
                                std::max(q_[i], solver_.limits.upper[k]));
     }
@@ -57,9 +52,36 @@ class Stepper {
   }
 
  private:
+  // The bounds of a step.
+  struct Sides {
+    JointArray lower{}, upper{};
+  };
+
+  Sides sides(const double* qd) const {
+    const MotionBox box = velocity_box(solver_.limits, q_.data(), qd, solver_.dt);
+    Sides found;
+    for (std::size_t i = 0; i < n_; ++i) {
+      found.lower[i] = solver_.dt * box.lower[static_cast<Eigen::Index>(i)];
+      found.upper[i] = solver_.dt * box.upper[static_cast<Eigen::Index>(i)];
+    }
+    return found;
+  }
+
+  // As near to `wanted` as the accelerations allow on the straight way from the last step: a best
+  // compromise inside their narrow box would play the joints against each other and swing.
+  JointArray towards(const JointArray& wanted, const Sides& sudden) const {
+    JointArray change{}, step{};
+    for (std::size_t i = 0; i < n_; ++i) change[i] = wanted[i] - solver_.dt * qd_[i];
+    const double part = proportion(change, 1.0);
+    for (std::size_t i = 0; i < n_; ++i)
+      step[i] =
+          std::clamp(solver_.dt * qd_[i] + part * change[i], sudden.lower[i], sudden.upper[i]);
+    return step;
+  }
+
   // Of the error, what a step takes: every joint keeps a speed it can brake from within the way to
   // the target, and all slow down together, so that the tool keeps its course.
-  double share(double damping) const {
+  double share_of_error(double damping) const {
     JointArray free{};
     free.fill(kInfinity);
     JointArray minus_free = free;
@@ -85,40 +107,69 @@ class Stepper {
     return whole;
   }
 
-  // Towards the posture, in the null space of the task.
+  // Towards the posture, in the null space of the task, and so gently that the task has the rest of
+  // the accelerations for itself.
   JointArray self_motion() const {
-    JointArray pull{};
-    if (!(solver_.posture_gain > 0.0)) return pull;
+    JointArray last{};
+    if (!(solver_.posture_gain > 0.0)) return last;
+    DampedNormal<M> normal(task_, joints(), kProjectorDamping, [](int) { return true; });
+    if (!normal.factorize(0.0)) return last;
     const double rate = std::min(solver_.posture_gain, 1.0 / solver_.dt);
-    TaskVector<M> leak = TaskVector<M>::Zero();
+    JointArray change{};
     for (std::size_t i = 0; i < n_; ++i) {
       const double way = solver_.posture[static_cast<Eigen::Index>(i)] - q_[i];
       const double speed = std::min(rate * std::abs(way), speed_for(std::abs(way), i));
-      pull[i] = solver_.dt * std::copysign(speed, way);
-      leak += pull[i] * task_.columns[i];
+      last[i] = solver_.dt * qd_[i];
+      change[i] = solver_.dt * std::copysign(speed, way) - last[i];
     }
-    DampedNormal<M> normal(task_, joints(), kProjectorDamping, [](int) { return true; });
-    if (!normal.factorize(0.0)) return {};
-    const TaskVector<M> dual = normal.solve(leak);
-    for (std::size_t i = 0; i < n_; ++i) pull[i] -= task_.columns[i].dot(dual);
-    return pull;
+    free_of_task(normal, last);
+    free_of_task(normal, change);
+    const double part = proportion(change, kBrakingShare);
+    for (std::size_t i = 0; i < n_; ++i) last[i] += part * change[i];
+    return last;
   }
 
-  // The step without what the curvature of the kinematics makes of it.
-  JointArray straightened(const JointArray& step, const TaskVector<M>& error,
-                          const JointArray& lower, const JointArray& upper) {
-    JointArray moved = q_, low{}, high{};
-    TaskVector<M> expected = error;
+  void free_of_task(const DampedNormal<M>& normal, JointArray& motion) const {
+    TaskVector<M> leak = TaskVector<M>::Zero();
+    for (std::size_t i = 0; i < n_; ++i) leak += motion[i] * task_.columns[i];
+    const TaskVector<M> dual = normal.solve(leak);
+    for (std::size_t i = 0; i < n_; ++i) motion[i] -= task_.columns[i].dot(dual);
+  }
+
+  // Of a change of the step, what that share of every acceleration limit allows.
+  double proportion(const JointArray& change, double share) const {
+    double part = 1.0;
+    for (std::size_t i = 0; i < n_; ++i) {
+      const double most = share * solver_.limits.acceleration[static_cast<Eigen::Index>(i)] *
+                          solver_.dt * solver_.dt;
+      if (part * std::abs(change[i]) > most) part = most / std::abs(change[i]);
+    }
+    return part;
+  }
+
+  // The step without what the curvature of the kinematics makes of it: taken back is the way from
+  // where it leads to where the Jacobian says that it should.
+  JointArray straightened(const JointArray& step, const TaskVector<M>& error, const Sides& box) {
+    TaskVector<M> way = TaskVector<M>::Zero();
+    JointArray moved = q_, lower{}, upper{};
     for (std::size_t i = 0; i < n_; ++i) {
       moved[i] += step[i];
-      expected -= step[i] * task_.columns[i];
-      low[i] = lower[i] - step[i];
-      high[i] = upper[i] - step[i];
+      way += step[i] * task_.columns[i];
+      lower[i] = box.lower[i] - step[i];
+      upper[i] = box.upper[i] - step[i];
     }
-    evaluate(solver_.chain, target_, moved.data(), task_);
-    task_.error -= expected;
-    JointArray total = boxed_step(task_, joints(), kDampingFloor, {}, low, high);
-    for (std::size_t i = 0; i < n_; ++i) total[i] += step[i];
+    IkTarget predicted = target_;
+    predicted.position += way.template head<3>() - error.template head<3>();
+    if constexpr (M == 6) {
+      const Eigen::Vector3d turn = way.template tail<3>() / kOrientationWeight;
+      const Eigen::Vector3d back = error.template tail<3>() / -kOrientationWeight;
+      predicted.rotation =
+          so3::to_matrix(so3::compose(so3::exp(turn), so3::exp(back))) * *target_.rotation;
+    }
+    evaluate(solver_.chain, predicted, moved.data(), task_);
+    JointArray total = boxed_step(task_, joints(), kDampingFloor, {}, lower, upper);
+    for (std::size_t i = 0; i < n_; ++i)
+      total[i] = std::clamp(total[i] + step[i], box.lower[i], box.upper[i]);
     return total;
   }
 

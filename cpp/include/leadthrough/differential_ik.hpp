@@ -3,9 +3,10 @@
 // Closed-loop inverse kinematics, one step at a time, for control loops.
 //
 // Every step is the damped least-squares step (Nakamura and Hanafusa 1986) inside the box that the
-// joints' position, velocity and acceleration limits leave, towards a share of the error that the
-// joints can still brake for, plus motion in the null space towards a posture. A second, small step
-// takes back what the kinematics' curvature added.
+// joints' position and velocity limits leave, towards a share of the error that the joints can
+// still brake for, plus motion in the null space towards a posture. The joints' velocities change
+// towards it in one proportion, as fast as all accelerations allow. A second, small step takes back
+// what the kinematics' curvature added.
 
 #include "leadthrough/ik.hpp"
 #include "leadthrough/motion_box.hpp"
