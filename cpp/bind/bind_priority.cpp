@@ -112,7 +112,7 @@ py::tuple step(const TaskStack& stack, const Vector& q, const Vector& qd, double
 // Joints, goals and rates of a control loop come without a check of their own: what the solver
 // cannot take is refused here, and the Python layer says why.
 bool usable(const Vector& orientation) {
-  constexpr double kUnitTolerance = 1e-9;
+  constexpr double kUnitTolerance = 1e-2;  // that of check.quaternions
   return orientation.size() == 0 ||
          (orientation.size() == 4 && std::abs(orientation.norm() - 1.0) <= kUnitTolerance);
 }
@@ -127,7 +127,7 @@ py::tuple differential(const DifferentialIk& solver, const Vector& q, const Vect
   {
     const py::gil_scoped_release release;
     IkTarget target{position, std::nullopt};
-    if (orientation.size() == 4) target.rotation = so3::to_matrix(orientation);
+    if (orientation.size() == 4) target.rotation = so3::to_matrix(orientation.normalized());
     next = differential_step(solver, target, twist, q.data(), qd.data());
   }
   return py::make_tuple(next.q, next.qd, next.position_error, next.orientation_error);

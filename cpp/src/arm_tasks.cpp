@@ -255,7 +255,8 @@ StackMotion stack_acceleration(const TaskStack& stack, const double* q, const do
   Scene scene(stack, q, qd, 2, 0.0, workspace);
   for (std::size_t i = 0; i < stack.tasks.size(); ++i) scene.add(static_cast<int>(i));
   scene.add_rest(stack.rest_damping);
-  StackMotion answer{resolve(workspace.levels, box, stack.scheme), scene.reports};
+  StackMotion answer{resolve(workspace.levels, box, stack.scheme, kAccelerationQuickness),
+                     scene.reports};
   judge(workspace, answer);
   return answer;
 }

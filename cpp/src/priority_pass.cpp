@@ -11,20 +11,18 @@ namespace {
 constexpr double kRankTolerance = 1e-12;
 // The same for single rows, of which a bound is made: a lower level moves them by no more.
 constexpr double kLeftover = 1e-11;
-// Where damping sets in, m or rad (weighted) a rad: a joint at 2 rad/s moves a task by 4 cm/s.
+// Where damping sets in at the latest, m or rad (weighted) a rad.
 constexpr double kNearSingular = 0.02;
 // How dear motion is that a level has no opinion on, against a miss of 1 m/s at 1 rad/s.
 constexpr double kIdleWeight = 1e-8;
-// A level that cannot be met would drive joints to their bounds for the least gain, and to and fro
-// where their lever changes its sign: 1 m/s that it misses damps it by half of this, (m / rad)^2,
-// so that joints follow such a lever at about 100 1/s. What can be met is met exactly.
-constexpr double kStrain = 1e-2;
 
-// Chiaverini 1997, eq. (22), squared once more so that the damping is smooth where it sets in.
-double damping(double sigma) {
-  const double share = std::min(sigma / kNearSingular, 1.0);
-  const double fade = 1.0 - share * share;
-  return kNearSingular * kNearSingular * fade * fade;
+// Chiaverini 1997, eq. (22), squared once more so that the damping is smooth where it sets in: the
+// further from the singularity, the more is asked for along this direction, so that joints follow a
+// lever that vanishes no quicker than at `quickness`.
+double damping(double sigma, double asked, double quickness) {
+  const double onset = kNearSingular * kNearSingular + asked / quickness;
+  const double fade = 1.0 - std::min(sigma * sigma / onset, 1.0);
+  return onset * fade * fade;
 }
 
 // Turns the rows pairwise until all are orthogonal (Hestenes 1958, one-sided Jacobi); turned(p, q,
@@ -119,8 +117,12 @@ void put_first(const TaskMatrix& right, Eigen::Index rank, Basis& basis) {
 
 }  // namespace
 
-PriorityPass::PriorityPass(const MotionBox& box)
-    : box_(box), motion_(box.lower.size()), rows_(0, box.lower.size()), bounds_(0) {
+PriorityPass::PriorityPass(const MotionBox& box, double quickness)
+    : box_(box),
+      quickness_(quickness),
+      motion_(box.lower.size()),
+      rows_(0, box.lower.size()),
+      bounds_(0) {
   const Eigen::Index n = motion_.size();
   for (Eigen::Index i = 0; i < n; ++i) motion_[i] = std::clamp(0.0, box.lower[i], box.upper[i]);
   free_ = Basis::Identity(n, n);
@@ -154,7 +156,8 @@ PriorityPass::Step PriorityPass::plan(const TaskMatrix& jacobian, const JointVec
   put_first(range.right, range.rank, step.basis);
   for (Eigen::Index k = 0; k < range.rank; ++k) {
     step.basis.col(k) = free_.lazyProduct(range.right.row(k).transpose());
-    step.weight[k] = range.sigma[k] * range.sigma[k] + damping(range.sigma[k]);
+    const double sigma = range.sigma[k];
+    step.weight[k] = sigma * sigma + damping(sigma, std::abs(range.pull[k]) / sigma, quickness_);
     step.pull[k] = range.pull[k];
   }
   return step;
@@ -184,8 +187,10 @@ bool PriorityPass::move(const Step& step) {
     reached = nearest(step, 0.0, rows, lower, upper);
     const JointVector missed = (goal - reached).cwiseProduct(step.weight.cwiseSqrt());
     const double miss = missed.head(step.rank).norm();
-    const double damping = kStrain * miss / (1.0 + miss);
-    if (damping > 0.0) reached = nearest(step, damping, rows, lower, upper);
+    // A level that cannot be met would drive joints to their bounds for the least gain, and to and
+    // fro where their lever changes its sign. What can be met is met exactly.
+    const double strain = miss / (1.0 + miss) / quickness_;
+    if (strain > 0.0) reached = nearest(step, strain, rows, lower, upper);
   }
   motion_ += step.basis.lazyProduct(reached);
   motion_ = motion_.cwiseMax(box_.lower).cwiseMin(box_.upper);  // rounding

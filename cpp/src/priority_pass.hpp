@@ -13,7 +13,7 @@ constexpr int kMaxUnilateral = 48;
 class PriorityPass {
  public:
   // Starts from the motion inside the box that is nearest to rest.
-  explicit PriorityPass(const MotionBox& box);
+  PriorityPass(const MotionBox& box, double quickness);
 
   // Comes as near to jacobian * motion = wanted as the levels before and the bounds leave room for,
   // and keeps what was reached from then on. True where a bound stood in the way.
@@ -40,6 +40,7 @@ class PriorityPass {
                              const Polytope::Sides& lower, const Polytope::Sides& upper);
 
   MotionBox box_;
+  double quickness_;
   JointVector motion_;
   Basis free_;  // orthonormal columns
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, kMaxUnilateral, kMaxJoints>

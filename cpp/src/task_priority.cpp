@@ -8,8 +8,8 @@ namespace leadthrough {
 
 namespace {
 
-JointVector forward(std::vector<Level>& levels, const MotionBox& box) {
-  PriorityPass pass(box);
+JointVector forward(std::vector<Level>& levels, const MotionBox& box, double quickness) {
+  PriorityPass pass(box, quickness);
   for (Level& level : levels) {
     if (!(level.activation > 0.0)) continue;
     const double less = level.relief * (1.0 / level.activation - 1.0);
@@ -22,8 +22,8 @@ JointVector forward(std::vector<Level>& levels, const MotionBox& box) {
 // The pass that aims at what the levels from `top` to `held` want and keeps what `motion` does for
 // the levels from `held` on.
 JointVector correct(std::vector<Level>& levels, std::size_t top, std::size_t held,
-                    const JointVector& motion, const MotionBox& box) {
-  PriorityPass pass(box);
+                    const JointVector& motion, const MotionBox& box, double quickness) {
+  PriorityPass pass(box, quickness);
   for (std::size_t i = top; i < levels.size(); ++i) {
     Level& level = levels[i];
     if (!(level.activation > 0.0)) continue;
@@ -47,13 +47,13 @@ bool begins_a_pass(const std::vector<Level>& levels, std::size_t i) {
   return true;
 }
 
-JointVector reverse(std::vector<Level>& levels, const MotionBox& box) {
-  JointVector motion = PriorityPass(box).motion();
+JointVector reverse(std::vector<Level>& levels, const MotionBox& box, double quickness) {
+  JointVector motion = PriorityPass(box, quickness).motion();
   std::size_t held = levels.size();
   for (std::size_t i = levels.size(); i-- > 0;) {
     const double share = levels[i].activation;
     if (!(share > 0.0) || !begins_a_pass(levels, i)) continue;
-    motion += share * (correct(levels, i, held, motion, box) - motion);
+    motion += share * (correct(levels, i, held, motion, box, quickness) - motion);
     held = i;
   }
   return motion.cwiseMax(box.lower).cwiseMin(box.upper);
@@ -61,9 +61,11 @@ JointVector reverse(std::vector<Level>& levels, const MotionBox& box) {
 
 }  // namespace
 
-JointVector resolve(std::vector<Level>& levels, const MotionBox& box, PriorityScheme scheme) {
+JointVector resolve(std::vector<Level>& levels, const MotionBox& box, PriorityScheme scheme,
+                    double quickness) {
   for (Level& level : levels) level.bounded = false;
-  return scheme == PriorityScheme::kForward ? forward(levels, box) : reverse(levels, box);
+  return scheme == PriorityScheme::kForward ? forward(levels, box, quickness)
+                                            : reverse(levels, box, quickness);
 }
 
 }  // namespace leadthrough

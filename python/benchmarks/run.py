@@ -23,6 +23,7 @@ from leadthrough.io.atomic import replacing
 
 FILES = [
     "bench_arm",
+    "bench_differential",
     "bench_dynamics",
     "bench_eikonal",
     "bench_paths",

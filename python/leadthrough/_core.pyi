@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 Float32Array = NDArray[np.float32]
 Float64Array = NDArray[np.float64]
 Int32Array = NDArray[np.int32]
-# Of a stack's tasks: error, miss, activation, bounded.
-_Reports = tuple[Float64Array, Float64Array, Float64Array, NDArray[np.bool_]]
+BoolArray = NDArray[np.bool_]
 
 class Mimic:
     @property
@@ -123,13 +122,15 @@ class TaskStack:
     ) -> None: ...
     def velocity(
         self, q: Float64Array, qd: Float64Array, dt: float
-    ) -> tuple[Float64Array, _Reports]: ...
+    ) -> tuple[Float64Array, tuple[Float64Array, Float64Array, Float64Array, BoolArray]]: ...
     def acceleration(
         self, q: Float64Array, qd: Float64Array, dt: float
-    ) -> tuple[Float64Array, _Reports]: ...
+    ) -> tuple[Float64Array, tuple[Float64Array, Float64Array, Float64Array, BoolArray]]: ...
     def step(
         self, q: Float64Array, qd: Float64Array, dt: float
-    ) -> tuple[Float64Array, Float64Array, _Reports]: ...
+    ) -> tuple[
+        Float64Array, Float64Array, tuple[Float64Array, Float64Array, Float64Array, BoolArray]
+    ]: ...
 
 class DifferentialIk:
     def __init__(

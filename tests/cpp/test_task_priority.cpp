@@ -140,6 +140,9 @@ TEST(TaskPriority, RegularStacksAgreeWithThePseudoInverses) {
     std::vector<Level> levels;
     for (const int rows : {3, 1, 2})
       levels.push_back(level(random.matrix(rows, 8), random.matrix(rows, 1)));
+    Eigen::MatrixXd whole(6, 8);
+    whole << levels[0].jacobian, levels[1].jacobian, levels[2].jacobian;
+    if (whole.jacobiSvd().singularValues()[5] < 0.5) continue;  // near-singular ones are damped
     const JointVector motion = resolve(levels, unbounded(8), PriorityScheme::kForward);
     EXPECT_LT((motion - by_pseudo_inverses(levels, 8)).norm(), 1e-8 * (1.0 + motion.norm()));
   }

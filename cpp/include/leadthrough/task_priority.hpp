@@ -40,7 +40,13 @@ struct Level {
 // level is fully active.
 enum class PriorityScheme { kForward, kReverse };
 
+// How quickly joints follow a lever that vanishes, where singular or unreachable tasks are damped,
+// so that the closed loop is calm there: 1/s for velocities, 1/s^2 for accelerations.
+constexpr double kVelocityQuickness = 40.0;
+constexpr double kAccelerationQuickness = kVelocityQuickness * kVelocityQuickness;
+
 // The motion inside the box. Levels stand in the order of their priority, the highest first.
-JointVector resolve(std::vector<Level>& levels, const MotionBox& box, PriorityScheme scheme);
+JointVector resolve(std::vector<Level>& levels, const MotionBox& box, PriorityScheme scheme,
+                    double quickness = kVelocityQuickness);
 
 }  // namespace leadthrough

@@ -108,12 +108,13 @@ class DifferentialIk:
     ) -> tuple[Float64Array, ...]:
         if not isinstance(state, JointState):
             raise InvalidInput(f"state: expected a JointState, got {type(state).__name__}")
-        free = orientation is _FREE
+        if orientation is not _FREE:
+            check.quaternions(orientation, "orientation", shape=(4,))
         return (
             check.array(state.q, "state.q", shape=(self._joints,)),
             check.array(state.qd, "state.qd", shape=(self._joints,)),
             check.array(position, "position", shape=(3,)),
-            _FREE if free else check.quaternions(orientation, "orientation", shape=(4,)),
+            check.array(orientation, "orientation", shape=("n",)),  # the kernel normalises it
             check.array(twist, "twist", shape=(6,)),
         )
 

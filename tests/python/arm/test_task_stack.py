@@ -1,0 +1,413 @@
+"""Stacks of tasks against pseudo-inverses, SciPy's bounded least squares and Pinocchio."""
+
+import dataclasses
+import pickle
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import lsq_linear
+
+import leadthrough as lt
+from leadthrough.arm import (
+    DirectionTask,
+    ElbowTask,
+    JointLimitTask,
+    ObstacleTask,
+    PoseTask,
+    PositionTask,
+    PostureTask,
+    TaskStack,
+    resolve,
+)
+from leadthrough.errors import InvalidInput
+
+SCHEMES = ("siciliano-slotine", "reverse")
+HOME = np.array([0.1, -0.5, 0.1, -2.0, 0.1, 1.6, 0.7])
+ELBOW = "panda_link4"
+
+
+@pytest.fixture(scope="module")
+def panda():
+    return lt.Arm.load("panda")
+
+
+def numerical_derivative(function, q, qd, step=1e-6):
+    return (function(q + step * qd) - function(q - step * qd)) / (2 * step)
+
+
+def elbow_of(arm, q):
+    upper = lt.Arm.from_urdf(arm.document, base=arm.base, tip=ELBOW)
+    return upper.forward_kinematics(q[: len(upper.joint_names)])[0]
+
+
+def by_pseudo_inverses(jacobians, wanted):
+    joints = jacobians[0].shape[1]
+    motion, projector = np.zeros(joints), np.eye(joints)
+    for jacobian, goal in zip(jacobians, wanted, strict=True):
+        inverse = np.linalg.pinv(jacobian @ projector, rcond=1e-10)
+        motion = motion + inverse @ (goal - jacobian @ motion)
+        projector = projector - inverse @ (jacobian @ projector)
+    return motion
+
+
+def test_regular_stacks_agree_with_siciliano_and_slotines_pseudo_inverses():
+    rng = np.random.default_rng(1)
+    for _ in range(200):
+        jacobians = [rng.normal(size=(rows, 9)) for rows in (3, 2, 3)]
+        wanted = [rng.normal(size=len(jacobian)) for jacobian in jacobians]
+        if np.linalg.svd(np.vstack(jacobians), compute_uv=False)[-1] < 0.5:
+            continue  # near-singular stacks are damped
+        truth = by_pseudo_inverses(jacobians, wanted)
+        for scheme in SCHEMES:
+            motion = resolve(jacobians, wanted, scheme=scheme)
+            np.testing.assert_allclose(motion, truth, atol=1e-9 * (1 + np.abs(truth).max()))
+
+
+def test_reverse_agrees_with_flacco_and_de_lucas_formula_on_independent_tasks():
+    rng = np.random.default_rng(2)
+    for _ in range(100):
+        jacobians = [rng.normal(size=(2, 9)) for _ in range(3)]
+        wanted = [rng.normal(size=2) for _ in range(3)]
+        motion = np.zeros(9)
+        for k in (2, 1, 0):
+            # The columns of the augmented pseudo-inverse that leave the lower tasks in peace.
+            free = np.linalg.pinv(np.vstack(jacobians[k:]))[:, :2]
+            correction = np.linalg.pinv(jacobians[k] @ free) @ (wanted[k] - jacobians[k] @ motion)
+            motion = motion + free @ correction
+        found = resolve(jacobians, wanted, scheme="reverse")
+        for jacobian in jacobians:
+            np.testing.assert_allclose(jacobian @ found, jacobian @ motion, atol=1e-8)
+
+
+@settings(max_examples=100)
+@given(st.integers(0, 2**32 - 1), st.sampled_from(SCHEMES), st.booleans())
+def test_a_lower_task_never_disturbs_a_higher_one(seed, scheme, bounded):
+    rng = np.random.default_rng(seed)
+    joints = int(rng.integers(3, 17))
+    jacobians = []
+    for _ in range(int(rng.integers(2, 7))):
+        rows = int(rng.integers(1, 7))
+        rank = int(rng.integers(0, rows + 1))
+        jacobians.append(rng.normal(size=(rows, rank)) @ rng.normal(size=(rank, joints)))
+    jacobians[-1][0] = jacobians[0][0] + 10.0 ** rng.uniform(-15, 0) * rng.normal(size=joints)
+    wanted = [rng.normal(size=len(jacobian)) for jacobian in jacobians]
+    box = {"lower": -rng.random(joints), "upper": rng.random(joints)} if bounded else {}
+    change = resolve(jacobians, wanted, scheme=scheme, **box) - resolve(
+        jacobians[:-1], wanted[:-1], scheme=scheme, **box
+    )
+    for jacobian in jacobians[:-1]:
+        assert np.abs(jacobian @ change).max() < 1e-9
+
+
+def test_bounded_stacks_are_lexicographic_least_squares():
+    rng = np.random.default_rng(3)
+    for _ in range(100):
+        upper = rng.uniform(0.2, 1.0, 7)
+        inside = rng.uniform(-0.8, 0.8, 7) * upper
+        first = rng.normal(size=(3, 7))
+        second = rng.normal(size=(2, 7))
+        aims = first @ inside, 0.7 * second @ inside + 0.3 * rng.normal(size=2)
+        motion = resolve([first, second], aims, lower=-upper, upper=upper)
+        np.testing.assert_allclose(first @ motion, aims[0], atol=1e-5)  # it fits the box
+        # The second task's least squares with the first as an all but exact equation.
+        weight = 1e4
+        truth = lsq_linear(
+            np.vstack([weight * first, second]),
+            np.concatenate([weight * aims[0], aims[1]]),
+            bounds=(-upper, upper),
+            method="bvls",
+        ).x
+        ours, best = (np.linalg.norm(second @ x - aims[1]) for x in (motion, truth))
+        assert ours <= 1.05 * best + 1e-5  # what cannot be met is damped by a little
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_tasks_that_fit_together_are_all_met(panda, scheme):
+    position, _ = panda.forward_kinematics(HOME)
+    stack = TaskStack(
+        panda,
+        [
+            PositionTask(position + np.array([0.01, 0.02, -0.01])),
+            ElbowTask(ELBOW, elbow_of(panda, HOME)[1] + 0.01, direction=(0, 2, 0)),
+            PostureTask(HOME),
+        ],
+        scheme=scheme,
+    )
+    solution = stack.solve(HOME)
+    assert solution.report.miss[:2] == pytest.approx(0.0, abs=1e-9)
+    np.testing.assert_allclose(
+        panda.jacobian(HOME)[:3] @ solution.motion, 5.0 * np.array([0.01, 0.02, -0.01]), atol=1e-9
+    )
+
+
+def single(panda, task):
+    return TaskStack(panda, [task]).solve(HOME).motion
+
+
+def test_every_task_moves_what_it_is_about(panda):
+    position, orientation = panda.forward_kinematics(HOME)
+    rotation = pin.Quaternion(*orientation).matrix()
+
+    elbow = elbow_of(panda, HOME)
+    qd = single(panda, ElbowTask(ELBOW, elbow[2] - 0.02))
+    rate = numerical_derivative(lambda q: elbow_of(panda, q)[2], HOME, qd)
+    assert rate == pytest.approx(-0.1, abs=1e-6)
+
+    point = np.array([0.05, 0.0, 0.1])
+    target = position + rotation @ point + [0.0, 0.01, 0.0]
+    qd = single(panda, PositionTask(target, point=point, velocity=(0.02, 0.0, 0.0)))
+
+    def place(q):
+        p, (w, x, y, z) = panda.forward_kinematics(q)
+        return p + pin.Quaternion(w, x, y, z).matrix() @ point
+
+    np.testing.assert_allclose(numerical_derivative(place, HOME, qd), [0.02, 0.05, 0], atol=1e-6)
+
+    def axis(q):
+        _, (w, x, y, z) = panda.forward_kinematics(q)
+        return pin.Quaternion(w, x, y, z).matrix()[:, 2]
+
+    goal = axis(HOME) + np.array([0.1, 0.0, 0.0])
+    goal /= np.linalg.norm(goal)
+    qd = single(panda, DirectionTask((0, 0, 1), goal))
+    angle = lambda q: np.arccos(axis(q) @ goal)  # noqa: E731
+    assert numerical_derivative(angle, HOME, qd) == pytest.approx(-5.0 * angle(HOME), rel=1e-5)
+
+
+@pytest.mark.parametrize("shape", [lt.Sphere, lt.Capsule, lt.Box])
+def test_obstacle_tasks_push_away_at_the_rate_of_their_gain(panda, shape):
+    position, _ = panda.forward_kinematics(HOME)
+    centre = position + np.array([0.12, 0.03, -0.05])
+    made = {
+        lt.Sphere: lambda: lt.Sphere(0.1, centre),
+        lt.Capsule: lambda: lt.Capsule(0.1, 0.2, centre, (0.8, 0.6, 0, 0)),
+        lt.Box: lambda: lt.Box((0.15, 0.3, 0.2), centre, (0.8, 0, 0.6, 0)),
+    }[shape]()
+    distance = lambda q: made.distance([panda.forward_kinematics(q)[0]])[0]  # noqa: E731
+    wanted = distance(HOME) + 0.02
+    stack = TaskStack(panda, [ObstacleTask(made, wanted), PostureTask(HOME)])
+    solution = stack.solve(HOME)
+    assert solution.report.error[0] == pytest.approx(0.02)
+    rate = numerical_derivative(distance, HOME, solution.motion)
+    assert rate == pytest.approx(5.0 * 0.02, abs=1e-5)
+
+
+def test_accelerations_take_the_bias_into_account(panda):
+    position, orientation = panda.forward_kinematics(HOME)
+    qd = np.array([0.3, -0.2, 0.4, 0.5, -0.3, 0.2, 0.1])
+    task = PoseTask(
+        position + np.array([0.02, 0.0, 0.01]), orientation, gain=2.0, damping_ratio=0.7
+    )
+    qdd = TaskStack(panda, [task]).acceleration(HOME, qd)
+    model = pin.buildModelFromXML(panda.document)
+    data = model.createData()
+    full = np.concatenate([HOME, np.zeros(model.nq - 7)])
+    full_qd = np.concatenate([qd, np.zeros(model.nv - 7)])
+    full_qdd = np.concatenate([qdd, np.zeros(model.nv - 7)])
+    pin.forwardKinematics(model, data, full, full_qd, full_qdd)
+    pin.updateFramePlacements(model, data)
+    tip = model.getFrameId(panda.tip)
+    frame = pin.LOCAL_WORLD_ALIGNED
+    velocity = pin.getFrameVelocity(model, data, tip, frame)
+    acceleration = pin.getFrameClassicalAcceleration(model, data, tip, frame)
+    error = np.array([0.02, 0.0, 0.01, 0, 0, 0])
+    wanted = 4.0 * error - 2.0 * 0.7 * 2.0 * velocity.vector
+    np.testing.assert_allclose(acceleration.vector, wanted, atol=1e-9)
+
+
+def random_tasks(arm, rng):
+    """Tasks in a random order, some of them in conflict and some out of reach."""
+    lower, upper = arm.limits.lower, arm.limits.upper
+    position, orientation = arm.forward_kinematics(rng.uniform(lower, upper))
+    tasks = [
+        JointLimitTask(margin=0.2),
+        PoseTask(position, orientation),
+        PositionTask(rng.normal(size=3)),
+        ObstacleTask(lt.Sphere(0.1, position + 0.1 * rng.normal(size=3)), 0.05, link=ELBOW),
+        DirectionTask(rng.normal(size=3), rng.normal(size=3), within=rng.choice([0.0, 0.5])),
+        ElbowTask(ELBOW, rng.normal()),
+        PostureTask(rng.uniform(lower, upper)),
+    ]
+    order = rng.permutation(len(tasks))[: int(rng.integers(2, 8))]
+    return [tasks[i] for i in order]
+
+
+def assert_inside_limits(arm, q, qd, dt):
+    limits = arm.limits
+    assert (q >= limits.lower).all()
+    assert (q <= limits.upper).all()
+    assert (np.abs(qd) <= limits.velocity * (1 + 1e-12)).all()
+    assert (np.abs(np.diff(qd, axis=0)) <= limits.acceleration * dt * (1 + 1e-6)).all()
+
+
+@settings(max_examples=25)
+@given(st.integers(0, 2**32 - 1), st.sampled_from(SCHEMES), st.sampled_from([1e-3, 8e-3]))
+def test_closed_loops_never_leave_the_limits(seed, scheme, dt):
+    arm, rng = lt.Arm.load("panda"), np.random.default_rng(seed)
+    stack = TaskStack(arm, random_tasks(arm, rng), scheme=scheme)
+    start = rng.uniform(arm.limits.lower, arm.limits.upper)
+    run = stack.run(start, duration=200 * dt, dt=dt)
+    assert_inside_limits(arm, run.trajectory.positions, run.trajectory.velocities, dt)
+
+
+@settings(max_examples=15)
+@given(st.integers(0, 2**32 - 1), st.sampled_from(SCHEMES))
+def test_closed_loops_of_accelerations_never_leave_the_limits(seed, scheme):
+    arm, rng, dt = lt.Arm.load("panda"), np.random.default_rng(seed), 2e-3
+    stack = TaskStack(arm, random_tasks(arm, rng), scheme=scheme)
+    q, qd = rng.uniform(arm.limits.lower, arm.limits.upper), np.zeros(7)
+    rows = [(q, qd)]
+    for _ in range(200):
+        qd = qd + dt * stack.acceleration(q, qd, dt=dt)
+        q = q + dt * qd
+        rows.append((q, qd))
+    q, qd = (np.array(part) for part in zip(*rows, strict=True))
+    rounding = 1e-12
+    inside = np.clip(q, arm.limits.lower - rounding, arm.limits.upper + rounding)
+    np.testing.assert_array_equal(q, inside)
+    assert_inside_limits(arm, np.clip(q, arm.limits.lower, arm.limits.upper), qd, dt)
+
+
+def past_a_ball(position):
+    ball = lt.Sphere(0.08, position + np.array([-0.22, 0.03, 0.0]))
+    goal = position + np.array([-0.26, 0.1, -0.1])
+    return [
+        ObstacleTask(ball, 0.02, margin=0.1),
+        PositionTask(goal, gain=2.0),
+        PostureTask(HOME, gain=1.0),
+    ]
+
+
+def into_a_limit(_position):
+    beyond = HOME + np.array([0, 0, 0, -1.3, 0, 0, 0])
+    return [JointLimitTask(margin=0.4), PostureTask(beyond, gain=1.0)]
+
+
+@pytest.mark.parametrize("tasks", [past_a_ball, into_a_limit])
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_velocities_are_continuous_where_tasks_and_limits_begin_to_act(panda, scheme, tasks):
+    """Steps of the velocity shrink in proportion to dt: there is no jump, however small dt is."""
+    arm = dataclasses.replace(panda, limits=dataclasses.replace(panda.limits, acceleration=None))
+    stack = TaskStack(arm, tasks(arm.forward_kinematics(HOME)[0]), scheme=scheme)
+    largest = []
+    for dt in (4e-3, 2e-3, 1e-3):
+        run = stack.run(HOME, duration=2.0, dt=dt)
+        assert run.activation[0, 0] == 0.0
+        assert run.activation[:, 0].max() > 0.9
+        largest.append(np.abs(np.diff(run.trajectory.velocities[1:], axis=0)).max())
+    assert largest[1] < 0.65 * largest[0]
+    assert largest[2] < 0.65 * largest[1]
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_obstacle_and_limits_are_kept_and_the_goal_reached(panda, scheme):
+    position, _ = panda.forward_kinematics(HOME)
+    ball = lt.Sphere(0.08, position + np.array([0.0, 0.15, 0.02]))
+    goal = position + np.array([0.0, 0.3, 0.0])
+    tasks = [ObstacleTask(ball, 0.02), PositionTask(goal), PostureTask(HOME)]
+    run = TaskStack(panda, tasks, scheme=scheme).run(HOME, duration=4.0, dt=4e-3)
+    way, _ = panda.forward_kinematics(run.trajectory.positions)
+    assert ball.distance(way).min() > 0.02 - 1e-6
+    assert np.linalg.norm(way[-1] - goal) < 1e-5
+    assert run.limited[:, 1].any()
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_the_null_space_does_not_move_the_tool(panda, scheme):
+    position, orientation = panda.forward_kinematics(HOME)
+    tasks = [
+        PoseTask(position, orientation),
+        PostureTask(HOME + np.array([0.5, 0.3, -0.5, 0.2, 0.5, 0, 0])),
+    ]
+    run = TaskStack(panda, tasks, scheme=scheme).run(HOME, duration=3.0, dt=1e-3)
+    way, _ = panda.forward_kinematics(run.trajectory.positions)
+    assert np.abs(run.trajectory.positions[-1] - HOME).max() > 0.1
+    assert np.linalg.norm(way - position, axis=1).max() < 1e-6
+
+
+def test_an_arm_that_is_told_to_stretch_too_far_stays_calm(panda):
+    straight = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])
+    position, orientation = panda.forward_kinematics(straight)
+
+    def tasks(time):
+        far = 0.9 * min(time, 2.0) / 2.0
+        return [PoseTask(position + np.array([far, 0.0, 0.0]), orientation), PostureTask(straight)]
+
+    run = TaskStack(panda, tasks(0.0)).run(straight, duration=4.0, dt=2e-3, tasks=tasks)
+    changes = np.diff(run.trajectory.velocities, axis=0) / (2e-3 * panda.limits.acceleration)
+    swings = (changes[1:] * changes[:-1] < 0) & (np.abs(np.diff(changes, axis=0)) > 0.2)
+    assert swings.sum() < 60
+    assert np.abs(run.trajectory.velocities[-1]).max() < 1e-2
+
+
+@pytest.mark.parametrize("name", ["ur3", "tiago"])
+def test_other_arms_take_stacks_as_well(name):
+    arm = lt.Arm.load(name)
+    q = np.clip(0.3 * np.ones(len(arm.joint_names)), arm.limits.lower, arm.limits.upper)
+    position, orientation = arm.forward_kinematics(q)
+    tasks = [JointLimitTask(), PoseTask(position + np.array([-0.02, 0.01, 0.02]), orientation)]
+    run = TaskStack(arm, tasks).run(q, duration=3.0, dt=4e-3)
+    assert run.error[-1, 1] < 1e-4
+
+
+def test_a_stack_survives_pickling_and_is_deterministic(panda):
+    stack = TaskStack(panda, [PostureTask(HOME + 0.1)], scheme="reverse")
+    again = pickle.loads(pickle.dumps(stack))
+    np.testing.assert_array_equal(again.velocity(HOME), stack.velocity(HOME))
+
+
+POSITION, ORIENTATION = (0.4, 0.0, 0.4), (0.0, 1.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [
+        (lambda: PoseTask((1, 2), ORIENTATION), "position"),
+        (lambda: PoseTask(POSITION, (0, 0, 0, 0)), "orientation"),
+        (lambda: PoseTask(POSITION, ORIENTATION, twist=(0, 0, 0)), "twist"),
+        (lambda: PoseTask(POSITION, ORIENTATION, gain=-1.0), "gain"),
+        (lambda: PositionTask((np.nan, 0, 0)), "position"),
+        (lambda: PositionTask(POSITION, damping_ratio=0.0), "damping_ratio"),
+        (lambda: DirectionTask((0, 0, 0), (0, 0, 1)), "axis"),
+        (lambda: DirectionTask((0, 0, 1), (0, 0, 1), within=4.0), "within"),
+        (lambda: PostureTask([[1.0]]), "q"),
+        (lambda: JointLimitTask(margin=0.0), "margin"),
+        (lambda: ElbowTask(ELBOW, np.inf), "height"),
+        (lambda: ObstacleTask("ball", 0.1), "shape"),
+        (lambda: ObstacleTask(lt.Sphere(0.1, POSITION), -0.1), "distance"),
+    ],
+)
+def test_tasks_that_make_no_sense_are_refused(make, name):
+    with pytest.raises(InvalidInput, match=name):
+        make()
+
+
+@pytest.mark.parametrize(
+    ("call", "name"),
+    [
+        (lambda arm: TaskStack(arm, []), "tasks"),
+        (lambda arm: TaskStack(arm, [PositionTask(POSITION)] * 13), "tasks"),
+        (lambda arm: TaskStack(arm, ["pose"]), "tasks"),
+        (lambda arm: TaskStack(arm, [JointLimitTask(), JointLimitTask()]), "tasks"),
+        (lambda arm: TaskStack(arm, [PostureTask([0.0, 1.0])]), "tasks"),
+        (lambda arm: TaskStack(arm, [JointLimitTask()], scheme="best"), "scheme"),
+        (lambda arm: TaskStack(arm, [ElbowTask("no_link", 0.5)]), "link"),
+        (lambda arm: TaskStack(arm, [ElbowTask("panda_link0", 0.5)]), "link"),
+        (lambda arm: TaskStack(arm, [JointLimitTask()]).velocity([0.0]), "q"),
+        (lambda arm: TaskStack(arm, [JointLimitTask()]).velocity(HOME, dt=0.0), "dt"),
+        (lambda arm: TaskStack(arm, [JointLimitTask()]).acceleration(HOME, HOME[:2]), "qd"),
+        (lambda arm: TaskStack(arm, [JointLimitTask()]).run(HOME, duration=-1.0), "duration"),
+        (lambda arm: TaskStack(arm, [JointLimitTask()]).run(HOME, duration=1e9), "dt"),
+        (lambda _: resolve([], []), "jacobians"),
+        (lambda _: resolve([np.ones((1, 17))], [[1.0]]), "jacobians"),
+        (lambda _: resolve([np.ones((1, 3)), np.ones((1, 4))], [[1.0], [1.0]]), "jacobians"),
+        (lambda _: resolve([np.ones((1, 3))], [[1.0, 2.0]]), "wanted"),
+        (lambda _: resolve([np.ones((1, 3))], [[1.0]], lower=[1.0] * 3, upper=[0.0] * 3), "lower"),
+    ],
+)
+def test_stacks_that_make_no_sense_are_refused(panda, call, name):
+    with pytest.raises(InvalidInput, match=name):
+        call(panda)
