@@ -2,8 +2,9 @@
 
 One long slow path is followed from a given posture. Many random ones, which some joints are known
 to run at half of all limits, are followed without a posture to start in, slowed where our joints
-need it; a sample is missed that is more than 1e-4 m or 1e-3 rad away, and the limits of
-position, velocity and acceleration hold at every sample. The peer is given the posture that each path was made from.
+need it; a sample is missed that is more than 1e-4 m or 1e-3 rad away, and the limits of position,
+velocity and acceleration hold at every sample. The peer is given the posture that each path was
+made from.
 """
 
 from __future__ import annotations
