@@ -3,7 +3,7 @@
 from leadthrough import arm, errors, io, planning, rotations
 from leadthrough.arm import Arm, DifferentialIk
 from leadthrough.io import read_demonstrations
-from leadthrough.models import FastMarching, load_skill
+from leadthrough.models import DMP, FastMarching, load_skill
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from leadthrough.planning import Grid, arrival_times
 from leadthrough.shapes import Box, Capsule, Sphere
@@ -12,6 +12,7 @@ from leadthrough.timing import check_limits, differentiate, scale_to_limits
 __version__ = "0.1.0"
 
 __all__ = [
+    "DMP",
     "Arm",
     "Box",
     "Capsule",

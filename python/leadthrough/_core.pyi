@@ -287,6 +287,136 @@ def so3_integrate(
 ) -> Float64Array: ...
 def dtw_distance(a: Float64Array, b: Float64Array) -> float: ...
 def frechet_distance(a: Float64Array, b: Float64Array) -> float: ...
+
+class DmpForces:
+    def __init__(
+        self, nodes: Float64Array, fade: Float64Array, rate: float, rhythmic: bool
+    ) -> None: ...
+
+class DmpCourse:
+    def __init__(
+        self,
+        breaks: Float64Array,
+        coefficients: Float64Array,
+        gain: Float64Array,
+        drive: Float64Array,
+    ) -> None: ...
+    @property
+    def breaks(self) -> Float64Array: ...
+    @property
+    def coefficients(self) -> Float64Array: ...
+    @property
+    def gain(self) -> Float64Array: ...
+    @property
+    def drive(self) -> Float64Array: ...
+
+class DmpCurve:
+    def __init__(
+        self,
+        controls: Float64Array,
+        steps: Float64Array,
+        speeds: Float64Array,
+        covered: Float64Array,
+        zyz: bool,
+        rhythmic: bool,
+    ) -> None: ...
+
+class PointState:
+    def __init__(
+        self,
+        course: DmpCourse,
+        value: Float64Array,
+        slope: Float64Array,
+        phase: float,
+        duration: float,
+    ) -> None: ...
+    @property
+    def course(self) -> DmpCourse: ...
+    @property
+    def value(self) -> Float64Array: ...
+    @property
+    def slope(self) -> Float64Array: ...
+    @property
+    def phase(self) -> float: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def position(self) -> Float64Array: ...
+    @property
+    def velocity(self) -> Float64Array: ...
+
+class PoseState:
+    def __init__(
+        self,
+        course: DmpCourse,
+        value: Float64Array,
+        slope: Float64Array,
+        phase: float,
+        duration: float,
+        curve: DmpCurve,
+        start_offset: Float64Array,
+        goal_offset: Float64Array,
+    ) -> None: ...
+    @property
+    def course(self) -> DmpCourse: ...
+    @property
+    def value(self) -> Float64Array: ...
+    @property
+    def slope(self) -> Float64Array: ...
+    @property
+    def phase(self) -> float: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def curve(self) -> DmpCurve: ...
+    @property
+    def start_offset(self) -> Float64Array: ...
+    @property
+    def goal_offset(self) -> Float64Array: ...
+    @property
+    def position(self) -> Float64Array: ...
+    @property
+    def velocity(self) -> Float64Array: ...
+    @property
+    def orientation(self) -> Float64Array: ...
+    @property
+    def angular_velocity(self) -> Float64Array: ...
+
+def dmp_rollout(
+    forces: DmpForces,
+    course: DmpCourse,
+    value: Float64Array,
+    slope: Float64Array,
+    phases: Float64Array,
+) -> tuple[Float64Array, Float64Array]: ...
+@overload
+def dmp_step(forces: DmpForces, state: PointState, dt: float) -> PointState: ...
+@overload
+def dmp_step(forces: DmpForces, state: PoseState, dt: float) -> PoseState: ...
+@overload
+def dmp_step(
+    forces: DmpForces, state: PointState, dt: float, acceleration: Float64Array
+) -> PointState: ...
+@overload
+def dmp_step(
+    forces: DmpForces, state: PoseState, dt: float, acceleration: Float64Array
+) -> PoseState: ...
+def dmp_orientations(
+    curve: DmpCurve,
+    start_offset: Float64Array,
+    goal_offset: Float64Array,
+    phases: Float64Array,
+    values: Float64Array,
+) -> Float64Array: ...
+def dmp_coordinates(
+    curve: DmpCurve,
+    start_offset: Float64Array,
+    goal_offset: Float64Array,
+    phase: float,
+    orientation: Float64Array,
+    velocity: Float64Array,
+    near: Float64Array,
+) -> tuple[Float64Array, Float64Array]: ...
 def march_float32(
     speed: Float32Array,
     spacing: Sequence[float],

@@ -1,6 +1,7 @@
 """Models that learn a motion from demonstrations."""
 
+from leadthrough.models.dmp import DMP, DMPSkill
 from leadthrough.models.fast_marching import FastMarching, FastMarchingSkill
 from leadthrough.models.skills import load_skill
 
-__all__ = ["FastMarching", "FastMarchingSkill", "load_skill"]
+__all__ = ["DMP", "DMPSkill", "FastMarching", "FastMarchingSkill", "load_skill"]

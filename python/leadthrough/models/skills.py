@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
+from leadthrough.models.dmp import DMPSkill
 from leadthrough.models.fast_marching import FastMarchingSkill
 from leadthrough.models.protocol import Skill
 
-_KINDS = {FastMarchingSkill.kind: FastMarchingSkill.from_archive}
+_KINDS: dict[str, Callable[[dict[str, Any], archive.Arrays], Skill]] = {
+    skill.kind: skill.from_archive for skill in (DMPSkill, FastMarchingSkill)
+}
 
 
 def load_skill(path: StrPath) -> Skill:

@@ -11,6 +11,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models import phase
 from leadthrough.models.route import Route
+from leadthrough.models.sampling import even_times
 from leadthrough.models.shown import Shown
 from leadthrough.motion import Trajectory
 from leadthrough.preprocess.resample import arc_length, by_arc_length
@@ -19,9 +20,6 @@ TIMINGS = ("demonstrations", "speed_map", "constant")
 
 # Found on human handwriting: between isochrony (0) and constant speed (1).
 _DURATION_EXPONENT = 0.25
-
-# A motion of more samples is a slip of the unit of dt or of the duration.
-_MOST_SAMPLES = 10_000_000
 
 
 def timed(
@@ -36,11 +34,7 @@ def timed(
     if duration is None and not route.used:
         raise InvalidInput("duration: expected a time, as there is no demonstration")
     total = duration or usual_duration(route.used, route.weights, length)
-    if not total / dt <= _MOST_SAMPLES:
-        raise InvalidInput(
-            f"dt: expected at most {_MOST_SAMPLES:.0e} samples in {total:.6g} s, got {dt} s"
-        )
-    times = np.linspace(0.0, total, int(np.ceil(total / dt)) + 1)
+    times = even_times(total, dt)
     if length == 0.0:
         still = np.repeat(route.path[:1], len(times), axis=0)
         return Trajectory(times, still), np.linspace(0.0, 1.0, len(times))

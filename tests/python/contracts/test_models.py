@@ -7,6 +7,7 @@ import leadthrough as lt
 from leadthrough.errors import FitError, InvalidInput
 
 MODELS = {
+    "movement primitive": lt.DMP(),
     "fast marching": lt.FastMarching(),
     "fast marching, one map": lt.FastMarching(method="map"),
     "fast marching, by start": lt.FastMarching(method="start"),

@@ -1,0 +1,225 @@
+#include <pybind11/eigen.h>
+
+#include <memory>
+
+#include "leadthrough/dmp.hpp"
+#include "leadthrough/turning.hpp"
+#include "parts.hpp"
+
+namespace py = pybind11;
+
+namespace leadthrough {
+
+namespace {
+
+using dmp::Canonical;
+using dmp::Chart;
+using dmp::Course;
+using dmp::Curve;
+using dmp::Forces;
+using dmp::Offsets;
+using dmp::Rows;
+using dmp::Turn;
+using dmp::Vector;
+using VectorIn = Eigen::Ref<const Vector>;
+using RowsIn = Eigen::Ref<const Rows>;
+
+// A motion under way. Poses hold three coordinates of their rotation behind the position.
+struct PointState {
+  std::shared_ptr<Course> course;
+  dmp::State state;
+  double duration;
+
+  Eigen::Index channels() const { return state.value.size(); }
+};
+
+struct PoseState : PointState {
+  std::shared_ptr<Curve> curve;
+  Offsets offsets;
+
+  Turn turn() const {
+    return dmp::turn_at(*curve, offsets, state.phase, state.value.tail<3>(), state.slope.tail<3>());
+  }
+};
+
+Canonical canonical_of(bool rhythmic) {
+  return rhythmic ? Canonical::Rhythmic : Canonical::Discrete;
+}
+
+std::shared_ptr<Forces> make_forces(const RowsIn& nodes, const VectorIn& fade, double rate,
+                                    bool rhythmic) {
+  require(nodes.rows() >= 2 && fade.size() == nodes.rows() && rate > 0.0);
+  return std::make_shared<Forces>(Forces{nodes, fade, rate, canonical_of(rhythmic)});
+}
+
+std::shared_ptr<Course> make_course(const VectorIn& breaks, const RowsIn& coefficients,
+                                    const VectorIn& gain, const VectorIn& drive) {
+  const Eigen::Index channels = coefficients.cols();
+  require(breaks.size() >= 2 && coefficients.rows() == 6 * (breaks.size() - 1));
+  require(gain.size() == channels && drive.size() == channels);
+  return std::make_shared<Course>(Course{breaks, coefficients, gain, drive});
+}
+
+std::shared_ptr<Curve> make_curve(const Eigen::Ref<const so3::Quaternions>& controls,
+                                  const Eigen::Ref<const so3::Vectors>& steps,
+                                  const VectorIn& speeds, const VectorIn& covered, bool zyz,
+                                  bool rhythmic) {
+  require(controls.rows() >= 4 && steps.rows() == controls.rows() - 1);
+  require(speeds.size() >= 2 && covered.size() == speeds.size());
+  return std::make_shared<Curve>(Curve{controls, steps, speeds, covered,
+                                       zyz ? Chart::Zyz : Chart::RotationVector,
+                                       canonical_of(rhythmic)});
+}
+
+PointState make_point_state(std::shared_ptr<Course> course, const VectorIn& value,
+                            const VectorIn& slope, double phase, double duration) {
+  require(value.size() == course->coefficients.cols() && slope.size() == value.size());
+  return {std::move(course), {value, slope, phase}, duration};
+}
+
+PoseState make_pose_state(std::shared_ptr<Course> course, const VectorIn& value,
+                          const VectorIn& slope, double phase, double duration,
+                          std::shared_ptr<Curve> curve, const so3::Vector3& start_offset,
+                          const so3::Vector3& goal_offset) {
+  require(value.size() == 6);
+  return {make_point_state(std::move(course), value, slope, phase, duration),
+          std::move(curve),
+          {start_offset, goal_offset}};
+}
+
+py::tuple rollout(const Forces& forces, const Course& course, const VectorIn& value,
+                  const VectorIn& slope, const VectorIn& phases) {
+  const Eigen::Index channels = forces.nodes.cols();
+  require(course.coefficients.cols() == channels && value.size() == channels &&
+          slope.size() == channels && phases.size() >= 1);
+  dmp::Rollout result;
+  {
+    const py::gil_scoped_release release;
+    result = dmp::rollout(forces, course, {value, slope, phases[0]}, phases);
+  }
+  return py::make_tuple(std::move(result.values), std::move(result.slopes));
+}
+
+// `acceleration` in the motion's own unit per s^2; of a pose (3,) linear or (6,) with angular.
+PointState step_point(const Forces& forces, const PointState& before, double dt,
+                      const VectorIn& acceleration) {
+  require(forces.nodes.cols() == before.channels() && acceleration.size() == before.channels());
+  PointState after = before;
+  const Vector push = before.duration * before.duration * acceleration;
+  dmp::advance(forces, *before.course, push, dt / before.duration, after.state);
+  return after;
+}
+
+PoseState step_pose(const Forces& forces, const PoseState& before, double dt,
+                    const VectorIn& acceleration) {
+  require(forces.nodes.cols() == 6 && acceleration.size() == 6);
+  PoseState after = before;
+  Vector push = before.duration * before.duration * acceleration;
+  if (!acceleration.tail<3>().isZero(0.0))
+    push.tail<3>() =
+        dmp::coordinate_push(*before.curve, before.offsets, before.state.phase,
+                             before.state.value.tail<3>(), so3::Vector3(push.tail<3>()));
+  dmp::advance(forces, *before.course, push, dt / before.duration, after.state);
+  return after;
+}
+
+PointState coast_point(const Forces& forces, const PointState& before, double dt) {
+  return step_point(forces, before, dt, Vector::Zero(before.channels()));
+}
+
+PoseState coast_pose(const Forces& forces, const PoseState& before, double dt) {
+  return step_pose(forces, before, dt, Vector::Zero(before.channels()));
+}
+
+so3::Quaternions orientations(const Curve& curve, const so3::Vector3& start_offset,
+                              const so3::Vector3& goal_offset, const VectorIn& phases,
+                              const Eigen::Ref<const so3::Vectors>& values) {
+  require(phases.size() == values.rows());
+  const py::gil_scoped_release release;
+  return dmp::orientations_at(curve, {start_offset, goal_offset}, phases, values);
+}
+
+// Value and slope of the coordinates of an orientation and its angular velocity per phase.
+py::tuple coordinates(const Curve& curve, const so3::Vector3& start_offset,
+                      const so3::Vector3& goal_offset, double phase,
+                      const so3::Quaternion& orientation, const so3::Vector3& velocity,
+                      const so3::Vector3& near) {
+  const dmp::Coordinates result =
+      dmp::coordinates_of(curve, {start_offset, goal_offset}, phase, {orientation, velocity}, near);
+  return py::make_tuple(result.value, result.slope);
+}
+
+template <typename State>
+void bind_common(py::class_<State>& type) {
+  type.def_property_readonly("phase", [](const State& s) { return s.state.phase; })
+      .def_property_readonly("duration", [](const State& s) { return s.duration; })
+      .def_property_readonly("course", [](const State& s) { return s.course; })
+      .def_property_readonly("value", [](const State& s) { return s.state.value; })
+      .def_property_readonly("slope", [](const State& s) { return s.state.slope; });
+}
+
+}  // namespace
+
+void bind_dmp(py::module_& module) {
+  py::class_<Forces, std::shared_ptr<Forces>>(module, "DmpForces")
+      .def(py::init(&make_forces), py::arg("nodes").noconvert(), py::arg("fade").noconvert(),
+           py::arg("rate"), py::arg("rhythmic"));
+  py::class_<Course, std::shared_ptr<Course>>(module, "DmpCourse")
+      .def(py::init(&make_course), py::arg("breaks").noconvert(),
+           py::arg("coefficients").noconvert(), py::arg("gain").noconvert(),
+           py::arg("drive").noconvert())
+      .def_readonly("breaks", &Course::breaks)
+      .def_readonly("coefficients", &Course::coefficients)
+      .def_readonly("gain", &Course::gain)
+      .def_readonly("drive", &Course::drive);
+  py::class_<Curve, std::shared_ptr<Curve>>(module, "DmpCurve")
+      .def(py::init(&make_curve), py::arg("controls").noconvert(), py::arg("steps").noconvert(),
+           py::arg("speeds").noconvert(), py::arg("covered").noconvert(), py::arg("zyz"),
+           py::arg("rhythmic"));
+
+  py::class_<PointState> point(module, "PointState");
+  point
+      .def(py::init(&make_point_state), py::arg("course"), py::arg("value").noconvert(),
+           py::arg("slope").noconvert(), py::arg("phase"), py::arg("duration"))
+      .def_property_readonly("position", [](const PointState& s) { return s.state.value; })
+      .def_property_readonly(
+          "velocity", [](const PointState& s) { return Vector(s.state.slope / s.duration); });
+  bind_common(point);
+
+  py::class_<PoseState> pose(module, "PoseState");
+  pose.def(py::init(&make_pose_state), py::arg("course"), py::arg("value").noconvert(),
+           py::arg("slope").noconvert(), py::arg("phase"), py::arg("duration"), py::arg("curve"),
+           py::arg("start_offset").noconvert(), py::arg("goal_offset").noconvert())
+      .def_property_readonly(
+          "position", [](const PoseState& s) { return so3::Vector3(s.state.value.head<3>()); })
+      .def_property_readonly(
+          "velocity",
+          [](const PoseState& s) { return so3::Vector3(s.state.slope.head<3>() / s.duration); })
+      .def_property_readonly("curve", [](const PoseState& s) { return s.curve; })
+      .def_property_readonly("start_offset", [](const PoseState& s) { return s.offsets.start; })
+      .def_property_readonly("goal_offset", [](const PoseState& s) { return s.offsets.goal; })
+      .def_property_readonly("orientation", [](const PoseState& s) { return s.turn().orientation; })
+      .def_property_readonly("angular_velocity", [](const PoseState& s) {
+        return so3::Vector3(s.turn().velocity / s.duration);
+      });
+  bind_common(pose);
+
+  module.def("dmp_rollout", &rollout, py::arg("forces"), py::arg("course"),
+             py::arg("value").noconvert(), py::arg("slope").noconvert(),
+             py::arg("phases").noconvert());
+  module.def("dmp_step", &coast_point, py::arg("forces"), py::arg("state"), py::arg("dt"));
+  module.def("dmp_step", &coast_pose, py::arg("forces"), py::arg("state"), py::arg("dt"));
+  module.def("dmp_step", &step_point, py::arg("forces"), py::arg("state"), py::arg("dt"),
+             py::arg("acceleration").noconvert());
+  module.def("dmp_step", &step_pose, py::arg("forces"), py::arg("state"), py::arg("dt"),
+             py::arg("acceleration").noconvert());
+  module.def("dmp_orientations", &orientations, py::arg("curve"),
+             py::arg("start_offset").noconvert(), py::arg("goal_offset").noconvert(),
+             py::arg("phases").noconvert(), py::arg("values").noconvert());
+  module.def("dmp_coordinates", &coordinates, py::arg("curve"), py::arg("start_offset").noconvert(),
+             py::arg("goal_offset").noconvert(), py::arg("phase"),
+             py::arg("orientation").noconvert(), py::arg("velocity").noconvert(),
+             py::arg("near").noconvert());
+}
+
+}  // namespace leadthrough

@@ -1,0 +1,175 @@
+#include "leadthrough/turning.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "leadthrough/so3_curve.hpp"
+
+namespace leadthrough::dmp {
+
+namespace {
+
+using so3::Quaternion;
+using so3::Vector3;
+
+constexpr double kPi = 3.14159265358979323846;
+
+Vector3 rotate(const Quaternion& q, const Vector3& v) {
+  const Vector3 u = q.tail<3>();
+  const Vector3 twice = 2.0 * u.cross(v);
+  return v + q[0] * twice + u.cross(twice);
+}
+
+// A product of rotations, built from the left, with its angular velocity.
+struct Product {
+  Turn turn{Quaternion(1.0, 0.0, 0.0, 0.0), Vector3::Zero()};
+
+  // `rate` is the factor's own angular velocity in its own base frame.
+  void times(const Quaternion& factor, const Vector3& rate) {
+    turn.velocity += rotate(turn.orientation, rate);
+    turn.orientation = so3::compose(turn.orientation, factor);
+  }
+};
+
+// A share that has passed, and how fast it does.
+struct Progress {
+  double share, speed;
+};
+
+Progress minimum_jerk(double phase) {
+  const double u = std::clamp(phase, 0.0, 1.0);
+  const double rest = 1.0 - u;
+  return {u * u * u * (10.0 + u * (6.0 * u - 15.0)), 30.0 * u * u * rest * rest};
+}
+
+void turn_by_offsets(const Offsets& offsets, double phase, Product& product) {
+  const Vector3 difference = offsets.goal - offsets.start;
+  if (difference.isZero(0.0) && offsets.start.isZero(0.0)) return;
+  const Progress s = minimum_jerk(phase);
+  const Vector3 vector = offsets.start + s.share * difference;
+  product.times(so3::exp(vector), so3::left_jacobian(vector) * (s.speed * difference));
+}
+
+// The place on the curve. Beyond phase 1 it stands, or runs on.
+Progress place_on(const Curve& curve, double phase) {
+  const Eigen::Index intervals = curve.speeds.size() - 1;
+  const auto count = static_cast<double>(intervals);
+  const bool ends = curve.canonical == Canonical::Discrete;
+  if (ends && phase >= 1.0) return {curve.covered[intervals], 0.0};
+  const double at = count * (phase - (ends ? 0.0 : std::floor(phase)));
+  const auto node = std::clamp<Eigen::Index>(static_cast<Eigen::Index>(at), 0, intervals - 1);
+  const double share = at - static_cast<double>(node);
+  const double left = curve.speeds[node];
+  const double rise = curve.speeds[node + 1] - left;
+  return {curve.covered[node] + share * (left + 0.5 * share * rise) / count, left + share * rise};
+}
+
+void turn_along(const Curve& curve, double phase, Product& product) {
+  const Eigen::Index intervals = curve.controls.rows() - 3;
+  const Progress place = place_on(curve, phase);
+  const auto i = std::clamp<Eigen::Index>(static_cast<Eigen::Index>(place.share), 0, intervals - 1);
+  const double s = place.share - static_cast<double>(i);
+  const double r = 1.0 - s;
+  // The cumulative basis and its derivative.
+  const double shares[] = {1.0 - r * r * r / 6.0, (1.0 + s * (3.0 + s * (3.0 - 2.0 * s))) / 6.0,
+                           s * s * s / 6.0};
+  const double rises[] = {0.5 * r * r, 0.5 + s * r, 0.5 * s * s};
+  product.times(curve.controls.row(i), Vector3::Zero());
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const Vector3 step = curve.steps.row(i + k);
+    product.times(so3::exp(shares[k] * step), place.speed * rises[k] * step);
+  }
+}
+
+void turn_by_coordinates(Chart chart, const Vector3& value, const Vector3& slope,
+                         Product& product) {
+  if (chart == Chart::RotationVector) {
+    product.times(so3::exp(value), so3::left_jacobian(value) * slope);
+    return;
+  }
+  const Eigen::Index axes[] = {2, 1, 2};
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const Vector3 axis = Vector3::Unit(axes[k]);
+    product.times(so3::exp(value[k] * axis), slope[k] * axis);
+  }
+}
+
+Product reference(const Curve& curve, const Offsets& offsets, double phase) {
+  Product product;
+  turn_by_offsets(offsets, phase, product);
+  turn_along(curve, phase, product);
+  return product;
+}
+
+// All logarithms of a rotation lie 2 pi apart on one line.
+Vector3 nearest_log(const Quaternion& q, const Vector3& near) {
+  const Vector3 vector = so3::log(q);
+  const double angle = vector.norm();
+  const Vector3 axis = angle > 0.0 ? Vector3(vector / angle) : Vector3(near.stableNormalized());
+  return axis * (angle + 2.0 * kPi * std::round((axis.dot(near) - angle) / (2.0 * kPi)));
+}
+
+Vector3 nearest_angles(const Quaternion& q, const Vector3& near) {
+  const double together = std::atan2(q[3], q[0]);  // (first + third) / 2
+  const double apart = std::atan2(-q[1], q[2]);    // (first - third) / 2
+  const double second = 2.0 * std::atan2(std::hypot(q[1], q[2]), std::hypot(q[0], q[3]));
+  Vector3 angles(together + apart, second, together - apart);
+  for (const Eigen::Index k : {0, 2})
+    angles[k] += 2.0 * kPi * std::round((near[k] - angles[k]) / (2.0 * kPi));
+  return angles;
+}
+
+so3::Matrix3 zyz_jacobian(const Vector3& angles) {
+  so3::Matrix3 columns;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    Product product;
+    turn_by_coordinates(Chart::Zyz, angles, Vector3::Unit(k), product);
+    columns.col(k) = product.turn.velocity;
+  }
+  return columns;
+}
+
+// Of the coordinates, for an angular velocity of E(value) in its own base frame. Next to gimbal
+// lock the least-squares solution.
+Vector3 slope_of(Chart chart, const Vector3& value, const Vector3& velocity) {
+  if (chart == Chart::RotationVector) return so3::left_jacobian_inverse(value) * velocity;
+  return zyz_jacobian(value).completeOrthogonalDecomposition().solve(velocity);
+}
+
+}  // namespace
+
+Turn turn_at(const Curve& curve, const Offsets& offsets, double phase, const Vector3& value,
+             const Vector3& slope) {
+  Product product = reference(curve, offsets, phase);
+  turn_by_coordinates(curve.chart, value, slope, product);
+  return product.turn;
+}
+
+Coordinates coordinates_of(const Curve& curve, const Offsets& offsets, double phase,
+                           const Turn& turn, const Vector3& near) {
+  const Turn base = reference(curve, offsets, phase).turn;
+  const Quaternion back = so3::inverse(base.orientation);
+  const Quaternion relative = so3::compose(back, turn.orientation);
+  const Vector3 value = curve.chart == Chart::RotationVector ? nearest_log(relative, near)
+                                                             : nearest_angles(relative, near);
+  return {value, slope_of(curve.chart, value, rotate(back, turn.velocity - base.velocity))};
+}
+
+Vector3 coordinate_push(const Curve& curve, const Offsets& offsets, double phase,
+                        const Vector3& value, const Vector3& angular) {
+  const Quaternion base = reference(curve, offsets, phase).turn.orientation;
+  return slope_of(curve.chart, value, rotate(so3::inverse(base), angular));
+}
+
+so3::Quaternions orientations_at(const Curve& curve, const Offsets& offsets,
+                                 const Eigen::Ref<const Vector>& phases,
+                                 const Eigen::Ref<const so3::Vectors>& values) {
+  so3::Quaternions result(phases.size(), 4);
+  for (Eigen::Index n = 0; n < phases.size(); ++n)
+    result.row(n) =
+        turn_at(curve, offsets, phases[n], values.row(n), Vector3::Zero()).orientation.normalized();
+  return result;
+}
+
+}  // namespace leadthrough::dmp

@@ -1,0 +1,198 @@
+"""Movement primitives of points and of joints.
+
+Sources: Ijspeert et al. 2013, "Dynamical movement primitives", Neural Computation 25; Hoffmann et
+al. 2009, "Biologically-inspired dynamical systems for movement generation". The equations of the
+forms stand in `springs`, those of the fits in `regression`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, ClassVar
+
+from leadthrough import _core, check
+from leadthrough.errors import UnsupportedQuery
+from leadthrough.io.atomic import StrPath
+from leadthrough.models import archive, springs
+from leadthrough.models.basis import MOST_WEIGHTS
+from leadthrough.models.mean_motion import mean_motion
+from leadthrough.models.query import check_duration, check_step, course_through, ends_of
+from leadthrough.models.regression import REGRESSIONS, fit
+from leadthrough.models.sampling import even_times
+from leadthrough.models.springs import FORMS, Springs
+from leadthrough.motion import Demonstration, JointTrajectory, Trajectory
+from leadthrough.planning.obstacles import check_shapes
+from leadthrough.shapes import Shape
+
+
+@dataclass(frozen=True)
+class DMP:
+    """Dynamic movement primitives of points in any number of dimensions, or of joints.
+
+    weights: kernels a channel, 2 to 1000. form: "blended", which meets start, goal and velocities
+    exactly; "hoffmann" (Hoffmann et al. 2009, Pastor et al. 2009), whose force is not scaled by the
+    goal either; "ijspeert" (Ijspeert et al. 2002, 2013), whose force is.
+    regression: "replay" minimises the error of the replayed motion; "ridge" and "lwr" fit the force
+    that finite differences ask for, together or kernel by kernel.
+    """
+
+    weights: int = 50
+    form: str = "blended"
+    regression: str = "replay"
+
+    def __post_init__(self) -> None:
+        check.integer(self.weights, "weights", at_least=2, at_most=MOST_WEIGHTS)
+        check.choice(self.form, "form", FORMS)
+        check.choice(self.regression, "regression", REGRESSIONS)
+
+    def fit(self, demonstrations: Sequence[Demonstration]) -> DMPSkill:
+        """A skill from demonstrations, all of points or all of joints.
+
+        Several are averaged over normalised time first. Raises InvalidInput for other motions,
+        FitError for one that does not move, and with the form "ijspeert" for one that ends where it
+        began.
+        """
+        shown = mean_motion(demonstrations, (Trajectory, JointTrajectory))
+        learned = fit(
+            shown.phases,
+            shown.positions,
+            weights=self.weights,
+            form=self.form,
+            regression=self.regression,
+        )
+        return DMPSkill(self, learned, shown.duration, shown.joint_names)
+
+
+@dataclass(frozen=True, eq=False)
+class DMPSkill:
+    """A learned primitive; made by `DMP.fit`.
+
+    model: its parameters. springs: what was learned. duration: s, as demonstrated. joint_names:
+    None where points were shown.
+    """
+
+    model: DMP
+    springs: Springs
+    duration: float
+    joint_names: tuple[str, ...] | None
+
+    kind: ClassVar[str] = "dmp"
+
+    @property
+    def supports(self) -> frozenset[str]:
+        """What a query may ask for."""
+        return frozenset({"start", "goal", "duration"})
+
+    def generate(
+        self,
+        *,
+        start: Any = None,
+        goal: Any = None,
+        duration: float | None = None,
+        dt: float = 0.01,
+        obstacles: Sequence[Shape] = (),
+        via: Sequence[tuple[float, Any]] = (),
+        start_velocity: Any = None,
+        final_velocity: Any = None,
+    ) -> Any:
+        """A Trajectory, or a JointTrajectory where joints were shown.
+
+        start, goal: (d,), by default as demonstrated. duration: s, > 0, by default the
+        demonstrations'. dt: s, upper bound of the sampling step; the motion does not depend on it.
+        via: (share of the duration inside (0, 1), point (d,)), in order. start_velocity,
+        final_velocity: (d,) a second, by default as demonstrated at that duration.
+        final_velocity has no meaning but with the form "blended".
+        Raises InvalidInput, UnsupportedQuery.
+        """
+        step = check.number(dt, "dt", above=0.0)
+        if check_shapes(obstacles):
+            raise UnsupportedQuery("obstacles: joints know of none, plan around them elsewhere")
+        state = self.begin(
+            start=start,
+            goal=goal,
+            duration=duration,
+            via=via,
+            start_velocity=start_velocity,
+            final_velocity=final_velocity,
+        )
+        times = even_times(state.duration, step)
+        phases = times / times[-1]
+        positions, slopes = _core.dmp_rollout(
+            self.springs.forces, state.course, state.value, state.slope, phases
+        )
+        if self.joint_names is None:
+            return Trajectory(times, positions)
+        return JointTrajectory(
+            times, positions, slopes / state.duration, joint_names=self.joint_names
+        )
+
+    def begin(
+        self,
+        *,
+        start: Any = None,
+        goal: Any = None,
+        duration: float | None = None,
+        via: Sequence[tuple[float, Any]] = (),
+        start_velocity: Any = None,
+        final_velocity: Any = None,
+    ) -> _core.PointState:
+        """The state at the start, for `step`; arguments as in `generate`. Raises InvalidInput."""
+        if final_velocity is not None and self.model.form != "blended":
+            raise UnsupportedQuery(f"final_velocity: the form {self.model.form!r} ends at rest")
+        total = check_duration(duration, self.duration)
+        ends = ends_of(
+            self.springs.ends,
+            start=start,
+            goal=goal,
+            start_velocity=start_velocity,
+            final_velocity=final_velocity,
+            duration=total,
+        )
+        course = course_through(self.springs, ends, via, count=len(ends.start))
+        return _core.PointState(course, ends.start, ends.start_slope, 0.0, total)
+
+    def step(
+        self,
+        state: _core.PointState,
+        dt: float,
+        *,
+        goal: Any = None,
+        coupling: Any = None,
+        lag: float = 0.0,
+    ) -> _core.PointState:
+        """The state dt s later: .position, .velocity (d,), .phase; exact for any dt > 0.
+
+        state: from `begin` or the last step. goal: (d,), moves the goal. coupling: (d,), an
+        acceleration, unit per s^2, that acts meanwhile. lag: >= 0; the motion runs 1 / (1 + lag) as
+        fast. For phase stopping, take a gain times the squared distance between the arm and the
+        state. (The literature slows the phase alone, Ijspeert et al. 2013, eq. 2.13, while the
+        spring goes on to the goal; here the whole motion waits.) Raises InvalidInput.
+        """
+        span = check_step(dt, lag, state.duration)
+        if goal is not None:
+            state = self._redirected(state, goal)
+        if coupling is None:
+            return _core.dmp_step(self.springs.forces, state, span)
+        push = check.array(coupling, "coupling", shape=self.springs.ends.start.shape)
+        return _core.dmp_step(self.springs.forces, state, span, push)
+
+    def save(self, path: StrPath) -> None:
+        """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""
+        names = None if self.joint_names is None else list(self.joint_names)
+        settings = {**asdict(self.model), "duration": self.duration, "joint_names": names}
+        archive.write(path, self.kind, settings, self.springs.arrays())
+
+    @classmethod
+    def from_archive(cls, settings: dict[str, Any], arrays: archive.Arrays) -> DMPSkill:
+        """The skill that `save` took apart. Raises KeyError, TypeError, ValueError."""
+        names = settings.pop("joint_names")
+        duration = check.number(settings.pop("duration"), "duration", above=0.0)
+        model = DMP(**settings)
+        learned = Springs.from_arrays(model.form, model.weights, arrays)
+        return cls(model, learned, duration, None if names is None else tuple(names))
+
+    def _redirected(self, state: _core.PointState, goal: Any) -> _core.PointState:
+        wanted = check.array(goal, "goal", shape=self.springs.ends.goal.shape)
+        course = springs.redirected(self.model.form, state.course, wanted)
+        return _core.PointState(course, state.value, state.slope, state.phase, state.duration)
