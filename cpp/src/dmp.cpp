@@ -7,7 +7,7 @@ namespace leadthrough::dmp {
 
 namespace {
 
-// What rounding may leave before a node that was reached, as a share of an interval.
+// As near as this a place is at a node, as a share of an interval: rounding.
 constexpr double kAtNode = 1e-9;
 
 // Adds `sign` times r and dr/du to a value and its slope.
@@ -20,9 +20,9 @@ void add_reference(const Course& course, double phase, double sign, State& state
   const Eigen::Index channels = course.coefficients.cols();
   const double* c = course.coefficients.data() + 6 * piece * channels;
   for (Eigen::Index i = 0; i < channels; ++i) {
-    double value = 0.0;
+    double value = c[5 * channels + i];
     double slope = 0.0;
-    for (Eigen::Index power = 5; power >= 0; --power) {
+    for (Eigen::Index power = 4; power >= 0; --power) {
       slope = slope * s + value;
       value = value * s + c[power * channels + i];
     }
@@ -31,67 +31,98 @@ void add_reference(const Course& course, double phase, double sign, State& state
   }
 }
 
-// The force over a stretch of phase: at its beginning, and its slope.
-struct Ramp {
-  double value, slope;
+// A stretch of phase over which the force is a straight line.
+struct Stretch {
+  double length, decay;        // decay: exp(-rate * length)
+  double compliance, inverse;  // 1 / rate^2, 1 / rate
 };
 
-// e = p0 + p1 s + (w + k s) exp(-rate s): the polynomial follows the ramp, the rest dies out.
-void follow(const Ramp& ramp, double rate, double length, double decay, double& error,
+// e = p0 + p1 s + (w + k s) exp(-rate s): the polynomial follows the force, the rest dies out.
+void follow(const Stretch& stretch, double rate, double force, double force_slope, double& error,
             double& error_slope) {
-  const double compliance = 1.0 / (rate * rate);
-  const double p1 = compliance * ramp.slope;
-  const double p0 = compliance * ramp.value - 2.0 * p1 / rate;
+  const double p1 = stretch.compliance * force_slope;
+  const double p0 = stretch.compliance * force - 2.0 * p1 * stretch.inverse;
   const double w = error - p0;
   const double w_slope = error_slope - p1;
   const double k = w_slope + rate * w;
-  error = p0 + p1 * length + (w + k * length) * decay;
-  error_slope = p1 + (w_slope - rate * k * length) * decay;
+  error = p0 + p1 * stretch.length + (w + k * stretch.length) * stretch.decay;
+  error_slope = p1 + (w_slope - rate * k * stretch.length) * stretch.decay;
 }
 
-// Moves an error, held in the state, through one stretch inside an interval, or beyond the last.
-void follow_forces(const Forces& forces, const Course& course, const Vector& push, double place,
-                   double length, double decay, State& error) {
-  const Eigen::Index intervals = forces.nodes.rows() - 1;
-  const Eigen::Index channels = forces.nodes.cols();
-  const double whole = std::floor(place + kAtNode);
-  if (forces.canonical == Canonical::Discrete && whole >= static_cast<double>(intervals)) {
-    for (Eigen::Index i = 0; i < channels; ++i)
-      follow({push[i], 0.0}, forces.rate, length, decay, error.value[i], error.slope[i]);
-    return;
+// Moves errors on. What does not change from step to step is computed once.
+class Motion {
+ public:
+  Motion(const Forces& forces, const Course& course, const Vector& push)
+      : forces_(forces),
+        course_(course),
+        push_(push),
+        intervals_(static_cast<double>(forces.nodes.rows() - 1)),
+        whole_interval_(stretch(1.0)) {}
+
+  // From one phase to a later one.
+  void advance(double from, double to, State& error) const {
+    const bool ends = forces_.canonical == Canonical::Discrete;
+    const double target = at_node(intervals_ * to);
+    double place = at_node(intervals_ * from);
+    while (place < target) {
+      const double node = std::floor(place);
+      const bool free = ends && node >= intervals_;
+      const double next = free ? target : std::min(node + 1.0, target);
+      const Stretch current = next - place == 1.0 ? whole_interval_ : stretch(next - place);
+      if (free)
+        fade_out(current, error);
+      else
+        follow_forces(current, node, place - node, error);
+      place = next;
+    }
   }
-  const auto node = static_cast<Eigen::Index>(std::fmod(whole, static_cast<double>(intervals)));
-  const double share = std::max(place - whole, 0.0);
-  const double per_phase = static_cast<double>(intervals);
-  const double* left = forces.nodes.data() + node * channels;
-  const double* right = left + channels;
-  const double fade = forces.fade[node];
-  const double fade_rise = forces.fade[node + 1] - fade;
-  for (Eigen::Index i = 0; i < channels; ++i) {
-    const double rise = course.gain[i] * (right[i] - left[i]) + course.drive[i] * fade_rise;
-    const double at_node = course.gain[i] * left[i] + course.drive[i] * fade;
-    follow({at_node + share * rise + push[i], per_phase * rise}, forces.rate, length, decay,
-           error.value[i], error.slope[i]);
+
+ private:
+  static double at_node(double place) {
+    const double nearest = std::round(place);
+    return std::abs(place - nearest) < kAtNode ? nearest : place;
   }
-}
+
+  Stretch stretch(double intervals) const {
+    const double length = intervals / intervals_;
+    const double inverse = 1.0 / forces_.rate;
+    return {length, std::exp(-forces_.rate * length), inverse * inverse, inverse};
+  }
+
+  void fade_out(const Stretch& current, State& error) const {
+    for (Eigen::Index i = 0; i < push_.size(); ++i)
+      follow(current, forces_.rate, push_[i], 0.0, error.value[i], error.slope[i]);
+  }
+
+  // `share` of the interval after the node has passed already.
+  void follow_forces(const Stretch& current, double node, double share, State& error) const {
+    const Eigen::Index channels = forces_.nodes.cols();
+    const auto row = static_cast<Eigen::Index>(std::fmod(node, intervals_));
+    const double* left = forces_.nodes.data() + row * channels;
+    const double* right = left + channels;
+    const double fade = forces_.fade[row];
+    const double fade_rise = forces_.fade[row + 1] - fade;
+    for (Eigen::Index i = 0; i < channels; ++i) {
+      const double at_node = course_.gain[i] * left[i] + course_.drive[i] * fade;
+      const double rise = course_.gain[i] * (right[i] - left[i]) + course_.drive[i] * fade_rise;
+      follow(current, forces_.rate, at_node + share * rise + push_[i], intervals_ * rise,
+             error.value[i], error.slope[i]);
+    }
+  }
+
+  const Forces& forces_;
+  const Course& course_;
+  const Vector& push_;
+  double intervals_;
+  Stretch whole_interval_;
+};
 
 }  // namespace
 
 void advance(const Forces& forces, const Course& course, const Vector& push, double span,
              State& state) {
   add_reference(course, state.phase, -1.0, state);
-  const auto intervals = static_cast<double>(forces.nodes.rows() - 1);
-  const bool ends = forces.canonical == Canonical::Discrete;
-  const double target = intervals * (state.phase + span);
-  double place = intervals * state.phase;
-  while (place < target) {
-    const double node_end = std::floor(place + kAtNode) + 1.0;
-    const bool last = node_end > target - kAtNode || (ends && node_end > intervals);
-    const double next = last ? target : node_end;
-    const double length = (next - place) / intervals;
-    follow_forces(forces, course, push, place, length, std::exp(-forces.rate * length), state);
-    place = next;
-  }
+  Motion(forces, course, push).advance(state.phase, state.phase + span, state);
   state.phase += span;
   add_reference(course, state.phase, 1.0, state);
 }
@@ -100,9 +131,15 @@ Rollout rollout(const Forces& forces, const Course& course, State state,
                 const Eigen::Ref<const Vector>& phases) {
   const Eigen::Index count = phases.size();
   const Vector no_push = Vector::Zero(state.value.size());
+  const Motion motion(forces, course, no_push);
   Rollout result{Rows(count, state.value.size()), Rows(count, state.value.size())};
+  State error = state;
+  add_reference(course, phases[0], -1.0, error);
   for (Eigen::Index n = 0; n < count; ++n) {
-    if (n > 0) advance(forces, course, no_push, phases[n] - phases[n - 1], state);
+    if (n > 0) motion.advance(phases[n - 1], phases[n], error);
+    state.value = error.value;
+    state.slope = error.slope;
+    add_reference(course, phases[n], 1.0, state);
     result.values.row(n) = state.value;
     result.slopes.row(n) = state.slope;
   }

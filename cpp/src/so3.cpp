@@ -13,7 +13,8 @@ constexpr double kSeriesAngle = 1e-4;  // rad
 }  // namespace
 
 Quaternion exp(const Vector3& rotation_vector) {
-  const double half = (0.5 * rotation_vector).stableNorm();  // the full norm may overflow
+  double half = 0.5 * rotation_vector.norm();
+  if (!std::isfinite(half)) half = (0.5 * rotation_vector).stableNorm();  // the norm overflows
   const double scale =
       half < kSeriesAngle ? 0.5 * (1.0 - half * half / 6.0) : 0.5 * std::sin(half) / half;
   Quaternion q;

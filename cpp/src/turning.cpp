@@ -21,13 +21,23 @@ Vector3 rotate(const Quaternion& q, const Vector3& v) {
   return v + q[0] * twice + u.cross(twice);
 }
 
-// A product of rotations, built from the left, with its angular velocity.
-struct Product {
+// A product of rotations, built from the left. `rate` is a factor's own angular velocity, in the
+// base frame of that factor.
+struct Still {
+  Quaternion orientation{1.0, 0.0, 0.0, 0.0};
+
+  template <typename Rate>
+  void times(const Quaternion& factor, const Rate&) {
+    orientation = so3::compose(orientation, factor);
+  }
+};
+
+struct Moving {
   Turn turn{Quaternion(1.0, 0.0, 0.0, 0.0), Vector3::Zero()};
 
-  // `rate` is the factor's own angular velocity in its own base frame.
-  void times(const Quaternion& factor, const Vector3& rate) {
-    turn.velocity += rotate(turn.orientation, rate);
+  template <typename Rate>
+  void times(const Quaternion& factor, const Rate& rate) {
+    turn.velocity += rotate(turn.orientation, rate());
     turn.orientation = so3::compose(turn.orientation, factor);
   }
 };
@@ -43,12 +53,14 @@ Progress minimum_jerk(double phase) {
   return {u * u * u * (10.0 + u * (6.0 * u - 15.0)), 30.0 * u * u * rest * rest};
 }
 
+template <typename Product>
 void turn_by_offsets(const Offsets& offsets, double phase, Product& product) {
   const Vector3 difference = offsets.goal - offsets.start;
   if (difference.isZero(0.0) && offsets.start.isZero(0.0)) return;
   const Progress s = minimum_jerk(phase);
   const Vector3 vector = offsets.start + s.share * difference;
-  product.times(so3::exp(vector), so3::left_jacobian(vector) * (s.speed * difference));
+  product.times(so3::exp(vector),
+                [&]() -> Vector3 { return so3::left_jacobian(vector) * (s.speed * difference); });
 }
 
 // The place on the curve. Beyond phase 1 it stands, or runs on.
@@ -65,6 +77,7 @@ Progress place_on(const Curve& curve, double phase) {
   return {curve.covered[node] + share * (left + 0.5 * share * rise) / count, left + share * rise};
 }
 
+template <typename Product>
 void turn_along(const Curve& curve, double phase, Product& product) {
   const Eigen::Index intervals = curve.controls.rows() - 3;
   const Progress place = place_on(curve, phase);
@@ -75,26 +88,29 @@ void turn_along(const Curve& curve, double phase, Product& product) {
   const double shares[] = {1.0 - r * r * r / 6.0, (1.0 + s * (3.0 + s * (3.0 - 2.0 * s))) / 6.0,
                            s * s * s / 6.0};
   const double rises[] = {0.5 * r * r, 0.5 + s * r, 0.5 * s * s};
-  product.times(curve.controls.row(i), Vector3::Zero());
+  product.times(curve.controls.row(i), []() -> Vector3 { return Vector3::Zero(); });
   for (Eigen::Index k = 0; k < 3; ++k) {
     const Vector3 step = curve.steps.row(i + k);
-    product.times(so3::exp(shares[k] * step), place.speed * rises[k] * step);
+    product.times(so3::exp(shares[k] * step),
+                  [&]() -> Vector3 { return place.speed * rises[k] * step; });
   }
 }
 
+template <typename Product>
 void turn_by_coordinates(Chart chart, const Vector3& value, const Vector3& slope,
                          Product& product) {
   if (chart == Chart::RotationVector) {
-    product.times(so3::exp(value), so3::left_jacobian(value) * slope);
+    product.times(so3::exp(value), [&]() -> Vector3 { return so3::left_jacobian(value) * slope; });
     return;
   }
   const Eigen::Index axes[] = {2, 1, 2};
   for (Eigen::Index k = 0; k < 3; ++k) {
     const Vector3 axis = Vector3::Unit(axes[k]);
-    product.times(so3::exp(value[k] * axis), slope[k] * axis);
+    product.times(so3::exp(value[k] * axis), [&]() -> Vector3 { return slope[k] * axis; });
   }
 }
 
+template <typename Product>
 Product reference(const Curve& curve, const Offsets& offsets, double phase) {
   Product product;
   turn_by_offsets(offsets, phase, product);
@@ -123,7 +139,7 @@ Vector3 nearest_angles(const Quaternion& q, const Vector3& near) {
 so3::Matrix3 zyz_jacobian(const Vector3& angles) {
   so3::Matrix3 columns;
   for (Eigen::Index k = 0; k < 3; ++k) {
-    Product product;
+    Moving product;
     turn_by_coordinates(Chart::Zyz, angles, Vector3::Unit(k), product);
     columns.col(k) = product.turn.velocity;
   }
@@ -141,14 +157,14 @@ Vector3 slope_of(Chart chart, const Vector3& value, const Vector3& velocity) {
 
 Turn turn_at(const Curve& curve, const Offsets& offsets, double phase, const Vector3& value,
              const Vector3& slope) {
-  Product product = reference(curve, offsets, phase);
+  Moving product = reference<Moving>(curve, offsets, phase);
   turn_by_coordinates(curve.chart, value, slope, product);
   return product.turn;
 }
 
 Coordinates coordinates_of(const Curve& curve, const Offsets& offsets, double phase,
                            const Turn& turn, const Vector3& near) {
-  const Turn base = reference(curve, offsets, phase).turn;
+  const Turn base = reference<Moving>(curve, offsets, phase).turn;
   const Quaternion back = so3::inverse(base.orientation);
   const Quaternion relative = so3::compose(back, turn.orientation);
   const Vector3 value = curve.chart == Chart::RotationVector ? nearest_log(relative, near)
@@ -158,7 +174,7 @@ Coordinates coordinates_of(const Curve& curve, const Offsets& offsets, double ph
 
 Vector3 coordinate_push(const Curve& curve, const Offsets& offsets, double phase,
                         const Vector3& value, const Vector3& angular) {
-  const Quaternion base = reference(curve, offsets, phase).turn.orientation;
+  const Quaternion base = reference<Still>(curve, offsets, phase).orientation;
   return slope_of(curve.chart, value, rotate(so3::inverse(base), angular));
 }
 
@@ -166,9 +182,11 @@ so3::Quaternions orientations_at(const Curve& curve, const Offsets& offsets,
                                  const Eigen::Ref<const Vector>& phases,
                                  const Eigen::Ref<const so3::Vectors>& values) {
   so3::Quaternions result(phases.size(), 4);
-  for (Eigen::Index n = 0; n < phases.size(); ++n)
-    result.row(n) =
-        turn_at(curve, offsets, phases[n], values.row(n), Vector3::Zero()).orientation.normalized();
+  for (Eigen::Index n = 0; n < phases.size(); ++n) {
+    Still product = reference<Still>(curve, offsets, phases[n]);
+    turn_by_coordinates(curve.chart, Vector3(values.row(n)), Vector3::Zero(), product);
+    result.row(n) = product.orientation.normalized();
+  }
   return result;
 }
 

@@ -3,7 +3,7 @@
 from leadthrough import arm, errors, io, planning, rotations
 from leadthrough.arm import Arm, DifferentialIk
 from leadthrough.io import read_demonstrations
-from leadthrough.models import DMP, FastMarching, load_skill
+from leadthrough.models import DMP, FastMarching, PoseDMP, load_skill
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from leadthrough.planning import Grid, arrival_times
 from leadthrough.shapes import Box, Capsule, Sphere
@@ -21,6 +21,7 @@ __all__ = [
     "FastMarching",
     "Grid",
     "JointTrajectory",
+    "PoseDMP",
     "PoseTrajectory",
     "Sphere",
     "Trajectory",

@@ -2,6 +2,15 @@
 
 from leadthrough.models.dmp import DMP, DMPSkill
 from leadthrough.models.fast_marching import FastMarching, FastMarchingSkill
+from leadthrough.models.pose_dmp import PoseDMP, PoseDMPSkill
 from leadthrough.models.skills import load_skill
 
-__all__ = ["DMP", "DMPSkill", "FastMarching", "FastMarchingSkill", "load_skill"]
+__all__ = [
+    "DMP",
+    "DMPSkill",
+    "FastMarching",
+    "FastMarchingSkill",
+    "PoseDMP",
+    "PoseDMPSkill",
+    "load_skill",
+]

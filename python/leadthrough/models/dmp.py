@@ -160,18 +160,22 @@ class DMPSkill:
         goal: Any = None,
         coupling: Any = None,
         lag: float = 0.0,
+        measured: Any = None,
     ) -> _core.PointState:
         """The state dt s later: .position, .velocity (d,), .phase; exact for any dt > 0.
 
         state: from `begin` or the last step. goal: (d,), moves the goal. coupling: (d,), an
-        acceleration, unit per s^2, that acts meanwhile. lag: >= 0; the motion runs 1 / (1 + lag) as
-        fast. For phase stopping, take a gain times the squared distance between the arm and the
-        state. (The literature slows the phase alone, Ijspeert et al. 2013, eq. 2.13, while the
-        spring goes on to the goal; here the whole motion waits.) Raises InvalidInput.
+        acceleration, unit per s^2, that acts meanwhile. measured: (d,), where the motion goes on
+        from instead of the state's position. lag: >= 0; the motion runs 1 / (1 + lag) as fast. For
+        phase stopping, take a gain times the squared distance between the arm and the state. (The
+        literature slows the phase alone, Ijspeert et al. 2013, eq. 2.13, while the spring goes on
+        to the goal; here the whole motion waits.) Raises InvalidInput.
         """
         span = check_step(dt, lag, state.duration)
         if goal is not None:
             state = self._redirected(state, goal)
+        if measured is not None:
+            state = self._moved(state, measured)
         if coupling is None:
             return _core.dmp_step(self.springs.forces, state, span)
         push = check.array(coupling, "coupling", shape=self.springs.ends.start.shape)
@@ -196,3 +200,7 @@ class DMPSkill:
         wanted = check.array(goal, "goal", shape=self.springs.ends.goal.shape)
         course = springs.redirected(self.model.form, state.course, wanted)
         return _core.PointState(course, state.value, state.slope, state.phase, state.duration)
+
+    def _moved(self, state: _core.PointState, measured: Any) -> _core.PointState:
+        value = check.array(measured, "measured", shape=self.springs.ends.goal.shape)
+        return _core.PointState(state.course, value, state.slope, state.phase, state.duration)

@@ -10,10 +10,11 @@ from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
 from leadthrough.models.dmp import DMPSkill
 from leadthrough.models.fast_marching import FastMarchingSkill
+from leadthrough.models.pose_dmp import PoseDMPSkill
 from leadthrough.models.protocol import Skill
 
 _KINDS: dict[str, Callable[[dict[str, Any], archive.Arrays], Skill]] = {
-    skill.kind: skill.from_archive for skill in (DMPSkill, FastMarchingSkill)
+    skill.kind: skill.from_archive for skill in (DMPSkill, FastMarchingSkill, PoseDMPSkill)
 }
 
 

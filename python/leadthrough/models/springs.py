@@ -50,6 +50,15 @@ class Ends:
     start_slope: Float64Array
     goal_slope: Float64Array
 
+    def part(self, channels: slice) -> Ends:
+        """Those of some of the channels."""
+        return Ends(*(value[channels] for value in vars(self).values()))
+
+    def joined(self, other: Ends) -> Ends:
+        """These channels followed by others."""
+        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
+        return Ends(*(np.concatenate(pair) for pair in pairs))
+
 
 @dataclass(frozen=True, eq=False)
 class Springs:

@@ -1,0 +1,261 @@
+"""Orientations as three coordinates that springs can move: what `PoseDMP(orientation=...)` chooses.
+
+A pose primitive's orientation is exp(offset(u)) G(u) E(e), with the coordinates e moved by springs.
+
+- "anchored": G turns with the demonstration. It is a C2 curve through orientations that lie 15
+  degrees of turning apart, run through by the angle turned up to phase u, so that pauses and bursts
+  do not make it swing. e, the rotation vector that is left, stays small, and no logarithm comes
+  near half a turn, however far and about whatever axes the tool turns. A start or goal turned from
+  the demonstrated one enters as the offset, blended from one end to the other by minimum jerk: the
+  number of turns is that of the demonstration, and the motion ends at the goal.
+- "lifted": G is the goal, and e the continuous logarithm from there (Lauretti et al. 2023, eqs. 7
+  to 9, with the angle counted past half a turn). Beside whole turns there is no such logarithm, and
+  beyond about 220 degrees a changed start or goal may lead there: both are refused.
+- "log": as "lifted" with the plain logarithm, which jumps at half a turn.
+- "euler": e are ZYZ angles, which jump where they wrap and beside gimbal lock.
+
+The last two are what is compared with in Lauretti et al. 2023; motions that jump there are learned
+wrongly.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from leadthrough import _core, check, rotations
+from leadthrough.check import Float64Array
+from leadthrough.errors import FitError, NoContinuousLogarithm
+
+REPRESENTATIONS = ("anchored", "lifted", "log", "euler")
+
+_ANCHOR_SPACING = np.radians(15.0)  # of turning
+# Of the coordinates about the anchored curve, rad: what is good enough, and what is too much. Finer
+# curves follow bursts better and noise too.
+_GOOD_ERROR = np.radians(3.0)
+_LARGEST_ERROR = np.radians(60.0)
+_REFINEMENTS = 3
+# The turning speed is tabulated at so many phases, and averaged twice over this share of the
+# motion, which makes it smooth.
+_INTERVALS = 1000
+_SMOOTHING = 0.02
+# Of the two shortest ways to an offset of half a turn within this, a rule takes one.
+_HALF_TURN = 1e-9  # rad
+
+_IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
+_NOTHING = np.zeros(3)
+
+
+@dataclass(frozen=True, eq=False)
+class Turning:
+    """A learned relation between orientations and coordinates.
+
+    controls: (k + 3, 4) of the curve, a cumulative cubic B-spline in k pieces. speeds: (m,) of the
+    place on it, pieces a phase, at even phases. start, goal: (4,) as demonstrated. angle: rad, all
+    that the demonstration turns.
+    """
+
+    representation: str
+    controls: Float64Array
+    speeds: Float64Array
+    start: Float64Array
+    goal: Float64Array
+    angle: float
+
+    @cached_property
+    def curve(self) -> _core.DmpCurve:
+        """What the kernels take."""
+        turns = rotations.compose(rotations.inverse(self.controls[:-1]), self.controls[1:])
+        covered = _covered(self.speeds)
+        zyz = self.representation == "euler"
+        return _core.DmpCurve(
+            self.controls, rotations.log(turns), self.speeds, covered, zyz, rhythmic=False
+        )
+
+    def offsets(
+        self, start: Float64Array, goal: Float64Array, near: Float64Array | None = None
+    ) -> tuple[Float64Array, Float64Array]:
+        """The rotation vectors (3,) that the curve is turned by at the start and at the end.
+
+        Of the goal's, the one nearest to `near`, by default the start's: the shortest way of
+        turning from one to the other. An offset of exactly half a turn is about the axis whose
+        first coordinate that is not 0 is positive.
+        """
+        if self.representation == "euler":
+            return _NOTHING, _NOTHING
+        last = _offset(goal, self.goal)
+        if self.representation != "anchored":
+            return last, last
+        first = _offset(start, self.start)
+        return first, _nearest(last, first if near is None else near)
+
+    def coordinates(
+        self,
+        orientation: Float64Array,
+        *,
+        phase: float,
+        offsets: tuple[Float64Array, Float64Array],
+        near: Float64Array,
+        velocity: Float64Array = _NOTHING,
+    ) -> tuple[Float64Array, Float64Array]:
+        """Coordinates (3,) of an orientation (4,), and their slope at an angular velocity (3,).
+
+        Of several, those nearest to `near`; those of "log" are at most half a turn long.
+        """
+        if self.representation == "log":
+            near = _NOTHING
+        return _core.dmp_coordinates(self.curve, *offsets, phase, orientation, velocity, near)
+
+    def orientations(
+        self,
+        phases: Float64Array,
+        values: Float64Array,
+        offsets: tuple[Float64Array, Float64Array] = (_NOTHING, _NOTHING),
+    ) -> Float64Array:
+        """Orientations (n, 4) of coordinates (n, 3) at phases (n,)."""
+        return _core.dmp_orientations(self.curve, *offsets, phases, values)
+
+    def arrays(self) -> dict[str, Float64Array]:
+        """Its parts by name, for a file."""
+        return {
+            "controls": self.controls,
+            "speeds": self.speeds,
+            "start_orientation": self.start,
+            "goal_orientation": self.goal,
+            "angle": np.array(self.angle),
+        }
+
+    @staticmethod
+    def from_arrays(representation: str, arrays: Mapping[str, Any]) -> Turning:
+        """The one whose `arrays` these are. Raises KeyError, InvalidInput."""
+        controls = _rotations(arrays["controls"], shape=("n", 4))
+        if len(controls) < 4:
+            raise ValueError("too few controls")
+        return Turning(
+            representation,
+            controls,
+            check.frozen(arrays["speeds"], "speeds", shape=(_INTERVALS + 1,)),
+            _rotations(arrays["start_orientation"], shape=(4,)),
+            _rotations(arrays["goal_orientation"], shape=(4,)),
+            check.number(arrays["angle"], "angle", at_least=0.0),
+        )
+
+    def __getstate__(self) -> dict[str, Any]:  # the curve is made again
+        return {name: value for name, value in vars(self).items() if name != "curve"}
+
+
+def _rotations(value: Any, *, shape: Sequence[int | str]) -> Float64Array:
+    """Quaternions of a file, to the bit. Raises InvalidInput."""
+    check.quaternions(value, "orientations", shape=shape)
+    return check.frozen(value, "orientations", shape=shape)
+
+
+def learn(
+    phases: Float64Array, orientations: Float64Array, representation: str
+) -> tuple[Turning, Float64Array]:
+    """A turning, and the coordinates (n, 3) of orientations (n, 4), at phases (n,) from 0 to 1.
+
+    Raises FitError where "lifted" finds no continuous logarithm.
+    """
+    q = rotations.align_signs(orientations)
+    if representation == "anchored":
+        return _anchored(phases, q)
+    fixed = _IDENTITY if representation == "euler" else q[-1]
+    turned = float(rotations.distance(q[:-1], q[1:]).sum())
+    controls = np.repeat(fixed[None], 4, axis=0)
+    turning = Turning(representation, controls, np.zeros(_INTERVALS + 1), q[0], q[-1], turned)
+    if representation == "euler":
+        with warnings.catch_warnings():  # of gimbal lock, where one of the angles is arbitrary
+            warnings.simplefilter("ignore", UserWarning)
+            return turning, rotations.to_euler(q, convention="ZYZ")
+    from_goal = rotations.compose(np.repeat(rotations.inverse(q[-1:]), len(q), axis=0), q)
+    if representation == "log":
+        return turning, rotations.log(from_goal)
+    try:
+        return turning, rotations.lift(from_goal, anchor="goal")
+    except NoContinuousLogarithm as error:
+        raise FitError(
+            f'demonstrations: orientation="lifted" finds no continuous logarithm at sample '
+            f'{error.index}, beside a whole number of turns from the goal; use "anchored"'
+        ) from None
+
+
+def _anchored(phases: Float64Array, q: Float64Array) -> tuple[Turning, Float64Array]:
+    steps = rotations.distance(q[:-1], q[1:])
+    covered = np.concatenate([[0.0], np.cumsum(steps)])
+    for refinement in range(_REFINEMENTS + 1):
+        finer = 0.5**refinement
+        anchors = _anchors(covered, q, _ANCHOR_SPACING * finer)
+        speeds = _speeds(phases, covered, len(anchors) - 1, _SMOOTHING * finer)
+        turning = Turning("anchored", _controls(anchors), speeds, q[0], q[-1], float(covered[-1]))
+        curve = turning.orientations(phases, np.zeros((len(q), 3)))
+        error = rotations.log(rotations.compose(rotations.inverse(curve), q))
+        largest = np.linalg.norm(error, axis=1).max()
+        if largest < _GOOD_ERROR:
+            break
+    if largest > _LARGEST_ERROR:
+        raise FitError("demonstrations: turn too much between samples to be followed")
+    return turning, error
+
+
+def _anchors(covered: Float64Array, q: Float64Array, spacing: float) -> Float64Array:
+    """Orientations at even shares of the angle turned, at most `spacing` apart, ends included."""
+    moving = np.concatenate([[True], np.diff(covered) > 0.0])
+    at, samples = covered[moving], q[moving]
+    if len(at) == 1:
+        return np.repeat(q[:1], 2, axis=0)
+    count = int(np.ceil(at[-1] / spacing))
+    anchors = rotations.interpolate(at, samples, np.linspace(0.0, at[-1], count + 1))
+    anchors[[0, -1]] = q[[0, -1]]
+    return rotations.align_signs(anchors)
+
+
+def _controls(anchors: Float64Array) -> Float64Array:
+    """The anchors, with the first and last step repeated: so the curve begins and ends at them."""
+    outwards = rotations.compose(anchors[[0, -1]], rotations.inverse(anchors[[1, -2]]))
+    ends = rotations.compose(outwards, anchors[[0, -1]])
+    return np.concatenate([ends[:1], anchors, ends[1:]])
+
+
+def _speeds(
+    phases: Float64Array, covered: Float64Array, pieces: int, smoothing: float
+) -> Float64Array:
+    """Pieces of the curve a phase, never negative, at even phases, (intervals + 1,)."""
+    nodes = np.linspace(0.0, 1.0, _INTERVALS + 1)
+    between = np.diff(np.interp(nodes, phases, covered))
+    for _ in range(2):
+        between = uniform_filter1d(between, max(int(smoothing * _INTERVALS), 1), mode="nearest")
+    speeds = np.concatenate([between[:1], 0.5 * (between[1:] + between[:-1]), between[-1:]])
+    speeds = np.maximum(speeds, 0.0)  # running means leave rounding below 0
+    whole = _covered(speeds)[-1]
+    return np.asarray(speeds * (pieces / whole)) if whole > 0.0 else speeds
+
+
+def _covered(speeds: Float64Array) -> Float64Array:
+    steps = 0.5 * (speeds[1:] + speeds[:-1]) / (len(speeds) - 1)
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def _offset(wanted: Float64Array, shown: Float64Array) -> Float64Array:
+    turn = rotations.compose(wanted[None], rotations.inverse(shown[None]))[0]
+    if abs(turn[0]) < 0.5 * _HALF_TURN:
+        axis = turn[1:][np.abs(turn[1:]) > _HALF_TURN]
+        turn = turn if axis[0] > 0.0 else -turn
+        turn[0] = abs(turn[0])
+    return np.asarray(rotations.log(turn[None])[0])
+
+
+def _nearest(vector: Float64Array, near: Float64Array) -> Float64Array:
+    """Of the rotation vectors of one rotation, which lie 2 pi apart on a line, the nearest."""
+    if not near.any():
+        return vector
+    angle = float(np.linalg.norm(vector))
+    axis = vector / angle if angle > 0.0 else near / np.linalg.norm(near)
+    turns = np.round((float(axis @ near) - angle) / (2.0 * np.pi))
+    return np.asarray(axis * (angle + 2.0 * np.pi * turns))
