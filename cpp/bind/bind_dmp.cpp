@@ -1,7 +1,9 @@
 #include <pybind11/eigen.h>
+#include <pybind11/stl.h>
 
 #include <memory>
 
+#include "leadthrough/avoidance.hpp"
 #include "leadthrough/dmp.hpp"
 #include "leadthrough/turning.hpp"
 #include "parts.hpp"
@@ -100,35 +102,93 @@ py::tuple rollout(const Forces& forces, const Course& course, const VectorIn& va
   return py::make_tuple(std::move(result.values), std::move(result.slopes));
 }
 
-// `acceleration` in the motion's own unit per s^2; of a pose (3,) linear or (6,) with angular.
-PointState step_point(const Forces& forces, const PointState& before, double dt,
-                      const VectorIn& acceleration) {
-  require(forces.nodes.cols() == before.channels() && acceleration.size() == before.channels());
-  PointState after = before;
-  const Vector push = before.duration * before.duration * acceleration;
-  dmp::advance(forces, *before.course, push, dt / before.duration, after.state);
-  return after;
+// Accelerations per s^2 in what the channels obey: an angular one, in the base frame, becomes one
+// of the coordinates.
+Vector push_of(const PointState& state, const VectorIn& acceleration) {
+  return state.duration * state.duration * acceleration;
 }
 
-PoseState step_pose(const Forces& forces, const PoseState& before, double dt,
-                    const VectorIn& acceleration) {
-  require(forces.nodes.cols() == 6 && acceleration.size() == 6);
-  PoseState after = before;
-  Vector push = before.duration * before.duration * acceleration;
-  if (!acceleration.tail<3>().isZero(0.0))
+Vector push_of(const PoseState& state, const VectorIn& acceleration) {
+  Vector push = state.duration * state.duration * acceleration;
+  if (push.size() == 6 && !push.tail<3>().isZero(0.0))
     push.tail<3>() =
-        dmp::coordinate_push(*before.curve, before.offsets, before.state.phase,
-                             before.state.value.tail<3>(), so3::Vector3(push.tail<3>()));
+        dmp::coordinate_push(*state.curve, state.offsets, state.state.phase,
+                             state.state.value.tail<3>(), so3::Vector3(push.tail<3>()));
+  return push;
+}
+
+template <typename State>
+State step(const Forces& forces, const State& before, double dt, const VectorIn& acceleration) {
+  require(forces.nodes.cols() == before.channels() && acceleration.size() == before.channels());
+  State after = before;
+  const Vector push = push_of(before, acceleration);
   dmp::advance(forces, *before.course, push, dt / before.duration, after.state);
   return after;
 }
 
-PointState coast_point(const Forces& forces, const PointState& before, double dt) {
-  return step_point(forces, before, dt, Vector::Zero(before.channels()));
+template <typename State>
+State coast(const Forces& forces, const State& before, double dt) {
+  return step(forces, before, dt, Vector::Zero(before.channels()));
 }
 
-PoseState coast_pose(const Forces& forces, const PoseState& before, double dt) {
-  return step_pose(forces, before, dt, Vector::Zero(before.channels()));
+std::shared_ptr<dmp::Surroundings> make_surroundings(const std::vector<int>& forms,
+                                                     const RowsIn& positions,
+                                                     const RowsIn& orientations,
+                                                     const RowsIn& sizes, const VectorIn& margins,
+                                                     double reach, const VectorIn& lower,
+                                                     const VectorIn& upper) {
+  const auto count = static_cast<Eigen::Index>(forms.size());
+  require(positions.rows() == count && orientations.rows() == count && sizes.rows() == count &&
+          margins.size() == count && lower.size() == upper.size());
+  require(count == 0 || (positions.cols() == 3 && orientations.cols() == 4 && sizes.cols() == 3));
+  auto result = std::make_shared<dmp::Surroundings>();
+  result->reach = reach;
+  result->lower = lower;
+  result->upper = upper;
+  for (Eigen::Index i = 0; i < count; ++i)
+    result->obstacles.push_back({static_cast<dmp::Form>(forms[static_cast<std::size_t>(i)]),
+                                 positions.row(i), orientations.row(i), sizes.row(i), margins[i]});
+  return result;
+}
+
+bool fits(const dmp::Surroundings& surroundings, Eigen::Index channels) {
+  return surroundings.lower.size() == 0 || surroundings.lower.size() == channels;
+}
+
+py::tuple rollout_around(const Forces& forces, const Course& course,
+                         const dmp::Surroundings& surroundings, const VectorIn& value,
+                         const VectorIn& slope, const VectorIn& phases) {
+  const Eigen::Index channels = forces.nodes.cols();
+  require(course.coefficients.cols() == channels && value.size() == channels &&
+          slope.size() == channels && phases.size() >= 1 && fits(surroundings, channels));
+  dmp::Passage result;
+  {
+    const py::gil_scoped_release release;
+    result = dmp::rollout_around(forces, course, surroundings, {value, slope, phases[0]}, phases);
+  }
+  return py::make_tuple(std::move(result.rollout.values), std::move(result.rollout.slopes),
+                        result.last_push);
+}
+
+template <typename State>
+State step_around(const Forces& forces, const State& before, double dt,
+                  const VectorIn& acceleration, const dmp::Surroundings& surroundings) {
+  require(forces.nodes.cols() == before.channels() && acceleration.size() == before.channels() &&
+          fits(surroundings, before.channels()));
+  State after = before;
+  const Vector push = push_of(before, acceleration);
+  dmp::advance_around(forces, *before.course, surroundings, push, dt / before.duration,
+                      after.state);
+  return after;
+}
+
+template <typename State>
+void bind_steps(py::module_& module) {
+  module.def("dmp_step", &coast<State>, py::arg("forces"), py::arg("state"), py::arg("dt"));
+  module.def("dmp_step", &step<State>, py::arg("forces"), py::arg("state"), py::arg("dt"),
+             py::arg("acceleration").noconvert());
+  module.def("dmp_step_around", &step_around<State>, py::arg("forces"), py::arg("state"),
+             py::arg("dt"), py::arg("acceleration").noconvert(), py::arg("surroundings"));
 }
 
 so3::Quaternions orientations(const Curve& curve, const so3::Vector3& start_offset,
@@ -177,6 +237,12 @@ void bind_dmp(py::module_& module) {
            py::arg("speeds").noconvert(), py::arg("covered").noconvert(), py::arg("zyz"),
            py::arg("rhythmic"));
 
+  py::class_<dmp::Surroundings, std::shared_ptr<dmp::Surroundings>>(module, "DmpSurroundings")
+      .def(py::init(&make_surroundings), py::arg("forms"), py::arg("positions").noconvert(),
+           py::arg("orientations").noconvert(), py::arg("sizes").noconvert(),
+           py::arg("margins").noconvert(), py::arg("reach"), py::arg("lower").noconvert(),
+           py::arg("upper").noconvert());
+
   py::class_<PointState> point(module, "PointState");
   point
       .def(py::init(&make_point_state), py::arg("course"), py::arg("value").noconvert(),
@@ -207,12 +273,11 @@ void bind_dmp(py::module_& module) {
   module.def("dmp_rollout", &rollout, py::arg("forces"), py::arg("course"),
              py::arg("value").noconvert(), py::arg("slope").noconvert(),
              py::arg("phases").noconvert());
-  module.def("dmp_step", &coast_point, py::arg("forces"), py::arg("state"), py::arg("dt"));
-  module.def("dmp_step", &coast_pose, py::arg("forces"), py::arg("state"), py::arg("dt"));
-  module.def("dmp_step", &step_point, py::arg("forces"), py::arg("state"), py::arg("dt"),
-             py::arg("acceleration").noconvert());
-  module.def("dmp_step", &step_pose, py::arg("forces"), py::arg("state"), py::arg("dt"),
-             py::arg("acceleration").noconvert());
+  bind_steps<PointState>(module);
+  bind_steps<PoseState>(module);
+  module.def("dmp_rollout_around", &rollout_around, py::arg("forces"), py::arg("course"),
+             py::arg("surroundings"), py::arg("value").noconvert(), py::arg("slope").noconvert(),
+             py::arg("phases").noconvert());
   module.def("dmp_orientations", &orientations, py::arg("curve"),
              py::arg("start_offset").noconvert(), py::arg("goal_offset").noconvert(),
              py::arg("phases").noconvert(), py::arg("values").noconvert());

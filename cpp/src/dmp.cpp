@@ -10,15 +10,21 @@ namespace {
 // As near as this a place is at a node, as a share of an interval: rounding.
 constexpr double kAtNode = 1e-9;
 
-// Adds `sign` times r and dr/du to a value and its slope.
-void add_reference(const Course& course, double phase, double sign, State& state) {
+// Phase since the break before it, and the coefficients that hold there.
+double place_in_piece(const Course& course, double phase, const double** coefficients) {
   const double* first = course.breaks.data() + 1;
   const Eigen::Index pieces = course.breaks.size() - 1;
   const Eigen::Index piece = std::upper_bound(first, first + pieces - 1, phase) - first;
-  const double s = std::min(phase, 1.0) - course.breaks[piece];
+  *coefficients = course.coefficients.data() + 6 * piece * course.coefficients.cols();
+  return std::min(phase, 1.0) - course.breaks[piece];
+}
+
+// Adds `sign` times r and dr/du to a value and its slope.
+void add_reference(const Course& course, double phase, double sign, State& state) {
+  const double* c = nullptr;
+  const double s = place_in_piece(course, phase, &c);
   const double slope_sign = phase < 1.0 ? sign : 0.0;
   const Eigen::Index channels = course.coefficients.cols();
-  const double* c = course.coefficients.data() + 6 * piece * channels;
   for (Eigen::Index i = 0; i < channels; ++i) {
     double value = c[5 * channels + i];
     double slope = 0.0;
@@ -125,6 +131,34 @@ void advance(const Forces& forces, const Course& course, const Vector& push, dou
   Motion(forces, course, push).advance(state.phase, state.phase + span, state);
   state.phase += span;
   add_reference(course, state.phase, 1.0, state);
+}
+
+void acceleration(const Forces& forces, const Course& course, const State& state, Vector& result) {
+  const double* c = nullptr;
+  const double s = place_in_piece(course, state.phase, &c);
+  const Eigen::Index channels = course.coefficients.cols();
+  const bool moves = state.phase < 1.0;
+  const auto intervals = static_cast<double>(forces.nodes.rows() - 1);
+  const bool forced = moves || forces.canonical == Canonical::Rhythmic;
+  const double turn = moves ? 0.0 : std::floor(state.phase);
+  const double place = forced ? intervals * (state.phase - turn) : 0.0;
+  const auto node = std::min(static_cast<Eigen::Index>(place), forces.nodes.rows() - 2);
+  const double share = place - static_cast<double>(node);
+  const double fade = (1.0 - share) * forces.fade[node] + share * forces.fade[node + 1];
+  for (Eigen::Index i = 0; i < channels; ++i) {
+    double r = 0.0, slope = 0.0, half_bend = 0.0;
+    for (Eigen::Index power = 5; power >= 0; --power) {
+      half_bend = half_bend * s + slope;
+      slope = slope * s + r;
+      r = r * s + c[power * channels + i];
+    }
+    const double learned =
+        (1.0 - share) * forces.nodes(node, i) + share * forces.nodes(node + 1, i);
+    const double force = forced ? course.gain[i] * learned + course.drive[i] * fade : 0.0;
+    const double error_slope = state.slope[i] - (moves ? slope : 0.0);
+    result[i] = (moves ? 2.0 * half_bend : 0.0) + force -
+                forces.rate * (2.0 * error_slope + forces.rate * (state.value[i] - r));
+  }
 }
 
 Rollout rollout(const Forces& forces, const Course& course, State state,

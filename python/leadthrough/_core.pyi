@@ -321,6 +321,19 @@ class DmpCurve:
         rhythmic: bool,
     ) -> None: ...
 
+class DmpSurroundings:
+    def __init__(
+        self,
+        forms: Sequence[int],
+        positions: Float64Array,
+        orientations: Float64Array,
+        sizes: Float64Array,
+        margins: Float64Array,
+        reach: float,
+        lower: Float64Array,
+        upper: Float64Array,
+    ) -> None: ...
+
 class PointState:
     def __init__(
         self,
@@ -401,6 +414,30 @@ def dmp_step(
 def dmp_step(
     forces: DmpForces, state: PoseState, dt: float, acceleration: Float64Array
 ) -> PoseState: ...
+@overload
+def dmp_step_around(
+    forces: DmpForces,
+    state: PointState,
+    dt: float,
+    acceleration: Float64Array,
+    surroundings: DmpSurroundings,
+) -> PointState: ...
+@overload
+def dmp_step_around(
+    forces: DmpForces,
+    state: PoseState,
+    dt: float,
+    acceleration: Float64Array,
+    surroundings: DmpSurroundings,
+) -> PoseState: ...
+def dmp_rollout_around(
+    forces: DmpForces,
+    course: DmpCourse,
+    surroundings: DmpSurroundings,
+    value: Float64Array,
+    slope: Float64Array,
+    phases: Float64Array,
+) -> tuple[Float64Array, Float64Array, float]: ...
 def dmp_orientations(
     curve: DmpCurve,
     start_offset: Float64Array,

@@ -47,6 +47,9 @@ struct Rollout {
 void advance(const Forces& forces, const Course& course, const Vector& push, double span,
              State& state);
 
+// d2y/du2 without a push.
+void acceleration(const Forces& forces, const Course& course, const State& state, Vector& result);
+
 // The motion at increasing phases, from a state at the first of them on.
 Rollout rollout(const Forces& forces, const Course& course, State state,
                 const Eigen::Ref<const Vector>& phases);

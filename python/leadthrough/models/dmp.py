@@ -11,18 +11,20 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
+import numpy as np
+
 from leadthrough import _core, check
 from leadthrough.errors import UnsupportedQuery
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive, springs
 from leadthrough.models.basis import MOST_WEIGHTS
+from leadthrough.models.coupling import Around, check_around, roll, step_around
 from leadthrough.models.mean_motion import mean_motion
 from leadthrough.models.query import check_duration, check_step, course_through, ends_of
 from leadthrough.models.regression import REGRESSIONS, fit
 from leadthrough.models.sampling import even_times
 from leadthrough.models.springs import FORMS, Springs
 from leadthrough.motion import Demonstration, JointTrajectory, Trajectory
-from leadthrough.planning.obstacles import check_shapes
 from leadthrough.shapes import Shape
 
 
@@ -61,28 +63,30 @@ class DMP:
             form=self.form,
             regression=self.regression,
         )
-        return DMPSkill(self, learned, shown.duration, shown.joint_names)
+        return DMPSkill(self, learned, shown.duration, shown.size, shown.joint_names)
 
 
 @dataclass(frozen=True, eq=False)
 class DMPSkill:
     """A learned primitive; made by `DMP.fit`.
 
-    model: its parameters. springs: what was learned. duration: s, as demonstrated. joint_names:
-    None where points were shown.
+    model: its parameters. springs: what was learned. duration: s, as demonstrated. size: diagonal
+    of the box around the demonstration. joint_names: None where points were shown.
     """
 
     model: DMP
     springs: Springs
     duration: float
+    size: float
     joint_names: tuple[str, ...] | None
 
     kind: ClassVar[str] = "dmp"
 
     @property
     def supports(self) -> frozenset[str]:
-        """What a query may ask for."""
-        return frozenset({"start", "goal", "duration"})
+        """What a query may ask for; obstacles only in two or three dimensions."""
+        known = {"start", "goal", "duration"}
+        return frozenset(known if self._dimensions is None else {*known, "obstacles"})
 
     def generate(
         self,
@@ -95,6 +99,7 @@ class DMPSkill:
         via: Sequence[tuple[float, Any]] = (),
         start_velocity: Any = None,
         final_velocity: Any = None,
+        limits: Any = None,
     ) -> Any:
         """A Trajectory, or a JointTrajectory where joints were shown.
 
@@ -102,12 +107,13 @@ class DMPSkill:
         demonstrations'. dt: s, upper bound of the sampling step; the motion does not depend on it.
         via: (share of the duration inside (0, 1), point (d,)), in order. start_velocity,
         final_velocity: (d,) a second, by default as demonstrated at that duration.
-        final_velocity has no meaning but with the form "blended".
-        Raises InvalidInput, UnsupportedQuery.
+        final_velocity has no meaning but with the form "blended". obstacles: in the demonstrations'
+        frame; drawings of two dimensions lie in the plane z = 0. limits: (lower (d,), upper (d,)),
+        which the motion does not leave.
+        Raises InvalidInput, UnsupportedQuery; NoPath where steering does not clear the obstacles.
         """
         step = check.number(dt, "dt", above=0.0)
-        if check_shapes(obstacles):
-            raise UnsupportedQuery("obstacles: joints know of none, plan around them elsewhere")
+        around = self._around(obstacles, limits)
         state = self.begin(
             start=start,
             goal=goal,
@@ -117,9 +123,8 @@ class DMPSkill:
             final_velocity=final_velocity,
         )
         times = even_times(state.duration, step)
-        phases = times / times[-1]
-        positions, slopes = _core.dmp_rollout(
-            self.springs.forces, state.course, state.value, state.slope, phases
+        positions, slopes = roll(
+            self.springs, state, times / times[-1], around=around, size=self.size
         )
         if self.joint_names is None:
             return Trajectory(times, positions)
@@ -161,6 +166,8 @@ class DMPSkill:
         coupling: Any = None,
         lag: float = 0.0,
         measured: Any = None,
+        obstacles: Sequence[Shape] = (),
+        limits: Any = None,
     ) -> _core.PointState:
         """The state dt s later: .position, .velocity (d,), .phase; exact for any dt > 0.
 
@@ -169,22 +176,31 @@ class DMPSkill:
         from instead of the state's position. lag: >= 0; the motion runs 1 / (1 + lag) as fast. For
         phase stopping, take a gain times the squared distance between the arm and the state. (The
         literature slows the phase alone, Ijspeert et al. 2013, eq. 2.13, while the spring goes on
-        to the goal; here the whole motion waits.) Raises InvalidInput.
+        to the goal; here the whole motion waits.) obstacles, limits: as in `generate`, of this
+        step. Raises InvalidInput.
         """
         span = check_step(dt, lag, state.duration)
         if goal is not None:
             state = self._redirected(state, goal)
         if measured is not None:
             state = self._moved(state, measured)
-        if coupling is None:
+        if coupling is None and not obstacles and limits is None:
             return _core.dmp_step(self.springs.forces, state, span)
-        push = check.array(coupling, "coupling", shape=self.springs.ends.start.shape)
-        return _core.dmp_step(self.springs.forces, state, span, push)
+        push = np.zeros(len(state.value))
+        if coupling is not None:
+            push = check.array(coupling, "coupling", shape=push.shape)
+        around = self._around(obstacles, limits)
+        return step_around(self.springs, state, span, push, around=around, size=self.size)
 
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""
         names = None if self.joint_names is None else list(self.joint_names)
-        settings = {**asdict(self.model), "duration": self.duration, "joint_names": names}
+        settings = {
+            **asdict(self.model),
+            "duration": self.duration,
+            "joint_names": names,
+            "size": self.size,
+        }
         archive.write(path, self.kind, settings, self.springs.arrays())
 
     @classmethod
@@ -192,9 +208,20 @@ class DMPSkill:
         """The skill that `save` took apart. Raises KeyError, TypeError, ValueError."""
         names = settings.pop("joint_names")
         duration = check.number(settings.pop("duration"), "duration", above=0.0)
+        size = check.number(settings.pop("size"), "size", at_least=0.0)
         model = DMP(**settings)
         learned = Springs.from_arrays(model.form, model.weights, arrays)
-        return cls(model, learned, duration, None if names is None else tuple(names))
+        return cls(model, learned, duration, size, None if names is None else tuple(names))
+
+    @property
+    def _dimensions(self) -> int | None:
+        """Of the space that the motion runs in, if there may be obstacles."""
+        count = len(self.springs.ends.start)
+        return count if self.joint_names is None and count in (2, 3) else None
+
+    def _around(self, obstacles: Sequence[Shape], limits: Any) -> Around:
+        count = len(self.springs.ends.start)
+        return check_around(obstacles, limits, dimensions=self._dimensions, channels=count)
 
     def _redirected(self, state: _core.PointState, goal: Any) -> _core.PointState:
         wanted = check.array(goal, "goal", shape=self.springs.ends.goal.shape)

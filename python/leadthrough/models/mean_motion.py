@@ -31,6 +31,11 @@ class MeanMotion:
     duration: float
     joint_names: tuple[str, ...] | None
 
+    @property
+    def size(self) -> float:
+        """Diagonal of the box around the positions, in their unit."""
+        return float(np.linalg.norm(np.ptp(self.positions, axis=0)))
+
 
 def mean_motion(demonstrations: Sequence[Demonstration], kinds: tuple[type, ...]) -> MeanMotion:
     """The mean of at least one demonstration, all of the same one of the kinds of motion.

@@ -19,6 +19,7 @@ from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive, springs, turning
 from leadthrough.models.basis import MOST_WEIGHTS
+from leadthrough.models.coupling import check_around, roll, step_around
 from leadthrough.models.mean_motion import MeanMotion, mean_motion
 from leadthrough.models.query import check_duration, check_step, course_through, ends_of
 from leadthrough.models.regression import REGRESSIONS, fit
@@ -26,7 +27,6 @@ from leadthrough.models.sampling import even_times
 from leadthrough.models.springs import Ends, Springs
 from leadthrough.models.turning import REPRESENTATIONS, Turning
 from leadthrough.motion import Demonstration, PoseTrajectory
-from leadthrough.planning.obstacles import check_shapes
 from leadthrough.shapes import Shape
 
 Offsets = tuple[Float64Array, Float64Array]
@@ -72,7 +72,7 @@ class PoseDMP:
             form=_FORM,
             regression=self.regression,
         )
-        skill = PoseDMPSkill(self, learned, turned, shown.duration)
+        skill = PoseDMPSkill(self, learned, turned, shown.duration, shown.size)
         if self.orientation == "lifted":
             _check_replay(skill, shown)
         return skill
@@ -83,16 +83,18 @@ class PoseDMPSkill:
     """A learned primitive of poses; made by `PoseDMP.fit`.
 
     model: its parameters. springs: of three coordinates of the position and three of the
-    orientation. turning: what the latter mean. duration: s, as demonstrated.
+    orientation. turning: what the latter mean. duration: s, as demonstrated. size: m, diagonal of
+    the box around the demonstrated positions.
     """
 
     model: PoseDMP
     springs: Springs
     turning: Turning
     duration: float
+    size: float
 
     kind: ClassVar[str] = "pose_dmp"
-    supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration"})
+    supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration", "obstacles"})
 
     def generate(
         self,
@@ -112,12 +114,13 @@ class PoseDMPSkill:
         demonstrated. duration: s, > 0, by default the demonstrations'. dt: s, upper bound of the
         sampling step; the motion does not depend on it. via: (share of the duration inside (0, 1),
         position (3,)), in order. start_velocity, final_velocity: (3,) m/s, by default as
-        demonstrated at that duration.
-        Raises InvalidInput; UnsupportedQuery where "lifted" would spin.
+        demonstrated at that duration. obstacles: in the demonstrations' frame; the position keeps
+        clear of them, the orientation does not mind them.
+        Raises InvalidInput; NoPath where steering does not clear the obstacles; UnsupportedQuery
+        where "lifted" would spin.
         """
         step = check.number(dt, "dt", above=0.0)
-        if check_shapes(obstacles):
-            raise UnsupportedQuery("obstacles: not yet")
+        around = check_around(obstacles, None, dimensions=3, channels=6)
         state = self.begin(
             start=start,
             goal=goal,
@@ -128,9 +131,7 @@ class PoseDMPSkill:
         )
         times = even_times(state.duration, step)
         phases = times / times[-1]
-        values, _ = _core.dmp_rollout(
-            self.springs.forces, state.course, state.value, state.slope, phases
-        )
+        values, _ = roll(self.springs, state, phases, around=around, size=self.size)
         offsets = state.start_offset, state.goal_offset
         turned = self.turning.orientations(phases, np.ascontiguousarray(values[:, 3:]), offsets)
         if self.model.orientation == "lifted":
@@ -175,6 +176,7 @@ class PoseDMPSkill:
         coupling: Any = None,
         lag: float = 0.0,
         measured: Any = None,
+        obstacles: Sequence[Shape] = (),
     ) -> _core.PoseState:
         """The state dt s later; exact for any dt > 0.
 
@@ -182,20 +184,23 @@ class PoseDMPSkill:
         base frame, and .phase. state: from `begin` or the last step. goal: as in `generate`, moves
         the goal. coupling: (3,) acceleration, m/s^2, that acts meanwhile, or (6,) with an angular
         one, rad/s^2 in the base frame. measured: like goal; where the motion goes on from instead
-        of the state's pose. lag: as in `DMPSkill.step`. Raises InvalidInput.
+        of the state's pose. lag: as in `DMPSkill.step`. obstacles: to keep clear of in this step.
+        Raises InvalidInput.
         """
         span = check_step(dt, lag, state.duration)
         if goal is not None:
             state = self._redirected(state, goal)
         if measured is not None:
             state = self._moved(state, measured)
-        if coupling is None:
+        if coupling is None and not obstacles:
             return _core.dmp_step(self.springs.forces, state, span)
-        return _core.dmp_step(self.springs.forces, state, span, _push(coupling))
+        push = np.zeros(6) if coupling is None else _push(coupling)
+        around = check_around(obstacles, None, dimensions=3, channels=6)
+        return step_around(self.springs, state, span, push, around=around, size=self.size)
 
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""
-        settings = {**asdict(self.model), "duration": self.duration}
+        settings = {**asdict(self.model), "duration": self.duration, "size": self.size}
         arrays = {**self.springs.arrays(), **self.turning.arrays()}
         archive.write(path, self.kind, settings, arrays)
 
@@ -203,9 +208,11 @@ class PoseDMPSkill:
     def from_archive(cls, settings: dict[str, Any], arrays: archive.Arrays) -> PoseDMPSkill:
         """The skill that `save` took apart. Raises KeyError, TypeError, ValueError."""
         duration = check.number(settings.pop("duration"), "duration", above=0.0)
+        size = check.number(settings.pop("size"), "size", at_least=0.0)
         model = PoseDMP(**settings)
         learned = Springs.from_arrays(_FORM, model.weights, arrays)
-        return cls(model, learned, Turning.from_arrays(model.orientation, arrays), duration)
+        turned = Turning.from_arrays(model.orientation, arrays)
+        return cls(model, learned, turned, duration, size)
 
     def _turned_ends(
         self, start: Float64Array | None, goal: Float64Array | None

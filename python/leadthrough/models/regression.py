@@ -35,7 +35,7 @@ REGRESSIONS = ("replay", "ridge", "lwr")
 
 # Ridge penalty, as a share of the regressors' mean square: enough where samples are fewer than
 # weights, and far below what changes a fit.
-_RIDGE = 1e-7
+_RIDGE = 1e-8
 # A motion as short as this beside its range cannot scale a force.
 _SHORTEST_SHARE = 1e-3
 

@@ -9,6 +9,8 @@ from leadthrough.errors import InvalidInput
 
 # A motion of more samples is a slip of the unit of dt or of the duration.
 MOST_SAMPLES = 10_000_000
+# A duration of n steps of dt has n steps, whatever the quotient rounds to.
+_ROUNDING = 1e-9
 
 
 def even_times(duration: float, dt: float) -> Float64Array:
@@ -17,4 +19,5 @@ def even_times(duration: float, dt: float) -> Float64Array:
         raise InvalidInput(
             f"dt: expected at most {MOST_SAMPLES:.0e} samples in {duration:.6g} s, got {dt} s"
         )
-    return np.linspace(0.0, duration, int(np.ceil(duration / dt)) + 1)
+    steps = max(int(np.ceil(duration / dt - _ROUNDING)), 1)
+    return np.linspace(0.0, duration, steps + 1)

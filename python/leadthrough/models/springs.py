@@ -134,7 +134,7 @@ def course(form: str, ends: Ends, via: Via = (), *, amplitude: float = 1.0) -> _
 
 def redirected(form: str, before: _core.DmpCourse, goal: Float64Array) -> _core.DmpCourse:
     """The course with another goal (channels,); what lay behind the phase is as it was."""
-    shift = goal - _end_of(before)
+    shift = goal - end_of(before)
     blend = _BLEND if form == "blended" else np.array([1.0, 0, 0, 0, 0, 0])
     breaks = before.breaks
     coefficients = before.coefficients + _expanded(np.outer(blend, shift), breaks)
@@ -189,7 +189,8 @@ def _taylor(curve: Any, breaks: Float64Array) -> Float64Array:
     return np.ascontiguousarray(np.stack(blocks, axis=1).reshape(-1, blocks[0].shape[1]))
 
 
-def _end_of(asked: _core.DmpCourse) -> Float64Array:
+def end_of(asked: _core.DmpCourse) -> Float64Array:
+    """Where a course leads, (channels,)."""
     breaks = asked.breaks
     powers = (1.0 - breaks[-2]) ** np.arange(6.0)
     return np.asarray(powers @ asked.coefficients[-6:])

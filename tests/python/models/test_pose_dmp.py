@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
+from leadthrough.preprocess.segment import segment
 
 DURATION = 4.0
 FIXED = np.array([1.0, 2.0, 2.0]) / 3.0
@@ -424,3 +425,24 @@ def test_bad_settings_and_demonstrations_are_refused():
     still = lt.PoseTrajectory([0, 1], np.zeros((2, 3)), [(1, 0, 0, 0), (-1, 0, 0, 0)])
     with pytest.raises(FitError, match="does not move"):
         lt.PoseDMP().fit([lt.Demonstration(still)])
+
+
+@pytest.mark.parametrize("trial", ["trial1.csv", "trial2.csv"])
+def test_motions_of_a_real_robot_are_replayed(recordings, trial):
+    columns = {
+        "positions": [f"current_pos_{axis}" for axis in "xyz"],
+        "orientations": [f"current_orientation_{axis}" for axis in "wxyz"],
+    }
+    path = recordings / "panda_execution" / trial
+    (recording,) = lt.read_demonstrations([path], columns=columns, rate=20.0)
+    motions = segment(recording)
+    assert len(motions) > 30
+    for shown in motions:
+        motion = shown.motion
+        # Two motions of 20 s have more to them than 50 kernels can say.
+        skill = lt.PoseDMP(weights=max(50, int(4 * motion.duration))).fit([shown])
+        made = skill.generate(dt=motion.duration / (len(motion.times) - 1))
+        gaps = np.linalg.norm(made.positions - motion.positions, axis=1)
+        assert np.sqrt(np.mean(gaps**2)) <= 1e-3
+        angles = rotations.distance(made.orientations, motion.orientations)
+        assert np.degrees(angles).mean() <= 0.2

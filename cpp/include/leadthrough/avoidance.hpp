@@ -1,0 +1,53 @@
+#pragma once
+
+// Coupling terms that keep a primitive's motion out of obstacles and inside limits.
+//
+// Two of them act together: a steering term turns the velocity away from an obstacle's middle early
+// (after Hoffmann et al. 2009, eq. 9, and Pastor et al. 2009, eq. 10), and a barrier adds the least
+// acceleration that keeps h'' + 2 rate h' + rate^2 h >= 0 for every distance h, so that none falls
+// below 0 (Ames et al. 2019, "Control barrier functions", section II; Nguyen and Sreenath 2016 for
+// the second order). All is per unit of phase.
+
+#include <vector>
+
+#include "leadthrough/dmp.hpp"
+#include "leadthrough/so3.hpp"
+
+namespace leadthrough::dmp {
+
+enum class Form { Box, Sphere, Capsule };
+
+struct Obstacle {
+  Form form;
+  so3::Vector3 position;
+  so3::Quaternion orientation;
+  so3::Vector3 size;  // edges of a box; radius, then length of a capsule's axis
+  double margin;      // distance to keep, > 0
+};
+
+// Signed distance of a point, and the unit vector in which it grows.
+struct Clearance {
+  double distance;
+  so3::Vector3 outward;
+};
+Clearance clearance(const Obstacle& obstacle, const so3::Vector3& point);
+
+struct Surroundings {
+  std::vector<Obstacle> obstacles;  // about the first two or three channels
+  double reach;                     // distance at which steering has faded to 1 / e
+  Vector lower, upper;              // (channels), or empty
+};
+
+struct Passage {
+  Rollout rollout;
+  double last_push;  // the last phase at which steering or a barrier mattered, or the first one
+};
+
+// Moves the state on by `span` > 0 of phase. Returns whether something was in the way.
+bool advance_around(const Forces& forces, const Course& course, const Surroundings& surroundings,
+                    const Vector& push, double span, State& state);
+
+Passage rollout_around(const Forces& forces, const Course& course, const Surroundings& surroundings,
+                       State state, const Eigen::Ref<const Vector>& phases);
+
+}  // namespace leadthrough::dmp

@@ -1,0 +1,246 @@
+#include "leadthrough/avoidance.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace leadthrough::dmp {
+
+namespace {
+
+using so3::Vector3;
+
+// Steering: gamma and beta of Hoffmann et al. 2009, with time measured in durations.
+constexpr double kGain = 1000.0;
+constexpr double kNarrowing = 20.0 / 3.14159265358979323846;
+// A motion that heads for the middle is steered as one that passes at the angle of most effect;
+// the literature's term vanishes there.
+constexpr double kLeastAngle = 1.0 / kNarrowing;
+// Sine of the angle below which a rule chooses the side.
+constexpr double kHeadOn = 1e-6;
+
+constexpr double kBarrierRate = 60.0;  // per unit of phase, several times the springs'
+constexpr double kSliding = 1.5;       // of what a barrier holds back, along the surface
+constexpr int kSweeps = 4;             // over barriers that may act against each other
+constexpr double kLongestStep = 1e-3;  // of phase, far below the barrier's time
+// Steering weaker than this share of a barrier's push at the margin does not count as one.
+constexpr double kNegligible = 1e-3;
+
+Clearance of_box(const Vector3& half, const Vector3& point) {
+  const Vector3 beyond = point.cwiseAbs() - half;
+  const Vector3 signs = point.unaryExpr([](double x) { return x < 0.0 ? -1.0 : 1.0; });
+  const Vector3 outside = beyond.cwiseMax(0.0);
+  const double distance = outside.norm();
+  if (distance > 0.0) return {distance, outside.cwiseProduct(signs) / distance};
+  Eigen::Index axis = 0;
+  const double inside = beyond.maxCoeff(&axis);
+  return {inside, Vector3(Vector3::Unit(axis) * signs[axis])};
+}
+
+Clearance of_ball(double radius, const Vector3& offset) {
+  const double length = offset.norm();
+  return {length - radius, length > 0.0 ? Vector3(offset / length) : Vector3::UnitX()};
+}
+
+Vector3 in_space(const Vector& channels, Eigen::Index dimensions) {
+  Vector3 result = Vector3::Zero();
+  result.head(dimensions) = channels.head(dimensions);
+  return result;
+}
+
+// Across a unit vector, away from the middle; as long as 1.
+Vector3 sideways(const Vector3& direction, const Vector3& to_middle) {
+  const Vector3 side = direction * direction.dot(to_middle) - to_middle;
+  if (side.norm() > kHeadOn * to_middle.norm()) return side.normalized();
+  const Vector3 up = direction.head<2>().norm() > kHeadOn ? Vector3::UnitZ() : Vector3::UnitX();
+  return direction.cross(up).normalized();
+}
+
+Vector3 steering(const Obstacle& obstacle, double reach, double distance, const Vector3& to_middle,
+                 const Vector3& velocity) {
+  const double speed = velocity.norm();
+  const double ahead = velocity.dot(to_middle);
+  if (speed == 0.0 || ahead <= 0.0) return Vector3::Zero();
+  const double angle = std::atan2(velocity.cross(to_middle).norm(), ahead);
+  const double effective = std::max(angle, kLeastAngle);
+  const double nearness = std::exp(-std::max(distance - obstacle.margin, 0.0) / reach);
+  const double strength = kGain * effective * std::exp(-kNarrowing * effective) * nearness;
+  return strength * speed * sideways(velocity / speed, to_middle);
+}
+
+// The least change of the acceleration along a gradient that keeps a distance h from falling.
+double barrier(double h, double h_slope, double acceleration) {
+  const double needed = -kBarrierRate * (2.0 * h_slope + kBarrierRate * h);
+  return std::max(needed - acceleration, 0.0);
+}
+
+struct Near {
+  Clearance clearance;
+  const Obstacle* obstacle;
+  Vector3 to_middle;
+};
+
+// Finds pushes; its arrays are workspace.
+class Guard {
+ public:
+  Guard(const Forces& forces, const Course& course, const Surroundings& surroundings)
+      : forces_(forces),
+        course_(course),
+        surroundings_(surroundings),
+        dimensions_(std::min<Eigen::Index>(forces.nodes.cols(), 3)),
+        acceleration_(forces.nodes.cols()) {
+    near_.reserve(surroundings.obstacles.size());
+  }
+
+  // Adds to the push; returns whether it did.
+  bool add(const State& state, Vector& push) {
+    acceleration(forces_, course_, state, acceleration_);
+    acceleration_ += push;
+    const bool steered = steer(state, push);
+    bool pushed = false;
+    slide(state, push);
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      bool changed = keep_clear(state, push);
+      changed |= keep_inside(state, push);
+      pushed |= changed;
+      if (!changed) break;
+    }
+    return steered || pushed;
+  }
+
+ private:
+  bool steer(const State& state, Vector& push) {
+    near_.clear();
+    bool matters = false;
+    const Vector3 position = in_space(state.value, dimensions_);
+    const Vector3 velocity = in_space(state.slope, dimensions_);
+    for (const Obstacle& obstacle : surroundings_.obstacles) {
+      Vector3 to_middle = obstacle.position - position;
+      to_middle.tail(3 - dimensions_).setZero();
+      near_.push_back({clearance(obstacle, position), &obstacle, to_middle});
+      const Vector3 turn = steering(obstacle, surroundings_.reach, near_.back().clearance.distance,
+                                    to_middle, velocity);
+      change(turn.head(dimensions_), push);
+      const double noticed = kNegligible * kBarrierRate * kBarrierRate * obstacle.margin;
+      matters |= turn.norm() > noticed;
+    }
+    return matters;
+  }
+
+  // What presses on a surface is led along it, so that a flat one does not hold the motion up.
+  void slide(const State& state, Vector& push) {
+    for (const Near& near : near_) {
+      const Vector3& outward = near.clearance.outward;
+      const double pressure = missing(near, state);
+      if (pressure == 0.0) continue;
+      Vector3 way = sideways(outward, near.to_middle);
+      way.tail(3 - dimensions_).setZero();
+      change(kSliding * pressure * way.head(dimensions_), push);
+    }
+  }
+
+  double missing(const Near& near, const State& state) const {
+    const auto gradient = near.clearance.outward.head(dimensions_);
+    const double h = near.clearance.distance - near.obstacle->margin;
+    return barrier(h, gradient.dot(state.slope.head(dimensions_)),
+                   gradient.dot(acceleration_.head(dimensions_)));
+  }
+
+  bool keep_clear(const State& state, Vector& push) {
+    bool changed = false;
+    for (const Near& near : near_) {
+      const auto gradient = near.clearance.outward.head(dimensions_);
+      const double steepness = gradient.squaredNorm();
+      const double lack = missing(near, state);
+      if (lack == 0.0 || steepness < kHeadOn) continue;
+      change(gradient * (lack / steepness), push);
+      changed = true;
+    }
+    return changed;
+  }
+
+  bool keep_inside(const State& state, Vector& push) {
+    bool changed = false;
+    for (Eigen::Index i = 0; i < surroundings_.lower.size(); ++i) {
+      const double value = state.value[i];
+      const double slope = state.slope[i];
+      const double up = barrier(value - surroundings_.lower[i], slope, acceleration_[i]);
+      const double down = barrier(surroundings_.upper[i] - value, -slope, -acceleration_[i]);
+      push[i] += up - down;
+      acceleration_[i] += up - down;
+      changed |= up > 0.0 || down > 0.0;
+    }
+    return changed;
+  }
+
+  template <typename Change>
+  void change(const Change& by, Vector& push) {
+    push.head(dimensions_) += by;
+    acceleration_.head(dimensions_) += by;
+  }
+
+  const Forces& forces_;
+  const Course& course_;
+  const Surroundings& surroundings_;
+  Eigen::Index dimensions_;
+  Vector acceleration_;
+  std::vector<Near> near_;
+};
+
+bool advance_guarded(const Forces& forces, const Course& course, Guard& guard, const Vector& push,
+                     double span, Vector& total, State& state) {
+  const auto steps = static_cast<int>(std::ceil(std::min(span, 1.0) / kLongestStep));
+  bool pushed = false;
+  const double beyond = std::max(span - 1.0, 0.0);
+  for (int i = 0; i < steps; ++i) {
+    total = push;
+    pushed |= guard.add(state, total);
+    advance(forces, course, total, std::min(span, 1.0) / steps, state);
+  }
+  if (beyond > 0.0) advance(forces, course, push, beyond, state);
+  return pushed;
+}
+
+}  // namespace
+
+Clearance clearance(const Obstacle& obstacle, const Vector3& point) {
+  const Vector3 offset = point - obstacle.position;
+  if (obstacle.form == Form::Sphere) return of_ball(obstacle.size[0], offset);
+  const so3::Matrix3 turn = so3::to_matrix(obstacle.orientation);
+  Vector3 local = turn.transpose() * offset;
+  if (obstacle.form == Form::Box) {
+    const Clearance result = of_box(0.5 * obstacle.size, local);
+    return {result.distance, turn * result.outward};
+  }
+  const double half = 0.5 * obstacle.size[1];
+  local.z() -= std::clamp(local.z(), -half, half);
+  const Clearance result = of_ball(obstacle.size[0], local);
+  return {result.distance, turn * result.outward};
+}
+
+bool advance_around(const Forces& forces, const Course& course, const Surroundings& surroundings,
+                    const Vector& push, double span, State& state) {
+  Guard guard(forces, course, surroundings);
+  Vector total(push.size());
+  return advance_guarded(forces, course, guard, push, span, total, state);
+}
+
+Passage rollout_around(const Forces& forces, const Course& course, const Surroundings& surroundings,
+                       State state, const Eigen::Ref<const Vector>& phases) {
+  const Eigen::Index count = phases.size();
+  const Eigen::Index channels = state.value.size();
+  const Vector no_push = Vector::Zero(channels);
+  Vector total(channels);
+  Guard guard(forces, course, surroundings);
+  Passage result{{Rows(count, channels), Rows(count, channels)}, phases[0]};
+  for (Eigen::Index n = 0; n < count; ++n) {
+    if (n > 0 &&
+        advance_guarded(forces, course, guard, no_push, phases[n] - phases[n - 1], total, state))
+      result.last_push = phases[n];
+    result.rollout.values.row(n) = state.value;
+    result.rollout.slopes.row(n) = state.slope;
+  }
+  return result;
+}
+
+}  // namespace leadthrough::dmp

@@ -1,0 +1,77 @@
+"""Cutting recordings into motions."""
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough.errors import InvalidInput
+from leadthrough.preprocess.segment import segment
+
+
+def stop_and_go(*, rate=100.0, noise=0.0):
+    """Three strokes of 1 s and 0.2 m, the last one a turn on the spot, 1 s of rest around each."""
+    times = np.arange(0.0, 7.0, 1.0 / rate)
+    rise = [np.clip(times - start, 0.0, 1.0) for start in (1.0, 3.0, 5.0)]
+    s = [u**3 * (10.0 - 15.0 * u + 6.0 * u**2) for u in rise]
+    points = np.column_stack([0.2 * s[0], 0.2 * s[1], np.zeros_like(times)])
+    points += np.random.default_rng(0).normal(0.0, noise, points.shape)
+    turned = lt.rotations.exp(np.outer(s[2], [0.0, 1.5, 0.0]))
+    return lt.Demonstration(lt.PoseTrajectory(times, points, turned), name="work")
+
+
+@pytest.mark.parametrize("noise", [0.0, 3e-4])
+def test_motions_are_cut_at_pauses(noise):
+    pieces = segment(stop_and_go(noise=noise))
+    assert [piece.name for piece in pieces] == ["work 1", "work 2", "work 3"]
+    for piece, start in zip(pieces, (1.0, 3.0, 5.0), strict=True):
+        assert start - 0.4 <= piece.motion.times[0] <= start + 0.1
+        assert start + 0.9 <= piece.motion.times[-1] <= start + 1.4
+
+
+def test_samples_are_as_recorded():
+    whole = stop_and_go().motion
+    for piece in segment(stop_and_go()):
+        rows = np.searchsorted(whole.times, piece.motion.times)
+        np.testing.assert_array_equal(piece.motion.times, whole.times[rows])
+        np.testing.assert_array_equal(piece.motion.positions, whole.positions[rows])
+        np.testing.assert_allclose(piece.motion.orientations, whole.orientations[rows], atol=1e-15)
+
+
+def test_a_turn_alone_is_seen_in_poses_only():
+    poses = stop_and_go().motion
+    points = lt.Demonstration(lt.Trajectory(poses.times, poses.positions))
+    assert len(segment(points)) == 2
+    assert segment(points)[0].name == "1"
+
+
+def test_joints_keep_all_they_have():
+    poses = stop_and_go().motion
+    joints = lt.JointTrajectory(
+        poses.times, poses.positions, poses.positions, joint_names=("a", "b", "c")
+    )
+    first = segment(lt.Demonstration(joints))[0].motion
+    assert first.joint_names == ("a", "b", "c")
+    np.testing.assert_array_equal(first.velocities, first.positions)
+    assert first.accelerations is None
+
+
+def test_short_rests_do_not_cut_and_short_motions_are_left_out():
+    assert len(segment(stop_and_go(), pause=1.5)) == 1
+    assert segment(stop_and_go(), shortest=3.0) == []
+
+
+def test_what_stands_still_has_no_motions():
+    still = lt.Demonstration(lt.Trajectory([0.0, 1.0, 2.0], np.ones((3, 2))))
+    assert segment(still) == []
+    assert segment(lt.Demonstration(lt.Trajectory([0.0], [[1.0]]))) == []
+    single = lt.PoseTrajectory([0.0], [[0.0, 0.0, 0.0]], [[1.0, 0.0, 0.0, 0.0]])
+    assert segment(lt.Demonstration(single)) == []
+
+
+@pytest.mark.parametrize("name", ["speed", "angular_speed", "pause", "shortest"])
+@pytest.mark.parametrize("value", [0.0, np.nan, "1"])
+def test_bad_settings_are_refused_by_name(name, value):
+    with pytest.raises(InvalidInput, match=name):
+        segment(stop_and_go(), **{name: value})
+    with pytest.raises(InvalidInput, match="demonstration"):
+        segment(stop_and_go().motion)
