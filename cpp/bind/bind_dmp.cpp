@@ -39,6 +39,16 @@ struct PoseState : PointState {
   std::shared_ptr<Curve> curve;
   Offsets offsets;
 
+  so3::Quaternion orientation() const {
+    return dmp::orientation_at(*curve, offsets, state.phase, state.value.tail<3>());
+  }
+
+  Eigen::Matrix<double, 7, 1> pose() const {
+    Eigen::Matrix<double, 7, 1> row;
+    row << state.value.head<3>(), orientation();
+    return row;
+  }
+
   Turn turn() const {
     return dmp::turn_at(*curve, offsets, state.phase, state.value.tail<3>(), state.slope.tail<3>());
   }
@@ -118,7 +128,7 @@ Vector push_of(const PoseState& state, const VectorIn& acceleration) {
 }
 
 template <typename State>
-State step(const Forces& forces, const State& before, double dt, const VectorIn& acceleration) {
+State step(const State& before, const Forces& forces, double dt, const VectorIn& acceleration) {
   require(forces.nodes.cols() == before.channels() && acceleration.size() == before.channels());
   State after = before;
   const Vector push = push_of(before, acceleration);
@@ -127,8 +137,8 @@ State step(const Forces& forces, const State& before, double dt, const VectorIn&
 }
 
 template <typename State>
-State coast(const Forces& forces, const State& before, double dt) {
-  return step(forces, before, dt, Vector::Zero(before.channels()));
+State coast(const State& before, const Forces& forces, double dt) {
+  return step(before, forces, dt, Vector::Zero(before.channels()));
 }
 
 std::shared_ptr<dmp::Surroundings> make_surroundings(const std::vector<int>& forms,
@@ -171,7 +181,7 @@ py::tuple rollout_around(const Forces& forces, const Course& course,
 }
 
 template <typename State>
-State step_around(const Forces& forces, const State& before, double dt,
+State step_around(const State& before, const Forces& forces, double dt,
                   const VectorIn& acceleration, const dmp::Surroundings& surroundings) {
   require(forces.nodes.cols() == before.channels() && acceleration.size() == before.channels() &&
           fits(surroundings, before.channels()));
@@ -180,15 +190,6 @@ State step_around(const Forces& forces, const State& before, double dt,
   dmp::advance_around(forces, *before.course, surroundings, push, dt / before.duration,
                       after.state);
   return after;
-}
-
-template <typename State>
-void bind_steps(py::module_& module) {
-  module.def("dmp_step", &coast<State>, py::arg("forces"), py::arg("state"), py::arg("dt"));
-  module.def("dmp_step", &step<State>, py::arg("forces"), py::arg("state"), py::arg("dt"),
-             py::arg("acceleration").noconvert());
-  module.def("dmp_step_around", &step_around<State>, py::arg("forces"), py::arg("state"),
-             py::arg("dt"), py::arg("acceleration").noconvert(), py::arg("surroundings"));
 }
 
 so3::Quaternions orientations(const Curve& curve, const so3::Vector3& start_offset,
@@ -215,7 +216,12 @@ void bind_common(py::class_<State>& type) {
       .def_property_readonly("duration", [](const State& s) { return s.duration; })
       .def_property_readonly("course", [](const State& s) { return s.course; })
       .def_property_readonly("value", [](const State& s) { return s.state.value; })
-      .def_property_readonly("slope", [](const State& s) { return s.state.slope; });
+      .def_property_readonly("slope", [](const State& s) { return s.state.slope; })
+      .def("coast", &coast<State>, py::arg("forces"), py::arg("dt"))
+      .def("pushed", &step<State>, py::arg("forces"), py::arg("dt"),
+           py::arg("acceleration").noconvert())
+      .def("led_around", &step_around<State>, py::arg("forces"), py::arg("dt"),
+           py::arg("acceleration").noconvert(), py::arg("surroundings"));
 }
 
 }  // namespace
@@ -264,7 +270,8 @@ void bind_dmp(py::module_& module) {
       .def_property_readonly("curve", [](const PoseState& s) { return s.curve; })
       .def_property_readonly("start_offset", [](const PoseState& s) { return s.offsets.start; })
       .def_property_readonly("goal_offset", [](const PoseState& s) { return s.offsets.goal; })
-      .def_property_readonly("orientation", [](const PoseState& s) { return s.turn().orientation; })
+      .def_property_readonly("orientation", &PoseState::orientation)
+      .def_property_readonly("pose", &PoseState::pose)
       .def_property_readonly("angular_velocity", [](const PoseState& s) {
         return so3::Vector3(s.turn().velocity / s.duration);
       });
@@ -273,8 +280,6 @@ void bind_dmp(py::module_& module) {
   module.def("dmp_rollout", &rollout, py::arg("forces"), py::arg("course"),
              py::arg("value").noconvert(), py::arg("slope").noconvert(),
              py::arg("phases").noconvert());
-  bind_steps<PointState>(module);
-  bind_steps<PoseState>(module);
   module.def("dmp_rollout_around", &rollout_around, py::arg("forces"), py::arg("course"),
              py::arg("surroundings"), py::arg("value").noconvert(), py::arg("slope").noconvert(),
              py::arg("phases").noconvert());

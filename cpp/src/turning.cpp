@@ -15,6 +15,25 @@ using so3::Vector3;
 
 constexpr double kPi = 3.14159265358979323846;
 
+// Below half angles of its root these series are exact to rounding.
+constexpr double kSeriesSquare = 0.07;  // rad^2
+
+// so3::exp without a root, sine and cosine: the curve's steps and the coordinates are short.
+Quaternion short_exp(const Vector3& vector) {
+  const double h = 0.25 * vector.squaredNorm();
+  if (!(h < kSeriesSquare)) return so3::exp(vector);
+  const double cosine =
+      1.0 -
+      h / 2.0 *
+          (1.0 -
+           h / 12.0 * (1.0 - h / 30.0 * (1.0 - h / 56.0 * (1.0 - h / 90.0 * (1.0 - h / 132.0)))));
+  const double sinc =
+      1.0 - h / 6.0 * (1.0 - h / 20.0 * (1.0 - h / 42.0 * (1.0 - h / 72.0 * (1.0 - h / 110.0))));
+  Quaternion q;
+  q << cosine, 0.5 * sinc * vector;
+  return q;
+}
+
 Vector3 rotate(const Quaternion& q, const Vector3& v) {
   const Vector3 u = q.tail<3>();
   const Vector3 twice = 2.0 * u.cross(v);
@@ -91,7 +110,7 @@ void turn_along(const Curve& curve, double phase, Product& product) {
   product.times(curve.controls.row(i), []() -> Vector3 { return Vector3::Zero(); });
   for (Eigen::Index k = 0; k < 3; ++k) {
     const Vector3 step = curve.steps.row(i + k);
-    product.times(so3::exp(shares[k] * step),
+    product.times(short_exp(shares[k] * step),
                   [&]() -> Vector3 { return place.speed * rises[k] * step; });
   }
 }
@@ -100,7 +119,7 @@ template <typename Product>
 void turn_by_coordinates(Chart chart, const Vector3& value, const Vector3& slope,
                          Product& product) {
   if (chart == Chart::RotationVector) {
-    product.times(so3::exp(value), [&]() -> Vector3 { return so3::left_jacobian(value) * slope; });
+    product.times(short_exp(value), [&]() -> Vector3 { return so3::left_jacobian(value) * slope; });
     return;
   }
   const Eigen::Index axes[] = {2, 1, 2};
@@ -178,15 +197,19 @@ Vector3 coordinate_push(const Curve& curve, const Offsets& offsets, double phase
   return slope_of(curve.chart, value, rotate(so3::inverse(base), angular));
 }
 
+Quaternion orientation_at(const Curve& curve, const Offsets& offsets, double phase,
+                          const Vector3& value) {
+  Still product = reference<Still>(curve, offsets, phase);
+  turn_by_coordinates(curve.chart, value, Vector3::Zero(), product);
+  return product.orientation.normalized();
+}
+
 so3::Quaternions orientations_at(const Curve& curve, const Offsets& offsets,
                                  const Eigen::Ref<const Vector>& phases,
                                  const Eigen::Ref<const so3::Vectors>& values) {
   so3::Quaternions result(phases.size(), 4);
-  for (Eigen::Index n = 0; n < phases.size(); ++n) {
-    Still product = reference<Still>(curve, offsets, phases[n]);
-    turn_by_coordinates(curve.chart, Vector3(values.row(n)), Vector3::Zero(), product);
-    result.row(n) = product.orientation.normalized();
-  }
+  for (Eigen::Index n = 0; n < phases.size(); ++n)
+    result.row(n) = orientation_at(curve, offsets, phases[n], values.row(n));
   return result;
 }
 

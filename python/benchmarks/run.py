@@ -25,6 +25,7 @@ FILES = [
     "bench_arm",
     "bench_differential",
     "bench_dynamics",
+    "bench_dmp",
     "bench_eikonal",
     "bench_paths",
     "bench_replan",

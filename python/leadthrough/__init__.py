@@ -2,8 +2,10 @@
 
 from leadthrough import arm, errors, io, planning, rotations
 from leadthrough.arm import Arm, DifferentialIk
+from leadthrough import errors, io, planning, preprocess, rotations
+from leadthrough.arm import Arm
 from leadthrough.io import read_demonstrations
-from leadthrough.models import DMP, FastMarching, PoseDMP, load_skill
+from leadthrough.models import DMP, FastMarching, PoseDMP, RhythmicDMP, RhythmicPoseDMP, load_skill
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from leadthrough.planning import Grid, arrival_times
 from leadthrough.shapes import Box, Capsule, Sphere
@@ -23,6 +25,8 @@ __all__ = [
     "JointTrajectory",
     "PoseDMP",
     "PoseTrajectory",
+    "RhythmicDMP",
+    "RhythmicPoseDMP",
     "Sphere",
     "Trajectory",
     "arm",
@@ -33,6 +37,7 @@ __all__ = [
     "io",
     "load_skill",
     "planning",
+    "preprocess",
     "read_demonstrations",
     "rotations",
     "scale_to_limits",

@@ -48,7 +48,7 @@ class PoseTrajectory:
         quaternions = check.quaternions(
             self.orientations, "orientations", shape=(len(self.times), 4)
         )
-        continuous = rotations.align_signs(quaternions)
+        continuous = rotations.group.aligned(quaternions)
         continuous.setflags(write=False)
         object.__setattr__(self, "orientations", continuous)
 

@@ -28,6 +28,9 @@ struct Offsets {
   so3::Vector3 start, goal;  // rotation vectors, base frame
 };
 
+so3::Quaternion orientation_at(const Curve& curve, const Offsets& offsets, double phase,
+                               const so3::Vector3& value);
+
 // A rotation and its angular velocity in the base frame, per unit of phase.
 struct Turn {
   so3::Quaternion orientation;

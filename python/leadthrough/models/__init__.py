@@ -3,6 +3,12 @@
 from leadthrough.models.dmp import DMP, DMPSkill
 from leadthrough.models.fast_marching import FastMarching, FastMarchingSkill
 from leadthrough.models.pose_dmp import PoseDMP, PoseDMPSkill
+from leadthrough.models.rhythmic_dmp import (
+    RhythmicDMP,
+    RhythmicDMPSkill,
+    RhythmicPoseDMP,
+    RhythmicPoseDMPSkill,
+)
 from leadthrough.models.skills import load_skill
 
 __all__ = [
@@ -12,5 +18,9 @@ __all__ = [
     "FastMarchingSkill",
     "PoseDMP",
     "PoseDMPSkill",
+    "RhythmicDMP",
+    "RhythmicDMPSkill",
+    "RhythmicPoseDMP",
+    "RhythmicPoseDMPSkill",
     "load_skill",
 ]

@@ -100,7 +100,7 @@ def step_around(
     """The state dt s later, under an acceleration (channels,), around what is in the way."""
     near = end_of(state.course)[None]
     things = _surroundings(*around, near=near, size=size)
-    return _core.dmp_step_around(springs.forces, state, dt, acceleration, things)
+    return state.led_around(springs.forces, dt, acceleration, things)
 
 
 def _check_ends(

@@ -185,7 +185,7 @@ class DMPSkill:
         if measured is not None:
             state = self._moved(state, measured)
         if coupling is None and not obstacles and limits is None:
-            return _core.dmp_step(self.springs.forces, state, span)
+            return state.coast(self.springs.forces, span)
         push = np.zeros(len(state.value))
         if coupling is not None:
             push = check.array(coupling, "coupling", shape=push.shape)

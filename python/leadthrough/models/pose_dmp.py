@@ -150,8 +150,8 @@ class PoseDMPSkill:
     ) -> _core.PoseState:
         """The state at the start, for `step`; arguments as in `generate`. Raises InvalidInput."""
         total = check_duration(duration, self.duration)
-        first, first_turned = _pose(start, "start")
-        last, last_turned = _pose(goal, "goal")
+        first, first_turned = as_pose(start, "start")
+        last, last_turned = as_pose(goal, "goal")
         positions = ends_of(
             self.springs.ends.part(slice(3)),
             start=first,
@@ -181,11 +181,11 @@ class PoseDMPSkill:
         """The state dt s later; exact for any dt > 0.
 
         It has .position, .velocity (3,), .orientation (4,), .angular_velocity (3,) rad/s in the
-        base frame, and .phase. state: from `begin` or the last step. goal: as in `generate`, moves
-        the goal. coupling: (3,) acceleration, m/s^2, that acts meanwhile, or (6,) with an angular
-        one, rad/s^2 in the base frame. measured: like goal; where the motion goes on from instead
-        of the state's pose. lag: as in `DMPSkill.step`. obstacles: to keep clear of in this step.
-        Raises InvalidInput.
+        base frame, .pose (7,), which is position and orientation in a row, and .phase. state: from
+        `begin` or the last step. goal: as in `generate`, moves the goal. coupling: (3,)
+        acceleration, m/s^2, that acts meanwhile, or (6,) with an angular one, rad/s^2 in the base
+        frame. measured: like goal; where the motion goes on from instead of the state's pose. lag:
+        as in `DMPSkill.step`. obstacles: to keep clear of in this step. Raises InvalidInput.
         """
         span = check_step(dt, lag, state.duration)
         if goal is not None:
@@ -193,8 +193,8 @@ class PoseDMPSkill:
         if measured is not None:
             state = self._moved(state, measured)
         if coupling is None and not obstacles:
-            return _core.dmp_step(self.springs.forces, state, span)
-        push = np.zeros(6) if coupling is None else _push(coupling)
+            return state.coast(self.springs.forces, span)
+        push = np.zeros(6) if coupling is None else as_push(coupling)
         around = check_around(obstacles, None, dimensions=3, channels=6)
         return step_around(self.springs, state, span, push, around=around, size=self.size)
 
@@ -231,7 +231,7 @@ class PoseDMPSkill:
         return replace(learned, start=at_start, goal=at_goal), offsets
 
     def _redirected(self, state: _core.PoseState, goal: Any) -> _core.PoseState:
-        position, turned = _pose(goal, "goal")
+        position, turned = as_pose(goal, "goal")
         ends = self.springs.ends
         wanted = np.concatenate([check.array(position, "goal", shape=(3,)), ends.goal[3:]])
         if turned is None:
@@ -249,7 +249,7 @@ class PoseDMPSkill:
         return self._with(state, course, value, slope, new)
 
     def _moved(self, state: _core.PoseState, measured: Any) -> _core.PoseState:
-        position, turned = _pose(measured, "measured")
+        position, turned = as_pose(measured, "measured")
         q = state.orientation if turned is None else turned
         value, slope = self._coordinates_of(state, q, (state.start_offset, state.goal_offset))
         value[:3] = check.array(position, "measured", shape=(3,))
@@ -292,14 +292,15 @@ class PoseDMPSkill:
             )
 
 
-def _pose(value: Any, name: str) -> tuple[Any, Float64Array | None]:
-    """Position, or None, and orientation, or None, of a part of a query."""
+def as_pose(value: Any, name: str) -> tuple[Any, Float64Array | None]:
+    """Position and orientation of a part of a query; None where left out. Raises InvalidInput."""
     if isinstance(value, tuple | list) and len(value) == 2:
         return value[0], check.quaternions(value[1], name, shape=(4,))
     return value, None
 
 
-def _push(coupling: Any) -> Float64Array:
+def as_push(coupling: Any) -> Float64Array:
+    """A coupling as linear and angular acceleration, (6,). Raises InvalidInput."""
     given = check.array(coupling, "coupling", shape=("n",))
     if len(given) not in (3, 6):
         raise InvalidInput(f"coupling: expected shape (3,) or (6,), got {given.shape}")

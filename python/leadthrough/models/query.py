@@ -18,9 +18,9 @@ from leadthrough.models.springs import Ends, Springs
 _LONGEST_STEP = 1000.0
 
 
-def check_duration(duration: float | None, usual: float) -> float:
+def check_duration(duration: float | None, usual: float, name: str = "duration") -> float:
     """The duration asked for, s, or the usual one. Raises InvalidInput."""
-    return usual if duration is None else check.number(duration, "duration", above=0.0)
+    return usual if duration is None else check.number(duration, name, above=0.0)
 
 
 def check_step(dt: float, lag: float, duration: float) -> float:

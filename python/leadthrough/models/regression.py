@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.integrate import trapezoid
 
 from leadthrough import _core
 from leadthrough.check import Float64Array
@@ -23,6 +24,7 @@ from leadthrough.errors import FitError
 from leadthrough.models.basis import Basis
 from leadthrough.models.springs import (
     RATE,
+    RHYTHMIC,
     Ends,
     Springs,
     basis_of,
@@ -38,6 +40,7 @@ REGRESSIONS = ("replay", "ridge", "lwr")
 _RIDGE = 1e-8
 # A motion as short as this beside its range cannot scale a force.
 _SHORTEST_SHARE = 1e-3
+_SWUNG_IN = 4.0  # periods
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +80,31 @@ def fit(
     if not (np.isfinite(found).all() and np.isfinite(slopes).all()):
         raise FitError("demonstrations: numbers too large to fit")
     return Springs(form, found, replace(ends, start_slope=slopes[0], goal_slope=slopes[1]))
+
+
+def fit_rhythm(phases: Float64Array, values: Float64Array, *, weights: int) -> Springs:
+    """Springs that go round through values (n, channels) at phases (n,) of one period, by replay.
+
+    Their centre is the mean over the period, and their start lies on the round. Raises FitError
+    where values overflow.
+    """
+    with np.errstate(all="ignore"):  # what is not finite is refused below
+        centre = trapezoid(values, phases, axis=0)
+        functions = basis_of(RHYTHMIC, weights)
+        # The springs have swung in after this many periods, to 16 digits.
+        response, _ = _responses(functions, np.concatenate([[0.0], _SWUNG_IN + phases]))
+        design = response[1:]
+        gram = design.T @ design
+        gram[np.diag_indices(len(gram))] += _RIDGE * np.trace(gram) / len(gram)
+        found = np.asarray(np.linalg.solve(gram, design.T @ (values - centre)), np.float64)
+    if not np.isfinite(found).all():
+        raise FitError("demonstrations: numbers too large to fit")
+    rest = np.zeros(values.shape[1])
+    springs = Springs(RHYTHMIC, np.ascontiguousarray(found), Ends(centre, centre, rest, rest))
+    swung_in = np.array([0.0, _SWUNG_IN])
+    asked = course(RHYTHMIC, springs.ends)
+    y, slopes = _core.dmp_rollout(springs.forces, asked, centre, rest, swung_in)
+    return replace(springs, ends=Ends(y[-1].copy(), centre, slopes[-1].copy(), rest))
 
 
 def _by_replay(shown: _Shown) -> tuple[Float64Array, Float64Array]:

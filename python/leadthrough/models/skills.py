@@ -12,9 +12,17 @@ from leadthrough.models.dmp import DMPSkill
 from leadthrough.models.fast_marching import FastMarchingSkill
 from leadthrough.models.pose_dmp import PoseDMPSkill
 from leadthrough.models.protocol import Skill
+from leadthrough.models.rhythmic_dmp import RhythmicDMPSkill, RhythmicPoseDMPSkill
 
 _KINDS: dict[str, Callable[[dict[str, Any], archive.Arrays], Skill]] = {
-    skill.kind: skill.from_archive for skill in (DMPSkill, FastMarchingSkill, PoseDMPSkill)
+    skill.kind: skill.from_archive
+    for skill in (
+        DMPSkill,
+        FastMarchingSkill,
+        PoseDMPSkill,
+        RhythmicDMPSkill,
+        RhythmicPoseDMPSkill,
+    )
 }
 
 

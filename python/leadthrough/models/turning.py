@@ -58,7 +58,7 @@ class Turning:
 
     controls: (k + 3, 4) of the curve, a cumulative cubic B-spline in k pieces. speeds: (m,) of the
     place on it, pieces a phase, at even phases. start, goal: (4,) as demonstrated. angle: rad, all
-    that the demonstration turns.
+    that the demonstration turns. rhythmic: whether the curve closes and goes on.
     """
 
     representation: str
@@ -67,6 +67,7 @@ class Turning:
     start: Float64Array
     goal: Float64Array
     angle: float
+    rhythmic: bool = False
 
     @cached_property
     def curve(self) -> _core.DmpCurve:
@@ -75,7 +76,7 @@ class Turning:
         covered = _covered(self.speeds)
         zyz = self.representation == "euler"
         return _core.DmpCurve(
-            self.controls, rotations.log(turns), self.speeds, covered, zyz, rhythmic=False
+            self.controls, rotations.log(turns), self.speeds, covered, zyz, self.rhythmic
         )
 
     def offsets(
@@ -132,7 +133,9 @@ class Turning:
         }
 
     @staticmethod
-    def from_arrays(representation: str, arrays: Mapping[str, Any]) -> Turning:
+    def from_arrays(
+        representation: str, arrays: Mapping[str, Any], *, rhythmic: bool = False
+    ) -> Turning:
         """The one whose `arrays` these are. Raises KeyError, InvalidInput."""
         controls = _rotations(arrays["controls"], shape=("n", 4))
         if len(controls) < 4:
@@ -144,6 +147,7 @@ class Turning:
             _rotations(arrays["start_orientation"], shape=(4,)),
             _rotations(arrays["goal_orientation"], shape=(4,)),
             check.number(arrays["angle"], "angle", at_least=0.0),
+            rhythmic,
         )
 
     def __getstate__(self) -> dict[str, Any]:  # the curve is made again
@@ -186,15 +190,26 @@ def learn(
         ) from None
 
 
-def _anchored(phases: Float64Array, q: Float64Array) -> tuple[Turning, Float64Array]:
+def learn_closed(phases: Float64Array, orientations: Float64Array) -> tuple[Turning, Float64Array]:
+    """As `learn`, "anchored", for a motion whose last orientation is the first one again."""
+    return _anchored(phases, rotations.align_signs(orientations), rhythmic=True)
+
+
+def _anchored(
+    phases: Float64Array, q: Float64Array, *, rhythmic: bool = False
+) -> tuple[Turning, Float64Array]:
     steps = rotations.distance(q[:-1], q[1:])
     covered = np.concatenate([[0.0], np.cumsum(steps)])
+    controls_of, mode = (_closed_controls, "wrap") if rhythmic else (_controls, "nearest")
     for refinement in range(_REFINEMENTS + 1):
         finer = 0.5**refinement
         anchors = _anchors(covered, q, _ANCHOR_SPACING * finer)
-        speeds = _speeds(phases, covered, len(anchors) - 1, _SMOOTHING * finer)
-        turning = Turning("anchored", _controls(anchors), speeds, q[0], q[-1], float(covered[-1]))
-        curve = turning.orientations(phases, np.zeros((len(q), 3)))
+        speeds = _speeds(phases, covered, len(anchors) - 1, _SMOOTHING * finer, mode)
+        controls = controls_of(anchors)
+        turning = Turning("anchored", controls, speeds, q[0], q[-1], float(covered[-1]), rhythmic)
+        # Phase 1 of a closed curve is its phase 0.
+        inside = np.minimum(phases, np.nextafter(1.0, 0.0))
+        curve = turning.orientations(inside, np.zeros((len(q), 3)))
         error = rotations.log(rotations.compose(rotations.inverse(curve), q))
         largest = np.linalg.norm(error, axis=1).max()
         if largest < _GOOD_ERROR:
@@ -223,15 +238,25 @@ def _controls(anchors: Float64Array) -> Float64Array:
     return np.concatenate([ends[:1], anchors, ends[1:]])
 
 
+def _closed_controls(anchors: Float64Array) -> Float64Array:
+    """The anchors of a round, with the last one before it and the first one after it."""
+    back = rotations.compose(rotations.inverse(anchors[-1:]), anchors[-2:-1])
+    on = rotations.compose(rotations.inverse(anchors[:1]), anchors[1:2])
+    before, after = rotations.compose(anchors[:1], back), rotations.compose(anchors[-1:], on)
+    return rotations.align_signs(np.concatenate([before, anchors, after]))
+
+
 def _speeds(
-    phases: Float64Array, covered: Float64Array, pieces: int, smoothing: float
+    phases: Float64Array, covered: Float64Array, pieces: int, smoothing: float, mode: str
 ) -> Float64Array:
     """Pieces of the curve a phase, never negative, at even phases, (intervals + 1,)."""
     nodes = np.linspace(0.0, 1.0, _INTERVALS + 1)
     between = np.diff(np.interp(nodes, phases, covered))
     for _ in range(2):
-        between = uniform_filter1d(between, max(int(smoothing * _INTERVALS), 1), mode="nearest")
-    speeds = np.concatenate([between[:1], 0.5 * (between[1:] + between[:-1]), between[-1:]])
+        between = uniform_filter1d(between, max(int(smoothing * _INTERVALS), 1), mode=mode)
+    before, after = (between[-1:], between[:1]) if mode == "wrap" else (between[:1], between[-1:])
+    around = np.concatenate([before, between, after])
+    speeds = 0.5 * (around[1:] + around[:-1])
     speeds = np.maximum(speeds, 0.0)  # running means leave rounding below 0
     whole = _covered(speeds)[-1]
     return np.asarray(speeds * (pieces / whole)) if whole > 0.0 else speeds

@@ -1,1 +1,5 @@
 """Turns recordings into what models learn from."""
+
+from leadthrough.preprocess.segment import segment
+
+__all__ = ["segment"]

@@ -55,7 +55,11 @@ def align_signs(quaternions: Any) -> Float64Array:
 
     The first keeps its sign. Raises InvalidInput.
     """
-    q = check.quaternions(quaternions, "quaternions", shape=("n", 4))
+    return aligned(check.quaternions(quaternions, "quaternions", shape=("n", 4)))
+
+
+def aligned(q: Float64Array) -> Float64Array:
+    """`align_signs` of what has been checked already."""
     flips = np.einsum("ij,ij->i", q[1:], q[:-1]) < 0
     signs = np.concatenate([np.ones(min(len(q), 1)), np.where(np.cumsum(flips) % 2, -1.0, 1.0)])
     return np.asarray(q * signs[:, None])

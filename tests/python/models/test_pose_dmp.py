@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
-from leadthrough.preprocess.segment import segment
+from leadthrough.preprocess import segment
 
 DURATION = 4.0
 FIXED = np.array([1.0, 2.0, 2.0]) / 3.0

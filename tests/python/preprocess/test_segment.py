@@ -5,7 +5,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
-from leadthrough.preprocess.segment import segment
+from leadthrough.preprocess import segment
 
 
 def stop_and_go(*, rate=100.0, noise=0.0):

@@ -1,0 +1,142 @@
+"""Rhythmic primitives."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough import rotations
+from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
+
+PERIOD = 1.5
+
+
+def stirring(*, rounds=1.0, noise=0.0, whole_turns=False):
+    """A hand that stirs; the tool sways, or turns once a round as well."""
+    t = np.linspace(0.0, rounds * PERIOD, int(rounds * 300) + 1)
+    w = 2.0 * np.pi * t / PERIOD
+    points = np.column_stack(
+        [
+            0.4 + 0.05 * np.cos(w),
+            0.04 * np.sin(w) + 0.01 * np.sin(2 * w),
+            0.2 + 0.01 * np.cos(3 * w),
+        ]
+    )
+    points += np.random.default_rng(0).normal(0.0, noise, points.shape)
+    sway = rotations.exp(np.column_stack([0.3 * np.cos(w), 0.2 * np.sin(w), 0.0 * w]))
+    spin = rotations.exp(np.outer(w if whole_turns else 0.0 * w, [0.0, 0.0, 1.0]))
+    return lt.PoseTrajectory(t, points, rotations.compose(sway, spin))
+
+
+def points_of(motion):
+    return lt.Trajectory(motion.times, motion.positions)
+
+
+SHOWN = stirring()
+SKILL = lt.RhythmicDMP().fit([lt.Demonstration(points_of(SHOWN))])
+
+
+def test_rounds_repeat_what_was_shown():
+    made = SKILL.generate(duration=3 * PERIOD, dt=PERIOD / 300)
+    for i in range(3):
+        rows = made.positions[300 * i : 300 * i + 301]
+        np.testing.assert_allclose(rows, SHOWN.positions, atol=1e-4)
+
+
+def test_several_rounds_are_averaged():
+    long = points_of(stirring(rounds=5.4, noise=1e-3))
+    made = lt.RhythmicDMP(period=PERIOD).fit([lt.Demonstration(long)]).generate(dt=PERIOD / 300)
+    assert np.linalg.norm(made.positions - SHOWN.positions, axis=1).mean() < 1e-3
+
+
+def test_rhythm_is_swung_into_from_anywhere():
+    made = SKILL.generate(start=(1.0, -1.0, 2.0), duration=4 * PERIOD, dt=PERIOD / 300)
+    np.testing.assert_allclose(made.positions[0], (1.0, -1.0, 2.0), atol=1e-12)
+    np.testing.assert_allclose(made.positions[-301:], SHOWN.positions, atol=1e-4)
+
+
+def test_centre_period_and_amplitude_are_met():
+    shift = np.array([0.1, 0.2, -0.1])
+    centre = SKILL.springs.ends.goal
+    made = SKILL.generate(goal=centre + shift, period=3.0, amplitude=0.5, duration=3.0, dt=0.01)
+    expected = centre + shift + 0.5 * (SHOWN.positions - centre)
+    np.testing.assert_allclose(made.positions, expected, atol=1e-4)
+
+
+def test_steps_lead_where_generate_does_and_the_centre_can_move():
+    state = SKILL.begin()
+    for position in SKILL.generate(duration=2 * PERIOD, dt=0.01).positions[1:]:
+        state = SKILL.step(state, 0.01)
+        np.testing.assert_allclose(state.position, position, atol=1e-9)
+    moved = SKILL.step(state, 1e-9, goal=SKILL.springs.ends.goal + 0.1)
+    np.testing.assert_allclose(moved.position, state.position, atol=1e-6)
+    after = SKILL.step(moved, 10 * PERIOD)
+    np.testing.assert_allclose(after.position, SHOWN.positions[0] + 0.1, atol=1e-4)
+    pushed = SKILL.step(state, 0.1, coupling=(0.0, 0.0, 5.0))
+    assert pushed.position[2] > SKILL.step(state, 0.1).position[2] + 0.01
+
+
+@pytest.mark.parametrize("whole_turns", [False, True])
+def test_tool_sways_or_turns_on_and_on(whole_turns):
+    shown = stirring(whole_turns=whole_turns)
+    skill = lt.RhythmicPoseDMP().fit([lt.Demonstration(shown)])
+    made = skill.generate(duration=3 * PERIOD, dt=PERIOD / 300)
+    for i in range(3):
+        rows = slice(300 * i, 300 * i + 301)
+        np.testing.assert_allclose(made.positions[rows], shown.positions, atol=1e-4)
+        angles = rotations.distance(made.orientations[rows], shown.orientations)
+        assert np.degrees(angles).max() < 0.05
+    steps = rotations.distance(made.orientations[:-1], made.orientations[1:])
+    assert np.degrees(steps).max() < 3.0
+
+
+def test_pose_rhythm_starts_anywhere_and_turns_about_a_new_centre():
+    skill = lt.RhythmicPoseDMP().fit([lt.Demonstration(SHOWN)])
+    centre = rotations.exp(np.array([[0.0, 0.5, 0.0]]))[0]
+    start = rotations.exp(np.array([[0.0, 0.0, 1.0]]))[0]
+    made = skill.generate(
+        start=((0.0, 0.0, 0.0), start), goal=((1.0, 0.0, 0.0), centre), duration=5 * PERIOD
+    )
+    assert rotations.distance(made.orientations[:1], start[None])[0] < 1e-7
+    assert rotations.distance(made.orientations[-1:], centre[None])[0] < 1e-3
+    np.testing.assert_allclose(made.positions[0], 0.0, atol=1e-12)
+    state = skill.begin(goal=((1.0, 0.0, 0.0), centre))
+    state = skill.step(skill.step(state, 2 * PERIOD), 3 * PERIOD, goal=(1.0, 0.0, 0.0))
+    assert rotations.distance(state.orientation[None], centre[None])[0] < 1e-3
+    nudged = skill.step(state, 0.05, coupling=(0.0, 0.0, 1.0))
+    assert nudged.position[2] > skill.step(state, 0.05).position[2]
+
+
+def test_joints_keep_their_names():
+    joints = lt.JointTrajectory(SHOWN.times, SHOWN.positions, joint_names=("a", "b", "c"))
+    made = lt.RhythmicDMP().fit([lt.Demonstration(joints)]).generate()
+    assert made.joint_names == ("a", "b", "c")
+
+
+def test_rhythms_survive_pickling_and_saving(tmp_path):
+    for skill in (SKILL, lt.RhythmicPoseDMP(period=PERIOD).fit([lt.Demonstration(SHOWN)])):
+        skill.save(tmp_path / "skill.npz")
+        for again in (pickle.loads(pickle.dumps(skill)), lt.load_skill(tmp_path / "skill.npz")):
+            assert type(again) is type(skill)
+            made, expected = again.generate(duration=4.0), skill.generate(duration=4.0)
+            assert made.positions.tobytes() == expected.positions.tobytes()
+
+
+def test_bad_input_is_refused():
+    for settings in ({"weights": 2}, {"period": 0.0}, {"period": "1"}):
+        for model in (lt.RhythmicDMP, lt.RhythmicPoseDMP):
+            with pytest.raises(InvalidInput, match=next(iter(settings))):
+                model(**settings)
+    with pytest.raises(FitError, match="period"):
+        lt.RhythmicDMP(period=2.0).fit([lt.Demonstration(points_of(SHOWN))])
+    with pytest.raises(FitError, match="samples"):
+        lt.RhythmicDMP(period=1e-9).fit([lt.Demonstration(points_of(SHOWN))])
+    with pytest.raises(UnsupportedQuery, match="obstacles"):
+        SKILL.generate(obstacles=[lt.Sphere(0.1, (0, 0, 0))])
+    bad = ({"amplitude": -1}, {"period": 0.0}, {"period": 1e-9}, {"start": (0,)}, {"goal": "x"})
+    for query in bad:
+        with pytest.raises(InvalidInput, match=next(iter(query))):
+            SKILL.generate(**query, duration=1.0)
+    with pytest.raises(InvalidInput, match="dt"):
+        SKILL.step(SKILL.begin(), 1e6)
