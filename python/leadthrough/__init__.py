@@ -5,7 +5,15 @@ from leadthrough.arm import Arm, DifferentialIk
 from leadthrough import errors, io, planning, preprocess, rotations
 from leadthrough.arm import Arm
 from leadthrough.io import read_demonstrations
-from leadthrough.models import DMP, FastMarching, PoseDMP, RhythmicDMP, RhythmicPoseDMP, load_skill
+from leadthrough.models import (
+    DMP,
+    FastMarching,
+    PoseDMP,
+    RhythmicDMP,
+    RhythmicPoseDMP,
+    SkillLibrary,
+    load_skill,
+)
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from leadthrough.planning import Grid, arrival_times
 from leadthrough.shapes import Box, Capsule, Sphere
@@ -27,6 +35,7 @@ __all__ = [
     "PoseTrajectory",
     "RhythmicDMP",
     "RhythmicPoseDMP",
+    "SkillLibrary",
     "Sphere",
     "Trajectory",
     "arm",

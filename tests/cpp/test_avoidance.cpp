@@ -67,7 +67,7 @@ TEST(Avoidance, LimitsHoldBackAndLetGo) {
   const Surroundings around{{}, 1.0, Vector::Constant(3, -1.0), Vector::Constant(3, 0.6)};
   const Vector phases = Vector::LinSpaced(501, 0.0, 1.0);
   const Passage passage = rollout_around(kStill, straight(), around, rest(), phases);
-  EXPECT_LT(passage.rollout.values.maxCoeff(), 0.6 + 1e-6);
+  EXPECT_LT(passage.rollout.values.maxCoeff(), 0.6 + 1e-5);  // what finite steps leave
   EXPECT_GT(passage.rollout.values(500, 0), 0.59);
 }
 

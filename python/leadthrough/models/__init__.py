@@ -2,6 +2,7 @@
 
 from leadthrough.models.dmp import DMP, DMPSkill
 from leadthrough.models.fast_marching import FastMarching, FastMarchingSkill
+from leadthrough.models.library import SkillLibrary
 from leadthrough.models.pose_dmp import PoseDMP, PoseDMPSkill
 from leadthrough.models.rhythmic_dmp import (
     RhythmicDMP,
@@ -22,5 +23,6 @@ __all__ = [
     "RhythmicDMPSkill",
     "RhythmicPoseDMP",
     "RhythmicPoseDMPSkill",
+    "SkillLibrary",
     "load_skill",
 ]

@@ -194,6 +194,10 @@ class DMPSkill:
 
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""
+        archive.write(path, self.kind, *self.to_archive())
+
+    def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
+        """Settings and arrays that `from_archive` puts together again."""
         names = None if self.joint_names is None else list(self.joint_names)
         settings = {
             **asdict(self.model),
@@ -201,7 +205,7 @@ class DMPSkill:
             "joint_names": names,
             "size": self.size,
         }
-        archive.write(path, self.kind, settings, self.springs.arrays())
+        return settings, self.springs.arrays()
 
     @classmethod
     def from_archive(cls, settings: dict[str, Any], arrays: archive.Arrays) -> DMPSkill:

@@ -254,13 +254,17 @@ class FastMarchingSkill:
 
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""
+        archive.write(path, self.kind, *self.to_archive())
+
+    def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
+        """Settings and arrays that `from_archive` puts together again."""
         settings = {**asdict(self.model), "shown": len(self.shown), "learned": len(self.learned)}
         arrays = {
             f"{name}_{i}": value
             for i, each in enumerate(self._all)
             for name, value in each.arrays().items()
         }
-        archive.write(path, self.kind, settings, arrays)
+        return settings, arrays
 
     @classmethod
     def from_archive(cls, settings: dict[str, Any], arrays: archive.Arrays) -> FastMarchingSkill:

@@ -200,9 +200,13 @@ class PoseDMPSkill:
 
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""
+        archive.write(path, self.kind, *self.to_archive())
+
+    def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
+        """Settings and arrays that `from_archive` puts together again."""
         settings = {**asdict(self.model), "duration": self.duration, "size": self.size}
         arrays = {**self.springs.arrays(), **self.turning.arrays()}
-        archive.write(path, self.kind, settings, arrays)
+        return settings, arrays
 
     @classmethod
     def from_archive(cls, settings: dict[str, Any], arrays: archive.Arrays) -> PoseDMPSkill:

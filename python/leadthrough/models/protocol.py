@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 from leadthrough.motion import Motion
@@ -29,3 +29,10 @@ class Skill(Protocol):
 
         Raises InvalidInput, UnsupportedQuery for a part that it does not support, NoPath.
         """
+
+    @property
+    def kind(self) -> str:
+        """What files call skills like this."""
+
+    def to_archive(self) -> tuple[dict[str, Any], Mapping[str, Any]]:
+        """Settings and arrays, for a file."""

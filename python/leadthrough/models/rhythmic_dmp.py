@@ -144,9 +144,13 @@ class RhythmicDMPSkill:
 
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""
+        archive.write(path, self.kind, *self.to_archive())
+
+    def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
+        """Settings and arrays that `from_archive` puts together again."""
         names = None if self.joint_names is None else list(self.joint_names)
         settings = {"model": asdict(self.model), "period": self.period, "joint_names": names}
-        archive.write(path, self.kind, settings, self.springs.arrays())
+        return settings, self.springs.arrays()
 
     @classmethod
     def from_archive(cls, settings: dict[str, Any], arrays: archive.Arrays) -> RhythmicDMPSkill:
@@ -274,9 +278,13 @@ class RhythmicPoseDMPSkill:
 
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""
+        archive.write(path, self.kind, *self.to_archive())
+
+    def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
+        """Settings and arrays that `from_archive` puts together again."""
         settings = {"model": asdict(self.model), "period": self.period}
         arrays = {**self.springs.arrays(), **self.turning.arrays()}
-        archive.write(path, self.kind, settings, arrays)
+        return settings, arrays
 
     @classmethod
     def from_archive(cls, settings: dict[str, Any], arrays: archive.Arrays) -> RhythmicPoseDMPSkill:

@@ -28,7 +28,11 @@ _KINDS: dict[str, Callable[[dict[str, Any], archive.Arrays], Skill]] = {
 
 def load_skill(path: StrPath) -> Skill:
     """The skill in a file that its `save` wrote. Raises InvalidInput."""
-    kind, settings, arrays = archive.read(path)
+    return restored(path, *archive.read(path))
+
+
+def restored(path: StrPath, kind: str, settings: dict[str, Any], arrays: archive.Arrays) -> Skill:
+    """The skill whose `to_archive` gave these, out of a file. Raises InvalidInput."""
     if kind not in _KINDS:
         raise InvalidInput(f"path: expected a skill of {sorted(_KINDS)}, got {kind!r}")
     try:

@@ -1,0 +1,206 @@
+"""Skills looked up by task, subtask and target, in one file.
+
+Source: Lauretti et al. 2023, section 2.1: a database of parameters, of which the nearest target's
+are taken.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.spatial import Delaunay, QhullError
+
+from leadthrough import check, rotations
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput, UnsupportedQuery
+from leadthrough.io.atomic import StrPath
+from leadthrough.models import archive
+from leadthrough.models.dmp import DMPSkill
+from leadthrough.models.pose_dmp import PoseDMPSkill
+from leadthrough.models.protocol import Skill
+from leadthrough.models.skills import restored
+from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
+
+_KIND = "library"
+# Targets this much off a line or plane, as a share of their spread, lie on it.
+_FLAT = 1e-9
+_SAMPLES = 401  # of the motions that are averaged
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """A skill, and what it is for. target: (d,)."""
+
+    task: str
+    subtask: str
+    target: Float64Array
+    skill: Skill
+
+
+@dataclass(frozen=True, eq=False)
+class SkillLibrary:
+    """Skills by task, subtask and target; adding one gives a new library."""
+
+    entries: tuple[Entry, ...] = ()
+
+    def with_skill(self, skill: Skill, *, task: str, subtask: str, target: Any) -> SkillLibrary:
+        """A library that holds this skill too, instead of one for the same target.
+
+        target: (d,), where the subtask was shown to go, with as many coordinates as the others of
+        the subtask. Raises InvalidInput.
+        """
+        if not hasattr(skill, "to_archive"):
+            raise InvalidInput(f"skill: expected a fitted one, got {type(skill).__name__}")
+        point = check.frozen(target, "target", shape=("d",))
+        known = self._of(task, subtask)
+        if known and len(known[0].target) != len(point):
+            raise InvalidInput(
+                f"target: expected shape {known[0].target.shape} as the others, got {point.shape}"
+            )
+        replaced = [each for each in known if np.array_equal(each.target, point)]
+        kept = tuple(each for each in self.entries if each not in replaced)
+        return replace(self, entries=(*kept, Entry(task, subtask, point, skill)))
+
+    def subtasks(self, task: str) -> tuple[str, ...]:
+        """Subtasks of a task, in the order in which they were added. Raises InvalidInput."""
+        _check_names(task, "")
+        return tuple(dict.fromkeys(e.subtask for e in self.entries if e.task == task))
+
+    def nearest(self, task: str, subtask: str, target: Any) -> Skill:
+        """The skill whose target is nearest to `target` (d,), the first of several.
+
+        Raises InvalidInput, also where there is none for the subtask.
+        """
+        known, point = self._asked(task, subtask, target)
+        gaps = [float(np.linalg.norm(each.target - point)) for each in known]
+        return known[int(np.argmin(gaps))].skill
+
+    def interpolated(self, task: str, subtask: str, target: Any) -> Skill:
+        """A skill between those of the targets around `target` (d,).
+
+        Their motions are averaged over normalised time with linear (barycentric) weights, and
+        learned anew with the settings of the nearest. Springs are linear: of points and joints this
+        is the interpolation of the weights. Outside of all targets it is the nearest skill.
+        Raises InvalidInput; UnsupportedQuery for other skills than of `DMP` and `PoseDMP`, and for
+        orientations too far apart for a mean.
+        """
+        known, point = self._asked(task, subtask, target)
+        share = _barycentric(np.array([each.target for each in known]), point)
+        used = [each.skill for each, part in zip(known, share, strict=True) if part > 0.0]
+        nearest = self.nearest(task, subtask, target)
+        if len(used) < 2:
+            return nearest
+        if not isinstance(nearest, DMPSkill | PoseDMPSkill):
+            raise UnsupportedQuery(f"subtask: skills of kind {nearest.kind!r} have no mean")
+        if len({type(skill) for skill in used}) > 1:
+            raise UnsupportedQuery("subtask: its skills are of several kinds")
+        motion = _mean([_sampled(skill) for skill in used], share[share > 0.0])
+        return nearest.model.fit([Demonstration(motion)])
+
+    def save(self, path: StrPath) -> None:
+        """Writes all to one .npz file. Raises InvalidInput."""
+        heads: list[dict[str, Any]] = []
+        arrays: dict[str, Any] = {}
+        for i, each in enumerate(self.entries):
+            settings, parts = each.skill.to_archive()
+            names = {"task": each.task, "subtask": each.subtask, "target": each.target.tolist()}
+            heads.append({**names, "kind": each.skill.kind, "settings": settings})
+            arrays |= {f"{i}.{name}": value for name, value in parts.items()}
+        archive.write(path, _KIND, {"entries": heads}, arrays)
+
+    @staticmethod
+    def load(path: StrPath) -> SkillLibrary:
+        """The library in a file that `save` wrote. Raises InvalidInput."""
+        kind, settings, arrays = archive.read(path)
+        if kind != _KIND:
+            raise InvalidInput(f"path: expected a library of skills, got a skill of kind {kind!r}")
+        result = SkillLibrary()
+        try:
+            for i, head in enumerate(settings["entries"]):
+                own = {n[len(f"{i}.") :]: a for n, a in arrays.items() if n.startswith(f"{i}.")}
+                skill = restored(Path(path), head["kind"], head["settings"], own)
+                names = {name: head[name] for name in ("task", "subtask", "target")}
+                result = result.with_skill(skill, **names)
+        except (KeyError, TypeError) as error:
+            raise InvalidInput(f"path: {path} is damaged ({error})") from None
+        return result
+
+    def _of(self, task: str, subtask: str) -> list[Entry]:
+        _check_names(task, subtask)
+        return [each for each in self.entries if (each.task, each.subtask) == (task, subtask)]
+
+    def _asked(self, task: str, subtask: str, target: Any) -> tuple[list[Entry], Float64Array]:
+        known = self._of(task, subtask)
+        if not known:
+            held = sorted({(each.task, each.subtask) for each in self.entries})
+            raise InvalidInput(f"subtask: expected one of {held}, got {(task, subtask)}")
+        return known, check.array(target, "target", shape=known[0].target.shape)
+
+
+def _check_names(task: Any, subtask: Any) -> None:
+    for name, value in (("task", task), ("subtask", subtask)):
+        if not isinstance(value, str):
+            raise InvalidInput(f"{name}: expected a name, got {value!r}")
+
+
+def _barycentric(targets: Float64Array, point: Float64Array) -> Float64Array:
+    """Weights (n,) >= 0 of targets (n, d) whose mean is the point's foot on their line or plane.
+
+    All 0 outside of the targets.
+    """
+    weights = np.zeros(len(targets))
+    middle = targets.mean(axis=0)
+    _, spread, axes = np.linalg.svd(targets - middle, full_matrices=False)
+    axes = axes[spread > _FLAT * max(float(spread[0]), np.finfo(float).tiny)]
+    flat, foot = (targets - middle) @ axes.T, (point - middle) @ axes.T
+    if len(axes) == 1:
+        order = np.argsort(flat[:, 0])
+        right = int(np.searchsorted(flat[order, 0], foot[0]))
+        if 0 < right < len(order):
+            left_at, right_at = flat[order[[right - 1, right]], 0]
+            share = (foot[0] - left_at) / (right_at - left_at)
+            weights[order[[right - 1, right]]] = 1.0 - share, share
+        return weights
+    if len(axes) > 1:
+        weights = _in_simplex(flat, foot)
+    return weights
+
+
+def _in_simplex(targets: Float64Array, point: Float64Array) -> Float64Array:
+    weights = np.zeros(len(targets))
+    try:
+        mesh = Delaunay(targets)
+    except QhullError:
+        return weights
+    simplex = int(mesh.find_simplex(point, tol=_FLAT))
+    if simplex >= 0:
+        transform = mesh.transform[simplex]
+        inner = transform[:-1] @ (point - transform[-1])
+        shares = np.clip(np.append(inner, 1.0 - inner.sum()), 0.0, 1.0)
+        weights[mesh.simplices[simplex]] = shares / shares.sum()
+    return weights
+
+
+def _sampled(skill: Any) -> Any:
+    return skill.generate(dt=skill.duration / (_SAMPLES - 1))
+
+
+def _mean(motions: list[Any], weights: Float64Array) -> Any:
+    """The weighted mean of motions of one type over normalised time."""
+    first = motions[0]
+    positions = np.average([motion.positions for motion in motions], axis=0, weights=weights)
+    duration = float(np.average([motion.duration for motion in motions], weights=weights))
+    times = np.linspace(0.0, duration, _SAMPLES)
+    if isinstance(first, PoseTrajectory):
+        layers = np.stack([motion.orientations for motion in motions])
+        try:
+            turned = rotations.mean(layers, weights=weights)
+        except InvalidInput as error:
+            raise UnsupportedQuery(f"target: skills around it differ too much ({error})") from None
+        return PoseTrajectory(times, positions, turned)
+    if isinstance(first, JointTrajectory):
+        return JointTrajectory(times, positions, joint_names=first.joint_names)
+    return Trajectory(times, positions)

@@ -1,0 +1,133 @@
+"""A library of skills."""
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough import rotations
+from leadthrough.errors import InvalidInput, UnsupportedQuery
+
+TIMES = np.linspace(0.0, 2.0, 200)
+S = (TIMES / 2.0) ** 3 * (10.0 - 15.0 * TIMES / 2.0 + 6.0 * (TIMES / 2.0) ** 2)
+GRID = [(x, y, 0.1) for x in (0.2, 0.3, 0.4) for y in (-0.1, 0.0, 0.1)]
+
+
+def reach(target, *, turned=1.0):
+    """A bow to a target, higher for farther ones, that turns the tool."""
+    points = np.outer(S, target)
+    points[:, 2] += 0.5 * target[0] * np.sin(np.pi * S)
+    return lt.PoseTrajectory(TIMES, points, rotations.exp(np.outer(S, [0.0, 0.0, turned])))
+
+
+def filled(model=None):
+    library = lt.SkillLibrary()
+    for target in GRID:
+        skill = (model or lt.PoseDMP(weights=20)).fit(
+            [lt.Demonstration(reach(target, turned=5.0 * target[0]))]
+        )
+        library = library.with_skill(skill, task="digging", subtask="reach", target=target)
+    return library
+
+
+LIBRARY = filled()
+
+
+def test_nearest_target_is_found():
+    skill = LIBRARY.nearest("digging", "reach", (0.31, 0.08, 0.0))
+    np.testing.assert_allclose(skill.generate().positions[-1], (0.3, 0.1, 0.1), atol=1e-9)
+
+
+def test_tasks_and_subtasks_are_kept_apart():
+    other = lt.DMP().fit([lt.Demonstration(lt.Trajectory([0, 1], [[0.0], [1.0]]))])
+    both = LIBRARY.with_skill(other, task="digging", subtask="home", target=(0.0,))
+    assert both.subtasks("digging") == ("reach", "home")
+    assert LIBRARY.subtasks("digging") == ("reach",)
+    assert both.subtasks("seeding") == ()
+    assert both.nearest("digging", "home", (5.0,)) is other
+
+
+def test_same_target_is_replaced():
+    skill = lt.PoseDMP().fit([lt.Demonstration(reach((0.9, 0.9, 0.9)))])
+    library = LIBRARY.with_skill(skill, task="digging", subtask="reach", target=GRID[0])
+    assert len(library.entries) == len(GRID)
+    assert library.nearest("digging", "reach", GRID[0]) is skill
+
+
+@pytest.mark.parametrize("target", [(0.25, 0.05, 0.1), (0.35, -0.02, 0.1), (0.3, 0.1, 0.1)])
+def test_skills_between_targets_are_interpolated(target):
+    made = LIBRARY.interpolated("digging", "reach", target).generate(dt=2.0 / 199)
+    truth = reach(target, turned=5.0 * target[0])
+    np.testing.assert_allclose(made.positions, truth.positions, atol=1e-4)
+    assert rotations.distance(made.orientations, truth.orientations).max() < 1e-3
+    from_nearest = LIBRARY.nearest("digging", "reach", target).generate(dt=2.0 / 199)
+    assert np.abs(made.positions - truth.positions).max() <= (
+        np.abs(from_nearest.positions - truth.positions).max() + 1e-4
+    )
+
+
+def test_targets_on_a_line_are_enough():
+    library = lt.SkillLibrary()
+    for x in (0.4, 0.2):
+        motion = lt.JointTrajectory(TIMES, np.outer(S, [x, -x]), joint_names=("a", "b"))
+        skill = lt.DMP().fit([lt.Demonstration(motion)])
+        library = library.with_skill(skill, task="t", subtask="s", target=(x, 0.0))
+    made = library.interpolated("t", "s", (0.25, 0.0)).generate()
+    np.testing.assert_allclose(made.positions[-1], (0.25, -0.25), atol=1e-9)
+    assert made.joint_names == ("a", "b")
+
+
+def test_outside_of_all_targets_the_nearest_is_taken():
+    far = LIBRARY.interpolated("digging", "reach", (0.6, 0.0, 0.1))
+    assert far is LIBRARY.nearest("digging", "reach", (0.6, 0.0, 0.1))
+    one = lt.SkillLibrary().with_skill(far, task="t", subtask="s", target=(0.0, 0.0))
+    assert one.interpolated("t", "s", (1.0, 1.0)) is far
+
+
+def test_library_comes_back_from_its_file(tmp_path):
+    points = [lt.Demonstration(lt.Trajectory(TIMES, np.outer(S, [0.3, 0.1])))]
+    library = LIBRARY.with_skill(
+        lt.FastMarching().fit(points), task="draw", subtask="line", target=(0.3, 0.1)
+    )
+    library.save(tmp_path / "skills.npz")
+    loaded = lt.SkillLibrary.load(tmp_path / "skills.npz")
+    assert [file.name for file in tmp_path.iterdir()] == ["skills.npz"]
+    assert len(loaded.entries) == len(GRID) + 1
+    for before, after in zip(library.entries, loaded.entries, strict=True):
+        assert (after.task, after.subtask) == (before.task, before.subtask)
+        np.testing.assert_array_equal(after.target, before.target)
+        expected = before.skill.generate().positions
+        assert after.skill.generate().positions.tobytes() == expected.tobytes()
+
+
+def test_what_cannot_be_averaged_is_refused():
+    library = lt.SkillLibrary()
+    points = [lt.Demonstration(lt.Trajectory(TIMES, np.outer(S, [0.3, 0.1])))]
+    for target, turned in (((0.0, 0.0), 0.0), ((1.0, 0.0), np.pi)):
+        drawn = lt.FastMarching().fit(points)
+        library = library.with_skill(drawn, task="t", subtask="drawn", target=target)
+        skill = lt.PoseDMP().fit([lt.Demonstration(reach((1, 1, 1), turned=turned))])
+        library = library.with_skill(skill, task="t", subtask="far", target=target)
+    for subtask in ("drawn", "far"):
+        library.nearest("t", subtask, (0.5, 0.0))
+        with pytest.raises(UnsupportedQuery):
+            library.interpolated("t", subtask, (0.5, 0.0))
+
+
+def test_bad_input_is_refused(tmp_path):
+    skill = LIBRARY.entries[0].skill
+    for change in ({"task": 3}, {"subtask": None}, {"target": (0.0,)}, {"target": "x"}):
+        query = {"task": "digging", "subtask": "reach", "target": (0.0, 0.0, 0.0), **change}
+        with pytest.raises(InvalidInput, match=next(iter(change))):
+            LIBRARY.with_skill(skill, **query)
+        with pytest.raises(InvalidInput):
+            LIBRARY.nearest(**query)
+    with pytest.raises(InvalidInput, match="skill"):
+        LIBRARY.with_skill(None, task="a", subtask="b", target=(0.0,))
+    skill.save(tmp_path / "skill.npz")
+    LIBRARY.save(tmp_path / "library.npz")
+    with pytest.raises(InvalidInput, match="library"):
+        lt.SkillLibrary.load(tmp_path / "skill.npz")
+    with pytest.raises(InvalidInput, match="library"):
+        lt.load_skill(tmp_path / "library.npz")
+    with pytest.raises(InvalidInput, match="path"):
+        lt.SkillLibrary.load(tmp_path / "nothing.npz")
