@@ -7,7 +7,7 @@
 //   y = r(u) + e,   e'' = -2 rate e' - rate^2 e + f(u) + push
 //
 // f is piecewise linear over even phases, and every step is the exact solution: stable, and the
-// same motion, however long the steps are. Ijspeert et al. 2013, eqs. 2.1 to 2.3.
+// same motion, however long the steps are. Ijspeert et al. 2013, eq. 2.1.
 
 #include <Eigen/Core>
 

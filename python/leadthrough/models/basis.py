@@ -2,7 +2,7 @@
 
 The phase u of this package is time by duration: 0 at the start, 1 at the end. The literature's
 canonical state is x = exp(-DECAY u), the solution of tau x' = -DECAY x.
-Source: Ijspeert et al. 2013, eqs. 2.2 to 2.6 and 2.10.
+Source: Ijspeert et al. 2013, section 2.1.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """What a primitive's motion keeps clear of: obstacles and limits.
 
-Steering around an obstacle's middle (Hoffmann et al. 2009, eq. 9; Pastor et al. 2009, eq. 10) with
-barriers under it: the least accelerations that keep every distance from falling below 0 (Ames et
-al. 2019, "Control barrier functions"). The kernels hold both.
+Steering around an obstacle's middle (Hoffmann et al. 2009, Pastor et al. 2009) with barriers under
+it: the least accelerations that keep every distance from falling below 0 (Ames et al. 2019,
+"Control barrier functions"). The kernels hold both.
 """
 
 from __future__ import annotations

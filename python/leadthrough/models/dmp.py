@@ -175,7 +175,7 @@ class DMPSkill:
         acceleration, unit per s^2, that acts meanwhile. measured: (d,), where the motion goes on
         from instead of the state's position. lag: >= 0; the motion runs 1 / (1 + lag) as fast. For
         phase stopping, take a gain times the squared distance between the arm and the state. (The
-        literature slows the phase alone, Ijspeert et al. 2013, eq. 2.13, while the spring goes on
+        literature slows the phase alone, Ijspeert et al. 2013, while the spring goes on
         to the goal; here the whole motion waits.) obstacles, limits: as in `generate`, of this
         step. Raises InvalidInput.
         """

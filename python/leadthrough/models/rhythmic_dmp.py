@@ -1,6 +1,6 @@
 """Rhythmic movement primitives: motions that go round, of points, of joints and of poses.
 
-Source: Ijspeert et al. 2013, section 2.1.2: the force is made of von Mises kernels of a phase that
+Source: Ijspeert et al. 2013, section 2.1: the force is made of von Mises kernels of a phase that
 turns, and the springs pull to the centre of the motion.
 """
 

@@ -9,9 +9,9 @@ tau = 1 in the literature's letters. The forms differ in r and in what multiplie
   et al. 2009 let the spring's goal start at x0 and decay exponentially to g, it moves by minimum
   jerk here, with its velocity and acceleration fed forward.
 - "hoffmann": tau v' = K (g - x) - D v - K (g - x0) x(u) + K f. No scaling by the goal.
-  Source: Hoffmann et al. 2009, eq. 6, and Pastor et al. 2009, eq. 6.
+  Sources: Hoffmann et al. 2009; Pastor et al. 2009.
 - "ijspeert": r = g, and the force is scaled by g - y0, which must not be near 0 in any channel.
-  Source: Ijspeert et al. 2002 and 2013, eqs. 2.1 to 2.4.
+  Sources: Ijspeert et al. 2002; 2013, section 2.1.
 
 The last two come near the goal at the end and reach it after it, as springs do. The force stops at
 the end in all of them.
