@@ -5,8 +5,8 @@ PYBIND11_MODULE(_core, module) {
   leadthrough::bind_alignment(module);
   leadthrough::bind_chain(module);
   leadthrough::bind_collision(module);
-  leadthrough::bind_dynamics(module);
   leadthrough::bind_dmp(module);
+  leadthrough::bind_dynamics(module);
   leadthrough::bind_field(module);
   leadthrough::bind_ik(module);
   leadthrough::bind_jacobian(module);

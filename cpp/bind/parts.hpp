@@ -9,8 +9,8 @@ namespace leadthrough {
 void bind_alignment(pybind11::module_& module);
 void bind_chain(pybind11::module_& module);
 void bind_collision(pybind11::module_& module);
-void bind_dynamics(pybind11::module_& module);
 void bind_dmp(pybind11::module_& module);
+void bind_dynamics(pybind11::module_& module);
 void bind_field(pybind11::module_& module);
 void bind_ik(pybind11::module_& module);
 void bind_jacobian(pybind11::module_& module);

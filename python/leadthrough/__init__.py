@@ -1,9 +1,7 @@
 """leadthrough: hand-guided demonstrations in, executable robot-arm motion out."""
 
-from leadthrough import arm, errors, io, planning, rotations
+from leadthrough import arm, errors, io, planning, preprocess, rotations
 from leadthrough.arm import Arm, DifferentialIk
-from leadthrough import errors, io, planning, preprocess, rotations
-from leadthrough.arm import Arm
 from leadthrough.io import read_demonstrations
 from leadthrough.models import (
     DMP,
