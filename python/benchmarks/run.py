@@ -24,8 +24,8 @@ from leadthrough.io.atomic import replacing
 FILES = [
     "bench_arm",
     "bench_differential",
-    "bench_dynamics",
     "bench_dmp",
+    "bench_dynamics",
     "bench_eikonal",
     "bench_paths",
     "bench_replan",
