@@ -1,8 +1,11 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+
 #include "leadthrough/ik.hpp"
 #include "leadthrough/so3.hpp"
+#include "leadthrough/yang.hpp"
 #include "parts.hpp"
 
 namespace py = pybind11;
@@ -15,17 +18,51 @@ bool fits(Eigen::Index rows, Eigen::Index orientations) {
   return orientations == rows || orientations == 0;
 }
 
+IkTarget to_target(const Eigen::Ref<const Eigen::Vector3d>& position,
+                   const Eigen::Ref<const Eigen::VectorXd>& orientation) {
+  IkTarget target{position, std::nullopt};
+  if (orientation.size() == 4) target.rotation = so3::to_matrix(orientation);
+  return target;
+}
+
+void require_sizes(const Chain& chain, const IkOptions& options, bool rotations) {
+  const auto fits_chain = [&chain](const std::optional<JointVector>& q) {
+    return !q || q->size() == chain.joints();
+  };
+  require(fits_chain(options.reference) && fits_chain(options.posture) &&
+          (!options.axes || options.axes->asked(rotations) > 0));
+}
+
+std::optional<JointVector> to_joints(const std::optional<Eigen::VectorXd>& q) {
+  require(!q || q->size() <= kMaxJoints);
+  return q ? std::optional<JointVector>(*q) : std::nullopt;
+}
+
+// One bit a joint.
+unsigned to_bits(const std::array<bool, kMaxJoints>& limiting) {
+  unsigned bits = 0;
+  for (std::size_t i = 0; i < limiting.size(); ++i) bits |= unsigned{limiting[i]} << i;
+  return bits;
+}
+
+py::tuple to_tuple(const IkResult& result) {
+  return py::make_tuple(result.q, static_cast<int>(result.status), result.position_error,
+                        result.orientation_error, result.iterations, to_bits(result.limiting));
+}
+
 struct IkColumns {
   Rows q;
   Eigen::VectorXi status;
   Eigen::VectorXd position_errors, orientation_errors;
   Eigen::VectorXi iterations;
+  Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> limiting;
 };
 
 IkColumns columns(const std::vector<IkResult>& results, int joints) {
   const auto count = static_cast<Eigen::Index>(results.size());
-  IkColumns table{Rows(count, joints), Eigen::VectorXi(count), Eigen::VectorXd(count),
-                  Eigen::VectorXd(count), Eigen::VectorXi(count)};
+  IkColumns table{Rows(count, joints),    Eigen::VectorXi(count), Eigen::VectorXd(count),
+                  Eigen::VectorXd(count), Eigen::VectorXi(count), {}};
+  table.limiting.resize(count, joints);
   for (Eigen::Index i = 0; i < count; ++i) {
     const IkResult& result = results[static_cast<std::size_t>(i)];
     table.q.row(i) = result.q;
@@ -33,40 +70,85 @@ IkColumns columns(const std::vector<IkResult>& results, int joints) {
     table.position_errors[i] = result.position_error;
     table.orientation_errors[i] = result.orientation_error;
     table.iterations[i] = result.iterations;
+    std::copy(result.limiting.begin(), result.limiting.begin() + joints,
+              table.limiting.row(i).data());
   }
   return table;
 }
 
-// `orientation` has four numbers or none.
-py::tuple solve_one(const Chain& chain, const Eigen::Vector3d& position,
-                    const Eigen::Ref<const Eigen::VectorXd>& orientation,
-                    const Eigen::Ref<const Eigen::VectorXd>& seed, const IkOptions& options) {
-  require(seed.size() == chain.joints() && (orientation.size() == 4 || orientation.size() == 0));
-  IkResult result;
-  {
-    const py::gil_scoped_release release;
-    IkTarget target{position, std::nullopt};
-    if (orientation.size() == 4) target.rotation = so3::to_matrix(orientation);
-    result = solve_ik(chain, target, seed, options);
-  }
-  return py::make_tuple(result.q, static_cast<int>(result.status), result.position_error,
-                        result.orientation_error, result.iterations);
-}
-
-py::tuple solve(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
-                const Eigen::Ref<const Rows4>& orientations, const Eigen::Ref<const Rows>& seeds,
-                const IkOptions& options, int threads) {
-  require(seeds.rows() == positions.rows() && seeds.cols() == chain.joints() &&
-          fits(positions.rows(), orientations.rows()));
+template <typename Solve>
+py::tuple solve_columns(int joints, const Solve& solve) {
   IkColumns table;
   {
     const py::gil_scoped_release release;
-    table = columns(solve_ik_batch(chain, positions, orientations, seeds, options, threads),
-                    chain.joints());
+    table = columns(solve(), joints);
   }
   return py::make_tuple(std::move(table.q), std::move(table.status),
                         std::move(table.position_errors), std::move(table.orientation_errors),
-                        std::move(table.iterations));
+                        std::move(table.iterations), std::move(table.limiting));
+}
+
+// `orientation` has four numbers or none.
+py::tuple solve_one(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>& position,
+                    const Eigen::Ref<const Eigen::VectorXd>& orientation,
+                    const Eigen::Ref<const Eigen::VectorXd>& seed, const IkOptions& options) {
+  require(seed.size() == chain.joints() && fits(4, orientation.size()));
+  require_sizes(chain, options, orientation.size() > 0);
+  IkResult result;
+  {
+    const py::gil_scoped_release release;
+    result = solve_ik(chain, to_target(position, orientation), seed, options);
+  }
+  return to_tuple(result);
+}
+
+py::tuple solve_batch(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
+                      const Eigen::Ref<const Rows4>& orientations,
+                      const Eigen::Ref<const Rows>& seeds, const IkOptions& options, int threads) {
+  require(seeds.rows() == positions.rows() && seeds.cols() == chain.joints() &&
+          fits(positions.rows(), orientations.rows()));
+  require_sizes(chain, options, orientations.rows() > 0);
+  return solve_columns(chain.joints(), [&] {
+    return solve_ik_batch(chain, positions, orientations, seeds, options, threads);
+  });
+}
+
+py::tuple solve_all(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>& position,
+                    const Eigen::Ref<const Eigen::VectorXd>& orientation,
+                    const Eigen::Ref<const Eigen::VectorXd>& seed, const IkOptions& options,
+                    int count, double separation) {
+  require(seed.size() == chain.joints() && fits(4, orientation.size()) && count >= 0);
+  require_sizes(chain, options, orientation.size() > 0);
+  return solve_columns(chain.joints(), [&] {
+    return solve_ik_all(chain, to_target(position, orientation), seed, options, count, separation);
+  });
+}
+
+py::tuple solve_plainly(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
+                        const Eigen::Ref<const Rows4>& orientations,
+                        const Eigen::Ref<const Rows>& seeds, const IkTolerance& tolerance,
+                        int max_iterations, const YangOptions& options, int threads) {
+  require(seeds.rows() == positions.rows() && seeds.cols() == chain.joints() &&
+          fits(positions.rows(), orientations.rows()));
+  return solve_columns(chain.joints(), [&] {
+    return solve_yang_batch(chain, positions, orientations, seeds, tolerance, max_iterations,
+                            options, threads);
+  });
+}
+
+py::tuple step_along(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
+                     const Eigen::Ref<const Rows4>& orientations,
+                     const Eigen::Ref<const Eigen::VectorXd>& start,
+                     const Eigen::Ref<const Eigen::VectorXd>& steps, const YangOptions& options) {
+  require(start.size() == chain.joints() && steps.size() == positions.rows() &&
+          fits(positions.rows(), orientations.rows()));
+  YangPath path;
+  {
+    const py::gil_scoped_release release;
+    path = yang_path(chain, positions, orientations, start, steps, options);
+  }
+  return py::make_tuple(std::move(path.q), std::move(path.condition), std::move(path.damping),
+                        std::move(path.position_errors), std::move(path.orientation_errors));
 }
 
 }  // namespace
@@ -78,19 +160,59 @@ void bind_ik(py::module_& module) {
            }),
            py::arg("position"), py::arg("orientation"));
 
-  py::class_<IkOptions>(module, "IkOptions")
-      .def(py::init([](const IkTolerance& tolerance, double midrange, int max_iterations,
-                       int max_restarts, std::uint64_t random_seed) {
-             return IkOptions{tolerance, midrange, max_iterations, max_restarts, random_seed};
-           }),
-           py::arg("tolerance"), py::arg("midrange"), py::arg("max_iterations"),
-           py::arg("max_restarts"), py::arg("random_seed"));
+  py::class_<IkAxes>(module, "IkAxes")
+      .def(py::init([](const std::array<bool, 6>& free, const Vector6& tolerance,
+                       const Vector6& weight) { return IkAxes{free, tolerance, weight}; }),
+           py::arg("free"), py::arg("tolerance"), py::arg("weight"));
 
-  module.def("solve_ik", &solve_one, py::arg("chain"), py::arg("position"),
+  py::enum_<IkMode>(module, "IkMode")
+      .value("FASTEST", IkMode::kFastest)
+      .value("CLOSEST", IkMode::kClosest);
+
+  py::class_<IkOptions>(module, "IkOptions")
+      .def(py::init([](const IkTolerance& tolerance, const std::optional<IkAxes>& axes, IkMode mode,
+                       const std::optional<Eigen::VectorXd>& reference, double midrange,
+                       const std::optional<Eigen::VectorXd>& posture, int max_iterations,
+                       int max_restarts, double max_cpu_seconds, std::uint64_t random_seed) {
+             return IkOptions{tolerance,
+                              axes,
+                              mode,
+                              to_joints(reference),
+                              midrange,
+                              to_joints(posture),
+                              max_iterations,
+                              max_restarts,
+                              max_cpu_seconds,
+                              random_seed};
+           }),
+           py::arg("tolerance"), py::arg("axes"), py::arg("mode"), py::arg("reference"),
+           py::arg("midrange"), py::arg("posture"), py::arg("max_iterations"),
+           py::arg("max_restarts"), py::arg("max_cpu_seconds"), py::arg("random_seed"));
+
+  py::class_<YangOptions>(module, "YangOptions")
+      .def(py::init([](double damping, double alpha, double condition_threshold,
+                       double nullspace_gain, double rotation_weight) {
+             return YangOptions{damping, alpha, condition_threshold, nullspace_gain,
+                                rotation_weight};
+           }),
+           py::arg("damping"), py::arg("alpha"), py::arg("condition_threshold"),
+           py::arg("nullspace_gain"), py::arg("rotation_weight"));
+
+  module.def("solve_ik", &solve_one, py::arg("chain"), py::arg("position").noconvert(),
              py::arg("orientation").noconvert(), py::arg("seed").noconvert(), py::arg("options"));
-  module.def("solve_ik_batch", &solve, py::arg("chain"), py::arg("positions").noconvert(),
+  module.def("solve_ik_batch", &solve_batch, py::arg("chain"), py::arg("positions").noconvert(),
              py::arg("orientations").noconvert(), py::arg("seeds").noconvert(), py::arg("options"),
              py::arg("threads"));
+  module.def("solve_ik_all", &solve_all, py::arg("chain"), py::arg("position").noconvert(),
+             py::arg("orientation").noconvert(), py::arg("seed").noconvert(), py::arg("options"),
+             py::arg("count"), py::arg("separation"));
+  module.def("solve_yang", &solve_plainly, py::arg("chain"), py::arg("positions").noconvert(),
+             py::arg("orientations").noconvert(), py::arg("seeds").noconvert(),
+             py::arg("tolerance"), py::arg("max_iterations"), py::arg("options"),
+             py::arg("threads"));
+  module.def("yang_path", &step_along, py::arg("chain"), py::arg("positions").noconvert(),
+             py::arg("orientations").noconvert(), py::arg("start").noconvert(),
+             py::arg("steps").noconvert(), py::arg("options"));
 }
 
 }  // namespace leadthrough

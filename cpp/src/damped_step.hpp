@@ -1,40 +1,14 @@
 #pragma once
 
-// The kernels that solve_ik and track share. M is the task's dimension: 6 for poses, 3 for
-// positions. Nothing here allocates.
+// The kernels that solve_ik and track share: a damped least-squares step inside a box. M is the
+// task's dimension. Nothing here allocates.
 
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <array>
-#include <cmath>
-
-#include "leadthrough/ik.hpp"
-#include "leadthrough/so3.hpp"
+#include "task.hpp"
 
 namespace leadthrough {
 
-// Weighs rotations against translations: 0.3 m a rad is about the arm's reach from its wrist.
-constexpr double kOrientationWeight = 0.3;
 // Damping in units of the squared error.
 constexpr double kErrorDamping = 0.05;
-
-template <int M>
-using TaskVector = Eigen::Matrix<double, M, 1>;
-using JointArray = std::array<double, kMaxJoints>;
-
-// A target seen from a configuration, rotations weighted.
-template <int M>
-struct Task {
-  TaskVector<M> error;
-  std::array<TaskVector<M>, kMaxJoints> columns;
-  double position_error = 0.0;
-  double orientation_error = 0.0;
-
-  double squared() const { return error.squaredNorm(); }
-  bool within(const IkTolerance& tolerance) const {
-    return position_error <= tolerance.position && orientation_error <= tolerance.orientation;
-  }
-};
 
 // The step that takes every joint a share of its way to the middle of its range.
 inline JointArray pull_to_middle(const Chain& chain, const JointArray& q, double share) {
@@ -47,84 +21,50 @@ inline JointArray pull_to_middle(const Chain& chain, const JointArray& q, double
   return pull;
 }
 
-inline Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& m) {
-  const Eigen::Vector3d skew(0.5 * (m(2, 1) - m(1, 2)), 0.5 * (m(0, 2) - m(2, 0)),
-                             0.5 * (m(1, 0) - m(0, 1)));
-  const double sine = skew.norm();
-  const double cosine = 0.5 * (m.trace() - 1.0);
-  // Near a half turn the axis is lost in the skew part.
-  constexpr double kLostAxis = 1e-3;
-  if (cosine < 0.0 && sine < kLostAxis) return so3::log(so3::from_matrix(m));
-  return sine == 0.0 ? skew : Eigen::Vector3d(skew * (std::atan2(sine, cosine) / sine));
-}
-
-template <int M>
-void evaluate(const Chain& chain, const IkTarget& target, const double* q, Task<M>& task) {
-  Kinematics kinematics;
-  forward_kinematics(chain, q, kinematics);
-  const auto n = static_cast<std::size_t>(chain.joints());
-  const Eigen::Vector3d offset = target.position - kinematics.T_base_tip.position;
-  task.error.template head<3>() = offset;
-  task.position_error = offset.norm();
-  for (std::size_t i = 0; i < n; ++i)
-    task.columns[i].template head<3>() = kinematics.jacobian[i].template head<3>();
-  if constexpr (M == 6) {
-    const Eigen::Vector3d turn =
-        rotation_vector(*target.rotation * kinematics.T_base_tip.rotation.transpose());
-    task.orientation_error = turn.norm();
-    task.error.template tail<3>() = kOrientationWeight * turn;
-    for (std::size_t i = 0; i < n; ++i)
-      task.columns[i].template tail<3>() =
-          kOrientationWeight * kinematics.jacobian[i].template tail<3>();
-  }
-}
-
-// The Cholesky factor of J J^T + damping over the free columns. False where it is not positive
-// definite beyond `smallest` of its largest diagonal element.
+// The factors L D L^T of J J^T + damping over the free columns: without a square root, whose
+// latency would rule. False where it is not positive definite beyond `smallest` of its largest
+// diagonal element.
 template <int M>
 class DampedNormal {
  public:
   template <typename IsFree>
   DampedNormal(const Task<M>& task, int joints, double damping, IsFree is_free) {
-    for (int row = 0; row < M; ++row)
-      for (int col = 0; col <= row; ++col) factor_[row][col] = row == col ? damping : 0.0;
+    // Sums of its own, so that they can stay in registers.
+    double sum[M][M] = {};
+    for (int row = 0; row < M; ++row) sum[row][row] = damping;
     for (int i = 0; i < joints; ++i) {
       if (!is_free(i)) continue;
       const TaskVector<M>& column = task.columns[static_cast<std::size_t>(i)];
       for (int row = 0; row < M; ++row)
-        for (int col = 0; col <= row; ++col) factor_[row][col] += column[row] * column[col];
+        for (int col = 0; col <= row; ++col) sum[row][col] += column[row] * column[col];
     }
+    for (int row = 0; row < M; ++row)
+      for (int col = 0; col <= row; ++col) factor_[row][col] = sum[row][col];
   }
 
   bool factorize(double smallest) {
     double largest = 0.0;
     for (int i = 0; i < M; ++i) largest = std::max(largest, factor_[i][i]);
     for (int col = 0; col < M; ++col) {
-      double pivot = factor_[col][col];
-      for (int k = 0; k < col; ++k) pivot -= factor_[col][k] * factor_[col][k];
+      const double pivot = factor_[col][col];
       if (!(pivot > smallest * largest)) return false;
-      inverse_[col] = 1.0 / std::sqrt(pivot);
-      for (int row = col + 1; row < M; ++row) {
-        double sum = factor_[row][col];
-        for (int k = 0; k < col; ++k) sum -= factor_[row][k] * factor_[col][k];
-        factor_[row][col] = sum * inverse_[col];
-      }
+      inverse_[col] = 1.0 / pivot;
+      double scaled[M];
+      for (int row = col + 1; row < M; ++row) scaled[row] = factor_[row][col] * inverse_[col];
+      for (int row = col + 1; row < M; ++row)
+        for (int k = col + 1; k <= row; ++k) factor_[row][k] -= scaled[row] * factor_[k][col];
+      for (int row = col + 1; row < M; ++row) factor_[row][col] = scaled[row];
     }
     return true;
   }
 
   TaskVector<M> solve(const TaskVector<M>& right) const {
-    TaskVector<M> x;
-    for (int row = 0; row < M; ++row) {
-      double sum = right[row];
-      for (int k = 0; k < row; ++k) sum -= factor_[row][k] * x[k];
-      x[row] = sum * inverse_[row];
-    }
-    for (int row = M - 1; row >= 0; --row) {
-      double sum = x[row];
-      for (int k = row + 1; k < M; ++k) sum -= factor_[k][row] * x[k];
-      x[row] = sum * inverse_[row];
-    }
+    TaskVector<M> x = right;
+    for (int col = 0; col < M; ++col)
+      for (int row = col + 1; row < M; ++row) x[row] -= factor_[row][col] * x[col];
+    for (int row = 0; row < M; ++row) x[row] *= inverse_[row];
+    for (int row = M - 1; row > 0; --row)
+      for (int k = 0; k < row; ++k) x[k] -= factor_[row][k] * x[row];
     return x;
   }
 

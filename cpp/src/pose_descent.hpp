@@ -23,17 +23,18 @@ struct DescentEnd {
 // moves the tip 1 m a rad a bias of a millionth.
 constexpr double kDampingFloor = 1e-6;
 
-template <int M>
+template <int M, typename Target = IkTarget>
 class PoseDescent {
  public:
   // `q` must lie inside the bounds. Everything that is passed must outlive the descent.
-  PoseDescent(const Chain& chain, const IkTarget& target, const DescentBounds& bounds,
+  PoseDescent(const Chain& chain, const Target& target, const DescentBounds& bounds,
               const JointArray& q)
       : chain_(chain), target_(target), bounds_(bounds), q_(q) {
     evaluate(chain_, target_, q_.data(), *now_);
   }
 
   const JointArray& q() const { return q_; }
+  const Task<M>& task() const { return *now_; }
 
   // One step towards the target that also moves by `pull` as far as the task leaves it free.
   void pull(const JointArray& pull) {
@@ -49,12 +50,12 @@ class PoseDescent {
     do {
       const double before = now_->squared();
       if (!improve(tolerance)) {
-        status = IkStatus::kStalled;
+        status = IkStatus::kUnreachable;
         break;
       }
       constexpr double kLeastProgress = 1e-3;  // less in a step is none
       const bool slow = now_->squared() > (1.0 - kLeastProgress) * before;
-      if (slow) status = IkStatus::kStalled;
+      if (slow) status = IkStatus::kUnreachable;
     } while (status == IkStatus::kBudget && !now_->within(tolerance) && iterations_ < last);
     if (now_->within(tolerance)) status = IkStatus::kConverged;
     return {status, now_->position_error, now_->orientation_error, iterations_};
@@ -95,7 +96,7 @@ class PoseDescent {
   }
 
   const Chain& chain_;
-  const IkTarget& target_;
+  const Target& target_;
   const DescentBounds& bounds_;
   JointArray q_;
   JointArray moved_{};

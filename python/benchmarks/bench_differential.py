@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import pink
 import pinocchio as pin
-from bench_arm import Judge
 from frame import Benchmark
+from judge import Judge
 from pink.tasks import FrameTask, PostureTask
 
 import leadthrough as lt

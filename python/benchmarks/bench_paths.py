@@ -15,8 +15,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from bench_arm import TOLERANCE, Judge, Solve, quaternion, ranges, trac_ik
 from frame import Benchmark
+from judge import Judge, quaternion, ranges
+from peers import TRAC_IK_TOLERANCE, Solve, trac_ik
 from scipy.interpolate import CubicSpline
 
 import leadthrough as lt
@@ -41,13 +42,14 @@ def _long_path(name: str, arm: lt.Arm, judge: Judge, urdf: Path, count: int) -> 
     q = _smooth(arm, count)
     motion, targets = _posed(judge, np.linspace(0.0, 4.0, count), q)
     peer = partial(_warm_started, trac_ik(arm, urdf), targets, q[0])
+    solved = judge.share(targets, peer(), tolerance=TRAC_IK_TOLERANCE)
     return Benchmark(
-        f"{name}: path of {count} poses, peer solves {judge.share(targets, peer())}",
+        f"{name}: path of {count} poses, peer solves {solved}",
         ours=lambda: arm.follow(motion, seed=q[0]).positions,
         peer=peer,
         peer_name="pytracik",
         error=partial(judge.worst, targets),
-        tolerance=TOLERANCE,
+        tolerance=TRAC_IK_TOLERANCE,
     )
 
 

@@ -16,20 +16,27 @@ class Benchmark:
     name: the problem. ours, peer: called without arguments, return their answers. peer_name: the
     library. error: of our answer against the peer's. tolerance: the largest error that passes.
     clock: what measures; CPU seconds of all threads but where threads are the point.
+    calls: where given, both functions take the number of a call, 0 to calls - 1, and each call is
+    timed by itself; `error` gets the lists of answers.
     """
 
     name: str
-    ours: Callable[[], Any]
-    peer: Callable[[], Any]
+    ours: Callable[..., Any]
+    peer: Callable[..., Any]
     peer_name: str
     error: Callable[[Any, Any], float]
     tolerance: float
     clock: Callable[[], float] = time.process_time
+    calls: int = 0
 
 
 @dataclass(frozen=True)
 class Row:
-    """One result. Times are seconds; ratio is the peer's best time over ours."""
+    """One result. Times are seconds; ratio is the peer's best time over ours.
+
+    Where calls were timed one by one the 99th percentiles stand beside, and the ratio is that of
+    the medians.
+    """
 
     name: str
     peer: str
@@ -41,6 +48,8 @@ class Row:
     peer_best: float | None = None
     peer_median: float | None = None
     ratio: float | None = None
+    ours_p99: float | None = None
+    peer_p99: float | None = None
 
 
 def measure(benchmark: Benchmark, repeats: int) -> Row:
@@ -48,6 +57,8 @@ def measure(benchmark: Benchmark, repeats: int) -> Row:
 
     Ours and the peer's runs alternate, so that a busy machine slows both.
     """
+    if benchmark.calls:
+        return _measure_calls(benchmark)
     error = float(benchmark.error(benchmark.ours(), benchmark.peer()))
     passed = error <= benchmark.tolerance
     answer = (benchmark.name, benchmark.peer_name, error, benchmark.tolerance, passed)
@@ -64,6 +75,35 @@ def measure(benchmark: Benchmark, repeats: int) -> Row:
         peer_best=min(peer),
         peer_median=statistics.median(peer),
         ratio=min(peer) / min(ours),
+    )
+
+
+def _measure_calls(benchmark: Benchmark) -> Row:
+    """In turns of a hundred calls, so that a busy machine slows both and caches none."""
+    answers: tuple[list[Any], list[Any]] = ([], [])
+    times: tuple[list[float], list[float]] = ([], [])
+    for first in range(0, benchmark.calls, 100):
+        for side, function in enumerate((benchmark.ours, benchmark.peer)):
+            for call in range(first, min(first + 100, benchmark.calls)):
+                start = benchmark.clock()
+                answer = function(call)
+                times[side].append(benchmark.clock() - start)
+                answers[side].append(answer)
+    error = float(benchmark.error(*answers))
+    passed = error <= benchmark.tolerance
+    answer = (benchmark.name, benchmark.peer_name, error, benchmark.tolerance, passed)
+    if not passed:
+        return Row(*answer)
+    ours, peer = times
+    return Row(
+        *answer,
+        ours_best=min(ours),
+        ours_median=statistics.median(ours),
+        peer_best=min(peer),
+        peer_median=statistics.median(peer),
+        ratio=statistics.median(peer) / statistics.median(ours),
+        ours_p99=statistics.quantiles(ours, n=100)[-1],
+        peer_p99=statistics.quantiles(peer, n=100)[-1],
     )
 
 

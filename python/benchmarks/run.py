@@ -1,7 +1,8 @@
 """Runs the benchmarks: python python/benchmarks/run.py [--quick] [--out DIR] [--only TEXT].
 
-Prints a table and writes benchmarks.json with versions and facts of the machine. Answers are
-compared with the peer's first; a wrong one fails the run.
+Prints a table and writes benchmarks.json with versions and facts of the machine. Where calls are
+timed one by one, the times are median/99th percentile in us. Answers are compared with the peer's
+first; a wrong one fails the run.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ FILES = [
     "bench_dmp",
     "bench_dynamics",
     "bench_eikonal",
+    "bench_ik",
     "bench_paths",
     "bench_replan",
 ]
@@ -60,14 +62,22 @@ def _text(row: Row) -> str:
     head = f"{row.name:<65} {row.peer:<12} {row.error:8.1e}"
     if not row.passed:
         return f"{head} WRONG ANSWER: expected at most {row.tolerance:.1e}"
-    return f"{head} {row.ours_best:9.4f} {row.peer_best:9.4f} {row.ratio:6.1f}"
+    if row.ours_p99 is None:
+        return f"{head} {row.ours_best:9.4f} {row.peer_best:9.4f} {row.ratio:6.1f}"
+    # A call's median and 99th percentile, us.
+    ours, peer = (
+        f"{1e6 * median:.0f}/{1e6 * p99:.0f}"
+        for median, p99 in ((row.ours_median, row.ours_p99), (row.peer_median, row.peer_p99))
+    )
+    return f"{head} {ours:>9} {peer:>9} {row.ratio:6.1f}"
 
 
 def _report(rows: list[Row], *, quick: bool) -> dict[str, Any]:
     libraries = ["leadthrough", "numpy", "scipy", *sorted({row.peer for row in rows})]
     return {
         "quick": quick,
-        "times": "CPU seconds, or wall where named; best and median, alternating with the peer",
+        "times": "CPU seconds, or wall where named; best and median, alternating with the peer; "
+        "of single calls where there is a 99th percentile",
         "machine": {
             "processor": _processor(),
             "processors": os.cpu_count(),

@@ -1,6 +1,7 @@
 """Types of the compiled module. A test compares names and arguments with the module."""
 
 from collections.abc import Sequence
+from enum import Enum
 from typing import overload
 
 import numpy as np
@@ -47,14 +48,38 @@ class Robot:
 class IkTolerance:
     def __init__(self, position: float, orientation: float) -> None: ...
 
+class IkAxes:
+    def __init__(
+        self, free: Sequence[bool], tolerance: Sequence[float], weight: Float64Array
+    ) -> None: ...
+
+class IkMode(Enum):
+    FASTEST = ...
+    CLOSEST = ...
+
 class IkOptions:
     def __init__(
         self,
         tolerance: IkTolerance,
+        axes: IkAxes | None,
+        mode: IkMode,
+        reference: Float64Array | None,
         midrange: float,
+        posture: Float64Array | None,
         max_iterations: int,
         max_restarts: int,
+        max_cpu_seconds: float,
         random_seed: int,
+    ) -> None: ...
+
+class YangOptions:
+    def __init__(
+        self,
+        damping: float,
+        alpha: float,
+        condition_threshold: float,
+        nullspace_gain: float,
+        rotation_weight: float,
     ) -> None: ...
 
 class TrackOptions:
@@ -103,6 +128,7 @@ def inverse_dynamics(
     chain: Chain, q: Float64Array, qd: Float64Array, qdd: Float64Array, gravity: Float64Array
 ) -> Float64Array: ...
 def mass_matrix(chain: Chain, q: Float64Array) -> Float64Array: ...
+
 class Shape: ...
 
 class Frame:
@@ -242,7 +268,7 @@ def solve_ik(
     orientation: Float64Array,
     seed: Float64Array,
     options: IkOptions,
-) -> tuple[Float64Array, int, float, float, int]: ...
+) -> tuple[Float64Array, int, float, float, int, int]: ...
 def solve_ik_batch(
     chain: Chain,
     positions: Float64Array,
@@ -250,7 +276,34 @@ def solve_ik_batch(
     seeds: Float64Array,
     options: IkOptions,
     threads: int,
-) -> tuple[Float64Array, Int32Array, Float64Array, Float64Array, Int32Array]: ...
+) -> tuple[Float64Array, Int32Array, Float64Array, Float64Array, Int32Array, NDArray[np.bool_]]: ...
+def solve_ik_all(
+    chain: Chain,
+    position: Float64Array,
+    orientation: Float64Array,
+    seed: Float64Array,
+    options: IkOptions,
+    count: int,
+    separation: float,
+) -> tuple[Float64Array, Int32Array, Float64Array, Float64Array, Int32Array, NDArray[np.bool_]]: ...
+def solve_yang(
+    chain: Chain,
+    positions: Float64Array,
+    orientations: Float64Array,
+    seeds: Float64Array,
+    tolerance: IkTolerance,
+    max_iterations: int,
+    options: YangOptions,
+    threads: int,
+) -> tuple[Float64Array, Int32Array, Float64Array, Float64Array, Int32Array, NDArray[np.bool_]]: ...
+def yang_path(
+    chain: Chain,
+    positions: Float64Array,
+    orientations: Float64Array,
+    start: Float64Array,
+    steps: Float64Array,
+    options: YangOptions,
+) -> tuple[Float64Array, Float64Array, Float64Array, Float64Array, Float64Array]: ...
 def track(
     chain: Chain,
     positions: Float64Array,

@@ -19,7 +19,10 @@ Float64Array = NDArray[np.float64]
 
 # A recorded quaternion is off by its format's rounding; more than this is not a rotation.
 UNIT_LENGTH_TOLERANCE = 1e-2
+
+_FLOAT64 = np.dtype(np.float64)
 _FEW = 1000
+_VERY_FEW = 32
 
 
 def array(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
@@ -70,8 +73,8 @@ def quaternions(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64
     """`value` as unit quaternions w, x, y, z, normalised; a copy. The last axis holds four."""
     result = array(value, name, shape=shape)
     if result.ndim == 1:  # the quick way: an arm is asked for single poses in a loop
-        length = math.sqrt(np.vdot(result, result))
-        worst = length
+        w, x, y, z = result.tolist()
+        length = worst = math.sqrt(w * w + x * x + y * y + z * z)
     else:
         length = np.sqrt(np.einsum("...i,...i", result, result))[..., None]
         worst = max(length.min(initial=1.0), length.max(initial=1.0), key=lambda x: abs(x - 1.0))
@@ -79,6 +82,8 @@ def quaternions(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64
         raise InvalidInput(
             f"{name}: expected unit quaternions w, x, y, z, got one of length {worst:.6g}"
         )
+    if result.ndim == 1:
+        return np.array((w / length, x / length, y / length, z / length))
     return np.asarray(result / length)
 
 
@@ -132,7 +137,7 @@ def choice(value: Any, name: str, options: Collection[str]) -> str:
 
 
 def _checked(result: Float64Array, name: str, shape: Sequence[int | str]) -> Float64Array:
-    if not _fits(result.shape, shape):
+    if result.shape != shape and not _fits(result.shape, shape):
         raise InvalidInput(f"{name}: expected shape {_shape_text(shape)}, got {result.shape}")
     if not _is_finite(result):
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(result))[0])
@@ -142,6 +147,9 @@ def _checked(result: Float64Array, name: str, shape: Sequence[int | str]) -> Flo
 
 
 def _numeric(value: Any, name: str) -> Float64Array:
+    # What it should be already needs no more: an arm is asked for single poses in a loop.
+    if type(value) is np.ndarray and value.dtype is _FLOAT64 and value.flags.c_contiguous:
+        return value
     try:
         raw = np.asarray(value)
     except ValueError:
@@ -155,8 +163,10 @@ def _numeric(value: Any, name: str) -> Float64Array:
 
 
 def _is_finite(values: Float64Array) -> bool:
-    # The inner product is a quick proof for few numbers (for many, BLAS wakes its threads); beyond
-    # its range it proves nothing.
+    # Sums are quick proofs for few numbers (for many, BLAS wakes its threads); beyond their range
+    # they prove nothing.
+    if values.ndim == 1 and values.size <= _VERY_FEW and math.isfinite(sum(values.tolist())):
+        return True
     if values.size <= _FEW and math.isfinite(np.vdot(values, values)):
         return True
     return bool(np.isfinite(values).all())

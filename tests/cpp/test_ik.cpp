@@ -92,3 +92,46 @@ TEST(Ik, ASeedOutsideTheLimitsIsMovedInside) {
   EXPECT_EQ(result.status, IkStatus::kConverged);
   EXPECT_TRUE(inside(chain, result.q));
 }
+
+TEST(Ik, TheClosestSolutionIsNeverFartherThanTheFirst) {
+  const Chain chain = crooked_chain();
+  const Poses targets = forward_kinematics_batch(chain, random_configurations(chain, 30, 8));
+  const Rows seeds = random_configurations(chain, 30, 9);
+  IkOptions closest;
+  closest.mode = IkMode::kClosest;
+  const auto first = solve_ik_batch(chain, targets.positions, targets.orientations, seeds, {}, 1);
+  const auto nearest =
+      solve_ik_batch(chain, targets.positions, targets.orientations, seeds, closest, 1);
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const JointVector seed = seeds.row(static_cast<Eigen::Index>(i));
+    ASSERT_EQ(nearest[i].status, IkStatus::kConverged);
+    EXPECT_LE((nearest[i].q - seed).norm(), (first[i].q - seed).norm() + 1e-9);
+  }
+}
+
+TEST(Ik, LimitsThatBarTheWayAreNamed) {
+  Chain chain = crooked_chain();
+  const Eigen::VectorXd q = middle(chain);
+  JointVector lifted = middle(chain);
+  lifted[0] = 0.35;
+  const Pose pose = forward_kinematics(chain, lifted.data());
+  for (int i = 1; i < chain.joints(); ++i) chain.lower[i] = chain.upper[i] = q[i];
+  chain.upper[0] = 0.2;
+  const IkResult result = solve_ik(chain, {pose.position, pose.rotation}, q);
+  EXPECT_EQ(result.status, IkStatus::kLimits);
+  EXPECT_TRUE(result.limiting[0]);
+  EXPECT_DOUBLE_EQ(result.q[0], 0.2);
+  EXPECT_NEAR(result.position_error, 0.15, 1e-9);
+}
+
+TEST(Ik, ATinyCpuBudgetEndsTheSearch) {
+  const Chain chain = crooked_chain();
+  const IkTarget target{Eigen::Vector3d(0.1, 0.1, 0.5), Eigen::Matrix3d::Identity()};
+  IkOptions options;
+  options.mode = IkMode::kClosest;
+  options.max_iterations = options.max_restarts = 1000000000;
+  options.max_cpu_seconds = 1e-3;
+  const IkResult result = solve_ik(chain, target, middle(chain), options);
+  EXPECT_TRUE(inside(chain, result.q));
+  EXPECT_LT(result.iterations, 1000000);
+}

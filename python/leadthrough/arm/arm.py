@@ -229,11 +229,27 @@ class Arm:
 
         position: (3,) m. orientation: (4,) w, x, y, z; None leaves it free. seed: (joints,), moved
         inside the limits, the start of the search; the middle of the ranges where there is none.
-        options: those of `ik_options`. A target that cannot be reached gives success False and the
-        closest configuration found. The same input gives the same answer. Raises InvalidInput.
+        options: those of `ik_options`, or method="yang" and those of `yang.solve`, the plain
+        method of a paper. A target that cannot be reached gives success False and the closest
+        configuration found. The same input gives the same answer. Raises InvalidInput.
         """
         start = None if seed is None else self._joints(seed, "seed")
         return single_pose.solve(self._chain, position, orientation, seed=start, **options)
+
+    def inverse_kinematics_all(
+        self, position: Any, orientation: Any = None, *, seed: Any = None, **options: Any
+    ) -> IkBatch:
+        """Up to `count` (8) distinct configurations that reach a pose, the nearest one first.
+
+        reference: (joints,), to which near is meant; the seed where there is none. Two are distinct
+        where a joint differs by more than `separation` (0.1 rad, whole turns left out, or m); those
+        of a redundant arm are first moved in the null space as near to the reference as the task
+        lets them. The other options are those of `ik_options`; the search goes on until
+        max_iterations (20,000) or max_restarts (1000). No row where no solution was found.
+        Raises InvalidInput.
+        """
+        start = None if seed is None else self._joints(seed, "seed")
+        return single_pose.solve_all(self._chain, position, orientation, seed=start, **options)
 
     def inverse_kinematics_batch(
         self,

@@ -1,0 +1,66 @@
+"""Single poses of three robots against peers, call by call.
+
+The targets are poses of random configurations inside the limits, the seeds random too, and all
+solvers get the same ones. Every answer is judged by Pinocchio's kinematics of the same URDF, the
+limits kept: the share that we solve must reach 99.95 %, the peers' stands in the row's name. Times
+are medians and 99th percentiles over the calls. Ours solve to 1e-6 m and rad, the peers to 1e-5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from frame import Benchmark
+from judge import Judge, quaternion, random_configurations
+from peers import TRAC_IK_TOLERANCE, Solve, toolbox, trac_ik
+
+import leadthrough as lt
+from leadthrough.arm.robots import find_robot
+
+TOLERANCE = 1e-5  # m and rad: what counts as solved
+MOST_UNSOLVED = 5e-4
+
+
+def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
+    """Rows of every robot and peer."""
+    count = 200 if quick else 5000
+    for name in ("panda",) if quick else ("panda", "ur3", "tiago"):
+        arm, urdf = lt.Arm.load(name), find_robot(name) / f"{name}.urdf"
+        yield from _rows(name, arm, Judge(arm, urdf), urdf, count)
+
+
+def _rows(name: str, arm: lt.Arm, judge: Judge, urdf: Path, count: int) -> Iterator[Benchmark]:
+    targets = [judge.pose(q) for q in random_configurations(arm, count, seed=2)]
+    seeds = random_configurations(arm, count, seed=3)
+    poses = [(target.translation.copy(), quaternion(target)) for target in targets]
+
+    def ours(call: int) -> Any:
+        return arm.inverse_kinematics(*poses[call], seed=seeds[call]).q
+
+    peers = {
+        "roboticstoolbox-python": (toolbox(arm, urdf), TOLERANCE),
+        "pytracik": (trac_ik(arm, urdf), TRAC_IK_TOLERANCE),
+    }
+    for peer_name, (solve, peer_tolerance) in peers.items():
+        few = range(min(count, 500))  # enough for a share in a name
+        solved = judge.share(
+            targets[: len(few)],
+            [solve(targets[i], seeds[i]) for i in few],
+            tolerance=peer_tolerance,
+        )
+        yield Benchmark(
+            f"{name}: {count} poses, peer solves {solved}",
+            ours=ours,
+            peer=partial(_call, solve, targets, seeds),
+            peer_name=peer_name,
+            error=lambda answers, _: 1.0 - judge.solved(targets, answers, tolerance=TOLERANCE),
+            tolerance=MOST_UNSOLVED,
+            calls=count,
+        )
+
+
+def _call(solve: Solve, targets: Sequence[Any], seeds: Any, call: int) -> Any:
+    return solve(targets[call], seeds[call])

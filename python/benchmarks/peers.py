@@ -1,0 +1,39 @@
+"""Other libraries' inverse kinematics, called alike."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import roboticstoolbox as rtb
+from trac_ik import TracIK
+
+import leadthrough as lt
+
+PEER_TOLERANCE = 1e-5  # m and rad
+TRAC_IK_TOLERANCE = 2.0 * PEER_TOLERANCE  # m and rad: its own holds for each axis
+TRAC_IK_TIMEOUT = 0.005  # s of wall clock, its default
+
+Solve = Callable[[Any, Any], Any]  # target (pin.SE3) and seed to q or None
+
+
+def toolbox(arm: lt.Arm, urdf: Path) -> Solve:
+    """Levenberg-Marquardt of roboticstoolbox, in C++."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        chain = rtb.ERobot.URDF(str(urdf)).ets(start=arm.base, end=arm.tip)
+    residual = 0.5 * PEER_TOLERANCE**2  # its measure is half the squared error
+
+    def solve(target: Any, seed: Any) -> Any:
+        solution = chain.ik_LM(target.homogeneous, q0=seed, tol=residual)
+        return solution.q if solution.success else None
+
+    return solve
+
+
+def trac_ik(arm: lt.Arm, urdf: Path) -> Solve:
+    """TRAC-IK, on two threads."""
+    solver = TracIK(arm.base, arm.tip, urdf, timeout=TRAC_IK_TIMEOUT, epsilon=PEER_TOLERANCE)
+    return lambda target, seed: solver.ik(target.translation, target.rotation, seed)
