@@ -77,15 +77,14 @@ std::vector<std::array<std::string, 3>> left_out(const CollisionModel& model) {
   return names;
 }
 
-py::tuple nearest(const CollisionModel& model, const Eigen::Ref<const ShapeRows>& obstacles,
-                  const Eigen::Ref<const Rows>& q, int threads) {
-  require(q.cols() == model.chain.joints());
+py::tuple nearest(const CollisionScene& scene, const Eigen::Ref<const Rows>& q, int threads) {
+  require(q.cols() == scene.chain.joints());
   Eigen::VectorXd distances(q.rows());
   Pairs bodies(q.rows(), 2);
   Points points(q.rows(), 6);
   {
     const py::gil_scoped_release release;
-    const auto found = nearest_batch(model, to_shapes(obstacles), q, threads);
+    const auto found = nearest_batch(scene, q, threads);
     for (Eigen::Index i = 0; i < q.rows(); ++i) {
       const Nearest& at = found[static_cast<std::size_t>(i)];
       distances[i] = at.distance;
@@ -101,14 +100,14 @@ py::tuple to_tuple(const Approach& approach) {
   return py::make_tuple(approach.sample, at.a, at.b, at.distance, at.on_a, at.on_b);
 }
 
-py::tuple check(const CollisionModel& model, const Eigen::Ref<const ShapeRows>& obstacles,
-                const Eigen::Ref<const Rows>& q, double margin, double tolerance, int threads) {
-  require(q.cols() == model.chain.joints() && q.rows() > 0);
+py::tuple check(const CollisionScene& scene, const Eigen::Ref<const Rows>& q, double margin,
+                double tolerance, int threads) {
+  require(q.cols() == scene.chain.joints() && q.rows() > 0);
   MotionReport report;
   Eigen::VectorXd distances(q.rows());
   {
     const py::gil_scoped_release release;
-    report = check_motion(model, to_shapes(obstacles), q, {margin, tolerance, threads});
+    report = check_motion(scene, q, {margin, tolerance, threads});
     for (Eigen::Index i = 0; i < q.rows(); ++i)
       distances[i] = report.samples[static_cast<std::size_t>(i)].distance;
   }
@@ -126,19 +125,28 @@ void bind_collision(py::module_& module) {
       .def_property_readonly("pairs", &pair_names)
       .def_property_readonly("left_out", &left_out);
 
-  module.def("nearest_bodies", &nearest, py::arg("model"), py::arg("obstacles").noconvert(),
-             py::arg("q").noconvert(), py::arg("threads"));
-  module.def("check_motion", &check, py::arg("model"), py::arg("obstacles").noconvert(),
-             py::arg("q").noconvert(), py::arg("margin"), py::arg("tolerance"), py::arg("threads"));
+  py::class_<CollisionScene>(module, "CollisionScene")
+      .def_readonly("names", &CollisionScene::names);
+
+  module.def("itself", &itself, py::arg("model"));
+  module.def(
+      "against",
+      [](const CollisionModel& model, const Eigen::Ref<const ShapeRows>& obstacles) {
+        return against(model, to_shapes(obstacles));
+      },
+      py::arg("model"), py::arg("obstacles").noconvert());
+  module.def("nearest_bodies", &nearest, py::arg("scene"), py::arg("q").noconvert(),
+             py::arg("threads"));
+  module.def("check_motion", &check, py::arg("scene"), py::arg("q").noconvert(), py::arg("margin"),
+             py::arg("tolerance"), py::arg("threads"));
   module.def(
       "longest_step",
-      [](const CollisionModel& model, const Eigen::Ref<const ShapeRows>& obstacles,
-         const Eigen::Ref<const Rows>& q) {
-        require(q.cols() == model.chain.joints());
+      [](const CollisionScene& scene, const Eigen::Ref<const Rows>& q) {
+        require(q.cols() == scene.chain.joints());
         const py::gil_scoped_release release;
-        return longest_step(model, to_shapes(obstacles), q);
+        return longest_step(scene, q);
       },
-      py::arg("model"), py::arg("obstacles").noconvert(), py::arg("q").noconvert());
+      py::arg("scene"), py::arg("q").noconvert());
 }
 
 }  // namespace leadthrough

@@ -17,33 +17,13 @@ using collision::Frames;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr Eigen::Index kBlock = 64;  // rows that one thread takes at a time
 
-// The model's shapes and, after them, the obstacles; the pairs of both kinds.
-struct Scene {
-  Scene(const CollisionModel& source, const PlacedShapes& obstacles)
-      : chain(source.chain), shapes(source.shapes), pairs(source.pairs) {
-    for (const BodyShape& shape : shapes)
-      joints.push_back(source.bodies[static_cast<std::size_t>(shape.body)].joints);
-    const std::size_t own = shapes.size();
-    int body = static_cast<int>(source.bodies.size());
-    for (const auto& [convex, pose] : obstacles) {
-      for (std::size_t i = 0; i < own; ++i)
-        if (joints[i] > 0)
-          pairs.push_back({static_cast<int>(shapes.size()), static_cast<int>(i)});
-      shapes.push_back({convex, pose, body++, bounding_radius(convex)});
-      joints.push_back(0);
-    }
-  }
-
-  const Chain& chain;
-  std::vector<BodyShape> shapes;
-  std::vector<ShapePair> pairs;
-  std::vector<int> joints;  // that move each shape
-};
+// What overlaps by less touches, m: distances are exact to a tenth of it.
+constexpr double kTouching = 1e-6;
 
 // A scene at one configuration; made once for many.
 class Placement {
  public:
-  explicit Placement(const Scene& scene) : scene_(scene), balls_(scene.pairs.size()) {
+  explicit Placement(const CollisionScene& scene) : scene_(scene), balls_(scene.pairs.size()) {
     for (const BodyShape& shape : scene.shapes) poses_.push_back(shape.T_frame_shape);
   }
 
@@ -72,8 +52,7 @@ class Placement {
   // `cutoff` up to it.
   double measure(std::size_t i, double cutoff, Nearest& best) const {
     const auto [a, b] = scene_.pairs[i];
-    const Separation found =
-        separation(shape(a).convex, pose(a), shape(b).convex, pose(b), cutoff);
+    const Separation found = separation(shape(a).convex, pose(a), shape(b).convex, pose(b), cutoff);
     if (found.distance < best.distance)
       best = {found.distance, shape(a).body, shape(b).body, found.on_a, found.on_b};
     return found.distance;
@@ -85,7 +64,7 @@ class Placement {
   const BodyShape& shape(int i) const { return scene_.shapes[static_cast<std::size_t>(i)]; }
   const Pose& pose(int i) const { return poses_[static_cast<std::size_t>(i)]; }
 
-  const Scene& scene_;
+  const CollisionScene& scene_;
   Frames frames_;
   std::vector<Pose> poses_;
   std::vector<double> balls_;
@@ -93,7 +72,7 @@ class Placement {
 
 // How far any point of each shape can be from each joint's axis, m; 1 for a prismatic joint, whose
 // value is a way itself. extent: the largest absolute value that each joint takes.
-std::vector<MovingValues> reaches(const Scene& scene, const MovingValues& extent) {
+std::vector<MovingValues> reaches(const CollisionScene& scene, const MovingValues& extent) {
   std::vector<MovingValues> result(scene.shapes.size(), MovingValues{});
   const Chain& chain = scene.chain;
   for (std::size_t s = 0; s < scene.shapes.size(); ++s) {
@@ -111,8 +90,8 @@ std::vector<MovingValues> reaches(const Scene& scene, const MovingValues& extent
 }
 
 // A bound on how far the shapes of a pair move against each other while the joints change.
-double pair_motion(const Scene& scene, const std::vector<MovingValues>& reach, const ShapePair& pair,
-                   const MovingValues& change) {
+double pair_motion(const CollisionScene& scene, const std::vector<MovingValues>& reach,
+                   const ShapePair& pair, const MovingValues& change) {
   const auto a = static_cast<std::size_t>(pair.a);
   const auto b = static_cast<std::size_t>(pair.b);
   double sum = 0.0;
@@ -132,7 +111,7 @@ struct Interval {
 // distances allow before any could fall below a threshold.
 class Motion {
  public:
-  Motion(const Scene& scene, const Eigen::Ref<const Rows>& q, const MotionOptions& options)
+  Motion(const CollisionScene& scene, const Eigen::Ref<const Rows>& q, const MotionOptions& options)
       : scene_(scene), q_(q), options_(options), reach_(reaches(scene, extents(scene.chain, q))) {}
 
   // The largest absolute value of each moving joint.
@@ -152,17 +131,16 @@ class Motion {
     Interval found;
     const double longest = pair_motions(i, motion);
     double local = std::min(start.distance, end.distance);
-    bool hit = start.distance < options_.margin;
+    bool hit = is_hit(start.distance);
     double share = 0.0;
     double here = start.distance;
     while (true) {
       // What is already known to be lower, or no hit, need not be found to be so again.
-      const double threshold = (hit ? local : std::max(options_.margin, std::min(least, local))) -
-                               options_.tolerance;
+      const double threshold =
+          (hit ? local : std::max(options_.margin, std::min(least, local))) - options_.tolerance;
       if (0.5 * (here + end.distance - longest * (1.0 - share)) >= threshold) return found;
       const double step =
-          share == 0.0 ? (here - threshold) / longest
-                       : free_share(placement, motion, threshold);
+          share == 0.0 ? (here - threshold) / longest : free_share(placement, motion, threshold);
       share += step;
       if (share >= 1.0) return found;
       MovingValues q{};
@@ -172,11 +150,13 @@ class Motion {
       here = nearest.distance;
       const Approach approach{nearest, static_cast<double>(i) + share};
       if (here < found.closest.nearest.distance) found.closest = approach;
-      if (here < options_.margin && !found.first) found.first = approach;
-      hit = hit || here < options_.margin;
+      if (is_hit(here) && !found.first) found.first = approach;
+      hit = hit || is_hit(here);
       local = std::min(local, here);
     }
   }
+
+  bool is_hit(double distance) const { return distance < options_.margin - kTouching; }
 
   double pair_motions(Eigen::Index i, std::vector<double>& motion) const {
     MovingValues change{};
@@ -212,7 +192,7 @@ class Motion {
     return share;
   }
 
-  const Scene& scene_;
+  const CollisionScene& scene_;
   const Eigen::Ref<const Rows>& q_;
   const MotionOptions& options_;
   std::vector<MovingValues> reach_;
@@ -228,8 +208,39 @@ void for_each_block(Eigen::Index rows, int threads, const Work& work) {
   });
 }
 
-std::vector<Nearest> nearest_at_rows(const Scene& scene, const Eigen::Ref<const Rows>& q,
-                                     int threads) {
+CollisionScene bodies_of(const CollisionModel& model) {
+  CollisionScene scene{model.chain, {}, model.shapes, {}, {}};
+  for (const Body& body : model.bodies) scene.names.push_back(body.name);
+  for (const BodyShape& shape : model.shapes)
+    scene.joints.push_back(model.bodies[static_cast<std::size_t>(shape.body)].joints);
+  return scene;
+}
+
+}  // namespace
+
+CollisionScene itself(const CollisionModel& model) {
+  CollisionScene scene = bodies_of(model);
+  scene.pairs = model.pairs;
+  return scene;
+}
+
+CollisionScene against(const CollisionModel& model, const PlacedShapes& obstacles) {
+  CollisionScene scene = bodies_of(model);
+  const int own = static_cast<int>(scene.shapes.size());
+  for (const auto& [convex, pose] : obstacles) {
+    const int obstacle = static_cast<int>(scene.shapes.size());
+    for (int i = 0; i < own; ++i)
+      if (scene.joints[static_cast<std::size_t>(i)] > 0) scene.pairs.push_back({obstacle, i});
+    scene.names.push_back("obstacle " + std::to_string(obstacle - own));
+    const int body = static_cast<int>(scene.names.size()) - 1;
+    scene.shapes.push_back({convex, pose, body, bounding_radius(convex)});
+    scene.joints.push_back(0);
+  }
+  return scene;
+}
+
+std::vector<Nearest> nearest_batch(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
+                                   int threads) {
   std::vector<Nearest> found(static_cast<std::size_t>(q.rows()));
   for_each_block(q.rows(), threads, [&](Eigen::Index first, Eigen::Index end) {
     Placement placement(scene);
@@ -241,48 +252,34 @@ std::vector<Nearest> nearest_at_rows(const Scene& scene, const Eigen::Ref<const 
   return found;
 }
 
-void add(const Approach& approach, double margin, MotionReport& report) {
-  if (approach.nearest.distance < report.closest.nearest.distance) report.closest = approach;
-  if (approach.nearest.distance < margin && !report.first) report.first = approach;
-}
-
-}  // namespace
-
-std::vector<Nearest> nearest_batch(const CollisionModel& model, const PlacedShapes& obstacles,
-                                   const Eigen::Ref<const Rows>& q, int threads) {
-  return nearest_at_rows(Scene(model, obstacles), q, threads);
-}
-
-MotionReport check_motion(const CollisionModel& model, const PlacedShapes& obstacles,
-                          const Eigen::Ref<const Rows>& q, const MotionOptions& options) {
-  const Scene scene(model, obstacles);
+MotionReport check_motion(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
+                          const MotionOptions& options) {
   MotionReport report;
-  report.samples = nearest_at_rows(scene, q, options.threads);
+  report.samples = nearest_batch(scene, q, options.threads);
   const auto& samples = report.samples;
   double least = kInfinity;
   for (const Nearest& sample : samples) least = std::min(least, sample.distance);
   const Motion motion(scene, q, options);
-  std::vector<Interval> between(samples.size() - 1);
+  std::vector<Interval> intervals(samples.size());  // the last one stays empty
   for_each_block(q.rows() - 1, options.threads, [&](Eigen::Index first, Eigen::Index end) {
     Placement placement(scene);
     std::vector<double> room(scene.pairs.size());
     for (Eigen::Index i = first; i < end; ++i) {
       const auto at = static_cast<std::size_t>(i);
-      between[at] = motion.between(i, samples[at], samples[at + 1], least, placement, room);
+      intervals[at] = motion.between(i, samples[at], samples[at + 1], least, placement, room);
     }
   });
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    add({samples[i], static_cast<double>(i)}, options.margin, report);
-    if (i + 1 == samples.size()) break;
-    if (between[i].first && !report.first) report.first = between[i].first;
-    add(between[i].closest, options.margin, report);
+    const Approach sample{samples[i], static_cast<double>(i)};
+    if (!report.first && motion.is_hit(sample.nearest.distance)) report.first = sample;
+    if (!report.first) report.first = intervals[i].first;
+    for (const Approach& approach : {sample, intervals[i].closest})
+      if (approach.nearest.distance < report.closest.nearest.distance) report.closest = approach;
   }
   return report;
 }
 
-double longest_step(const CollisionModel& model, const PlacedShapes& obstacles,
-                    const Eigen::Ref<const Rows>& q) {
-  const Scene scene(model, obstacles);
+double longest_step(const CollisionScene& scene, const Eigen::Ref<const Rows>& q) {
   const MotionOptions options;
   const Motion motion(scene, q, options);
   std::vector<double> room(scene.pairs.size());

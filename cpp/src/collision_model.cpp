@@ -160,7 +160,8 @@ std::vector<Candidate> candidates(CollisionModel& model, const std::vector<int>&
       const int joints_a = model.bodies[static_cast<std::size_t>(a)].joints;
       const int joints_b = model.bodies[static_cast<std::size_t>(b)].joints;
       if (joints_a == joints_b) continue;
-      if (neighbour[static_cast<std::size_t>(a)] == b || neighbour[static_cast<std::size_t>(b)] == a)
+      if (neighbour[static_cast<std::size_t>(a)] == b ||
+          neighbour[static_cast<std::size_t>(b)] == a)
         model.left_out.push_back({a, b, LeftOut::kAdjacent});
       else
         result.push_back(joints_a < joints_b ? Candidate{a, b, {}} : Candidate{b, a, {}});
@@ -204,9 +205,9 @@ void choose_pairs(CollisionModel& model, const std::vector<int>& neighbour,
 }  // namespace
 
 CollisionModel make_collision_model(const Robot& robot, const Chain& chain, const std::string& base,
-                                    const std::string& tip, const std::vector<Eigen::Matrix3Xd>& hulls,
-                                    const PlacedShapes& attached,
-                                    const PairOptions& options) {
+                                    const std::string& tip,
+                                    const std::vector<Eigen::Matrix3Xd>& hulls,
+                                    const PlacedShapes& attached, const PairOptions& options) {
   const auto first = static_cast<std::size_t>(find_link(robot, base));
   const auto last = static_cast<std::size_t>(find_link(robot, tip));
   const std::vector<Place> links =

@@ -115,7 +115,7 @@ Nearest iterate(const Difference& difference, double cutoff) {
   Vector3d nearest = -difference.p_a_b;
   if (nearest.squaredNorm() < kTouching * kTouching) nearest = Vector3d::UnitX();
   double length = nearest.norm();
-  double proven = 0.0;
+  double proven = -std::numeric_limits<double>::infinity();
   for (int i = 0; i < kMaxIterations; ++i) {
     const Vertex vertex = difference.farthest(-nearest);
     proven = std::max(proven, nearest.dot(vertex.point) / length);

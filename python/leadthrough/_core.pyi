@@ -246,22 +246,23 @@ class CollisionModel:
     @property
     def left_out(self) -> list[list[str]]: ...
 
+class CollisionScene:
+    @property
+    def names(self) -> list[str]: ...
+
+def itself(model: CollisionModel) -> CollisionScene: ...
+def against(model: CollisionModel, obstacles: Float64Array) -> CollisionScene: ...
 def nearest_bodies(
-    model: CollisionModel, obstacles: Float64Array, q: Float64Array, threads: int
+    scene: CollisionScene, q: Float64Array, threads: int
 ) -> tuple[Float64Array, Int32Array, Float64Array]: ...
 def check_motion(
-    model: CollisionModel,
-    obstacles: Float64Array,
-    q: Float64Array,
-    margin: float,
-    tolerance: float,
-    threads: int,
+    scene: CollisionScene, q: Float64Array, margin: float, tolerance: float, threads: int
 ) -> tuple[
     Float64Array,
     tuple[float, int, int, float, Float64Array, Float64Array],
     tuple[float, int, int, float, Float64Array, Float64Array] | None,
 ]: ...
-def longest_step(model: CollisionModel, obstacles: Float64Array, q: Float64Array) -> float: ...
+def longest_step(scene: CollisionScene, q: Float64Array) -> float: ...
 def solve_ik(
     chain: Chain,
     position: Float64Array,

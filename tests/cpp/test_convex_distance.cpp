@@ -288,17 +288,18 @@ TEST(ConvexDistance, ChangesByNoMoreThanTheBodiesMove) {
 
 TEST(ConvexDistance, StopsAtACutoffThatTheBodiesKeep) {
   Random random;
-  for (int i = 0; i < 3'000; ++i) {
+  for (int i = 0; i < 6'000; ++i) {
     const Convex a = random.body(i % 5);
     const Convex b = random.body(i / 5 % 5);
-    const Pose A = random.pose(0.5);
-    const Pose B = random.pose(0.5);
+    const double cutoff = i % 2 ? 0.1 : -0.05;  // apart, and deep in each other
+    const Pose A = random.pose(i % 2 ? 0.5 : 0.15);
+    const Pose B = random.pose(i % 2 ? 0.5 : 0.15);
     const double whole = separation(a, A, b, B).distance;
-    const double cut = separation(a, A, b, B, 0.1).distance;
-    if (whole < 0.1)
-      EXPECT_EQ(cut, whole);
+    const double cut = separation(a, A, b, B, cutoff).distance;
+    if (whole < cutoff)
+      EXPECT_EQ(cut, whole) << i;
     else
-      EXPECT_TRUE(cut >= 0.1 && cut <= whole + 1e-9) << i;
+      EXPECT_TRUE(cut >= cutoff && cut <= whole + 1e-9) << i;
   }
 }
 

@@ -46,8 +46,8 @@ struct CollisionModel {
   std::vector<BodyPair> left_out;
 };
 
-// Pairs are judged at configurations spread evenly inside the limits: those that never come as near as
-// `margin` and those that always touch are left out, as are links next to each other.
+// Pairs are judged at configurations spread evenly inside the limits: those that never come as near
+// as `margin` and those that always touch are left out, as are links next to each other.
 struct PairOptions {
   int samples = 4000;
   double margin = 0.05;  // m
@@ -62,11 +62,22 @@ using PlacedShapes = std::vector<std::pair<Convex, Pose>>;
 CollisionModel make_collision_model(const urdf::Robot& robot, const Chain& chain,
                                     const std::string& base, const std::string& tip,
                                     const std::vector<Eigen::Matrix3Xd>& hulls,
-                                    const PlacedShapes& attached,
-                                    const PairOptions& options = {});
+                                    const PlacedShapes& attached, const PairOptions& options = {});
 
-// Two bodies where they are nearest; distance is infinite where nothing is checked. Bodies beyond
-// the model's are obstacles, in their order. Points in the base frame.
+// What is checked: the arm's own pairs, or all that moves on it against obstacles. Obstacles are
+// bodies like the arm's own, in their order after them, named "obstacle 0" and so on.
+struct CollisionScene {
+  Chain chain;
+  std::vector<std::string> names;  // of the bodies
+  std::vector<BodyShape> shapes;
+  std::vector<int> joints;  // that move each shape
+  std::vector<ShapePair> pairs;
+};
+CollisionScene itself(const CollisionModel& model);
+CollisionScene against(const CollisionModel& model, const PlacedShapes& obstacles);
+
+// Two bodies where they are nearest; distance is infinite where nothing is checked. Points in the
+// base frame.
 struct Nearest {
   double distance = std::numeric_limits<double>::infinity();
   int a = -1;
@@ -75,10 +86,9 @@ struct Nearest {
   Eigen::Vector3d on_b = Eigen::Vector3d::Zero();
 };
 
-// One answer a row of q. Obstacles, in the base frame, are checked against all that moves. The
-// answers do not depend on the number of threads.
-std::vector<Nearest> nearest_batch(const CollisionModel& model, const PlacedShapes& obstacles,
-                                   const Eigen::Ref<const Rows>& q, int threads);
+// One answer a row of q; the same for any number of threads.
+std::vector<Nearest> nearest_batch(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
+                                   int threads);
 
 // sample: index of a row of q, with the fraction of the way to the next.
 struct Approach {
@@ -87,7 +97,7 @@ struct Approach {
 };
 
 struct MotionOptions {
-  double margin = 0.0;      // m, nearer is a hit
+  double margin = 0.0;      // m; what comes nearer is a hit, what touches is none
   double tolerance = 1e-3;  // m
   int threads = 1;
 };
@@ -101,12 +111,11 @@ struct MotionReport {
 };
 
 // Between rows the joints move straight and in proportion.
-MotionReport check_motion(const CollisionModel& model, const PlacedShapes& obstacles,
-                          const Eigen::Ref<const Rows>& q, const MotionOptions& options = {});
+MotionReport check_motion(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
+                          const MotionOptions& options = {});
 
 // A bound on the way of any point of the arm between two rows, m; the work of check_motion grows
 // with its ratio to the tolerance.
-double longest_step(const CollisionModel& model, const PlacedShapes& obstacles,
-                    const Eigen::Ref<const Rows>& q);
+double longest_step(const CollisionScene& scene, const Eigen::Ref<const Rows>& q);
 
 }  // namespace leadthrough

@@ -1,6 +1,7 @@
 """The arm: from a URDF to kinematics, inverse kinematics and joint trajectories along a path."""
 
 from leadthrough.arm.arm import Arm
+from leadthrough.arm.collision import Approach, Clearance, CollisionPairs, CollisionReport
 from leadthrough.arm.differential import DifferentialIk, JointState
 from leadthrough.arm.limits import JointLimits, read_limits
 from leadthrough.arm.path_report import PathReport
@@ -17,7 +18,11 @@ from leadthrough.arm.tasks import (
 )
 
 __all__ = [
+    "Approach",
     "Arm",
+    "Clearance",
+    "CollisionPairs",
+    "CollisionReport",
     "DifferentialIk",
     "DirectionTask",
     "ElbowTask",

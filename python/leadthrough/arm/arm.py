@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 from leadthrough import _core, check
 from leadthrough.arm import (
+    collision,
     description,
     dynamics,
     following,
     holding,
     kinematics,
     loading,
+    meshes,
     robots,
     single_pose,
 )
 from leadthrough.arm.attachment import Attachment, Load
+from leadthrough.arm.collision import CollisionPairs, CollisionReport
 from leadthrough.arm.limits import JointLimits
 from leadthrough.arm.path_report import PathReport, path_report
 from leadthrough.arm.results import IkBatch, IkResult
@@ -45,6 +51,7 @@ class Arm:
     limits: JointLimits = field(repr=False)
     held: Mapping[str, float] = field(default_factory=dict, repr=False)
     attachment: Attachment = field(default_factory=Attachment, repr=False)
+    mesh_folders: tuple[str, ...] = field(default=(), repr=False)
     _robot: _core.Robot = field(init=False, repr=False)
     _chain: _core.Chain = field(init=False, repr=False)
 
@@ -61,8 +68,8 @@ class Arm:
         object.__setattr__(self, "_chain", self.attachment.applied_to(bounded))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        held = dict(self.held)
-        return Arm, (self.document, self.base, self.tip, self.limits, held, self.attachment)
+        stated = (self.document, self.base, self.tip, self.limits)
+        return Arm, (*stated, dict(self.held), self.attachment, self.mesh_folders)
 
     @staticmethod
     def load(name: str) -> Arm:
@@ -78,13 +85,16 @@ class Arm:
         tip: str | None = None,
         limits: Any = None,
         hold: Mapping[str, float] = _NOTHING_HELD,
+        mesh_folders: Sequence[Any] = (),
     ) -> Arm:
         """The arm from link `base` (the root) to link `tip` (the only leaf) of a URDF.
 
         path_or_xml: a path, or the document itself. limits: JointLimits, or the path of a TOML
         file that completes the URDF's. hold: joints that are frozen, and the values inside the
         URDF's limits that they are frozen at; they may lie outside the arm, such as fingers or a
-        joint that one of the arm's mimics. Raises InvalidInput, InvalidRobot.
+        joint that one of the arm's mimics. mesh_folders: where collision meshes are looked for
+        when they are first needed, beside the URDF's own folder; see `meshes.find_mesh`.
+        Raises InvalidInput, InvalidRobot.
         """
         held = holding.checked(hold)
         document = loading.read(path_or_xml)
@@ -92,7 +102,9 @@ class Arm:
         base = robot.links[0] if base is None else check.choice(base, "base", robot.links)
         tip = loading.only_leaf(robot) if tip is None else check.choice(tip, "tip", robot.links)
         stated = loading.stated_limits(_core.Chain(robot.hold(list(held.items())), base, tip))
-        return Arm(document, base, tip, loading.complete(limits, stated, robot), held)
+        folders = meshes.folders(path_or_xml, mesh_folders)
+        complete = loading.complete(limits, stated, robot)
+        return Arm(document, base, tip, complete, held, mesh_folders=folders)
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -295,6 +307,66 @@ class Arm:
         Times may differ; a violation does not raise. Raises InvalidInput.
         """
         return path_report(self._chain, self.limits, trajectory, motion, **tolerances)
+
+    def distance(
+        self, q: Any, obstacles: Iterable[Shape], *, threads: int = 1
+    ) -> float | Float64Array:
+        """Smallest distance between what moves of the arm and obstacles, m.
+
+        q: (joints,), giving a number, or (m, joints), giving (m,). obstacles: in the base frame.
+        Below zero it is the depth of what overlaps; without obstacles it is infinite.
+        Raises InvalidInput, InvalidRobot, MissingDependency.
+        """
+        scene = collision.against(self._collision, obstacles)
+        rows, is_batch = self._batch(q, "q")
+        found = collision.distances(scene, rows, threads=threads)
+        return found if is_batch else float(found[0])
+
+    def self_distance(self, q: Any, *, threads: int = 1) -> float | Float64Array:
+        """Smallest distance between parts of the arm, or of the robot, m, as by `distance`.
+
+        Which parts are compared: see `collision_pairs`.
+        Raises InvalidInput, InvalidRobot, MissingDependency.
+        """
+        rows, is_batch = self._batch(q, "q")
+        found = collision.distances(_core.itself(self._collision), rows, threads=threads)
+        return found if is_batch else float(found[0])
+
+    def check(
+        self, trajectory: Any, obstacles: Iterable[Shape] = (), **options: Any
+    ) -> CollisionReport:
+        """Whether the whole arm keeps clear of obstacles and of itself, between samples as well.
+
+        trajectory: a JointTrajectory, or (m, joints); between samples the joints move straight and
+        in proportion. obstacles: in the base frame. options: margin and self_margin, m, the
+        distances to keep from obstacles and between parts of the arm; tolerance, m, no hit deeper
+        than that is missed between samples; threads, which do not change the answer. A hit is
+        reported, never raised. Raises InvalidInput, InvalidRobot, MissingDependency.
+        """
+        q, times = collision.configurations(trajectory, self.joint_names)
+        rows = check.array(q, "trajectory", shape=("m", len(self.joint_names)))
+        return collision.check_motion(self._collision, rows, obstacles, times=times, **options)
+
+    @property
+    def collision_pairs(self) -> CollisionPairs:
+        """Which bodies are checked against each other, and why others are not."""
+        return collision.pairs(self._collision)
+
+    @cached_property
+    def _collision(self) -> _core.CollisionModel:
+        return collision.collision_model(
+            self._robot,
+            self._chain,
+            base=self.base,
+            tip=self.tip,
+            attached=self.attached,
+            mesh_folders=self.mesh_folders,
+        )
+
+    def _batch(self, value: Any, name: str) -> tuple[Float64Array, bool]:
+        joints = len(self.joint_names)
+        rows = check.array_of_rank(value, name, shapes=[(joints,), ("m", joints)])
+        return np.atleast_2d(rows), rows.ndim == 2
 
     def _joints(self, value: Any, name: str) -> Float64Array:
         return check.array(value, name, shape=(len(self.joint_names),))

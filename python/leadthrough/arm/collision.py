@@ -26,6 +26,9 @@ _FINEST_TOLERANCE = 1e-6  # m; distances are exact to 1e-7
 # Steps of a check between two samples: more would take minutes.
 _MOST_STEPS = 1e6
 
+# Of the core: sample, two bodies, distance, two points.
+_Found = tuple[float, int, int, float, Float64Array, Float64Array]
+
 
 @dataclass(frozen=True, eq=False)
 class Approach:
@@ -44,23 +47,64 @@ class Approach:
 
 
 @dataclass(frozen=True, eq=False)
+class Clearance:
+    """How near the arm comes to one kind of thing: obstacles, or itself.
+
+    first: where something comes nearer than `margin` for the first time, or None. closest: the
+    nearest approach of the whole motion, between samples as well; None where nothing is checked.
+    distances: (m,) at the samples, m, infinite where nothing is checked.
+    """
+
+    first: Approach | None
+    closest: Approach | None
+    distances: Float64Array
+    margin: float
+
+    @property
+    def minimum_distance(self) -> float:
+        """The distance of the closest approach, m, infinite where nothing is checked."""
+        return np.inf if self.closest is None else self.closest.distance
+
+
+@dataclass(frozen=True, eq=False)
 class CollisionReport:
     """What a check found; a motion that hits something is a finding, not an error.
 
-    ok: nothing comes nearer than `margin`. first: where something does for the first time, or None.
-    closest: the nearest approach of the whole motion, between samples as well; None where there is
-    nothing to check. minimum_distance: its distance, m, infinite where there is nothing; what is
-    still nearer, or a hit before the first, is so by less than `tolerance`, m.
-    distances: (m,) at the samples, m.
+    obstacles, itself: the two kinds of clearance; parts of an arm are near each other by design.
+    tolerance: m; what is nearer than the closest approach, or a hit before the first, is so by
+    less than that.
     """
 
-    ok: bool
-    first: Approach | None
-    closest: Approach | None
-    minimum_distance: float
-    distances: Float64Array
-    margin: float
+    obstacles: Clearance
+    itself: Clearance
     tolerance: float
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing comes nearer than its margin; what touches does not."""
+        return self.first is None
+
+    @property
+    def first(self) -> Approach | None:
+        """The first hit."""
+        hits = [hit for hit in (self.obstacles.first, self.itself.first) if hit is not None]
+        return min(hits, key=lambda hit: hit.sample, default=None)
+
+    @property
+    def closest(self) -> Approach | None:
+        """The nearest approach of both kinds; None where nothing is checked."""
+        both = (self.obstacles, self.itself)
+        return min(both, key=lambda clearance: clearance.minimum_distance).closest
+
+    @property
+    def minimum_distance(self) -> float:
+        """Its distance, m."""
+        return min(self.obstacles.minimum_distance, self.itself.minimum_distance)
+
+    @property
+    def distances(self) -> Float64Array:
+        """The smaller distance (m,) of both kinds at the samples, m."""
+        return np.minimum(self.obstacles.distances, self.itself.distances)
 
     def __str__(self) -> str:
         if self.closest is None:
@@ -109,12 +153,15 @@ def pairs(model: _core.CollisionModel) -> CollisionPairs:
     return CollisionPairs(tuple(model.pairs), {(a, b): why for a, b, why in model.left_out})
 
 
-def distance(
-    model: _core.CollisionModel, q: Float64Array, obstacles: Iterable[Shape], *, threads: int = 1
-) -> Float64Array:
-    """Smallest distance (m,) of each configuration (m, joints). Raises InvalidInput."""
+def distances(scene: _core.CollisionScene, q: Float64Array, *, threads: int = 1) -> Float64Array:
+    """Smallest distance (m,) in a scene of each configuration (m, joints). Raises InvalidInput."""
     count = check.integer(threads, "threads", at_least=1, at_most=256)
-    return _core.nearest_bodies(model, _rows(_shapes(obstacles)), q, count)[0]
+    return _core.nearest_bodies(scene, q, count)[0]
+
+
+def against(model: _core.CollisionModel, obstacles: Iterable[Shape]) -> _core.CollisionScene:
+    """The arm among obstacles. Raises InvalidInput."""
+    return _core.against(model, _rows(_shapes(obstacles)))
 
 
 def check_motion(
@@ -124,30 +171,36 @@ def check_motion(
     *,
     times: Float64Array | None = None,
     margin: float = 0.0,
+    self_margin: float = 0.0,
     tolerance: float = 1e-3,
     threads: int = 1,
 ) -> CollisionReport:
     """See `Arm.check`. q: (m, joints), m > 0. times: (m,) s. Source: Mirtich 1996."""
-    rows = _rows(_shapes(obstacles))
-    least = check.number(margin, "margin", at_least=0.0)
-    exact = check.number(tolerance, "tolerance", at_least=_FINEST_TOLERANCE)
-    count = check.integer(threads, "threads", at_least=1, at_most=256)
     if len(q) == 0:
         raise InvalidInput("trajectory: expected at least one configuration, got none")
-    step = _core.longest_step(model, rows, q)
+    exact = check.number(tolerance, "tolerance", at_least=_FINEST_TOLERANCE)
+    count = check.integer(threads, "threads", at_least=1, at_most=256)
+    scenes = (against(model, obstacles), _core.itself(model))
+    step = max(_core.longest_step(scene, q) for scene in scenes)
     if not step <= exact * _MOST_STEPS:
         raise InvalidInput(
             f"trajectory: between two samples the arm may move by {step:.3g} m, too far to be "
             f"checked to {exact:g} m; take smaller steps or a larger tolerance"
         )
-    distances, closest, first = _core.check_motion(model, rows, q, least, exact, count)
+
+    def clearance(scene: _core.CollisionScene, wanted: float, name: str) -> Clearance:
+        least = check.number(wanted, name, at_least=0.0)
+        found, closest, first = _core.check_motion(scene, q, least, exact, count)
+        return Clearance(
+            first=_approach(scene, times, first),
+            closest=_approach(scene, times, closest),
+            distances=found,
+            margin=least,
+        )
+
     return CollisionReport(
-        ok=first is None,
-        first=None if first is None else _approach(model, times, *first),
-        closest=_approach(model, times, *closest) if np.isfinite(closest[3]) else None,
-        minimum_distance=closest[3],
-        distances=distances,
-        margin=least,
+        clearance(scenes[0], margin, "margin"),
+        clearance(scenes[1], self_margin, "self_margin"),
         tolerance=exact,
     )
 
@@ -167,23 +220,13 @@ def configurations(trajectory: Any, joint_names: tuple[str, ...]) -> Any:
 
 
 def _approach(
-    model: _core.CollisionModel,
-    times: Float64Array | None,
-    sample: float,
-    a: int,
-    b: int,
-    gap: float,
-    on_a: Float64Array,
-    on_b: Float64Array,
-) -> Approach:
+    scene: _core.CollisionScene, times: Float64Array | None, found: _Found | None
+) -> Approach | None:
+    if found is None or np.isinf(found[3]):
+        return None
+    sample, a, b, gap, on_a, on_b = found
     time = None if times is None else float(np.interp(sample, np.arange(len(times)), times))
-    names = (_name(model, a), _name(model, b))
-    return Approach(sample, time, names, gap, np.stack([on_a, on_b]))
-
-
-def _name(model: _core.CollisionModel, body: int) -> str:
-    own = model.bodies
-    return own[body] if body < len(own) else f"obstacle {body - len(own)}"
+    return Approach(sample, time, (scene.names[a], scene.names[b]), gap, np.stack([on_a, on_b]))
 
 
 def _shapes(obstacles: Iterable[Shape]) -> tuple[Shape, ...]:

@@ -13,11 +13,15 @@ from leadthrough.errors import InvalidInput
 _LARGEST_FILE = 2**25
 
 
+def is_document(path_or_xml: Any) -> bool:
+    """Whether this is a document, and no path."""
+    return isinstance(path_or_xml, str) and path_or_xml.lstrip("\ufeff \t\r\n")[:1] == "<"
+
+
 def read(path_or_xml: Any) -> str:
     """The document itself, or that of the file. Raises InvalidInput."""
-    is_document = isinstance(path_or_xml, str) and path_or_xml.lstrip("\ufeff \t\r\n")[:1] == "<"
     try:
-        if is_document:
+        if is_document(path_or_xml):
             return str(path_or_xml.encode("utf-8"), "utf-8")
         with Path(path_or_xml).open("rb") as file:
             return str(file.read(_LARGEST_FILE), "utf-8")

@@ -7,13 +7,32 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 from urllib.parse import unquote, urlparse
 
+import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
+from leadthrough.arm.loading import is_document
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, InvalidRobot
 from leadthrough.io.mesh import read_vertices
+
+
+def folders(path_or_xml: Any, mesh_folders: Sequence[Any]) -> tuple[str, ...]:
+    """Where an arm's meshes are looked for: the folders given, then the URDF's own.
+
+    Raises InvalidInput.
+    """
+    if isinstance(mesh_folders, str | Path) or not isinstance(mesh_folders, Sequence):
+        raise InvalidInput(f"mesh_folders: expected a sequence of folders, got {mesh_folders!r}")
+    try:
+        given = [Path(folder).resolve() for folder in mesh_folders]
+    except TypeError as error:
+        raise InvalidInput(f"mesh_folders: {error}") from None
+    if not is_document(path_or_xml):
+        given.append(Path(path_or_xml).resolve().parent)
+    return tuple(str(folder) for folder in given)
 
 
 def hull_vertices(
@@ -32,7 +51,7 @@ def hull_vertices(
         )
     try:
         vertices = read_vertices(path) * scale
-        return vertices[ConvexHull(vertices).vertices]
+        return np.asarray(vertices[ConvexHull(vertices).vertices])
     except InvalidInput as error:
         raise InvalidRobot(where, str(error)) from None
     except QhullError:
