@@ -1,0 +1,367 @@
+"""Collision of the whole arm: laws, known scenes, and coal with the same shapes."""
+
+import itertools
+import pickle
+from collections import defaultdict
+
+import coal
+import numpy as np
+import pinocchio as pin
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import leadthrough as lt
+from leadthrough.arm.robots import find_robot
+from leadthrough.errors import InvalidInput, InvalidRobot
+
+BUNDLED = ("panda", "ur3", "tiago")
+TURN = (0.5, 0.5, 0.5, 0.5)
+
+
+@pytest.fixture(scope="module", params=BUNDLED)
+def bundled(request):
+    return lt.Arm.load(request.param), Peer(request.param)
+
+
+@pytest.fixture(scope="module")
+def panda():
+    return lt.Arm.load("panda")
+
+
+class Peer:
+    """coal, through Pinocchio, with the URDF's own shapes."""
+
+    def __init__(self, name):
+        urdf = str(find_robot(name) / f"{name}.urdf")
+        self.model = pin.buildModelFromUrdf(urdf)
+        self.geometry = pin.buildGeomFromUrdf(self.model, urdf, pin.GeometryType.COLLISION)
+        self.data = self.model.createData()
+        self.geometry_data = self.geometry.createData()
+        self.shapes = defaultdict(list)
+        for shape in self.geometry.geometryObjects:
+            self.shapes[shape.name.rpartition("_")[0]].append(shape)
+
+    def place(self, q):
+        full = pin.neutral(self.model)
+        for joint, value in zip(list(self.model.joints)[1:], q, strict=True):
+            whole = value if joint.nq == 1 else (np.cos(value), np.sin(value))
+            full[joint.idx_q : joint.idx_q + joint.nq] = whole
+        pin.updateGeometryPlacements(self.model, self.data, self.geometry, self.geometry_data, full)
+
+    def pose(self, shape):
+        return self.geometry_data.oMg[self.geometry.getGeometryId(shape.name)]
+
+    def link_distance(self, a, b):
+        return min(
+            distance(x.geometry, self.pose(x), y.geometry, self.pose(y))
+            for x, y in itertools.product(self.shapes[a], self.shapes[b])
+        )
+
+    def moving_links(self):
+        return {
+            shape.name.rpartition("_")[0]
+            for shape in self.geometry.geometryObjects
+            if shape.parentJoint > 0
+        }
+
+    def distance_to(self, links, geometry, pose):
+        return min(
+            distance(shape.geometry, self.pose(shape), geometry, pose)
+            for link in links
+            for shape in self.shapes[link]
+        )
+
+
+def distance(a, pose_a, b, pose_b):
+    place = [coal.Transform3s(pose.rotation, pose.translation) for pose in (pose_a, pose_b)]
+    request = coal.DistanceRequest()
+    request.gjk_tolerance = request.epa_tolerance = 1e-8
+    return coal.distance(a, place[0], b, place[1], request, coal.DistanceResult())
+
+
+def configurations(arm, count, seed):
+    lower = np.maximum(arm.limits.lower, -np.pi)
+    upper = np.minimum(arm.limits.upper, np.pi)
+    return np.random.default_rng(seed).uniform(lower, upper, (count, len(lower)))
+
+
+def agrees(ours, theirs):
+    # Of bodies that overlap, coal finds now and then a direction that is not the shallowest.
+    return ours == pytest.approx(theirs, abs=1e-5) if theirs > 0 else theirs - 1e-3 < ours < 1e-6
+
+
+def test_self_distance_is_that_of_coal_over_the_checked_pairs(bundled):
+    arm, peer = bundled
+    rows = configurations(arm, 40, 1)
+    for q, ours in zip(rows, arm.self_distance(rows), strict=True):
+        peer.place(q)
+        theirs = min(peer.link_distance(*pair) for pair in arm.collision_pairs.checked)
+        assert agrees(ours, theirs)
+
+
+def test_distance_to_obstacles_is_that_of_coal(bundled):
+    arm, peer = bundled
+    rows = configurations(arm, 60, 3)
+    obstacles = [
+        lt.Box((0.2, 0.1, 0.4), (0.4, 0.2, 0.5), TURN),
+        lt.Capsule(0.05, 0.3, (0.2, -0.3, 0.4), TURN),
+        lt.Sphere(0.1, (-0.3, -0.3, 0.4)),
+    ]
+    geometries = [coal.Box(0.2, 0.1, 0.4), coal.Capsule(0.05, 0.3), coal.Sphere(0.1)]
+    moving = peer.moving_links()
+    for q, ours in zip(rows, arm.distance(rows, obstacles), strict=True):
+        peer.place(q)
+        theirs = min(
+            peer.distance_to(moving, geometry, placed(shape))
+            for geometry, shape in zip(geometries, obstacles, strict=True)
+        )
+        assert agrees(ours, theirs)
+
+
+def placed(shape):
+    w, x, y, z = getattr(shape, "orientation", (1, 0, 0, 0))
+    return pin.SE3(pin.Quaternion(w, x, y, z).matrix(), np.array(shape.position))
+
+
+def test_no_pair_that_coal_finds_to_touch_now_and_then_is_left_out(bundled):
+    arm, peer = bundled
+    left_out = arm.collision_pairs.left_out
+    for q in configurations(arm, 300, 4):
+        peer.place(q)
+        for pair, why in left_out.items():
+            if why != "adjacent":
+                assert (peer.link_distance(*pair) < 0) == (why == "always"), pair
+
+
+def test_a_robot_has_every_pair_either_checked_or_left_out(bundled):
+    arm, _ = bundled
+    pairs = arm.collision_pairs
+    names = [frozenset(pair) for pair in (*pairs.checked, *pairs.left_out)]
+    assert len(set(names)) == len(names)
+    assert set(pairs.left_out.values()) <= {"adjacent", "never", "always"}
+
+
+LIMIT = '<limit lower="-3" upper="3" velocity="2" effort="3"/>'
+
+
+def swing(reach=1.0, radius=0.02):
+    """One joint about z; a ball at the end of a link without other shapes."""
+    return lt.Arm.from_urdf(
+        '<robot name="swing"><link name="base"/><link name="tool"><collision>'
+        f'<origin xyz="{reach} 0 0"/><geometry><sphere radius="{radius}"/></geometry>'
+        '</collision></link><joint name="turn" type="revolute"><parent link="base"/>'
+        f'<child link="tool"/><axis xyz="0 0 1"/>{LIMIT}</joint></robot>'
+    )
+
+
+WALL = lt.Box((0.2, 0.001, 0.2), (1.0, 0.0, 0.0))  # across the way, 1 mm thick
+
+
+def test_a_thin_wall_between_two_samples_is_found():
+    report = swing().check([[-1.0], [1.0]], [WALL])
+    assert (report.distances > 0.4).all()
+    assert not report.ok
+    assert report.first.bodies == ("obstacle 0", "tool")
+    # The ball touches the wall's face where sin(angle) = -(radius + half the thickness).
+    contact = 0.5 * (1.0 - np.arcsin(0.0205))
+    assert report.first.sample == pytest.approx(contact, abs=1e-3)
+    assert report.first.distance < 0.0
+    assert report.minimum_distance <= -0.02
+    assert report.closest.sample == pytest.approx(0.5, abs=2e-3)
+
+
+def test_the_same_motion_past_the_wall_is_clear():
+    beyond = lt.Box((0.2, 0.001, 0.2), (1.2, 0.0, 0.0))
+    report = swing().check([[-1.0], [1.0]], [beyond])
+    assert report.ok
+    assert report.first is None
+    assert report.minimum_distance == pytest.approx(0.1 - 0.02, abs=1e-3)
+
+
+def test_a_margin_is_kept_between_samples_as_well():
+    beyond = lt.Box((0.2, 0.001, 0.2), (1.2, 0.0, 0.0))  # passed by at 8 cm
+    arm = swing()
+    assert arm.check([[-1.0], [1.0]], [beyond], margin=0.075).ok
+    assert not arm.check([[-1.0], [1.0]], [beyond], margin=0.085).ok
+
+
+def test_what_touches_is_no_hit():
+    table = lt.Box((4.0, 4.0, 1.0), (0.0, 0.0, -0.52))
+    report = swing().check([[-1.0], [1.0]], [table])
+    assert report.ok
+    assert report.minimum_distance == pytest.approx(0.0, abs=1e-7)
+
+
+def test_times_of_a_trajectory_are_told():
+    motion = lt.JointTrajectory([2.0, 4.0], [[-1.0], [1.0]], joint_names=("turn",))
+    report = swing().check(motion, [WALL])
+    assert report.first.time == pytest.approx(2.0 + 2.0 * report.first.sample)
+    assert "hit" in str(report)
+    assert "clear" in str(swing().check(motion))
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 10**6), st.sampled_from(BUNDLED))
+def test_nothing_between_samples_is_nearer_than_reported(seed, name):
+    arm = lt.Arm.load(name)
+    rng = np.random.default_rng(seed)
+    ends = configurations(arm, 2, seed)
+    ends[1] = ends[0] + 0.4 * (ends[1] - ends[0])
+    boxes = [lt.Box(rng.uniform(0.02, 0.2, 3), rng.uniform(-0.6, 0.6, 3), TURN) for _ in range(3)]
+    report = arm.check(ends, boxes, margin=0.02)
+    between = ends[0] + np.linspace(0.0, 1.0, 400)[:, None] * (ends[1] - ends[0])
+    for found, sampled in (
+        (report.obstacles, arm.distance(between, boxes)),
+        (report.itself, arm.self_distance(between)),
+    ):
+        lowest = max(found.minimum_distance, found.margin)
+        assert sampled.min() >= min(lowest, found.minimum_distance) - report.tolerance
+        hits = np.flatnonzero(sampled < found.margin - report.tolerance)
+        if len(hits):
+            assert found.first.sample <= hits[0] / 399
+
+
+def test_samples_are_those_of_single_configurations(panda):
+    rows = configurations(panda, 6, 5)
+    boxes = [lt.Box((0.1, 0.1, 0.1), (0.4, 0.0, 0.4))]
+    report = panda.check(rows, boxes)
+    np.testing.assert_array_equal(report.obstacles.distances, panda.distance(rows, boxes))
+    np.testing.assert_array_equal(report.itself.distances, panda.self_distance(rows))
+    assert panda.self_distance(rows[2]) == report.itself.distances[2]
+    assert report.minimum_distance <= report.distances.min()
+
+
+def test_distance_points_lie_on_the_bodies(panda):
+    q = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])
+    box = lt.Box((0.1, 0.1, 0.1), (0.4, 0.3, 0.4))
+    closest = panda.check(q[None], [box]).obstacles.closest
+    on_box, on_arm = closest.points
+    assert closest.distance == pytest.approx(np.linalg.norm(on_box - on_arm), abs=1e-9)
+    assert box.distance([on_box])[0] == pytest.approx(0.0, abs=1e-9)
+    assert box.distance([on_arm])[0] == pytest.approx(closest.distance, abs=1e-9)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.floats(-1.0, 1.0), st.integers(0, 1000))
+def test_turning_arm_and_obstacle_together_changes_nothing(angle, seed):
+    arm = lt.Arm.load("panda")
+    q = 0.5 * configurations(arm, 1, seed)[0]
+    turned = q + angle * np.eye(7)[0]
+    x, y, z = np.random.default_rng(seed).uniform(-0.8, 0.8, 3)
+    cosine, sine = np.cos(angle), np.sin(angle)
+    here = lt.Box((0.1, 0.2, 0.3), (x, y, z))
+    there = lt.Box(
+        (0.1, 0.2, 0.3),
+        (cosine * x - sine * y, sine * x + cosine * y, z),
+        (np.cos(angle / 2), 0, 0, np.sin(angle / 2)),
+    )
+    assert arm.distance(turned, [there]) == pytest.approx(arm.distance(q, [here]), abs=1e-7)
+
+
+def test_larger_or_more_obstacles_are_never_farther(panda):
+    rows = configurations(panda, 200, 6)
+    small = lt.Box((0.1, 0.2, 0.3), (0.4, 0.1, 0.5), TURN)
+    large = lt.Box((0.15, 0.25, 0.35), (0.4, 0.1, 0.5), TURN)
+    other = lt.Sphere(0.1, (0.0, 0.5, 0.3))
+    alone = panda.distance(rows, [small])
+    assert (panda.distance(rows, [large]) <= alone + 1e-8).all()
+    both = panda.distance(rows, [small, other])
+    np.testing.assert_allclose(both, np.minimum(alone, panda.distance(rows, [other])), atol=1e-8)
+
+
+def test_what_is_attached_is_checked(panda):
+    q = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])
+    rod = panda.with_attached(lt.Capsule(0.01, 0.2, (0.0, 0.0, 0.1)))
+    position, _ = panda.forward_kinematics(q)
+    below = lt.Sphere(0.02, position - np.array([0.0, 0.0, 0.2]))
+    report = rod.check(q[None], [below])
+    assert report.first.bodies == ("obstacle 0", "attached")
+    assert panda.check(q[None], [below]).ok
+    assert any("attached" in pair for pair in rod.collision_pairs.checked)
+
+
+def test_a_held_joint_is_where_it_is_held(panda):
+    q = 0.5 * configurations(panda, 1, 8)[0]
+    held = panda.hold({"panda_joint4": q[3]})
+    box = lt.Box((0.1, 0.1, 0.1), (0.5, 0.0, 0.3))
+    assert held.distance(np.delete(q, 3), [box]) == panda.distance(q, [box])
+
+
+def test_a_mimicking_joint_moves_what_hangs_from_it():
+    joints = "".join(
+        f'<joint name="j{i}" type="revolute"><parent link="l{i}"/><child link="l{i + 1}"/>'
+        f'<origin xyz="{0.5 * (i > 0)} 0 0"/><axis xyz="0 0 1"/>{LIMIT}{mimic}</joint>'
+        for i, mimic in enumerate(["", '<mimic joint="j0" multiplier="-2" offset="0.1"/>'])
+    )
+    links = '<link name="l0"/><link name="l1"/><link name="l2"><collision><origin xyz="0.5 0 0"/>'
+    ball = "<geometry><sphere radius='0.01'/></geometry></collision></link>"
+    arm = lt.Arm.from_urdf(f'<robot name="fold">{links}{ball}{joints}</robot>')
+    position, _ = arm.forward_kinematics([0.7])
+    second = 0.7 - 2 * 0.7 + 0.1
+    centre = position + 0.5 * np.array([np.cos(second), np.sin(second), 0.0])
+    assert arm.distance([0.7], [lt.Sphere(0.02, centre)]) == pytest.approx(-0.03)
+    away = lt.Sphere(0.02, centre + np.array([0.0, 0.0, 0.5]))
+    assert arm.check([[0.0], [0.7]], [away]).ok
+
+
+def test_threads_and_copies_give_the_same_bits(panda):
+    rows = configurations(panda, 200, 9) * 0.6
+    boxes = [lt.Box((0.1, 0.3, 0.1), (0.4, 0.1, 0.4), TURN)]
+    one = panda.check(rows, boxes, tolerance=0.01)
+    four = pickle.loads(pickle.dumps(panda)).check(rows, boxes, tolerance=0.01, threads=4)
+    np.testing.assert_array_equal(one.distances, four.distances)
+    assert one.minimum_distance == four.minimum_distance
+    assert one.closest.sample == four.closest.sample
+    assert one.first.sample == four.first.sample
+    np.testing.assert_array_equal(panda.self_distance(rows, threads=3), panda.self_distance(rows))
+
+
+def test_an_arm_without_collision_geometry_cannot_be_checked():
+    bare = lt.Arm.from_urdf(
+        '<robot name="bare"><link name="a"/><link name="b"/><joint name="j" type="revolute">'
+        f'<parent link="a"/><child link="b"/>{LIMIT}</joint></robot>'
+    )
+    assert bare.forward_kinematics([0.0])[0] is not None
+    with pytest.raises(InvalidRobot, match="no link has collision geometry"):
+        bare.check([[0.0]])
+
+
+def test_nothing_to_hit_is_infinitely_far():
+    report = swing().check([[0.0], [1.0]])
+    assert report.ok
+    assert report.closest is None
+    assert report.minimum_distance == np.inf
+    assert swing().self_distance([0.0]) == np.inf
+
+
+@pytest.mark.parametrize(
+    ("trajectory", "obstacles", "options", "match"),
+    [
+        (np.zeros((0, 7)), (), {}, "trajectory"),
+        (np.zeros((3, 6)), (), {}, r"trajectory: expected shape \(m, 7\)"),
+        (np.zeros(7), (), {}, "trajectory"),
+        (np.full((2, 7), np.nan), (), {}, "trajectory"),
+        ([np.zeros(7), np.full(7, 1e9)], (), {}, "trajectory: between two samples"),
+        (lt.JointTrajectory([0.0], [np.zeros(7)], joint_names=list("abcdefg")), (), {}, "joints"),
+        (None, (), {}, "trajectory"),
+        (np.zeros((2, 7)), lt.Sphere(1, (0, 0, 0)), {}, "obstacles"),
+        (np.zeros((2, 7)), ["box"], {}, "obstacles"),
+        (np.zeros((2, 7)), (), {"margin": -1}, "margin"),
+        (np.zeros((2, 7)), (), {"margin": np.nan}, "margin"),
+        (np.zeros((2, 7)), (), {"self_margin": "far"}, "self_margin"),
+        (np.zeros((2, 7)), (), {"tolerance": 0.0}, "tolerance"),
+        (np.zeros((2, 7)), (), {"threads": 0}, "threads"),
+    ],
+)
+def test_wrong_input_of_a_check_is_refused(panda, trajectory, obstacles, options, match):
+    with pytest.raises(InvalidInput, match=match):
+        panda.check(trajectory, obstacles, **options)
+
+
+@pytest.mark.parametrize("q", [np.zeros(6), np.zeros((2, 6)), np.nan, "zero", [[np.inf] * 7]])
+def test_wrong_configurations_are_refused(panda, q):
+    with pytest.raises(InvalidInput, match="q"):
+        panda.distance(q, [])
+    with pytest.raises(InvalidInput, match="q"):
+        panda.self_distance(q)
