@@ -24,6 +24,7 @@ from leadthrough.io.atomic import replacing
 
 FILES = [
     "bench_arm",
+    "bench_collision",
     "bench_differential",
     "bench_dmp",
     "bench_dynamics",

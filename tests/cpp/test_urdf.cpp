@@ -190,3 +190,53 @@ TEST(Urdf, DepthAndLengthAreBounded) {
   EXPECT_EQ(refusal(long_chain(100'000)), "line 1: more than 200000 elements");
   EXPECT_EQ(refusal(long_chain(20'000)), "robot: has more than 5000 links");
 }
+
+namespace {
+
+std::string shaped(const std::string& geometry) {
+  return robot("<link name='a'><collision><origin xyz='1 2 3' rpy='0 0 0.5'/><geometry>" +
+               geometry + "</geometry></collision></link>");
+}
+
+urdf::Collision collision_of(const std::string& geometry) {
+  return std::get<urdf::Robot>(urdf::parse(shaped(geometry))).links[0].collisions.at(0);
+}
+
+}  // namespace
+
+TEST(Urdf, CollisionGeometryIsRead) {
+  const urdf::Collision box = collision_of("<box size='0.1 0.2 0.3'/>");
+  EXPECT_EQ(box.type, urdf::ShapeType::kBox);
+  EXPECT_EQ(box.size, Eigen::Vector3d(0.1, 0.2, 0.3));
+  EXPECT_EQ(box.T_link_shape.position, Eigen::Vector3d(1, 2, 3));
+  EXPECT_NEAR(box.T_link_shape.rotation(1, 0), std::sin(0.5), 1e-15);
+  EXPECT_EQ(collision_of("<sphere radius='0.4'/>").radius, 0.4);
+  EXPECT_EQ(collision_of("<cylinder radius='0.4' length='2'/>").length, 2.0);
+  const urdf::Collision capsule = collision_of("<capsule radius='0.4' length='2'/>");
+  EXPECT_EQ(capsule.type, urdf::ShapeType::kCapsule);
+  EXPECT_EQ(capsule.length, 2.0);
+  EXPECT_EQ(collision_of("<capsule radius='0.4' length='2'></capsule>").radius, 0.4);
+  const urdf::Collision mesh = collision_of("<mesh filename='a&amp;b.stl' scale='1 2 -3'/>");
+  EXPECT_EQ(mesh.file, "a&b.stl");
+  EXPECT_EQ(mesh.size, Eigen::Vector3d(1, 2, -3));
+  EXPECT_EQ(collision_of("<mesh filename='c.stl'/>").size, Eigen::Vector3d::Ones());
+}
+
+TEST(Urdf, CollisionGeometryWithoutASizeIsRefused) {
+  EXPECT_EQ(refusal(shaped("<box size='1 0 1'/>")), "link 'a': a box's sizes must be above zero");
+  EXPECT_EQ(refusal(shaped("<box/>")), "link 'a': a box's sizes must be above zero");
+  EXPECT_EQ(refusal(shaped("<box size='1 nan 1'/>")),
+            "link 'a': box size: expected 3 finite numbers, got '1 nan 1'");
+  EXPECT_EQ(refusal(shaped("<sphere radius='-1'/>")),
+            "link 'a': a sphere's radius must be above zero");
+  EXPECT_EQ(refusal(shaped("<cylinder radius='1'/>")),
+            "link 'a': a cylinder's radius and length must be above zero");
+  EXPECT_EQ(refusal(shaped("<capsule length='1'/>")),
+            "link 'a': a capsule's radius must be above zero and its length not below");
+  EXPECT_EQ(refusal(shaped("<mesh/>")), "link 'a': a mesh has no filename");
+  EXPECT_EQ(refusal(shaped("<mesh filename='a.stl' scale='0 1 1'/>")),
+            "link 'a': a mesh's scale must not be zero");
+  EXPECT_EQ(refusal(shaped("<cone/>")), "link 'a': its collision geometry is of no known kind");
+  EXPECT_EQ(refusal(robot("<link name='a'><collision/></link>")),
+            "link 'a': a collision has no geometry");
+}

@@ -57,4 +57,4 @@ def _through_coal(path: Path) -> Float64Array:
         mesh = coal.MeshLoader().load(str(path), np.ones(3))
     except (RuntimeError, ValueError) as error:
         raise ValueError(error) from None
-    return np.array([mesh.vertices(i) for i in range(mesh.num_vertices)])
+    return np.array(mesh.vertices())
