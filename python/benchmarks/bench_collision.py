@@ -25,10 +25,10 @@ Distances = Callable[[Any], Any]
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
     """Rows of every robot."""
     count = 200 if quick else 1000
+    boxes = _boxes()
     for name in ("panda",) if quick else ("panda", "ur3", "tiago"):
         arm = lt.Arm.load(name)
         q = _configurations(arm, count)
-        boxes = _boxes()
         peers = Peer(name, arm)
         ways = {
             "5 boxes": (lambda q, arm=arm: arm.distance(q, boxes), peers.to_boxes(boxes)),
@@ -81,8 +81,8 @@ class Peer:
             found = np.empty(len(q))
             for i, row in enumerate(q):
                 full = self.judge.configuration(row)
-                pin.computeDistances(model, model_data, geometry, data, full)
-                found[i] = min(result.min_distance for result in data.distanceResults)
+                nearest = pin.computeDistances(model, model_data, geometry, data, full)
+                found[i] = data.distanceResults[nearest].min_distance
             return found
 
         return least
@@ -103,9 +103,8 @@ def _add_pairs(geometry: Any, first: list[int], second: list[int]) -> None:
 
 def _error(ours: Any, peers: Any) -> float:
     """Of the distances where nothing overlaps; coal's depth is not always the least."""
-    agree = np.sign(np.round(ours, 6)) == np.sign(np.round(peers, 6))
     apart = (ours > TOLERANCE) | (peers > TOLERANCE)
-    return float(np.abs(ours - peers)[apart].max()) if agree[apart].all() else np.inf
+    return float(np.abs(ours - peers)[apart].max())
 
 
 def _configurations(arm: lt.Arm, count: int) -> Any:
@@ -115,10 +114,12 @@ def _configurations(arm: lt.Arm, count: int) -> Any:
 
 
 def _boxes() -> list[lt.Box]:
+    """Around the arm, out of the way of its first links."""
     rng = np.random.default_rng(2)
     turns = rng.normal(size=(5, 4))
     turns /= np.linalg.norm(turns, axis=1)[:, None]
-    places = rng.uniform((-0.8, -0.8, 0.0), (0.8, 0.8, 1.0), (5, 3))
+    around = 0.4 * np.pi * np.arange(5)
+    places = np.column_stack([0.6 * np.cos(around), 0.6 * np.sin(around), rng.uniform(0, 0.8, 5)])
     return [
         lt.Box(rng.uniform(0.05, 0.3, 3), place, turn)
         for place, turn in zip(places, turns, strict=True)
