@@ -42,17 +42,19 @@ def demo(
         results.append(result)
     handwriting_report.write_summary(results, out)
 
-    table = Table("motion", "SEA", "V_rmse", "DTWD/N", "Fréchet", "time s", "slowed", "limits")
+    columns = ("motion", "SEA", "V_rmse", "DTWD/N", "Fréchet", "time s", "slowed", "limits", "arm")
+    table = Table(*columns)
     rows = handwriting_report.error_rows(results)
     for row, result in zip(rows, results, strict=False):
         verdict = "kept" if result.limits.ok else "exceeded"
         slowed = f"x {result.slowing:.2f}"
-        table.add_row(*row, f"{result.joints.duration:.2f}", slowed, verdict)
+        whole_arm = "clear" if result.clearance.ok else "hits"
+        table.add_row(*row, f"{result.joints.duration:.2f}", slowed, verdict, whole_arm)
     table.add_row(*rows[-1], end_section=True)
     console = Console()
     console.print(table)
     console.print(f"Figures, errors.csv and the joint trajectories: {out}/")
-    if not all(result.limits.ok for result in results):
+    if not all(result.limits.ok and result.clearance.ok for result in results):
         raise typer.Exit(1)
 
 

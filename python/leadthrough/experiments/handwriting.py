@@ -2,7 +2,8 @@
 
 Six of the seven demonstrations of a motion of the LASA set are learned, the seventh is reproduced
 from its start. Then the motion is planned once more around a box, put on a table before a UR3
-that holds a pen, and made a joint trajectory inside the limits.
+that holds a pen, made a joint trajectory inside the limits, and checked: the whole arm and the pen
+against table, box and themselves.
 """
 
 from __future__ import annotations
@@ -12,14 +13,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, CollisionReport
 from leadthrough.check import Float64Array
 from leadthrough.experiments import metrics
 from leadthrough.io import lasa
 from leadthrough.models import FastMarching, FastMarchingSkill
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from leadthrough.preprocess.resample import by_arc_length
-from leadthrough.shapes import Box
+from leadthrough.shapes import Box, Capsule
 from leadthrough.timing import LimitsReport, check_limits, differentiate, scale_to_limits
 
 MOTIONS = (
@@ -32,7 +33,8 @@ class HandwritingConfig:
     """The table, the pen and the box; all in the arm's base frame, m.
 
     centre: of the drawing, x and y, on the table z = 0. size: of the drawing's longer side.
-    pen_length: from the flange to the table. box_size: edges of the obstacle.
+    pen_length: from the flange to the table. pen_radius: of what is checked of the pen, which ends
+    at `pen_lift` above the table. box_size: edges of the obstacle.
     hurry: how much faster than the people who drew the motion is asked for; the arm's limits then
     decide. posture: (joints,) rad, elbow up, from which the first pose is searched.
     """
@@ -42,6 +44,8 @@ class HandwritingConfig:
     centre: tuple[float, float] = (0.30, 0.0)
     size: float = 0.16
     pen_length: float = 0.10
+    pen_radius: float = 0.001
+    pen_lift: float = 0.001
     box_size: tuple[float, float, float] = (0.012, 0.012, 0.05)
     hurry: float = 10.0
     posture: tuple[float, ...] = (0.0, -1.6, 1.9, -1.9, -1.6, 0.0)
@@ -65,6 +69,7 @@ class Handwriting:
     slowing: float
     limits: LimitsReport
     errors: metrics.ReproductionErrors
+    clearance: CollisionReport
 
 
 def run(name: str, arm: Arm, config: HandwritingConfig) -> Handwriting:
@@ -92,6 +97,7 @@ def run(name: str, arm: Arm, config: HandwritingConfig) -> Handwriting:
         slowing=joints.duration / asked.duration,
         limits=check_limits(joints, arm.limits),
         errors=metrics.reproduction_errors(drawings[-1], placement.on_paper(reproduction)),
+        clearance=arm.with_attached(_pen(config)).check(joints, [_table(), box]),
     )
 
 
@@ -128,6 +134,18 @@ def _box_in_the_way(path: Float64Array, config: HandwritingConfig) -> Box:
     ends = np.minimum(*(np.linalg.norm(middle - end, axis=1) for end in even[[0, -1]]))
     x, y = middle[int(np.argmax(ends))]
     return Box(np.array(config.box_size), np.array([x, y, 0.0]))
+
+
+def _table() -> Box:
+    """The table on which the arm stands and draws."""
+    return Box(np.array([1.2, 1.2, 0.04]), np.array([0.0, 0.0, -0.02]))
+
+
+def _pen(config: HandwritingConfig) -> Capsule:
+    """The pen in the flange's frame, along its z."""
+    length = config.pen_length - config.pen_lift
+    middle = np.array([0.0, 0.0, 0.5 * length])
+    return Capsule(config.pen_radius, length - 2.0 * config.pen_radius, middle)
 
 
 def _hurried(motion: PoseTrajectory, config: HandwritingConfig) -> PoseTrajectory:

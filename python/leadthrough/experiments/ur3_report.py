@@ -54,7 +54,9 @@ def _scenes_figure(config: Any, rows: list[Row]) -> Figure:
         for box in ur3_scenes.SCENES[row["scene"]].boxes():
             _draw_box(axes, box)
         axes.set_aspect("equal")
-        axes.set_title(f"{row['scene']}: {row['title']}\nkappa {row['kappa']:.2f}", fontsize=9)
+        met = "clear" if row["arm_ok"] else row["arm_hit"].replace("_link", "") + " meet"
+        title = f"{row['scene']}: {row['title']}\nkappa {row['kappa']:.2f}, arm: {met}"
+        axes.set_title(title, fontsize=9)
         for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
             axis.set_major_locator(MaxNLocator(3))
         axes.tick_params(labelsize=6)

@@ -63,6 +63,12 @@ def test_joints_are_slowed_to_their_limits_and_not_below(snake):
     assert max(peak.ratio for peak in peaks) == pytest.approx(1.0, abs=1e-3)
 
 
+def test_arm_and_pen_keep_clear_of_table_box_and_themselves(snake):
+    assert snake.clearance.ok
+    assert snake.clearance.obstacles.minimum_distance == pytest.approx(CONFIG.pen_lift, abs=1e-5)
+    assert snake.clearance.itself.minimum_distance > 0.0
+
+
 def test_same_motion_gives_the_same_bits(snake, arm):
     again = handwriting.run("Snake", arm, CONFIG)
     assert again.joints.positions.tobytes() == snake.joints.positions.tobytes()

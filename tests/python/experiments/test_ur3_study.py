@@ -68,6 +68,17 @@ def test_joints_in_steps_of_a_tenth_of_a_degree_cost_less_than_a_millimetre(rows
         assert 0.0 < row["quantised_end_error_m"] <= row["quantised_error_m"] < 1e-3
 
 
+def test_whole_arm_is_checked_and_what_it_meets_is_named(rows):
+    for row in rows.values():
+        assert row["arm_ok"] == (row["arm_hit"] is None)
+        assert row["arm_ok"] == (min(row["arm_distance_m"], row["arm_self_distance_m"]) > -1e-6)
+        # The flange, nearest to the path, is a disc of 35 mm, 0.8 mm behind the tip.
+        assert row["arm_distance_m"] < row["table_distance_m"]
+    # The box of the third experiment appears where the forearm is.
+    assert rows[3]["arm_hit"] == "box and forearm_link"
+    assert rows[1]["arm_ok"]
+
+
 def test_rough_demonstrations_give_smooth_paths(outcome):
     slow, fast = study.selected(outcome[0].rows, study="teaching")
     assert slow["samples_shown"] > fast["samples_shown"]

@@ -1,0 +1,44 @@
+"""A tool that is clear while the elbow is not: the whole arm checked along a motion.
+
+Writes elbow.png: python python/demos/12_mind_the_elbow.py [FOLDER]
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import leadthrough as lt
+
+folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
+arm = lt.Arm.load("panda")
+
+# The hand goes from right to left before the arm, pointing down.
+times = np.linspace(0.0, 3.0, 301)
+phase = times / 3.0
+side = 0.35 - 0.7 * (10 * phase**3 - 15 * phase**4 + 6 * phase**5)  # from rest to rest
+line = np.column_stack([np.full(301, 0.45), side, np.full(301, 0.35)])
+asked = lt.PoseTrajectory(times, line, np.tile([0.0, 1.0, 0.0, 0.0], (301, 1)))
+seed = [0.6, -0.5, 0.0, -2.4, 0.0, 2.0, 1.4]
+joints = lt.scale_to_limits(lt.differentiate(arm.follow(asked, seed=seed)), arm.limits)
+
+shelf = lt.Box((0.1, 0.4, 0.2), (-0.15, 0.0, 0.65))  # behind the elbow
+tool, _ = arm.forward_kinematics(joints.positions)
+to_tool = shelf.distance(tool)
+report = arm.check(joints, [shelf])
+print(f"the tool keeps {to_tool.min():.2f} m from the shelf; the whole arm:")
+print(report)
+
+figure = Figure(figsize=(7, 3.5), layout="constrained")
+axes = figure.subplots()
+axes.plot(joints.times, to_tool, "--", label="tool to shelf")
+axes.plot(joints.times, report.obstacles.distances, label="whole arm to shelf")
+axes.plot(joints.times, report.itself.distances, label="arm to itself")
+axes.plot(report.first.time, report.first.distance, "ko", label="first hit")
+axes.axhline(0.0, color="black", linewidth=0.8)
+axes.set_xlabel("time, s")
+axes.set_ylabel("distance, m")
+axes.legend(loc="center right")
+figure.savefig(folder / "elbow.png", dpi=120)
+print(f"wrote {folder / 'elbow.png'}")
