@@ -25,11 +25,11 @@ MotionLimits limits_of(const Chain& chain, const Vector& velocity, const Vector&
 }
 
 void check_task(const ArmTask& task, const Chain& chain) {
-  require(task.frame.joints >= 0 && task.frame.joints <= chain.joints());
+  require(task.frame.moving >= 0 && task.frame.moving <= chain.moving);
   if (const auto* posture = std::get_if<PostureGoal>(&task.goal))
     require(posture->q.size() == chain.joints() && posture->velocity.size() == chain.joints());
   else if (!std::holds_alternative<JointLimitGoal>(task.goal))
-    require(task.frame.joints > 0);
+    require(task.frame.moving > 0);
 }
 
 TaskStack make_stack(const Chain& chain, const std::vector<ArmTask>& tasks, const Vector& velocity,

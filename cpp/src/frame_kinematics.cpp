@@ -46,23 +46,23 @@ void slide(BodyMotion& body, double q, double qd) {
 Frame tip_frame(const Chain& chain) { return {chain.moving, chain.fixed[moving_count(chain)]}; }
 
 void body_motions(const Chain& chain, const double* q, const double* qd, BodyMotions& bodies) {
-  MovingValues values_room, rates_room;
-  const double* values = moving_values(chain, q, values_room);
-  const double* rates = moving_rates(chain, qd, rates_room);
+  MovingValues value_room, rate_room;
+  const double* values = moving_values(chain, q, value_room);
+  const double* rates = moving_rates(chain, qd, rate_room);
   BodyMotion body = at_rest();
-  for (std::size_t i = 0; i < moving_count(chain); ++i) {
-    body = carried(body, body.rotation * chain.fixed[i].position);
-    body.rotation = (body.rotation * chain.fixed[i].rotation).eval();
-    if (chain.prismatic[i])
-      slide(body, values[i], rates[i]);
+  for (std::size_t k = 0; k < moving_count(chain); ++k) {
+    body = carried(body, body.rotation * chain.fixed[k].position);
+    body.rotation = (body.rotation * chain.fixed[k].rotation).eval();
+    if (chain.prismatic[k])
+      slide(body, values[k], rates[k]);
     else
-      turn(body, values[i], rates[i]);
-    bodies[i] = body;
+      turn(body, values[k], rates[k]);
+    bodies[k] = body;
   }
 }
 
 BodyMotion frame_motion(const BodyMotions& bodies, const Frame& frame) {
-  const BodyMotion& body = bodies[static_cast<std::size_t>(frame.joints - 1)];
+  const BodyMotion& body = bodies[static_cast<std::size_t>(frame.moving - 1)];
   BodyMotion motion = carried(body, body.rotation * frame.T_joint_frame.position);
   motion.rotation = (body.rotation * frame.T_joint_frame.rotation).eval();
   return motion;
@@ -71,16 +71,14 @@ BodyMotion frame_motion(const BodyMotions& bodies, const Frame& frame) {
 FrameJacobian frame_jacobian(const Chain& chain, const BodyMotions& bodies, const Frame& frame) {
   FrameJacobian jacobian = FrameJacobian::Zero(6, chain.joints());
   const Eigen::Vector3d position = frame_motion(bodies, frame).position;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(frame.joints); ++i) {
-    const Drive& drive = chain.drives[i];
-    const Eigen::Vector3d axis = drive.multiplier * bodies[i].rotation.col(2);
-    auto column = jacobian.col(drive.joint);
-    if (chain.prismatic[i]) {
-      column.head<3>() += axis;
-    } else {
-      column.head<3>() += axis.cross(position - bodies[i].position);
-      column.tail<3>() += axis;
-    }
+  for (std::size_t k = 0; k < static_cast<std::size_t>(frame.moving); ++k) {
+    const Eigen::Vector3d axis = bodies[k].rotation.col(2);
+    Vector6 column;
+    if (chain.prismatic[k])
+      column << axis, Eigen::Vector3d::Zero();
+    else
+      column << axis.cross(position - bodies[k].position), axis;
+    jacobian.col(chain.drives[k].joint) += chain.drives[k].multiplier * column;
   }
   return jacobian;
 }

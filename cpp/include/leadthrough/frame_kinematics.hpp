@@ -9,9 +9,9 @@
 
 namespace leadthrough {
 
-// A frame that moves with the first `joints` moving joints of a chain.
+// A frame that the first `moving` moving joints of a chain carry.
 struct Frame {
-  int joints = 0;
+  int moving = 0;
   urdf::Transform T_joint_frame;  // from the last of these joints, turned about its z
 };
 

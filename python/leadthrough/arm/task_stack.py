@@ -168,7 +168,7 @@ class TaskStack:
         if link is None:
             return _core.Frame(self.arm._chain, point)
         try:
-            upper = _core.Chain(_core.Robot(self.arm.document), self.arm.base, link)
+            upper = _core.Chain(self.arm._robot, self.arm.base, link)
         except InvalidRobot as error:
             raise InvalidInput(f"link: expected a link that the arm moves: {error}") from None
         if upper.joint_names != list(self.arm.joint_names[: len(upper.joint_names)]):

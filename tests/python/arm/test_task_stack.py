@@ -411,3 +411,29 @@ def test_tasks_that_make_no_sense_are_refused(make, name):
 def test_stacks_that_make_no_sense_are_refused(panda, call, name):
     with pytest.raises(InvalidInput, match=name):
         call(panda)
+
+
+LINKS = "".join(f'<link name="{name}"/>' for name in "abcd")
+
+
+def hinge(name, parent, child, inside=""):
+    return (
+        f'<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>'
+        f'<origin xyz="0.3 0 0.1"/><axis xyz="0 1 0.2"/>{inside}'
+        '<limit lower="-2" upper="2" velocity="9" effort="1"/></joint>'
+    )
+
+
+def test_links_behind_joints_that_mimic_or_are_held_are_moved_as_they_move():
+    mimic = '<mimic joint="one" multiplier="-2" offset="0.1"/>'
+    joints = [hinge("one", "a", "b"), hinge("two", "b", "c", mimic), hinge("three", "c", "d")]
+    whole = lt.Arm.from_urdf(f'<robot name="folding">{LINKS}{"".join(joints)}</robot>')
+    held = whole.hold({"one": 0.3})
+    for arm, link in ((whole, "c"), (whole, None), (held, "d")):
+        q = np.full(len(arm.joint_names), 0.7)
+        upper = arm if link is None else lt.Arm.from_urdf(arm.document, tip=link, hold=arm.held)
+        used = slice(len(upper.joint_names))
+        height = lambda q, upper=upper, used=used: upper.forward_kinematics(q[used])[0][2]  # noqa: E731
+        task = ElbowTask(link or "d", height(q) + 0.01)
+        qd = TaskStack(arm, [task]).velocity(q)
+        assert numerical_derivative(height, q, qd) == pytest.approx(0.05, abs=1e-6)
