@@ -20,7 +20,13 @@ from leadthrough.models import archive, springs
 from leadthrough.models.basis import MOST_WEIGHTS
 from leadthrough.models.coupling import Around, check_around, roll, step_around
 from leadthrough.models.mean_motion import mean_motion
-from leadthrough.models.query import check_duration, check_step, course_through, ends_of
+from leadthrough.models.query import (
+    check_channels,
+    check_duration,
+    check_step,
+    course_through,
+    ends_of,
+)
 from leadthrough.models.regression import REGRESSIONS, fit
 from leadthrough.models.sampling import even_times
 from leadthrough.models.springs import FORMS, Springs
@@ -188,7 +194,7 @@ class DMPSkill:
             return state.coast(self.springs.forces, span)
         push = np.zeros(len(state.value))
         if coupling is not None:
-            push = check.array(coupling, "coupling", shape=push.shape)
+            push = check_channels(coupling, "coupling", len(push))
         around = self._around(obstacles, limits)
         return step_around(self.springs, state, span, push, around=around, size=self.size)
 
@@ -228,10 +234,10 @@ class DMPSkill:
         return check_around(obstacles, limits, dimensions=self._dimensions, channels=count)
 
     def _redirected(self, state: _core.PointState, goal: Any) -> _core.PointState:
-        wanted = check.array(goal, "goal", shape=self.springs.ends.goal.shape)
+        wanted = check_channels(goal, "goal", len(self.springs.ends.goal))
         course = springs.redirected(self.model.form, state.course, wanted)
         return _core.PointState(course, state.value, state.slope, state.phase, state.duration)
 
     def _moved(self, state: _core.PointState, measured: Any) -> _core.PointState:
-        value = check.array(measured, "measured", shape=self.springs.ends.goal.shape)
+        value = check_channels(measured, "measured", len(self.springs.ends.goal))
         return _core.PointState(state.course, value, state.slope, state.phase, state.duration)

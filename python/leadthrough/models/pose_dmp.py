@@ -21,7 +21,13 @@ from leadthrough.models import archive, springs, turning
 from leadthrough.models.basis import MOST_WEIGHTS
 from leadthrough.models.coupling import check_around, roll, step_around
 from leadthrough.models.mean_motion import MeanMotion, mean_motion
-from leadthrough.models.query import check_duration, check_step, course_through, ends_of
+from leadthrough.models.query import (
+    check_channels,
+    check_duration,
+    check_step,
+    course_through,
+    ends_of,
+)
 from leadthrough.models.regression import REGRESSIONS, fit
 from leadthrough.models.sampling import even_times
 from leadthrough.models.springs import Ends, Springs
@@ -237,7 +243,7 @@ class PoseDMPSkill:
     def _redirected(self, state: _core.PoseState, goal: Any) -> _core.PoseState:
         position, turned = as_pose(goal, "goal")
         ends = self.springs.ends
-        wanted = np.concatenate([check.array(position, "goal", shape=(3,)), ends.goal[3:]])
+        wanted = np.concatenate([check_channels(position, "goal", 3), ends.goal[3:]])
         if turned is None:
             course = springs.redirected(_FORM, state.course, wanted)
             return self._with(state, course, state.value, state.slope)
@@ -256,7 +262,7 @@ class PoseDMPSkill:
         position, turned = as_pose(measured, "measured")
         q = state.orientation if turned is None else turned
         value, slope = self._coordinates_of(state, q, (state.start_offset, state.goal_offset))
-        value[:3] = check.array(position, "measured", shape=(3,))
+        value[:3] = check_channels(position, "measured", 3)
         return self._with(state, state.course, value, slope)
 
     def _coordinates_of(
@@ -308,7 +314,7 @@ def as_push(coupling: Any) -> Float64Array:
     given = check.array(coupling, "coupling", shape=("n",))
     if len(given) not in (3, 6):
         raise InvalidInput(f"coupling: expected shape (3,) or (6,), got {given.shape}")
-    return np.append(given, np.zeros(6 - len(given)))
+    return np.append(check_channels(given, "coupling", len(given)), np.zeros(6 - len(given)))
 
 
 def _check_replay(skill: PoseDMPSkill, shown: MeanMotion) -> None:

@@ -33,6 +33,14 @@ def check_step(dt: float, lag: float, duration: float) -> float:
     return dt / (1.0 + check.number(lag, "lag", at_least=0.0))
 
 
+def check_channels(value: Any, name: str, count: int) -> Float64Array:
+    """`value` as an array (count,) whose products stay finite. Raises InvalidInput."""
+    given = check.array(value, name, shape=(count,))
+    if np.abs(given).max() > LARGEST:
+        raise InvalidInput(f"{name}: expected numbers up to {LARGEST:.0e}, got {given}")
+    return given
+
+
 def ends_of(
     learned: Ends,
     *,
@@ -50,10 +58,7 @@ def ends_of(
     def channels(value: Any, name: str, usual: Float64Array, scale: float = 1.0) -> Float64Array:
         if value is None:
             return usual
-        given = check.array(value, name, shape=usual.shape)
-        if np.abs(given).max() > LARGEST or scale > LARGEST:
-            raise InvalidInput(f"{name}: expected numbers up to {LARGEST:.0e}, got {given}")
-        return given * scale
+        return check_channels(value, name, len(usual)) * min(scale, LARGEST)
 
     return Ends(
         channels(start, "start", learned.start),
@@ -88,7 +93,7 @@ def _via(via: Sequence[tuple[float, Any]], count: int) -> tuple[Float64Array, Fl
     if not all(isinstance(pair, tuple | list) and len(pair) == 2 for pair in pairs):
         raise InvalidInput(f"via: expected pairs of phase and point, got {via!r}")
     phases = check.array([pair[0] for pair in pairs], "via", shape=("n",))
-    points = [check.array(pair[1], "via", shape=(count,)) for pair in pairs]
+    points = [check_channels(pair[1], "via", count) for pair in pairs]
     if phases[0] <= 0.0 or phases[-1] >= 1.0 or (np.diff(phases) <= 0.0).any():
         raise InvalidInput(f"via: expected phases that rise between 0 and 1, got {phases}")
     return phases, np.array(points)

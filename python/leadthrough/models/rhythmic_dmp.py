@@ -16,7 +16,7 @@ from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models import archive, springs
 from leadthrough.models.basis import MOST_WEIGHTS
 from leadthrough.models.pose_dmp import as_pose, as_push
-from leadthrough.models.query import check_duration, check_step, ends_of
+from leadthrough.models.query import check_channels, check_duration, check_step, ends_of
 from leadthrough.models.regression import fit_rhythm
 from leadthrough.models.round import mean_round
 from leadthrough.models.sampling import even_times
@@ -134,12 +134,12 @@ class RhythmicDMPSkill:
         """
         span = check_step(dt, 0.0, state.duration)
         if goal is not None:
-            centre = check.array(goal, "goal", shape=self.springs.ends.goal.shape)
+            centre = check_channels(goal, "goal", len(self.springs.ends.goal))
             course = springs.redirected(RHYTHMIC, state.course, centre)
             state = _core.PointState(course, state.value, state.slope, state.phase, state.duration)
         if coupling is None:
             return state.coast(self.springs.forces, span)
-        push = check.array(coupling, "coupling", shape=self.springs.ends.goal.shape)
+        push = check_channels(coupling, "coupling", len(self.springs.ends.goal))
         return state.pushed(self.springs.forces, span, push)
 
     def save(self, path: StrPath) -> None:
@@ -266,7 +266,7 @@ class RhythmicPoseDMPSkill:
         """
         span = check_step(dt, 0.0, state.duration)
         if goal is not None:
-            centre = np.append(check.array(goal, "goal", shape=(3,)), self.springs.ends.goal[3:])
+            centre = np.append(check_channels(goal, "goal", 3), self.springs.ends.goal[3:])
             state = _core.PoseState(
                 springs.redirected(RHYTHMIC, state.course, centre),
                 *(state.value, state.slope, state.phase, state.duration),

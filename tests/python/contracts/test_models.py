@@ -8,6 +8,7 @@ from leadthrough.errors import FitError, InvalidInput
 
 MODELS = {
     "movement primitive": lt.DMP(),
+    "movement primitive, by its force": lt.DMP(regression="ridge"),
     "fast marching": lt.FastMarching(),
     "fast marching, one map": lt.FastMarching(method="map"),
     "fast marching, by start": lt.FastMarching(method="start"),

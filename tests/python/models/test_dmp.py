@@ -290,6 +290,9 @@ def test_bad_query_is_refused(query):
         {"goal": (0.0,)},
         {"lag": -1.0},
         {"coupling": (0.0, 0.0)},
+        {"coupling": (1e300, 0.0, 0.0)},
+        {"measured": (1e300, 0.0, 0.0)},
+        {"goal": (1e300, 0.0, 0.0)},
         {"coupling": (np.nan, 0.0, 0.0)},
     ],
 )
