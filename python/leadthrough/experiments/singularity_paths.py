@@ -1,0 +1,142 @@
+"""Two ways of a Panda's tool past a singularity, and the joints by which a method takes it there.
+
+Yang, Liu and Pears draw their two approaches but do not state them; these are ours. Each leads
+through a posture close to a singularity, three quarters of the way along, in the direction of the
+tool's motion (0.3 m a rad) that asks there for the fastest joints, from rest to rest in 4 s:
+
+1. The wrist: the axes of joints 5 and 7 nearly in line, so that one turns against the other.
+2. The shoulder: the axes of joints 1 and 3 nearly in line with joint 2 idle, a singularity of the
+   whole arm that no self-motion avoids once it is there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from leadthrough import rotations
+from leadthrough.arm import Arm
+from leadthrough.arm.yang import DampedLeastSquares, follow_path
+from leadthrough.check import Float64Array
+from leadthrough.motion import JointTrajectory, PoseTrajectory
+
+ROTATION_WEIGHT = 0.3  # m a rad
+_CLOSEST_AT = 0.75  # of the way
+_TRAVEL = 0.2  # m, or 0.2 / 0.3 rad
+_DURATION = 4.0  # s
+_RATE = 100.0  # Hz
+# What `follow` may leave of the path where it may leave it.
+DEVIATION = (0.02, 0.05)  # m, rad
+
+
+@dataclass(frozen=True)
+class Approach:
+    """posture: rad, close to the singularity. joints: those that it affects most, from 1.
+
+    paper: what the paper prints of its own approach: the share of samples, in percent, below a
+    condition number of 8 and of 10, and the peak speed of a joint in rad/s, without its method
+    and with it.
+    """
+
+    title: str
+    posture: tuple[float, ...]
+    joints: tuple[int, ...]
+    paper: dict[str, dict[str, float]]
+
+
+APPROACHES = {
+    1: Approach(
+        "the wrist",
+        (0.0, -0.4, 0.0, -2.2, 1.57, 0.05, 0.4),
+        (7,),
+        {
+            "plain": {"below_8": 0.0, "below_10": 100.0, "joint_7": -1.0},
+            "damped": {"below_8": 20.0, "below_10": 83.0, "joint_7": -0.8},
+        },
+    ),
+    2: Approach(
+        "the shoulder",
+        (0.0, 0.02, 1.57, -1.8, 0.0, 1.6, 0.7),
+        (4, 6, 7),
+        {
+            "plain": {"below_8": 0.0, "below_10": 72.0},
+            "damped": {"below_8": 28.0, "below_10": 83.0, "joint_6": -0.6, "joint_7": -1.4},
+        },
+    ),
+}
+
+
+def motion(arm: Arm, approach: Approach) -> PoseTrajectory:
+    """The tool's way through the approach's posture, a line that turns about one axis."""
+    posture = np.array(approach.posture)
+    direction = slowest_direction(arm, posture)
+    position, orientation = arm.forward_kinematics(posture)
+    times = np.arange(round(_DURATION * _RATE) + 1) / _RATE
+    u = times / _DURATION
+    along = _TRAVEL * (10 * u**3 - 15 * u**4 + 6 * u**5 - _CLOSEST_AT)
+    turned = rotations.exp(np.outer(along, direction[3:]))
+    return PoseTrajectory(
+        times,
+        position + np.outer(along, direction[:3]),
+        rotations.compose(turned, np.tile(orientation, (len(times), 1))),
+    )
+
+
+def slowest_direction(arm: Arm, q: Float64Array) -> Float64Array:
+    """The twist (6,), m and rad, that costs the joints most, of length 1 with rotations weighted."""
+    weights = np.repeat([1.0, ROTATION_WEIGHT], 3)
+    left, _, _ = np.linalg.svd(weights[:, None] * arm.jacobian(q))
+    direction = left[:, -1] / weights
+    # The decomposition leaves the sign open. This one turns joint 7 backwards, as the paper's does.
+    return np.asarray(-direction * np.sign(direction[np.argmax(np.abs(direction))]))
+
+
+def start(arm: Arm, approach: Approach, way: PoseTrajectory) -> Float64Array:
+    """The joints at the beginning of the way, on the branch of the approach's posture."""
+    posture = np.array(approach.posture)
+    before = np.linalg.norm(way.positions - arm.forward_kinematics(posture)[0], axis=1).argmin()
+    back = PoseTrajectory(
+        way.times[: before + 1],
+        way.positions[before::-1],
+        way.orientations[before::-1],
+    )
+    return np.array(arm.follow(back, seed=posture, midrange=0.0).positions[-1])
+
+
+def plain(arm: Arm, way: PoseTrajectory, q: Float64Array) -> JointTrajectory:
+    """Equation 2, the pseudo-inverse."""
+    return damped(arm, way, q, damping=0.0, nullspace_gain=0.0)
+
+
+def damped(arm: Arm, way: PoseTrajectory, q: Float64Array, **settings: Any) -> JointTrajectory:
+    """Equations 3 to 7."""
+    return follow_path(arm, way, start=q, settings=DampedLeastSquares(**settings)).joints
+
+
+def damped_alone(arm: Arm, way: PoseTrajectory, q: Float64Array) -> JointTrajectory:
+    """Equation 5 without the secondary task."""
+    return damped(arm, way, q, nullspace_gain=0.0)
+
+
+def slowed(arm: Arm, way: PoseTrajectory, q: Float64Array) -> JointTrajectory:
+    """`Arm.follow`, which takes longer where the joints would be too fast."""
+    return arm.follow(way, seed=q, too_fast="slow")
+
+
+def deviating(arm: Arm, way: PoseTrajectory, q: Float64Array) -> JointTrajectory:
+    """`Arm.follow`, which leaves the path where the joints would be too fast."""
+    return arm.follow(way, seed=q, too_fast="deviate", deviation=DEVIATION)
+
+
+Method = Callable[[Arm, PoseTrajectory, Float64Array], JointTrajectory]
+
+METHODS: dict[str, Method] = {
+    "plain": plain,
+    "damped alone": damped_alone,
+    "damped": damped,
+    "follow, slowing": slowed,
+    "follow, deviating": deviating,
+}
