@@ -428,7 +428,7 @@ def test_links_behind_joints_that_mimic_or_are_held_are_moved_as_they_move():
     mimic = '<mimic joint="one" multiplier="-2" offset="0.1"/>'
     joints = [hinge("one", "a", "b"), hinge("two", "b", "c", mimic), hinge("three", "c", "d")]
     whole = lt.Arm.from_urdf(f'<robot name="folding">{LINKS}{"".join(joints)}</robot>')
-    held = whole.hold({"one": 0.3})
+    held = whole.hold({"three": 0.3})
     for arm, link in ((whole, "c"), (whole, None), (held, "d")):
         q = np.full(len(arm.joint_names), 0.7)
         upper = arm if link is None else lt.Arm.from_urdf(arm.document, tip=link, hold=arm.held)
