@@ -86,7 +86,7 @@ def motion(arm: Arm, approach: Approach) -> PoseTrajectory:
 
 
 def slowest_direction(arm: Arm, q: Float64Array) -> Float64Array:
-    """The twist (6,), m and rad, that costs the joints most, of length 1 with rotations weighted."""
+    """The twist (6,), m and rad, that costs the joints most; of length 1, rotations weighted."""
     weights = np.repeat([1.0, ROTATION_WEIGHT], 3)
     left, _, _ = np.linalg.svd(weights[:, None] * arm.jacobian(q))
     direction = left[:, -1] / weights
