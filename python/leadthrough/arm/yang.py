@@ -23,6 +23,7 @@ import numpy as np
 from leadthrough import _core, check
 from leadthrough.arm.options import tolerance
 from leadthrough.arm.results import Columns
+from leadthrough.arm.tracks import TipPath
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
@@ -97,23 +98,16 @@ def follow_path(
     first step, which lasts as long as the second, begins. The joints are clamped to their limits,
     of which the paper says nothing. Raises InvalidInput.
     """
-    chain = arm._chain
-    orientations = np.empty((0, 4))
-    if isinstance(motion, PoseTrajectory):
-        orientations = motion.orientations
-    elif not (isinstance(motion, Trajectory) and motion.positions.shape[1] == 3):
-        raise InvalidInput(
-            f"motion: expected a PoseTrajectory or a Trajectory in 3-D, got {type(motion).__name__}"
-        )
+    chain, path = arm._chain, TipPath.of(motion)
     q, *columns = _core.yang_path(
         chain,
-        motion.positions,
-        orientations,
+        path.positions,
+        path.orientations,
         check.array(start, "start", shape=(len(chain.joint_names),)),
-        _steps(motion.times),
+        _steps(path.times),
         _settings(settings)._core(),
     )
-    joints = JointTrajectory(motion.times, q, joint_names=tuple(chain.joint_names))
+    joints = JointTrajectory(path.times, q, joint_names=tuple(chain.joint_names))
     return DampedPath(joints, *columns)
 
 

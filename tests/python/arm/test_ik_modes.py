@@ -76,6 +76,15 @@ def test_iterations_are_a_budget(arm, posture):
     assert result.iterations < 1 + 800  # the descent to the closest configuration is bounded
 
 
+@pytest.mark.parametrize("options", [{"mode": "closest"}, {"free": ("rz",)}, {"method": "yang"}])
+def test_threads_do_not_change_a_bit_in_any_mode(arm, random_configurations, options):
+    targets = arm.forward_kinematics(random_configurations(arm, 20, 7))
+    one = arm.inverse_kinematics_batch(*targets, max_iterations=300, **options)
+    many = arm.inverse_kinematics_batch(*targets, max_iterations=300, threads=3, **options)
+    np.testing.assert_array_equal(one.q, many.q)
+    np.testing.assert_array_equal(one.iterations, many.iterations)
+
+
 def test_a_cpu_budget_ends_the_search(arm, posture):
     position, orientation = arm.forward_kinematics(posture)
     began = time.thread_time()

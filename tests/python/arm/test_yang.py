@@ -1,0 +1,133 @@
+"""The plain damped least squares of Yang et al., for poses and along paths."""
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough.arm.yang import DampedLeastSquares, follow_path
+from leadthrough.errors import InvalidInput
+
+PANDA = lt.Arm.load("panda")
+UR3 = lt.Arm.load("ur3")
+READY = np.array([0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])
+TIMES = np.linspace(0.0, 3.0, 301)
+
+
+def outwards(distance):
+    """A straight motion of the Panda's tool away from the base, from rest to rest."""
+    position, orientation = PANDA.forward_kinematics(READY)
+    s = TIMES / TIMES[-1]
+    way = distance * (10 * s**3 - 15 * s**4 + 6 * s**5)
+    positions = position + way[:, None] * np.array([1.0, 0.0, 0.0])
+    return lt.PoseTrajectory(TIMES, positions, np.tile(orientation, (len(s), 1)))
+
+
+def speeds(path):
+    return np.abs(np.diff(path.joints.positions, axis=0)) / np.diff(TIMES)[:, None]
+
+
+def test_a_comfortable_path_is_followed_with_any_damping():
+    motion = outwards(0.05)
+    for damping in (0.0, 0.1):
+        path = follow_path(PANDA, motion, start=READY, settings=DampedLeastSquares(damping))
+        reached, _ = PANDA.forward_kinematics(path.joints.positions)
+        errors = np.linalg.norm(reached - motion.positions, axis=1)
+        np.testing.assert_allclose(path.position_error, errors, atol=1e-12)
+        assert errors.max() < 1e-4
+        assert (path.damping == 0).all()
+
+
+def test_each_step_tells_its_condition_and_damping():
+    settings = DampedLeastSquares(damping=0.05, condition_threshold=5.0)
+    path = follow_path(PANDA, outwards(0.3), start=READY, settings=settings)
+    before = np.vstack([READY, path.joints.positions[:-1]])
+    np.testing.assert_allclose(path.condition, PANDA.condition_number(before), rtol=1e-6)
+    share = np.minimum(5.0 / path.condition, 1.0)
+    np.testing.assert_allclose(path.damping, 0.05 * np.sqrt(1 - share**2), atol=1e-9)
+    assert path.condition.min() < 5 < path.condition.max()
+
+
+def test_damping_calms_the_joints_beside_a_singularity_and_leaves_the_path():
+    motion = outwards(0.45)  # beyond the stretched arm
+    plain, damped = (
+        follow_path(PANDA, motion, start=READY, settings=DampedLeastSquares(damping))
+        for damping in (0.0, 0.1)
+    )
+    assert speeds(plain).max() > 10 * speeds(damped).max()
+    assert damped.position_error.max() > 1e-3
+    assert (damped.joints.positions >= PANDA.limits.lower).all()
+    assert (damped.joints.positions <= PANDA.limits.upper).all()
+
+
+def test_the_null_space_pulls_to_the_middle_and_leaves_the_tool():
+    motion = outwards(0.0)
+    path = follow_path(PANDA, motion, start=READY, settings=DampedLeastSquares(nullspace_gain=0.5))
+    middle = 0.5 * (PANDA.limits.lower + PANDA.limits.upper)
+    away = np.linalg.norm(path.joints.positions - middle, axis=1)
+    assert away[-1] < away[0] - 0.01
+    assert path.position_error.max() < 1e-5
+
+
+def test_points_leave_the_orientation_free():
+    poses = outwards(0.05)
+    path = follow_path(PANDA, lt.Trajectory(TIMES, poses.positions), start=READY)
+    assert path.position_error.max() < 1e-4
+    assert (path.orientation_error == 0).all()
+
+
+def test_poses_nearby_are_reached_by_steps_alone():
+    rng = np.random.default_rng(1)
+    q = np.array([0.1, -1.2, 1.4, -1.7, -1.5, 0.3]) + rng.uniform(-0.2, 0.2, (50, 6))
+    targets = UR3.forward_kinematics(q)
+    batch = UR3.inverse_kinematics_batch(
+        *targets,
+        seeds=[0.1, -1.2, 1.4, -1.7, -1.5, 0.3],
+        method="yang",
+        settings=DampedLeastSquares(condition_threshold=100.0),
+    )
+    assert batch.success.all()
+    np.testing.assert_allclose(UR3.forward_kinematics(batch.q)[0], targets[0], atol=1e-5)
+    one = UR3.inverse_kinematics(
+        targets[0][0],
+        targets[1][0],
+        seed=[0.1, -1.2, 1.4, -1.7, -1.5, 0.3],
+        method="yang",
+        settings=DampedLeastSquares(condition_threshold=100.0),
+    )
+    np.testing.assert_array_equal(one.q, batch.q[0])
+    assert one.iterations == batch.iterations[0]
+
+
+def test_positions_alone_are_reached_too():
+    position, _ = PANDA.forward_kinematics(READY)
+    result = PANDA.inverse_kinematics(position, method="yang", max_iterations=500)
+    assert result.success
+    assert result.orientation_error == 0.0
+
+
+@pytest.mark.parametrize(
+    "numbers",
+    [
+        {"damping": -1.0},
+        {"alpha": np.nan},
+        {"condition_threshold": 0.5},
+        {"nullspace_gain": np.inf},
+        {"rotation_weight": 0.0},
+    ],
+)
+def test_bad_settings_are_refused(numbers):
+    with pytest.raises(InvalidInput):
+        DampedLeastSquares(**numbers)
+
+
+def test_bad_motions_and_starts_are_refused():
+    with pytest.raises(InvalidInput):
+        follow_path(PANDA, "circle", start=READY)
+    with pytest.raises(InvalidInput):
+        follow_path(PANDA, lt.Trajectory([0.0, 1.0], [[0, 0], [1, 1]]), start=READY)
+    with pytest.raises(InvalidInput):
+        follow_path(PANDA, outwards(0.1), start=READY[:3])
+    with pytest.raises(InvalidInput):
+        follow_path(PANDA, outwards(0.1), start=READY, settings=0.1)
+    with pytest.raises(InvalidInput):
+        PANDA.inverse_kinematics([0.3, 0.0, 0.3], method="yang", settings={"damping": 0.1})
