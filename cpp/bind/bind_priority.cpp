@@ -109,20 +109,24 @@ py::tuple step(const TaskStack& stack, const Vector& q, const Vector& qd, double
   return py::make_tuple(next.q, next.qd, reports(stack, next.solution));
 }
 
-// Joints, goals and rates of a control loop come without a check of their own: what the solver
-// cannot take is refused here, and the Python layer says why.
-bool usable(const Vector& orientation) {
+// A control loop's arrays come without a check of their own: what the solver cannot take is refused
+// here, and the Python layer says why.
+bool usable(const Vector& values, Eigen::Index size) {
+  constexpr double kLargest = 1e6;  // that of the Python layer
+  return values.size() == size && (values.array().abs() <= kLargest).all();
+}
+
+bool is_rotation(const Vector& orientation) {
   constexpr double kUnitTolerance = 1e-2;  // that of check.quaternions
-  return orientation.size() == 0 ||
-         (orientation.size() == 4 && std::abs(orientation.norm() - 1.0) <= kUnitTolerance);
+  return orientation.size() == 4 && std::abs(orientation.norm() - 1.0) <= kUnitTolerance;
 }
 
 // `orientation` has four numbers or none.
 py::tuple differential(const DifferentialIk& solver, const Vector& q, const Vector& qd,
                        const Vector& position, const Vector& orientation, const Vector& twist) {
-  require(q.size() == solver.chain.joints() && qd.size() == q.size() && position.size() == 3 &&
-          twist.size() == 6 && usable(orientation) && q.allFinite() && qd.allFinite() &&
-          position.allFinite() && twist.allFinite());
+  const Eigen::Index joints = solver.chain.joints();
+  require(usable(q, joints) && usable(qd, joints) && usable(position, 3) && usable(twist, 6) &&
+          (orientation.size() == 0 || is_rotation(orientation)));
   DifferentialStep next;
   {
     const py::gil_scoped_release release;

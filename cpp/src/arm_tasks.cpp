@@ -19,13 +19,15 @@ double activation(double slack, double margin) {
 // An arm at rest or in motion, and the levels that its tasks fill.
 class Scene {
  public:
-  // order: 1 for velocities, 2 for accelerations. lead: s by which moving goals are ahead.
-  Scene(const TaskStack& stack, const double* q, const double* qd, int order, double lead,
-        StackWorkspace& workspace)
+  // order: 1 for velocities, 2 for accelerations. dt: s; nothing decays in less. lead: s by which
+  // moving goals are ahead.
+  Scene(const TaskStack& stack, const double* q, const double* qd, int order, double dt,
+        double lead, StackWorkspace& workspace)
       : stack_(stack),
         q_(q),
         qd_(qd, stack.chain.joints()),
         order_(order),
+        dt_(dt),
         lead_(lead),
         workspace_(workspace) {
     body_motions(stack.chain, q, qd, workspace.bodies);
@@ -165,7 +167,7 @@ class Scene {
   // An error that should decay while the goal moves at `feed`.
   void reach(Level& level, const JointVector& error, const JointVector& feed,
              const JointVector& bias) {
-    const double rate = task_->gain;
+    const double rate = gain();
     level.wanted = feed + rate * error;
     if (order_ == 2)
       level.wanted = rate * rate * error - bias +
@@ -178,7 +180,7 @@ class Scene {
     const double share = activation(slack, margin);
     note_error(std::max(-slack, 0.0), share);
     if (!(share > 0.0)) return;
-    const double rate = task_->gain;
+    const double rate = gain();
     Level& level = next(1);
     level.jacobian = row;
     level.unilateral = true;
@@ -188,6 +190,12 @@ class Scene {
                                             2.0 * task_->damping_ratio * rate * row.row(0).dot(qd_);
     level.wanted = JointVector::Constant(1, wanted);
     level.relief = margin * (order_ == 1 ? rate : rate * rate);
+  }
+
+  // Above these the sampled loop would overshoot.
+  double gain() const {
+    const double fastest = order_ == 1 ? 1.0 : 0.5 / std::max(task_->damping_ratio, 1.0);
+    return std::min(task_->gain, fastest / dt_);
   }
 
   void note_error(double error, double share) {
@@ -204,7 +212,7 @@ class Scene {
   const double* q_;
   Eigen::Map<const Eigen::VectorXd> qd_;
   int order_;
-  double lead_;
+  double dt_, lead_;
   StackWorkspace& workspace_;
   int index_ = 0;
   const ArmTask* task_ = nullptr;
@@ -235,10 +243,10 @@ StackMotion solve(const TaskStack& stack, Scene& scene, const MotionBox& box,
   return answer;
 }
 
-StackMotion velocity_in(const TaskStack& stack, const double* q, const MotionBox& box, double lead,
-                        StackWorkspace& workspace) {
+StackMotion velocity_in(const TaskStack& stack, const double* q, const MotionBox& box, double dt,
+                        double lead, StackWorkspace& workspace) {
   const JointVector still = JointVector::Zero(stack.chain.joints());
-  Scene scene(stack, q, still.data(), 1, lead, workspace);
+  Scene scene(stack, q, still.data(), 1, dt, lead, workspace);
   return solve(stack, scene, box, workspace);
 }
 
@@ -246,15 +254,15 @@ StackMotion velocity_in(const TaskStack& stack, const double* q, const MotionBox
 
 StackMotion stack_velocity(const TaskStack& stack, const double* q, const double* qd, double dt,
                            StackWorkspace& workspace) {
-  return velocity_in(stack, q, velocity_box(stack.limits, q, qd, dt), 0.0, workspace);
+  return velocity_in(stack, q, velocity_box(stack.limits, q, qd, dt), dt, 0.0, workspace);
 }
 
 StackMotion stack_acceleration(const TaskStack& stack, const double* q, const double* qd, double dt,
                                StackWorkspace& workspace) {
   const MotionBox box = acceleration_box(stack.limits, q, qd, dt);
-  Scene scene(stack, q, qd, 2, 0.0, workspace);
+  Scene scene(stack, q, qd, 2, dt, 0.0, workspace);
   for (std::size_t i = 0; i < stack.tasks.size(); ++i) scene.add(static_cast<int>(i));
-  scene.add_rest(stack.rest_damping);
+  scene.add_rest(std::min(stack.rest_damping, 1.0 / dt));
   StackMotion answer{resolve(workspace.levels, box, stack.scheme, kAccelerationQuickness),
                      scene.reports};
   judge(workspace, answer);
@@ -265,9 +273,9 @@ StackStep stack_step(const TaskStack& stack, const double* q, const double* qd, 
                      StackWorkspace& workspace) {
   const MotionBox box = velocity_box(stack.limits, q, qd, dt);
   const Eigen::Map<const Eigen::VectorXd> now(q, stack.chain.joints());
-  StackMotion start = velocity_in(stack, q, box, 0.0, workspace);
+  StackMotion start = velocity_in(stack, q, box, dt, 0.0, workspace);
   const JointVector halfway = now + 0.5 * dt * start.motion;
-  StackMotion middle = velocity_in(stack, halfway.data(), box, 0.5 * dt, workspace);
+  StackMotion middle = velocity_in(stack, halfway.data(), box, dt, 0.5 * dt, workspace);
   middle.motion = middle.motion.cwiseMax(box.lower).cwiseMin(box.upper);
   const JointVector lower = stack.limits.lower.cwiseMin(now);
   const JointVector upper = stack.limits.upper.cwiseMax(now);

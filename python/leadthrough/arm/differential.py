@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough import _core, check
+from leadthrough.arm import magnitudes
 from leadthrough.arm.arm import Arm
 from leadthrough.arm.task_stack import accelerations
 from leadthrough.check import Float64Array
@@ -60,13 +61,13 @@ class DifferentialIk:
     _joints: int = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        for name in ("dt", "gain"):
-            self._set(name, check.number(getattr(self, name), name, above=0.0))
-        rate = check.number(self.posture_gain, "posture_gain", at_least=0.0)
+        self._set("dt", magnitudes.interval(self.dt))
+        self._set("gain", magnitudes.positive(self.gain, "gain"))
+        rate = magnitudes.not_negative(self.posture_gain, "posture_gain")
         self._set("posture_gain", rate)
         chain, joints = self.arm._chain, len(self.arm.joint_names)
         posture = chain.middle if self.posture is None else self.posture
-        posture = check.frozen(posture, "posture", shape=(joints,))
+        posture = magnitudes.frozen(posture, "posture", shape=(joints,))
         self._set("posture", posture)
         self._set("_joints", joints)
         limits = (self.arm.limits.velocity, accelerations(self.arm))
@@ -84,8 +85,8 @@ class DifferentialIk:
         """The state at q, (joints,), moving at qd, (joints,), or at rest. Raises InvalidInput."""
         still = np.zeros(self._joints) if qd is None else qd
         return JointState(
-            check.array(q, "q", shape=(self._joints,)).copy(),
-            check.array(still, "qd", shape=(self._joints,)).copy(),
+            magnitudes.values(q, "q", shape=(self._joints,)).copy(),
+            magnitudes.values(still, "qd", shape=(self._joints,)).copy(),
         )
 
     def step(
@@ -111,11 +112,11 @@ class DifferentialIk:
         if orientation is not _FREE:
             check.quaternions(orientation, "orientation", shape=(4,))
         return (
-            check.array(state.q, "state.q", shape=(self._joints,)),
-            check.array(state.qd, "state.qd", shape=(self._joints,)),
-            check.array(position, "position", shape=(3,)),
-            check.array(orientation, "orientation", shape=("n",)),  # the kernel normalises it
-            check.array(twist, "twist", shape=(6,)),
+            magnitudes.values(state.q, "state.q", shape=(self._joints,)),
+            magnitudes.values(state.qd, "state.qd", shape=(self._joints,)),
+            magnitudes.values(position, "position", shape=(3,)),
+            magnitudes.values(orientation, "orientation", shape=("n",)),  # the kernel normalises it
+            magnitudes.values(twist, "twist", shape=(6,)),
         )
 
 

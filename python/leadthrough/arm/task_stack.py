@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import _core, check
+from leadthrough.arm import magnitudes
 from leadthrough.arm.arm import Arm
 from leadthrough.arm.tasks import JointLimitTask, PostureTask, Task, _Task
 from leadthrough.check import Float64Array
@@ -86,7 +87,7 @@ class TaskStack:
     def __post_init__(self) -> None:
         object.__setattr__(self, "tasks", _checked(self.tasks, len(self.arm.joint_names)))
         check.choice(self.scheme, "scheme", SCHEMES)
-        rest = check.number(self.rest_damping, "rest_damping", at_least=0.0)
+        rest = magnitudes.not_negative(self.rest_damping, "rest_damping")
         compiled = [task.compiled(self._frame) for task in self.tasks]
         rates = (self.arm.limits.velocity, accelerations(self.arm))
         reverse = self.scheme == "reverse"
@@ -108,7 +109,7 @@ class TaskStack:
         """
         now = self._joints(q, "q")
         before = _UNKNOWN if qd is None else self._joints(qd, "qd")
-        return _solution(*self._stack.velocity(now, before, self._interval(dt)))
+        return _solution(*self._stack.velocity(now, before, magnitudes.interval(dt)))
 
     def velocity(self, q: Any, *, qd: Any = None, dt: float = 1e-3) -> Float64Array:
         """The motion of `solve`."""
@@ -120,7 +121,7 @@ class TaskStack:
         q, qd: (joints,). Raises InvalidInput.
         """
         state = (self._joints(q, "q"), self._joints(qd, "qd"))
-        return _solution(*self._stack.acceleration(*state, self._interval(dt)))
+        return _solution(*self._stack.acceleration(*state, magnitudes.interval(dt)))
 
     def acceleration(self, q: Any, qd: Any, *, dt: float = 1e-3) -> Float64Array:
         """The motion of `solve_acceleration`."""
@@ -144,7 +145,7 @@ class TaskStack:
         state = self._joints(q, "q"), np.zeros(len(self.arm.joint_names))
         if qd is not None:
             state = state[0], self._joints(qd, "qd")
-        dt = self._interval(dt)
+        dt = magnitudes.interval(dt)
         count = _intervals(duration, dt)
         rows, reports, stack = [state], [], self
         for k in range(count):
@@ -159,10 +160,7 @@ class TaskStack:
         return _run(self.arm, rows, reports, dt)
 
     def _joints(self, value: Any, name: str) -> Float64Array:
-        return check.array(value, name, shape=(len(self.arm.joint_names),))
-
-    def _interval(self, dt: Any) -> float:
-        return check.number(dt, "dt", above=0.0)
+        return magnitudes.values(value, name, shape=(len(self.arm.joint_names),))
 
     def _frame(self, link: str | None, point: Float64Array) -> _core.Frame:
         if link is None:
@@ -195,7 +193,7 @@ def resolve(
     jacobians: (rows, joints) each, the highest priority first; at most 12 tasks, 16 rows and 16
     joints. wanted: (rows,) each. lower, upper: (joints,) bounds of the motion. Raises InvalidInput.
     """
-    rows = [check.array(j, "jacobians", shape=("rows", "joints")) for j in jacobians]
+    rows = [magnitudes.values(j, "jacobians", shape=("rows", "joints")) for j in jacobians]
     if not 0 < len(rows) <= MOST_TASKS:
         raise InvalidInput(f"jacobians: expected 1 to {MOST_TASKS}, got {len(rows)}")
     joints = rows[0].shape[1]
@@ -207,7 +205,7 @@ def resolve(
     if len(wanted) != len(rows):
         raise InvalidInput(f"wanted: expected {len(rows)} vectors, got {len(wanted)}")
     goals = [
-        check.array(goal, "wanted", shape=(len(jacobian),))
+        magnitudes.values(goal, "wanted", shape=(len(jacobian),))
         for goal, jacobian in zip(wanted, rows, strict=True)
     ]
     low, high = _bound(lower, "lower", -np.inf, joints), _bound(upper, "upper", np.inf, joints)
@@ -220,7 +218,7 @@ def resolve(
 def _bound(value: Any, name: str, default: float, joints: int) -> Float64Array:
     if value is None:
         return np.full(joints, default)
-    return check.array(value, name, shape=(joints,))
+    return magnitudes.values(value, name, shape=(joints,))
 
 
 def _checked(tasks: Any, joints: int) -> tuple[Task, ...]:

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough import _core, check
+from leadthrough.arm import magnitudes
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.shapes import Box, Capsule, Shape, Sphere
@@ -37,8 +38,8 @@ class _Task:
     damping_ratio: float = 1.0
 
     def __post_init__(self) -> None:
-        _set(self, "gain", check.number(self.gain, "gain", above=0.0))
-        ratio = check.number(self.damping_ratio, "damping_ratio", above=0.0)
+        _set(self, "gain", magnitudes.positive(self.gain, "gain"))
+        ratio = magnitudes.positive(self.damping_ratio, "damping_ratio")
         _set(self, "damping_ratio", ratio)
 
 
@@ -126,9 +127,9 @@ class PostureTask(_Task):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        _set(self, "q", check.frozen(self.q, "q", shape=("joints",)))
+        _set(self, "q", magnitudes.frozen(self.q, "q", shape=("joints",)))
         still = np.zeros_like(self.q) if self.velocity is None else self.velocity
-        _set(self, "velocity", check.frozen(still, "velocity", shape=(len(self.q),)))
+        _set(self, "velocity", magnitudes.frozen(still, "velocity", shape=(len(self.q),)))
 
     def compiled(self, _frame_of: FrameOf) -> _core.ArmTask:
         assert self.velocity is not None
@@ -147,7 +148,7 @@ class JointLimitTask(_Task):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        _set(self, "margin", check.number(self.margin, "margin", above=0.0))
+        _set(self, "margin", magnitudes.positive(self.margin, "margin"))
 
     def compiled(self, _frame_of: FrameOf) -> _core.ArmTask:
         return _core.joint_limit_task(self.margin, self.gain, self.damping_ratio)
@@ -168,7 +169,7 @@ class ElbowTask(_Task):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        _set(self, "height", check.number(self.height, "height"))
+        _set(self, "height", float(magnitudes.values(self.height, "height", shape=())))
         _set(self, "direction", _unit(self.direction, "direction"))
 
     def compiled(self, frame_of: FrameOf) -> _core.ArmTask:
@@ -196,8 +197,9 @@ class ObstacleTask(_Task):
         if not isinstance(self.shape, Box | Sphere | Capsule):
             what = type(self.shape).__name__
             raise InvalidInput(f"shape: expected a Box, Sphere or Capsule, got {what}")
-        _set(self, "distance", check.number(self.distance, "distance", at_least=0.0))
-        _set(self, "margin", check.number(self.margin, "margin", above=0.0))
+        _refuse_huge(self.shape)
+        _set(self, "distance", magnitudes.not_negative(self.distance, "distance"))
+        _set(self, "margin", magnitudes.positive(self.margin, "margin"))
         _freeze(self, point=3)
 
     def compiled(self, frame_of: FrameOf) -> _core.ArmTask:
@@ -225,13 +227,18 @@ def _compiled_shape(shape: Shape) -> _core.Shape:
     return _core.capsule_shape(shape.radius, shape.length, shape.position, shape.orientation)
 
 
+def _refuse_huge(shape: Shape) -> None:
+    sizes = [getattr(shape, name, 0.0) for name in ("position", "size", "radius", "length")]
+    magnitudes.values(np.hstack(sizes), "shape", shape=("n",))
+
+
 def _set(task: _Task, name: str, value: Any) -> None:
     object.__setattr__(task, name, value)
 
 
 def _freeze(task: _Task, **lengths: int) -> None:
     for name, length in lengths.items():
-        _set(task, name, check.frozen(getattr(task, name), name, shape=(length,)))
+        _set(task, name, magnitudes.frozen(getattr(task, name), name, shape=(length,)))
 
 
 def _quaternion(value: Any) -> Float64Array:

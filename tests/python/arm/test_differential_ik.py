@@ -148,6 +148,7 @@ def test_a_step_is_quick(panda):
         ({"position": (0.1, 0.2)}, "position"),
         ({"position": (np.nan, 0.0, 0.0)}, "position"),
         ({"position": np.array([np.inf, 0.0, 0.0])}, "position"),
+        ({"position": np.array([1e30, 0.0, 0.0])}, "position"),
         ({"orientation": np.zeros(4)}, "orientation"),
         ({"orientation": (1.0, 0.0, 0.0)}, "orientation"),
         ({"twist": np.zeros(3)}, "twist"),

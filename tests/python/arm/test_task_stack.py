@@ -359,6 +359,24 @@ def test_a_stack_survives_pickling_and_is_deterministic(panda):
     np.testing.assert_array_equal(again.velocity(HOME), stack.velocity(HOME))
 
 
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_the_largest_numbers_give_motions_inside_the_limits(panda, scheme):
+    huge = 1e6
+    for task in (
+        PoseTask((huge, 0, 0), ORIENTATION, twist=[-huge] * 6, gain=huge, damping_ratio=huge),
+        PostureTask(np.full(7, -huge), gain=huge),
+        ElbowTask(ELBOW, huge),
+        ObstacleTask(lt.Sphere(0.1, POSITION), huge, margin=huge, gain=huge),
+        PositionTask(POSITION, point=(huge, 0, 0)),
+        JointLimitTask(margin=huge, gain=huge),
+    ):
+        stack = TaskStack(panda, [task, PostureTask(HOME)], scheme=scheme)
+        assert (np.abs(stack.velocity(HOME)) <= panda.limits.velocity).all()
+        at_rest = np.zeros(7)
+        assert (np.abs(stack.acceleration(HOME, at_rest)) <= panda.limits.acceleration).all()
+        assert np.isfinite(stack.velocity(np.full(7, huge))).all()
+
+
 POSITION, ORIENTATION = (0.4, 0.0, 0.4), (0.0, 1.0, 0.0, 0.0)
 
 
@@ -370,6 +388,9 @@ POSITION, ORIENTATION = (0.4, 0.0, 0.4), (0.0, 1.0, 0.0, 0.0)
         (lambda: PoseTask(POSITION, ORIENTATION, twist=(0, 0, 0)), "twist"),
         (lambda: PoseTask(POSITION, ORIENTATION, gain=-1.0), "gain"),
         (lambda: PositionTask((np.nan, 0, 0)), "position"),
+        (lambda: PositionTask((1e30, 0, 0)), "position"),
+        (lambda: PositionTask(POSITION, gain=1e30), "gain"),
+        (lambda: ObstacleTask(lt.Sphere(1e30, POSITION), 0.1), "shape"),
         (lambda: PositionTask(POSITION, damping_ratio=0.0), "damping_ratio"),
         (lambda: DirectionTask((0, 0, 0), (0, 0, 1)), "axis"),
         (lambda: DirectionTask((0, 0, 1), (0, 0, 1), within=4.0), "within"),
@@ -401,6 +422,8 @@ def test_tasks_that_make_no_sense_are_refused(make, name):
         (lambda arm: TaskStack(arm, [JointLimitTask()]).acceleration(HOME, HOME[:2]), "qd"),
         (lambda arm: TaskStack(arm, [JointLimitTask()]).run(HOME, duration=-1.0), "duration"),
         (lambda arm: TaskStack(arm, [JointLimitTask()]).run(HOME, duration=1e9), "dt"),
+        (lambda arm: TaskStack(arm, [JointLimitTask()]).velocity(HOME + 1e30), "q"),
+        (lambda arm: TaskStack(arm, [JointLimitTask()]).velocity(HOME, dt=1e-9), "dt"),
         (lambda _: resolve([], []), "jacobians"),
         (lambda _: resolve([np.ones((1, 17))], [[1.0]]), "jacobians"),
         (lambda _: resolve([np.ones((1, 3)), np.ones((1, 4))], [[1.0], [1.0]]), "jacobians"),
