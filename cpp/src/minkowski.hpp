@@ -33,9 +33,16 @@ inline Vector3d support(const Convex& body, const Vector3d& along) {
     case Core::kHull:
       break;
   }
+  const Eigen::Matrix3Xd& vertices = *body.vertices;
   Eigen::Index farthest = 0;
-  (along.transpose() * *body.vertices).maxCoeff(&farthest);
-  return body.vertices->col(farthest);
+  double most = along.dot(vertices.col(0));
+  for (Eigen::Index i = 1; i < vertices.cols(); ++i) {
+    const double reach = along.dot(vertices.col(i));
+    if (reach <= most) continue;
+    most = reach;
+    farthest = i;
+  }
+  return vertices.col(farthest);
 }
 
 // A point of the difference, and the points of a and b that it is made of.

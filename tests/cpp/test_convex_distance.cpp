@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "allocations.hpp"
 #include "leadthrough/convex_distance.hpp"
 
 using namespace leadthrough;
@@ -318,4 +319,18 @@ TEST(ConvexDistance, MeasuresThinBesideHugeBodies) {
     EXPECT_NEAR(gap(a, A, b, B, way), ours.distance, 2e-7) << i;
     EXPECT_NEAR((ours.on_b - ours.on_a).norm(), std::abs(ours.distance), 2e-7) << i;
   }
+}
+
+TEST(ConvexDistance, AllocatesNothing) {
+  Random random;
+  std::vector<Convex> bodies;
+  for (int kind = 0; kind < 5; ++kind) bodies.push_back(random.body(kind));
+  double sum = 0.0;
+  const std::size_t before = test::allocations();
+  for (const Convex& a : bodies)
+    for (const Convex& b : bodies)
+      for (const double reach : {0.05, 1.0})
+        sum += separation(a, random.pose(reach), b, random.pose(reach)).distance;
+  EXPECT_EQ(test::allocations(), before);
+  EXPECT_NE(sum, 0.0);
 }
