@@ -12,6 +12,8 @@ void bind_alignment(py::module_& module) {
 
   module.def("dtw_distance", &dtw_distance, py::arg("a").noconvert(), py::arg("b").noconvert(),
              ReleaseGil());
+  module.def("dtw_path", &dtw_path, py::arg("a").noconvert(), py::arg("b").noconvert(),
+             ReleaseGil());
   module.def("frechet_distance", &frechet_distance, py::arg("a").noconvert(),
              py::arg("b").noconvert(), ReleaseGil());
 }

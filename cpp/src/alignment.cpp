@@ -1,6 +1,8 @@
 #include "leadthrough/alignment.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <vector>
 
 namespace leadthrough {
 
@@ -48,10 +50,61 @@ double best_pairing_of_either(const Eigen::Ref<const Points>& a, const Eigen::Re
   return a.rows() < b.rows() ? best_pairing(b, a, extend) : best_pairing(a, b, extend);
 }
 
+// The step that leads to a pair.
+enum class Move : unsigned char { along_both, along_a, along_b };
+
+// The steps that lead to every pair, row by row.
+std::vector<Move> best_moves(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b) {
+  const Eigen::ArrayXXd columns = b;
+  const Eigen::Index n = b.rows();
+  std::vector<Move> moves(static_cast<std::size_t>(a.rows() * n));
+  Eigen::ArrayXd distances(n);
+  Eigen::ArrayXd cost = Eigen::ArrayXd::Constant(n, std::numeric_limits<double>::infinity());
+  double corner = 0.0;  // the cost before the first pair
+  for (Eigen::Index i = 0; i < a.rows(); ++i) {
+    distances_to(a.row(i), columns, distances);
+    double diagonal = corner;
+    double left = std::numeric_limits<double>::infinity();
+    Move* row = moves.data() + i * n;
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const double above = cost[j];
+      row[j] = Move::along_both;
+      double best = diagonal;
+      if (above < best) {
+        row[j] = Move::along_a;
+        best = above;
+      }
+      if (left < best) {
+        row[j] = Move::along_b;
+        best = left;
+      }
+      left = best + distances[j];
+      cost[j] = left;
+      diagonal = above;
+    }
+    corner = std::numeric_limits<double>::infinity();
+  }
+  return moves;
+}
+
 }  // namespace
 
 double dtw_distance(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b) {
   return best_pairing_of_either(a, b, [](double best, double distance) { return best + distance; });
+}
+
+Pairs dtw_path(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b) {
+  const std::vector<Move> moves = best_moves(a, b);
+  Pairs pairs(a.rows() + b.rows() - 1, 2);
+  Eigen::Index count = 0;
+  for (Eigen::Index i = a.rows() - 1, j = b.rows() - 1;;) {
+    pairs.row(count++) << static_cast<std::int32_t>(i), static_cast<std::int32_t>(j);
+    if (i == 0 && j == 0) break;
+    const Move move = moves[static_cast<std::size_t>(i * b.rows() + j)];
+    if (move != Move::along_b) --i;
+    if (move != Move::along_a) --j;
+  }
+  return pairs.topRows(count).colwise().reverse();
 }
 
 double frechet_distance(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b) {

@@ -6,7 +6,9 @@
 #include "leadthrough/alignment.hpp"
 
 using leadthrough::dtw_distance;
+using leadthrough::dtw_path;
 using leadthrough::frechet_distance;
+using leadthrough::Pairs;
 using leadthrough::Points;
 
 namespace {
@@ -45,6 +47,25 @@ TEST(Alignment, AgreesWithTheRecursionOnShortCurves) {
       EXPECT_NEAR(dtw_distance(a, b), recursion(a, b, n - 1, m - 1, sum), 1e-13);
       EXPECT_NEAR(frechet_distance(a, b), recursion(a, b, n - 1, m - 1, largest), 1e-15);
     }
+  }
+}
+
+TEST(Alignment, PathIsMonotoneAndCostsTheDistance) {
+  unsigned seed = 50;
+  for (const auto& [n, m] : {std::pair(1, 1), {1, 5}, {6, 1}, {14, 36}, {40, 20}}) {
+    const Points a = random_points(n, 3, ++seed);
+    const Points b = random_points(m, 3, ++seed);
+    const Pairs path = dtw_path(a, b);
+    EXPECT_EQ(path.row(0), Pairs::Zero(1, 2));
+    EXPECT_EQ(path(path.rows() - 1, 0), n - 1);
+    EXPECT_EQ(path(path.rows() - 1, 1), m - 1);
+    double cost = distance(a, b, 0, 0);
+    for (Eigen::Index k = 1; k < path.rows(); ++k) {
+      const auto step = (path.row(k) - path.row(k - 1)).eval();
+      EXPECT_TRUE(step.minCoeff() >= 0 && step.maxCoeff() == 1);
+      cost += distance(a, b, path(k, 0), path(k, 1));
+    }
+    EXPECT_NEAR(cost, dtw_distance(a, b), 1e-12);
   }
 }
 

@@ -4,14 +4,20 @@
 // of their samples that join first to first and last to last.
 
 #include <Eigen/Core>
+#include <cstdint>
 
 namespace leadthrough {
 
 using Points = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Pairs = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
 // Dynamic time warping: the least sum of distances between paired samples (Sakoe and Chiba 1978,
 // symmetric steps of weight one). Both curves need a point and the same dimension.
 double dtw_distance(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b);
+
+// The pairing that dynamic time warping finds: pairs of samples of a and b, first to last. Of equal
+// ways it takes the one that moves on along both. Keeps a byte for each pair of samples.
+Pairs dtw_path(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b);
 
 // Discrete Frechet distance: the least largest distance between paired samples (Eiter and Mannila
 // 1994). Both curves need a point and the same dimension.

@@ -1,5 +1,6 @@
 """Turns recordings into what models learn from."""
 
+from leadthrough.preprocess.align import align_by_arc_length, align_by_time_warping
 from leadthrough.preprocess.segment import segment
 
-__all__ = ["segment"]
+__all__ = ["align_by_arc_length", "align_by_time_warping", "segment"]

@@ -1,0 +1,98 @@
+"""Demonstrations brought onto one clock."""
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough import rotations
+from leadthrough.errors import InvalidInput
+from leadthrough.preprocess.align import align_by_arc_length, align_by_time_warping
+
+ALIGN = [align_by_time_warping, align_by_arc_length]
+
+
+def paused(at, *, seed=0, noise=0.0):
+    """A curve whose hand stands still for a third of the time at a share of the way."""
+    t = np.linspace(0.0, 3.0, 900)
+    u = np.interp(t, [0.0, 2.0 * at, 2.0 * at + 1.0, 3.0], [0.0, at, at, 1.0])
+    points = np.column_stack([u, np.sin(6 * u)])
+    points += noise * np.random.default_rng(seed).standard_normal(points.shape)
+    return lt.Demonstration(lt.Trajectory(t, points), name=f"pause at {at}")
+
+
+def spread(demonstrations):
+    """Root mean square distance from the mean at equal shares of the time."""
+    u = np.linspace(0.0, 1.0, 400)
+    curves = []
+    for each in demonstrations:
+        share = each.motion.times / each.motion.duration
+        curves.append([np.interp(u, share, column) for column in each.motion.positions.T])
+    return np.sqrt(np.var(curves, axis=0).sum(axis=0).mean())
+
+
+@pytest.mark.parametrize("align", ALIGN)
+def test_pauses_at_different_places_no_longer_matter(align):
+    shown = [paused(at, seed=i, noise=5e-4) for i, at in enumerate((0.2, 0.5, 0.8))]
+    aligned = align(shown)
+    assert spread(aligned) < 0.15 * spread(shown)
+    assert [each.name for each in aligned] == [each.name for each in shown]
+    for each, given in zip(aligned, shown, strict=True):
+        assert each.motion.times.tobytes() == aligned[0].motion.times.tobytes()
+        np.testing.assert_array_equal(
+            each.motion.positions[[0, -1]], given.motion.positions[[0, -1]]
+        )
+
+
+@pytest.mark.parametrize("align", ALIGN)
+def test_recorded_hands_that_pause_are_aligned(align, recordings):
+    shown = lt.read_demonstrations(recordings / "panda_symbol" / "symbol17.mat", rate=1000)
+    assert spread(align(shown)) < 0.3 * spread(shown)
+
+
+def test_the_reference_keeps_its_timing():
+    shown = [paused(0.3), paused(0.7)]
+    aligned = align_by_time_warping(shown, reference=1)
+    resampled = np.column_stack(
+        [
+            np.interp(aligned[1].motion.times, shown[1].motion.times, column)
+            for column in shown[1].motion.positions.T
+        ]
+    )
+    np.testing.assert_allclose(aligned[1].motion.positions, resampled, atol=0.01)
+
+
+def test_arc_length_makes_the_speed_constant():
+    (aligned,) = align_by_arc_length([paused(0.4)])
+    speed = np.linalg.norm(np.diff(aligned.motion.positions, axis=0), axis=1)
+    assert speed.std() < 0.1 * speed.mean()
+    assert aligned.motion.duration == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize("align", ALIGN)
+def test_poses_and_joints_go_along(align):
+    t = paused(0.5).motion.times
+    points = paused(0.5).motion.positions
+    turned = rotations.exp(np.outer(points[:, 0], [0.0, 0.0, 2.0]))
+    pose = lt.Demonstration(
+        lt.PoseTrajectory(t, np.column_stack([points, 0 * t]), turned), name="pose"
+    )
+    joints = lt.Demonstration(lt.JointTrajectory(t, points, joint_names=("a", "b")))
+    (aligned,) = align([pose])
+    expected = rotations.exp(np.outer(aligned.motion.positions[:, 0], [0.0, 0.0, 2.0]))
+    assert rotations.distance(aligned.motion.orientations, expected).max() < 0.02
+    assert align([joints])[0].motion.joint_names == ("a", "b")
+
+
+@pytest.mark.parametrize("align", ALIGN)
+def test_bad_demonstrations_are_refused_by_name(align):
+    single = lt.Demonstration(lt.Trajectory([0.0], [[0.0, 0.0]]))
+    joints = lt.Demonstration(lt.JointTrajectory([0.0, 1.0], [[0.0, 0.0], [1.0, 1.0]]))
+    for given in ([], paused(0.5), [single], [None], [paused(0.5), joints]):
+        with pytest.raises(InvalidInput, match="demonstrations"):
+            align(given)
+
+
+def test_still_demonstration_has_no_arc_length():
+    still = lt.Demonstration(lt.Trajectory([0.0, 1.0], [[1.0, 1.0], [1.0, 1.0]]))
+    with pytest.raises(InvalidInput, match="move"):
+        align_by_arc_length([still])
