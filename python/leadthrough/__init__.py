@@ -5,8 +5,10 @@ from leadthrough.arm import Arm, DifferentialIk
 from leadthrough.io import read_demonstrations
 from leadthrough.models import (
     DMP,
+    GMR,
     FastMarching,
     PoseDMP,
+    ProMP,
     RhythmicDMP,
     RhythmicPoseDMP,
     SkillLibrary,
@@ -21,6 +23,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "DMP",
+    "GMR",
     "Arm",
     "Box",
     "Capsule",
@@ -31,6 +34,7 @@ __all__ = [
     "JointTrajectory",
     "PoseDMP",
     "PoseTrajectory",
+    "ProMP",
     "RhythmicDMP",
     "RhythmicPoseDMP",
     "SkillLibrary",

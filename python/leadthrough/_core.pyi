@@ -340,6 +340,7 @@ def so3_integrate(
     times: Float64Array, angular_velocities: Float64Array, start: Float64Array
 ) -> Float64Array: ...
 def dtw_distance(a: Float64Array, b: Float64Array) -> float: ...
+def dtw_path(a: Float64Array, b: Float64Array) -> Int32Array: ...
 def frechet_distance(a: Float64Array, b: Float64Array) -> float: ...
 
 class DmpForces:
@@ -500,6 +501,16 @@ def dmp_coordinates(
     velocity: Float64Array,
     near: Float64Array,
 ) -> tuple[Float64Array, Float64Array]: ...
+def condition_weights(
+    mean: Float64Array,
+    covariance: Float64Array,
+    basis: Float64Array,
+    columns: NDArray[np.int64],
+    values: Float64Array,
+    noise: Float64Array,
+    scale: Float64Array,
+    least: float,
+) -> tuple[bool, Float64Array, Float64Array]: ...
 def march_float32(
     speed: Float32Array,
     spacing: Sequence[float],

@@ -10,18 +10,24 @@ from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
 from leadthrough.models.dmp import DMPSkill
 from leadthrough.models.fast_marching import FastMarchingSkill
+from leadthrough.models.gmr_skill import GMRSkill
 from leadthrough.models.pose_dmp import PoseDMPSkill
+from leadthrough.models.promp_skill import ProMPSkill
 from leadthrough.models.protocol import Skill
 from leadthrough.models.rhythmic_dmp import RhythmicDMPSkill, RhythmicPoseDMPSkill
+from leadthrough.models.task_gmr import TaskGMRSkill
 
 _KINDS: dict[str, Callable[[dict[str, Any], archive.Arrays], Skill]] = {
     skill.kind: skill.from_archive
     for skill in (
         DMPSkill,
         FastMarchingSkill,
+        GMRSkill,
         PoseDMPSkill,
+        ProMPSkill,
         RhythmicDMPSkill,
         RhythmicPoseDMPSkill,
+        TaskGMRSkill,
     )
 }
 

@@ -5,6 +5,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.errors import FitError, InvalidInput
+from leadthrough.models import TaskGMR
 
 MODELS = {
     "movement primitive": lt.DMP(),
@@ -12,6 +13,10 @@ MODELS = {
     "fast marching": lt.FastMarching(),
     "fast marching, one map": lt.FastMarching(method="map"),
     "fast marching, by start": lt.FastMarching(method="start"),
+    "ProMP": lt.ProMP(),
+    "ProMP, B-splines": lt.ProMP(basis="bspline"),
+    "GMR": lt.GMR(),
+    "GMR, task-parameterised": TaskGMR(components=4),
 }
 
 

@@ -1,0 +1,36 @@
+#include <pybind11/eigen.h>
+
+#include "leadthrough/gaussian.hpp"
+#include "parts.hpp"
+
+namespace py = pybind11;
+
+namespace leadthrough {
+
+void bind_gaussian(py::module_& module) {
+  module.def(
+      "condition_weights",
+      [](const Eigen::Ref<const Eigen::VectorXd>& mean,
+         const Eigen::Ref<const RowMajorMatrix>& covariance,
+         const Eigen::Ref<const RowMajorMatrix>& basis, const Eigen::Ref<const Columns>& columns,
+         const Eigen::Ref<const RowMajorMatrix>& values,
+         const Eigen::Ref<const RowMajorMatrix>& noise,
+         const Eigen::Ref<const Eigen::VectorXd>& scale, double least) {
+        require(mean.size() % basis.cols() == 0 && covariance.rows() == mean.size() &&
+                covariance.cols() == mean.size() && values.rows() == basis.rows() &&
+                values.cols() == columns.size() && noise.rows() == columns.size() &&
+                noise.cols() == columns.size() && scale.size() == columns.size() &&
+                (columns.array() >= 0).all() &&
+                (columns.array() < mean.size() / basis.cols()).all());
+        Conditioned result = [&] {
+          const py::gil_scoped_release release;
+          return condition_weights(mean, covariance, basis, columns, values, noise, scale, least);
+        }();
+        return py::make_tuple(result.certain, std::move(result.mean), std::move(result.covariance));
+      },
+      py::arg("mean").noconvert(), py::arg("covariance").noconvert(), py::arg("basis").noconvert(),
+      py::arg("columns").noconvert(), py::arg("values").noconvert(), py::arg("noise").noconvert(),
+      py::arg("scale").noconvert(), py::arg("least"));
+}
+
+}  // namespace leadthrough

@@ -1,0 +1,224 @@
+"""Motions of any type as columns of numbers that a model may average, and back.
+
+Points and joints stand for themselves. Orientations are rotation vectors in the tangent spaces
+along a reference: log(reference(phase)^-1 q), in the reference's own frame. They stay small where
+the demonstrations stay near each other, however far all of them turn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from leadthrough import check, rotations
+from leadthrough.check import Float64Array
+from leadthrough.errors import FitError, InvalidInput
+from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
+
+_NODES = 201  # of the reference orientation over the phase
+# Of each motion that a mixture is fitted to, so that all count the same and the work is bounded.
+SAMPLES = 200
+# Columns that vary less than this share of the widest are as good as constant.
+_LEAST_SHARE = 1e-3
+# Where all positions, or all orientations, stay: a millimetre, a milliradian.
+_STILL = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """kind: "points", "joints" or "poses". size: columns of a point or joints.
+
+    joint_names: of joints. reference: (201, 4) orientations w, x, y, z at even phases, or None.
+    """
+
+    kind: str
+    size: int
+    joint_names: tuple[str, ...] = ()
+    reference: Float64Array | None = None
+
+    @property
+    def width(self) -> int:
+        """Number of columns; a pose has its position and then three of its orientation."""
+        return self.size + (3 if self.kind == "poses" else 0)
+
+    def columns(self, motion: Motion, phases: Float64Array, name: str) -> Float64Array:
+        """The columns (n, width) of a motion whose samples stand at phases (n,).
+
+        Raises InvalidInput for a motion of another type or size.
+        """
+        if not isinstance(motion, _TYPES[self.kind]) or motion.positions.shape[1] != self.size:
+            raise InvalidInput(
+                f"{name}: expected {self.kind} of {self.size} columns, got {_described(motion)}"
+            )
+        if not isinstance(motion, PoseTrajectory):
+            return motion.positions
+        return np.hstack([motion.positions, self.tangent(motion.orientations, phases)])
+
+    def tangent(self, orientations: Float64Array, phases: Float64Array) -> Float64Array:
+        """Rotation vectors (n, 3) of orientations (n, 4) from the reference at phases (n,)."""
+        reference = rotations.inverse(self.reference_at(phases))
+        return rotations.log(rotations.compose(reference, orientations))
+
+    def orientations(self, tangent: Float64Array, phases: Float64Array) -> Float64Array:
+        """The orientations (n, 4) that rotation vectors (n, 3) stand for at phases (n,)."""
+        turned = rotations.compose(self.reference_at(phases), rotations.exp(tangent))
+        return rotations.align_signs(turned)
+
+    def reference_at(self, phases: Float64Array) -> Float64Array:
+        """The reference orientation (n, 4) at phases (n,) in [0, 1]."""
+        assert self.reference is not None
+        inside = np.clip(phases, 0.0, 1.0)
+        return rotations.squad(np.linspace(0.0, 1.0, _NODES), self.reference, inside)
+
+    def motion(
+        self,
+        times: Float64Array,
+        phases: Float64Array,
+        columns: Float64Array,
+        velocities: Float64Array | None = None,
+        accelerations: Float64Array | None = None,
+    ) -> Motion:
+        """The motion with these columns (n, width); only joints keep the derivatives."""
+        if self.kind == "points":
+            return Trajectory(times, columns)
+        if self.kind == "joints":
+            return JointTrajectory(times, columns, velocities, accelerations, self.joint_names)
+        turned = self.orientations(columns[:, 3:], phases)
+        return PoseTrajectory(times, columns[:, :3], turned)
+
+    def target(self, value: Any, name: str, phase: float) -> Float64Array:
+        """What a query asks for, as the first columns (width,), or (3,) for a position alone.
+
+        A pose is (position (3,), orientation (4,)). Raises InvalidInput.
+        """
+        if self.kind != "poses":
+            return check.array(value, name, shape=(self.size,))
+        if not isinstance(value, tuple | list) or len(value) != 2:
+            return check.array(value, name, shape=(3,))
+        position = check.array(value[0], name, shape=(3,))
+        turned = check.quaternions(value[1], name, shape=(4,))
+        return np.concatenate([position, self.tangent(turned[None], np.array([phase]))[0]])
+
+    def arrays(self) -> dict[str, Any]:
+        """Its arrays by name, for a file."""
+        return {} if self.reference is None else {"reference": self.reference}
+
+    def settings(self) -> dict[str, Any]:
+        """Its plain values by name, for a file."""
+        return {"chart": self.kind, "size": self.size, "joint_names": list(self.joint_names)}
+
+    @staticmethod
+    def from_archive(settings: dict[str, Any], arrays: Any) -> Chart:
+        """The chart that `settings` and `arrays` took apart. Raises KeyError, InvalidInput."""
+        reference = arrays.get("reference")
+        return Chart(
+            check.choice(settings["chart"], "chart", _TYPES),
+            check.integer(settings["size"], "size", at_least=1),
+            tuple(settings["joint_names"]),
+            None
+            if reference is None
+            else check.quaternions(reference, "reference", shape=(_NODES, 4)),
+        )
+
+
+_TYPES: dict[str, type] = {
+    "points": Trajectory,
+    "joints": JointTrajectory,
+    "poses": PoseTrajectory,
+}
+
+
+def motions_of(demonstrations: Sequence[Demonstration]) -> list[Motion]:
+    """The motions of demonstrations, all of one type and size, with two samples or more each.
+
+    Raises InvalidInput, FitError for one that does not move or where there is none.
+    """
+    if isinstance(demonstrations, Demonstration) or not isinstance(demonstrations, Sequence):
+        got = type(demonstrations).__name__
+        raise InvalidInput(f"demonstrations: expected a sequence of them, got {got}")
+    if len(demonstrations) == 0:
+        raise FitError("demonstrations: there is none, show the motion at least once")
+    motions = [_moving(demonstration, i) for i, demonstration in enumerate(demonstrations)]
+    kinds = {(type(motion), motion.positions.shape[1]) for motion in motions}
+    if len(kinds) > 1:
+        got = ", ".join(sorted({_described(motion) for motion in motions}))
+        raise InvalidInput(f"demonstrations: expected all of one type and size, got {got}")
+    if len({motion.joint_names for motion in motions if isinstance(motion, JointTrajectory)}) > 1:
+        raise InvalidInput("demonstrations: expected the same joints in the same order in all")
+    return motions
+
+
+def chart_of(motions: Sequence[Motion], phases: Sequence[Float64Array]) -> Chart:
+    """The chart in which motions, their samples at phases in [0, 1], are near each other."""
+    kind = next(kind for kind, each in _TYPES.items() if isinstance(motions[0], each))
+    names = motions[0].joint_names if isinstance(motions[0], JointTrajectory) else ()
+    poses = [motion for motion in motions if isinstance(motion, PoseTrajectory)]
+    reference = _mean_orientations(poses, phases) if poses else None
+    return Chart(kind, motions[0].positions.shape[1], names, reference)
+
+
+def normalised(motion: Motion) -> Float64Array:
+    """The times of a motion as shares of its duration, (n,) from 0 to 1."""
+    return np.asarray((motion.times - motion.times[0]) / motion.duration)
+
+
+def scales(columns: Sequence[Float64Array], chart: Chart) -> Float64Array:
+    """How far the columns of motions (n, width) reach, (width,) > 0, in their units."""
+    reach = np.sqrt(np.mean([each.var(axis=0) for each in columns], axis=0))
+    wide = np.ones(chart.width)
+    for group in (slice(0, chart.size), slice(chart.size, chart.width)):
+        wide[group] = reach[group].max(initial=0.0) or _STILL / _LEAST_SHARE
+    return np.asarray(np.maximum(reach, _LEAST_SHARE * wide))
+
+
+def timed_columns(
+    motions: Sequence[Motion], phases: Sequence[Float64Array], chart: Chart, duration: float
+) -> list[Float64Array]:
+    """Of every motion (200, 1 + d): the time, s, stretched to a duration, and the columns."""
+    even = np.linspace(0.0, 1.0, SAMPLES)
+    result = []
+    for i, (motion, at) in enumerate(zip(motions, phases, strict=True)):
+        columns = chart.columns(motion, at, f"demonstrations[{i}]")
+        values = [np.interp(even, at, column) for column in columns.T]
+        result.append(np.column_stack([even * duration, *values]))
+    return result
+
+
+def _mean_orientations(
+    motions: Sequence[PoseTrajectory], phases: Sequence[Float64Array]
+) -> Float64Array:
+    """Means of the orientations at even phases; the first motion's where they are far apart."""
+    even = np.linspace(0.0, 1.0, _NODES)
+    layers = np.stack(
+        [
+            rotations.interpolate(at, motion.orientations, np.clip(even, at[0], at[-1]))
+            for motion, at in zip(motions, phases, strict=True)
+        ]
+    )
+    try:
+        return rotations.align_signs(rotations.mean(layers))
+    except InvalidInput:  # of which the mean is not unique
+        return rotations.align_signs(layers[0])
+
+
+def _moving(demonstration: Any, index: int) -> Motion:
+    name = f"demonstrations[{index}]"
+    motion: Any = getattr(demonstration, "motion", None)
+    if not isinstance(motion, Trajectory | PoseTrajectory | JointTrajectory):
+        got = type(motion if motion is not None else demonstration).__name__
+        raise InvalidInput(f"{name}: expected a demonstration with a motion, got {got}")
+    if len(motion.times) < 2:
+        raise FitError(f"{name}: has a single sample, needs at least two")
+    still = bool((motion.positions == motion.positions[0]).all())
+    if isinstance(motion, PoseTrajectory):
+        still = still and bool((motion.orientations == motion.orientations[0]).all())
+    if still:
+        raise FitError(f"{name}: does not move; leave it out")
+    return motion
+
+
+def _described(motion: Motion) -> str:
+    return f"{type(motion).__name__} of {motion.positions.shape[1]} columns"

@@ -1,0 +1,101 @@
+"""Clusters of points: k-means with the seeding of k-means++.
+
+Sources: Lloyd 1982; Arthur and Vassilvitskii 2007, "k-means++: the advantages of careful seeding".
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from leadthrough import check
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+
+_MOST_STEPS = 300
+
+
+@dataclass(frozen=True, eq=False)
+class Clusters:
+    """centres: (k, d). labels: (n,) the cluster of each point. inertia: sum of squared distances.
+
+    steps: the centres (k, d) before every step, first the seeds.
+    """
+
+    centres: Float64Array
+    labels: NDArray[np.intp]
+    inertia: float
+    steps: tuple[Float64Array, ...]
+
+
+def kmeans(points: Any, count: int, *, seed: int) -> Clusters:
+    """Points (n, d) in as many clusters as count, at most n, none of them empty.
+
+    Distances are those of the numbers as they are: scale them before. Raises InvalidInput.
+    """
+    data = check.array(points, "points", shape=("n", "d"))
+    size = check.integer(count, "count", at_least=1)
+    if size > len(data):
+        raise InvalidInput(f"count: expected at most {len(data)} for as many points, got {size}")
+    rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
+    return clustered(data, seeds(data, size, rng))
+
+
+def seeds(points: Float64Array, count: int, rng: np.random.Generator) -> Float64Array:
+    """Points (count, d) of points (n, d), each drawn by its squared distance to those before."""
+    chosen = [int(rng.integers(len(points)))]
+    nearest = ((points - points[chosen[0]]) ** 2).sum(axis=1)
+    for _ in range(count - 1):
+        total = np.cumsum(nearest)
+        if total[-1] > 0.0:
+            drawn = int(np.searchsorted(total, rng.random() * total[-1], side="right"))
+        else:  # only copies of the chosen points are left
+            drawn = int(rng.integers(len(points)))
+        chosen.append(min(drawn, len(points) - 1))
+        nearest = np.minimum(nearest, ((points - points[chosen[-1]]) ** 2).sum(axis=1))
+    return points[chosen]
+
+
+def clustered(points: Float64Array, centres: Float64Array) -> Clusters:
+    """Lloyd's steps from centres (k, d) until no point changes its cluster."""
+    steps: list[Float64Array] = []
+    labels = np.full(len(points), -1)
+    while True:
+        steps.append(centres)
+        nearer, squared = _nearest(points, centres)
+        if (nearer == labels).all() or len(steps) > _MOST_STEPS:
+            return Clusters(centres, labels, float(squared.sum()), tuple(steps))
+        labels = _without_empty(nearer, squared, len(centres))
+        counts = np.bincount(labels, minlength=len(centres))
+        centres = np.stack(
+            [np.bincount(labels, column, len(centres)) / counts for column in points.T], axis=1
+        )
+
+
+def _nearest(points: Float64Array, centres: Float64Array) -> tuple[NDArray[np.intp], Float64Array]:
+    """The nearest centre of each point, and the squared distance to it."""
+    middle = points.mean(axis=0)  # so that the products cancel little
+    a, b = points - middle, centres - middle
+    partial = (b**2).sum(axis=1) - 2.0 * a @ b.T
+    labels = partial.argmin(axis=1)
+    return labels, ((points - centres[labels]) ** 2).sum(axis=1)
+
+
+def _without_empty(labels: NDArray[np.intp], squared: Float64Array, count: int) -> NDArray[np.intp]:
+    """The labels, where every empty cluster takes the farthest point of one that has several."""
+    counts = np.bincount(labels, minlength=count)
+    if counts.all():
+        return labels
+    labels = labels.copy()
+    for point in np.argsort(-squared, kind="stable"):
+        empty = np.flatnonzero(counts == 0)
+        if len(empty) == 0:
+            break
+        if counts[labels[point]] > 1:
+            counts[labels[point]] -= 1
+            labels[point] = empty[0]
+            counts[empty[0]] = 1
+    return labels

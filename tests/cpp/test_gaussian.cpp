@@ -1,0 +1,61 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <random>
+
+#include "leadthrough/gaussian.hpp"
+
+using leadthrough::Columns;
+using leadthrough::condition_weights;
+using leadthrough::RowMajorMatrix;
+
+namespace {
+
+RowMajorMatrix random_matrix(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal;
+  return RowMajorMatrix::NullaryExpr(rows, columns, [&] { return normal(generator); });
+}
+
+}  // namespace
+
+TEST(Gaussian, ConditionedWeightsAreThoseOfBayesRule) {
+  const Eigen::Index curves = 3;
+  const Eigen::Index functions = 5;
+  const RowMajorMatrix root = random_matrix(15, 15, 1);
+  const RowMajorMatrix covariance = root * root.transpose();
+  const Eigen::VectorXd mean = random_matrix(15, 1, 2);
+  const RowMajorMatrix basis = random_matrix(2, functions, 3);
+  const Columns columns = (Columns(2) << 2, 0).finished();
+  const RowMajorMatrix values = random_matrix(2, 2, 4);
+  const RowMajorMatrix noise = (RowMajorMatrix(2, 2) << 0.3, 0.1, 0.1, 0.2).finished();
+  const Eigen::Vector2d scale(10.0, 0.01);
+
+  RowMajorMatrix rows = RowMajorMatrix::Zero(4, curves * functions);
+  Eigen::VectorXd stacked(4);
+  RowMajorMatrix all_noise = RowMajorMatrix::Zero(4, 4);
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    for (Eigen::Index c = 0; c < 2; ++c) {
+      rows.block(2 * i + c, columns[c] * functions, 1, functions) = basis.row(i);
+      stacked[2 * i + c] = values(i, c);
+    }
+    all_noise.block(2 * i, 2 * i, 2, 2) = noise;
+  }
+  const RowMajorMatrix gain =
+      covariance * rows.transpose() * (rows * covariance * rows.transpose() + all_noise).inverse();
+
+  const auto found =
+      condition_weights(mean, covariance, basis, columns, values, noise, scale, 1e-9);
+  ASSERT_FALSE(found.certain);
+  EXPECT_TRUE(found.mean.isApprox(mean + gain * (stacked - rows * mean), 1e-9));
+  EXPECT_TRUE(found.covariance.isApprox(covariance - gain * rows * covariance, 1e-9));
+}
+
+TEST(Gaussian, WhatIsKnownAlreadyIsReported) {
+  const RowMajorMatrix basis = RowMajorMatrix::Ones(1, 2);
+  const RowMajorMatrix none = RowMajorMatrix::Zero(1, 1);
+  const auto found =
+      condition_weights(Eigen::Vector2d::Zero(), RowMajorMatrix::Zero(2, 2), basis,
+                        Columns::Zero(1), none, none, Eigen::VectorXd::Ones(1), 1e-9);
+  EXPECT_TRUE(found.certain);
+}

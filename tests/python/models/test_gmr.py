@@ -1,0 +1,168 @@
+"""GMR: motions, updates, task parameters, stiffness."""
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
+from leadthrough.models import Frame, TaskGMR, stiffness_profile
+
+U = np.linspace(0.0, 1.0, 160)
+
+
+def family(count=6, *, seed=0, spread=0.05, height=0.4):
+    """Motions that vary in the middle and agree at both ends."""
+    rng = np.random.default_rng(seed)
+    shown = []
+    for _ in range(count):
+        bump = height + spread * rng.standard_normal()
+        points = np.column_stack([U, bump * np.sin(np.pi * U) ** 2])
+        points += 0.002 * rng.standard_normal(points.shape)
+        shown.append(lt.Demonstration(lt.Trajectory(2.0 * U, points)))
+    return shown
+
+
+def test_regression_follows_mean_and_spread_of_the_demonstrations():
+    shown = family(20)
+    skill = lt.GMR(8).fit(shown)
+    mean, covariance = skill.regress(2.0 * U)
+    curves = np.stack([each.motion.positions for each in shown])
+    assert np.abs(mean - curves.mean(axis=0)).max() < 0.03
+    spread = np.sqrt(covariance[:, 1, 1])
+    assert spread[80] == pytest.approx(curves[:, 80, 1].std(), rel=0.3)
+    assert spread[5] < 0.5 * spread[80]
+
+
+def test_mixture_has_the_time_first_in_seconds():
+    mixture = lt.GMR(5).fit(family()).mixture
+    assert mixture.means.shape == (5, 3)
+    assert mixture.covariances.shape == (5, 3, 3)
+    assert 1.5 < mixture.means[:, 0].max() < 2.0
+    np.testing.assert_allclose(mixture.means[:, 1], mixture.means[:, 0] / 2.0, atol=0.02)
+
+
+def test_mixture_may_be_asked_for_the_time_of_a_place():
+    mixture = lt.GMR(8).fit(family()).mixture
+    mean, _ = mixture.regress([[0.25], [0.5]], inputs=[1], outputs=[0])
+    np.testing.assert_allclose(mean[:, 0], [0.5, 1.0], atol=0.05)
+
+
+def test_number_of_components_may_be_chosen_by_the_data():
+    skill = lt.GMR(components=None).fit(family())
+    assert 3 <= skill.mixture.count <= 15
+
+
+def test_update_comes_near_to_a_fit_of_everything():
+    old, new = family(6, seed=1), family(6, seed=2, height=0.6)
+    both = lt.GMR(6).fit(old + new)
+    updated = lt.GMR(6).fit(old).updated(new)
+    assert updated.shown == 12
+    mean, _ = updated.regress(2.0 * U)
+    assert np.abs(mean - both.regress(2.0 * U)[0]).max() < 0.05
+    before = np.abs(lt.GMR(6).fit(old).regress(2.0 * U)[0] - both.regress(2.0 * U)[0]).max()
+    assert np.abs(mean - both.regress(2.0 * U)[0]).max() < 0.6 * before
+
+
+def test_update_with_the_same_changes_nothing():
+    shown = family(8)
+    skill = lt.GMR(5).fit(shown)
+    again = skill.updated(shown)
+    np.testing.assert_allclose(again.regress(2 * U)[0], skill.regress(2 * U)[0], atol=0.01)
+
+
+def test_joints_come_back_with_their_names():
+    shown = [
+        lt.Demonstration(lt.JointTrajectory(U, np.column_stack([U, a * U]), joint_names=("a", "b")))
+        for a in (0.9, 1.1)
+    ]
+    motion = lt.GMR(3).fit(shown).generate()
+    assert isinstance(motion, lt.JointTrajectory)
+    assert motion.joint_names == ("a", "b")
+
+
+def test_tiny_and_singular_sets_give_usable_models():
+    one = family(1)
+    constant = lt.Demonstration(lt.Trajectory(U, np.column_stack([U, np.full(160, 0.3)])))
+    for given in (one, 3 * one, [constant]):
+        motion = lt.GMR().fit(given).generate(start=(0.1, 0.1))
+        assert np.isfinite(motion.positions).all()
+        np.testing.assert_allclose(motion.positions[0], (0.1, 0.1), atol=1e-12)
+    with pytest.raises(FitError, match="none"):
+        lt.GMR().fit([])
+
+
+def placed(count, seed):
+    """Motions that leave a start along its axes and come into a goal along its own."""
+    rng = np.random.default_rng(seed)
+    shown, frames = [], []
+    for _ in range(count):
+        angles = 0.5 * rng.standard_normal(2)
+        origins = np.array([[0.0, 0.0], [1.0, 0.5]]) + 0.2 * rng.standard_normal((2, 2))
+        axes = [np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]]) for a in angles]
+        start, goal = (Frame(o, a) for o, a in zip(origins, axes, strict=True))
+        shown.append(lt.Demonstration(lt.Trajectory(U, bezier(start, goal))))
+        frames.append([start, goal])
+    return shown, frames
+
+
+def bezier(start, goal):
+    a, d = start.origin, goal.origin
+    b, c = a + 0.5 * start.axes[:, 0], d - 0.5 * goal.axes[:, 0]
+    u = U[:, None]
+    return (1 - u) ** 3 * a + 3 * (1 - u) ** 2 * u * b + 3 * (1 - u) * u**2 * c + u**3 * d
+
+
+def test_frames_carry_the_motion_to_new_situations():
+    shown, frames = placed(20, seed=0)
+    framed, plain = TaskGMR(6).fit(shown, frames=frames), lt.GMR(6).fit(shown)
+    errors = []
+    for new, (start, goal) in zip(*placed(5, seed=7), strict=True):
+        query = {"start": start.origin, "goal": goal.origin, "duration": 1.0, "dt": 1.0 / 159}
+        motions = framed.at([start, goal]).generate(**query), plain.generate(**query)
+        gaps = [np.linalg.norm(m.positions - new.motion.positions, axis=1) for m in motions]
+        errors.append([gap.mean() for gap in gaps])
+    errors = np.mean(errors, axis=0)
+    assert errors[0] < 0.05
+    assert errors[0] < 0.75 * errors[1]
+
+
+def test_skill_with_frames_of_its_own_says_how_to_ask_it(tmp_path):
+    shown, frames = placed(4, seed=0)
+    skill = TaskGMR(3).fit(shown, frames=frames)
+    with pytest.raises(UnsupportedQuery, match="at"):
+        skill.generate(start=(0.0, 0.0))
+    with pytest.raises(InvalidInput, match="frames"):
+        skill.at(frames[0][:1])
+    with pytest.raises(InvalidInput, match="axes"):
+        Frame((0.0, 0.0), 2.0 * np.eye(2))
+    skill.save(tmp_path / "skill.npz")
+    loaded = lt.load_skill(tmp_path / "skill.npz").at(frames[0])
+    assert (
+        loaded.generate().positions.tobytes() == skill.at(frames[0]).generate().positions.tobytes()
+    )
+
+
+def test_stiffness_is_high_where_and_along_what_demonstrations_agree():
+    _, covariance = lt.GMR(8).fit(family(20)).regress(2.0 * U)
+    stiffness = stiffness_profile(covariance, softest=50.0, stiffest=800.0)
+    values = np.linalg.eigvalsh(stiffness)
+    assert values.min() == pytest.approx(50.0)
+    assert values.max() == pytest.approx(800.0)
+    assert stiffness[80, 1, 1] < 0.2 * stiffness[3, 1, 1]
+    np.testing.assert_allclose(stiffness, stiffness.transpose(0, 2, 1), atol=1e-9)
+    # The least stiff axis is the one that varies the most.
+    most = np.linalg.eigh(covariance)[1][:, :, -1]
+    least = np.linalg.eigh(stiffness)[1][:, :, 0]
+    np.testing.assert_allclose(np.abs(np.einsum("ni,ni->n", most, least)), 1.0, atol=1e-6)
+
+
+def test_stiffness_of_an_even_spread_is_the_stiffest_and_bad_input_is_refused():
+    even = np.tile(np.eye(2), (4, 1, 1))
+    np.testing.assert_allclose(
+        stiffness_profile(even, softest=1.0, stiffest=9.0), 9.0 * even, atol=1e-9
+    )
+    for covariances in (-even, 0.0 * even, even + np.eye(2, k=1)):
+        with pytest.raises(InvalidInput, match="covariances"):
+            stiffness_profile(covariances, softest=1.0, stiffest=9.0)
+    with pytest.raises(InvalidInput, match="stiffest"):
+        stiffness_profile(even, softest=2.0, stiffest=1.0)

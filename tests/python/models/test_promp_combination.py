@@ -1,0 +1,89 @@
+"""Several ProMPs at once, one after the other, and the inference of one."""
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough.errors import InvalidInput
+from leadthrough.models import blend, combine, infer
+
+U = np.linspace(0.0, 1.0, 150)
+
+
+def family(height, *, count=8, seed=0, duration=2.0, spread=0.02):
+    rng = np.random.default_rng(seed)
+    shown = []
+    for _ in range(count):
+        peak = height + spread * rng.standard_normal()
+        goal = 0.3 + spread * rng.standard_normal()
+        points = np.column_stack([goal * U, peak * np.sin(np.pi * U)])
+        shown.append(lt.Demonstration(lt.Trajectory(duration * U, points)))
+    return shown
+
+
+@pytest.fixture(scope="module")
+def skills():
+    return [lt.ProMP(weights=10).fit(family(height)) for height in (0.1, -0.1)]
+
+
+def test_combination_of_a_skill_with_itself_keeps_the_mean_and_halves_the_covariance(skills):
+    both = combine([skills[0], skills[0]])
+    mean, covariance = skills[0].distribution(2 * U)
+    np.testing.assert_allclose(both.distribution(2 * U)[0], mean, atol=1e-9)
+    np.testing.assert_allclose(both.distribution(2 * U)[1], 0.5 * covariance, atol=1e-9)
+
+
+def test_combination_meets_the_via_points_of_all(skills):
+    first = skills[0].condition(0.5, (0.08, 0.06))
+    second = skills[0].condition(1.5, (0.22, 0.08))
+    mean, _ = combine([first, second]).distribution([0.5, 1.5])
+    np.testing.assert_allclose(mean, [(0.08, 0.06), (0.22, 0.08)], atol=1e-4)
+
+
+def test_surer_skill_has_more_weight(skills):
+    sure = combine(skills, activations=[10.0, 0.1])
+    gap = sure.distribution([1.0])[0] - skills[0].distribution([1.0])[0]
+    assert np.abs(gap).max() < 0.01
+
+
+def test_blend_goes_over_from_one_to_the_other(skills):
+    share = np.clip(3.0 * U - 1.0, 0.0, 1.0)
+    mean, covariance = blend(skills, 2 * U, np.column_stack([1 - share, share]))
+    np.testing.assert_allclose(mean[:50], skills[0].distribution(2 * U[:50])[0], atol=1e-6)
+    np.testing.assert_allclose(mean[-50:], skills[1].distribution(2 * U[-50:])[0], atol=1e-6)
+    assert np.abs(np.diff(mean, axis=0)).max() < 0.01
+    assert np.linalg.eigvalsh(covariance).min() > -1e-15
+
+
+def test_strangers_are_refused(skills):
+    with pytest.raises(InvalidInput, match="weights"):
+        combine([skills[0], lt.ProMP(weights=12).fit(family(0.1))])
+    joints = [lt.Demonstration(lt.JointTrajectory(U, np.column_stack([U, U])))]
+    with pytest.raises(InvalidInput, match="points"):
+        blend([skills[0], lt.ProMP().fit(joints)], U, np.ones((150, 2)))
+    with pytest.raises(InvalidInput, match="activations"):
+        blend(skills, U, np.zeros((150, 2)))
+
+
+def test_beginning_of_a_motion_tells_which_how_fast_and_how_it_goes_on(skills):
+    whole = family(-0.12, count=1, seed=9, duration=2.6)[0].motion
+    seen = lt.Trajectory(whole.times[:60], whole.positions[:60])
+    found = infer(seen, skills)
+    assert found.best == 1
+    assert found.probabilities[1] > 0.99
+    assert found.durations[1] == pytest.approx(2.6, rel=0.1)
+    assert found.phases[1] == pytest.approx(60 / 150, rel=0.1)
+    ahead, _ = found.skills[1].distribution(np.minimum(whole.times, found.durations[1]))
+    assert np.abs(ahead - whole.positions).max() < 0.04
+    before, _ = skills[1].distribution(np.minimum(whole.times, 2.0))
+    assert np.abs(ahead - whole.positions).max() < np.abs(before - whole.positions).max()
+
+
+def test_prior_counts(skills):
+    whole = family(0.1, count=1, seed=9)[0].motion
+    seen = lt.Trajectory(whole.times[:3], whole.positions[:3])
+    assert infer(seen, skills, prior=[0.0, 1.0]).best == 1
+    with pytest.raises(InvalidInput, match="prior"):
+        infer(seen, skills, prior=[0.0, 0.0])
+    with pytest.raises(InvalidInput, match="observed"):
+        infer(lt.Trajectory([0.0], [[0.0, 0.0]]), skills)
