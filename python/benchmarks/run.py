@@ -30,6 +30,7 @@ FILES = [
     "bench_dynamics",
     "bench_eikonal",
     "bench_ik",
+    "bench_models",
     "bench_paths",
     "bench_replan",
 ]

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from leadthrough.check import Float64Array
-from leadthrough.models import FastMarching
+from leadthrough.models import GMR, FastMarching, ProMP
 from leadthrough.motion import Demonstration, Trajectory
 from leadthrough.preprocess.resample import arc_length
 
@@ -82,5 +82,7 @@ METHODS: dict[str, Method] = {
     "FML, map": generated_by(SETTINGS["FML, map"]),
     "FML, start": generated_by(FastMarching(method="start")),
     "FML, mean path": generated_by(FastMarching(method="mean_path")),
+    "ProMP": generated_by(ProMP()),
+    "GMR": generated_by(GMR()),
     "nearest demonstration, shifted": nearest_shifted,
 }

@@ -1,0 +1,173 @@
+"""Probabilistic models against their peers: ProMP, Gaussian mixtures and the regression with them.
+
+Twenty demonstrations of seven joints, 200 samples each. A fit is judged by how far its mean and
+its deviations are from the demonstrations' own, and must not be worse than the peer's. Ours
+returns full covariances where the peer returns variances.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+from frame import Benchmark
+from gmr import GMM
+from movement_primitives.promp import ProMP as PeerProMP
+from sklearn.exceptions import ConvergenceWarning
+from sklearn.mixture import GaussianMixture
+
+import leadthrough as lt
+from leadthrough.models import ProMPSkill
+from leadthrough.models.kmeans import kmeans
+from leadthrough.models.mixture_em import Steps, fit_mixture
+
+SAMPLES, JOINTS, WEIGHTS, COMPONENTS = 200, 7, 10, 10
+# The peer's iterations take long enough to measure, and few enough to converge to the same.
+ITERATIONS = 30
+
+
+def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
+    """Rows of all models; quick has fewer demonstrations."""
+    u, curves = _curves(5 if quick else 20)
+    yield from _promp(u, curves)
+    yield from _mixture(u, curves)
+
+
+def _promp(u: Any, curves: Any) -> Iterator[Benchmark]:
+    shown = [lt.Demonstration(lt.JointTrajectory(u, each)) for each in curves]
+    model = lt.ProMP(weights=WEIGHTS)
+
+    def peer_fit() -> PeerProMP:
+        promp = PeerProMP(JOINTS, WEIGHTS)
+        promp.imitate(np.tile(u, (len(curves), 1)), curves)
+        return promp
+
+    skill, promp = model.fit(shown), peer_fit()
+    yield Benchmark(
+        f"ProMP: fit of {len(curves)} demonstrations; our error over the peer's",
+        ours=lambda: model.fit(shown),
+        peer=peer_fit,
+        peer_name="movement_primitives",
+        error=lambda a, b: (
+            _misfit(_mean_and_deviation(a, u), curves)
+            / _misfit((b.mean_trajectory(u.copy()), np.sqrt(b.var_trajectory(u.copy()))), curves)
+        ),
+        tolerance=1.0,
+    )
+    noise = 1e-6 * np.eye(JOINTS)
+    for count in (1, 5):
+        samples = np.linspace(20, 180, count + 2).astype(int)[1:-1]
+        vias = curves.mean(axis=0)[samples] + 0.01
+        yield Benchmark(
+            f"ProMP: 100 times conditioned on {count} via point{'s' if count > 1 else ''}",
+            ours=partial(_conditioned, skill, u[samples], vias, noise),
+            peer=partial(_peer_conditioned, promp, u[samples], vias, noise),
+            peer_name="movement_primitives",
+            error=lambda a, b, at=samples, vias=vias: max(
+                np.abs(a.distribution(u[at])[0] - vias).max(),
+                np.abs(b.mean_trajectory(u.copy())[at] - vias).max(),
+            ),
+            tolerance=1e-2,
+        )
+    yield Benchmark(
+        f"ProMP: mean and covariances at {SAMPLES} times, peer variances only",
+        ours=lambda: skill.distribution(u),
+        peer=lambda: (promp.mean_trajectory(u.copy()), promp.var_trajectory(u.copy())),
+        peer_name="movement_primitives",
+        error=lambda a, b: np.abs(a[0] - b[0]).max() / np.ptp(curves),
+        tolerance=0.02,
+    )
+
+
+def _conditioned(skill: ProMPSkill, times: Any, vias: Any, noise: Any) -> Any:
+    for _ in range(100):
+        found = skill.condition(times, vias, covariance=noise)
+    return found
+
+
+def _peer_conditioned(promp: PeerProMP, times: Any, vias: Any, noise: Any) -> PeerProMP:
+    for _ in range(100):
+        found = promp
+        for time, via in zip(times, vias, strict=True):
+            found = found.condition_position(via, noise, t=time)
+    return found
+
+
+def _mixture(u: Any, curves: Any) -> Iterator[Benchmark]:
+    points = np.concatenate([np.column_stack([u, each]) for each in curves])
+    points = (points - points.mean(axis=0)) / points.std(axis=0)
+    labels = kmeans(points, COMPONENTS, seed=0).labels
+    first = Steps([points]).maximise(np.eye(COMPONENTS)[labels])
+
+    def ours() -> float:
+        steps, components = Steps([points]), first
+        for _ in range(ITERATIONS):
+            shares, _ = steps.expect(components)
+            components = steps.maximise(shares)
+        return steps.expect(components)[1]
+
+    yield Benchmark(
+        f"GMM: {ITERATIONS} iterations of EM, {len(points)} points of 8 columns, K = {COMPONENTS}",
+        ours=ours,
+        peer=lambda: _peer_em(points, first).score(points),
+        peer_name="scikit-learn",
+        error=lambda a, b: abs(a - b),
+        tolerance=1e-2,
+    )
+    mixture = fit_mixture(points, COMPONENTS).mixture
+    peer = GMM(COMPONENTS, mixture.weights, mixture.means, mixture.covariances)
+    times = np.linspace(points[:, 0].min(), points[:, 0].max(), SAMPLES)
+    yield Benchmark(
+        f"GMR: mean and covariance at {SAMPLES} times",
+        ours=lambda: mixture.regress(times[:, None], inputs=[0]),
+        peer=lambda: _peer_regression(peer, times),
+        peer_name="gmr",
+        error=lambda a, b: max(np.abs(a[0] - b[0]).max(), np.abs(a[1] - b[1]).max()),
+        tolerance=1e-8,
+    )
+
+
+def _curves(count: int) -> tuple[Any, Any]:
+    """Even phases (200,) and smooth random joint motions (count, 200, 7) about a common one."""
+    rng = np.random.default_rng(0)
+    u = np.linspace(0.0, 1.0, SAMPLES)
+    waves = np.stack([np.ones(SAMPLES), u, np.sin(np.pi * u), np.sin(2 * np.pi * u)])
+    middle = rng.standard_normal((JOINTS, 4))
+    amplitudes = middle + 0.2 * rng.standard_normal((count, JOINTS, 4))
+    return u, np.einsum("mjk,kn->mnj", amplitudes, waves)
+
+
+def _mean_and_deviation(skill: Any, u: Any) -> tuple[Any, Any]:
+    mean, covariance = skill.distribution(u)
+    return mean, np.sqrt(np.einsum("nii->ni", covariance))
+
+
+def _misfit(fitted: tuple[Any, Any], curves: Any) -> float:
+    """Root mean square error of a mean and of deviations."""
+    own = curves.mean(axis=0), curves.std(axis=0)
+    squares = [((a - b) ** 2).mean() for a, b in zip(fitted, own, strict=True)]
+    return float(np.sqrt(np.sum(squares)))
+
+
+def _peer_em(points: Any, first: Any) -> GaussianMixture:
+    """From our start on, without its own clustering."""
+    peer = GaussianMixture(
+        COMPONENTS,
+        max_iter=ITERATIONS,
+        tol=0.0,
+        init_params="random_from_data",
+        weights_init=first.weights,
+        means_init=first.means[0],
+        precisions_init=np.linalg.inv(first.covariances[0]),
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ConvergenceWarning)
+        return peer.fit(points)
+
+
+def _peer_regression(peer: GMM, times: Any) -> tuple[Any, Any]:
+    found = [peer.condition([0], [time]).to_mvn() for time in times]
+    return np.stack([each.mean for each in found]), np.stack([each.covariance for each in found])
