@@ -13,5 +13,6 @@ PYBIND11_MODULE(_core, module) {
   leadthrough::bind_jacobian(module);
   leadthrough::bind_priority(module);
   leadthrough::bind_so3(module);
+  leadthrough::bind_time_law(module);
   leadthrough::bind_tracking(module);
 }

@@ -17,6 +17,7 @@ void bind_ik(pybind11::module_& module);
 void bind_jacobian(pybind11::module_& module);
 void bind_priority(pybind11::module_& module);
 void bind_so3(pybind11::module_& module);
+void bind_time_law(pybind11::module_& module);
 void bind_tracking(pybind11::module_& module);
 
 // The Python layer says what is wrong; this keeps the kernels inside their arrays.

@@ -1,6 +1,15 @@
 """leadthrough: hand-guided demonstrations in, executable robot-arm motion out."""
 
-from leadthrough import arm, errors, io, planning, preprocess, rotations
+from leadthrough import (
+    arm,
+    errors,
+    io,
+    planning,
+    preprocess,
+    rotations,
+    timing,
+    trajectories,
+)
 from leadthrough.arm import Arm, DifferentialIk
 from leadthrough.io import read_demonstrations
 from leadthrough.models import (
@@ -17,7 +26,7 @@ from leadthrough.models import (
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from leadthrough.planning import Grid, arrival_times
 from leadthrough.shapes import Box, Capsule, Sphere
-from leadthrough.timing import check_limits, differentiate, scale_to_limits
+from leadthrough.timing import check_limits, differentiate, retime, scale_to_limits
 
 __version__ = "0.1.0"
 
@@ -50,6 +59,9 @@ __all__ = [
     "planning",
     "preprocess",
     "read_demonstrations",
+    "retime",
     "rotations",
     "scale_to_limits",
+    "timing",
+    "trajectories",
 ]

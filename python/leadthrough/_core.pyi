@@ -586,3 +586,36 @@ def directions(
 def directions(
     arrival: Float64Array, spacing: Sequence[float], points: Float64Array
 ) -> tuple[str, int, Float64Array]: ...
+
+class TimedPath:
+    def __init__(
+        self, breaks: Float64Array, coefficients: Float64Array, scale: Float64Array, points: int
+    ) -> None: ...
+    @property
+    def length(self) -> Float64Array: ...
+    @property
+    def parameter(self) -> Float64Array: ...
+    @property
+    def slope(self) -> Float64Array: ...
+    @property
+    def positions(self) -> Float64Array: ...
+    @property
+    def first(self) -> Float64Array: ...
+    @property
+    def second(self) -> Float64Array: ...
+    def time_law(
+        self,
+        velocity: Float64Array,
+        acceleration: Float64Array,
+        jerk: Float64Array,
+        fastest: Float64Array,
+        gain: Float64Array,
+        bend: Float64Array,
+        lower: Float64Array,
+        upper: Float64Array,
+        period: float,
+        start_speed: float,
+        end_speed: float,
+        longest: float,
+    ) -> tuple[int, int, Float64Array, float, float, int]: ...
+    def positions_at(self, lengths: Float64Array) -> Float64Array: ...

@@ -175,6 +175,27 @@ def _differences(
     return np.clip(middles, times[0], times[-1]), values
 
 
+def limit_ratios(
+    trajectory: JointTrajectory, limits: JointLimits
+) -> tuple[tuple[str, ...], Float64Array]:
+    """Joint names, and (n - 1, 3, joints) how much of its velocity, acceleration and jerk limit
+    each joint uses between two samples; 0 where there is no limit.
+
+    Raises InvalidInput where trajectory and limits do not belong together.
+    """
+    names = _joint_names(trajectory, limits)
+    steps = len(trajectory.times) - 1
+    ratios = np.zeros((steps, 3, len(names)))
+    for order, limit in enumerate((limits.velocity, limits.acceleration, limits.jerk), 1):
+        if limit is None or steps == 0:
+            continue
+        _, values = _differences(trajectory.times, trajectory.positions, order)
+        used = _ratios(values, limit)
+        for reach in range(order):  # differences of a higher order span several steps
+            ratios[:, order - 1] = np.maximum(ratios[:, order - 1], used[reach : reach + steps])
+    return names, ratios
+
+
 def _peak(
     trajectory: JointTrajectory,
     order: int,
@@ -187,10 +208,14 @@ def _peak(
     times, values = _differences(trajectory.times, trajectory.positions, order)
     if own is not None:
         times, values = np.append(times, trajectory.times), np.vstack([values, own])
+    return _worst(times, _ratios(values, limit), names)
+
+
+def _ratios(values: Float64Array, limit: Float64Array) -> Float64Array:
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         # 0 / 0 is a joint at rest that must rest; anything else not a number overflowed.
         ratios = np.where(values == 0.0, 0.0, np.abs(values) / limit)
-    return _worst(times, np.where(np.isnan(ratios), np.inf, ratios), names)
+    return np.where(np.isnan(ratios), np.inf, ratios)
 
 
 def _position_peak(

@@ -1,0 +1,80 @@
+#include <pybind11/eigen.h>
+
+#include "leadthrough/time_law.hpp"
+#include "parts.hpp"
+
+namespace py = pybind11;
+
+namespace leadthrough {
+
+namespace {
+
+using Vector = Eigen::Ref<const Eigen::VectorXd>;
+using Table = Eigen::Ref<const Rows>;
+
+// The path and its grid, which the caller may read to add bounds of its own.
+class TimedPath {
+ public:
+  TimedPath(const Vector& breaks, const Table& coefficients, const Vector& scale,
+            Eigen::Index points)
+      : path_{breaks, coefficients} {
+    require(breaks.size() > 1 && coefficients.rows() >= path_.pieces() &&
+            coefficients.rows() % path_.pieces() == 0 && scale.size() == path_.joints() &&
+            path_.joints() > 0 && points > 2);
+    grid_ = make_path_grid(path_, scale, points);
+  }
+
+  const PathGrid& grid() const { return grid_; }
+
+  py::tuple time_law(const Vector& velocity, const Vector& acceleration, const Vector& jerk,
+                     const Vector& fastest, const Table& gain, const Table& bend,
+                     const Table& lower, const Table& upper, double period, double start_speed,
+                     double end_speed, double longest) const {
+    require(velocity.size() == path_.joints() && acceleration.size() == path_.joints() &&
+            jerk.size() == path_.joints() && fastest.size() == grid_.points());
+    for (const Table* table : {&gain, &bend, &lower, &upper})
+      require(table->rows() == grid_.points() && table->cols() == gain.cols());
+    TimeLaw law;
+    {
+      const py::gil_scoped_release release;
+      const RateLimits limits{velocity, acceleration, jerk};
+      const PathBounds bounds{fastest, gain, bend, lower, upper};
+      law = make_time_law(path_, grid_, limits, bounds, {period, start_speed, end_speed, longest});
+    }
+    return py::make_tuple(static_cast<int>(law.status), law.failed_at, std::move(law.length),
+                          law.duration, law.optimum, law.rounds);
+  }
+
+  Rows positions_at(const Vector& lengths) const {
+    const py::gil_scoped_release release;
+    return leadthrough::positions_at(path_, grid_, lengths);
+  }
+
+ private:
+  PolynomialPath path_;
+  PathGrid grid_;
+};
+
+}  // namespace
+
+void bind_time_law(py::module_& module) {
+  py::class_<TimedPath>(module, "TimedPath")
+      .def(py::init<const Vector&, const Table&, const Vector&, Eigen::Index>(),
+           py::arg("breaks").noconvert(), py::arg("coefficients").noconvert(),
+           py::arg("scale").noconvert(), py::arg("points"))
+      .def_property_readonly("length", [](const TimedPath& path) { return path.grid().length; })
+      .def_property_readonly("parameter", [](const TimedPath& path) { return path.grid().s; })
+      .def_property_readonly("slope", [](const TimedPath& path) { return path.grid().slope; })
+      .def_property_readonly("positions",
+                             [](const TimedPath& path) { return path.grid().positions; })
+      .def_property_readonly("first", [](const TimedPath& path) { return path.grid().first; })
+      .def_property_readonly("second", [](const TimedPath& path) { return path.grid().second; })
+      .def("time_law", &TimedPath::time_law, py::arg("velocity").noconvert(),
+           py::arg("acceleration").noconvert(), py::arg("jerk").noconvert(),
+           py::arg("fastest").noconvert(), py::arg("gain").noconvert(), py::arg("bend").noconvert(),
+           py::arg("lower").noconvert(), py::arg("upper").noconvert(), py::arg("period"),
+           py::arg("start_speed"), py::arg("end_speed"), py::arg("longest"))
+      .def("positions_at", &TimedPath::positions_at, py::arg("lengths").noconvert());
+}
+
+}  // namespace leadthrough

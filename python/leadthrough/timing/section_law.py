@@ -1,0 +1,224 @@
+"""The time law of one smooth section of a path."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from leadthrough import _core
+from leadthrough.arm.limits import JointLimits
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput, LimitsInfeasible
+from leadthrough.timing import bounds
+from leadthrough.timing.request import Request
+from leadthrough.timing.samples import Motion, differentiated
+from leadthrough.timing.sections import Section
+from leadthrough.trajectories import Spline
+
+# Points of the grid over a path: at least, and for each of its pieces.
+_POINTS, _POINTS_A_PIECE, _MOST_POINTS = 1000, 8, 50_000
+_COARSEST_PERIOD = 1e-3  # s; what is given back more rarely is computed at a part of it
+_MOST_SAMPLES = 1e7
+# Joints that move by less, rad or m, are at rest: it is what fitting leaves of a constant.
+_AT_REST = 1e-9
+# Rounding may take a path over its position limits by so much, rad or m.
+_ROUNDING = 1e-9
+# A velocity may point so far off the path, relative to its size.
+_ALONG = 1e-3
+_STATUSES = ("ok", "no_motion", "start_too_fast", "end_too_fast", "too_long", "not_settled")
+# Averaging leaves bounds of the tip and of efforts exceeded by a percent: they are tightened.
+_MOST_TIGHTENINGS, _TIGHTER = 10, 1.0 + 1e-4
+_JUDGED_SAMPLES = 2000
+
+
+@dataclass(frozen=True, eq=False)
+class _Rates:
+    """Limits of the joints that move; zero for those at rest."""
+
+    velocity: Float64Array
+    acceleration: Float64Array
+    jerk: Float64Array
+    scale: Float64Array  # the fastest that each could be
+
+
+def time_section(
+    section: Section, limits: JointLimits, request: Request, *, first: bool, last: bool
+) -> Motion:
+    """The fastest motion along a section, with the velocities asked for where it is an end."""
+    rates = _rates(section.spline, limits)
+    path = _timed_path(section.spline, rates.scale)
+    _check_positions(path, limits)
+    speeds = (
+        _end_speed(path, 0, request.start_velocity if first else None, "start_velocity"),
+        _end_speed(path, -1, request.end_velocity if last else None, "end_velocity"),
+    )
+    share, tip_share = 1.0, 1.0
+    for _ in range(_MOST_TIGHTENINGS):
+        extra = _bounds(path, section, limits, request, share=share, tip_share=tip_share)
+        motion = _solve(path, rates, extra, speeds=speeds, limits=limits, rate=request.rate)
+        tip, effort = _tip_ratio(motion, request), _effort_ratio(motion, limits, request)
+        if max(tip, effort) <= 1.0:
+            return motion.held(section.hold, request.rate)
+        tip_share /= max(tip * _TIGHTER, 1.0)
+        share /= max(effort * _TIGHTER, 1.0)
+    raise LimitsInfeasible(
+        "the tip's speed and the efforts do not come inside their limits",
+        joint=limits.joint_names[0],
+    )
+
+
+def _rates(spline: Spline, limits: JointLimits) -> _Rates:
+    spread = np.ptp(spline.evaluate(np.linspace(*spline.domain, 4 * _POINTS // 10)), axis=0)
+    moves = spread > _AT_REST
+    velocity, acceleration, jerk = limits.velocity, limits.acceleration, limits.jerk
+    assert acceleration is not None
+    assert jerk is not None
+    # A joint that starts and stops within its spread comes to no higher speed than these.
+    scale = np.minimum(
+        np.minimum(velocity, np.sqrt(acceleration * spread)), np.cbrt(jerk * spread**2)
+    )
+    for i in np.flatnonzero(moves & ~(scale > 0.0)):
+        name = limits.joint_names[i]
+        raise LimitsInfeasible(f"{name} moves along the path but must not", joint=name)
+    if not np.isfinite(scale[moves]).any():
+        raise InvalidInput("limits: expected a limit for one of the joints that move, got none")
+    still = ~moves | ~np.isfinite(scale)
+    return _Rates(
+        velocity=np.where(moves, velocity, 0.0),
+        acceleration=np.where(moves, acceleration, 0.0),
+        jerk=np.where(moves, jerk, 0.0),
+        scale=np.where(still, 0.0, scale),
+    )
+
+
+def _timed_path(spline: Spline, scale: Float64Array) -> _core.TimedPath:
+    pieces, terms, joints = spline.coefficients.shape
+    points = min(max(_POINTS, _POINTS_A_PIECE * pieces), _MOST_POINTS)
+    table = spline.coefficients.reshape(pieces * terms, joints)
+    return _core.TimedPath(spline.knots, table, scale, points + 1)
+
+
+def _check_positions(path: _core.TimedPath, limits: JointLimits) -> None:
+    lower, upper = limits.lower - _ROUNDING, limits.upper + _ROUNDING
+    outside = ((path.positions < lower) | (path.positions > upper)).any(axis=0)
+    if outside.any():
+        name = limits.joint_names[int(np.argmax(outside))]
+        raise LimitsInfeasible(f"{name} leaves its position limits along the path", joint=name)
+
+
+def _end_speed(path: _core.TimedPath, end: int, velocity: Float64Array | None, name: str) -> float:
+    """The speed of the path's length at an end."""
+    if velocity is None or not velocity.any():
+        return 0.0
+    along = path.first[end]
+    speed = float(velocity @ along / max(along @ along, 1e-300))
+    if speed < 0.0 or np.abs(velocity - speed * along).max() > _ALONG * np.abs(velocity).max():
+        raise InvalidInput(f"{name}: expected a velocity along the path, {along}, got {velocity}")
+    return speed
+
+
+def _bounds(
+    path: _core.TimedPath,
+    section: Section,
+    limits: JointLimits,
+    request: Request,
+    *,
+    share: float,
+    tip_share: float,
+) -> bounds.PathBounds:
+    found = bounds.unbounded(path)
+    if request.not_before is not None:
+        times = request.not_before[section.rows]
+        found = bounds.slower_than(found, bounds.paced(path, section.parameters, times))
+    if request.tip_speed is not None and request.jacobian is not None:
+        speed = tip_share * request.tip_speed
+        found = bounds.slower_than(found, bounds.tip_within(path, request.jacobian, speed))
+    if request.inverse_dynamics is not None:
+        effort = share * _effort(limits)
+        found = bounds.with_efforts(found, path, request.inverse_dynamics, effort)
+        _check_holding(found, limits)
+    return found
+
+
+def _solve(
+    path: _core.TimedPath,
+    rates: _Rates,
+    extra: bounds.PathBounds,
+    *,
+    speeds: tuple[float, float],
+    limits: JointLimits,
+    rate: float,
+) -> Motion:
+    parts = max(1, math.ceil(1.0 / (rate * _COARSEST_PERIOD) - 1e-9))
+    period = 1.0 / (rate * parts)
+    status, point, length, duration, _, _ = path.time_law(
+        rates.velocity,
+        rates.acceleration,
+        rates.jerk,
+        extra.fastest,
+        extra.gain,
+        extra.bend,
+        extra.lower,
+        extra.upper,
+        period,
+        *speeds,
+        _MOST_SAMPLES,
+    )
+    if status:
+        raise _failure(_STATUSES[status], path.first[point], limits)
+    if speeds[1] == 0.0:
+        missing = -(len(length) - 1) % parts
+        length = np.concatenate([length, np.full(missing, length[-1])])
+        duration = period * (len(length) - 1)
+    q = path.positions_at(length)
+    times = np.arange(len(length), dtype=np.float64) * period
+    times[-1] = duration
+    return differentiated(times, q, path, speeds=speeds).thinned(parts)
+
+
+def _failure(status: str, direction: Float64Array, limits: JointLimits) -> Exception:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        need = np.nan_to_num(np.abs(direction) / limits.velocity)
+    name = limits.joint_names[int(need.argmax())]
+    if status == "too_long":
+        return InvalidInput(f"rate: expected a motion of at most {_MOST_SAMPLES:.0e} samples")
+    reasons = {
+        "no_motion": "no motion along the path keeps the limits",
+        "start_too_fast": "start_velocity is faster than the limits allow",
+        "end_too_fast": "end_velocity is faster than the limits allow",
+        "not_settled": "no motion with these velocities at the ends keeps the limits",
+    }
+    return LimitsInfeasible(f"{reasons[status]}; first of the joints is {name}", joint=name)
+
+
+def _effort(limits: JointLimits) -> Float64Array:
+    if limits.effort is None:
+        raise InvalidInput("limits: expected effort limits for inverse_dynamics, got none")
+    return limits.effort
+
+
+def _check_holding(found: bounds.PathBounds, limits: JointLimits) -> None:
+    sinks = (found.lower > 0.0) | (found.upper < 0.0)
+    if sinks.any():
+        name = limits.joint_names[int(np.argmax(sinks.any(axis=0)))]
+        raise LimitsInfeasible(f"{name} cannot hold the arm along the path", joint=name)
+
+
+def _tip_ratio(motion: Motion, request: Request) -> float:
+    if request.tip_speed is None or request.jacobian is None:
+        return 0.0
+    some = motion.some(_JUDGED_SAMPLES)
+    rows = zip(some.positions, some.velocities, strict=True)
+    speeds = [np.linalg.norm(np.asarray(request.jacobian(q))[:3] @ v) for q, v in rows]
+    return float(max(speeds)) / request.tip_speed
+
+
+def _effort_ratio(motion: Motion, limits: JointLimits, request: Request) -> float:
+    if request.inverse_dynamics is None:
+        return 0.0
+    some = motion.some(_JUDGED_SAMPLES)
+    rows = zip(some.positions, some.velocities, some.accelerations, strict=True)
+    efforts = np.abs([request.inverse_dynamics(*row) for row in rows])
+    return float((efforts / _effort(limits)).max())

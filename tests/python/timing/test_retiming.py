@@ -1,0 +1,325 @@
+"""The fastest motion along a path: limits kept, nearly the optimum, the path where it was."""
+
+import time
+
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from scipy.interpolate import CubicSpline
+
+import leadthrough as lt
+from leadthrough.arm.limits import JointLimits
+from leadthrough.errors import InvalidInput, LimitsInfeasible
+from leadthrough.timing import binding_limits, check_limits
+from leadthrough.trajectories import Spline
+
+PANDA = lt.Arm.load("panda").limits
+MIDDLE = 0.5 * (PANDA.lower + PANDA.upper)
+
+
+def with_jerk(share):
+    return JointLimits(
+        PANDA.joint_names,
+        PANDA.lower,
+        PANDA.upper,
+        PANDA.velocity,
+        PANDA.acceleration,
+        PANDA.jerk * share,
+        PANDA.effort,
+    )
+
+
+def random_spline(seed, *, spread=0.5, points=12):
+    way = MIDDLE + np.random.default_rng(seed).uniform(-spread, spread, (points, 7))
+    spline = CubicSpline(np.linspace(0.0, 1.0, points), way)
+    return Spline(spline.x, spline.c[::-1].transpose(1, 0, 2))
+
+
+def distance_to(path, q):
+    """From each configuration to the nearest point of a path, past the foot on its tangent."""
+    times = np.linspace(*path.domain, 20_000)
+    fine, slopes = path.evaluate(times), path.evaluate(times, 1)
+    near = np.array([np.abs(fine - row).max(axis=1).argmin() for row in q])
+    offset, slope = q - fine[near], slopes[near]
+    along = np.sum(offset * slope, axis=1) / np.sum(slope * slope, axis=1)
+    return np.abs(offset - along[:, None] * slope).max()
+
+
+def limits_of(joints, velocity=1.0, acceleration=2.0, jerk=20.0):
+    full = np.full(joints, 1.0)
+    names = tuple(f"j{i}" for i in range(joints))
+    return JointLimits(
+        names, -100 * full, 100 * full, velocity * full, acceleration * full, jerk * full
+    )
+
+
+@pytest.mark.parametrize("share", [1.0, 0.1, 0.02])
+def test_random_splines_keep_all_limits_and_rest_at_both_ends(share):
+    limits = with_jerk(share)
+    for seed in range(8):
+        path = random_spline(seed)
+        motion = lt.retime(path, limits)
+        assert check_limits(motion, limits).velocity.ratio <= 1.0 + 1e-6
+        assert check_limits(motion, limits).acceleration.ratio <= 1.0 + 1e-6
+        assert check_limits(motion, limits).jerk.ratio <= 1.0 + 1e-5
+        assert not motion.velocities[[0, -1]].any()
+        np.testing.assert_allclose(
+            motion.positions[[0, -1]], path.evaluate(path.domain), atol=1e-12
+        )
+        np.testing.assert_allclose(np.diff(motion.times), 1e-3, rtol=1e-9)
+        assert distance_to(path, motion.positions[::200]) < 1e-6  # curvature within the fine steps
+
+
+def test_a_single_joint_moves_as_the_seven_segments_of_the_double_s_let_it():
+    limits = limits_of(1, velocity=1.0, acceleration=2.0, jerk=20.0)
+    motion = lt.retime([[0.0], [2.0]], limits)
+    best = 2.0 / 1.0 + 1.0 / 2.0 + 2.0 / 20.0  # distance over speed, and the ramps
+    assert best <= motion.duration <= best * 1.05
+
+
+def test_a_path_is_passed_in_the_same_way_backwards():
+    way = MIDDLE + np.random.default_rng(3).uniform(-0.4, 0.4, (6, 7))
+    there, back = (lt.retime(points, PANDA, blend=0.05) for points in (way, way[::-1]))
+    assert there.duration == pytest.approx(back.duration, rel=5e-3)
+
+
+def test_the_same_path_gives_the_same_bits():
+    one, two = (lt.retime(random_spline(1), PANDA) for _ in range(2))
+    assert (one.positions == two.positions).all()
+
+
+@pytest.mark.parametrize("rate", [20.0, 100.0, 250.0, 999.0, 4000.0])
+def test_any_rate_keeps_the_limits(rate):
+    motion = lt.retime(random_spline(2), PANDA, rate=rate)
+    assert check_limits(motion, PANDA).ok
+    np.testing.assert_allclose(np.diff(motion.times), 1.0 / rate, rtol=1e-9)
+    assert motion.duration < 1.02 * lt.retime(random_spline(2), PANDA).duration + 1.0 / rate
+
+
+def test_given_velocities_are_met_at_both_ends():
+    path = random_spline(4)
+    start, end = (
+        share * slope / np.abs(slope / PANDA.velocity).max()
+        for share, slope in zip((0.3, 0.2), path.evaluate(path.domain, 1), strict=True)
+    )
+    motion = lt.retime(path, PANDA, start_velocity=start, end_velocity=end)
+    np.testing.assert_allclose(motion.velocities[0], start, atol=1e-12)
+    np.testing.assert_allclose(motion.velocities[-1], end, atol=1e-12)
+    np.testing.assert_allclose(motion.positions[[0, -1]], path.evaluate(path.domain), atol=1e-12)
+    assert motion.duration < lt.retime(path, PANDA).duration
+    for order, limit in enumerate((PANDA.velocity, PANDA.acceleration, PANDA.jerk), 1):
+        differences = np.diff(motion.positions[:-1], order, axis=0) / 1e-3**order
+        assert (np.abs(differences) <= limit * (1.0 + 1e-5)).all()
+    assert 0.5e-3 <= motion.times[-1] - motion.times[-2] <= 1.5e-3
+
+
+def test_velocities_off_the_path_or_too_fast_are_refused():
+    path = random_spline(4)
+    slope = path.evaluate(0.0, 1)
+    along = slope / np.abs(slope / PANDA.velocity).max()
+    for wrong in (-0.1 * along, 0.1 * along * [1, 1, 1, 1, 1, 1, -1]):
+        with pytest.raises(InvalidInput, match="start_velocity"):
+            lt.retime(path, PANDA, start_velocity=wrong)
+    with pytest.raises(LimitsInfeasible):
+        lt.retime(path, PANDA, start_velocity=1.5 * along)
+
+
+def test_corners_stop_or_are_cut():
+    way = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
+    limits = limits_of(2)
+    stopped, cut = lt.retime(way, limits), lt.retime(way, limits, blend=0.05)
+    at_corner = np.abs(stopped.positions - way[1]).max(axis=1).argmin()
+    np.testing.assert_allclose(stopped.positions[at_corner], way[1], atol=1e-9)
+    np.testing.assert_allclose(stopped.velocities[at_corner], 0.0, atol=1e-9)
+    assert cut.duration < stopped.duration
+    miss = np.abs(cut.positions - way[1]).max(axis=1).min()
+    assert 0.01 < miss <= 0.0505  # no sample lies in the middle of the cut
+    off_the_lines = np.minimum(np.abs(cut.positions[:, 1]), np.abs(cut.positions[:, 0] - 1.0))
+    assert off_the_lines.max() <= 0.05 + 1e-9
+    assert check_limits(cut, limits).ok
+    assert check_limits(stopped, limits).ok
+
+
+def test_way_points_on_a_line_are_no_corners():
+    limits = limits_of(2)
+    direct = lt.retime([[0.0, 0.0], [1.0, 0.5]], limits)
+    through = lt.retime([[0.0, 0.0], [0.2, 0.1], [0.2, 0.1], [1.0, 0.5]], limits)
+    assert through.duration == pytest.approx(direct.duration, abs=1e-3)
+
+
+def test_holds_rest_at_their_way_points():
+    way = np.array([[0.0, 0.0], [1.0, 0.2], [1.0, 1.0]])
+    limits = limits_of(2)
+    plain = lt.retime(way, limits)
+    held = lt.retime(way, limits, holds={0: 0.1, 1: 0.5, 2: 0.2})
+    assert held.duration == pytest.approx(plain.duration + 0.8, abs=1e-9)
+    at_corner = np.abs(held.positions - way[1]).max(axis=1) < 1e-9
+    assert at_corner.sum() >= 500
+    assert check_limits(held, limits).ok
+    np.testing.assert_allclose(np.diff(held.times), 1e-3, rtol=1e-6)
+
+
+def test_a_trajectory_keeps_its_timing_wherever_the_limits_allow():
+    times = np.linspace(2.0, 8.0, 121)
+    phase = (times - 2.0) / 6.0
+    swing = 10 * phase**3 - 15 * phase**4 + 6 * phase**5
+    shown = lt.JointTrajectory(times, MIDDLE + np.outer(swing, np.linspace(-0.5, 0.5, 7)))
+    kept = lt.retime(shown, PANDA, not_before=shown.times)
+    fastest = lt.retime(shown, PANDA)
+    assert fastest.duration < 0.3 * shown.duration
+    assert kept.times[0] == 2.0
+    assert kept.duration == pytest.approx(shown.duration, rel=0.01)
+    middle = np.interp(5.0, kept.times, kept.positions[:, 0])
+    assert middle == pytest.approx(np.interp(5.0, times, shown.positions[:, 0]), abs=0.01)
+
+
+def test_the_path_stays_within_the_tolerance_of_the_samples():
+    rng = np.random.default_rng(5)
+    times = np.linspace(0.0, 5.0, 1001)
+    q = 0.5 * np.sin(np.outer(times, [1.0, 1.7, 0.4])) + rng.normal(0.0, 2e-6, (1001, 3))
+    motion = lt.retime(lt.JointTrajectory(times, q), limits_of(3), path_tolerance=1e-5)
+    dense = CubicSpline(times, q)(np.linspace(0.0, 5.0, 100_001))
+    for row in motion.positions[::100]:
+        assert np.abs(dense - row).max(axis=1).min() < 1e-5 + 2e-5
+
+
+def test_standing_still_takes_no_time():
+    times = np.linspace(0.0, 6.0, 301)
+    go = np.clip(times, 0.0, 1.0) + np.clip(times - 5.0, 0.0, 1.0)
+    q = np.column_stack([np.sin(0.5 * go), np.cos(0.7 * go)])
+    motion = lt.retime(lt.JointTrajectory(times, q), limits_of(2))
+    straight = lt.retime(
+        lt.JointTrajectory(times[:101], q[[*range(51), *range(251, 301)]]), limits_of(2)
+    )
+    assert motion.duration < 1.5 * straight.duration
+
+
+def test_the_tip_keeps_its_speed_limit():
+    arm = lt.Arm.load("panda")
+    path = random_spline(6, spread=0.3)
+    motion = lt.retime(path, arm.limits, tip_speed=0.25, jacobian=arm.jacobian, rate=200.0)
+    rows = zip(motion.positions, motion.velocities, strict=True)
+    speeds = [np.linalg.norm(arm.jacobian(q)[:3] @ v) for q, v in rows]
+    assert 0.24 < max(speeds) <= 0.25 * (1.0 + 1e-3)
+    assert motion.duration > lt.retime(path, arm.limits).duration
+
+
+def test_efforts_keep_their_limits():
+    mass, length = 2.0, 0.5
+
+    def pendulum(q, qd, qdd):
+        return mass * length**2 * qdd + mass * 9.81 * length * np.sin(q)
+
+    limits = JointLimits(("j",), [-9.0], [9.0], [5.0], [50.0], [5000.0], effort=[12.0])
+    motion = lt.retime([[-1.0], [1.0]], limits, inverse_dynamics=pendulum)
+    rows = zip(motion.positions, motion.velocities, motion.accelerations, strict=True)
+    efforts = np.abs([pendulum(*row) for row in rows])
+    assert 11.0 < efforts.max() <= 12.0 * (1.0 + 1e-3)
+    with pytest.raises(LimitsInfeasible, match="cannot hold"):
+        lt.retime(
+            [[-2.0], [2.0]],
+            JointLimits(("j",), [-9], [9], [5], [50], [5000], effort=[9.0]),
+            inverse_dynamics=pendulum,
+        )
+
+
+def test_nothing_to_move_gives_one_sample_and_holds_are_kept():
+    motion = lt.retime(np.zeros((3, 2)), limits_of(2))
+    assert motion.positions.tolist() == [[0.0, 0.0]]
+    assert lt.retime(np.zeros((3, 2)), limits_of(2), holds={1: 0.5}).duration == pytest.approx(0.5)
+    still = lt.JointTrajectory([0.0, 1.0], np.ones((2, 2)))
+    assert lt.retime(still, limits_of(2)).duration == 0.0
+
+
+def test_what_limits_a_motion_is_told_by_joint_and_kind():
+    limits = limits_of(2, velocity=1.0, acceleration=2.0, jerk=2000.0)
+    motion = lt.retime([[0.0, 0.0], [3.0, 0.3]], limits)
+    bindings = binding_limits(motion, limits)
+    assert {b.joint for b in bindings if b.ratio > 0.9} == {"j0"}
+    longest = max(bindings, key=lambda b: b.end - b.start)
+    assert (longest.kind, longest.joint) == ("velocity", "j0")
+    assert longest.ratio == pytest.approx(1.0, abs=1e-3)
+    assert bindings[0].start == motion.times[0]
+    assert bindings[-1].end == motion.times[-1]
+
+
+@settings(max_examples=40)
+@given(
+    seed=st.integers(0, 2**31),
+    joints=st.integers(1, 8),
+    points=st.integers(2, 8),
+    scale=st.floats(1e-4, 10.0),
+    jerk=st.floats(0.5, 1e4),
+)
+def test_any_polyline_keeps_its_limits(seed, joints, points, scale, jerk):
+    rng = np.random.default_rng(seed)
+    limits = limits_of(
+        joints, velocity=rng.uniform(0.1, 3.0), acceleration=rng.uniform(0.5, 20.0), jerk=jerk
+    )
+    way = scale * rng.normal(size=(points, joints))
+    motion = lt.retime(way, limits, blend=0.1 * scale, rate=200.0)
+    report = check_limits(motion, limits)
+    assert max(report.velocity.ratio, report.acceleration.ratio, report.jerk.ratio) < 1.0 + 1e-5
+
+
+@pytest.mark.parametrize(
+    ("change", "match"),
+    [
+        ({"path": [[0.0, np.nan]]}, "path"),
+        ({"path": np.empty((0, 2))}, "path"),
+        ({"path": [0.0, 1.0]}, "path"),
+        ({"path": np.zeros((3, 3))}, "limits"),
+        ({"limits": None}, "limits"),
+        ({"rate": 0.0}, "rate"),
+        ({"rate": np.inf}, "rate"),
+        ({"path_tolerance": -1.0}, "path_tolerance"),
+        ({"blend": np.nan}, "blend"),
+        ({"holds": {5: 1.0}}, "holds"),
+        ({"holds": {1: -1.0}}, "holds"),
+        ({"holds": [1.0]}, "holds"),
+        ({"not_before": [0.0, 2.0, 1.0]}, "not_before"),
+        ({"not_before": [0.0, 1.0]}, "not_before"),
+        ({"start_velocity": [1.0]}, "start_velocity"),
+        ({"tip_speed": 0.1}, "jacobian"),
+        ({"inverse_dynamics": 3}, "inverse_dynamics"),
+        ({"inverse_dynamics": lambda *state: state[2]}, "effort"),
+    ],
+)
+def test_wrong_arguments_are_named(change, match):
+    arguments = {"path": [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], "limits": limits_of(2), **change}
+    with pytest.raises(InvalidInput, match=match):
+        lt.retime(arguments.pop("path"), arguments.pop("limits"), **arguments)
+
+
+def test_limits_without_jerk_show_what_is_missing():
+    limits = JointLimits(("j",), [-1.0], [1.0], [1.0], [1.0])
+    with pytest.raises(InvalidInput, match=r"(?s)jerk limits, got none.*\[joints\]\nj ="):
+        lt.retime([[0.0], [0.5]], limits)
+
+
+def test_limits_that_no_motion_keeps_are_infeasible():
+    stuck = JointLimits(("a", "b"), [-1, -1], [1, 1], [1, 0], [1, 1], [1, 1])
+    with pytest.raises(LimitsInfeasible, match="b moves") as caught:
+        lt.retime([[0.0, 0.0], [0.5, 0.5]], stuck)
+    assert caught.value.joint == "b"
+    assert lt.retime([[0.0, 0.2], [0.5, 0.2]], stuck).duration > 0.5
+    with pytest.raises(LimitsInfeasible, match="a leaves its position"):
+        lt.retime([[0.0, 0.0], [1.5, 0.0]], stuck)
+
+
+def test_infinite_limits_do_not_bind():
+    inf = np.inf
+    fast = JointLimits(("j",), [-9], [9], [inf], [2.0], [inf])
+    assert lt.retime([[0.0], [2.0]], fast).duration == pytest.approx(2.0, rel=0.01)
+    free = JointLimits(("j",), [-9], [9], [inf], [inf], [inf])
+    with pytest.raises(InvalidInput, match="limits"):
+        lt.retime([[0.0], [2.0]], free)
+
+
+def test_a_motion_of_countless_samples_is_refused_at_once():
+    slow = limits_of(1, velocity=1e-9)
+    begin = time.process_time()
+    with pytest.raises(InvalidInput, match="samples"):
+        lt.retime([[0.0], [2.0]], slow)
+    assert time.process_time() - begin < 1.0
