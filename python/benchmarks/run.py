@@ -33,6 +33,7 @@ FILES = [
     "bench_models",
     "bench_paths",
     "bench_replan",
+    "bench_time_law",
 ]
 REPEATS = {"quick": 3, "full": 5}
 
