@@ -98,7 +98,7 @@ TEST(TimeLaw, KeepsLimitsOnItsSamples) {
       EXPECT_LE(largest_difference(q, 2, 1e-3), 3.0 + 1e-5);
       EXPECT_LE(largest_difference(q, 3, 1e-3), jerk * (1.0 + 1e-5));
       EXPECT_DOUBLE_EQ(law.length[0], 0.0);
-      EXPECT_DOUBLE_EQ(law.length[law.length.size() - 1], grid.end());
+      EXPECT_NEAR(law.length[law.length.size() - 1], grid.end(), 1e-12);
       EXPECT_NEAR(law.duration, 1e-3 * static_cast<double>(law.length.size() - 1), 1e-12);
     }
   }

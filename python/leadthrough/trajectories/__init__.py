@@ -1,6 +1,54 @@
-"""Curves of many kinds behind one interface."""
+"""Curves of many kinds behind one interface: `evaluate(t, derivative)`, `domain`, `knots`.
 
+After Grioli's notes on trajectories (2023), chapters 2 and 3.
+"""
+
+from leadthrough.trajectories.bezier import Bezier, de_casteljau
+from leadthrough.trajectories.bspline import BSpline, Nurbs
 from leadthrough.trajectories.curve import Curve
+from leadthrough.trajectories.interpolation import (
+    clamped_cubic,
+    hermite,
+    linear,
+    natural_cubic,
+    periodic_cubic,
+    smooth,
+    smoothing,
+)
+from leadthrough.trajectories.minimum_jerk import State, minimum_jerk, minimum_jerk_through
+from leadthrough.trajectories.polynomial import Lagrange, chebyshev_nodes, osculating
+from leadthrough.trajectories.pose_curve import PoseCurve
+from leadthrough.trajectories.profiles import double_s, trapezoid
+from leadthrough.trajectories.rotation_curve import RotationBezier, RotationCurve, Slerp, Squad
+from leadthrough.trajectories.rotation_spline import RotationSpline
 from leadthrough.trajectories.spline import Spline
 
-__all__ = ["Curve", "Spline"]
+__all__ = [
+    "BSpline",
+    "Bezier",
+    "Curve",
+    "Lagrange",
+    "Nurbs",
+    "PoseCurve",
+    "RotationBezier",
+    "RotationCurve",
+    "RotationSpline",
+    "Slerp",
+    "Spline",
+    "Squad",
+    "State",
+    "chebyshev_nodes",
+    "clamped_cubic",
+    "de_casteljau",
+    "double_s",
+    "hermite",
+    "linear",
+    "minimum_jerk",
+    "minimum_jerk_through",
+    "natural_cubic",
+    "osculating",
+    "periodic_cubic",
+    "smooth",
+    "smoothing",
+    "trapezoid",
+]

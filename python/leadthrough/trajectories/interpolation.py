@@ -1,0 +1,163 @@
+"""Splines through points at given times.
+
+Source: Grioli 2023, section 2.2; de Boor 2001, "A practical guide to splines".
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import (
+    BSpline,
+    CubicHermiteSpline,
+    CubicSpline,
+    make_smoothing_spline,
+)
+from scipy.sparse import lil_matrix, vstack
+from scipy.sparse.linalg import spsolve
+
+from leadthrough import check
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.trajectories import curve
+from leadthrough.trajectories.spline import Spline
+
+_MOST_CONTINUITY = 10
+_LEAST_SMOOTHED = 5
+ENDS = ("rest", "natural")
+
+
+def linear(times: Any, points: Any) -> Spline:
+    """Straight lines between points (n, d) at times (n,). Raises InvalidInput."""
+    t, x = _through(times, points)
+    slopes = np.diff(x, axis=0) / np.diff(t)[:, None]
+    return Spline(t, np.stack([x[:-1], slopes], axis=1))
+
+
+def hermite(times: Any, points: Any, velocities: Any) -> Spline:
+    """Cubic pieces through points (n, d) with velocities (n, d) at times (n,).
+
+    Raises InvalidInput.
+    """
+    t, x = _through(times, points)
+    v = _like(velocities, "velocities", x)
+    return _of_scipy(CubicHermiteSpline(t, x, v))
+
+
+def clamped_cubic(
+    times: Any, points: Any, *, start_velocity: Any = 0.0, end_velocity: Any = 0.0
+) -> Spline:
+    """The C2 cubic spline through points (n, d) with given velocities (d,) at both ends.
+
+    Raises InvalidInput.
+    """
+    t, x = _through(times, points)
+    first, last = _end(start_velocity, "start_velocity", x), _end(end_velocity, "end_velocity", x)
+    return _of_scipy(CubicSpline(t, x, bc_type=((1, first), (1, last))))
+
+
+def natural_cubic(
+    times: Any, points: Any, *, start_acceleration: Any = 0.0, end_acceleration: Any = 0.0
+) -> Spline:
+    """The C2 cubic spline through points (n, d) with accelerations (d,) given at both ends.
+
+    Without any, it is the natural spline: of all C2 curves through the points the one with the
+    least integral of the squared acceleration. Raises InvalidInput.
+    """
+    t, x = _through(times, points)
+    first = _end(start_acceleration, "start_acceleration", x)
+    last = _end(end_acceleration, "end_acceleration", x)
+    return _of_scipy(CubicSpline(t, x, bc_type=((2, first), (2, last))))
+
+
+def periodic_cubic(times: Any, points: Any) -> Spline:
+    """The C2 cubic spline through points (n, d), n >= 3, that goes on at its end as it began.
+
+    The last point must be the first. Raises InvalidInput.
+    """
+    t, x = _through(times, points)
+    if len(t) < 3 or not np.allclose(x[0], x[-1], rtol=0.0, atol=1e-12 * np.abs(x).max()):
+        raise InvalidInput(
+            f"points: expected three or more, the last like the first {x[0]}, got {x[-1]}"
+        )
+    return _of_scipy(CubicSpline(t, np.vstack([x[:-1], x[:1]]), bc_type="periodic"))
+
+
+def smooth(times: Any, points: Any, *, continuity: int, ends: str = "rest") -> Spline:
+    """The spline of degree continuity + 1 through points (n, d), with so many derivatives.
+
+    Its knots are the times; that leaves `continuity` conditions at the ends (Grioli 2023,
+    eq. 2.12), split between them, the start first: "rest" makes derivatives from the first on
+    zero, "natural" those from the highest down. Raises InvalidInput.
+    """
+    t, x = _through(times, points)
+    k = check.integer(continuity, "continuity", at_least=0, at_most=_MOST_CONTINUITY)
+    if k == 0:
+        return linear(t, x)
+    rest = check.choice(ends, "ends", ENDS) == "rest"
+    conditions = [
+        range(1, count + 1) if rest else range(k, k - count, -1) for count in ((k + 1) // 2, k // 2)
+    ]
+    knots = np.concatenate([t[[0] * (k + 2)], t[1:-1], t[[-1] * (k + 2)]])
+    rows = [_derivative_rows(knots, k + 1, *end) for end in zip((0, -1), conditions, strict=True)]
+    matrix = vstack([rows[0], BSpline.design_matrix(t, knots, k + 1), rows[1]], format="csc")
+    zeros = [np.zeros((len(end), x.shape[1])) for end in conditions]
+    values = spsolve(matrix, np.vstack([zeros[0], x, zeros[1]])).reshape(-1, x.shape[1])
+    if not np.isfinite(values).all():
+        raise InvalidInput("times: expected steps that a spline can be solved for")
+    return of_bspline(BSpline(knots, values, k + 1), t)
+
+
+def _derivative_rows(knots: Float64Array, degree: int, end: int, orders: Sequence[int]) -> Any:
+    """Derivatives of some orders at an end, of all basis functions: (orders, n), sparse."""
+    count = len(knots) - degree - 1
+    nearest = slice(degree + 1) if end == 0 else slice(count - degree - 1, count)
+    basis = BSpline(knots, np.eye(count, degree + 1, k=-nearest.indices(count)[0]), degree)
+    rows = lil_matrix((len(orders), count))
+    for i, order in enumerate(orders):
+        rows[i, nearest] = basis(knots[end], order)
+    return rows
+
+
+def smoothing(times: Any, points: Any, *, weight: float) -> Spline:
+    """The natural cubic spline near points (n, d), n >= 5, that is smooth rather than close.
+
+    weight: >= 0, what the integral of the squared acceleration counts beside the sum of squared
+    errors; 0 goes through the points. Raises InvalidInput. Source: Reinsch 1967.
+    """
+    t, x = _through(times, points, least=_LEAST_SMOOTHED)
+    penalty = check.number(weight, "weight", at_least=0.0)
+    columns = [make_smoothing_spline(t, column, lam=penalty) for column in x.T]
+    return Spline(t, np.concatenate([_table(column, t)[:, :, None] for column in columns], axis=2))
+
+
+def of_bspline(spline: BSpline, breaks: Float64Array) -> Spline:
+    """The pieces of a SciPy B-spline between its distinct knots."""
+    return Spline(breaks, _table(spline, breaks))
+
+
+def _table(spline: BSpline, breaks: Float64Array) -> Float64Array:
+    orders = range(spline.k + 1)
+    return np.stack([spline(breaks[:-1], nu=k) / math.factorial(k) for k in orders], axis=1)
+
+
+def _of_scipy(pieces: Any) -> Spline:
+    return Spline(pieces.x, pieces.c[::-1].transpose(1, 0, 2))
+
+
+def _through(times: Any, points: Any, *, least: int = 2) -> tuple[Float64Array, Float64Array]:
+    t = curve.knot_times(times, "times")
+    return t, curve.points(points, "points", count=len(t), least=least)
+
+
+def _like(value: Any, name: str, x: Float64Array) -> Float64Array:
+    rows = curve.points(value, name, count=len(x))
+    return check.array(rows, name, shape=x.shape)
+
+
+def _end(value: Any, name: str, x: Float64Array) -> Float64Array:
+    row = check.array(value, name, shape=() if np.ndim(value) == 0 else (x.shape[1],))
+    return np.broadcast_to(row, x.shape[1]).copy()

@@ -1,0 +1,72 @@
+"""Curves with the least integral of the squared jerk (Flash and Hogan 1985)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import make_interp_spline
+
+from leadthrough import check
+from leadthrough.check import Float64Array
+from leadthrough.trajectories import curve
+from leadthrough.trajectories.bezier import Bezier
+from leadthrough.trajectories.interpolation import of_bspline
+from leadthrough.trajectories.spline import Spline
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Where a motion is, how fast, and how its speed changes: (d,) each; at rest by default."""
+
+    position: Float64Array
+    velocity: Float64Array | float = 0.0
+    acceleration: Float64Array | float = 0.0
+
+
+def minimum_jerk(start: Any, end: Any, *, duration: float) -> Bezier:
+    """The least jerk from one state to another in a time, s: a curve of degree five.
+
+    start, end: a State, or a position (d,) to rest at. Raises InvalidInput.
+    Source: Grioli 2023, section 2.3.1, with the control points worked out anew.
+    """
+    total = check.number(duration, "duration", above=0.0)
+    x0, v0, a0 = _state(start, "start", None)
+    x1, v1, a1 = _state(end, "end", len(x0))
+    points = [
+        x0,
+        x0 + v0 * total / 5.0,
+        x0 + 2.0 * v0 * total / 5.0 + a0 * total**2 / 20.0,
+        x1 - 2.0 * v1 * total / 5.0 + a1 * total**2 / 20.0,
+        x1 - v1 * total / 5.0,
+        x1,
+    ]
+    return Bezier(np.array(points), (0.0, total))
+
+
+def minimum_jerk_through(times: Any, points: Any, *, start: Any = None, end: Any = None) -> Spline:
+    """The least jerk through points (n, d) at times (n,): quintic pieces, four times continuous.
+
+    start, end: States whose velocity and acceleration hold at the ends, instead of rest; their
+    positions are not read. Raises InvalidInput.
+    """
+    t = curve.knot_times(times, "times")
+    x = curve.points(points, "points", count=len(t))
+    ends = []
+    for state, name, row in ((start, "start", x[0]), (end, "end", x[-1])):
+        _, v, a = _state(row if state is None else state, name, x.shape[1])
+        ends.append([(1, v), (2, a)])
+    knots = np.concatenate([t[[0] * 6], t[1:-1], t[[-1] * 6]])
+    return of_bspline(make_interp_spline(t, x, k=5, t=knots, bc_type=tuple(ends)), t)
+
+
+def _state(value: Any, name: str, width: int | None) -> tuple[Float64Array, ...]:
+    state = value if isinstance(value, State) else State(value)
+    position = check.array(state.position, f"{name} position", shape=(width or "d",))
+    rest = []
+    for part in ("velocity", "acceleration"):
+        row = getattr(state, part)
+        shape = () if np.ndim(row) == 0 else (len(position),)
+        rest.append(np.broadcast_to(check.array(row, f"{name} {part}", shape=shape), len(position)))
+    return position, *rest

@@ -1,0 +1,136 @@
+"""One polynomial through all points: Lagrange's and, with velocities, Hermite's.
+
+Both are kept by their values at nodes and evaluated by the barycentric formula, which is stable
+where the Vandermonde matrix is not; derivatives are values of a polynomial on the same nodes.
+Source: Berrut and Trefethen 2004, eqs. 4.2, 9.4, 9.5.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from leadthrough import check
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.trajectories import curve
+from leadthrough.trajectories.spline import affine
+
+# Products of so many differences of nodes overflow.
+_MOST_NODES = 500
+
+
+@dataclass(frozen=True, eq=False)
+class Lagrange:
+    """The polynomial of least degree through points (n, d) at nodes (n,), rising times.
+
+    On even nodes it swings the more the higher its degree (Runge 1901); on those of
+    `chebyshev_nodes` it does not. Raises InvalidInput.
+    """
+
+    nodes: Float64Array
+    points: Float64Array
+    _weights: Float64Array = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        nodes = curve.knot_times(self.nodes, "nodes")
+        if len(nodes) > _MOST_NODES:
+            raise InvalidInput(f"nodes: expected at most {_MOST_NODES}, got {len(nodes)}")
+        object.__setattr__(self, "nodes", nodes)
+        object.__setattr__(self, "points", curve.points(self.points, "points", count=len(nodes)))
+        object.__setattr__(self, "_weights", _weights(nodes))
+
+    @property
+    def domain(self) -> tuple[float, float]:
+        """First and last node."""
+        return float(self.nodes[0]), float(self.nodes[-1])
+
+    @property
+    def knots(self) -> Float64Array:
+        """The ends of the domain."""
+        return self.nodes[[0, -1]]
+
+    def evaluate(self, t: Any, derivative: int = 0) -> Float64Array:
+        """Values or derivatives (n, d) at times (n,), (d,) at one time. Raises InvalidInput."""
+        times = curve.times_inside(t, self.domain)
+        values = self.points
+        for _ in range(min(curve.order(derivative), len(self.nodes))):
+            values = self._slopes(values)
+        return _barycentric(self.nodes, self._weights, values, times)
+
+    def basis(self, t: Any) -> Float64Array:
+        """(n, nodes) Lagrange's polynomials at times (n,): 1 at their own node, 0 at the others."""
+        times = curve.times_inside(np.atleast_1d(t), self.domain)
+        return _barycentric(self.nodes, self._weights, np.eye(len(self.nodes)), times)
+
+    def transformed(self, matrix: Any, offset: Any = 0.0) -> Lagrange:
+        """The curve of matrix @ x + offset for every x of this one. Raises InvalidInput."""
+        a, b = affine(matrix, offset, self.points.shape[1])
+        return Lagrange(self.nodes, self.points @ a.T + b)
+
+    def rescaled(self, factor: float) -> Lagrange:
+        """The same path, passed `factor` times as slowly. Raises InvalidInput."""
+        return Lagrange(self.nodes * check.number(factor, "factor", above=0.0), self.points)
+
+    def _slopes(self, values: Float64Array) -> Float64Array:
+        gaps = self.nodes[:, None] - self.nodes
+        np.fill_diagonal(gaps, 1.0)
+        matrix = self._weights / self._weights[:, None] / gaps
+        np.fill_diagonal(matrix, 0.0)
+        # Rows of differences: exact for constants whatever the rounding of the matrix.
+        return np.asarray(matrix @ values - matrix.sum(axis=1)[:, None] * values)
+
+
+def chebyshev_nodes(count: int, domain: tuple[float, float] = (-1.0, 1.0)) -> Float64Array:
+    """(count,) rising nodes of the second kind on a domain, its ends included.
+
+    Interpolation on them converges for every function that is Lipschitz continuous.
+    Raises InvalidInput.
+    """
+    number = check.integer(count, "count", at_least=2)
+    first, last = curve.knot_times(domain, "domain")[[0, -1]]
+    unit = np.sin(np.pi * (2.0 * np.arange(number) - (number - 1)) / (2.0 * (number - 1)))
+    nodes = 0.5 * (first + last) + 0.5 * (last - first) * unit
+    nodes[[0, -1]] = first, last
+    return np.asarray(nodes)
+
+
+def osculating(times: Any, points: Any, velocities: Any) -> Lagrange:
+    """The polynomial of degree 2n - 1 through points (n, d) with velocities (n, d) at times (n,).
+
+    Raises InvalidInput. Source: Grioli 2023, eqs. 2.6, 2.7.
+    """
+    nodes = curve.knot_times(times, "times")
+    x = curve.points(points, "points", count=len(nodes))
+    v = curve.points(velocities, "velocities", count=len(nodes))
+    if x.shape != v.shape:
+        raise InvalidInput(f"velocities: expected shape {x.shape}, got {v.shape}")
+    through = Lagrange(nodes, np.eye(len(nodes)))
+    at = chebyshev_nodes(2 * len(nodes), through.domain)
+    squares = through.evaluate(at) ** 2
+    own_slopes = np.diag(through.evaluate(nodes, 1))
+    offsets = at[:, None] - nodes
+    values = (1.0 - 2.0 * own_slopes * offsets) * squares @ x + offsets * squares @ v
+    return Lagrange(at, values)
+
+
+def _weights(nodes: Float64Array) -> Float64Array:
+    # Scaled by the capacity of the interval, products neither vanish nor overflow.
+    gaps = (nodes[:, None] - nodes) * (4.0 / (nodes[-1] - nodes[0]))
+    np.fill_diagonal(gaps, 1.0)
+    logarithms = -np.log(np.abs(gaps)).sum(axis=1)
+    return np.asarray(np.prod(np.sign(gaps), axis=1) * np.exp(logarithms - logarithms.max()))
+
+
+def _barycentric(
+    nodes: Float64Array, weights: Float64Array, values: Float64Array, t: Float64Array
+) -> Float64Array:
+    gaps = np.atleast_1d(t)[:, None] - nodes
+    hit, node = np.nonzero(gaps == 0.0)
+    gaps[hit] = 1.0
+    shares = weights / gaps
+    result = shares @ values / shares.sum(axis=1)[:, None]
+    result[hit] = values[node]
+    return np.asarray(result if np.ndim(t) else result[0])

@@ -1,0 +1,179 @@
+"""Curves of rotations: slerp, squad, Bezier by repeated slerp.
+
+`evaluate` gives unit quaternions (n, 4), continuous in sign; its first and second derivative are
+the angular velocity and acceleration (n, 3) in the base frame.
+Source: Shoemake 1985 and 1987; Grioli 2023, section 2.4.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from leadthrough import _core, check, rotations
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.trajectories import curve
+
+# Step of difference quotients, as a share of the domain: their error is the step squared for a
+# velocity, and what rounding leaves is 1e-16 over it.
+_STEP = 1e-5
+_STEP_TWICE = 3e-4
+_MOST_POINTS = 50
+
+
+class RotationCurve(ABC):
+    """What all curves of rotations can do; angular rates are difference quotients by default."""
+
+    @property
+    @abstractmethod
+    def knots(self) -> Float64Array:
+        """(k,) rising times between which the curve is smooth, the ends of the domain included."""
+
+    @abstractmethod
+    def _rotations(self, t: Float64Array) -> Float64Array:
+        """Quaternions (n, 4) at times (n,) of the domain."""
+
+    @property
+    def domain(self) -> tuple[float, float]:
+        """First and last time."""
+        return float(self.knots[0]), float(self.knots[-1])
+
+    def evaluate(self, t: Any, derivative: int = 0) -> Float64Array:
+        """Quaternions (n, 4), angular velocities or accelerations (n, 3) at times (n,).
+
+        One row without its axis at one time. derivative: 0, 1 or 2. Raises InvalidInput.
+        """
+        order = check.integer(derivative, "derivative", at_least=0, at_most=2)
+        times = curve.times_inside(t, self.domain)
+        rates = (self._rotations, self._velocities, self._accelerations)
+        result = rates[order](np.atleast_1d(times))
+        return result if np.ndim(t) else result[0]
+
+    def _velocities(self, t: Float64Array) -> Float64Array:
+        before, after = self._around(t, _STEP)
+        return self._turns(before, after) / (after - before)[:, None]
+
+    def _accelerations(self, t: Float64Array) -> Float64Array:
+        before, after = self._around(t, _STEP_TWICE)
+        middle = 0.5 * (before + after)
+        out, back = self._turns(middle, after), self._turns(middle, before)
+        return (out + back) / ((after - middle) ** 2)[:, None]
+
+    def _around(self, t: Float64Array, share: float) -> tuple[Float64Array, Float64Array]:
+        """Times before and after, in the smooth stretch that begins at t or goes through it."""
+        i = np.clip(np.searchsorted(self.knots, t, side="right") - 1, 0, len(self.knots) - 2)
+        first, last = self.knots[i], self.knots[i + 1]
+        step = share * (last - first)
+        middle = np.clip(t, first + step, last - step)
+        return middle - step, middle + step
+
+    def _turns(self, a: Float64Array, b: Float64Array) -> Float64Array:
+        q = self._rotations(a)
+        return _core.so3_log(
+            _core.so3_compose(self._rotations(b), q * np.array([1.0, -1.0, -1.0, -1.0]))
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Slerp(RotationCurve):
+    """The shortest turns between quaternions (n, 4) at times (n,), at even speed on each.
+
+    Raises InvalidInput.
+    """
+
+    times: Float64Array
+    quaternions: Float64Array
+
+    def __post_init__(self) -> None:
+        _freeze(self)
+
+    @property
+    def knots(self) -> Float64Array:
+        """The times."""
+        return self.times
+
+    def _rotations(self, t: Float64Array) -> Float64Array:
+        i = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 2)
+        shares = (t - self.times[i]) / (self.times[i + 1] - self.times[i])
+        return _core.so3_slerp(self.quaternions[i], self.quaternions[i + 1], shares)
+
+    def _velocities(self, t: Float64Array) -> Float64Array:
+        i = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 2)
+        turns = rotations.log(
+            rotations.compose(self.quaternions[1:], rotations.inverse(self.quaternions[:-1]))
+        )
+        return np.asarray((turns / np.diff(self.times)[:, None])[i])
+
+    def _accelerations(self, t: Float64Array) -> Float64Array:
+        return np.zeros((len(t), 3))
+
+
+@dataclass(frozen=True, eq=False)
+class Squad(RotationCurve):
+    """A curve through quaternions (n, 4) at times (n,) with a continuous angular velocity.
+
+    See `rotations.squad`. Raises InvalidInput.
+    """
+
+    times: Float64Array
+    quaternions: Float64Array
+
+    def __post_init__(self) -> None:
+        _freeze(self)
+        self._rotations(self.times[:1])
+
+    @property
+    def knots(self) -> Float64Array:
+        """The times."""
+        return self.times
+
+    def _rotations(self, t: Float64Array) -> Float64Array:
+        return rotations.squad(self.times, self.quaternions, t)
+
+
+@dataclass(frozen=True, eq=False)
+class RotationBezier(RotationCurve):
+    """The Bezier curve of quaternions (n, 4), by de Casteljau's construction with slerp for lines.
+
+    Neighbours must be less than half a turn apart. Raises InvalidInput.
+    """
+
+    quaternions: Float64Array
+    times: tuple[float, float] = (0.0, 1.0)
+
+    def __post_init__(self) -> None:
+        q = rotations.align_signs(self.quaternions)
+        check.integer(len(q), "number of quaternions", at_least=2, at_most=_MOST_POINTS)
+        if (rotations.distance(q[1:], q[:-1]) >= np.pi - 1e-9).any():
+            raise InvalidInput("quaternions: expected neighbours less than half a turn apart")
+        q.setflags(write=False)
+        knots = curve.knot_times(self.times, "times")
+        object.__setattr__(self, "quaternions", q)
+        object.__setattr__(self, "times", (float(knots[0]), float(knots[-1])))
+
+    @property
+    def knots(self) -> Float64Array:
+        """The ends of the domain."""
+        return np.array(self.times)
+
+    def _rotations(self, t: Float64Array) -> Float64Array:
+        first, last = self.times
+        shares = (t - first) / (last - first)
+        level = [np.repeat(q[None], len(t), axis=0) for q in self.quaternions]
+        while len(level) > 1:
+            level = [_core.so3_slerp(a, b, shares) for a, b in pairwise(level)]
+        return level[0]
+
+
+def _freeze(rotation_curve: Slerp | Squad) -> None:
+    times = curve.knot_times(rotation_curve.times, "times")
+    q = check.quaternions(rotation_curve.quaternions, "quaternions", shape=(len(times), 4))
+    continuous = rotations.align_signs(q)
+    continuous.setflags(write=False)
+    object.__setattr__(rotation_curve, "times", times)
+    object.__setattr__(rotation_curve, "quaternions", continuous)

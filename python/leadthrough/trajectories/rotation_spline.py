@@ -1,0 +1,171 @@
+"""The C2 spline on the rotations: pieces that are cubic in the rotation vector.
+
+On piece i the rotation is exp(phi(t)) q_i with a cubic phi from 0 to the turn to q_(i+1). With
+angular velocities w at the samples, phi starts with w_i and ends with J^-1 w_(i+1); the angular
+acceleration J phi'' + dJ/dt phi' agrees at the inner samples if w solves a system that is
+tridiagonal but for the small term dJ/dt phi', which is iterated.
+Source: Park and Ravani 1997; Sola et al. 2018, eq. 145 for J.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from scipy.linalg import solve_banded
+
+from leadthrough import check, rotations
+from leadthrough.check import Float64Array
+from leadthrough.errors import FitError, InvalidInput
+from leadthrough.trajectories import curve
+from leadthrough.trajectories.rotation_curve import RotationCurve
+
+_MOST_ROUNDS = 200
+# Angular accelerations agree to this, relative to the largest velocity over the shortest step.
+_SETTLED = 1e-13
+# Step along phi' for the derivative of J, rad.
+_STEP = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class RotationSpline(RotationCurve):
+    """Through quaternions (n, 4) at times (n,) with continuous angular velocity and acceleration.
+
+    start_velocity, end_velocity: (3,) rad/s in the base frame, at rest by default. Neighbours must
+    be less than half a turn apart. Raises InvalidInput; FitError where the turns are too uneven.
+    """
+
+    times: Float64Array
+    quaternions: Float64Array
+    start_velocity: Float64Array = field(default_factory=lambda: np.zeros(3))
+    end_velocity: Float64Array = field(default_factory=lambda: np.zeros(3))
+    velocities: Float64Array = field(init=False)
+    _cubics: Float64Array = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        times = curve.knot_times(self.times, "times")
+        q = check.quaternions(self.quaternions, "quaternions", shape=(len(times), 4))
+        q = rotations.align_signs(q)
+        turns = rotations.log(rotations.compose(q[1:], rotations.inverse(q[:-1])))
+        if (np.linalg.norm(turns, axis=1) >= np.pi - 1e-6).any():
+            raise InvalidInput("quaternions: expected neighbours less than half a turn apart")
+        ends = [
+            check.frozen(getattr(self, name), name, shape=(3,))
+            for name in ("start_velocity", "end_velocity")
+        ]
+        velocities = _velocities(np.diff(times), turns, *ends)
+        for name, value in (("times", times), ("quaternions", q), ("velocities", velocities)):
+            value.setflags(write=False)
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "start_velocity", ends[0])
+        object.__setattr__(self, "end_velocity", ends[1])
+        object.__setattr__(self, "_cubics", _cubics(np.diff(times), turns, velocities))
+
+    @property
+    def knots(self) -> Float64Array:
+        """The times."""
+        return self.times
+
+    def _rotations(self, t: Float64Array) -> Float64Array:
+        i, (phi, _, _) = self._vectors(t)
+        return rotations.compose(rotations.exp(phi), self.quaternions[i])
+
+    def _velocities(self, t: Float64Array) -> Float64Array:
+        _, (phi, slope, _) = self._vectors(t)
+        return _turned(rotations.left_jacobian(phi), slope)
+
+    def _accelerations(self, t: Float64Array) -> Float64Array:
+        _, (phi, slope, bend) = self._vectors(t)
+        return _turned(rotations.left_jacobian(phi), bend) + _drift(phi, slope)
+
+    def _vectors(self, t: Float64Array) -> tuple[Any, tuple[Float64Array, ...]]:
+        """The piece of each time, and phi with two derivatives there."""
+        i = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 2)
+        s = (t - self.times[i])[:, None]
+        a, b, c = (self._cubics[i, k] for k in range(3))
+        return i, (
+            s * (a + s * (b + s * c)),
+            a + s * (2.0 * b + 3.0 * s * c),
+            2.0 * b + 6.0 * s * c,
+        )
+
+
+def _cubics(steps: Float64Array, turns: Float64Array, velocities: Float64Array) -> Float64Array:
+    """(pieces, 3, 3) coefficients of t, t^2 and t^3."""
+    h = steps[:, None]
+    start = velocities[:-1]
+    end = _turned(rotations.left_jacobian_inverse(turns), velocities[1:])
+    return np.stack(
+        [
+            start,
+            (3.0 * turns / h - 2.0 * start - end) / h,
+            (start + end - 2.0 * turns / h) / h**2,
+        ],
+        axis=1,
+    )
+
+
+def _velocities(
+    steps: Float64Array, turns: Float64Array, first: Float64Array, last: Float64Array
+) -> Float64Array:
+    """Angular velocities (n, 3) at the samples, the given ones at the ends."""
+    velocities = np.vstack([first, np.zeros((len(steps) - 1, 3)), last])
+    if len(steps) == 1:
+        return velocities
+    matrix = _matrix(steps, turns)
+    scale = np.abs(turns).max() / steps.min() + np.abs(velocities).max() + 1e-300
+    for _ in range(_MOST_ROUNDS):
+        with np.errstate(all="ignore"):
+            found = solve_banded((5, 5), matrix, _right_side(steps, turns, velocities).ravel())
+        if not np.isfinite(found).all():
+            break
+        change = np.abs(found.reshape(-1, 3) - velocities[1:-1]).max()
+        velocities[1:-1] = found.reshape(-1, 3)
+        if change <= _SETTLED * scale:
+            return velocities
+    raise FitError("times: the turns are too large or uneven for a spline of rotations")
+
+
+def _matrix(steps: Float64Array, turns: Float64Array) -> Float64Array:
+    """Banded matrix of the inner velocities, without the drift."""
+    inner = len(steps) - 1
+    rows = np.zeros((inner, 3, inner, 3))
+    leaving = 2.0 * rotations.left_jacobian(turns) / steps[:, None, None]
+    arriving = 2.0 * rotations.left_jacobian_inverse(turns) / steps[:, None, None]
+    for k in range(inner):
+        rows[k, :, k] = 4.0 * (1.0 / steps[k] + 1.0 / steps[k + 1]) * np.eye(3)
+        if k > 0:
+            rows[k, :, k - 1] = leaving[k]
+        if k + 1 < inner:
+            rows[k, :, k + 1] = arriving[k + 1]
+    square = rows.reshape(3 * inner, 3 * inner)
+    banded = np.zeros((11, 3 * inner))
+    for offset in range(-5, 6):
+        diagonal = np.diagonal(square, offset)
+        columns = slice(max(offset, 0), max(offset, 0) + len(diagonal))
+        banded[5 - offset, columns] = diagonal
+    return banded
+
+
+def _right_side(steps: Float64Array, turns: Float64Array, velocities: Float64Array) -> Float64Array:
+    h = steps[:, None]
+    right = 6.0 * (turns[1:] / h[1:] ** 2 + turns[:-1] / h[:-1] ** 2)
+    arriving = _turned(rotations.left_jacobian_inverse(turns), velocities[1:])
+    right -= _drift(turns[:-1], arriving[:-1])
+    leaving = _turned(rotations.left_jacobian(turns), velocities[:-1])
+    right[0] -= 2.0 * leaving[0] / steps[0]
+    right[-1] -= 2.0 * arriving[-1] / steps[-1]
+    return np.asarray(right)
+
+
+def _turned(matrices: Float64Array, vectors: Float64Array) -> Float64Array:
+    return np.asarray(np.einsum("nij,nj->ni", matrices, vectors))
+
+
+def _drift(phi: Float64Array, slope: Float64Array) -> Float64Array:
+    """dJ/dt phi' (n, 3) where phi moves by its slope: a central difference along it."""
+    speed = np.linalg.norm(slope, axis=1, keepdims=True)
+    step = _STEP * slope / np.where(speed > 0.0, speed, 1.0)
+    change = rotations.left_jacobian(phi + step) - rotations.left_jacobian(phi - step)
+    return np.asarray(_turned(change, slope) * speed / (2.0 * _STEP))
