@@ -25,6 +25,7 @@ from leadthrough.io.atomic import replacing
 FILES = [
     "bench_arm",
     "bench_collision",
+    "bench_curves",
     "bench_differential",
     "bench_dmp",
     "bench_dynamics",

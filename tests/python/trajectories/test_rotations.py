@@ -89,7 +89,7 @@ def test_slerp_keeps_the_axis_and_euler_angles_do_not():
     rates = curve.evaluate(np.linspace(0.0, 1.0, 11), 1)
     np.testing.assert_allclose(rates, np.full((11, 3), 2 * np.pi / 3 / 3**0.5), atol=1e-12)
     t = np.linspace(0.0, 1.0, 1001)
-    by_angles = rotations.from_euler(np.outer(t, [np.pi / 2, 0.0, np.pi / 2]), axes="ZYX")
+    by_angles = rotations.from_euler(np.outer(t, [np.pi / 2, 0.0, np.pi / 2]), convention="ZYX")
     turning = rotations.angular_velocity(t, by_angles)
     directions = turning / np.linalg.norm(turning, axis=1, keepdims=True)
     np.testing.assert_allclose(directions[0], np.array([1.0, 0.0, 1.0]) / 2**0.5, atol=1e-3)
