@@ -14,7 +14,7 @@ from leadthrough import rotations
 from leadthrough import trajectories as tr
 
 TOLERANCE = 1e-12
-REPEATS = 300
+REPEATS = 1000
 
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
@@ -27,16 +27,16 @@ def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
     bezier, poly = tr.Bezier(points[:6]), BPoly(points[:6, None], [0.0, 1.0])
     ends = rotations.exp(rng.normal(size=(2, 3)))
     slerp = tr.Slerp([0.0, 1.0], ends)
-    yield _row("cubic spline", "SciPy", spline.evaluate, cubic, fine, repeats)
-    yield _row("Bezier curve of degree 5", "SciPy", bezier.evaluate, poly, fine, repeats)
+    yield _row("cubic spline", "SciPy", spline.evaluate, cubic, t=fine, repeats=repeats)
+    yield _row("Bezier curve of degree 5", "SciPy", bezier.evaluate, poly, t=fine, repeats=repeats)
 
     def peer(t: Any) -> Any:
         return quaternion_slerp_batch(*ends, t, shortest_path=True)
 
-    yield _row("slerp", "pytransform3d", slerp.evaluate, peer, fine, repeats)
+    yield _row("slerp", "pytransform3d", slerp.evaluate, peer, t=fine, repeats=repeats)
 
 
-def _row(name: str, peer_name: str, ours: Any, peer: Any, t: Any, repeats: int) -> Benchmark:
+def _row(name: str, peer_name: str, ours: Any, peer: Any, *, t: Any, repeats: int) -> Benchmark:
     return Benchmark(
         f"{name}, 1000 times",
         ours=lambda: [ours(t) for _ in range(repeats)][-1],

@@ -6,6 +6,12 @@ After Grioli's notes on trajectories (2023), chapters 2 and 3.
 from leadthrough.trajectories.bezier import Bezier, de_casteljau
 from leadthrough.trajectories.bspline import BSpline, Nurbs
 from leadthrough.trajectories.curve import Curve
+from leadthrough.trajectories.filters import (
+    FilterState,
+    FirstOrderFilter,
+    SecondOrderFilter,
+    TimeOptimalFilter,
+)
 from leadthrough.trajectories.interpolation import (
     clamped_cubic,
     hermite,
@@ -15,7 +21,9 @@ from leadthrough.trajectories.interpolation import (
     smooth,
     smoothing,
 )
+from leadthrough.trajectories.jerk_filter import JerkFilter, JerkFilterState
 from leadthrough.trajectories.minimum_jerk import State, minimum_jerk, minimum_jerk_through
+from leadthrough.trajectories.point_to_point import point_to_point
 from leadthrough.trajectories.polynomial import Lagrange, chebyshev_nodes, osculating
 from leadthrough.trajectories.pose_curve import PoseCurve
 from leadthrough.trajectories.profiles import double_s, trapezoid
@@ -27,16 +35,22 @@ __all__ = [
     "BSpline",
     "Bezier",
     "Curve",
+    "FilterState",
+    "FirstOrderFilter",
+    "JerkFilter",
+    "JerkFilterState",
     "Lagrange",
     "Nurbs",
     "PoseCurve",
     "RotationBezier",
     "RotationCurve",
     "RotationSpline",
+    "SecondOrderFilter",
     "Slerp",
     "Spline",
     "Squad",
     "State",
+    "TimeOptimalFilter",
     "chebyshev_nodes",
     "clamped_cubic",
     "de_casteljau",
@@ -48,6 +62,7 @@ __all__ = [
     "natural_cubic",
     "osculating",
     "periodic_cubic",
+    "point_to_point",
     "smooth",
     "smoothing",
     "trapezoid",

@@ -37,10 +37,14 @@ def times_inside(t: Any, domain: tuple[float, float]) -> Float64Array:
     """`t` as times of the domain, (n,) or of no dimension; rounding beyond its ends is cut."""
     times = check.array(t, "t", shape=() if np.ndim(t) == 0 else ("n",))
     first, last = domain
+    if not times.size or (first <= times.min() and times.max() <= last):
+        return times
     slack = _SLACK * (last - first)
-    if times.size and (times.min() < first - slack or times.max() > last + slack):
-        wrong = times[(times < first - slack) | (times > last + slack)].flat[0]
-        raise InvalidInput(f"t: expected times from {first:.6g} to {last:.6g}, got {wrong:.6g}")
+    wrong = times[(times < first - slack) | (times > last + slack)]
+    if wrong.size:
+        raise InvalidInput(
+            f"t: expected times from {first:.6g} to {last:.6g}, got {wrong.flat[0]:.6g}"
+        )
     return np.clip(times, first, last)
 
 

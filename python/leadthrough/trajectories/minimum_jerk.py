@@ -32,8 +32,8 @@ def minimum_jerk(start: Any, end: Any, *, duration: float) -> Bezier:
     Source: Grioli 2023, section 2.3.1, with the control points worked out anew.
     """
     total = check.number(duration, "duration", above=0.0)
-    x0, v0, a0 = _state(start, "start", None)
-    x1, v1, a1 = _state(end, "end", len(x0))
+    x0, v0, a0 = checked_state(start, "start", None)
+    x1, v1, a1 = checked_state(end, "end", len(x0))
     points = [
         x0,
         x0 + v0 * total / 5.0,
@@ -55,13 +55,14 @@ def minimum_jerk_through(times: Any, points: Any, *, start: Any = None, end: Any
     x = curve.points(points, "points", count=len(t))
     ends = []
     for state, name, row in ((start, "start", x[0]), (end, "end", x[-1])):
-        _, v, a = _state(row if state is None else state, name, x.shape[1])
+        _, v, a = checked_state(row if state is None else state, name, x.shape[1])
         ends.append([(1, v), (2, a)])
     knots = np.concatenate([t[[0] * 6], t[1:-1], t[[-1] * 6]])
     return of_bspline(make_interp_spline(t, x, k=5, t=knots, bc_type=tuple(ends)), t)
 
 
-def _state(value: Any, name: str, width: int | None) -> tuple[Float64Array, ...]:
+def checked_state(value: Any, name: str, width: int | None) -> tuple[Float64Array, ...]:
+    """Position, velocity and acceleration (width,) each; a bare position rests."""
     state = value if isinstance(value, State) else State(value)
     position = check.array(state.position, f"{name} position", shape=(width or "d",))
     rest = []

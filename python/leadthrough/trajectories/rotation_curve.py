@@ -8,7 +8,7 @@ Source: Shoemake 1985 and 1987; Grioli 2023, section 2.4.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
@@ -24,6 +24,8 @@ from leadthrough.trajectories import curve
 _STEP = 1e-5
 _STEP_TWICE = 3e-4
 _MOST_POINTS = 50
+# The shorter arc of two equal quaternions, rad: weights of a straight line to 1e-13.
+_LEAST_ARC = 1e-6
 
 
 class RotationCurve(ABC):
@@ -88,9 +90,13 @@ class Slerp(RotationCurve):
 
     times: Float64Array
     quaternions: Float64Array
+    _arcs: Float64Array = field(init=False, repr=False)  # half the turns
 
     def __post_init__(self) -> None:
         _freeze(self)
+        a, b = self.quaternions[:-1], self.quaternions[1:]
+        chords = [np.linalg.norm(b - a, axis=1), np.linalg.norm(b + a, axis=1)]
+        object.__setattr__(self, "_arcs", np.maximum(2.0 * np.arctan2(*chords), _LEAST_ARC))
 
     @property
     def knots(self) -> Float64Array:
@@ -98,16 +104,25 @@ class Slerp(RotationCurve):
         return self.times
 
     def _rotations(self, t: Float64Array) -> Float64Array:
-        i = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 2)
-        shares = (t - self.times[i]) / (self.times[i + 1] - self.times[i])
-        return _core.so3_slerp(self.quaternions[i], self.quaternions[i + 1], shares)
+        i = self._pieces(t)
+        arc = self._arcs[i]
+        angle = arc * ((t - self.times[i]) / (self.times[i + 1] - self.times[i]))
+        weights = np.sin([arc - angle, angle]) / np.sin(arc)
+        a, b = self.quaternions[i], self.quaternions[i + 1]
+        return np.asarray(weights[0][:, None] * a + weights[1][:, None] * b)
 
     def _velocities(self, t: Float64Array) -> Float64Array:
-        i = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 2)
         turns = rotations.log(
             rotations.compose(self.quaternions[1:], rotations.inverse(self.quaternions[:-1]))
         )
-        return np.asarray((turns / np.diff(self.times)[:, None])[i])
+        rates = (turns / np.diff(self.times)[:, None])[self._pieces(t)]
+        return np.broadcast_to(rates, (len(t), 3)).copy()
+
+    def _pieces(self, t: Float64Array) -> Any:
+        """The piece of every time; where there is one only, as a number, which spares copies."""
+        if len(self.times) == 2:
+            return 0
+        return np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 2)
 
     def _accelerations(self, t: Float64Array) -> Float64Array:
         return np.zeros((len(t), 3))
