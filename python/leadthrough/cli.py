@@ -60,7 +60,7 @@ def demo(
 
 @app.command()
 def experiment(
-    name: Annotated[str, typer.Argument(help="lasa or ur3")],
+    name: Annotated[str, typer.Argument(help="lasa, singularity, trajectories or ur3")],
     quick: Annotated[bool, typer.Option("--quick", help="A small part of the study.")] = False,
     out: Annotated[Path | None, typer.Option(help="Folder for the results.")] = None,
     seed: Annotated[int, typer.Option(help="Of whatever is drawn at random.")] = 0,

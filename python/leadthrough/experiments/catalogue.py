@@ -1,10 +1,16 @@
 """The studies by name."""
 
-from leadthrough.experiments import lasa_study, singularity_study, ur3_study
+from leadthrough.experiments import (
+    lasa_study,
+    singularity_study,
+    trajectories_study,
+    ur3_study,
+)
 from leadthrough.experiments.study import Study
 
 STUDIES: dict[str, Study] = {
     "lasa": lasa_study.STUDY,
     "singularity": singularity_study.STUDY,
+    "trajectories": trajectories_study.STUDY,
     "ur3": ur3_study.STUDY,
 }
