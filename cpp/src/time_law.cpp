@@ -27,6 +27,8 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double fastest_idle = 2.0;
 // The search for the profile looks at as many samples in the smaller window; the end, at all.
 constexpr int samples_a_window = 6;
+// Points of the grid over which a hold fades out.
+constexpr Index fade = 8;
 constexpr int most_coarse_rounds = 8, rounds_of_push = 4, most_local_rounds = 16, most_rounds = 60;
 // Excess of a limit that long strides leave to all samples.
 constexpr double coarse_excess = 1e-3;
@@ -113,7 +115,7 @@ class TimeLawSearch {
   // Averaging keeps a motion of constant speed: with a speed given, an end is passed at it for as
   // long as the windows reach.
   void hold_ends() {
-    const double time = options_.period * static_cast<double>(stride_ * windows_.reach() + 1);
+    const double time = options_.period * static_cast<double>(stride_ * (windows_.reach() + 1));
     const Index row = bounds_.gain.cols() - 1;
     for (Index i = 0; i < grid_.points(); ++i) {
       const bool start = grid_.length[i] < options_.start_speed * time;
@@ -211,8 +213,12 @@ class TimeLawSearch {
     const double* end = begin + grid_.points();
     const Index low = std::lower_bound(begin, end, at(sample - reach)) - begin;
     const Index high = std::upper_bound(begin, end, at(sample + reach)) - begin;
-    for (Index i = std::max<Index>(low - 1, 0); i < std::min(high + 1, grid_.points()); ++i)
-      share[i] = std::max(share[i], ratio);
+    // Fading out on both sides: an edge would be a jump of the acceleration itself.
+    for (Index i = std::max<Index>(low - fade, 0); i < std::min(high + fade, grid_.points()); ++i) {
+      const double outside = static_cast<double>(std::max({low - i, i - high, Index{0}}));
+      const double part = 1.0 - outside / static_cast<double>(fade);
+      share[i] = std::max(share[i], 1.0 + (ratio - 1.0) * part);
+    }
   }
 
   // The profile's length by time, averaged.

@@ -110,10 +110,9 @@ def _check_limits(limits: Any) -> None:
         raise InvalidInput(f"limits: expected JointLimits, got {type(limits).__name__}")
     for name in ("acceleration", "jerk"):
         if getattr(limits, name) is None:
-            joint = limits.joint_names[0]
             raise InvalidInput(
-                f"limits: expected {name} limits, got none; a file that states them reads:\n"
-                f"[joints]\n{joint} = {{ velocity = 2.0, acceleration = 10.0, jerk = 1000.0 }}"
+                f"limits: expected {name} limits, got none; a file that states them:\n"
+                f"{limits.template()}"
             )
 
 

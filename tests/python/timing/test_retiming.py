@@ -1,6 +1,7 @@
 """The fastest motion along a path: limits kept, nearly the optimum, the path where it was."""
 
 import time
+from dataclasses import replace
 
 import hypothesis.strategies as st
 import numpy as np
@@ -19,15 +20,7 @@ MIDDLE = 0.5 * (PANDA.lower + PANDA.upper)
 
 
 def with_jerk(share):
-    return JointLimits(
-        PANDA.joint_names,
-        PANDA.lower,
-        PANDA.upper,
-        PANDA.velocity,
-        PANDA.acceleration,
-        PANDA.jerk * share,
-        PANDA.effort,
-    )
+    return replace(PANDA, jerk=share * PANDA.jerk)
 
 
 def random_spline(seed, *, spread=0.5, points=12):
@@ -224,6 +217,21 @@ def test_efforts_keep_their_limits():
         )
 
 
+def test_the_panda_s_torques_keep_their_limits():
+    arm = lt.Arm.load("panda")
+    path = random_spline(7)
+    limits = replace(arm.limits, effort=0.6 * arm.limits.effort)
+    free = lt.retime(path, limits, rate=200.0)
+    kept = lt.retime(path, limits, rate=200.0, inverse_dynamics=arm.inverse_dynamics)
+    shares = []
+    for motion in (free, kept):
+        torques = arm.inverse_dynamics(motion.positions, motion.velocities, motion.accelerations)
+        shares.append(np.abs(torques / limits.effort).max())
+    assert shares[0] > 1.05
+    assert 0.95 < shares[1] <= 1.0 + 1e-3
+    assert kept.duration > free.duration
+
+
 def test_nothing_to_move_gives_one_sample_and_holds_are_kept():
     motion = lt.retime(np.zeros((3, 2)), limits_of(2))
     assert motion.positions.tolist() == [[0.0, 0.0]]
@@ -294,7 +302,7 @@ def test_wrong_arguments_are_named(change, match):
 
 def test_limits_without_jerk_show_what_is_missing():
     limits = JointLimits(("j",), [-1.0], [1.0], [1.0], [1.0])
-    with pytest.raises(InvalidInput, match=r"(?s)jerk limits, got none.*\[joints\]\nj ="):
+    with pytest.raises(InvalidInput, match=r"(?s)jerk limits, got none.*\[joints\].*\"j\" ="):
         lt.retime([[0.0], [0.5]], limits)
 
 
