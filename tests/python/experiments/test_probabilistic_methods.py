@@ -1,7 +1,6 @@
 """ProMP and GMR on human handwriting, each demonstration left out once, from its start."""
 
 import numpy as np
-import pytest
 
 from leadthrough.experiments import lasa_study
 from leadthrough.io import lasa
@@ -27,4 +26,4 @@ def test_promp_predicts_left_out_handwriting_better_than_its_peers():
 
 
 def test_gmr_predicts_left_out_handwriting():
-    assert mean_area("GMR", SOME) == pytest.approx(0.0, abs=GMR_LIMIT)
+    assert mean_area("GMR", SOME) < GMR_LIMIT

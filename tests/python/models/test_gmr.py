@@ -48,7 +48,7 @@ def test_mixture_may_be_asked_for_the_time_of_a_place():
 
 
 def test_number_of_components_may_be_chosen_by_the_data():
-    skill = lt.GMR(components=None).fit(family())
+    skill = lt.GMR(components=None).fit(family(2))
     assert 3 <= skill.mixture.count <= 15
 
 
