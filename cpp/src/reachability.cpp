@@ -62,13 +62,29 @@ class Cell {
   }
 
   const Line& floor(double x) const {
-    return *std::max_element(floors_.begin(), floors_.end(),
-                             [x](const Line& a, const Line& b) { return a.at(x) < b.at(x); });
+    const Line* highest = floors_.data();
+    double value = highest->at(x);
+    for (const Line& line : floors_) {
+      const double other = line.at(x);
+      if (other > value) {
+        value = other;
+        highest = &line;
+      }
+    }
+    return *highest;
   }
 
   const Line& ceiling(double x) const {
-    return *std::min_element(ceilings_.begin(), ceilings_.end(),
-                             [x](const Line& a, const Line& b) { return a.at(x) < b.at(x); });
+    const Line* lowest = ceilings_.data();
+    double value = lowest->at(x);
+    for (const Line& line : ceilings_) {
+      const double other = line.at(x);
+      if (other < value) {
+        value = other;
+        lowest = &line;
+      }
+    }
+    return *lowest;
   }
 
   // The x that leave an acceleration; low > high where none does.

@@ -27,6 +27,8 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double fastest_idle = 2.0;
 // The search for the profile looks at as many samples in the smaller window; the end, at all.
 constexpr int samples_a_window = 6;
+// An excess is answered by this much more: the search ends sooner, for some 1e-4 of the duration.
+constexpr double amply = 1.0005;
 // Points of the grid over which a hold fades out.
 constexpr Index fade = 8;
 constexpr int most_coarse_rounds = 8, rounds_of_push = 4, most_local_rounds = 16, most_rounds = 60;
@@ -195,7 +197,7 @@ class TimeLawSearch {
       VectorXd& share = order == 1 ? speed : push;
       const auto& each = ratios_.each[order - 1];
       for (std::size_t k = 0; k < each.size(); ++k)
-        if (each[k] > 1.0) raise(share, each[k], static_cast<Index>(k), reach);
+        if (each[k] > 1.0) raise(share, amply * each[k], static_cast<Index>(k), reach);
     }
     speed_share_ = speed_share_.cwiseQuotient(speed);
     push_share_ = push_share_.cwiseQuotient(push);

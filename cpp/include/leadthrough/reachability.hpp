@@ -12,7 +12,7 @@ using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMaj
 // bend = d2q/ds2, joint torques with what the dynamics make of them.
 struct SpeedBounds {
   Eigen::VectorXd grid;     // (n,) increasing
-  Eigen::VectorXd fastest;  // (n,) the largest x, where velocities bind; may be infinite
+  Eigen::VectorXd fastest;  // (n,) the largest x, finite, where velocities bind
   Rows gain, bend;          // (n, rows)
   Rows lower, upper;        // (n, rows) lower <= 0 <= upper lets the motion rest anywhere
 };

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from leadthrough import _core
+from leadthrough import _core, check
 from leadthrough.check import Float64Array
 
 Jacobian = Callable[[Float64Array], Float64Array]
@@ -50,10 +50,8 @@ def paced(path: _core.TimedPath, parameters: Float64Array, times: Float64Array) 
 
 def tip_within(path: _core.TimedPath, jacobian: Jacobian, speed: float) -> Float64Array:
     """x (n,) at which the tip moves at `speed`, m/s."""
-    rows = zip(path.positions, path.first, strict=True)
-    per_length = [np.linalg.norm(np.asarray(jacobian(q))[:3] @ first) for q, first in rows]
     with np.errstate(divide="ignore"):
-        return np.asarray((speed / np.array(per_length)) ** 2)
+        return np.asarray((speed / tip_speeds(jacobian, path.positions, path.first)) ** 2)
 
 
 def with_efforts(
@@ -61,13 +59,25 @@ def with_efforts(
 ) -> PathBounds:
     """The bounds, with the joints' efforts inside +-effort (joints,)."""
     still = np.zeros_like(path.positions)
-    rest = _efforts(dynamics, path.positions, still, still)
-    gain = _efforts(dynamics, path.positions, still, path.first) - rest
-    bend = _efforts(dynamics, path.positions, path.first, path.second) - rest
+    rest = efforts(dynamics, path.positions, still, still)
+    gain = efforts(dynamics, path.positions, still, path.first) - rest
+    bend = efforts(dynamics, path.positions, path.first, path.second) - rest
     return PathBounds(bounds.fastest, gain, bend, -effort - rest, effort - rest)
 
 
-def _efforts(
+def tip_speeds(jacobian: Jacobian, q: Float64Array, velocities: Float64Array) -> Float64Array:
+    """(n,) m/s at configurations and velocities (n, joints). Raises InvalidInput."""
+    speeds = []
+    for row, velocity in zip(q, velocities, strict=True):
+        matrix = check.array(jacobian(row), "jacobian(q)", shape=("rows", len(row)))
+        speeds.append(np.linalg.norm(matrix[:3] @ velocity))
+    return np.array(speeds)
+
+
+def efforts(
     dynamics: InverseDynamics, q: Float64Array, qd: Float64Array, qdd: Float64Array
 ) -> Float64Array:
-    return np.array([dynamics(*row) for row in zip(q, qd, qdd, strict=True)])
+    """(n, joints) N m (N) of states (n, joints). Raises InvalidInput."""
+    name = "inverse_dynamics(q, qd, qdd)"
+    rows = zip(q, qd, qdd, strict=True)
+    return np.array([check.array(dynamics(*row), name, shape=(q.shape[1],)) for row in rows])

@@ -210,15 +210,15 @@ def _tip_ratio(motion: Motion, request: Request) -> float:
     if request.tip_speed is None or request.jacobian is None:
         return 0.0
     some = motion.some(_JUDGED_SAMPLES)
-    rows = zip(some.positions, some.velocities, strict=True)
-    speeds = [np.linalg.norm(np.asarray(request.jacobian(q))[:3] @ v) for q, v in rows]
-    return float(max(speeds)) / request.tip_speed
+    speeds = bounds.tip_speeds(request.jacobian, some.positions, some.velocities)
+    return float(speeds.max()) / request.tip_speed
 
 
 def _effort_ratio(motion: Motion, limits: JointLimits, request: Request) -> float:
     if request.inverse_dynamics is None:
         return 0.0
     some = motion.some(_JUDGED_SAMPLES)
-    rows = zip(some.positions, some.velocities, some.accelerations, strict=True)
-    efforts = np.abs([request.inverse_dynamics(*row) for row in rows])
-    return float((efforts / _effort(limits)).max())
+    used = bounds.efforts(
+        request.inverse_dynamics, some.positions, some.velocities, some.accelerations
+    )
+    return float((np.abs(used) / _effort(limits)).max())

@@ -290,6 +290,8 @@ def test_any_polyline_keeps_its_limits(seed, joints, points, scale, jerk):
         ({"not_before": [0.0, 1.0]}, "not_before"),
         ({"start_velocity": [1.0]}, "start_velocity"),
         ({"tip_speed": 0.1}, "jacobian"),
+        ({"tip_speed": 0.1, "jacobian": lambda q: np.full((3, len(q)), np.nan)}, "jacobian"),
+        ({"tip_speed": 0.1, "jacobian": lambda q: q}, "jacobian"),
         ({"inverse_dynamics": 3}, "inverse_dynamics"),
         ({"inverse_dynamics": lambda *state: state[2]}, "effort"),
     ],
