@@ -80,7 +80,7 @@ class PoseDMP:
         )
         skill = PoseDMPSkill(self, learned, turned, shown.duration, shown.size)
         if self.orientation == "lifted":
-            _check_replay(skill, shown)
+            return replace(skill, turning=replace(turned, angle=_replayed_angle(skill, shown)))
         return skill
 
 
@@ -317,8 +317,11 @@ def as_push(coupling: Any) -> Float64Array:
     return np.append(check_channels(given, "coupling", len(given)), np.zeros(6 - len(given)))
 
 
-def _check_replay(skill: PoseDMPSkill, shown: MeanMotion) -> None:
-    """The continuous logarithm may swing about where the tool hardly turns: see what is left."""
+def _replayed_angle(skill: PoseDMPSkill, shown: MeanMotion) -> float:
+    """The angle turned in replay, rad: what was shown without its noise, to measure spins by.
+
+    The continuous logarithm may swing about where the tool hardly turns. Raises FitError.
+    """
     assert shown.orientations is not None
     state = skill.begin()
     values, _ = _core.dmp_rollout(
@@ -331,3 +334,4 @@ def _check_replay(skill: PoseDMPSkill, shown: MeanMotion) -> None:
             f'demonstrations: orientation="lifted" would be off by {np.degrees(worst):.0f} degrees '
             'beside a whole number of turns; use "anchored"'
         )
+    return float(rotations.distance(made[:-1], made[1:]).sum())

@@ -267,6 +267,15 @@ def test_lifted_never_spins_silently(degrees, moved_by):
         assert abs(angle_turned(made.orientations) - degrees) <= moved_by + 21.0
 
 
+def test_noise_of_the_samples_is_no_turn_that_lifted_lacks():
+    u, q = turn(120, 600)
+    noise = np.random.default_rng(0).normal(0.0, np.radians(0.1), (len(u), 3))
+    noisy = rotations.compose(q, rotations.exp(noise))
+    assert angle_turned(noisy) > 180
+    made = fitted(u, noisy, orientation="lifted").generate()
+    assert angle_turned(made.orientations) == pytest.approx(120, abs=2)
+
+
 @pytest.mark.parametrize("orientation", ["anchored", "lifted", "log", "euler"])
 def test_steps_lead_where_generate_does(orientation):
     u, q = turn(120, 100)
