@@ -1,6 +1,7 @@
 """The studies by name."""
 
 from leadthrough.experiments import (
+    agriculture_study,
     lasa_study,
     singularity_study,
     trajectories_study,
@@ -9,6 +10,7 @@ from leadthrough.experiments import (
 from leadthrough.experiments.study import Study
 
 STUDIES: dict[str, Study] = {
+    "agriculture": agriculture_study.STUDY,
     "lasa": lasa_study.STUDY,
     "singularity": singularity_study.STUDY,
     "trajectories": trajectories_study.STUDY,

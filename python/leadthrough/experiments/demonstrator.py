@@ -2,7 +2,8 @@
 
 Point-to-point movements of people are straight to slightly bowed with a bell-shaped speed (Flash
 and Hogan 1985, eq. 3: minimum jerk). On top comes what teaching by hand adds: a bow of its own for
-every movement, ends that scatter, and a tremor.
+every movement, ends that scatter, and a tremor; where the joints are recorded, also a pace of the
+person's own, pauses, and encoders that count in steps.
 """
 
 from __future__ import annotations
@@ -10,14 +11,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from leadthrough.check import Float64Array
-from leadthrough.motion import Demonstration, Trajectory
+from leadthrough.motion import Demonstration, JointTrajectory, Trajectory
 from leadthrough.preprocess.resample import arc_length
 
 _RATE = 50.0  # Hz
 _TREMOR_WAVES = 6
+_PACE_WAVES = 3
+_PACE_BAND = (0.1, 0.5)  # Hz, of the speed's variation
 
 
 @dataclass(frozen=True)
@@ -33,6 +36,43 @@ class Teaching:
     bow: float = 0.05
     tremor: float = 0.001
     tremor_band: tuple[float, float] = (4.0, 10.0)
+
+
+@dataclass(frozen=True)
+class JointTeaching:
+    """How a person moves the joints of an arm that gives way.
+
+    duration: s, least and most, without the pauses. pace: standard deviation of the speed, as a
+    share of it. pauses: the most in a movement; pause: s, least and most of each. tremor: root mean
+    square at each joint, rad. tremor_band: Hz. encoder: steps a turn; 12 bits are assumed, the
+    maker of our arm states none.
+    """
+
+    duration: tuple[float, float] = (10.0, 16.0)
+    pace: float = 0.2
+    pauses: int = 2
+    pause: tuple[float, float] = (0.3, 1.0)
+    tremor: float = 0.001
+    tremor_band: tuple[float, float] = (4.0, 10.0)
+    encoder: int = 4096
+
+
+def guide_joints(
+    postures: Float64Array, teaching: JointTeaching, rng: np.random.Generator, *, name: str = ""
+) -> Demonstration:
+    """A movement of the joints at rest at both ends, through postures (n, joints), n >= 2, in rad.
+
+    It stays between the postures but for the tremor. The recording is rounded to encoder steps.
+    """
+    wanted = np.asarray(postures, dtype=np.float64)
+    knots = arc_length(wanted)
+    curve = PchipInterpolator(knots / knots[-1], wanted)  # it never overshoots a posture
+    times, progress = _unsteady(teaching, rng)
+    shaking = _tremor(times, teaching, rng, wanted.shape[1])
+    fade = np.sin(np.pi * times / times[-1])[:, None]
+    step = 2.0 * np.pi / teaching.encoder
+    recorded = step * np.round((curve(progress) + fade * shaking) / step)
+    return Demonstration(JointTrajectory(times, recorded), name=name)
 
 
 def guide(
@@ -60,8 +100,36 @@ def wander(
     return guide(rng.uniform(lower, upper, (5, len(lower))), teaching, rng)
 
 
+def _unsteady(
+    teaching: JointTeaching, rng: np.random.Generator
+) -> tuple[Float64Array, Float64Array]:
+    """Times, s, and the share of the way covered: minimum jerk at a pace that varies and pauses."""
+    moving = rng.uniform(*teaching.duration)
+    pauses = rng.uniform(*teaching.pause, rng.integers(teaching.pauses + 1))
+    times = np.arange(int((moving + pauses.sum()) * _RATE) + 1) / _RATE
+    u = times / times[-1]
+    speed = u**2 * (1.0 - u) ** 2 * _pace(times, teaching.pace, rng)
+    for middle, length in zip(rng.uniform(0.2, 0.8, len(pauses)), pauses, strict=True):
+        # Flat over the pause, with shoulders on which the arm comes to rest and starts again.
+        away = 2.0 * np.abs(times - middle * times[-1]) / length
+        speed *= 1.0 - np.exp(-((away / 1.2) ** 8))
+    covered = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))])
+    return times, covered / covered[-1]
+
+
+def _pace(times: Float64Array, variation: float, rng: np.random.Generator) -> Float64Array:
+    """Factors (n,) > 0 about 1 that vary slowly."""
+    frequencies = rng.uniform(*_PACE_BAND, _PACE_WAVES)
+    phases = rng.uniform(0.0, 2.0 * np.pi, _PACE_WAVES)
+    waves = np.sin(2.0 * np.pi * frequencies * times[:, None] + phases)
+    return np.asarray(np.exp(variation * np.sqrt(2.0 / _PACE_WAVES) * waves.sum(axis=1)))
+
+
 def _tremor(
-    times: Float64Array, teaching: Teaching, rng: np.random.Generator, dimensions: int
+    times: Float64Array,
+    teaching: Teaching | JointTeaching,
+    rng: np.random.Generator,
+    dimensions: int,
 ) -> Float64Array:
     """A sum of sines whose frequencies and phases are drawn, (n, dimensions)."""
     frequencies = rng.uniform(*teaching.tremor_band, (_TREMOR_WAVES, dimensions))

@@ -5,7 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from leadthrough.experiments.demonstrator import Teaching, guide, wander
+from leadthrough.experiments.demonstrator import (
+    JointTeaching,
+    Teaching,
+    guide,
+    guide_joints,
+    wander,
+)
 from leadthrough.experiments.metrics import dimensionless_jerk, turning
 
 ENDS = np.array([[0.0, 0.0, 0.0], [0.4, 0.3, 0.0]])
@@ -60,3 +66,49 @@ def test_wandering_stays_about_its_box():
     assert motion.positions.min() > -0.5
     assert motion.positions.max() < 1.5
     assert turning(motion.positions, step=0.01) > 2.0
+
+
+POSTURES = np.array([[0.0, 1.0, -0.5], [0.8, 0.2, -0.5], [1.5, 0.6, 0.5]])
+CALM = JointTeaching(pace=0.0, pauses=0, tremor=0.0, encoder=2**24)
+
+
+def recorded(teaching, seed=0):
+    return guide_joints(POSTURES, teaching, np.random.default_rng(seed)).motion
+
+
+def test_joints_are_led_through_the_postures_and_no_farther():
+    motion = recorded(CALM)
+    np.testing.assert_allclose(motion.positions[[0, -1]], POSTURES[[0, -1]], atol=1e-6)
+    gaps = np.linalg.norm(motion.positions - POSTURES[1], axis=1)
+    assert gaps.min() < 0.02
+    assert (motion.positions >= POSTURES.min(axis=0) - 1e-6).all()
+    assert (motion.positions <= POSTURES.max(axis=0) + 1e-6).all()
+
+
+def test_encoders_count_in_steps():
+    steps = recorded(JointTeaching(encoder=1000)).positions / (2.0 * np.pi / 1000)
+    np.testing.assert_allclose(steps, np.round(steps), atol=1e-9)
+
+
+def test_a_person_of_many_pauses_rests_on_the_way():
+    hasty = replace(CALM, pauses=1, pause=(1.0, 1.0))
+    rests = []
+    for seed in range(20):
+        motion = recorded(hasty, seed)
+        inside = (motion.times > 1.5) & (motion.times < motion.times[-1] - 1.5)
+        speed = np.abs(np.gradient(motion.positions, motion.times, axis=0)).max(axis=1)
+        rests.append(float((speed[inside] < 1e-4).mean()) * motion.duration)
+    assert max(rests) > 0.4
+    assert min(rests) == 0.0  # some do not pause
+
+
+def test_the_pace_varies_from_one_showing_to_the_next():
+    durations = [recorded(JointTeaching(), seed).duration for seed in range(20)]
+    assert min(durations) >= 10.0 - 0.02
+    assert max(durations) <= 18.0
+    assert np.std(durations) > 0.5
+
+
+def test_the_same_seed_shows_the_same_joints():
+    first, again = (recorded(JointTeaching(), 3).positions for _ in range(2))
+    assert first.tobytes() == again.tobytes()

@@ -1,0 +1,162 @@
+"""Four agricultural tasks of a TIAGo in 16 subtasks, and the postures a person takes it through.
+
+Lauretti et al. 2023, section 2.2, name the subtasks and the first target; the rest is ours:
+
+- The torso is lifted by 0.25 m and holds. The tool is a point 0.2 m beyond the wrist; around the
+  hand there is a capsule 8 cm thick. The arm's base frame stands on the axis of the first joint,
+  x to the front and z up.
+- The paper draws the layout of its nine targets and states the first: [20, -20, -40] cm for
+  subtasks 1-2, 2-2 and 3-2, [50, -20, 0] cm for 4-1. From there ours lie on a 3 x 3 grid 10 cm
+  apart, level (to the front and to the left) and upright (up and to the left).
+- Home, rack, bucket, seeds, can and crate are postures chosen by hand, the same in every
+  repetition. At a target the tool's point is on it, in the posture nearest to one chosen by hand
+  for the middle of the grid.
+- The tool turns as its use asks for, about the wrist: a scoop and the turning over of the soil, the
+  hand that lets seeds fall, pouring and returning, twisting a fruit off its stem.
+- There is nothing to hit but the floor and the robot itself, as in the paper.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from leadthrough.arm import Arm
+from leadthrough.check import Float64Array
+from leadthrough.shapes import Box, Capsule
+
+TORSO = 0.25  # m
+SPACING = 0.1  # m, between targets
+_ARM_BASE = np.array([0.09305, 0.014, 0.7375 + TORSO])  # the first joint, in the robot's frame
+_TOOL = (0.0, 0.0, 0.2)  # m, beyond the last link
+_ABOVE = np.array([0.0, 0.0, 0.1])  # m, where a target is approached from
+
+POSTURES: dict[str, tuple[float, ...]] = {
+    "home": (0.3, -0.8, -0.6, 1.9, -1.2, 0.9, 1.2),
+    "rack": (1.1, -0.46, 1.1, 1.97, -0.84, -1.06, -0.23),
+    "bucket": (0.55, 0.42, -0.17, 1.83, 0.87, 0.25, 0.0),
+    "seeds": (1.45, -0.12, -0.91, 2.03, 0.33, -0.98, 1.5),
+    "can": (1.18, -0.69, 1.24, 1.94, -0.81, -0.89, -1.4),
+    "crate": (0.75, 0.42, 0.33, 1.82, -1.38, 0.45, -2.0),
+    # The straight way from home would lead through the robot.
+    "beside the rack": (0.36, -0.44, 0.38, 1.63, -0.61, -0.58, 0.04),
+    "beside the can": (1.17, -0.35, -0.2, 1.63, -1.27, -0.31, -0.58),
+}
+# How the arm stands at the middle of a grid.
+_AT_TARGET: dict[str, tuple[float, ...]] = {
+    "digging": (1.51, 0.41, 0.35, 2.11, -0.94, 0.43, -1.4),
+    "seeding": (2.12, -0.03, 0.46, 1.88, 0.98, -0.66, 1.5),
+    "irrigation": (2.04, -0.04, 0.59, 1.72, -1.54, 0.87, -1.3),
+    "harvesting": (0.34, -0.15, -2.06, 1.8, 1.05, -0.75, 1.5),
+}
+
+
+@dataclass(frozen=True)
+class Turned:
+    """A posture after turns of joints (by number, from 1), in rad."""
+
+    posture: str
+    turns: Mapping[int, float]
+
+
+Stop = str | Turned
+
+
+@dataclass(frozen=True)
+class Subtask:
+    """stops: "target" and "above" are postures at the repetition's target, others in `POSTURES`.
+
+    gripper: what it does at the end, "closed", "opened" or nothing.
+    """
+
+    number: str
+    title: str
+    stops: tuple[Stop, ...]
+    gripper: str = ""
+
+    @property
+    def ends_at_target(self) -> bool:
+        """Whether its end moves with the target."""
+        last = self.stops[-1]
+        return "target" in (last, getattr(last, "posture", ""))
+
+
+_SCOOPED = Turned("target", {5: 1.5, 6: -1.2, 7: 2.2})
+_SCATTERED = Turned("target", {5: -1.2, 7: -2.6})
+_POURED = Turned("target", {5: 1.3, 7: 2.5})
+_TWISTED = Turned("target", {5: -1.5, 7: -2.6})
+_TURNED_OVER = Turned("bucket", {5: -1.6, 7: -1.8})
+
+TASKS: dict[str, tuple[Subtask, ...]] = {
+    "digging": (
+        Subtask("1-1", "tool reaching", ("home", "beside the rack", "rack"), "closed"),
+        Subtask("1-2", "digging", ("rack", "above", "target", _SCOOPED)),
+        Subtask("1-3", "soil placing into the bucket", (_SCOOPED, "bucket", _TURNED_OVER)),
+        Subtask("1-4", "tool placing", (_TURNED_OVER, "bucket", "rack"), "opened"),
+        Subtask("1-5", "homing", ("rack", "beside the rack", "home")),
+    ),
+    "seeding": (
+        Subtask("2-1", "seed reaching", ("home", "seeds"), "closed"),
+        Subtask("2-2", "seed placing", ("seeds", "above", "target", _SCATTERED), "opened"),
+        Subtask("2-3", "homing", (_SCATTERED, "home")),
+    ),
+    "irrigation": (
+        Subtask("3-1", "reaching the watering can", ("home", "beside the can", "can"), "closed"),
+        Subtask("3-2", "irrigation", ("can", "above", "target", _POURED, "target")),
+        Subtask("3-3", "watering can placing", ("target", "can"), "opened"),
+        Subtask("3-4", "homing", ("can", "beside the can", "home")),
+    ),
+    "harvesting": (
+        Subtask("4-1", "vegetable reaching", ("home", "above", "target"), "closed"),
+        Subtask("4-2", "vegetable detaching", ("target", _TWISTED)),
+        Subtask("4-3", "vegetable placing into the crate", (_TWISTED, "crate"), "opened"),
+        Subtask("4-4", "homing", ("crate", "home")),
+    ),
+}
+
+
+def load_arm() -> Arm:
+    """The seven joints of the arm, with the hand."""
+    hand = Capsule(0.04, 0.06, np.array([0.0, 0.0, -0.1]))
+    arm = Arm.load("tiago").hold({"torso_lift_joint": TORSO})
+    return arm.with_tool(_TOOL).with_attached(hand)
+
+
+def floor() -> Box:
+    """The floor, in the robot's frame."""
+    return Box(np.array([6.0, 6.0, 0.1]), np.array([0.0, 0.0, -0.05]))
+
+
+def targets(task: str) -> Float64Array:
+    """The nine targets (9, 3) of a task, m in the robot's frame, row by row from the paper's."""
+    first, second = np.meshgrid(SPACING * np.arange(3), SPACING * np.arange(3), indexing="ij")
+    left, away, zero = second.ravel(), first.ravel(), np.zeros(9)
+    if task == "harvesting":
+        offsets = np.column_stack([zero + 0.5, left - 0.2, away])
+    else:
+        offsets = np.column_stack([away + 0.2, left - 0.2, zero - 0.4])
+    return np.asarray(_ARM_BASE + offsets)
+
+
+def postures(arm: Arm, task: str, subtask: Subtask, target: Float64Array) -> Float64Array:
+    """The postures (n, joints) a subtask is taken through. Raises RuntimeError."""
+    return np.array([_posture(arm, task, stop, target) for stop in subtask.stops])
+
+
+def _posture(arm: Arm, task: str, stop: Stop, target: Float64Array) -> Float64Array:
+    if isinstance(stop, Turned):
+        turned = _posture(arm, task, stop.posture, target)
+        for joint, turn in stop.turns.items():
+            turned[joint - 1] += turn
+        return turned
+    if stop in POSTURES:
+        return np.array(POSTURES[stop])
+    seed = np.array(_AT_TARGET[task])
+    found = arm.inverse_kinematics(target, seed=seed)
+    if stop == "above":
+        found = arm.inverse_kinematics(target + _ABOVE, seed=found.q)
+    if not found.success:
+        raise RuntimeError(f"{task}: the arm does not reach {stop} at {target}")
+    return found.q
