@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
 
 _UNTURNED = (1.0, 0.0, 0.0, 0.0)
 
@@ -83,6 +85,19 @@ class Capsule:
 
 
 Shape = Box | Sphere | Capsule
+
+
+def check_shapes(obstacles: Iterable[Shape]) -> tuple[Shape, ...]:
+    """The obstacles, if all are shapes. Raises InvalidInput."""
+    if not isinstance(obstacles, Iterable):
+        raise InvalidInput(f"obstacles: expected a sequence, got {type(obstacles).__name__}")
+    shapes = tuple(obstacles)
+    for shape in shapes:
+        if not isinstance(shape, Box | Sphere | Capsule):
+            raise InvalidInput(
+                f"obstacles: expected Box, Sphere or Capsule, got {type(shape).__name__}"
+            )
+    return shapes
 
 
 def _freeze_pose(shape: Box | Capsule) -> None:

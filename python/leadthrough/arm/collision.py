@@ -18,7 +18,7 @@ from leadthrough.arm.meshes import hull_vertices
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, InvalidRobot
 from leadthrough.motion import JointTrajectory
-from leadthrough.shapes import Box, Capsule, Shape, Sphere
+from leadthrough.shapes import Capsule, Shape, Sphere, check_shapes
 
 _COLUMNS = 11
 _UNTURNED = (1.0, 0.0, 0.0, 0.0)
@@ -161,7 +161,7 @@ def distances(scene: _core.CollisionScene, q: Float64Array, *, threads: int = 1)
 
 def against(model: _core.CollisionModel, obstacles: Iterable[Shape]) -> _core.CollisionScene:
     """The arm among obstacles. Raises InvalidInput."""
-    return _core.against(model, _rows(_shapes(obstacles)))
+    return _core.against(model, _rows(check_shapes(obstacles)))
 
 
 def check_motion(
@@ -227,18 +227,6 @@ def _approach(
     sample, a, b, gap, on_a, on_b = found
     time = None if times is None else float(np.interp(sample, np.arange(len(times)), times))
     return Approach(sample, time, (scene.names[a], scene.names[b]), gap, np.stack([on_a, on_b]))
-
-
-def _shapes(obstacles: Iterable[Shape]) -> tuple[Shape, ...]:
-    if not isinstance(obstacles, Iterable):
-        raise InvalidInput(f"obstacles: expected a sequence, got {type(obstacles).__name__}")
-    shapes = tuple(obstacles)
-    for shape in shapes:
-        if not isinstance(shape, Box | Sphere | Capsule):
-            raise InvalidInput(
-                f"obstacles: expected Box, Sphere or Capsule, got {type(shape).__name__}"
-            )
-    return shapes
 
 
 def _rows(shapes: Sequence[Shape]) -> Float64Array:

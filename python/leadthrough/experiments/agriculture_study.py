@@ -17,8 +17,6 @@ given, the motions of a real arm are learned and replayed too.
 from __future__ import annotations
 
 import os
-import time
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,14 +38,13 @@ from leadthrough.experiments.agriculture_skills import (
     learn,
 )
 from leadthrough.experiments.agriculture_tasks import TASKS, Subtask, floor, load_arm, targets
-from leadthrough.experiments.study import Row, Study, Task
+from leadthrough.experiments.study import Row, Study, Task, cpu_time
 from leadthrough.models import PoseDMP
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory
 from leadthrough.timing import check_limits, scale_to_limits
 
 PLANNERS = ("euler", "log", "lifted", "anchored")
 _PLANNED_STEP = 0.01  # s, of the motions whose planning is timed: 1000 steps
-_RUNS = 3
 _CLEARANCE = 1e-3  # m, tolerance of the check between samples
 _DRAWN = "4-4"  # the subtask of the paper's figures 8 to 10
 _DRAWN_SAMPLES = 201
@@ -131,8 +128,8 @@ def _reproduced(arm: Arm, learned: Learned, subtask: Subtask, i: int) -> Row:
     on_arm, _ = on_the_arm(arm, made, shown.joints.positions[0])
     row = judged(made, shown.poses) | on_arm
     row |= {
-        "fit_cpu_s": _cpu_time(lambda: learned.model.fit([Demonstration(shown.poses)])),
-        "plan_cpu_s": _cpu_time(lambda: skill.generate(duration=DURATION, dt=_PLANNED_STEP)),
+        "fit_cpu_s": cpu_time(lambda: learned.model.fit([Demonstration(shown.poses)])),
+        "plan_cpu_s": cpu_time(lambda: skill.generate(duration=DURATION, dt=_PLANNED_STEP)),
     }
     return row | ({"course": _course(made, shown)} if subtask.number == _DRAWN else {})
 
@@ -200,16 +197,6 @@ def _course(made: PoseTrajectory, shown: Shown) -> Row:
         "recorded": np.round(recorded.orientations, 6).tolist(),
         "made": np.round(drawn.orientations, 6).tolist(),
     }
-
-
-def _cpu_time(work: Callable[[], object]) -> float:
-    """The least processor time of a few runs, s: what the others took longer was not the work."""
-    times = []
-    for _ in range(_RUNS):
-        before = time.process_time()
-        work()
-        times.append(time.process_time() - before)
-    return min(times)
 
 
 STUDY = Study(configure, tasks, report)

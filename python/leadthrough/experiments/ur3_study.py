@@ -12,8 +12,6 @@ of that map before its rescaling to [saturation, 1]; of the map with obstacles i
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,7 +21,7 @@ from leadthrough.check import Float64Array
 from leadthrough.experiments import metrics
 from leadthrough.experiments.demonstrator import Teaching
 from leadthrough.experiments.metrics import speed_along
-from leadthrough.experiments.study import Row, Study, Task
+from leadthrough.experiments.study import Row, Study, Task, cpu_time
 from leadthrough.experiments.ur3_report import report
 from leadthrough.experiments.ur3_scenes import SCENES, WORKSPACE, demonstrations, table
 from leadthrough.models import FastMarching, FastMarchingSkill
@@ -41,7 +39,6 @@ PACES = {
 _POINTS = 200
 _JOINT_STEP = 0.1  # degrees, the paper's resolution of the joints
 
-_RUNS = 3
 _NOT_LEARNED: Row = {"kappa_after": None, "length_after_m": None}
 
 
@@ -186,9 +183,9 @@ def _times(scene: int, setting: dict[str, float], shown: list[Demonstration]) ->
         return made
 
     return {
-        "fit_cpu_s": _cpu_time(lambda: model.fit(shown).velocity_map),
-        "plan_cpu_s": _cpu_time(lambda: plan([table()])),
-        "replan_cpu_s": _cpu_time(lambda: plan(_obstacles(scene))),
+        "fit_cpu_s": cpu_time(lambda: model.fit(shown).velocity_map),
+        "plan_cpu_s": cpu_time(lambda: plan([table()])),
+        "replan_cpu_s": cpu_time(lambda: plan(_obstacles(scene))),
     }
 
 
@@ -249,16 +246,6 @@ def _roughness(name: str, motions: list[Trajectory]) -> Row:
 
 def _even(motion: Trajectory) -> Float64Array:
     return by_arc_length(motion.positions, _POINTS)
-
-
-def _cpu_time(work: Callable[[], object]) -> float:
-    """The least processor time of a few runs, s: what the others took longer was not the work."""
-    times = []
-    for _ in range(_RUNS):
-        before = time.process_time()
-        work()
-        times.append(time.process_time() - before)
-    return min(times)
 
 
 STUDY = Study(configure, tasks, report)

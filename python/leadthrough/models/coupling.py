@@ -16,8 +16,7 @@ from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath, UnsupportedQuery
 from leadthrough.models.springs import Springs, end_of
-from leadthrough.planning.obstacles import check_shapes
-from leadthrough.shapes import Box, Capsule, Shape
+from leadthrough.shapes import Box, Capsule, Shape, check_shapes
 
 # Shares of the demonstration's size: the distance to keep from obstacles, and the one at which
 # steering fades. Nearer ends halve the first.

@@ -23,10 +23,9 @@ from leadthrough.models.shown import Shown, keep
 from leadthrough.models.time_law import TIMINGS, timed, usual_duration
 from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
 from leadthrough.planning.grid import Grid
-from leadthrough.planning.obstacles import check_shapes
 from leadthrough.planning.speed_map import experience_map
 from leadthrough.preprocess.resample import arc_length, by_arc_length
-from leadthrough.shapes import Shape
+from leadthrough.shapes import Shape, check_shapes
 
 METHODS = ("auto", "map", "start", "mean_path")
 

@@ -11,10 +11,9 @@ from scipy.spatial import cKDTree
 
 from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
 from leadthrough.planning.distance import distance_transform
 from leadthrough.planning.grid import Grid
-from leadthrough.shapes import Box, Capsule, Shape, Sphere
+from leadthrough.shapes import Box, Capsule, Shape, check_shapes
 
 
 def occupied(grid: Grid, obstacles: Iterable[Shape], *, margin: float = 0.0) -> NDArray[np.bool_]:
@@ -29,19 +28,6 @@ def occupied(grid: Grid, obstacles: Iterable[Shape], *, margin: float = 0.0) -> 
         if all(part.stop > part.start for part in near):
             result[near] |= _distances(grid, near, obstacle) <= room
     return result
-
-
-def check_shapes(obstacles: Iterable[Shape]) -> tuple[Shape, ...]:
-    """The obstacles, if all are shapes. Raises InvalidInput."""
-    if not isinstance(obstacles, Iterable):
-        raise InvalidInput(f"obstacles: expected a sequence, got {type(obstacles).__name__}")
-    shapes = tuple(obstacles)
-    for shape in shapes:
-        if not isinstance(shape, Box | Sphere | Capsule):
-            raise InvalidInput(
-                f"obstacles: expected Box, Sphere or Capsule, got {type(shape).__name__}"
-            )
-    return shapes
 
 
 def occupied_by_points(grid: Grid, points: Any, *, radius: float) -> NDArray[np.bool_]:
