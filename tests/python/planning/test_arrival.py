@@ -218,7 +218,8 @@ def test_the_source_ball_looks_through_no_wall_and_over_no_other_speed(order, se
     np.testing.assert_array_equal(np.isinf(times), np.isinf(without))
     reached = np.isfinite(times)
     gain = without[reached] - times[reached]  # the error at the edge of a ball of speed 1
-    assert -0.1 < gain.min() <= gain.max() < 0.7
+    # Behind a wall's corner, whose error is larger, some of that error had hidden the corner's.
+    assert -0.4 < gain.min() <= gain.max() < 0.8
 
 
 def test_balls_of_many_sources_give_the_nearest_ones_distance():
