@@ -23,13 +23,14 @@ from leadthrough.models.sampling import even_times
 from leadthrough.models.springs import RHYTHMIC, Ends, Springs
 from leadthrough.models.turning import Turning, learn_closed
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
+from leadthrough.shapes import check_shapes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from leadthrough.check import Float64Array
     from leadthrough.io.atomic import StrPath
-    from leadthrough.shapes import Shape, check_shapes
+    from leadthrough.shapes import Shape
 
 _MOST_ROUNDS = 10_000  # in one query; more are a slip of a unit
 
