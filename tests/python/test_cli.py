@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from typer.testing import CliRunner
 
-from leadthrough import cli
+from leadthrough import cli, errors
 from leadthrough.experiments import catalogue, study, ur3_study
 
 runner = CliRunner()
@@ -89,6 +89,18 @@ def test_wrong_arguments_of_an_experiment_are_an_error_of_one_line(wrong, monkey
         cli.main()
     assert error.value.code == 2
     assert wrong[-1] in capsys.readouterr().err
+
+
+def test_experiment_without_a_name_lists_the_studies():
+    result = runner.invoke(cli.app, ["experiment"])
+    assert result.exit_code == 0
+    assert result.output.split() == list(catalogue.STUDIES)
+
+
+def test_traceback_comes_with_debug_only():
+    wrong = ["experiment", "nothing"]
+    assert "Traceback" not in runner.invoke(cli.app, wrong).output
+    assert isinstance(runner.invoke(cli.app, ["--debug", *wrong]).exception, errors.InvalidInput)
 
 
 def test_help_names_the_commands():

@@ -32,7 +32,7 @@ Row = dict[str, Any]
 _PACKAGE = Path(__file__).parents[1]
 _LIBRARIES = ("leadthrough", "numpy", "scipy", "joblib")
 # Code that only shows what was found.
-_WITHOUT_INFLUENCE = ("show/*", "cli.py", "experiments/*_report.py")
+_WITHOUT_INFLUENCE = ("show/*", "cli/*", "experiments/*_report.py")
 
 
 @dataclass(frozen=True)

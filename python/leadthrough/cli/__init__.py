@@ -1,0 +1,38 @@
+"""Command line: parse, call, print."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from leadthrough.cli.demo import demo
+from leadthrough.cli.errors import Commands
+from leadthrough.cli.experiment import experiment
+
+__all__ = ["app", "main"]
+
+_ENDINGS = (
+    "Exit codes: 0 done; 1 done, and the answer is no (a limit or an obstacle in the way, no path, "
+    "no posture, a study with failures); 2 wrong input or usage."
+)
+
+app = typer.Typer(
+    cls=Commands, no_args_is_help=True, pretty_exceptions_enable=False, epilog=_ENDINGS
+)
+for command in (demo, experiment):
+    app.command()(command)
+
+
+@app.callback()
+def leadthrough(
+    debug: Annotated[
+        bool, typer.Option("--debug", help="Show the traceback of an error as well.")
+    ] = False,
+) -> None:
+    """Hand-guided demonstrations in, executable robot-arm motion out."""
+
+
+def main() -> None:
+    """Entry point."""
+    app()

@@ -1,0 +1,46 @@
+"""The demonstration of the whole way, from handwriting to a robot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+
+def demo(
+    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("leadthrough-demo"),
+    motion: Annotated[
+        list[str] | None, typer.Option(help="A motion of the LASA set; may be repeated.")
+    ] = None,
+) -> None:
+    """Learn human handwriting, plan it around a box and write it with a UR3."""
+    from leadthrough.arm import Arm
+    from leadthrough.experiments import handwriting, handwriting_report
+
+    config = handwriting.HandwritingConfig()
+    arm = Arm.load(config.robot)
+    results = []
+    for name in track(motion or handwriting.MOTIONS, description="Learning and writing"):
+        result = handwriting.run(name, arm, config)
+        handwriting_report.write_motion(result, arm.limits, out / name)
+        results.append(result)
+    handwriting_report.write_summary(results, out)
+
+    columns = ("motion", "SEA", "V_rmse", "DTWD/N", "Fréchet", "time s", "slowed", "limits", "arm")
+    table = Table(*columns)
+    rows = handwriting_report.error_rows(results)
+    for row, result in zip(rows, results, strict=False):
+        verdict = "kept" if result.limits.ok else "exceeded"
+        slowed = f"x {result.slowing:.2f}"
+        whole_arm = "clear" if result.clearance.ok else "hits"
+        table.add_row(*row, f"{result.joints.duration:.2f}", slowed, verdict, whole_arm)
+    table.add_row(*rows[-1], end_section=True)
+    console = Console()
+    console.print(table)
+    console.print(f"Figures, errors.csv and the joint trajectories: {out}/")
+    if not all(result.limits.ok and result.clearance.ok for result in results):
+        raise typer.Exit(1)
