@@ -4,6 +4,7 @@ Writes recording.json and recording.png: python python/demos/04_recording_to_rob
 """
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,8 @@ header = ",".join(["time", *arm.joint_names])
 np.savetxt(recording, np.column_stack([1.2 * phase, q]), delimiter=",", header=header, comments="")
 
 (demonstration,) = lt.read_demonstrations(recording)
-asked = lt.differentiate(demonstration.motion)
+gripped = lt.Event(0.6, "gripper closed")  # half way; it stays there when the arm slows down
+asked = lt.differentiate(replace(demonstration.motion, events=[gripped]))
 before = lt.check_limits(asked, arm.limits)
 joints = lt.scale_to_limits(asked, arm.limits)
 after = lt.check_limits(joints, arm.limits)
@@ -34,4 +36,5 @@ for name in ("velocity", "acceleration", "jerk"):
 lt.io.joint_trajectory.write_json(joints, folder / "recording.json")
 plot.joint_figure(joints, arm.limits).savefig(folder / "recording.png", dpi=110)
 print(f"slowed from {asked.duration:.2f} s to {joints.duration:.2f} s")
+print(f"the gripper closes at {joints.events[0].time:.2f} s instead of {gripped.time:.2f} s")
 print(f"wrote {folder / 'recording.json'} and {folder / 'recording.png'}")

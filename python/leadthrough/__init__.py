@@ -11,6 +11,7 @@ from leadthrough import (
     trajectories,
 )
 from leadthrough.arm import Arm, DifferentialIk
+from leadthrough.events import Event
 from leadthrough.io import read_demonstrations
 from leadthrough.models import (
     DMP,
@@ -38,6 +39,7 @@ __all__ = [
     "Capsule",
     "Demonstration",
     "DifferentialIk",
+    "Event",
     "FastMarching",
     "Grid",
     "JointTrajectory",

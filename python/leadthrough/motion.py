@@ -5,23 +5,26 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from leadthrough import check, rotations
+from leadthrough import check, events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.events import Event
 
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """Timed points.
 
-    times: (n,) s, strictly increasing. positions: (n, d) m (drawings may use any unit).
+    times: (n,) s, strictly increasing. positions: (n, d) m (drawings may use any unit). events:
+    what happens meanwhile, at any times between the first and the last; sorted on entry.
     """
 
     times: Float64Array
     positions: Float64Array
+    events: tuple[Event, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "times", check.times(self.times, "times"))
+        _freeze_clock(self)
         _freeze_rows(self, "positions", len(self.times), "d")
 
     @property
@@ -35,15 +38,16 @@ class PoseTrajectory:
     """Timed poses in one frame.
 
     times: (n,) s, strictly increasing. positions: (n, 3) m. orientations: (n, 4) w, x, y, z;
-    normalised and made sign-continuous on entry.
+    normalised and made sign-continuous on entry. events: as in `Trajectory`.
     """
 
     times: Float64Array
     positions: Float64Array
     orientations: Float64Array
+    events: tuple[Event, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "times", check.times(self.times, "times"))
+        _freeze_clock(self)
         _freeze_rows(self, "positions", len(self.times), 3)
         quaternions = check.quaternions(
             self.orientations, "orientations", shape=(len(self.times), 4)
@@ -64,7 +68,7 @@ class JointTrajectory:
 
     times: (n,) s, strictly increasing. positions, velocities, accelerations: (n, joints) in rad,
     rad/s, rad/s^2 (m for prismatic joints); the last two may be None. joint_names: one a column,
-    or empty.
+    or empty. events: as in `Trajectory`.
     """
 
     times: Float64Array
@@ -72,9 +76,10 @@ class JointTrajectory:
     velocities: Float64Array | None = None
     accelerations: Float64Array | None = None
     joint_names: tuple[str, ...] = ()
+    events: tuple[Event, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "times", check.times(self.times, "times"))
+        _freeze_clock(self)
         _freeze_rows(self, "positions", len(self.times), "joints")
         joints = self.positions.shape[1]
         for name in ("velocities", "accelerations"):
@@ -111,6 +116,16 @@ class Demonstration:
                 "motion: expected a Trajectory, PoseTrajectory or JointTrajectory, "
                 f"got {type(self.motion).__name__}"
             )
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """What happened during the motion."""
+        return self.motion.events
+
+
+def _freeze_clock(motion: Motion) -> None:
+    object.__setattr__(motion, "times", check.times(motion.times, "times"))
+    object.__setattr__(motion, "events", events.checked(motion.events, motion.times))
 
 
 def _freeze_rows(motion: Motion, name: str, count: int, width: int | str) -> None:

@@ -11,6 +11,7 @@ PACKAGE = Path(leadthrough.__file__).parent
 STAGES = (
     "errors",
     "check",
+    "events",
     "rotations",
     "motion",
     "shapes",

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough import _core, check
+from leadthrough import _core, check, events
 from leadthrough.arm.first_posture import Start, first_postures, seeded
 from leadthrough.arm.limits import JointLimits
 from leadthrough.arm.options import ik_options, tolerance
@@ -60,7 +60,7 @@ def follow(
     position_tolerance, orientation_tolerance: m and rad, what counts as reached; all but samples
         beside a singularity come ten times closer.
     The velocities are the positions' differences in time (second order); accelerations are left
-    to the time law.
+    to the time law. Events keep their samples.
     Raises InvalidInput; LimitsInfeasible where a joint moves that must not; IkFailure with the
     first sample that no posture reached, its status one of IkResult's, "too_fast", or "jump" where
     the pose can be reached but not from the sample before.
@@ -82,10 +82,13 @@ def follow(
     track = _best(follower, _starts(follower, seed, rate), gives, stated)
     if track.reached < len(path):
         raise _failure(follower, track, gives)
-    if gives == "keep":
-        return _trajectory(chain, path.times, track.q, _velocities(path.times, track.q))
     times = _slowed(chain, path.times, track.q, limits) if gives == "slow" else path.times
-    return _trajectory(chain, times, track.q, _velocities_between_rests(times, track.q))
+    velocities = _velocities(times, track.q)
+    if gives != "keep":
+        velocities[[0, -1]] = 0.0
+    happening = events.moved(motion.events, path.times, times)
+    names = tuple(chain.joint_names)
+    return JointTrajectory(times, track.q, velocities, None, names, happening)
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,19 +217,6 @@ def _velocities(times: Float64Array, q: Float64Array) -> Float64Array:
     if len(times) == 1:
         return np.zeros_like(q)
     return np.asarray(np.gradient(q, times, axis=0, edge_order=2 if len(times) > 2 else 1))
-
-
-def _velocities_between_rests(times: Float64Array, q: Float64Array) -> Float64Array:
-    velocities = _velocities(times, q)
-    velocities[[0, -1]] = 0.0
-    return velocities
-
-
-def _trajectory(
-    chain: _core.Chain, times: Float64Array, q: Float64Array, velocities: Float64Array
-) -> JointTrajectory:
-    names = tuple(chain.joint_names)
-    return JointTrajectory(times, q, velocities=velocities, joint_names=names)
 
 
 def _failure(follower: _Follower, track: Track, gives: str) -> IkFailure:

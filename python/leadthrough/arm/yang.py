@@ -107,7 +107,9 @@ def follow_path(
         _steps(path.times),
         _settings(settings)._core(),
     )
-    joints = JointTrajectory(path.times, q, joint_names=tuple(chain.joint_names))
+    joints = JointTrajectory(
+        path.times, q, joint_names=tuple(chain.joint_names), events=motion.events
+    )
     return DampedPath(joints, *columns)
 
 

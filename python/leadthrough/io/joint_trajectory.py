@@ -23,8 +23,9 @@ def write_csv(trajectory: JointTrajectory, path: StrPath) -> None:
     """Writes one row a sample, to the last digit.
 
     The columns are `time` in s, then a joint's name for its position, and, where the trajectory
-    has them, `<name>_velocity` and `<name>_acceleration`. Raises InvalidInput for joints without
-    different, printable names and for a path that cannot be written.
+    has them, `<name>_velocity` and `<name>_acceleration`; events have none.
+    Raises InvalidInput for joints without different, printable names and for a path that cannot be
+    written.
     """
     names = _joint_names(trajectory)
     header, parts = ["time", *names], [trajectory.times[:, None], trajectory.positions]
@@ -46,6 +47,8 @@ def write_json(trajectory: JointTrajectory, path: StrPath) -> None:
     configuration and goes on. As the controller wants every point after time 0, the first sample
     is due one sampling step after the start, and all others as much later. First and last
     velocities, below 1e-3 rad/s, are written as zero.
+    Where there are events, they stand under the key "events", which is no part of the ROS message:
+    each has a `name` and, like the points, a `time_from_start`.
     Raises InvalidInput for joints without different, printable names, fewer than two samples, no
     velocities (`leadthrough.timing.differentiate` adds them), a motion that does not start and
     end at rest, samples less than a nanosecond apart and a path that cannot be written.
@@ -55,6 +58,8 @@ def write_json(trajectory: JointTrajectory, path: StrPath) -> None:
         "joint_names": list(_joint_names(trajectory)),
         "points": _points(trajectory),
     }
+    if trajectory.events:
+        message["events"] = _events(trajectory)
     text = json.dumps(message, allow_nan=False)
     with replacing(path) as temporary:
         temporary.write_text(text + "\n", encoding="utf-8")
@@ -85,21 +90,39 @@ def _points(trajectory: JointTrajectory) -> list[dict[str, Any]]:
             "velocities": velocities[i].tolist(),
             "accelerations": [] if accelerations is None else accelerations[i].tolist(),
             "effort": [],
-            "time_from_start": {"sec": time // _NANOSECONDS, "nanosec": time % _NANOSECONDS},
+            "time_from_start": _stamp(time),
         }
         for i, time in enumerate(times)
     ]
 
 
+def _events(trajectory: JointTrajectory) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": event.name,
+            "time_from_start": _stamp(_from_start(event.time, trajectory.times)),
+        }
+        for event in trajectory.events
+    ]
+
+
+def _stamp(nanoseconds: int) -> dict[str, int]:
+    return {"sec": nanoseconds // _NANOSECONDS, "nanosec": nanoseconds % _NANOSECONDS}
+
+
+def _from_start(time: float, times: Float64Array) -> int:
+    """When a time of the motion is due, in ns: its first sample a step after the start."""
+    return round(float(time - times[0] + (times[1] - times[0])) * _NANOSECONDS)
+
+
 def _nanoseconds(times: Float64Array) -> list[int]:
     if len(times) < 2:
         raise InvalidInput("trajectory: expected at least two samples, got one")
-    from_start = times - times[0] + (times[1] - times[0])
-    if from_start[-1] >= 2**31:
+    if times[-1] - times[0] + (times[1] - times[0]) >= 2**31:
         raise InvalidInput(
-            f"trajectory: expected a duration below 2**31 s, got {from_start[-1]:.6g} s"
+            f"trajectory: expected a duration below 2**31 s, got {times[-1] - times[0]:.6g} s"
         )
-    rounded = [round(time * _NANOSECONDS) for time in from_start.tolist()]
+    rounded = [_from_start(time, times) for time in times]
     if (np.diff([0, *rounded]) <= 0).any():
         raise InvalidInput("trajectory: expected samples at least a nanosecond apart")
     return rounded

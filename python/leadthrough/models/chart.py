@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough import check, rotations
+from leadthrough import check, events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput
+from leadthrough.events import Event
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
 
 _NODES = 201  # of the reference orientation over the phase
@@ -32,12 +33,14 @@ class Chart:
     """kind: "points", "joints" or "poses". size: columns of a point or joints.
 
     joint_names: of joints. reference: (201, 4) orientations w, x, y, z at even phases, or None.
+    events: at phases.
     """
 
     kind: str
     size: int
     joint_names: tuple[str, ...] = ()
     reference: Float64Array | None = None
+    events: tuple[Event, ...] = ()
 
     @property
     def width(self) -> int:
@@ -82,12 +85,14 @@ class Chart:
         accelerations: Float64Array | None = None,
     ) -> Motion:
         """The motion with these columns (n, width); only joints keep the derivatives."""
+        happening = events.moved(self.events, phases, times)
         if self.kind == "points":
-            return Trajectory(times, columns)
+            return Trajectory(times, columns, happening)
         if self.kind == "joints":
-            return JointTrajectory(times, columns, velocities, accelerations, self.joint_names)
+            names = self.joint_names
+            return JointTrajectory(times, columns, velocities, accelerations, names, happening)
         turned = self.orientations(columns[:, 3:], phases)
-        return PoseTrajectory(times, columns[:, :3], turned)
+        return PoseTrajectory(times, columns[:, :3], turned, happening)
 
     def target(self, value: Any, name: str, phase: float) -> Float64Array:
         """What a query asks for, as the first columns (width,), or (3,) for a position alone.
@@ -108,7 +113,12 @@ class Chart:
 
     def settings(self) -> dict[str, Any]:
         """Its plain values by name, for a file."""
-        return {"chart": self.kind, "size": self.size, "joint_names": list(self.joint_names)}
+        return {
+            "chart": self.kind,
+            "size": self.size,
+            "joint_names": list(self.joint_names),
+            "events": events.to_plain(self.events),
+        }
 
     @staticmethod
     def from_archive(settings: dict[str, Any], arrays: Any) -> Chart:
@@ -121,6 +131,7 @@ class Chart:
             None
             if reference is None
             else check.quaternions(reference, "reference", shape=(_NODES, 4)),
+            events.from_plain(settings.get("events", ())),
         )
 
 
@@ -157,7 +168,13 @@ def chart_of(motions: Sequence[Motion], phases: Sequence[Float64Array]) -> Chart
     names = motions[0].joint_names if isinstance(motions[0], JointTrajectory) else ()
     poses = [motion for motion in motions if isinstance(motion, PoseTrajectory)]
     reference = _mean_orientations(poses, phases) if poses else None
-    return Chart(kind, motions[0].positions.shape[1], names, reference)
+    happened = [
+        each
+        for motion, u in zip(motions, phases, strict=True)
+        for each in events.by_round(events.moved(motion.events, motion.times, u), u[0], u[-1])
+    ]
+    size = motions[0].positions.shape[1]
+    return Chart(kind, size, names, reference, events.agreed(happened))
 
 
 def normalised(motion: Motion) -> Float64Array:

@@ -13,8 +13,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from leadthrough import _core, check
+from leadthrough import _core, check, events
 from leadthrough.errors import UnsupportedQuery
+from leadthrough.events import Event
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive, springs
 from leadthrough.models.basis import MOST_WEIGHTS
@@ -69,7 +70,7 @@ class DMP:
             form=self.form,
             regression=self.regression,
         )
-        return DMPSkill(self, learned, shown.duration, shown.size, shown.joint_names)
+        return DMPSkill(self, learned, shown.duration, shown.size, shown.joint_names, shown.events)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +78,8 @@ class DMPSkill:
     """A learned primitive; made by `DMP.fit`.
 
     model: its parameters. springs: what was learned. duration: s, as demonstrated. size: diagonal
-    of the box around the demonstration. joint_names: None where points were shown.
+    of the box around the demonstration. joint_names: None where points were shown. events: at
+    shares of the duration.
     """
 
     model: DMP
@@ -85,6 +87,7 @@ class DMPSkill:
     duration: float
     size: float
     joint_names: tuple[str, ...] | None
+    events: tuple[Event, ...] = ()
 
     kind: ClassVar[str] = "dmp"
 
@@ -132,11 +135,11 @@ class DMPSkill:
         positions, slopes = roll(
             self.springs, state, times / times[-1], around=around, size=self.size
         )
+        happening = events.moved(self.events, (0.0, 1.0), times[[0, -1]])
         if self.joint_names is None:
-            return Trajectory(times, positions)
-        return JointTrajectory(
-            times, positions, slopes / state.duration, joint_names=self.joint_names
-        )
+            return Trajectory(times, positions, happening)
+        velocities = slopes / state.duration
+        return JointTrajectory(times, positions, velocities, None, self.joint_names, happening)
 
     def begin(
         self,
@@ -210,6 +213,7 @@ class DMPSkill:
             "duration": self.duration,
             "joint_names": names,
             "size": self.size,
+            "events": events.to_plain(self.events),
         }
         return settings, self.springs.arrays()
 
@@ -219,9 +223,11 @@ class DMPSkill:
         names = settings.pop("joint_names")
         duration = check.number(settings.pop("duration"), "duration", above=0.0)
         size = check.number(settings.pop("size"), "size", at_least=0.0)
+        happening = events.from_plain(settings.pop("events", ()))
         model = DMP(**settings)
         learned = Springs.from_arrays(model.form, model.weights, arrays)
-        return cls(model, learned, duration, size, None if names is None else tuple(names))
+        joints = None if names is None else tuple(names)
+        return cls(model, learned, duration, size, joints, happening)
 
     @property
     def _dimensions(self) -> int | None:

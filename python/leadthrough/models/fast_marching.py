@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from leadthrough import check
+from leadthrough import check, events
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath
@@ -160,7 +160,9 @@ class FastMarchingSkill:
             shares = arc_length(points) / length
             turned = orientation.along(self._all, weights, start=None, goal=None, shares=shares)
         own = duration or usual_duration(self._all, weights, length)
-        return replace(self, learned=(*self.learned, Shown(points, own, progress, turned)))
+        happened = events.agreed([each.events for each in self._all])
+        added = Shown(points, own, progress, turned, happened)
+        return replace(self, learned=(*self.learned, added))
 
     def auto_learn(
         self, motion: Trajectory | PoseTrajectory, *, threshold: float = 0.6
@@ -206,7 +208,7 @@ class FastMarchingSkill:
         turned = orientation.along(
             found.used, found.weights, start=first_turned, goal=last_turned, shares=shares
         )
-        return PoseTrajectory(motion.times, motion.positions, turned)
+        return PoseTrajectory(motion.times, motion.positions, turned, motion.events)
 
     def plan(
         self, *, start: Any = None, goal: Any = None, obstacles: Sequence[Shape] = ()
@@ -257,7 +259,12 @@ class FastMarchingSkill:
 
     def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
         """Settings and arrays that `from_archive` puts together again."""
-        settings = {**asdict(self.model), "shown": len(self.shown), "learned": len(self.learned)}
+        settings = {
+            **asdict(self.model),
+            "shown": len(self.shown),
+            "learned": len(self.learned),
+            "events": [events.to_plain(each.events) for each in self._all],
+        }
         arrays = {
             f"{name}_{i}": value
             for i, each in enumerate(self._all)
@@ -269,7 +276,12 @@ class FastMarchingSkill:
     def from_archive(cls, settings: dict[str, Any], arrays: archive.Arrays) -> FastMarchingSkill:
         """The skill that `save` took apart. Raises KeyError, TypeError, ValueError."""
         counts = [int(settings.pop(name)) for name in ("shown", "learned")]
-        everything = [Shown.from_arrays(arrays, i) for i in range(sum(counts))]
+        total = sum(counts)
+        happened = settings.pop("events", [()] * total)
+        everything = [
+            replace(Shown.from_arrays(arrays, i), events=events.from_plain(happened[i]))
+            for i in range(total)
+        ]
         model = FastMarching(**settings)  # JSON keeps no tuples; the model makes them again
         return cls(model, tuple(everything[: counts[0]]), tuple(everything[counts[0] :]))
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import Delaunay, QhullError
 
-from leadthrough import check, rotations
+from leadthrough import check, events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.io.atomic import StrPath
@@ -194,13 +194,15 @@ def _mean(motions: list[Any], weights: Float64Array) -> Any:
     positions = np.average([motion.positions for motion in motions], axis=0, weights=weights)
     duration = float(np.average([motion.duration for motion in motions], weights=weights))
     times = np.linspace(0.0, duration, _SAMPLES)
+    happened = [events.moved(motion.events, motion.times, times) for motion in motions]
+    happening = events.agreed(happened, weights)
     if isinstance(first, PoseTrajectory):
         layers = np.stack([motion.orientations for motion in motions])
         try:
             turned = rotations.mean(layers, weights=weights)
         except InvalidInput as error:
             raise UnsupportedQuery(f"target: skills around it differ too much ({error})") from None
-        return PoseTrajectory(times, positions, turned)
+        return PoseTrajectory(times, positions, turned, happening)
     if isinstance(first, JointTrajectory):
-        return JointTrajectory(times, positions, joint_names=first.joint_names)
-    return Trajectory(times, positions)
+        return JointTrajectory(times, positions, joint_names=first.joint_names, events=happening)
+    return Trajectory(times, positions, happening)

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough import rotations
+from leadthrough import events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput
+from leadthrough.events import Event
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory
 
 # Beyond this, products of numbers overflow.
@@ -22,7 +23,7 @@ class MeanMotion:
     """What primitives are fitted to.
 
     phases: (n,) from 0 to 1. positions: (n, d). orientations: (n, 4) w, x, y, z, or None.
-    duration: s. joint_names: of joint motions, else None.
+    duration: s. joint_names: of joint motions, else None. events: at phases.
     """
 
     phases: Float64Array
@@ -30,6 +31,7 @@ class MeanMotion:
     orientations: Float64Array | None
     duration: float
     joint_names: tuple[str, ...] | None
+    events: tuple[Event, ...] = ()
 
     @property
     def size(self) -> float:
@@ -41,7 +43,8 @@ def mean_motion(demonstrations: Sequence[Demonstration], kinds: tuple[type, ...]
     """The mean of at least one demonstration, all of the same one of the kinds of motion.
 
     One alone is taken as it is, sample by sample. Several are stretched to their mean duration and
-    averaged, positions and rotations, at as many even times as the longest has samples.
+    averaged, positions and rotations, at as many even times as the longest has samples; the events
+    are those that most of them have.
     Raises InvalidInput for others, FitError for one that does not move or where the orientations of
     several lie too far apart for a mean.
     """
@@ -53,14 +56,16 @@ def mean_motion(demonstrations: Sequence[Demonstration], kinds: tuple[type, ...]
             raise FitError(f"demonstrations[{i}]: has numbers beyond {LARGEST:.0e}")
     first = motions[0]
     names = first.joint_names if isinstance(first, JointTrajectory) else None
+    shares = [events.moved(each.events, each.times[[0, -1]], (0.0, 1.0)) for each in motions]
+    happened = events.agreed(shares)
     if len(motions) == 1:
         turned = first.orientations if isinstance(first, PoseTrajectory) else None
-        return MeanMotion(_phases(first), first.positions, turned, first.duration, names)
+        return MeanMotion(_phases(first), first.positions, turned, first.duration, names, happened)
     count = max(len(motion.times) for motion in motions)
     phases = np.linspace(0.0, 1.0, count)
     positions = np.mean([_positions_at(motion, phases) for motion in motions], axis=0)
     duration = float(np.mean([motion.duration for motion in motions]))
-    return MeanMotion(phases, positions, _mean_turn(motions, phases), duration, names)
+    return MeanMotion(phases, positions, _mean_turn(motions, phases), duration, names, happened)
 
 
 def _alike(demonstrations: Sequence[Demonstration], kinds: tuple[type, ...]) -> list[Motion]:

@@ -13,9 +13,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from leadthrough import _core, check, rotations
+from leadthrough import _core, check, events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
+from leadthrough.events import Event
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive, springs, turning
 from leadthrough.models.basis import MOST_WEIGHTS
@@ -78,7 +79,7 @@ class PoseDMP:
             form=_FORM,
             regression=self.regression,
         )
-        skill = PoseDMPSkill(self, learned, turned, shown.duration, shown.size)
+        skill = PoseDMPSkill(self, learned, turned, shown.duration, shown.size, shown.events)
         if self.orientation == "lifted":
             return replace(skill, turning=replace(turned, angle=_replayed_angle(skill, shown)))
         return skill
@@ -90,7 +91,7 @@ class PoseDMPSkill:
 
     model: its parameters. springs: of three coordinates of the position and three of the
     orientation. turning: what the latter mean. duration: s, as demonstrated. size: m, diagonal of
-    the box around the demonstrated positions.
+    the box around the demonstrated positions. events: at shares of the duration.
     """
 
     model: PoseDMP
@@ -98,6 +99,7 @@ class PoseDMPSkill:
     turning: Turning
     duration: float
     size: float
+    events: tuple[Event, ...] = ()
 
     kind: ClassVar[str] = "pose_dmp"
     supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration", "obstacles"})
@@ -142,7 +144,8 @@ class PoseDMPSkill:
         turned = self.turning.orientations(phases, np.ascontiguousarray(values[:, 3:]), offsets)
         if self.model.orientation == "lifted":
             self._check_spin(turned, offsets)
-        return PoseTrajectory(times, values[:, :3], turned)
+        happening = events.moved(self.events, (0.0, 1.0), times[[0, -1]])
+        return PoseTrajectory(times, values[:, :3], turned, happening)
 
     def begin(
         self,
@@ -210,7 +213,12 @@ class PoseDMPSkill:
 
     def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
         """Settings and arrays that `from_archive` puts together again."""
-        settings = {**asdict(self.model), "duration": self.duration, "size": self.size}
+        settings = {
+            **asdict(self.model),
+            "duration": self.duration,
+            "size": self.size,
+            "events": events.to_plain(self.events),
+        }
         arrays = {**self.springs.arrays(), **self.turning.arrays()}
         return settings, arrays
 
@@ -219,10 +227,11 @@ class PoseDMPSkill:
         """The skill that `save` took apart. Raises KeyError, TypeError, ValueError."""
         duration = check.number(settings.pop("duration"), "duration", above=0.0)
         size = check.number(settings.pop("size"), "size", at_least=0.0)
+        happening = events.from_plain(settings.pop("events", ()))
         model = PoseDMP(**settings)
         learned = Springs.from_arrays(_FORM, model.weights, arrays)
         turned = Turning.from_arrays(model.orientation, arrays)
-        return cls(model, learned, turned, duration, size)
+        return cls(model, learned, turned, duration, size, happening)
 
     def _turned_ends(
         self, start: Float64Array | None, goal: Float64Array | None

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from leadthrough import _core, check
+from leadthrough import _core, check, events
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models import archive, springs
 from leadthrough.models.basis import MOST_WEIGHTS
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from leadthrough.check import Float64Array
+    from leadthrough.events import Event, Events
     from leadthrough.io.atomic import StrPath
     from leadthrough.shapes import Shape
 
@@ -59,7 +60,7 @@ class RhythmicDMP:
         """
         shown = mean_round(demonstrations, (Trajectory, JointTrajectory), self.period)
         learned = fit_rhythm(shown.phases, shown.positions, weights=self.weights)
-        return RhythmicDMPSkill(self, learned, shown.duration, shown.joint_names)
+        return RhythmicDMPSkill(self, learned, shown.duration, shown.joint_names, shown.events)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,13 +68,14 @@ class RhythmicDMPSkill:
     """A learned rhythm; made by `RhythmicDMP.fit`.
 
     model: its parameters. springs: what was learned. period: s, as demonstrated. joint_names: None
-    where points were shown.
+    where points were shown. events: at shares of the period, in every round.
     """
 
     model: RhythmicDMP
     springs: Springs
     period: float
     joint_names: tuple[str, ...] | None
+    events: tuple[Event, ...] = ()
 
     kind: ClassVar[str] = "rhythmic_dmp"
     supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration"})
@@ -103,11 +105,11 @@ class RhythmicDMPSkill:
         positions, slopes = _core.dmp_rollout(
             self.springs.forces, state.course, state.value, state.slope, times / state.duration
         )
+        happening = _in_every_round(self.events, times, state.duration)
         if self.joint_names is None:
-            return Trajectory(times, positions)
-        return JointTrajectory(
-            times, positions, slopes / state.duration, joint_names=self.joint_names
-        )
+            return Trajectory(times, positions, happening)
+        velocities = slopes / state.duration
+        return JointTrajectory(times, positions, velocities, None, self.joint_names, happening)
 
     def begin(
         self,
@@ -149,7 +151,12 @@ class RhythmicDMPSkill:
     def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
         """Settings and arrays that `from_archive` puts together again."""
         names = None if self.joint_names is None else list(self.joint_names)
-        settings = {"model": asdict(self.model), "period": self.period, "joint_names": names}
+        settings = {
+            "model": asdict(self.model),
+            "period": self.period,
+            "joint_names": names,
+            "events": events.to_plain(self.events),
+        }
         return settings, self.springs.arrays()
 
     @classmethod
@@ -158,7 +165,8 @@ class RhythmicDMPSkill:
         names, model = settings["joint_names"], RhythmicDMP(**settings["model"])
         period = check.number(settings["period"], "period", above=0.0)
         learned = Springs.from_arrays(RHYTHMIC, model.weights, arrays)
-        return cls(model, learned, period, None if names is None else tuple(names))
+        happening = events.from_plain(settings.get("events", ()))
+        return cls(model, learned, period, None if names is None else tuple(names), happening)
 
 
 @dataclass(frozen=True)
@@ -187,17 +195,21 @@ class RhythmicPoseDMP:
         learned = fit_rhythm(shown.phases, values, weights=self.weights)
         first = turned.orientations(np.zeros(1), learned.ends.start[None, 3:].copy())[0]
         turned = replace(turned, start=first, goal=first)
-        return RhythmicPoseDMPSkill(self, learned, turned, shown.duration)
+        return RhythmicPoseDMPSkill(self, learned, turned, shown.duration, shown.events)
 
 
 @dataclass(frozen=True, eq=False)
 class RhythmicPoseDMPSkill:
-    """A learned rhythm of poses; made by `RhythmicPoseDMP.fit`. Parts as in `PoseDMPSkill`."""
+    """A learned rhythm of poses; made by `RhythmicPoseDMP.fit`.
+
+    Parts as in `PoseDMPSkill` and `RhythmicDMPSkill`.
+    """
 
     model: RhythmicPoseDMP
     springs: Springs
     turning: Turning
     period: float
+    events: tuple[Event, ...] = ()
 
     kind: ClassVar[str] = "rhythmic_pose_dmp"
     supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration"})
@@ -229,7 +241,8 @@ class RhythmicPoseDMPSkill:
         )
         offsets = state.start_offset, state.goal_offset
         turned = self.turning.orientations(phases, np.ascontiguousarray(values[:, 3:]), offsets)
-        return PoseTrajectory(times, values[:, :3], turned)
+        happening = _in_every_round(self.events, times, state.duration)
+        return PoseTrajectory(times, values[:, :3], turned, happening)
 
     def begin(
         self,
@@ -282,7 +295,11 @@ class RhythmicPoseDMPSkill:
 
     def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
         """Settings and arrays that `from_archive` puts together again."""
-        settings = {"model": asdict(self.model), "period": self.period}
+        settings = {
+            "model": asdict(self.model),
+            "period": self.period,
+            "events": events.to_plain(self.events),
+        }
         arrays = {**self.springs.arrays(), **self.turning.arrays()}
         return settings, arrays
 
@@ -293,7 +310,7 @@ class RhythmicPoseDMPSkill:
         period = check.number(settings["period"], "period", above=0.0)
         learned = Springs.from_arrays(RHYTHMIC, model.weights, arrays)
         turned = Turning.from_arrays("anchored", arrays, rhythmic=True)
-        return cls(model, learned, turned, period)
+        return cls(model, learned, turned, period, events.from_plain(settings.get("events", ())))
 
 
 def _around(learned: Ends, start: Any, goal: Any, amplitude: float) -> Ends:
@@ -313,6 +330,11 @@ def _times(duration: float | None, period: float, dt: float) -> Float64Array:
             f"period: expected at most {_MOST_ROUNDS} rounds in {total:.6g} s, got {period:.6g} s"
         )
     return even_times(total, dt)
+
+
+def _in_every_round(shares: Events, times: Float64Array, period: float) -> Events:
+    happening = events.every_round(shares, float(times[-1]) / period)
+    return events.moved(happening, times / period, times)
 
 
 def _refuse(obstacles: Sequence[Shape]) -> None:

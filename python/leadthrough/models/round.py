@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from leadthrough import rotations
+from leadthrough import events, rotations
 from leadthrough.errors import FitError
 from leadthrough.models.mean_motion import MeanMotion, mean_motion
 from leadthrough.motion import (
@@ -42,7 +43,7 @@ def mean_round(
     if turned is not None:
         off = rotations.log(rotations.compose(turned[:1], rotations.inverse(turned[-1:])))
         turned = rotations.compose(rotations.exp(np.outer(shown.phases, off[0])), turned)
-    return MeanMotion(shown.phases, positions, turned, shown.duration, shown.joint_names)
+    return replace(shown, positions=positions, orientations=turned)
 
 
 def _rounds(demonstration: Demonstration, period: float) -> list[Demonstration]:
@@ -65,9 +66,11 @@ def _part(motion: Motion, begin: float, period: float, samples: int) -> Demonstr
     positions = np.column_stack(
         [np.interp(at, motion.times, column) for column in motion.positions.T]
     )
+    happening = events.moved(events.within(motion.events, at[0], at[-1]), at, own)
     if isinstance(motion, PoseTrajectory):
         turned = rotations.interpolate(motion.times, motion.orientations, at)
-        return Demonstration(PoseTrajectory(own, positions, turned))
+        return Demonstration(PoseTrajectory(own, positions, turned, happening))
     if isinstance(motion, JointTrajectory):
-        return Demonstration(JointTrajectory(own, positions, joint_names=motion.joint_names))
-    return Demonstration(Trajectory(own, positions))
+        joints = JointTrajectory(own, positions, joint_names=motion.joint_names, events=happening)
+        return Demonstration(joints)
+    return Demonstration(Trajectory(own, positions, happening))

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough import check
+from leadthrough import check, events
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput
+from leadthrough.events import Event
 from leadthrough.models.phase import SAMPLES, progress_of
 from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
 from leadthrough.preprocess.resample import arc_length
@@ -21,13 +22,14 @@ class Shown:
     """A demonstrated, or auto-learned, path.
 
     path: (n, d). duration: s. progress: (1001,) share of the path at even normalised times.
-    orientations: (n, 4) w, x, y, z along the path, or None.
+    orientations: (n, 4) w, x, y, z along the path, or None. events: at shares of the path.
     """
 
     path: Float64Array
     duration: float
     progress: Float64Array
     orientations: Float64Array | None = None
+    events: tuple[Event, ...] = ()
 
     @property
     def length(self) -> float:
@@ -43,7 +45,9 @@ class Shown:
         if gaps[0] <= gaps[1]:
             return self
         turned = None if self.orientations is None else self.orientations[::-1].copy()
-        return Shown(self.path[::-1].copy(), self.duration, 1.0 - self.progress[::-1], turned)
+        happened = tuple(Event(1.0 - each.time, each.name) for each in reversed(self.events))
+        progress = 1.0 - self.progress[::-1]
+        return Shown(self.path[::-1].copy(), self.duration, progress, turned, happened)
 
     def arrays(self) -> dict[str, Float64Array]:
         """Its parts by name, for a file."""
@@ -85,14 +89,17 @@ def keep(demonstrations: Sequence[Demonstration]) -> tuple[Shown, ...]:
         )
     if len({type(motion) for motion in motions}) > 1:
         raise InvalidInput("demonstrations: expected points or poses, got both")
-    return tuple(
-        Shown(
-            motion.positions,
-            motion.duration,
-            progress_of(motion.times, motion.positions),
-            motion.orientations if isinstance(motion, PoseTrajectory) else None,
-        )
-        for motion in motions
+    return tuple(_kept(motion) for motion in motions)
+
+
+def _kept(motion: Trajectory | PoseTrajectory) -> Shown:
+    covered = arc_length(motion.positions)
+    return Shown(
+        motion.positions,
+        motion.duration,
+        progress_of(motion.times, motion.positions),
+        motion.orientations if isinstance(motion, PoseTrajectory) else None,
+        events.moved(motion.events, motion.times, covered / covered[-1]),
     )
 
 

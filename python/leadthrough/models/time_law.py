@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from leadthrough import events
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models import phase
@@ -35,13 +36,15 @@ def timed(
         raise InvalidInput("duration: expected a time, as there is no demonstration")
     total = duration or usual_duration(route.used, route.weights, length)
     times = even_times(total, dt)
+    happening = events.agreed([each.events for each in route.used], route.weights)
     if length == 0.0:
         still = np.repeat(route.path[:1], len(times), axis=0)
-        return Trajectory(times, still), np.linspace(0.0, 1.0, len(times))
+        shares = np.linspace(0.0, 1.0, len(times))
+        return Trajectory(times, still, events.moved(happening, shares, times)), shares
     even = by_arc_length(route.path, len(route.path))
     curve = CubicSpline(np.linspace(0.0, 1.0, len(even)), even)
     shares = phase.progress_at(phase.rest_to_rest(_progress(route, timing)), times / total)
-    return Trajectory(times, curve(shares)), shares
+    return Trajectory(times, curve(shares), events.moved(happening, shares, times)), shares
 
 
 def usual_duration(used: Sequence[Shown], weights: Float64Array, length: float) -> float:

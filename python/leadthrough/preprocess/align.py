@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough import _core, check, rotations
+from leadthrough import _core, check, events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
@@ -92,12 +92,14 @@ def _positions_at(motion: Motion, shares: Float64Array) -> Float64Array:
 def _taken_at(motion: Motion, shares: Float64Array, clock: Float64Array) -> Motion:
     """The motion as it was at shares (n,) of its time, at the times of a clock (n,)."""
     positions = _positions_at(motion, shares)
+    happening = events.moved(motion.events, motion.times[0] + shares * motion.duration, clock)
     if isinstance(motion, PoseTrajectory):
         turned = rotations.interpolate(_share_of_time(motion), motion.orientations, shares)
-        return PoseTrajectory(clock, positions, turned)
+        return PoseTrajectory(clock, positions, turned, happening)
     if isinstance(motion, JointTrajectory):
-        return JointTrajectory(clock, positions, joint_names=motion.joint_names)
-    return Trajectory(clock, positions)
+        names = motion.joint_names
+        return JointTrajectory(clock, positions, joint_names=names, events=happening)
+    return Trajectory(clock, positions, happening)
 
 
 def _mean_partner(pairs: Any) -> Float64Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import check, rotations
+from leadthrough import check, events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import (
@@ -34,8 +34,8 @@ def segment(
     joints the norm over all, rad/s) or `angular_speed` (rad/s, poses only), and ends where both
     stay below half of them for `pause` s. Speeds are means over `pause`, so that noise and single
     outliers neither begin nor end a motion. Motions shorter than `shortest` s are left out. Each
-    keeps its recorded times and half a pause before and after, and is named after the recording
-    and its number. All arguments > 0. Raises InvalidInput.
+    keeps its recorded times, half a pause before and after and the events meanwhile, and is named
+    after the recording and its number. All arguments > 0. Raises InvalidInput.
     """
     if not isinstance(demonstration, Demonstration):
         got = type(demonstration).__name__
@@ -115,12 +115,14 @@ def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 def _cut(motion: Motion, piece: slice) -> Motion:
     times, positions = motion.times[piece], motion.positions[piece]
+    happened = events.within(motion.events, times[0], times[-1])
     if isinstance(motion, PoseTrajectory):
-        return PoseTrajectory(times, positions, motion.orientations[piece])
+        return PoseTrajectory(times, positions, motion.orientations[piece], happened)
     if isinstance(motion, Trajectory):
-        return Trajectory(times, positions)
+        return Trajectory(times, positions, happened)
     velocities, accelerations = (
         None if values is None else values[piece]
         for values in (motion.velocities, motion.accelerations)
     )
-    return JointTrajectory(times, positions, velocities, accelerations, motion.joint_names)
+    names = motion.joint_names
+    return JointTrajectory(times, positions, velocities, accelerations, names, happened)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough import check
+from leadthrough import check, events
 from leadthrough.arm.limits import JointLimits
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory
@@ -56,7 +56,8 @@ def retime(
     tip_speed: m/s, of the tip, whose `jacobian` maps q to (3, joints) or, linear rows first,
         (6, joints). inverse_dynamics: maps q, velocities and accelerations to efforts, which then
         keep their limits as well.
-    Velocities and accelerations given back are the samples' central differences.
+    Velocities and accelerations given back are the samples' central differences; a trajectory's
+    events stay at their places on the path.
     Raises InvalidInput; LimitsInfeasible where a position lies outside its limits, a joint moves
     that must not, a velocity at an end is too fast, or an arm cannot hold itself.
     """
@@ -89,8 +90,7 @@ def retime(
         for i, part in enumerate(parts)
     ] or [_standing(path)]
     motions[0] = motions[0].held_before(rest, request.rate)
-    start = float(path.times[0]) if isinstance(path, JointTrajectory) else 0.0
-    return _joined(motions, start, limits.joint_names)
+    return _joined(motions, path, limits.joint_names)
 
 
 def _shape(path: Any) -> tuple[int, int]:
@@ -123,13 +123,16 @@ def _standing(path: Any) -> Motion:
         q = path.evaluate([path.domain[0]])
     else:
         q = np.asarray(path, dtype=np.float64)[:1]
-    return Motion(np.zeros(1), q, np.zeros_like(q), np.zeros_like(q))
+    return Motion(np.zeros(1), np.zeros(1), q, np.zeros_like(q), np.zeros_like(q))
 
 
-def _joined(motions: list[Motion], start: float, joint_names: tuple[str, ...]) -> JointTrajectory:
+def _joined(motions: list[Motion], path: Any, names: tuple[str, ...]) -> JointTrajectory:
     whole = motions[0]
     for motion in motions[1:]:
         whole = whole.followed_by(motion)
-    return JointTrajectory(
-        start + whole.times, whole.positions, whole.velocities, whole.accelerations, joint_names
-    )
+    timed = whole.positions, whole.velocities, whole.accelerations
+    if not isinstance(path, JointTrajectory):
+        return JointTrajectory(whole.times, *timed, names)
+    times = path.times[0] + whole.times
+    shown = np.interp(whole.places, np.arange(len(path.times)), path.times)
+    return JointTrajectory(times, *timed, names, events.moved(path.events, shown, times))

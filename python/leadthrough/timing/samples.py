@@ -14,25 +14,31 @@ from leadthrough.check import Float64Array
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Samples of a motion: times (n,) from 0, positions, velocities, accelerations (n, joints)."""
+    """Samples of a motion.
+
+    times: (n,) from 0. places: (n,) where on the path, in its way-points, samples or knots.
+    positions, velocities, accelerations: (n, joints).
+    """
 
     times: Float64Array
+    places: Float64Array
     positions: Float64Array
     velocities: Float64Array
     accelerations: Float64Array
 
     def held_before(self, time: float, rate: float) -> Motion:
         """The motion, at rest for a time before it begins."""
-        return _rest(self.positions[:1], time, rate).followed_by(self) if time > 0.0 else self
+        return self._rest(0, time, rate).followed_by(self) if time > 0.0 else self
 
     def held(self, time: float, rate: float) -> Motion:
         """The motion, at rest for a time after it ends."""
-        return self.followed_by(_rest(self.positions[-1:], time, rate)) if time > 0.0 else self
+        return self.followed_by(self._rest(-1, time, rate)) if time > 0.0 else self
 
     def followed_by(self, other: Motion) -> Motion:
         """Both motions; the other begins where this one ends."""
         return Motion(
             np.concatenate([self.times, self.times[-1] + other.times[1:]]),
+            np.concatenate([self.places, other.places[1:]]),
             np.vstack([self.positions, other.positions[1:]]),
             np.vstack([self.velocities, other.velocities[1:]]),
             np.vstack([self.accelerations, other.accelerations[1:]]),
@@ -50,9 +56,17 @@ class Motion:
             rows = rows[:-1]
         return self._rows(np.append(rows, last))
 
+    def _rest(self, end: int, time: float, rate: float) -> Motion:
+        """Standing still where the motion begins or ends."""
+        count = math.ceil(time * rate - 1e-9) + 1
+        positions = np.repeat(self.positions[[end]], count, axis=0)
+        still, places = np.zeros_like(positions), np.repeat(self.places[end], count)
+        return Motion(np.arange(count) / rate, places, positions, still, still)
+
     def _rows(self, rows: NDArray[np.intp]) -> Motion:
         return Motion(
             self.times[rows],
+            self.places[rows],
             self.positions[rows],
             self.velocities[rows],
             self.accelerations[rows],
@@ -60,28 +74,27 @@ class Motion:
 
 
 def differentiated(
-    times: Float64Array, q: Float64Array, path: _core.TimedPath, *, speeds: tuple[float, float]
+    times: Float64Array,
+    places: Float64Array,
+    q: Float64Array,
+    path: _core.TimedPath,
+    *,
+    speeds: tuple[float, float],
 ) -> Motion:
     """A motion with its central differences.
 
-    speeds: those of the path's length at the ends; beyond them the motion goes on as it is there.
+    times, places, q: as in `Motion`. speeds: those of the path's length at the ends; beyond them
+    the motion goes on as it is there.
     """
     steps = np.diff(times)
     steps = np.concatenate([steps[:1], steps, steps[-1:]])[:, None]
     ends = path.length[[0, -1]] + np.array([-speeds[0] * steps[0, 0], speeds[1] * steps[-1, 0]])
     beyond = path.positions_at(np.ascontiguousarray(ends))
-    rows = np.vstack([beyond[:1], q, beyond[1:]])
-    slopes = np.diff(rows, axis=0) / steps
+    slopes = np.diff(np.vstack([beyond[:1], q, beyond[1:]]), axis=0) / steps
     before, after = steps[:-1], steps[1:]
     velocities = (after * slopes[:-1] + before * slopes[1:]) / (before + after)
     accelerations = 2.0 * np.diff(slopes, axis=0) / (before + after)
     for end, speed in zip((0, -1), speeds, strict=True):  # there they are known exactly
         velocities[end] = path.first[end] * speed
         accelerations[end] = path.second[end] * speed**2
-    return Motion(times, q, velocities, accelerations)
-
-
-def _rest(q: Float64Array, time: float, rate: float) -> Motion:
-    count = math.ceil(time * rate - 1e-9) + 1
-    rows = np.repeat(q, count, axis=0)
-    return Motion(np.arange(count) / rate, rows, np.zeros_like(rows), np.zeros_like(rows))
+    return Motion(times, places, q, velocities, accelerations)

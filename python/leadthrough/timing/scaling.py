@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from leadthrough import events
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, LimitsInfeasible
@@ -95,9 +96,9 @@ def check_limits(trajectory: JointTrajectory, limits: JointLimits) -> LimitsRepo
 def scale_to_limits(trajectory: JointTrajectory, limits: JointLimits) -> JointTrajectory:
     """The trajectory, slowed down evenly until `check_limits` finds all limits kept.
 
-    It is never sped up, its path and its first time stay; its own velocities and accelerations,
-    where it has them, are scaled along. Raises LimitsInfeasible where a position lies outside its
-    limits or a joint moves that must not, InvalidInput.
+    It is never sped up, its path and its first time stay; its events and, where it has them, its
+    own velocities and accelerations are scaled along. Raises LimitsInfeasible where a position lies
+    outside its limits or a joint moves that must not, InvalidInput.
     """
     report = check_limits(trajectory, limits)
     if not report.position.ok:
@@ -257,9 +258,11 @@ def _slowing(report: LimitsReport) -> float:
 def _slowed(trajectory: JointTrajectory, factor: float) -> JointTrajectory:
     velocities, accelerations = trajectory.velocities, trajectory.accelerations
     start = trajectory.times[0]
+    times = start + (trajectory.times - start) * factor
     return replace(
         trajectory,
-        times=start + (trajectory.times - start) * factor,
+        times=times,
         velocities=None if velocities is None else velocities / factor,
         accelerations=None if accelerations is None else accelerations / factor**2,
+        events=events.moved(trajectory.events, trajectory.times, times),
     )

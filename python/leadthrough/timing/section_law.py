@@ -57,7 +57,9 @@ def time_section(
     share, tip_share = 1.0, 1.0
     for _ in range(_MOST_TIGHTENINGS):
         extra = _bounds(path, section, limits, request, share=share, tip_share=tip_share)
-        motion = _solve(path, rates, extra, speeds=speeds, limits=limits, rate=request.rate)
+        motion = _solve(
+            path, section, rates, extra, speeds=speeds, limits=limits, rate=request.rate
+        )
         tip, effort = _tip_ratio(motion, request), _effort_ratio(motion, limits, request)
         if max(tip, effort) <= 1.0:
             return motion.held(section.hold, request.rate)
@@ -144,6 +146,7 @@ def _bounds(
 
 def _solve(
     path: _core.TimedPath,
+    section: Section,
     rates: _Rates,
     extra: bounds.PathBounds,
     *,
@@ -175,7 +178,16 @@ def _solve(
     q = path.positions_at(length)
     times = np.arange(len(length), dtype=np.float64) * period
     times[-1] = duration
-    return differentiated(times, q, path, speeds=speeds).thinned(parts)
+    places = _places(length, path, section)
+    return differentiated(times, places, q, path, speeds=speeds).thinned(parts)
+
+
+def _places(length: Float64Array, path: _core.TimedPath, section: Section) -> Float64Array:
+    """Where along the way-points, samples or knots of the whole path a motion is, (n,)."""
+    parameters = np.interp(length, path.length, path.parameter)
+    places = np.interp(parameters, section.parameters, section.rows)
+    places[[0, -1]] = section.rows[[0, -1]]  # which rounding must not miss
+    return places
 
 
 def _failure(status: str, direction: Float64Array, limits: JointLimits) -> Exception:

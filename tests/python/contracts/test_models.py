@@ -20,11 +20,11 @@ MODELS = {
 }
 
 
-def arch(shift=0.0, *, height=0.1, scale=1.0):
+def arch(shift=0.0, *, height=0.1, scale=1.0, events=()):
     t = np.linspace(0.0, 1.0, 150)
     u = 10 * t**3 - 15 * t**4 + 6 * t**5
     points = np.column_stack([0.3 * u, height * np.sin(np.pi * u) + shift * (1 - u)])
-    return lt.Demonstration(lt.Trajectory(1.5 * t, scale * points))
+    return lt.Demonstration(lt.Trajectory(1.5 * t, scale * points, events))
 
 
 SHOWN = [arch(shift) for shift in (-0.02, 0.0, 0.02)]
@@ -80,6 +80,19 @@ def test_saved_skill_comes_back_with_the_same_bits(skill, tmp_path):
     assert type(loaded) is type(skill)
     assert loaded.generate().positions.tobytes() == skill.generate().positions.tobytes()
     assert [file.name for file in tmp_path.iterdir()] == ["skill.npz"]
+
+
+def test_events_come_where_they_were_shown_to_and_are_saved(model, tmp_path):
+    happened = [
+        [lt.Event(0.6 + later, "closed"), lt.Event(1.5, "opened")] for later in (0.0, 0.1, 0.2)
+    ]
+    skill = model.fit([arch(events=each) for each in happened])
+    made = skill.generate(duration=3.0, goal=(0.33, -0.02))
+    assert [event.name for event in made.events] == ["closed", "opened"]
+    assert made.events[0].time == pytest.approx(1.4, abs=0.06)  # the mean, in twice the time
+    assert made.events[1].time == pytest.approx(3.0, abs=0.06)
+    skill.save(tmp_path / "skill.npz")
+    assert lt.load_skill(tmp_path / "skill.npz").generate().events == skill.generate().events
 
 
 def test_one_demonstration_is_enough(model):
