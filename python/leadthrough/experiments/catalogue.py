@@ -2,6 +2,7 @@
 
 from leadthrough.experiments import (
     agriculture_study,
+    human_study,
     lasa_study,
     singularity_study,
     trajectories_study,
@@ -11,6 +12,7 @@ from leadthrough.experiments.study import Study
 
 STUDIES: dict[str, Study] = {
     "agriculture": agriculture_study.STUDY,
+    "human": human_study.STUDY,
     "lasa": lasa_study.STUDY,
     "singularity": singularity_study.STUDY,
     "trajectories": trajectories_study.STUDY,

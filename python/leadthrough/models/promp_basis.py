@@ -18,19 +18,20 @@ from leadthrough.check import Float64Array
 KINDS = ("bspline", "gaussian", "rhythmic")
 
 _DEGREE = 3
-# Standard deviations in spacings of the centres: narrower ones ripple, wider ones are hard to tell
-# from each other.
-_WIDTH = 1.0
 # Fewer cannot bend, and a period needs three points.
 LEAST = 4
 
 
 @dataclass(frozen=True)
 class Basis:
-    """count basis functions of a kind over the phase, [0, 1] or, rhythmic, any with period 1."""
+    """count basis functions of a kind over the phase, [0, 1] or, rhythmic, any with period 1.
+
+    width: standard deviation of bells in spacings of their centres; B-splines have none.
+    """
 
     kind: str
     count: int
+    width: float = 1.0
 
     @property
     def is_rhythmic(self) -> bool:
@@ -88,7 +89,7 @@ class Basis:
         """The unnormalised functions and, up to an order, their derivatives, each (n, count)."""
         offsets = phases[:, None] - self.centres
         if self.is_rhythmic:  # of von Mises
-            sharpness = (self.count / (2.0 * np.pi * _WIDTH)) ** 2
+            sharpness = (self.count / (2.0 * np.pi * self.width)) ** 2
             turn = 2.0 * np.pi * offsets
             bell = np.exp(sharpness * (np.cos(turn) - 1.0))
             if order == 0:
@@ -96,7 +97,7 @@ class Basis:
             slope = -2.0 * np.pi * sharpness * np.sin(turn)
             bend = -((2.0 * np.pi) ** 2) * sharpness * np.cos(turn)
             return bell, slope * bell, (bend + slope**2) * bell
-        precision = ((self.count - 3.0) / _WIDTH) ** 2
+        precision = ((self.count - 3.0) / self.width) ** 2
         bell = np.exp(-0.5 * precision * offsets**2)
         if order == 0:
             return bell, None, None

@@ -198,6 +198,7 @@ class ProMPSkill:
         settings = {
             "basis": self.basis.kind,
             "count": self.basis.count,
+            "width": self.basis.width,
             "duration": self.duration,
             **self.chart.settings(),
         }
@@ -216,7 +217,9 @@ class ProMPSkill:
     def from_archive(cls, settings: dict[str, Any], arrays: archive.Arrays) -> ProMPSkill:
         """The skill that `save` took apart. Raises KeyError, TypeError, ValueError."""
         chart = Chart.from_archive(settings, arrays)
-        basis = Basis(str(settings["basis"]), int(settings["count"]))
+        basis = Basis(
+            str(settings["basis"]), int(settings["count"]), float(settings.get("width", 1.0))
+        )
         size = chart.width * basis.count
         weights = Gaussian(
             check.frozen(arrays["mean"], "mean", shape=(size,)),
