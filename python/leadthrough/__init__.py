@@ -12,7 +12,7 @@ from leadthrough import (
 )
 from leadthrough.arm import Arm, DifferentialIk
 from leadthrough.events import Event
-from leadthrough.io import read_demonstrations
+from leadthrough.io import read_demonstrations, write_motion
 from leadthrough.models import (
     DMP,
     GMR,
@@ -66,4 +66,5 @@ __all__ = [
     "scale_to_limits",
     "timing",
     "trajectories",
+    "write_motion",
 ]

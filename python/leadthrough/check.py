@@ -34,6 +34,11 @@ def array(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
     return _checked(_numeric(value, name), name, shape)
 
 
+def with_gaps(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
+    """`value` as by `array`, but it may hold NaN and infinity: what a recorder left out."""
+    return _of_shape(_numeric(value, name), name, shape)
+
+
 def array_of_rank(value: Any, name: str, *, shapes: Sequence[Sequence[int | str]]) -> Float64Array:
     """`value` checked as by `array` against the one of `shapes` that has as many axes."""
     result = _numeric(value, name)
@@ -136,9 +141,14 @@ def choice(value: Any, name: str, options: Collection[str]) -> str:
     return value
 
 
-def _checked(result: Float64Array, name: str, shape: Sequence[int | str]) -> Float64Array:
+def _of_shape(result: Float64Array, name: str, shape: Sequence[int | str]) -> Float64Array:
     if result.shape != shape and not _fits(result.shape, shape):
         raise InvalidInput(f"{name}: expected shape {_shape_text(shape)}, got {result.shape}")
+    return result
+
+
+def _checked(result: Float64Array, name: str, shape: Sequence[int | str]) -> Float64Array:
+    _of_shape(result, name, shape)
     if not _is_finite(result):
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(result))[0])
         position = f" at index {where if len(where) > 1 else where[0]}" if where else ""

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from leadthrough import io
 from leadthrough.arm import JointLimits
 from leadthrough.experiments.handwriting import Handwriting
 from leadthrough.experiments.results import save_figure
@@ -25,7 +26,7 @@ def write_motion(result: Handwriting, limits: JointLimits, folder: Path) -> None
     folder.mkdir(parents=True, exist_ok=True)
     save_figure(_learning_figure(result), folder / "learning.png")
     save_figure(plot.joint_figure(result.joints, limits), folder / "joints.png")
-    joint_trajectory.write_csv(result.joints, folder / "trajectory.csv")
+    io.write_motion(result.joints, folder / "trajectory.csv")
     joint_trajectory.write_json(result.joints, folder / "trajectory.json")
 
 

@@ -1,23 +1,31 @@
 """Reads text tables: one sample a row, split at commas, semicolons or tabs, named by a header.
 
 The header is the first row; it may follow or be a row that begins with `#`. Such rows are
-comments everywhere else. A byte order mark and empty rows are skipped.
+comments everywhere else, but for `# event,<time in s>,"<name>"`. A byte order mark and empty rows are skipped.
 """
 
 from __future__ import annotations
 
 import csv
+import json
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.events import Event, Events
+from leadthrough.io import bounds
+from leadthrough.io.atomic import StrPath, replacing
+from leadthrough.io.headers import Columns
+from leadthrough.io.joint_names import checked_joint_names
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 
 _DELIMITERS = ",;\t"
+_EVENT = "# event,"
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,18 +42,24 @@ class CsvTable:
 
     names: tuple[str, ...]
     rows: tuple[Row, ...]
+    roles: Mapping[str, Columns] = field(default_factory=dict)
+    label: str | None = None
+    rate: float | None = None
+    quaternions: str | None = None
+    angles: str | None = None
+    events: Events = ()
 
     def numbers(self, name: str) -> Float64Array:
         column = self.names.index(name)
         return np.array([_number(row, column, name) for row in self.rows])
 
+    def place(self, row: int) -> str:
+        return f"line {self.rows[row].line}"
+
 
 def table(path: Path) -> CsvTable:
     """The table in a file. Raises InvalidInput."""
-    try:
-        lines = path.read_text(encoding="utf-8-sig").split("\n")
-    except UnicodeDecodeError:
-        raise InvalidInput("expected UTF-8 text") from None
+    lines = bounds.text(path).split("\n")
     header, start = _header(lines)
     delimiter = max(_DELIMITERS, key=header.count)
     names = _split(header, delimiter, start)
@@ -65,7 +79,61 @@ def table(path: Path) -> CsvTable:
             )
     if not rows:
         raise InvalidInput("expected samples below the header, got none")
-    return CsvTable(names, tuple(rows))
+    return CsvTable(names, tuple(rows), events=_events(lines))
+
+
+def write(motion: Motion, path: StrPath) -> None:
+    """Writes one row a sample, to the last digit, with columns that reading finds by their names.
+
+    A row `# event,<time>,"<name>"` follows for each event.
+    `time` in s; `x`, `y`, `z` in m and `qw`, `qx`, `qy`, `qz`; or a joint's name for its position
+    and, where the trajectory has them, `<name>_velocity` and `<name>_acceleration`.
+    Raises InvalidInput for joints without different, printable names, points of more than three
+    numbers and a path that cannot be written.
+    """
+    names, parts = _columns(motion)
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["time", *names])
+        writer.writerows(np.column_stack([motion.times, *parts]).tolist())
+        file.writelines(event_rows(motion.events))
+
+
+def event_rows(events: Events) -> list[str]:
+    """A comment for each event, with the name as JSON writes it."""
+    return [f"{_EVENT}{event.time!r},{json.dumps(event.name)}\n" for event in events]
+
+
+def _events(lines: Sequence[str]) -> Events:
+    found = []
+    for number, line in enumerate(lines, 1):
+        if line.startswith(_EVENT):
+            time, _, name = line.removeprefix(_EVENT).partition(",")
+            try:
+                found.append(Event(float(time), json.loads(name)))
+            except ValueError:
+                raise InvalidInput(
+                    f'line {number}: expected {_EVENT}<time>,"<name>", got {line[:60]!r}'
+                ) from None
+    return tuple(found)
+
+
+def _columns(motion: Motion) -> tuple[list[str], list[Float64Array]]:
+    if not isinstance(motion, JointTrajectory):
+        width = motion.positions.shape[1]
+        if width not in (2, 3):
+            raise InvalidInput(f"motion: expected points of two or three numbers, got {width}")
+        if isinstance(motion, PoseTrajectory):
+            return [*"xyz", "qw", "qx", "qy", "qz"], [motion.positions, motion.orientations]
+        return list("xyz"[:width]), [motion.positions]
+    joints = checked_joint_names(motion)
+    names, parts = list(joints), [motion.positions]
+    for quantity in ("velocity", "acceleration"):
+        values = motion.velocities if quantity == "velocity" else motion.accelerations
+        if values is not None:
+            names += [f"{joint}_{quantity}" for joint in joints]
+            parts.append(values)
+    return names, parts
 
 
 def _header(lines: Sequence[str]) -> tuple[str, int]:
@@ -107,13 +175,12 @@ def _split(line: str, delimiter: str, number: int) -> tuple[str, ...]:
 
 def _number(row: Row, column: int, name: str) -> float:
     cell = row.cells[column]
+    if not cell:
+        return float("nan")
     try:
         # Python takes 1_000 for a number; no recorder writes it.
-        value = float("nan" if "_" in cell else cell)
+        return float("one" if "_" in cell else cell)
     except ValueError:
-        value = float("nan")
-    if not np.isfinite(value):
         raise InvalidInput(
-            f"line {row.line}, column {name!r}: expected a finite number, got {cell!r}"
-        )
-    return value
+            f"line {row.line}, column {name!r}: expected a number, got {cell!r}"
+        ) from None

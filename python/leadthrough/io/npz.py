@@ -1,17 +1,29 @@
-"""Reads NumPy's .npz archives, never with pickle: one demonstration, one row a sample."""
+"""NumPy's .npz archives, never with pickle: one motion a file, one row a sample.
+
+`write` uses the names that reading finds: `times`, `positions` and `orientations_wxyz`, or `joints`
+with `joint_names`, `velocities` and `accelerations`; `event_times` and `event_names`.
+"""
 
 from __future__ import annotations
 
+import math
 import zipfile
 import zlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from leadthrough import check
 from leadthrough.errors import InvalidInput
+from leadthrough.events import Event, Events
+from leadthrough.io import bounds
+from leadthrough.io.atomic import StrPath, replacing
+from leadthrough.io.headers import Columns
 from leadthrough.io.table import ArrayTable
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 
 # What NumPy and zipfile let through on archives that are cut off, encrypted, pickled or altered,
 # and on a single array that was renamed to .npz (TypeError).
@@ -31,14 +43,89 @@ _UNREADABLE = (
 
 def table(path: Path) -> ArrayTable:
     """The arrays of an archive as columns. Raises InvalidInput."""
-    return ArrayTable(arrays(path))
+    found = arrays(path)
+    joints, names = found.get("joints"), found.get("joint_names")
+    if joints is None or names is None:
+        return ArrayTable(found, events=_events(found))
+    labels = [str(name) for name in names.ravel()]
+    if joints.ndim != 2 or len(labels) != joints.shape[1] or len(set(labels)) != len(labels):
+        raise InvalidInput("joint_names: expected a different name for each column of joints")
+    return _named(found, tuple(labels))
 
 
 def arrays(path: Path) -> dict[str, NDArray[Any]]:
     """The arrays of an archive by name. Raises InvalidInput."""
     try:
+        _check_claims(path)
         # NumPy leaves a file open that it opened itself and could not read.
         with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
     except _UNREADABLE as error:
         raise InvalidInput(f"not a readable .npz archive of plain arrays ({error})") from None
+
+
+def write(motion: Motion, path: StrPath) -> None:
+    """Writes a motion to the last bit. Raises InvalidInput."""
+    if not isinstance(motion, Motion):
+        raise InvalidInput(f"motion: expected a motion, got {type(motion).__name__}")
+    content: dict[str, Any] = {"times": motion.times}
+    if isinstance(motion, JointTrajectory):
+        content["joints"] = motion.positions
+        if motion.joint_names:
+            content["joint_names"] = np.array(motion.joint_names)
+        for name in ("velocities", "accelerations"):
+            if getattr(motion, name) is not None:
+                content[name] = getattr(motion, name)
+    else:
+        content["positions"] = motion.positions
+    if isinstance(motion, PoseTrajectory):
+        content["orientations_wxyz"] = motion.orientations
+    if motion.events:
+        content["event_times"] = np.array([event.time for event in motion.events])
+        content["event_names"] = np.array([event.name for event in motion.events])
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        np.savez(file, allow_pickle=False, **content)
+
+
+def _named(found: Mapping[str, NDArray[Any]], names: Columns) -> ArrayTable:
+    """The table with a column a joint."""
+    whole = {"joints": "", "velocities": "_velocity", "accelerations": "_acceleration"}
+    columns = {name: array for name, array in found.items() if name not in whole}
+    for part, suffix in whole.items():
+        if part in found and found[part].shape == found["joints"].shape:
+            columns |= {name + suffix: found[part][:, i] for i, name in enumerate(names)}
+    return ArrayTable(columns, roles={"joints": names}, angles="radians", events=_events(found))
+
+
+def _events(found: Mapping[str, NDArray[Any]]) -> Events:
+    if "event_times" not in found or "event_names" not in found:
+        return ()
+    times = check.array(found["event_times"], "event_times", shape=("n",))
+    names = [str(name) for name in found["event_names"].ravel()]
+    if len(names) != len(times):
+        raise InvalidInput(f"event_names: expected {len(times)}, as event_times, got {len(names)}")
+    return tuple(Event(time, name) for time, name in zip(times.tolist(), names, strict=True))
+
+
+def _check_claims(path: Path) -> None:
+    """Refuses archives whose parts claim more than there is, before any memory is taken."""
+    with zipfile.ZipFile(path) as archive:
+        members = archive.infolist()
+        bounds.check_claim(sum(member.file_size for member in members), "the archive")
+        for member in members:
+            with archive.open(member) as file:
+                size = _claimed(file) if member.filename.endswith(".npy") else 0
+            bounds.check_claim(size, member.filename)
+
+
+def _claimed(file: Any) -> int:
+    """Bytes that the header of an array claims."""
+    version = np.lib.format.read_magic(file)
+    read = {
+        (1, 0): np.lib.format.read_array_header_1_0,
+        (2, 0): np.lib.format.read_array_header_2_0,
+    }.get(version)
+    if read is None:
+        raise InvalidInput(f"expected arrays in version 1 or 2 of the format, got {version}")
+    shape, _, dtype = read(file)
+    return int(math.prod(shape) * dtype.itemsize)

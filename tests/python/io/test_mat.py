@@ -65,7 +65,7 @@ def test_fields_can_be_mapped(save):
         ({"demos": {"force": POINTS}}, "neither positions nor joints"),
         ({"demos": {"pos": POINTS}}, "rate: needed"),
         ({"demos": {"pos": POINTS, "t": TIMES[:3]}}, "t: expected one time for each of 5 samples"),
-        ({"demos": {"pos": POINTS * np.nan, "t": TIMES}}, "pos: expected finite"),
+        ({"demos": {"pos": POINTS * np.nan, "t": TIMES}}, "'pos': expected a finite"),
         ({"demos": {"pos": "text", "t": TIMES}}, "pos: expected numbers"),
         (
             {"demos": {"pos": np.zeros((0, 0)), "t": TIMES}},

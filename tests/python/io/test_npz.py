@@ -31,7 +31,7 @@ def test_arrays_make_points_poses_or_joints(save):
     points = read(save(times=TIMES, positions=positions))
     assert np.array_equal(points.times, TIMES)
     assert np.array_equal(points.positions, positions)
-    poses = read(save(times=TIMES, positions=positions, orientations=QUATERNIONS))
+    poses = read(save(times=TIMES, positions=positions, orientations_wxyz=QUATERNIONS))
     assert np.array_equal(poses.orientations, QUATERNIONS)
     joints = read(save(times=TIMES, joints=np.zeros((3, 7), np.float32)))
     assert joints.positions.shape == (3, 7)
@@ -49,7 +49,7 @@ def test_other_names_can_be_mapped(save):
         ({"times": TIMES}, "neither positions nor joints"),
         ({"positions": np.zeros((3, 2))}, "rate: needed"),
         ({"times": TIMES, "positions": np.zeros((2, 2))}, "times: expected one time for each of 2"),
-        ({"times": TIMES, "positions": np.full((3, 2), np.inf)}, "positions: expected finite"),
+        ({"times": TIMES, "positions": np.full((3, 2), np.inf)}, "'positions': expected a finite"),
         ({"times": TIMES, "positions": np.zeros((3, 2, 2))}, "positions: expected shape"),
         ({"times": TIMES, "positions": np.array(["a", "b", "c"])}, "positions: expected numbers"),
         ({"times": TIMES, "positions": np.zeros((3, 2), complex)}, "positions: expected numbers"),

@@ -1,0 +1,129 @@
+"""The formats of files, found by their suffix or, for folders, by what is in them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from leadthrough.errors import InvalidInput
+from leadthrough.io import (
+    csv,
+    joint_trajectory,
+    lerobot,
+    mat,
+    npz,
+    robomimic,
+    rosbag,
+    rosbag_writer,
+    urscript,
+)
+from leadthrough.io import franka as franka_csv
+from leadthrough.io.atomic import StrPath
+from leadthrough.io.request import Request
+from leadthrough.io.table import Table
+
+Read = Callable[[Path, Request], Sequence[Table]]
+Write = Callable[[Any, StrPath], None]  # checks what it is given
+
+
+@dataclass(frozen=True)
+class Format:
+    """name: as `write_motion` takes it. title: for people. suffixes: with their dot, lower case.
+
+    marker: what lies in a folder of this format. extra: what has to be installed for it.
+    """
+
+    name: str
+    title: str
+    suffixes: tuple[str, ...]
+    read: Read | None = None
+    write: Write | None = None
+    marker: str | None = None
+    extra: str | None = None
+
+
+def _one(read: Callable[[Path], Table]) -> Read:
+    return lambda path, _: [read(path)]
+
+
+def _all(read: Callable[[Path], Sequence[Table]]) -> Read:
+    return lambda path, _: read(path)
+
+
+FORMATS = (
+    Format("csv", "text table", (".csv", ".tsv", ".txt"), _one(csv.table), csv.write),
+    Format("npz", "NumPy archive", (".npz",), _one(npz.table), npz.write),
+    Format("mat", "MATLAB 5 to 7.2", (".mat",), _all(mat.tables)),
+    Format(
+        "json",
+        "ROS 2 JointTrajectory",
+        (".json",),
+        _one(joint_trajectory.table_of_json),
+        joint_trajectory.write_json,
+    ),
+    Format(
+        "yaml",
+        "ROS 2 JointTrajectory",
+        (".yaml", ".yml"),
+        _one(joint_trajectory.table_of_yaml),
+        joint_trajectory.write_yaml,
+    ),
+    Format(
+        "rosbag",
+        "ROS bag",
+        (".mcap", ".db3", ".bag"),
+        rosbag.tables,
+        rosbag_writer.write,
+        marker="metadata.yaml",
+        extra="ros",
+    ),
+    Format("robomimic", "robomimic HDF5", (".hdf5", ".h5"), _all(robomimic.tables), extra="hdf5"),
+    Format(
+        "lerobot",
+        "LeRobot Parquet",
+        (".parquet",),
+        _all(lerobot.tables),
+        marker="meta/info.json",
+        extra="lerobot",
+    ),
+    Format("urscript", "URScript program", (".script", ".urscript"), write=urscript.write),
+    Format("franka", "Franka, 1 kHz", (), write=franka_csv.write),
+)
+
+
+def of_file(path: Path) -> Format:
+    """The format of a file or folder that is there. Raises InvalidInput."""
+    if path.is_dir():
+        for found in FORMATS:
+            if found.marker is not None and (path / found.marker).is_file():
+                return found
+        raise InvalidInput("expected a file, a ROS 2 bag or a LeRobot data set, got a folder")
+    if not path.is_file():
+        raise InvalidInput("no such file")
+    readable = [each for each in FORMATS if each.read is not None]
+    for each in readable:
+        if path.suffix.lower() in each.suffixes:
+            return each
+    raise InvalidInput(f"expected {_suffixes(readable)}, got {path.suffix!r}")
+
+
+def to_write(path: StrPath, name: str | None) -> Format:
+    """The format to write, by its name or else by the suffix of a path. Raises InvalidInput."""
+    writable = [each for each in FORMATS if each.write is not None]
+    suffix = Path(path).suffix.lower()
+    for each in writable:
+        if each.name == name or (name is None and suffix in each.suffixes):
+            return each
+    if name is None:
+        raise InvalidInput(
+            f"path: expected {_suffixes(writable)}, or say the format; got {suffix!r}"
+        )
+    names = ", ".join(repr(each.name) for each in writable)
+    raise InvalidInput(f"format: expected one of {names}, got {name!r}")
+
+
+def _suffixes(formats: Sequence[Format]) -> str:
+    *others, last = (suffix for each in formats for suffix in each.suffixes)
+    return f"{', '.join(others)} or {last}"

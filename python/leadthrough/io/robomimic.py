@@ -1,0 +1,88 @@
+"""Demonstrations of robomimic and robosuite: HDF5 with a group `data/demo_<i>` for each.
+
+A column is an array of `obs` of one or two axes; `robot0_joint_pos` are the joints,
+`robot0_eef_pos` and `robot0_eef_quat` (x, y, z, w) the poses. The rate is the control frequency
+in `env_args`, where there is one. Needs the extra `hdf5`.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from leadthrough.errors import InvalidInput, MissingDependency
+from leadthrough.io import bounds
+from leadthrough.io.table import ArrayTable
+
+_ROLES = {
+    "joints": "robot0_joint_pos",
+    "positions": "robot0_eef_pos",
+    "orientations": "robot0_eef_quat",
+}
+_WIDEST = 256  # numbers a sample; more is a picture
+
+
+def tables(path: Path) -> list[ArrayTable]:
+    """One table a demonstration, in the order of their numbers.
+
+    Raises InvalidInput, MissingDependency.
+    """
+    try:
+        import h5py  # noqa: PLC0415
+    except ImportError:
+        raise MissingDependency("h5py", extra="hdf5") from None
+    try:
+        with h5py.File(path, "r") as file:
+            return _tables(file)
+    except InvalidInput:
+        raise
+    # A damaged file makes h5py raise whatever the damage leads to.
+    except Exception as error:
+        what = " ".join(str(error).split())[:200]
+        raise InvalidInput(f"not a readable robomimic HDF5 file ({what})") from None
+
+
+def _tables(file: Any) -> list[ArrayTable]:
+    data = file.get("data")
+    names = [] if data is None else [name for name in data if name.startswith("demo_")]
+    if not names:
+        raise InvalidInput("expected groups data/demo_<i>, as robomimic has them, got none")
+    rate = _control_rate(data.attrs.get("env_args"))
+    claimed = 0
+    found = []
+    for name in sorted(names, key=_number):
+        sets = _sets(data[name].get("obs", {}))
+        claimed += sum(each.nbytes for each in sets.values())
+        bounds.check_claim(claimed, "the arrays of obs")
+        arrays = {own: np.asarray(each[()]) for own, each in sets.items()}
+        roles = {role: (own,) for role, own in _ROLES.items() if own in arrays}
+        found.append(ArrayTable(arrays, roles, name, rate, "xyzw", "radians"))
+    return found
+
+
+def _sets(group: Any) -> dict[str, Any]:
+    return {
+        name: each
+        for name, each in group.items()
+        if hasattr(each, "dtype")
+        and each.dtype.kind in "fiu"
+        and (each.ndim == 1 or (each.ndim == 2 and each.shape[1] <= _WIDEST))
+    }
+
+
+def _number(name: str) -> tuple[int, str]:
+    digits = name.removeprefix("demo_")
+    return (int(digits) if digits.isdecimal() and len(digits) < 10 else -1, name)
+
+
+def _control_rate(arguments: Any) -> float | None:
+    """Hz, from the environment's arguments, where they have it."""
+    try:
+        rate = json.loads(arguments)["env_kwargs"]["control_freq"]
+    except (ValueError, TypeError, KeyError, RecursionError):
+        return None
+    valid = isinstance(rate, int | float) and not isinstance(rate, bool)
+    return float(rate) if valid and 0 < rate < float("inf") else None

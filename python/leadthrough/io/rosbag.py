@@ -1,0 +1,190 @@
+"""ROS bags, by rosbags (extra `ros`) and without ROS: ROS 1, and ROS 2 with SQLite or MCAP.
+
+Read are JointState, JointTrajectory, PoseStamped and, where frames are named, transforms. Times are
+those of the messages' headers, or of the bag where these are zero, from the first message on. Text on
+`/events` becomes events.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput, LeadthroughError, MissingDependency
+from leadthrough.events import Event, Events
+from leadthrough.io import joint_states, joint_trajectory
+from leadthrough.io.request import Request
+from leadthrough.io.table import ArrayTable
+
+EVENTS_TOPIC = "/events"  # a String for each
+
+Messages = list[tuple[int, Any]]  # the bag's time in ns, and what came
+
+_JOINTS = "sensor_msgs/msg/JointState"
+_TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
+_POSE = "geometry_msgs/msg/PoseStamped"
+_TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
+_TEXT = "std_msgs/msg/String"
+_MOST_MESSAGES = 10_000_000
+_NANOSECONDS = 1_000_000_000
+
+
+def tables(path: Path, request: Request) -> list[ArrayTable]:
+    """The motion of the topic asked for, or of the only one that fits.
+
+    Raises InvalidInput, MissingDependency.
+    """
+    with _opened(path) as bag:
+        topic, kind = _chosen(bag, request)
+        messages = _messages(bag, topic)
+        if not messages:
+            raise InvalidInput(f"topic: {topic!r} has no messages")
+        found = _TABLES[kind](messages, request)
+        return [replace(table, events=_events(bag, messages[0][0], table)) for table in found]
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    try:
+        from rosbags.highlevel import AnyReader  # noqa: PLC0415
+        from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
+    except ImportError:
+        raise MissingDependency("rosbags", extra="ros") from None
+    # Bags of SQLite up to ROS 2 Humble don't say what their messages look like.
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    try:
+        with AnyReader([path], default_typestore=store) as bag:
+            yield bag
+    except LeadthroughError:
+        raise
+    # A damaged bag makes its readers raise whatever the damage leads to.
+    except Exception as error:
+        what = " ".join(str(error).split())[:200] or type(error).__name__
+        raise InvalidInput(f"not a readable ROS bag ({what})") from None
+
+
+def _chosen(bag: Any, request: Request) -> tuple[str, str]:
+    """The topic to read and the type of its messages."""
+    topics = {name: str(info.msgtype) for name, info in bag.topics.items()}
+    listed = ", ".join(f"{name} ({kind.split('/')[-1]})" for name, kind in topics.items()) or "none"
+    if request.topic is not None:
+        kind = topics.get(request.topic, "")
+        if kind not in _TABLES:
+            raise InvalidInput(f"topic: expected one of motions, got {request.topic!r}: {listed}")
+        return request.topic, kind
+    fitting = {name: kind for name, kind in topics.items() if kind in _wanted(request)}
+    if len(fitting) != 1:
+        found = "none fits" if not fitting else "several fit"
+        raise InvalidInput(f"topic: {found}, name one (transforms need frames): {listed}")
+    return next(iter(fitting.items()))
+
+
+def _wanted(request: Request) -> Sequence[str]:
+    if request.frames is not None:
+        return _TRANSFORMS
+    if "joints" in request.columns:
+        return (_JOINTS, _TRAJECTORY)
+    return (_POSE,) if request.columns.keys() & {"positions", "orientations"} else _MOTIONS
+
+
+def _messages(bag: Any, topic: str) -> Messages:
+    connections = [each for each in bag.connections if each.topic == topic]
+    found: Messages = []
+    for connection, time, data in bag.messages(connections=connections):
+        found.append((time, bag.deserialize(data, connection.msgtype)))
+        if len(found) > _MOST_MESSAGES:
+            raise InvalidInput(f"topic: {topic!r} has more than {_MOST_MESSAGES:,} messages")
+    return found
+
+
+def _events(bag: Any, start: int, table: ArrayTable) -> Events:
+    """What came on `/events`; the table's first sample came at start, ns on the bag's clock."""
+    info = bag.topics.get(EVENTS_TOPIC)
+    if info is None or info.msgtype != _TEXT:
+        return ()
+    first = float(table.numbers(table.roles["time"][0])[0])
+    return tuple(
+        Event(first + (time - start) / _NANOSECONDS, message.data)
+        for time, message in _messages(bag, EVENTS_TOPIC)
+    )
+
+
+def _joint_states(messages: Messages, request: Request) -> list[ArrayTable]:
+    stamps = _times([(time, message.header.stamp) for time, message in messages])
+    states = [message for _, message in messages]
+    return [joint_states.table(stamps, states, request.columns.get("joints"))]
+
+
+def _trajectories(messages: Messages, _: Request) -> list[ArrayTable]:
+    return [
+        joint_trajectory.table(
+            {
+                "joint_names": message.joint_names,
+                "points": [_point(point) for point in message.points],
+            }
+        )
+        for _, message in messages
+    ]
+
+
+def _point(point: Any) -> dict[str, Any]:
+    due = point.time_from_start
+    return {
+        "time_from_start": {"sec": due.sec, "nanosec": due.nanosec},
+        **{
+            part: getattr(point, part).tolist()
+            for part in ("positions", "velocities", "accelerations")
+        },
+    }
+
+
+def _poses(messages: Messages, _: Request) -> list[ArrayTable]:
+    frames = {message.header.frame_id for _, message in messages}
+    if len(frames) > 1:
+        raise InvalidInput(f"expected poses in one frame, got {', '.join(sorted(frames))}")
+    times = _times([(time, message.header.stamp) for time, message in messages])
+    return [_pose_table(times, [(m.pose.position, m.pose.orientation) for _, m in messages])]
+
+
+def _transforms(messages: Messages, request: Request) -> list[ArrayTable]:
+    every = [(time, each) for time, message in messages for each in message.transforms]
+    edges = sorted({(each.header.frame_id, each.child_frame_id) for _, each in every})
+    if request.frames not in edges:
+        listed = ", ".join(f"({parent!r}, {child!r})" for parent, child in edges)
+        raise InvalidInput(f"frames: expected one of {listed}, got {request.frames}")
+    ours = [
+        (time, each)
+        for time, each in every
+        if (each.header.frame_id, each.child_frame_id) == request.frames
+    ]
+    times = _times([(time, each.header.stamp) for time, each in ours])
+    return [_pose_table(times, [(t.transform.translation, t.transform.rotation) for _, t in ours])]
+
+
+def _pose_table(times: Float64Array, poses: list[tuple[Any, Any]]) -> ArrayTable:
+    positions = np.array([(p.x, p.y, p.z) for p, _ in poses])
+    orientations = np.array([(q.w, q.x, q.y, q.z) for _, q in poses])
+    arrays = {"time": times, "positions": positions, "orientations_wxyz": orientations}
+    return ArrayTable(arrays, roles={"time": ("time",)})
+
+
+def _times(stamps: list[tuple[int, Any]]) -> Float64Array:
+    """Seconds (n,) from the first of the headers' stamps, or of the bag's times."""
+    headers = [int(stamp.sec) * _NANOSECONDS + int(stamp.nanosec) for _, stamp in stamps]
+    chosen = headers if any(headers) else [time for time, _ in stamps]
+    return np.array([time - chosen[0] for time in chosen], dtype=np.float64) / _NANOSECONDS
+
+
+_TABLES: dict[str, Callable[[Messages, Request], list[ArrayTable]]] = {
+    _JOINTS: _joint_states,
+    _TRAJECTORY: _trajectories,
+    _POSE: _poses,
+    **dict.fromkeys(_TRANSFORMS, _transforms),
+}
+_MOTIONS = (_JOINTS, _TRAJECTORY, _POSE)
