@@ -130,13 +130,24 @@ void bind_chain(py::module_& module) {
   py::class_<urdf::Joint>(module, "Joint")
       .def_readonly("name", &urdf::Joint::name)
       .def_property_readonly("kind", &kind)
-      .def_readonly("mimic", &urdf::Joint::mimic);
+      .def_readonly("mimic", &urdf::Joint::mimic)
+      .def_readonly("parent", &urdf::Joint::parent)
+      .def_readonly("child", &urdf::Joint::child)
+      .def_readonly("axis", &urdf::Joint::axis)
+      .def_readonly("lower", &urdf::Joint::lower)
+      .def_readonly("upper", &urdf::Joint::upper)
+      .def_property_readonly("position",
+                             [](const urdf::Joint& joint) { return joint.T_parent_child.position; })
+      .def_property_readonly("rotation", [](const urdf::Joint& joint) {
+        return Eigen::Matrix3d(joint.T_parent_child.rotation);
+      });
 
   py::class_<urdf::Robot>(module, "Robot")
       .def(py::init(&parse), py::arg("document"))
       .def_readonly("name", &urdf::Robot::name)
       .def_property_readonly("links", &link_names)
       .def_property_readonly("joints", &joint_names)
+      .def_readonly("tree", &urdf::Robot::joints)
       .def_property_readonly("leaves", &leaf_names)
       .def_property_readonly("collisions", &collisions)
       .def_property_readonly("meshes", &meshes)

@@ -1,13 +1,17 @@
-"""Vertices of a mesh file: STL and OBJ by themselves, other formats through the extra `mesh`."""
+"""Mesh files: STL and OBJ are read here, other formats through the extra `mesh`."""
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, MissingDependency
+
+_Mesh = tuple[Float64Array, NDArray[np.int64]]
 
 _STL_HEADER = 84  # bytes, the last four the number of triangles
 _STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -18,28 +22,59 @@ def read_vertices(path: Path) -> Float64Array:
 
     Raises InvalidInput, MissingDependency.
     """
+    return _read(path)[0]
+
+
+def read_triangles(path: Path) -> tuple[Float64Array, NDArray[np.int64]]:
+    """Vertices (n, 3) of a mesh, in the file's unit, and the indices (m, 3) of its triangles.
+
+    Polygons are fans of triangles. Raises InvalidInput, MissingDependency.
+    """
+    vertices, faces = _read(path)
+    if len(faces) == 0 or faces.min() < 0 or faces.max() >= len(vertices):
+        raise InvalidInput(f"{path}: expected a mesh of triangles between its own vertices")
+    return vertices, faces
+
+
+def _read(path: Path) -> _Mesh:
     try:
         match path.suffix.lower():
             case ".stl":
-                vertices = _stl(path.read_bytes())
+                mesh = _stl(path.read_bytes())
             case ".obj":
-                vertices = _after_word(path.read_bytes(), b"v")
+                mesh = _obj(path.read_bytes())
             case _:
-                vertices = _through_coal(path)
+                mesh = _through_coal(path)
     except (OSError, ValueError) as error:
         raise InvalidInput(f"{path}: not a mesh that can be read: {error}") from None
-    if len(vertices) == 0 or not np.isfinite(vertices).all():
+    if len(mesh[0]) == 0 or not np.isfinite(mesh[0]).all():
         raise InvalidInput(f"{path}: expected a mesh of finite vertices")
-    return vertices
+    return mesh
 
 
-def _stl(content: bytes) -> Float64Array:
+def _stl(content: bytes) -> _Mesh:
     # A binary file may begin with "solid" like a text: its length tells.
     triangles = int.from_bytes(content[_STL_HEADER - 4 : _STL_HEADER], "little")
     if len(content) != _STL_HEADER + triangles * _STL_TRIANGLE.itemsize:
-        return _after_word(content, b"vertex")
-    body = np.frombuffer(content, _STL_TRIANGLE, offset=_STL_HEADER)
-    return body["corners"].reshape(-1, 3).astype(np.float64)
+        vertices = _after_word(content, b"vertex")
+    else:
+        body = np.frombuffer(content, _STL_TRIANGLE, offset=_STL_HEADER)
+        vertices = body["corners"].reshape(-1, 3).astype(np.float64)
+    whole = len(vertices) - len(vertices) % 3
+    return vertices, np.arange(whole).reshape(-1, 3)
+
+
+def _obj(content: bytes) -> _Mesh:
+    vertices = _after_word(content, b"v")
+    faces = []
+    for line in content.splitlines():
+        word, *corners = line.split() or [b""]
+        if word == b"f":
+            # Vertex, texture and normal by slashes; negative numbers count from the end.
+            numbers = [int(corner.split(b"/")[0]) for corner in corners]
+            polygon = [n - 1 if n > 0 else n + len(vertices) for n in numbers]
+            faces += [(polygon[0], b, c) for b, c in pairwise(polygon[1:])]
+    return vertices, np.array(faces, dtype=np.int64).reshape(-1, 3)
 
 
 def _after_word(content: bytes, word: bytes) -> Float64Array:
@@ -48,7 +83,7 @@ def _after_word(content: bytes, word: bytes) -> Float64Array:
     return np.array(rows, dtype=np.float64).reshape(-1, 3)
 
 
-def _through_coal(path: Path) -> Float64Array:
+def _through_coal(path: Path) -> _Mesh:
     try:
         import coal  # noqa: PLC0415
     except ImportError:
@@ -57,4 +92,5 @@ def _through_coal(path: Path) -> Float64Array:
         mesh = coal.MeshLoader().load(str(path), np.ones(3))
     except (RuntimeError, ValueError) as error:
         raise ValueError(error) from None
-    return np.array(mesh.vertices())
+    faces = [[mesh.tri_indices(i)[k] for k in range(3)] for i in range(mesh.num_tris)]
+    return np.array(mesh.vertices()), np.array(faces, dtype=np.int64).reshape(-1, 3)

@@ -1,0 +1,71 @@
+"""Where all links of a robot are while its arm moves, those on branches as well."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from leadthrough import _core, rotations
+from leadthrough.arm import Arm
+from leadthrough.check import Float64Array
+
+
+def link_poses(arm: Arm, q: Float64Array) -> dict[str, tuple[Float64Array, Float64Array]]:
+    """Rotations (n, 3, 3) and positions (n, 3) of each link in the frame of the arm's base link.
+
+    q: (n, joints), rad or m. Joints outside the arm stay where the arm holds them, else at zero
+    or at the limit next to it.
+    """
+    values = _values(arm, q)
+    links = arm._robot.links
+    turned = {0: np.tile(np.eye(3), (len(q), 1, 1))}
+    placed = {0: np.zeros((len(q), 3))}
+    for joint in arm._robot.tree:
+        rotation, shift = _motion(joint, values)
+        here = turned[joint.parent]
+        offset = joint.position + shift @ joint.rotation.T
+        placed[joint.child] = placed[joint.parent] + np.einsum("nij,nj->ni", here, offset)
+        turned[joint.child] = here @ (joint.rotation @ rotation)
+    return _seen_from(links.index(arm.base), turned, placed, dict(enumerate(links)))
+
+
+def _values(arm: Arm, q: Float64Array) -> dict[str, Float64Array]:
+    """A value (n,) for each joint that mimics none."""
+    moved = dict(zip(arm.joint_names, q.T, strict=True))
+    values = {}
+    for joint in arm._robot.tree:
+        still = arm.held.get(joint.name, min(max(0.0, joint.lower), joint.upper))
+        values[joint.name] = moved.get(joint.name, np.full(len(q), still))
+    return values
+
+
+def _motion(
+    joint: _core.Joint, values: Mapping[str, Float64Array]
+) -> tuple[Float64Array, Float64Array]:
+    """The rotations (n, 3, 3) and shifts (n, 3) of a joint's child against its place at zero."""
+    value = values[joint.name]
+    if joint.mimic is not None:
+        value = joint.mimic.multiplier * values[joint.mimic.joint] + joint.mimic.offset
+    along = np.outer(value, joint.axis)
+    still = np.zeros_like(along)
+    if joint.kind == "prismatic":
+        return np.tile(np.eye(3), (len(value), 1, 1)), along
+    turn = along if joint.kind in ("revolute", "continuous") else still
+    return rotations.to_matrix(rotations.exp(turn)), still
+
+
+def _seen_from(
+    base: int,
+    turned: Mapping[int, Float64Array],
+    placed: Mapping[int, Float64Array],
+    names: Mapping[int, str],
+) -> dict[str, tuple[Float64Array, Float64Array]]:
+    back = turned[base].transpose(0, 2, 1)
+    return {
+        names[i]: (
+            back @ turned[i],
+            np.einsum("nij,nj->ni", back, placed[i] - placed[base]),
+        )
+        for i in turned
+    }

@@ -1,0 +1,169 @@
+"""Scenes in an HTML file that needs no server and no network."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+import json
+import zlib
+from collections.abc import Sequence
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from leadthrough.check import Float64Array
+from leadthrough.io.atomic import StrPath, replacing
+from leadthrough.show.creases import creased
+from leadthrough.show.scene import Scene
+
+
+def write_page(
+    path: StrPath, title: str, parts: Sequence[str] | str, *, whole: bool = False
+) -> None:
+    """An HTML file of parts: those made by `scene`, `figure`, `table`, `text` and `heading`.
+
+    whole: whether the only part, a scene, fills the window. Raises InvalidInput.
+    """
+    body = "\n".join([parts] if isinstance(parts, str) else parts)
+    content = _PAGE.format(
+        title=html.escape(title),
+        style=_resource("page.css"),
+        kind="whole" if whole else "report",
+        body=body,
+        script=_resource("scene.js"),
+    )
+    with replacing(path) as temporary:
+        temporary.write_text(content, encoding="utf-8")
+
+
+def scene(shown: Scene, caption: str = "") -> str:
+    """A scene to look at from all sides, with its time."""
+    return _SCENE.format(data=_packed(shown), caption=_caption(caption))
+
+
+def figure(drawn: Figure, caption: str = "") -> str:
+    """A figure as a drawing of lines and letters, sharp at every size."""
+    text = io.StringIO()
+    drawn.savefig(text, format="svg", metadata={"Date": None})
+    svg = text.getvalue()
+    return f"<figure>{svg[svg.index('<svg') :]}{_caption(caption)}</figure>"
+
+
+def table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
+    """Rows of values below the columns' names."""
+    head = "".join(f"<th>{html.escape(name)}</th>" for name in columns)
+    lines = ("".join(f"<td>{html.escape(str(value))}</td>" for value in row) for row in rows)
+    body = "\n".join(f"<tr>{line}</tr>" for line in lines)
+    return f"<table><thead><tr>{head}</tr></thead><tbody>\n{body}\n</tbody></table>"
+
+
+def text(content: str) -> str:
+    """A paragraph."""
+    return f"<p>{html.escape(content)}</p>"
+
+
+def heading(content: str) -> str:
+    """The title of a section."""
+    return f"<h2>{html.escape(content)}</h2>"
+
+
+def _caption(content: str) -> str:
+    return f"<figcaption>{html.escape(content)}</figcaption>" if content else ""
+
+
+def _resource(name: str) -> str:
+    return (files("leadthrough.show") / name).read_text(encoding="utf-8")
+
+
+def _packed(shown: Scene) -> str:
+    """The scene as base64 of deflated bytes: the head's length, the head as JSON, arrays."""
+    arrays: list[NDArray[Any]] = []
+
+    def kept(values: Any, kind: type[np.generic]) -> int:
+        arrays.append(np.ascontiguousarray(values, dtype=kind).ravel())
+        return len(arrays) - 1
+
+    items = []
+    for item in shown.items:
+        mesh, normals = creased(item.mesh)
+        items.append(
+            {
+                "name": item.name,
+                "layer": item.layer,
+                "colour": [round(share, 4) for share in item.colour],
+                "opacity": item.opacity,
+                "link": -1 if item.link is None else item.link,
+                "vertices": kept(_rounded(mesh.vertices), np.float32),
+                "normals": kept(np.round(127.0 * normals), np.int8),
+                "faces": kept(mesh.faces, np.uint32),
+            }
+        )
+    poses = np.concatenate([shown.positions, shown.orientations], axis=2)
+    head = {
+        "links": shown.links,
+        "times": [round(float(time), 5) for time in shown.times],
+        "poses": kept(_rounded(poses), np.float32),
+        "items": items,
+        **_extent(shown),
+    }
+    return _deflated(head, arrays)
+
+
+def _deflated(head: dict[str, Any], arrays: Sequence[NDArray[Any]]) -> str:
+    # Numbers of four bytes have to start at multiples of four.
+    parts = [array.tobytes() + bytes(-array.nbytes % 4) for array in arrays]
+    offsets = np.cumsum([0, *map(len, parts)])
+    head["arrays"] = [
+        {"kind": array.dtype.name, "offset": int(offset), "count": array.size}
+        for array, offset in zip(arrays, offsets, strict=False)
+    ]
+    told = json.dumps(head, allow_nan=False).encode()
+    told += b" " * (-len(told) % 4)
+    content = b"".join([len(told).to_bytes(4, "little"), told, *parts])
+    return base64.b64encode(zlib.compress(content, 9)).decode()
+
+
+def _rounded(values: Float64Array) -> Float64Array:
+    """To 2^-14, 0.06 mm: finer than anyone sees, and it deflates to a half."""
+    return np.asarray(np.round(values * 2.0**14) / 2.0**14)
+
+
+def _extent(shown: Scene) -> dict[str, Any]:
+    """The ball that the camera shows at first, and the height of the floor."""
+    still = [item.mesh.vertices for item in shown.items if item.link is None]
+    points = np.concatenate([shown.positions.reshape(-1, 3), *still])
+    lower, upper = points.min(axis=0), points.max(axis=0)
+    radius = max(0.5 * float(np.linalg.norm(upper - lower)), 0.1)
+    return {
+        "centre": np.round(0.5 * (lower + upper), 4).tolist(),
+        "radius": round(radius, 4),
+        "floor": round(float(min(lower[2], 0.0)), 4),
+    }
+
+
+_SCENE = """<figure class="scene"><div class="stage"><canvas></canvas>
+<div class="layers"></div>
+<div class="bar"><button class="play" aria-label="play">▶</button>
+<input class="time" type="range" min="0" max="1" step="any" value="0" aria-label="time">
+<span class="clock"></span>
+<select class="speed" aria-label="speed"><option value="0.25">1/4 x</option>
+<option value="1" selected>1 x</option><option value="2">2 x</option></select>
+<button class="home">Reset view</button></div><div class="trouble"></div></div>
+<script type="text/plain">{data}</script>{caption}</figure>"""
+
+_PAGE = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{title}</title>
+<style>
+{style}</style></head>
+<body class="{kind}"><main><h1>{title}</h1>
+{body}
+</main>
+<script>
+{script}</script></body></html>
+"""

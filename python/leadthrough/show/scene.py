@@ -1,0 +1,241 @@
+"""A scene of an arm that moves: surfaces in layers, and where each of the arm's links is when.
+
+It knows no renderer: the HTML page and the live view draw the same scene.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import cycle
+from typing import Any
+
+import numpy as np
+
+from leadthrough import check, rotations
+from leadthrough.arm import Arm
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.models import ProMPSkill
+from leadthrough.models.gmr_skill import GMRSkill
+from leadthrough.models.protocol import Skill
+from leadthrough.motion import Demonstration, JointTrajectory, Motion
+from leadthrough.shapes import Shape, check_shapes
+from leadthrough.show import palette, solids
+from leadthrough.show.link_poses import link_poses
+from leadthrough.show.solids import Mesh
+from leadthrough.show.urdf_geometry import Part, parts_by_link
+
+ARM, DEMONSTRATIONS, PATH, SPREAD, OBSTACLES, GOAL = (
+    "arm", "demonstrations", "path", "uncertainty", "obstacles", "goal",
+)  # fmt: skip
+
+_PATH_RADIUS = 0.004
+_DEMONSTRATION_RADIUS = 0.002
+_GOAL_RADIUS = 0.014
+_PATH_POINTS = 200
+_DEMONSTRATION_POINTS = 100
+_SPREAD_POINTS = 80
+# A screen shows no more than 60 pictures a second, and a long motion is looked at in less detail.
+_FRAME_RATE = 60.0
+_MOST_FRAMES = 1200
+# Without any geometry an arm is drawn as rods from joint to joint.
+_ROD_RADIUS = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Item:
+    """One surface. link: index of the link that carries it, None where it stands still."""
+
+    name: str
+    layer: str
+    mesh: Mesh
+    colour: tuple[float, float, float]
+    opacity: float = 1.0
+    link: int | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Surfaces and the motion of the links that carry some of them.
+
+    links: names. times: (n,) s from 0. positions (n, links, 3) m and orientations (n, links, 4)
+    w, x, y, z of the links in the frame of the arm's base. Between samples they are interpolated.
+    """
+
+    links: tuple[str, ...]
+    times: Float64Array
+    positions: Float64Array
+    orientations: Float64Array
+    items: tuple[Item, ...] = field(repr=False)
+
+    def poses_at(self, time: float) -> tuple[Float64Array, Float64Array]:
+        """Positions (links, 3) and orientations (links, 4) at a time, s; held beyond the ends."""
+        last = len(self.times) - 1
+        i = int(np.clip(np.searchsorted(self.times, time) - 1, 0, max(last - 1, 0)))
+        j = min(i + 1, last)
+        span = self.times[j] - self.times[i]
+        share = float(np.clip((time - self.times[i]) / span, 0.0, 1.0)) if span > 0.0 else 0.0
+        position = (1.0 - share) * self.positions[i] + share * self.positions[j]
+        turned = (1.0 - share) * self.orientations[i] + share * self.orientations[j]
+        return position, turned / np.linalg.norm(turned, axis=1, keepdims=True)
+
+
+def arm_scene(
+    arm: Arm,
+    joints: JointTrajectory | None,
+    *,
+    demonstrations: Iterable[Demonstration] = (),
+    path: Any = None,
+    skill: Skill | None = None,
+    obstacles: Iterable[Shape] = (),
+    goal: Any = None,
+) -> Scene:
+    """The arm along a motion of its joints, with what the motion was made from.
+
+    joints: None for an arm that stands in the middle of its ranges. path: (n, 3) m, by default
+    where the tip goes. skill: a ProMP or GMR skill of points or poses, whose distribution is drawn
+    as a tube of two standard deviations. goal: (3,) m. Raises InvalidInput.
+    """
+    shown = frames(arm, joints)
+    links, positions, orientations = _links(arm, shown.positions)
+    if path is None and joints is not None:
+        path, _ = arm.forward_kinematics(shown.positions)
+    items = [*arm_items(arm, links), *demonstration_items(arm, demonstrations)]
+    if path is not None:
+        items.append(path_item(check.array(path, "path", shape=("n", 3))))
+    items += spread_items(arm, skill)
+    items += [obstacle_item(shape, i) for i, shape in enumerate(check_shapes(obstacles))]
+    if goal is not None:
+        items.append(goal_item(check.array(goal, "goal", shape=(3,))))
+    times = shown.times - shown.times[0]
+    return Scene(links, times, positions, orientations, tuple(items))
+
+
+def frames(arm: Arm, joints: JointTrajectory | None) -> JointTrajectory:
+    """The samples of a motion that are worth a picture. Raises InvalidInput for other joints."""
+    if joints is None:
+        return JointTrajectory(np.zeros(1), _middle(arm)[None], joint_names=arm.joint_names)
+    if not isinstance(joints, JointTrajectory):
+        raise InvalidInput(f"joints: expected a JointTrajectory, got {type(joints).__name__}")
+    names, count = joints.joint_names, joints.positions.shape[1]
+    if (names and names != arm.joint_names) or count != len(arm.joint_names):
+        raise InvalidInput(
+            f"joints: expected {', '.join(arm.joint_names)}, "
+            f"got {', '.join(names) or f'{count} without names'}"
+        )
+    wanted = min(int(joints.duration * _FRAME_RATE) + 2, _MOST_FRAMES)
+    if len(joints.times) <= wanted:
+        return joints
+    times = np.linspace(joints.times[0], joints.times[-1], wanted)
+    columns = [np.interp(times, joints.times, column) for column in joints.positions.T]
+    return JointTrajectory(times, np.column_stack(columns), joint_names=names)
+
+
+def tip_path(arm: Arm, motion: Motion) -> Float64Array:
+    """Where a motion takes the tip, (n, 3); a drawing of two dimensions lies at z = 0.
+
+    Raises InvalidInput.
+    """
+    if isinstance(motion, JointTrajectory):
+        return arm.forward_kinematics(motion.positions)[0]
+    width = motion.positions.shape[1]
+    if width not in (2, 3):
+        raise InvalidInput(f"motion: expected two or three dimensions, got {width}")
+    return np.pad(motion.positions, ((0, 0), (0, 3 - width)))
+
+
+def arm_items(arm: Arm, links: Sequence[str]) -> Iterator[Item]:
+    """The arm's surfaces, links in two colours by turns where the robot names none."""
+    parts = parts_by_link(arm.document, arm.mesh_folders) or _rods(arm)
+    for (link, own), usual in zip(
+        parts.items(), cycle((palette.SHELL, palette.JOINT)), strict=False
+    ):
+        by_colour: dict[Any, list[Mesh]] = {}
+        for part in own:
+            by_colour.setdefault(part.colour or usual, []).append(part.mesh)
+        for i, (colour, meshes) in enumerate(by_colour.items()):
+            name = f"{link} {i}" if i else link
+            yield Item(name, ARM, solids.merged(meshes), colour, link=links.index(link))
+    for i, shape in enumerate(arm.attached):
+        mesh = solids.of_shape(shape)
+        yield Item(f"attached {i}", ARM, mesh, palette.rgb(palette.TOOL), link=links.index(arm.tip))
+
+
+def demonstration_items(arm: Arm, demonstrations: Iterable[Demonstration]) -> Iterator[Item]:
+    """A thin tube for each demonstration."""
+    for i, demonstration in enumerate(demonstrations):
+        if not isinstance(demonstration, Demonstration):
+            got = type(demonstration).__name__
+            raise InvalidInput(f"demonstrations[{i}]: expected a Demonstration, got {got}")
+        points = solids.thinned(tip_path(arm, demonstration.motion), _DEMONSTRATION_POINTS)
+        mesh = solids.tube(points, _DEMONSTRATION_RADIUS, sides=6)
+        name = demonstration.name or f"demonstration {i + 1}"
+        yield Item(name, DEMONSTRATIONS, mesh, palette.rgb(palette.DEMONSTRATION))
+
+
+def path_item(path: Float64Array) -> Item:
+    """The planned path (n, 3)."""
+    mesh = solids.tube(solids.thinned(path, _PATH_POINTS), _PATH_RADIUS)
+    return Item("path", PATH, mesh, palette.rgb(palette.PATH))
+
+
+def spread_items(arm: Arm, skill: Skill | None) -> Iterator[Item]:
+    """The tube of two standard deviations about a skill's mean path, where it has one."""
+    distribution = distribution_of(arm, skill)
+    if distribution is not None:
+        mesh = solids.uncertainty_tube(*distribution)
+        yield Item("two standard deviations", SPREAD, mesh, palette.rgb(palette.SKY), opacity=0.35)
+
+
+def distribution_of(arm: Arm, skill: Skill | None) -> tuple[Float64Array, Float64Array] | None:
+    """Mean (n, 3) and covariance (n, 3, 3) of the tip's position; None where there is none.
+
+    That of joints is brought to the tip by the Jacobian, to first order.
+    """
+    if not isinstance(skill, ProMPSkill | GMRSkill):
+        return None
+    ask = skill.distribution if isinstance(skill, ProMPSkill) else skill.regress
+    mean, covariance = ask(np.linspace(0.0, skill.duration, _SPREAD_POINTS))
+    if skill.chart.kind == "joints":
+        jacobian = arm.jacobian(mean)[:, :3]
+        covariance = jacobian @ covariance @ jacobian.transpose(0, 2, 1)
+        return arm.forward_kinematics(mean)[0], covariance
+    return (mean[:, :3], covariance[:, :3, :3]) if skill.chart.size == 3 else None
+
+
+def obstacle_item(shape: Shape, index: int) -> Item:
+    """An obstacle where it is."""
+    colour = palette.rgb(palette.OBSTACLE)
+    return Item(f"obstacle {index}", OBSTACLES, solids.of_shape(shape), colour, opacity=0.85)
+
+
+def goal_item(goal: Float64Array) -> Item:
+    """A ball at the goal (3,)."""
+    mesh = solids.sphere(_GOAL_RADIUS).moved(goal)
+    return Item("goal", GOAL, mesh, palette.rgb(palette.GOAL))
+
+
+def _links(arm: Arm, q: Float64Array) -> tuple[tuple[str, ...], Float64Array, Float64Array]:
+    poses = link_poses(arm, q)
+    positions = np.stack([position for _, position in poses.values()], axis=1)
+    turned = [rotations.align_signs(rotations.from_matrix(each)) for each, _ in poses.values()]
+    return tuple(poses), positions, np.stack(turned, axis=1)
+
+
+def _middle(arm: Arm) -> Float64Array:
+    low, high = arm.limits.lower, arm.limits.upper
+    bounded = np.isfinite(low) & np.isfinite(high)
+    return np.asarray(np.where(bounded, 0.5 * np.where(bounded, low + high, 0.0), 0.0))
+
+
+def _rods(arm: Arm) -> dict[str, list[Part]]:
+    """A capsule from each link's frame to its children's."""
+    rods: dict[str, list[Part]] = {}
+    for joint in arm._robot.tree:
+        length = float(np.linalg.norm(joint.position))
+        mesh = solids.sphere(1.5 * _ROD_RADIUS)
+        if length > 0.0:
+            mesh = solids.tube(np.linspace(0.0, 1.0, 2)[:, None] * joint.position, _ROD_RADIUS)
+        rods.setdefault(arm._robot.links[joint.parent], []).append(Part(mesh))
+    return rods

@@ -1,0 +1,215 @@
+"""Surfaces as triangles: bodies of revolution, boxes, tubes around paths."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from leadthrough import rotations
+from leadthrough.check import Float64Array
+from leadthrough.preprocess.resample import arc_length
+from leadthrough.shapes import Box, Capsule, Shape, Sphere
+
+_AROUND = 40
+_TUBE_SIDES = 12
+_ARC_STEPS = 12
+_UNTURNED = np.eye(3)
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles. vertices: (n, 3) m. faces: (m, 3) indices, anticlockwise seen from outside."""
+
+    vertices: Float64Array
+    faces: NDArray[np.int64]
+
+    def moved(self, position: Float64Array, rotation: Float64Array = _UNTURNED) -> Mesh:
+        """The mesh whose points p are now at rotation p + position, (3, 3) and (3,)."""
+        return Mesh(self.vertices @ rotation.T + position, self.faces)
+
+
+def merged(meshes: Sequence[Mesh]) -> Mesh:
+    """All in one; at least one."""
+    offsets = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
+    faces = [mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=True)]
+    return Mesh(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(faces))
+
+
+def of_shape(shape: Shape) -> Mesh:
+    """The surface of a shape, in the frame that its pose is given in."""
+    if isinstance(shape, Sphere):
+        return sphere(shape.radius).moved(shape.position)
+    turned = rotations.to_matrix(shape.orientation[None])[0]
+    return unplaced(shape).moved(shape.position, turned)
+
+
+def unplaced(shape: Shape) -> Mesh:
+    """The surface of a shape in its own frame."""
+    if isinstance(shape, Box):
+        return box(shape.size)
+    return (
+        capsule(shape.radius, shape.length) if isinstance(shape, Capsule) else sphere(shape.radius)
+    )
+
+
+def box(size: Float64Array) -> Mesh:
+    """A box about the origin; size: (3,) full edges."""
+    signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    faces = [(a, b, c) for a, b, c, _ in quads] + [(a, c, d) for a, _, c, d in quads]
+    return Mesh(0.5 * signs * np.asarray(size), np.array(faces))
+
+
+def cylinder(radius: float, length: float) -> Mesh:
+    """A cylinder about z, with its middle in the origin."""
+    half = 0.5 * length
+    return _turned([(0.0, -half), (radius, -half), (radius, half), (0.0, half)])
+
+
+def sphere(radius: float) -> Mesh:
+    """A ball about the origin."""
+    return capsule(radius, 0.0)
+
+
+def capsule(radius: float, length: float) -> Mesh:
+    """A capsule about z, with its middle in the origin; length: between the balls' centres."""
+    angles = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 2 * _ARC_STEPS + 1)
+    shift = np.where(angles > 0.0, 0.5 * length, -0.5 * length)
+    profile = np.column_stack([radius * np.cos(angles), radius * np.sin(angles) + shift])
+    profile[[0, -1], 0] = 0.0
+    return _turned(profile)
+
+
+def cone(radius: float, length: float) -> Mesh:
+    """A cone about z, its base in the origin, its tip at `length`."""
+    return _turned([(0.0, 0.0), (radius, 0.0), (0.0, length)])
+
+
+def tube(path: Float64Array, radius: float, *, sides: int = _TUBE_SIDES) -> Mesh:
+    """A round tube around a path (n, 3), closed at both ends."""
+    points = without_repeats(path)
+    if len(points) < 2:
+        return sphere(radius).moved(points[0])
+    across = radius * _circle(sides)
+    return _swept(points, np.einsum("ki,nij->nkj", across, cross_sections(points)))
+
+
+def uncertainty_tube(
+    means: Float64Array, covariances: Float64Array, *, deviations: float = 2.0
+) -> Mesh:
+    """The tube (n, 3) whose sections are what a distribution has across its mean path.
+
+    covariances: (n, 3, 3). deviations: how many standard deviations the half axes are long.
+    """
+    frames = cross_sections(means)
+    across = np.einsum("nik,nkl,njl->nij", frames, covariances, frames)
+    values, axes = np.linalg.eigh(across)
+    spread = axes * np.sqrt(np.maximum(values, 0.0))[:, None, :] @ axes.transpose(0, 2, 1)
+    rings = np.einsum("kj,nij->nki", deviations * _circle(2 * _TUBE_SIDES), spread)
+    return _swept(means, np.einsum("nki,nij->nkj", rings, frames))
+
+
+def without_repeats(path: Float64Array) -> Float64Array:
+    """The path (n, 3) without points that repeat the one before."""
+    moves = np.linalg.norm(np.diff(path, axis=0), axis=1) > 1e-9
+    return np.asarray(path[np.concatenate([[True], moves])])
+
+
+def thinned(path: Float64Array, count: int) -> Float64Array:
+    """At most `count` points (n, d) of a path, even in its length, with both ends."""
+    if len(path) <= count:
+        return path
+    along = arc_length(path)
+    wanted = np.linspace(0.0, along[-1], count)
+    return np.column_stack([np.interp(wanted, along, column) for column in path.T])
+
+
+def cross_sections(path: Float64Array) -> Float64Array:
+    """Two unit vectors (n, 2, 3) across the path (n, 3) at each point that twist the least.
+
+    Each pair is the one before, reflected twice. Source: Wang et al. 2008, "Computation of
+    rotation minimizing frames", table I.
+    """
+    tangents = np.gradient(path, axis=0)
+    lengths = np.linalg.norm(tangents, axis=1, keepdims=True)
+    tangents = np.divide(tangents, lengths, out=np.tile([0.0, 0.0, 1.0], (len(path), 1)),
+                         where=lengths > 0.0)  # fmt: skip
+    least = np.eye(3)[int(np.argmin(np.abs(tangents[0])))]
+    across = np.cross(tangents[0], least)
+    frames = np.empty((len(path), 2, 3))
+    for i, tangent in enumerate(tangents):
+        if i > 0:
+            across = _reflected_twice(across, path[i] - path[i - 1], tangents[i - 1], tangent)
+        across = across - (across @ tangent) * tangent
+        across /= np.linalg.norm(across)
+        frames[i] = across, np.cross(tangent, across)
+    return frames
+
+
+def _reflected_twice(
+    vector: Float64Array, step: Float64Array, before: Float64Array, after: Float64Array
+) -> Float64Array:
+    squared = step @ step
+    if squared == 0.0:
+        return vector
+    reflected = vector - (2.0 / squared) * (step @ vector) * step
+    second = after - (before - (2.0 / squared) * (step @ before) * step)
+    squared = second @ second
+    if squared == 0.0:
+        return np.asarray(reflected)
+    return np.asarray(reflected - (2.0 / squared) * (second @ reflected) * second)
+
+
+def _circle(count: int) -> Float64Array:
+    angles = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
+    return np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+def _turned(profile: Sequence[tuple[float, float]] | Float64Array) -> Mesh:
+    """The surface that a line of radii and heights (n, 2), upwards, leaves about z."""
+    radii, heights = np.asarray(profile, dtype=np.float64).T
+    circle = _circle(_AROUND)
+    rings = np.zeros((len(radii), _AROUND, 3))
+    rings[:, :, :2] = radii[:, None, None] * circle
+    rings[:, :, 2] = heights[:, None]
+    mesh = Mesh(rings.reshape(-1, 3), _rings_joined(len(radii), _AROUND))
+    return _without_slivers(mesh)
+
+
+def _swept(path: Float64Array, rings: Float64Array) -> Mesh:
+    """The surface through rings (n, k, 3), given about the points of a path (n, 3)."""
+    count, sides = rings.shape[:2]
+    vertices = (path[:, None] + rings).reshape(-1, 3)
+    ends = np.arange(sides)
+    after = np.roll(ends, -1)
+    first, last = len(vertices), len(vertices) + 1
+    caps = [
+        np.column_stack([after, ends, np.full(sides, first)]),
+        np.column_stack([ends, after, np.full(sides, 0)]) + (count - 1) * sides,
+    ]
+    caps[1][:, 2] = last
+    faces = np.concatenate([_rings_joined(count, sides), *caps])
+    return Mesh(np.concatenate([vertices, path[[0, -1]]]), faces)
+
+
+def _rings_joined(count: int, sides: int) -> NDArray[np.int64]:
+    """Two triangles between neighbours of each ring and the next."""
+    here = np.arange(sides)
+    after = np.roll(here, -1)
+    one = np.concatenate(
+        [
+            np.column_stack([here, after, after + sides]),
+            np.column_stack([here, after + sides, here + sides]),
+        ]
+    )
+    return np.concatenate([one + sides * i for i in range(count - 1)])
+
+
+def _without_slivers(mesh: Mesh) -> Mesh:
+    """The mesh without triangles that have no area, as at poles."""
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return Mesh(mesh.vertices, mesh.faces[areas > 1e-12 * areas.max()])
