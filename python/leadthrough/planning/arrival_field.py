@@ -16,7 +16,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from leadthrough import _core
 from leadthrough.errors import InvalidInput
-from leadthrough.planning.grid import Grid
+from leadthrough.planning.grid import Grid, bounds_of
 from leadthrough.planning.march_input import (
     check_range,
     finite_speeds,
@@ -107,7 +107,7 @@ class ArrivalField:
                 f"got shape {field.shape} of {field.dtype}"
             )
         with self._lock, np.errstate(over="ignore"):
-            part = _bounds(np.asarray(field, self._precision) != self._speed)
+            part = bounds_of(np.asarray(field, self._precision) != self._speed)
             return FieldUpdate("none", 0) if part is None else self.update_part(part, field[part])
 
     def update_part(self, part: tuple[slice, ...], speed: Any) -> FieldUpdate:
@@ -176,17 +176,3 @@ def _fitting(speed: Any, shape: tuple[int, ...]) -> NDArray[Any]:
             f"got shape {values.shape} of {values.dtype}"
         )
     return values
-
-
-def _bounds(changed: NDArray[np.bool_]) -> tuple[slice, ...] | None:
-    """The smallest box around the True cells, None if there are none."""
-    part: list[slice] = []
-    for axis in range(changed.ndim):
-        # Axes done are cut already, so that the next looks at less.
-        inside = changed[tuple(part)]
-        others = tuple(k for k in range(changed.ndim) if k != axis)
-        where = np.flatnonzero(inside.any(axis=others))
-        if len(where) == 0:
-            return None
-        part.append(slice(int(where[0]), int(where[-1]) + 1))
-    return tuple(part)

@@ -131,3 +131,17 @@ def _shape(shape: Any, dimensions: int) -> tuple[int, ...]:
     if math.prod(counts) > MOST_CELLS:
         raise InvalidInput(f"shape: expected at most {MOST_CELLS:.0e} cells, got {counts}")
     return counts
+
+
+def bounds_of(cells: NDArray[np.bool_]) -> tuple[slice, ...] | None:
+    """The smallest box around the True cells, None if there are none."""
+    part: list[slice] = []
+    for axis in range(cells.ndim):
+        # Axes done are cut already, so that the next looks at less.
+        inside = cells[tuple(part)]
+        others = tuple(k for k in range(cells.ndim) if k != axis)
+        where = np.flatnonzero(inside.any(axis=others))
+        if len(where) == 0:
+            return None
+        part.append(slice(int(where[0]), int(where[-1]) + 1))
+    return tuple(part)

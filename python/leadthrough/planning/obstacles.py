@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from leadthrough import check
+from leadthrough import check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.planning.distance import distance_transform
 from leadthrough.planning.grid import Grid
-from leadthrough.shapes import Box, Capsule, Shape, check_shapes
+from leadthrough.shapes import Box, Capsule, Shape, Sphere, check_shapes
 
 
 def occupied(grid: Grid, obstacles: Iterable[Shape], *, margin: float = 0.0) -> NDArray[np.bool_]:
@@ -61,13 +61,23 @@ def _distance_to_cells(grid: Grid, points: Float64Array) -> Float64Array:
 
 
 def _neighbourhood(grid: Grid, obstacle: Shape, room: float) -> tuple[slice, ...]:
-    """The cells that a ball about the obstacle reaches."""
+    """The cells that the box about the obstacle, with room on all sides, reaches."""
     d = grid.dimensions
-    reach = bounding_radius(obstacle) + room
+    reach = _half_extents(obstacle)[:d] + room
     offset = (obstacle.position[:d] - grid.origin) / grid.spacing
     low = np.clip(np.floor(offset - reach / grid.spacing), 0, grid.shape)
     high = np.clip(np.ceil(offset + reach / grid.spacing) + 1, 0, grid.shape)
     return tuple(slice(int(a), int(b)) for a, b in zip(low, high, strict=True))
+
+
+def _half_extents(obstacle: Shape) -> Float64Array:
+    """Half edges (3,) of the box parallel to the axes that holds the obstacle, m."""
+    if isinstance(obstacle, Sphere):
+        return np.full(3, obstacle.radius)
+    turned = np.abs(rotations.to_matrix(obstacle.orientation[None])[0])
+    if isinstance(obstacle, Box):
+        return np.asarray(turned @ (0.5 * obstacle.size))
+    return np.asarray(obstacle.radius + 0.5 * obstacle.length * turned[:, 2])
 
 
 def bounding_radius(obstacle: Shape) -> float:

@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 from scipy.spatial import cKDTree
 
 from leadthrough.check import Float64Array
 from leadthrough.planning.distance import distance_transform
-from leadthrough.planning.grid import CellArray, Grid
+from leadthrough.planning.grid import CellArray, Grid, bounds_of
 from leadthrough.planning.obstacles import occupied
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.shapes import Shape
@@ -56,15 +57,15 @@ def tube_map(
     Where tubes overlap the faster one counts. paths: each (n, d), inside the grid. weights: in
     [0, 1]. area_of_influence: radius, in the grid's unit. Returns an array of the grid's shape.
     """
-    nearness = np.zeros(grid.shape)
+    speed = np.full(grid.shape, saturation)
     for path, weight in zip(paths, weights, strict=True):
         dense = _dense(path, grid)
         cells = _cells_near(grid, dense, area_of_influence)
         distance, _ = cKDTree(dense).query(grid.points_at(cells.astype(np.float64)))
         closeness = weight * np.maximum(1.0 - distance / area_of_influence, 0.0)
         index = tuple(cells.T)
-        nearness[index] = np.maximum(nearness[index], closeness)
-    return np.asarray(saturation + (1.0 - saturation) * nearness)
+        speed[index] = np.maximum(speed[index], saturation + (1.0 - saturation) * closeness)
+    return speed
 
 
 def add_obstacles(
@@ -81,19 +82,35 @@ def add_obstacles(
     walls = occupied(grid, obstacles, margin=0.5 * float(np.linalg.norm(grid.spacing)))
     if not walls.any():
         return speed
-    distance = distance_transform(walls, spacing=grid.spacing)
-    return np.asarray(speed * np.minimum(distance / area_of_influence, 1.0))
+    part = _around(walls, grid, area_of_influence)
+    distance = distance_transform(walls[part], spacing=grid.spacing)
+    result = speed.copy()
+    result[part] *= np.minimum(distance / area_of_influence, 1.0)
+    return result
 
 
 def _cells_near(grid: Grid, points: Float64Array, radius: float) -> CellArray:
     """Cells (m, d) in the cubes of half edge `radius` around points (n, d)."""
     reach = np.ceil(radius / grid.spacing).astype(np.int64)
     occupied_cells = np.unique(grid.cells_of(points), axis=0)
-    near = np.zeros(grid.shape, dtype=bool)
-    near[tuple(occupied_cells.T)] = True
+    low = np.maximum(occupied_cells.min(axis=0) - reach, 0)
+    high = np.minimum(occupied_cells.max(axis=0) + reach + 1, grid.shape)
+    near = np.zeros(high - low, dtype=bool)
+    near[tuple((occupied_cells - low).T)] = True
     for axis, cells in enumerate(reach):
         near = maximum_filter1d(near, 2 * int(cells) + 1, axis=axis, mode="constant")
-    return np.argwhere(near)
+    return np.asarray(np.argwhere(near) + low)
+
+
+def _around(cells: NDArray[np.bool_], grid: Grid, radius: float) -> tuple[slice, ...]:
+    """The box of cells that holds all True ones, at least one, and what is as near as `radius`."""
+    part = bounds_of(cells)
+    assert part is not None
+    reach = np.ceil(radius / grid.spacing).astype(np.int64)
+    return tuple(
+        slice(max(piece.start - int(more), 0), piece.stop + int(more))
+        for piece, more in zip(part, reach, strict=True)
+    )
 
 
 def _dense(path: Float64Array, grid: Grid) -> Float64Array:
