@@ -17,6 +17,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive, orientation, route
+from leadthrough.models.live_map import LiveMap
 from leadthrough.models.policy import Policy
 from leadthrough.models.route import Query, Route, Scales
 from leadthrough.models.shown import Shown, keep
@@ -197,16 +198,31 @@ class FastMarchingSkill:
         shapes in the demonstrations' frame; a drawing of two dimensions lies in the plane z = 0.
         The motion starts and ends at rest. Raises InvalidInput, NoPath.
         """
+        first, last = self._pose(start, "start")[0], self._pose(goal, "goal")[0]
+        found = self.plan(start=first, goal=last, obstacles=obstacles)
+        return self.in_time(found, start=start, goal=goal, duration=duration, dt=dt)
+
+    def in_time(
+        self,
+        found: Route,
+        *,
+        start: Any = None,
+        goal: Any = None,
+        duration: float | None = None,
+        dt: float = 0.01,
+    ) -> Any:
+        """The motion along a route, as by `generate`; start and goal count by their orientations.
+
+        Raises InvalidInput.
+        """
         check.number(dt, "dt", above=0.0)
         wanted = None if duration is None else check.number(duration, "duration", above=0.0)
-        first, first_turned = self._pose(start, "start")
-        last, last_turned = self._pose(goal, "goal")
-        found = self.plan(start=first, goal=last, obstacles=obstacles)
+        turns = [self._pose(value, name)[1] for value, name in ((start, "start"), (goal, "goal"))]
         motion, shares = timed(found, timing=self.model.timing, duration=wanted, dt=dt)
         if not self._has_orientations:
             return motion
         turned = orientation.along(
-            found.used, found.weights, start=first_turned, goal=last_turned, shares=shares
+            found.used, found.weights, start=turns[0], goal=turns[1], shares=shares
         )
         return PoseTrajectory(motion.times, motion.positions, turned, motion.events)
 
@@ -226,6 +242,21 @@ class FastMarchingSkill:
             return route.through_map(self._all, query, self._scales(_MAP_RADIUS, query))
         find = route.from_start if method == "start" else route.along_mean
         return find(self._all, query, self._scales(_TUBE_RADIUS, query))
+
+    def live_map(self, workspace: Any, *, cells: int = 1_000_000) -> LiveMap:
+        """Routes to goals and around obstacles that keep moving, in tens of milliseconds each.
+
+        workspace: (lower, upper) corners (d,) each, around the demonstrations and all that moves.
+        cells: into about how many it is divided. The routes are those of the method "map";
+        `in_time` makes motions of them. Raises InvalidInput.
+        """
+        corners = check.array(workspace, "workspace", shape=(2, self._dimensions()))
+        count = check.integer(cells, "cells", at_least=1000)
+        lengths = np.maximum(corners[1] - corners[0], 0.0)
+        edge = float((lengths.prod() / count) ** (1.0 / len(lengths)))
+        space = (tuple(corners[0]), tuple(corners[1]))
+        model = replace(self.model, method="map", workspace=space, resolution=edge)
+        return LiveMap(self._all, replace(self, model=model)._map_scales)
 
     def policy(self, position: Any) -> Float64Array:
         """The velocity (d,) that leads from a position (d,) to the demonstrations' goal.

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,9 +102,9 @@ def through_map(shown: Sequence[Shown], query: Query, scales: Scales) -> Route:
         grid, paths, area_of_influence=scales.radius, saturation=scales.saturation
     )
     speed = add_obstacles(speed, grid, query.obstacles, area_of_influence=scales.clearance)
-    path = _quickest(grid, speed, query.start, query.goal)
+    path = quickest(grid, speed, query.start, query.goal)
     used = tuple(each.facing(query.start, query.goal) for each in shown)
-    return _route(path, grid, speed, used=used, weights=np.ones(len(used)), method="map")
+    return route_along(path, grid, speed, used=used, weights=np.ones(len(used)), method="map")
 
 
 def from_start(shown: Sequence[Shown], query: Query, scales: Scales) -> Route:
@@ -116,8 +117,8 @@ def from_start(shown: Sequence[Shown], query: Query, scales: Scales) -> Route:
         grid, paths, weights, area_of_influence=scales.radius, saturation=scales.saturation
     )
     speed = add_obstacles(speed, grid, query.obstacles, area_of_influence=scales.clearance)
-    path = _quickest(grid, speed, query.start, query.goal)
-    return _route(path, grid, speed, used=used, weights=weights, method="start")
+    path = quickest(grid, speed, query.start, query.goal)
+    return route_along(path, grid, speed, used=used, weights=weights, method="start")
 
 
 def along_mean(shown: Sequence[Shown], query: Query, scales: Scales) -> Route:
@@ -137,7 +138,7 @@ def along_mean(shown: Sequence[Shown], query: Query, scales: Scales) -> Route:
     chosen = mean.weights > 0.0
     used = tuple(each for each, wanted in zip(faced, chosen, strict=True) if wanted)
     weights = np.ones(len(used))  # whose start is nearest says nothing about the pace
-    return _route(path, grid, speed, used=used, weights=weights, method="mean_path")
+    return route_along(path, grid, speed, used=used, weights=weights, method="mean_path")
 
 
 def field_to(
@@ -243,15 +244,15 @@ def _along_tube(mean: Float64Array, grid: Grid, free: Float64Array, scales: Scal
                 # A tube as wide as the detour may become: it leaves and rejoins the path gently.
                 wide = replace(scales, radius=0.5 * float(arc_length(stretch)[-1]))
                 speed = free * _tube(stretch, grid, wide)
-                parts.append(_quickest(grid, speed, stretch[0], stretch[-1]))
+                parts.append(quickest(grid, speed, stretch[0], stretch[-1]))
                 continue
             for piece in cut_at_short_cuts(
                 stretch, radius=scales.radius, saturation=scales.saturation
             ):
-                parts.append(_quickest(grid, _tube(piece, grid, scales), piece[0], piece[-1]))
+                parts.append(quickest(grid, _tube(piece, grid, scales), piece[0], piece[-1]))
     except NoPath:
         # An end of a detour may be enclosed although start and goal are not.
-        parts = [_quickest(grid, free * _tube(mean, grid, scales), mean[0], mean[-1])]
+        parts = [quickest(grid, free * _tube(mean, grid, scales), mean[0], mean[-1])]
     return np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
 
 
@@ -281,36 +282,41 @@ def _stretches(
     ]
 
 
-def _quickest(
-    grid: Grid, speed: Float64Array, start: Float64Array, goal: Float64Array
+def quickest(
+    grid: Grid, speed: NDArray[Any], start: Float64Array, goal: Float64Array, *, order: int = 2
 ) -> Float64Array:
-    """The path (n, d) of least time from start to goal. Raises NoPath."""
+    """The path (n, d) of least time from start to goal, in the speed's precision. Raises NoPath."""
     start_cell, goal_cell = grid.cells_of(np.stack([start, goal]))
     for name, point, cell in (("start", start, start_cell), ("goal", goal, goal_cell)):
         if speed[tuple(cell)] == 0.0:
             raise NoPath(f"{name}: {point} lies in an obstacle", reason=f"{name}_in_wall")
-    arrival = arrival_times(speed, goal_cell, spacing=grid.spacing, order=2, stop=start_cell)
+    arrival = arrival_times(
+        speed, goal_cell, spacing=grid.spacing, order=order, dtype=speed.dtype, stop=start_cell
+    )
     if np.isinf(arrival[tuple(start_cell)]):
         raise NoPath("goal: obstacles separate it from the start", reason="goal_enclosed")
     return descend(arrival, grid, start, goal)
 
 
-def _route(
+def route_along(
     path: Float64Array,
     grid: Grid,
-    speed: Float64Array,
+    speed: NDArray[Any],
     *,
     used: tuple[Shown, ...],
     weights: Float64Array,
     method: str,
 ) -> Route:
+    """A path (n, d) made smooth where walls allow, with the map's speed along it."""
     walls = speed == 0.0
     smoothed = smooth_path(
         path,
         knot_spacing=_CELLS_PER_KNOT * float(grid.spacing.max()),
         accept=lambda points: not walls[tuple(grid.cells_of(points).T)].any(),
     )
-    along = map_coordinates(speed, grid.coordinates(smoothed).T, order=1, mode="nearest")
+    along = map_coordinates(
+        speed, grid.coordinates(smoothed).T, np.float64, order=1, mode="nearest"
+    )
     # Between a free cell and a wall the interpolated speed may vanish; a path never stands still.
     slowest = float(speed[~walls].min())
     return Route(smoothed, np.maximum(along, slowest), used, weights, method)

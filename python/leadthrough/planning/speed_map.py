@@ -7,6 +7,7 @@ ones where the paper marches a wave at unit speed; both are the distance to the 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,8 +70,8 @@ def tube_map(
 
 
 def add_obstacles(
-    speed: Float64Array, grid: Grid, obstacles: Sequence[Shape], *, area_of_influence: float
-) -> Float64Array:
+    speed: NDArray[Any], grid: Grid, obstacles: Sequence[Shape], *, area_of_influence: float
+) -> NDArray[Any]:
     """The speed map with walls (speed 0) at the obstacles and slower cells beside them.
 
     The speed grows from 0 at an obstacle to its own value one area of influence away, so that a
