@@ -20,6 +20,7 @@ from leadthrough.arm import (
     kinematics,
     loading,
     meshes,
+    recorded,
     robots,
     single_pose,
 )
@@ -294,6 +295,21 @@ class Arm:
         """
         start = None if seed is None else self._joints(seed, "seed")
         return following.follow(self._chain, motion, limits=self.limits, seed=start, **options)
+
+    def joints_of(self, trajectory: JointTrajectory) -> JointTrajectory:
+        """The arm's own joints of a recording, by their names, in the arm's order.
+
+        A recording may have others as well, such as a gripper's; one without names has just the
+        arm's, in its order. Raises InvalidInput.
+        """
+        return recorded.joints_of(trajectory, self.joint_names)
+
+    def poses(self, trajectory: JointTrajectory) -> PoseTrajectory:
+        """The poses that the tip goes through, with the recording's times and events.
+
+        Of joints as `joints_of` takes them; `follow` is the way back. Raises InvalidInput.
+        """
+        return recorded.poses(self._chain, trajectory)
 
     def path_report(
         self,

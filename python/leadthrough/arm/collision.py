@@ -45,6 +45,11 @@ class Approach:
     distance: float
     points: Float64Array
 
+    def __str__(self) -> str:
+        a, b = self.bodies
+        when = f"sample {self.sample:g}" if self.time is None else f"{self.time:.3f} s"
+        return f"{1e3 * self.distance:.1f} mm, {a} and {b} at {when}"
+
 
 @dataclass(frozen=True, eq=False)
 class Clearance:
@@ -110,8 +115,8 @@ class CollisionReport:
         if self.closest is None:
             return "clear: there is nothing to hit"
         if self.first is None:
-            return f"clear by {_text(self.closest)}"
-        return f"hit: {_text(self.first)}; nearest: {_text(self.closest)}"
+            return f"clear by {self.closest}"
+        return f"hit: {self.first}; nearest: {self.closest}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,9 +246,3 @@ def _rows(shapes: Sequence[Shape]) -> Float64Array:
             row[:4], row[7:] = (2, *shape.size), shape.orientation
         row[4:7] = shape.position
     return rows
-
-
-def _text(approach: Approach) -> str:
-    a, b = approach.bodies
-    when = f"sample {approach.sample:g}" if approach.time is None else f"{approach.time:.3f} s"
-    return f"{1e3 * approach.distance:.1f} mm, {a} and {b} at {when}"

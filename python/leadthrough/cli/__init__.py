@@ -6,9 +6,13 @@ from typing import Annotated
 
 import typer
 
+from leadthrough.cli.check import check
 from leadthrough.cli.demo import demo
 from leadthrough.cli.errors import Commands
 from leadthrough.cli.experiment import experiment
+from leadthrough.cli.learn import learn
+from leadthrough.cli.plan import plan
+from leadthrough.cli.retime import retime
 
 __all__ = ["app", "main"]
 
@@ -20,7 +24,7 @@ _ENDINGS = (
 app = typer.Typer(
     cls=Commands, no_args_is_help=True, pretty_exceptions_enable=False, epilog=_ENDINGS
 )
-for command in (demo, experiment):
+for command in (demo, learn, plan, retime, check, experiment):
     app.command()(command)
 
 

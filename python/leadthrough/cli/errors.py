@@ -27,6 +27,8 @@ class Commands(TyperGroup):
     def invoke(self, ctx: typer.Context) -> Any:  # type: ignore[override]
         try:
             return super().invoke(ctx)
+        except BrokenPipeError:  # a reader such as `head` has seen enough
+            raise
         except (LeadthroughError, OSError) as error:
             if ctx.params.get("debug"):
                 raise

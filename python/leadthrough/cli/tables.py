@@ -1,10 +1,14 @@
-"""Rows of numbers as text."""
+"""What a command found, as text for people or as JSON for machines."""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from typing import Any
 
 from rich import box
+from rich.console import Console
 from rich.table import Table
 
 
@@ -15,10 +19,32 @@ def table(rows: list[dict[str, Any]]) -> Table:
     lines = [names, *(list(row.values()) for row in rows)]
     if len(names) > len(lines):
         lines = [list(line) for line in zip(*lines, strict=True)]
-    table = Table(box=box.SIMPLE, padding=0, show_header=False)
+    printed = Table(box=box.SIMPLE, padding=0, show_header=False)
     for line in lines:
-        table.add_row(*map(_cell, line))
-    return table
+        printed.add_row(*map(_cell, line))
+    return printed
+
+
+def facts(found: Mapping[str, Any], *, as_json: bool) -> None:
+    """Prints what was found, a name and its value a line, or as one JSON object."""
+    if as_json:
+        print(json.dumps(found, allow_nan=False))
+        return
+    width = max(map(len, found)) + 2
+    for name, value in found.items():
+        label = name.replace("_", " ")
+        print(f"{label:<{width}}{_text(value)}")
+
+
+def busy(what: str) -> AbstractContextManager[Any]:
+    """Says what is going on meanwhile, on a terminal's stderr."""
+    return Console(stderr=True).status(what)
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return ", ".join(map(_text, value)) or "none"
+    return _cell(value)
 
 
 def _cell(value: Any) -> str:

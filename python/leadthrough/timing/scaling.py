@@ -53,6 +53,9 @@ class Peak:
         """The worst joint's ratio."""
         return float(self.ratios.max())
 
+    def __str__(self) -> str:
+        return f"{self.ratio:.1%} by {self.joint} at {self.time:.3f} s"
+
 
 @dataclass(frozen=True, eq=False)
 class LimitsReport:

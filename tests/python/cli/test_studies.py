@@ -1,4 +1,4 @@
-"""The command line."""
+"""The demo and the studies from the command line, and how errors end."""
 
 import csv
 import json

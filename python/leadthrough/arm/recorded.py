@@ -1,0 +1,47 @@
+"""From recorded joints to the arm's own, and to the poses that its tip went through."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from leadthrough import _core
+from leadthrough.errors import InvalidInput
+from leadthrough.motion import JointTrajectory, PoseTrajectory
+
+
+def joints_of(trajectory: Any, names: tuple[str, ...]) -> JointTrajectory:
+    """See `Arm.joints_of`."""
+    if not isinstance(trajectory, JointTrajectory):
+        got = type(trajectory).__name__
+        raise InvalidInput(f"trajectory: expected a JointTrajectory, got {got}")
+    recorded = trajectory.joint_names
+    if not recorded:
+        count = trajectory.positions.shape[1]
+        if count != len(names):
+            raise InvalidInput(f"trajectory: expected {len(names)} joints, got {count}")
+        return replace(trajectory, joint_names=names)
+    missing = [name for name in names if name not in recorded]
+    if missing:
+        raise InvalidInput(
+            f"trajectory: expected the joints {', '.join(names)}, got {', '.join(recorded)}"
+        )
+    columns = [recorded.index(name) for name in names]
+    velocities, accelerations = (
+        None if rows is None else rows[:, columns]
+        for rows in (trajectory.velocities, trajectory.accelerations)
+    )
+    return replace(
+        trajectory,
+        positions=trajectory.positions[:, columns],
+        velocities=velocities,
+        accelerations=accelerations,
+        joint_names=names,
+    )
+
+
+def poses(chain: _core.Chain, trajectory: Any) -> PoseTrajectory:
+    """See `Arm.poses`."""
+    own = joints_of(trajectory, tuple(chain.joint_names))
+    positions, orientations = chain.forward_kinematics(own.positions)
+    return PoseTrajectory(own.times, positions, orientations, own.events)

@@ -1,0 +1,67 @@
+"""A motion in, a verdict out."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+
+from leadthrough.cli import options
+
+
+def check(
+    motion: options.MotionFile,
+    robot: options.RobotName,
+    limits: options.LimitsFile = None,
+    base: options.BaseLink = None,
+    tip: options.TipLink = None,
+    obstacle: options.Obstacles = None,
+    margin: Annotated[float, typer.Option(help="m to keep from obstacles.")] = 0.0,
+    as_json: options.AsJson = False,
+) -> None:
+    """Check a motion of joints against the arm's limits, obstacles and the arm itself.
+
+    Ends with code 1 where a limit is exceeded or something is hit.
+
+    leadthrough check timed.json --robot panda --obstacle box:0.1,0.1,0.4@0.5,0.2,0.2
+    """
+    from leadthrough.cli import parse, reading, tables
+    from leadthrough.cli import robot as robots
+    from leadthrough.timing import check_limits
+
+    arm = robots.load(robot, limits, base, tip)
+    joints = robots.own_joints(arm, reading.one_motion(motion), str(motion))
+    obstacles = [parse.obstacle(text) for text in obstacle or ()]
+    kept = check_limits(joints, arm.limits)
+    with tables.busy("checking"):
+        clearance = arm.check(joints, obstacles, margin=margin)
+    quantities = ("position", "velocity", "acceleration", "jerk")
+    found = {
+        "ok": kept.ok and clearance.ok,
+        "limits_kept": kept.ok,
+        **{f"{name}_used": _peak(getattr(kept, name), as_json) for name in quantities},
+        "clear": clearance.ok,
+        "nearest_obstacle": _approach(clearance.obstacles, as_json),
+        "nearest_itself": _approach(clearance.itself, as_json),
+        "duration": joints.duration,
+    }
+    tables.facts(found, as_json=as_json)
+    if not found["ok"]:
+        raise typer.Exit(1)
+
+
+def _peak(peak: Any, as_json: bool) -> Any:
+    if as_json:
+        return peak and {"ratio": peak.ratio, "joint": peak.joint, "time": peak.time}
+    return "not checked: the limits are not known" if peak is None else str(peak)
+
+
+def _approach(clearance: Any, as_json: bool) -> Any:
+    nearest = clearance.closest
+    if as_json:
+        return nearest and {
+            "distance": nearest.distance,
+            "bodies": nearest.bodies,
+            "time": nearest.time,
+        }
+    return "nothing to hit" if nearest is None else str(nearest)

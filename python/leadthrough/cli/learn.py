@@ -1,0 +1,123 @@
+"""Recordings in, a skill out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from leadthrough.cli import options
+from leadthrough.errors import InvalidInput
+
+# By the type of motion, where the model is not named.
+_USUAL = {"PoseTrajectory": "pose-dmp", "Trajectory": "dmp", "JointTrajectory": "dmp"}
+
+
+def learn(
+    files: Annotated[list[Path], typer.Argument(help="Recordings; `leadthrough info` tells them.")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="The skill, an .npz.")],
+    model: Annotated[
+        str | None,
+        typer.Option(
+            help="dmp, pose-dmp, promp, gmr, fast-marching, rhythmic-dmp or rhythmic-pose-dmp; by "
+            "default pose-dmp for poses, else dmp."
+        ),
+    ] = None,
+    parameter: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="A parameter of the model, such as weights=80."),
+    ] = None,
+    robot: options.MaybeRobotName = None,
+    limits: options.LimitsFile = None,
+    base: options.BaseLink = None,
+    tip: options.TipLink = None,
+    cut: Annotated[
+        bool, typer.Option("--cut", help="Cut recordings into motions at their pauses.")
+    ] = False,
+    motion: Annotated[
+        list[int] | None,
+        typer.Option(help="Which motion of all to learn, from 1 on; may be repeated."),
+    ] = None,
+    column: options.Columns = None,
+    rate: options.Rate = None,
+    angles: options.Angles = None,
+    quaternions: options.Quaternions = None,
+    topic: options.Topic = None,
+    as_json: options.AsJson = False,
+) -> None:
+    """Learn a skill from recordings; with --robot, joints are learned as poses of its tip.
+
+    leadthrough learn shown/*.csv --robot panda -o pour.npz
+
+    leadthrough learn day.csv --cut --motion 3 --rate 50 --model fast-marching -o reach.npz
+    """
+    from leadthrough.cli import parse, reading, tables
+    from leadthrough.io import read_demonstrations
+
+    demonstrations = read_demonstrations(
+        files,
+        columns=parse.columns(column or []),
+        rate=rate,
+        angles=angles,
+        quaternions=quaternions,
+        topic=topic,
+    )
+    if cut:
+        demonstrations = reading.cut(demonstrations)
+    demonstrations = _chosen(demonstrations, motion)
+    if robot is not None:
+        demonstrations = _as_poses(demonstrations, robot, limits, base, tip)
+    kind = model or _USUAL[type(demonstrations[0].motion).__name__]
+    chosen = _model(kind, parse.parameters(parameter or []))
+    with tables.busy("learning"):
+        skill = chosen.fit(demonstrations)
+        skill.save(out)
+    found = {"skill": str(out), "model": kind, "demonstrations": [d.name for d in demonstrations]}
+    tables.facts(found, as_json=as_json)
+
+
+def _model(name: str, parameters: dict[str, Any]) -> Any:
+    from leadthrough import check, models
+
+    known = {
+        "dmp": models.DMP,
+        "pose-dmp": models.PoseDMP,
+        "promp": models.ProMP,
+        "gmr": models.GMR,
+        "fast-marching": models.FastMarching,
+        "rhythmic-dmp": models.RhythmicDMP,
+        "rhythmic-pose-dmp": models.RhythmicPoseDMP,
+    }
+    kind: Any = known[check.choice(name, "--model", known)]
+    for key in parameters:
+        check.choice(key, "--set", kind.__dataclass_fields__)
+    return kind(**parameters)
+
+
+def _chosen(demonstrations: list[Any], numbers: list[int] | None) -> list[Any]:
+    count = len(demonstrations)
+    for number in numbers or ():
+        if not 1 <= number <= count:
+            raise InvalidInput(f"--motion: expected 1 to {count}, got {number}")
+    return [demonstrations[number - 1] for number in numbers or range(1, count + 1)]
+
+
+def _as_poses(
+    demonstrations: list[Any],
+    robot: str,
+    limits: Path | None,
+    base: str | None,
+    tip: str | None,
+) -> list[Any]:
+    from leadthrough.cli import robot as robots
+    from leadthrough.motion import JointTrajectory
+
+    arm = robots.load(robot, limits, base, tip)
+    return [
+        replace(shown, motion=arm.poses(robots.own_joints(arm, shown.motion, shown.name)))
+        if isinstance(shown.motion, JointTrajectory)
+        else shown
+        for shown in demonstrations
+    ]

@@ -1,0 +1,92 @@
+"""Numbers, shapes and poses from the words of a command line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import yaml
+
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.motion import Motion, PoseTrajectory
+from leadthrough.shapes import Box, Capsule, Shape, Sphere
+
+_UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
+_SHAPES = {"box": 3, "sphere": 1, "capsule": 2}
+
+
+def numbers(text: str, name: str) -> Float64Array:
+    """Numbers with commas between them. Raises InvalidInput."""
+    try:
+        return np.array([float(part) for part in text.split(",")])
+    except ValueError:
+        raise InvalidInput(f"{name}: expected numbers such as 0.4,0,0.3, got {text!r}") from None
+
+
+def obstacle(text: str) -> Shape:
+    """A shape such as box:0.1,0.1,0.2@0.4,0,0.1. Raises InvalidInput."""
+    kind, _, rest = text.partition(":")
+    size_text, _, place = rest.partition("@")
+    if kind not in _SHAPES or not size_text or not place:
+        raise InvalidInput(
+            "--obstacle: expected box:SX,SY,SZ@X,Y,Z, sphere:R@X,Y,Z or capsule:R,L@X,Y,Z, "
+            f"got {text!r}"
+        )
+    size = numbers(size_text, f"--obstacle {text}")
+    if len(size) != _SHAPES[kind]:
+        raise InvalidInput(f"--obstacle: expected {_SHAPES[kind]} sizes for {kind}, got {text!r}")
+    position, turned = _place(place, f"--obstacle {text}")
+    if kind == "box":
+        return Box(size, position, _UNTURNED if turned is None else turned)
+    if kind == "capsule":
+        radius, length = size
+        return Capsule(radius, length, position, _UNTURNED if turned is None else turned)
+    if turned is not None:
+        raise InvalidInput(f"--obstacle: a sphere cannot be turned, got {text!r}")
+    return Sphere(size[0], position)
+
+
+def end(text: str, name: str) -> Any:
+    """A start or a goal: X,Y,Z/W,X,Y,Z is a pose, without the slash a point or joints.
+
+    Raises InvalidInput.
+    """
+    position, turned = _place(text, name)
+    return position if turned is None else (position, turned)
+
+
+def moved(motion: Motion, index: int, by: str, name: str) -> Any:
+    """An end of a motion, its first or last sample, moved by an offset. Raises InvalidInput."""
+    offset = numbers(by, name)
+    position = motion.positions[index]
+    if len(offset) != len(position):
+        raise InvalidInput(f"{name}: expected {len(position)} numbers, got {by!r}")
+    there = position + offset
+    return (there, motion.orientations[index]) if isinstance(motion, PoseTrajectory) else there
+
+
+def columns(given: Sequence[str]) -> dict[str, list[str]] | None:
+    """What `read_demonstrations` takes, from words such as joints=q1,q2. Raises InvalidInput."""
+    return {role: names.split(",") for role, names in _pairs(given, "--column")} or None
+
+
+def parameters(given: Sequence[str]) -> dict[str, Any]:
+    """A model's parameters from words such as weights=80. Raises InvalidInput."""
+    try:
+        return {key: yaml.safe_load(value) for key, value in _pairs(given, "--set")}
+    except yaml.YAMLError as error:
+        raise InvalidInput(f"--set: {' '.join(str(error).split())}") from None
+
+
+def _place(text: str, name: str) -> tuple[Float64Array, Float64Array | None]:
+    position, _, turned = text.partition("/")
+    return numbers(position, name), numbers(turned, name) if turned else None
+
+
+def _pairs(given: Sequence[str], name: str) -> list[tuple[str, str]]:
+    for word in given:
+        if "=" not in word:
+            raise InvalidInput(f"{name}: expected NAME=VALUE, got {word!r}")
+    return [(key, value) for key, _, value in (word.partition("=") for word in given)]

@@ -1,0 +1,99 @@
+"""A skill in, a motion out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from leadthrough.cli import options
+
+
+def plan(
+    skill: Annotated[Path, typer.Argument(help="A skill, as `leadthrough learn` saves it.")],
+    out: options.Output,
+    start: Annotated[
+        str | None, typer.Option(help="X,Y,Z, a pose X,Y,Z/W,X,Y,Z, or joints; else as shown.")
+    ] = None,
+    goal: Annotated[str | None, typer.Option(help="As --start.")] = None,
+    move_start: Annotated[
+        str | None, typer.Option(help="DX,DY,DZ, how far the start is from the one shown.")
+    ] = None,
+    move_goal: Annotated[str | None, typer.Option(help="As --move-start.")] = None,
+    duration: Annotated[float | None, typer.Option(help="s; by default as shown.")] = None,
+    dt: Annotated[float, typer.Option(help="s between samples.")] = 0.01,
+    obstacle: options.Obstacles = None,
+    robot: options.MaybeRobotName = None,
+    limits: options.LimitsFile = None,
+    base: options.BaseLink = None,
+    tip: options.TipLink = None,
+    posture: Annotated[
+        str | None, typer.Option(help="Joints, rad, near which the arm's first posture is sought.")
+    ] = None,
+    file_format: options.FormatName = None,
+    as_json: options.AsJson = False,
+) -> None:
+    """Plan a motion with a skill; with --robot, joints that take its tip along it.
+
+    leadthrough plan pour.npz --robot panda --move-goal 0.1,0,0 -o motion.json
+
+    leadthrough plan reach.npz --goal 0.5,0.1,0.3 --obstacle sphere:0.08@0.4,0,0.3 -o path.csv
+    """
+    from leadthrough.cli import parse, tables
+    from leadthrough.io import write_motion
+    from leadthrough.models import load_skill
+
+    learned = load_skill(skill)
+    asked: dict[str, Any] = {
+        "start": _end(learned, start, move_start, "start", 0),
+        "goal": _end(learned, goal, move_goal, "goal", -1),
+        "obstacles": [parse.obstacle(text) for text in obstacle or ()],
+        "duration": duration,
+    }
+    # What a skill has no say in is left out, so that it need not refuse it.
+    asked = {name: value for name, value in asked.items() if value is not None and value != []}
+    with tables.busy("planning"):
+        motion = learned.generate(dt=dt, **asked)
+        if robot is not None:
+            motion = _joints(motion, robot, limits, base, tip, posture)
+    write_motion(motion, out, format=file_format)
+    found = {
+        "motion": str(out),
+        "type": type(motion).__name__,
+        "duration": motion.duration,
+        "start": motion.positions[0].tolist(),
+        "goal": motion.positions[-1].tolist(),
+    }
+    tables.facts(found, as_json=as_json)
+
+
+def _end(learned: Any, given: str | None, moved: str | None, name: str, index: int) -> Any:
+    from leadthrough.cli import parse
+    from leadthrough.errors import InvalidInput
+
+    if given is not None and moved is not None:
+        raise InvalidInput(f"--{name}: expected it or --move-{name}, got both")
+    if moved is not None:
+        return parse.moved(learned.generate(), index, moved, f"--move-{name}")
+    return None if given is None else parse.end(given, f"--{name}")
+
+
+def _joints(
+    motion: Any,
+    robot: str,
+    limits: Path | None,
+    base: str | None,
+    tip: str | None,
+    posture: str | None,
+) -> Any:
+    from leadthrough.cli import parse
+    from leadthrough.cli import robot as robots
+    from leadthrough.motion import JointTrajectory
+    from leadthrough.timing import differentiate
+
+    arm = robots.load(robot, limits, base, tip)
+    if isinstance(motion, JointTrajectory):
+        return differentiate(arm.joints_of(motion))
+    seed = None if posture is None else parse.numbers(posture, "--posture")
+    return arm.follow(motion, seed=seed, too_fast="slow")

@@ -1,0 +1,78 @@
+"""A motion in, the fastest one along its path out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+import typer
+
+from leadthrough.cli import options
+
+
+def retime(
+    motion: options.MotionFile,
+    robot: options.RobotName,
+    out: options.Output,
+    limits: options.LimitsFile = None,
+    base: options.BaseLink = None,
+    tip: options.TipLink = None,
+    rate: Annotated[float, typer.Option(help="Samples a second.")] = 1000.0,
+    path_tolerance: Annotated[
+        float, typer.Option(help="rad (m), how far the smooth path may lie off the samples.")
+    ] = 1e-4,
+    keep_timing: Annotated[
+        bool, typer.Option("--keep-timing", help="Never faster than the motion is now.")
+    ] = False,
+    tip_speed: Annotated[float | None, typer.Option(help="m/s, the most of the tip.")] = None,
+    torques: Annotated[
+        bool, typer.Option("--torques", help="Keep the limits of joint torques as well.")
+    ] = False,
+    file_format: options.FormatName = None,
+    as_json: options.AsJson = False,
+) -> None:
+    """Give a motion of joints the fastest time law inside velocity, acceleration and jerk limits.
+
+    leadthrough retime motion.json --robot panda -o timed.json
+
+    leadthrough retime motion.csv --robot ur5.urdf --limits ur5.toml --rate 500 -o timed.script
+    """
+    from leadthrough import timing
+    from leadthrough.cli import reading, tables
+    from leadthrough.cli import robot as robots
+    from leadthrough.io import write_motion
+
+    arm = robots.load(robot, limits, base, tip)
+    path = robots.own_joints(arm, reading.one_motion(motion), str(motion))
+    with tables.busy("timing"):
+        timed = timing.retime(
+            path,
+            arm.limits,
+            rate=rate,
+            path_tolerance=path_tolerance,
+            not_before=path.times if keep_timing else None,
+            tip_speed=tip_speed,
+            jacobian=None if tip_speed is None else arm.jacobian,
+            inverse_dynamics=arm.inverse_dynamics if torques else None,
+        )
+    write_motion(timed, out, format=file_format)
+    bindings = timing.binding_limits(timed, arm.limits)
+    found = {
+        "motion": str(out),
+        "duration_before": path.duration,
+        "duration": timed.duration,
+        "samples": len(timed.times),
+        "limited_by": _shares(bindings),
+    }
+    tables.facts(found, as_json=as_json)
+
+
+def _shares(bindings: Sequence[Any]) -> list[str]:
+    """What limits the motion, what does so longest first."""
+    total = sum(each.end - each.start for each in bindings)
+    lengths: dict[str, float] = {}
+    for each in bindings:
+        name = f"{each.joint} {each.kind}"
+        lengths[name] = lengths.get(name, 0.0) + each.end - each.start
+    ranked = sorted(lengths.items(), key=lambda item: -item[1])
+    return [f"{name} {length / total:.0%}" for name, length in ranked if length > 0.005 * total]

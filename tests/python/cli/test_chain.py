@@ -1,0 +1,151 @@
+"""From recordings to a checked motion, by commands alone, with an arm that is not among ours."""
+
+import importlib.metadata
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import leadthrough as lt
+from leadthrough import cli
+
+RUNNER = CliRunner()
+(UR5,) = (
+    entry.locate()
+    for entry in importlib.metadata.distribution("example-robot-data").files
+    if entry.name == "ur5_robot.urdf"
+)
+HOME = np.array([0.3, -1.4, 1.6, -1.8, -1.5, 0.2])
+
+
+def run(*words, code=0):
+    """The command's JSON, if it ends with the code."""
+    result = RUNNER.invoke(cli.app, [str(word) for word in words])
+    assert result.exit_code == code, result.output
+    return result
+
+
+def facts(*words, code=0):
+    return json.loads(run(*words, "--json", code=code).stdout)
+
+
+def record(path, arm, seed):
+    """A reach of an arm as a CSV of its joints at 100 Hz, a little different each time."""
+    rng = np.random.default_rng(seed)
+    times = np.arange(0.0, 2.0, 0.01)
+    share = (times / times[-1]) ** 3 * (10 - 15 * times / times[-1] + 6 * (times / times[-1]) ** 2)
+    turn = np.array([0.8, -0.4, 0.5, -0.3, 0.4, 0.6]) + rng.normal(0, 0.02, 6)
+    rows = np.column_stack([times, HOME + share[:, None] * turn])
+    header = ",".join(["time", *arm.joint_names])
+    np.savetxt(path, rows, delimiter=",", header=header, comments="")
+
+
+@pytest.fixture
+def shown(tmp_path, monkeypatch):
+    """A folder with a limits file and three recordings, as the working directory."""
+    monkeypatch.chdir(tmp_path)
+    arm = lt.Arm.from_urdf(UR5, tip="tool0")
+    limits = "\n".join(
+        f"{name} = {{ acceleration = 10.0, jerk = 100.0 }}" for name in arm.joint_names
+    )
+    Path("ur5.toml").write_text(f'robot = "ur5"\n[joints]\n{limits}\n')
+    for number in range(3):
+        record(f"shown{number}.csv", arm, number)
+    return arm
+
+
+def test_urdf_and_joint_recordings_become_a_checked_motion(shown):
+    robot = ("--robot", UR5, "--tip", "tool0", "--limits", "ur5.toml")
+    csvs = [f"shown{number}.csv" for number in range(3)]
+    learned = facts("learn", *csvs, *robot, "-o", "reach.npz")
+    assert learned["model"] == "pose-dmp"
+    assert learned["demonstrations"] == ["shown0", "shown1", "shown2"]
+
+    plain = lt.load_skill("reach.npz").generate()
+    posture = ",".join(map(str, HOME))
+    planned = facts(
+        "plan", "reach.npz", *robot, "--posture", posture, "--move-goal=0.03,0,0.02", "-o", "m.json"
+    )
+    assert planned["type"] == "JointTrajectory"
+    (motion,) = lt.read_demonstrations("m.json")
+    tip = shown.poses(motion.motion)
+    asked = plain.positions[-1] + [0.03, 0.0, 0.02]
+    assert np.abs(tip.positions[-1] - asked).max() < 1e-4
+
+    timed = facts("retime", "m.json", *robot, "--rate", "500", "-o", "t.json")
+    assert timed["duration"] < timed["duration_before"]
+    assert timed["limited_by"]
+    verdict = facts("check", "t.json", *robot)
+    assert verdict["ok"]
+    assert verdict["acceleration_used"]["ratio"] <= 1.001
+    where = ",".join(f"{x:.3f}" for x in tip.positions[100])
+    hit = facts("check", "t.json", *robot, "--obstacle", f"sphere:0.05@{where}", code=1)
+    assert hit["limits_kept"]
+    assert not hit["clear"]
+    assert hit["nearest_obstacle"]["distance"] < -0.04
+
+
+def test_joints_are_learned_as_joints_without_a_robot(shown):
+    assert facts("learn", "shown0.csv", "-o", "j.npz", "--set", "weights=30")["model"] == "dmp"
+    assert lt.load_skill("j.npz").model.weights == 30
+    facts("plan", "j.npz", "--duration", "3", "-o", "j.csv")
+    (motion,) = lt.read_demonstrations("j.csv")
+    assert motion.motion.joint_names == shown.joint_names
+    assert motion.motion.duration == pytest.approx(3.0)
+
+
+def test_recordings_are_cut_at_pauses_and_one_is_chosen(shown):
+    rest = np.repeat(HOME[None], 100, axis=0)
+    rows = np.vstack(
+        [np.loadtxt(f"shown{i}.csv", delimiter=",", skiprows=1)[:, 1:] for i in (0, 1)]
+    )
+    whole = np.vstack([rest, rows[:200], rows[199:0:-1], rest, rows[200:], rest + rows[-1] - HOME])
+    np.savetxt("day.csv", whole, delimiter=",", header=",".join(shown.joint_names), comments="")
+    robot = ("--robot", UR5, "--tip", "tool0")
+    result = run("learn", "day.csv", "--rate", 100, "--cut", "--motion", 2, *robot, "-o", "s.npz")
+    assert "motion 2: day 2" in result.stderr
+    assert "motion 3" not in result.stderr
+    skill = lt.load_skill("s.npz")
+    goal, _ = shown.forward_kinematics(rows[-1])
+    assert np.abs(skill.generate().positions[-1] - goal).max() < 2e-3
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "says"),
+    [
+        (["learn", "none.csv", "-o", "s.npz"], 2, "none.csv: no such file"),
+        (["learn", "shown0.csv", "--model", "magic", "-o", "s.npz"], 2, "--model"),
+        (["learn", "shown0.csv", "--set", "magic=3", "-o", "s.npz"], 2, "--set"),
+        (["learn", "shown0.csv", "--motion", "2", "-o", "s.npz"], 2, "--motion: expected 1 to 1"),
+        (["learn", "shown0.csv", "--robot", "panda", "-o", "s.npz"], 2, "panda_joint1"),
+        (["learn", "shown0.csv", "--robot", "r2d2", "-o", "s.npz"], 2, "'panda'"),
+        (
+            ["retime", "shown0.csv", "--robot", str(UR5), "--tip", "tool0", "-o", "t.json"],
+            2,
+            "jerk",
+        ),
+        (["check", "shown0.csv", "--robot", "ur3", "--obstacle", "box:1@0,0,0"], 2, "3 sizes"),
+        (["check", "shown0.csv", "--robot", "ur3", "--obstacle", "cube:1@0,0,0"], 2, "sphere"),
+        (["check", "shown0.csv", "--robot", "ur3", "--obstacle", "box:1,1,x@0,0,0"], 2, "x"),
+    ],
+)
+def test_wrong_words_are_told_in_one_line(shown, words, code, says):
+    result = run(*words, code=code)
+    assert says in result.stderr
+    assert "Traceback" not in result.output
+
+
+def test_what_cannot_be_had_ends_with_one(shown):
+    run("learn", "shown0.csv", "--robot", UR5, "--tip", "tool0", "-o", "s.npz")
+    robot = ("--robot", UR5, "--tip", "tool0")
+    result = run("plan", "s.npz", *robot, "--move-goal=3,0,0", "-o", "m.json", code=1)
+    assert "no configuration" in result.stderr or "reach" in result.stderr
+    assert not Path("m.json").exists()
+
+
+def test_both_a_goal_and_an_offset_are_refused(shown):
+    run("learn", "shown0.csv", "-o", "s.npz")
+    words = ["plan", "s.npz", "--goal", "0,0,0,0,0,0", "--move-goal", "0,0,0,0,0,0", "-o", "m.csv"]
+    assert "--move-goal, got both" in run(*words, code=2).stderr
