@@ -1,7 +1,8 @@
 """Reads text tables: one sample a row, split at commas, semicolons or tabs, named by a header.
 
 The header is the first row; it may follow or be a row that begins with `#`. Such rows are
-comments everywhere else, but for `# event,<time in s>,"<name>"`. A byte order mark and empty rows are skipped.
+comments everywhere else, but for `# event,<time in s>,"<name>"`. A byte order mark and empty rows
+are skipped.
 """
 
 from __future__ import annotations
@@ -85,9 +86,9 @@ def table(path: Path) -> CsvTable:
 def write(motion: Motion, path: StrPath) -> None:
     """Writes one row a sample, to the last digit, with columns that reading finds by their names.
 
-    A row `# event,<time>,"<name>"` follows for each event.
     `time` in s; `x`, `y`, `z` in m and `qw`, `qx`, `qy`, `qz`; or a joint's name for its position
-    and, where the trajectory has them, `<name>_velocity` and `<name>_acceleration`.
+    and, where the trajectory has them, `<name>_velocity` and `<name>_acceleration`. Comments tell
+    the events.
     Raises InvalidInput for joints without different, printable names, points of more than three
     numbers and a path that cannot be written.
     """

@@ -10,7 +10,6 @@ which is no part of the ROS message: each has a `name` and, like the points, a `
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 from typing import Any
 
@@ -31,8 +30,7 @@ REST_VELOCITY = 1e-3
 
 _NANOSECONDS = 1_000_000_000
 _SUFFIXES = {"positions": "", "velocities": "_velocity", "accelerations": "_acceleration"}
-# A list that mentions itself a few times over can stand for billions of numbers.
-_ALIAS = re.compile(r"(?:^|[\s\[{,:-])\*\w", re.MULTILINE)
+_DEEPEST = 16  # collections in collections; deep ones make PyYAML's compiled loader crash
 _DAMAGE = (
     ValueError,
     TypeError,
@@ -90,9 +88,8 @@ def table_of_json(path: Path) -> ArrayTable:
 def table_of_yaml(path: Path) -> ArrayTable:
     """The same of YAML. Raises InvalidInput."""
     text = bounds.text(path)
-    if _ALIAS.search(text):
-        raise InvalidInput("expected YAML without aliases")
     try:
+        _check_harmless(text)
         return table(yaml.load(text, Loader=_Loader))
     except (yaml.YAMLError, *_DAMAGE) as error:
         raise _no_trajectory(error) from None
@@ -110,9 +107,24 @@ def table(content: Any) -> ArrayTable:
         if part == "positions" or any(rows):
             values = _matrix(rows, part, len(names))
             columns |= {name + suffix: values[:, i] for i, name in enumerate(names)}
-    return ArrayTable(
-        columns, roles={"time": ("time_from_start",), "joints": names}, angles="radians"
+    happened = tuple(
+        Event(_seconds(each["time_from_start"]), each["name"])
+        for each in content.get("events") or []
     )
+    roles = {"time": ("time_from_start",), "joints": names}
+    return ArrayTable(columns, roles, angles="radians", events=happened)
+
+
+def _check_harmless(text: str) -> None:
+    """Refuses YAML that nests deep, or that stands for more than it says."""
+    depth = 0
+    for event in yaml.parse(text, Loader=_Loader):
+        if isinstance(event, yaml.AliasEvent):
+            raise InvalidInput("expected YAML without aliases")
+        depth += isinstance(event, yaml.CollectionStartEvent)
+        depth -= isinstance(event, yaml.CollectionEndEvent)
+        if depth > _DEEPEST:
+            raise InvalidInput(f"expected YAML that nests at most {_DEEPEST} deep")
 
 
 class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):  # type: ignore[misc]

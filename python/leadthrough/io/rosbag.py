@@ -1,8 +1,8 @@
 """ROS bags, by rosbags (extra `ros`) and without ROS: ROS 1, and ROS 2 with SQLite or MCAP.
 
 Read are JointState, JointTrajectory, PoseStamped and, where frames are named, transforms. Times are
-those of the messages' headers, or of the bag where these are zero, from the first message on. Text on
-`/events` becomes events.
+those of the messages' headers, or of the bag where these are zero, from the first message on.
+Text on `/events` becomes events.
 """
 
 from __future__ import annotations

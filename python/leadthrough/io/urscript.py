@@ -37,19 +37,20 @@ def write(
     """Writes a program: movej to the first configuration, servoj along the rest, stopj.
 
     rate: Hz, 125 for the UR3, UR5 and UR10, up to 500 for their e-Series; the motion is sampled at
-    it, and events become lines for the log where they are due. lookahead: s, 0.03 to 0.2, and gain: 100 to 2000, of servoj. name: the program's. Joints are
-    put in the arm's order by their names, which end in `JOINTS`.
+    it, and events become lines of the log where they are due. lookahead: s, 0.03 to 0.2, and gain:
+    100 to 2000, of servoj. name: the program's. Joints are put in the arm's order by their names,
+    which end in `JOINTS`.
     Raises InvalidInput for other joints, motions without velocities or that do not start and end
     at rest, and a path that cannot be written.
     """
     hertz = check.number(rate, "rate", at_least=1.0, at_most=500.0)
-    check.number(lookahead, "lookahead", at_least=0.03, at_most=0.2)
-    check.number(gain, "gain", at_least=100.0, at_most=2000.0)
+    ahead = check.number(lookahead, "lookahead", at_least=0.03, at_most=0.2)
+    stiffness = check.number(gain, "gain", at_least=100.0, at_most=2000.0)
     if not isinstance(name, str) or not name.isidentifier() or not name.isascii():
         raise InvalidInput(f"name: expected letters, digits and underscores, got {name!r}")
     order = _order(checked_joint_names(trajectory))
     times, positions, _ = at_rate(trajectory, hertz)
-    ending = f"0, 0, {1.0 / hertz!r}, {lookahead!r}, {gain!r})"
+    ending = f"0, 0, {1.0 / hertz!r}, {ahead!r}, {stiffness!r})"
     lines = [
         f"def {name}():",
         f"  movej({_row(positions[0, order])}, a=0.5, v=0.5)",

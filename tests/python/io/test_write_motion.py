@@ -1,0 +1,203 @@
+"""Every writer, read back."""
+
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+
+import leadthrough as lt
+from leadthrough.errors import InvalidInput
+from leadthrough.io import franka, urscript
+
+NUMBER = r"-?\d+\.\d+"
+
+
+def read(path, **options):
+    (demonstration,) = lt.read_demonstrations(path, **options)
+    return demonstration.motion
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".npz"])
+def test_joints_come_back_to_the_same_bits(tmp_path, ur_motion, suffix):
+    path = tmp_path / f"arm{suffix}"
+    lt.write_motion(ur_motion, path)
+    back = read(path)
+    for name in ("times", "positions", "velocities", "accelerations"):
+        assert np.array_equal(getattr(back, name), getattr(ur_motion, name))
+    assert back.joint_names == ur_motion.joint_names
+    assert back.events == ur_motion.events
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".npz"])
+def test_poses_come_back_as_they_were(tmp_path, poses, suffix):
+    path = tmp_path / f"tool{suffix}"
+    lt.write_motion(poses, path)
+    back = read(path)
+    assert np.array_equal(back.times, poses.times)
+    assert np.array_equal(back.positions, poses.positions)
+    np.testing.assert_allclose(back.orientations, poses.orientations, atol=1e-15)
+    assert back.events == poses.events
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".npz"])
+def test_points_come_back_to_the_same_bits(tmp_path, suffix):
+    drawing = lt.Trajectory([0.0, 0.1], [[1 / 3, 2.0], [3.0, 4e-20]], (lt.Event(0.1, "pen\nup"),))
+    lt.write_motion(drawing, tmp_path / f"pen{suffix}")
+    back = read(tmp_path / f"pen{suffix}")
+    assert np.array_equal(back.times, drawing.times)
+    assert np.array_equal(back.positions, drawing.positions)
+    assert back.events == drawing.events
+
+
+@pytest.mark.parametrize("suffix", [".json", ".yaml"])
+def test_controller_messages_come_back_a_step_later(tmp_path, ur_motion, suffix):
+    path = tmp_path / f"arm{suffix}"
+    lt.write_motion(ur_motion, path)
+    back = read(path)
+    np.testing.assert_allclose(back.times, ur_motion.times + 0.01, atol=1e-9)
+    for name in ("positions", "velocities", "accelerations"):
+        assert np.array_equal(getattr(back, name), getattr(ur_motion, name))
+    assert back.joint_names == ur_motion.joint_names
+    assert [event.name for event in back.events] == [event.name for event in ur_motion.events]
+
+
+def test_yaml_holds_what_json_holds(tmp_path, ur_motion):
+    for suffix in ("json", "yaml"):
+        lt.write_motion(ur_motion, tmp_path / f"arm.{suffix}")
+    text = (tmp_path / "arm.yaml").read_text()
+    assert yaml.safe_load(text) == json.loads((tmp_path / "arm.json").read_text())
+    assert len(text.splitlines()) < 12 * len(ur_motion.times)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[]", "expected a trajectory_msgs/JointTrajectory"),
+        ("{}", "expected a trajectory_msgs/JointTrajectory .'joint_names'"),
+        ('{"joint_names": ["a"], "points": []}', "at least one point"),
+        ('{"joint_names": ["a", "a"], "points": [1]}', "different joint_names"),
+        ('{"joint_names": ["a"], "points": [{"positions": [1, 2], "time_from_start": {"sec": 0, '
+         '"nanosec": 1}}]}', "positions: expected 1 numbers in each point"),
+        ('{"joint_names": ["a"], "points": [{"positions": [true], "time_from_start": {"sec": 0, '
+         '"nanosec": 1}}]}', "positions: expected numbers, got True"),
+        ('{"joint_names": ["a"], "points": [{"positions": [1e999], "time_from_start": {"sec": 0, '
+         '"nanosec": 1}}]}', "expected a finite number|expected numbers"),
+        ("[" * 100_000, "expected a trajectory_msgs/JointTrajectory|nests at most 16 deep"),
+        ("9" * 5000, "expected a trajectory_msgs/JointTrajectory"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("suffix", [".json", ".yaml"])
+def test_what_is_no_controller_message_is_refused(tmp_path, text, message, suffix):
+    path = tmp_path / f"arm{suffix}"
+    path.write_text(text)
+    with pytest.raises(InvalidInput, match=message):
+        lt.read_demonstrations(path)
+
+
+def test_a_list_that_mentions_itself_is_refused(tmp_path):
+    path = tmp_path / "bomb.yaml"
+    path.write_text("a: &a [1, 2]\nb: &b [*a, *a]\npoints: [*b, *b]\njoint_names: [x]\n")
+    with pytest.raises(InvalidInput, match="without aliases"):
+        lt.read_demonstrations(path)
+
+
+def test_a_ur_program_has_a_step_for_each_cycle(tmp_path, ur_motion):
+    shuffled = [3, 1, 0, 5, 4, 2]
+    other = lt.JointTrajectory(
+        ur_motion.times,
+        ur_motion.positions[:, shuffled],
+        ur_motion.velocities[:, shuffled],
+        joint_names=[f"left_{ur_motion.joint_names[i]}" for i in shuffled],
+        events=ur_motion.events,
+    )
+    urscript.write(other, tmp_path / "arm.script", rate=500, lookahead=0.05, gain=400)
+    lines = (tmp_path / "arm.script").read_text().splitlines()
+    assert (lines[0], lines[-2:]) == ("def leadthrough():", ["  stopj(1.0)", "end"])
+    moves = [line for line in lines if "servoj" in line]
+    assert all(line.endswith("], 0, 0, 0.002, 0.05, 400.0)") for line in moves)
+    first = re.findall(NUMBER, next(line for line in lines if "movej" in line))[:6]
+    rows = np.array([first, *(re.findall(NUMBER, line)[:6] for line in moves)], float)
+    assert len(rows) == 501
+    np.testing.assert_allclose(rows[::5], ur_motion.positions, atol=1e-9)
+    logged = [i for i, line in enumerate(lines) if "textmsg" in line]
+    assert [lines[i] for i in logged] == [
+        '  textmsg("close gripper")',
+        "  textmsg(\"say 'done'\")",
+    ]
+    assert sum("servoj" in line for line in lines[: logged[0]]) == 125
+    assert sum("servoj" in line for line in lines[: logged[1]]) == 450
+
+
+def test_a_franka_table_has_a_row_for_each_millisecond(tmp_path, panda_motion):
+    franka.write(panda_motion, tmp_path / "arm.csv")
+    back = read(tmp_path / "arm.csv")
+    assert np.array_equal(back.times, np.arange(1001) / 1000)
+    np.testing.assert_allclose(back.positions[::10], panda_motion.positions, atol=1e-12)
+    np.testing.assert_allclose(back.velocities[::10], panda_motion.velocities, atol=1e-12)
+    assert back.joint_names == tuple(f"q_d[{i}]" for i in range(7))
+    assert back.events == panda_motion.events
+
+
+def test_between_samples_a_controller_gets_the_smooth_motion(tmp_path, panda_motion):
+    franka.write(panda_motion, tmp_path / "arm.csv")
+    s = np.arange(1001) / 1000
+    shape = 10 * s**3 - 15 * s**4 + 6 * s**5
+    way = panda_motion.positions[-1] - panda_motion.positions[0]
+    expected = panda_motion.positions[0] + np.outer(shape, way)
+    assert np.abs(read(tmp_path / "arm.csv").positions - expected).max() < 1e-7
+
+
+def test_samples_at_the_rate_already_stay_as_they_are(tmp_path, panda_motion, joints_of):
+    kilohertz = joints_of(panda_motion.joint_names, count=1001)
+    franka.write(kilohertz, tmp_path / "arm.csv")
+    assert np.array_equal(read(tmp_path / "arm.csv").positions, kilohertz.positions)
+
+
+def test_a_motion_that_ends_between_cycles_is_held(tmp_path, panda_motion):
+    times = panda_motion.times * 0.9997
+    franka.write(replace(panda_motion, times=times, events=()), tmp_path / "arm.csv")
+    back = read(tmp_path / "arm.csv")
+    assert back.times[-1] == 1.0
+    assert np.array_equal(back.positions[-1], panda_motion.positions[-1])
+    assert not back.velocities[-1].any()
+
+
+def test_only_the_right_arm_gets_a_program(tmp_path, ur_motion, panda_motion):
+    with pytest.raises(InvalidInput, match="joints of a UR arm"):
+        lt.write_motion(panda_motion, tmp_path / "arm.script")
+    with pytest.raises(InvalidInput, match="seven joints numbered 1 to 7"):
+        lt.write_motion(ur_motion, tmp_path / "arm.csv", format="franka")
+    still_moving = replace(ur_motion, velocities=ur_motion.velocities + 1.0)
+    with pytest.raises(InvalidInput, match="expected rest at the first sample"):
+        lt.write_motion(still_moving, tmp_path / "arm.script")
+    with pytest.raises(InvalidInput, match="expected velocities"):
+        lt.write_motion(replace(ur_motion, velocities=None), tmp_path / "arm.script")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "options", [{"rate": 0}, {"rate": 1000}, {"lookahead": 1}, {"gain": 1}, {"name": "a b"}]
+)
+def test_impossible_options_of_a_program_are_refused(tmp_path, ur_motion, options):
+    with pytest.raises(InvalidInput, match=next(iter(options))):
+        urscript.write(ur_motion, tmp_path / "arm.script", **options)
+
+
+@pytest.mark.parametrize(
+    ("path", "format", "message"),
+    [
+        ("arm.xyz", None, r"path: expected .csv, .* got '.xyz'"),
+        ("arm.mat", None, r"path: expected .csv, .* got '.mat'"),
+        ("arm.csv", "word", "format: expected one of 'csv', 'npz'"),
+        ("arm.csv", "mat", "format: expected one of 'csv', 'npz'"),
+        (None, None, "path: expected a path"),
+    ],
+)
+def test_what_cannot_be_written_is_said(ur_motion, path, format, message):
+    with pytest.raises(InvalidInput, match=message):
+        lt.write_motion(ur_motion, path, format=format)
+    with pytest.raises(InvalidInput, match="motion: expected a motion"):
+        lt.write_motion([1, 2], "arm.csv")
