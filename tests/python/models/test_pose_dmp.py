@@ -121,39 +121,80 @@ def test_light_noise_at_100_hz_is_averaged_out():
     assert error.max() <= 0.3
 
 
-@pytest.mark.parametrize(
-    "case",
-    [turn(200, 50), about_turning_axis(720, 50), with_pause(50), with_burst(50)],
-    ids=["200 degrees", "720 degrees", "a pause", "a burst"],
-)
+HARD_AT_50_HZ = {
+    **{f"{degrees} degrees": turn(degrees, 50) for degrees in (90, 170, 180, 200, 350, 720)},
+    "720 degrees about a turning axis": about_turning_axis(720, 50),
+    "1080 degrees about a turning axis": about_turning_axis(1080, 50),
+    "a pause": with_pause(50),
+    "a burst": with_burst(50),
+}
+
+
+@pytest.mark.parametrize("case", HARD_AT_50_HZ.values(), ids=HARD_AT_50_HZ)
 def test_noise_at_50_hz_is_survived(case):
     u, q = case
     error = errors_of(fitted(u, noisy(q, 0.1)), u, q)
     assert error.mean() <= 0.2
-    assert error.max() <= 1.5
+    assert error.max() <= 1.0
+
+
+def across(axis, count):
+    """Unit vectors (count, 3) around an axis, square to it."""
+    side = np.cross(axis, (0.0, 0.0, 1.0))
+    side /= np.linalg.norm(side)
+    angle = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)[:, None]
+    return np.cos(angle) * side + np.sin(angle) * np.cross(axis, side)
+
+
+def turned_by(q, degrees, axis):
+    """An orientation (4,) turned about an axis of the base."""
+    offset = rotations.exp(np.radians(degrees) * np.asarray(axis)[None])
+    return rotations.compose(offset, q[None])[0]
 
 
 def moved_goal(q, degrees):
     """The last orientation, turned about an axis across that of the motion."""
-    across = np.cross(FIXED, (0.0, 0.0, 1.0))
-    offset = rotations.exp(np.radians(degrees) * (across / np.linalg.norm(across))[None])
-    return rotations.compose(offset, q[-1:])[0]
+    return turned_by(q[-1], degrees, across(FIXED, 1)[0])
 
 
-@pytest.mark.parametrize("degrees", [90, 170, 180, 200, 350, 720])
 @pytest.mark.parametrize(("moved_by", "quicker"), [(20, 1.15), (90, 1.5)])
-@pytest.mark.parametrize("rate", [50, 1000])
-def test_goal_turned_off_the_axis_is_reached_without_a_spin(degrees, moved_by, quicker, rate):
-    u, q = turn(degrees, rate)
-    if degrees == 90 and moved_by == 90:
-        quicker = 1.75  # the offset is as large as the motion
-    goal = moved_goal(q, moved_by)
-    made = fitted(u, q).generate(goal=((0.5, 0.0, 0.3), goal), dt=0.004)
-    assert np.degrees(rotations.distance(made.orientations[-1:], goal[None]))[0] < 1e-6
-    np.testing.assert_allclose(made.positions[-1], (0.5, 0.0, 0.3), atol=1e-9)
-    assert angle_turned(made.orientations) <= 1.02 * degrees + moved_by
-    shown = demonstration(u, q).motion
-    assert peak_speed(made) <= quicker * peak_speed(shown)
+@pytest.mark.parametrize(
+    "case", [*HARD.values(), *HARD_AT_50_HZ.values()], ids=[*HARD, *HARD_AT_50_HZ]
+)
+def test_goal_turned_off_the_axis_is_reached_without_a_spin(case, moved_by, quicker):
+    u, q = case
+    skill, shown = fitted(u, q), demonstration(u, q).motion
+    for axis in across(FIXED, 12):
+        goal = turned_by(q[-1], moved_by, axis)
+        made = skill.generate(goal=((0.5, 0.0, 0.3), goal), dt=0.004)
+        assert np.degrees(rotations.distance(made.orientations[-1:], goal[None]))[0] < 1e-6
+        np.testing.assert_allclose(made.positions[-1], (0.5, 0.0, 0.3), atol=1e-9)
+        assert angle_turned(made.orientations) <= 1.02 * angle_turned(q) + moved_by
+        assert peak_speed(made) <= quicker * peak_speed(shown)
+
+
+@pytest.mark.parametrize(("moved_by", "quicker"), [(20, 1.15), (90, 1.5)])
+def test_goal_of_a_noisy_motion_is_reached_without_a_spin(moved_by, quicker):
+    u, q = turn(350, 100)
+    skill, shown = fitted(u, noisy(q, 0.05)), demonstration(u, q).motion
+    for axis in across(FIXED, 12):
+        goal = turned_by(q[-1], moved_by, axis)
+        made = skill.generate(goal=((0.5, 0.0, 0.3), goal), dt=0.004)
+        assert np.degrees(rotations.distance(made.orientations[-1:], goal[None]))[0] < 1e-6
+        assert angle_turned(made.orientations) <= 1.02 * 350 + moved_by
+        assert peak_speed(made) <= quicker * peak_speed(shown)
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(1.0, 179.0), st.sampled_from([90, 200, 720]))
+def test_speeds_of_a_motion_and_of_its_goal_add_up(seed, moved_by, degrees):
+    """About any axis: at worst, along that of the motion, both peak together."""
+    u, q = turn(degrees, 100)
+    axis = np.random.default_rng(seed).normal(size=3)
+    goal = turned_by(q[-1], moved_by, axis / np.linalg.norm(axis))
+    made = fitted(u, q).generate(goal=((0.3, 0.1, 0.2), goal))
+    assert angle_turned(made.orientations) <= 1.001 * degrees + moved_by
+    together = np.radians(1.875 * (degrees + moved_by) / DURATION)
+    assert peak_speed(made) <= 1.001 * together
 
 
 @pytest.mark.parametrize("degrees", [170, 350, 720])
