@@ -14,6 +14,11 @@ bool fits(Eigen::Index rows, Eigen::Index orientations) {
   return orientations == rows || orientations == 0;
 }
 
+bool fits(const Chain& chain, Eigen::Index rows, const Eigen::Ref<const Rows>& postures,
+          const Eigen::Ref<const Eigen::VectorXd>& shares) {
+  return postures.rows() == rows && postures.cols() == chain.joints() && shares.size() == rows;
+}
+
 py::tuple columns(Track&& path) {
   return py::make_tuple(std::move(path.q), std::move(path.position_errors),
                         std::move(path.orientation_errors));
@@ -22,14 +27,14 @@ py::tuple columns(Track&& path) {
 py::tuple track_path(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
                      const Eigen::Ref<const Rows4>& orientations,
                      const Eigen::Ref<const Eigen::VectorXd>& start,
-                     const Eigen::Ref<const Eigen::VectorXd>& midrange,
-                     const TrackOptions& options) {
-  require(start.size() == chain.joints() && midrange.size() == positions.rows() &&
+                     const Eigen::Ref<const Rows>& postures,
+                     const Eigen::Ref<const Eigen::VectorXd>& shares, const TrackOptions& options) {
+  require(start.size() == chain.joints() && fits(chain, positions.rows(), postures, shares) &&
           fits(positions.rows(), orientations.rows()));
   Track path;
   {
     const py::gil_scoped_release release;
-    path = track(chain, positions, orientations, start, midrange, options);
+    path = track(chain, positions, orientations, start, {postures, shares}, options);
   }
   return columns(std::move(path));
 }
@@ -38,16 +43,18 @@ py::tuple pursue_path(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd
                       const Eigen::Ref<const Rows3>& positions,
                       const Eigen::Ref<const Rows4>& orientations,
                       const Eigen::Ref<const Eigen::VectorXd>& start,
-                      const Eigen::Ref<const Eigen::VectorXd>& midrange,
+                      const Eigen::Ref<const Rows>& postures,
+                      const Eigen::Ref<const Eigen::VectorXd>& shares,
                       const PursuitOptions& options) {
   require(times.size() == positions.rows() && start.size() == chain.joints() &&
-          midrange.size() == positions.rows() && fits(positions.rows(), orientations.rows()) &&
+          fits(chain, positions.rows(), postures, shares) &&
+          fits(positions.rows(), orientations.rows()) &&
           options.velocity.size() == chain.joints() &&
           options.acceleration.size() == chain.joints());
   Track path;
   {
     const py::gil_scoped_release release;
-    path = pursue(chain, {times, positions, orientations}, start, midrange, options);
+    path = pursue(chain, {times, positions, orientations}, start, {postures, shares}, options);
   }
   return columns(std::move(path));
 }
@@ -83,10 +90,11 @@ void bind_tracking(py::module_& module) {
 
   module.def("track", &track_path, py::arg("chain"), py::arg("positions").noconvert(),
              py::arg("orientations").noconvert(), py::arg("start").noconvert(),
-             py::arg("midrange").noconvert(), py::arg("options"));
+             py::arg("postures").noconvert(), py::arg("shares").noconvert(), py::arg("options"));
   module.def("pursue", &pursue_path, py::arg("chain"), py::arg("times").noconvert(),
              py::arg("positions").noconvert(), py::arg("orientations").noconvert(),
-             py::arg("start").noconvert(), py::arg("midrange").noconvert(), py::arg("options"));
+             py::arg("start").noconvert(), py::arg("postures").noconvert(),
+             py::arg("shares").noconvert(), py::arg("options"));
   module.def("slow_down", &slow, py::arg("times").noconvert(), py::arg("q").noconvert(),
              py::arg("velocity").noconvert(), py::arg("acceleration").noconvert());
 }

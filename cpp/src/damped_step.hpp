@@ -10,14 +10,11 @@ namespace leadthrough {
 // Damping in units of the squared error.
 constexpr double kErrorDamping = 0.05;
 
-// The step that takes every joint a share of its way to the middle of its range.
-inline JointArray pull_to_middle(const Chain& chain, const JointArray& q, double share) {
+// The step that takes every joint that has a wish a share of its way there.
+inline JointArray pull_to(const JointArray& wish, int joints, const JointArray& q, double share) {
   JointArray pull{};
-  for (int i = 0; i < chain.joints(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const double middle = 0.5 * chain.lower[i] + 0.5 * chain.upper[i];
-    if (std::isfinite(middle)) pull[k] = share * (middle - q[k]);
-  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(joints); ++i)
+    if (std::isfinite(wish[i])) pull[i] = share * (wish[i] - q[i]);
   return pull;
 }
 

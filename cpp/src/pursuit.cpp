@@ -41,9 +41,10 @@ class Pursuit {
   // The error against the last target.
   const Task<M>& lag() const { return lag_; }
 
-  void advance(const IkTarget& target, const Interval& interval, double midrange) {
+  void advance(const IkTarget& target, const Interval& interval, const JointArray& posture,
+               double share) {
     const DescentBounds bounds = box(interval);
-    const JointArray pull = gentle_pull(midrange, interval.duration);
+    const JointArray pull = gentle_pull(posture, share, interval.duration);
     move(catching_up(target, interval.duration), bounds, pull);
     for (std::size_t i = 0; i < count(); ++i) {
       const double before = q_[i];
@@ -74,10 +75,10 @@ class Pursuit {
   }
 
   // Self-motion is left with a small part of the joints' speed: the path needs the rest.
-  JointArray gentle_pull(double share, double duration) const {
+  JointArray gentle_pull(const JointArray& posture, double share, double duration) const {
     constexpr double kPartOfSpeed = 0.3;
     if (chain_.joints() <= M || share <= 0.0) return {};
-    JointArray pull = pull_to_middle(chain_, q_, share);
+    JointArray pull = pull_to(posture, chain_.joints(), q_, share);
     double most = 0.0;  // of the joints' speed limits
     for (std::size_t i = 0; i < count(); ++i)
       most = std::max(
@@ -176,12 +177,14 @@ IkTarget target_at(const TimedPath& path, Eigen::Index k) {
 
 template <int M>
 void pursue_path(const Chain& chain, const TimedPath& path, const JointArray& start,
-                 const Eigen::Ref<const Eigen::VectorXd>& midrange, const PursuitOptions& options,
-                 Track& result) {
+                 const Pull& pull, const PursuitOptions& options, Track& result) {
   if (result.q.rows() == 0) return;
   Pursuit<M> pursuit(chain, options, start, target_at(path, 0));
+  JointArray posture{};
   for (Eigen::Index k = 0; k < result.q.rows(); ++k) {
-    if (k > 0) pursuit.advance(target_at(path, k), interval_before(path.times, k), midrange[k]);
+    std::copy_n(pull.postures.row(k).data(), chain.joints(), posture.begin());
+    if (k > 0)
+      pursuit.advance(target_at(path, k), interval_before(path.times, k), posture, pull.shares[k]);
     std::copy_n(pursuit.q().begin(), chain.joints(), result.q.row(k).data());
     result.position_errors[k] = pursuit.lag().position_error;
     result.orientation_errors[k] = pursuit.lag().orientation_error;
@@ -192,15 +195,15 @@ void pursue_path(const Chain& chain, const TimedPath& path, const JointArray& st
 }  // namespace
 
 Track pursue(const Chain& chain, const TimedPath& path,
-             const Eigen::Ref<const Eigen::VectorXd>& start,
-             const Eigen::Ref<const Eigen::VectorXd>& midrange, const PursuitOptions& options) {
+             const Eigen::Ref<const Eigen::VectorXd>& start, const Pull& pull,
+             const PursuitOptions& options) {
   const Eigen::Index samples = path.positions.rows();
   Track result{Rows(samples, chain.joints()), Eigen::VectorXd(samples), Eigen::VectorXd(samples)};
   const JointVector inside = project(chain, start);
   JointArray q{};
   std::copy_n(inside.data(), inside.size(), q.begin());
   const auto along = path.orientations.rows() > 0 ? pursue_path<6> : pursue_path<3>;
-  along(chain, path, q, midrange, options, result);
+  along(chain, path, q, pull, options, result);
   return result;
 }
 

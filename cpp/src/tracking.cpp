@@ -8,7 +8,8 @@ namespace {
 
 struct Sample {
   IkTarget target;
-  double midrange;
+  JointArray posture;
+  double share;  // of the way to the posture
 };
 
 // The limits, narrowed to what the joints may move from `q`.
@@ -33,12 +34,12 @@ DescentEnd follow_sample(const Chain& chain, const Sample& sample, const TrackOp
   constexpr double kAim = 0.1;
   const IkTolerance aim{kAim * options.tolerance.position, kAim * options.tolerance.orientation};
   const DescentBounds bounds = reachable(chain, q, options.max_step);
-  const bool pulls = chain.joints() > M && sample.midrange > 0.0;
+  const bool pulls = chain.joints() > M && sample.share > 0.0;
   DescentEnd end;
   for (const bool pulled : {true, false}) {  // without the pull where it leads astray
     if (pulled && !pulls) continue;
     PoseDescent<M> descent(chain, sample.target, bounds, q);
-    if (pulled) descent.pull(pull_to_middle(chain, q, sample.midrange));
+    if (pulled) descent.pull(pull_to(sample.posture, chain.joints(), q, sample.share));
     end = descent.run(aim, options.max_iterations);
     if (pulled && !reached(end, options.tolerance)) continue;
     q = descent.q();
@@ -57,8 +58,8 @@ void Track::keep(Eigen::Index samples) {
 
 Track track(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
             const Eigen::Ref<const Rows4>& orientations,
-            const Eigen::Ref<const Eigen::VectorXd>& start,
-            const Eigen::Ref<const Eigen::VectorXd>& midrange, const TrackOptions& options) {
+            const Eigen::Ref<const Eigen::VectorXd>& start, const Pull& pull,
+            const TrackOptions& options) {
   const Eigen::Index samples = positions.rows();
   const bool oriented = orientations.rows() > 0;
   Track result{Rows(samples, chain.joints()), Eigen::VectorXd(samples), Eigen::VectorXd(samples)};
@@ -66,7 +67,8 @@ Track track(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
   JointArray q{};
   std::copy(inside.data(), inside.data() + inside.size(), q.begin());
   for (Eigen::Index k = 0; k < samples; ++k) {
-    Sample sample{{positions.row(k), std::nullopt}, midrange[k]};
+    Sample sample{{positions.row(k), std::nullopt}, {}, pull.shares[k]};
+    std::copy_n(pull.postures.row(k).data(), chain.joints(), sample.posture.begin());
     if (oriented) sample.target.rotation = so3::to_matrix(Eigen::Vector4d(orientations.row(k)));
     const DescentEnd end = oriented ? follow_sample<6>(chain, sample, options, q)
                                     : follow_sample<3>(chain, sample, options, q);

@@ -326,7 +326,8 @@ def track(
     positions: Float64Array,
     orientations: Float64Array,
     start: Float64Array,
-    midrange: Float64Array,
+    postures: Float64Array,
+    shares: Float64Array,
     options: TrackOptions,
 ) -> tuple[Float64Array, Float64Array, Float64Array]: ...
 def pursue(
@@ -335,7 +336,8 @@ def pursue(
     positions: Float64Array,
     orientations: Float64Array,
     start: Float64Array,
-    midrange: Float64Array,
+    postures: Float64Array,
+    shares: Float64Array,
     options: PursuitOptions,
 ) -> tuple[Float64Array, Float64Array, Float64Array]: ...
 def slow_down(

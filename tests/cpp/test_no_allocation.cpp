@@ -88,7 +88,9 @@ TEST(NoAllocation, BatchesAndPathsDoNotAllocateInTheirLoops) {
     const Path path = still(chain, samples);
     const Eigen::VectorXd midrange = Eigen::VectorXd::Constant(samples, 0.01);
     const Eigen::VectorXd start = middle(chain);
-    return count([&] { track(chain, path.positions, path.orientations, start, midrange); });
+    const Rows postures = start.transpose().replicate(samples, 1);
+    return count(
+        [&] { track(chain, path.positions, path.orientations, start, {postures, midrange}); });
   };
   EXPECT_EQ(along(10), along(100));
 }

@@ -24,6 +24,10 @@ Rows smooth_motion(const Chain& chain, int samples) {
   return q;
 }
 
+Rows to_middle(const Chain& chain, Eigen::Index samples) {
+  return middle(chain).transpose().replicate(samples, 1);
+}
+
 Rows steps_of(const Rows& q) { return q.bottomRows(q.rows() - 1) - q.topRows(q.rows() - 1); }
 
 }  // namespace
@@ -34,13 +38,33 @@ TEST(Tracking, FollowsASmoothPathWithoutAJump) {
   const Poses path = forward_kinematics_batch(chain, q);
   const Eigen::VectorXd start = q.row(0);
   for (const double midrange : {0.0, 0.01}) {
-    const Track track = leadthrough::track(chain, path.positions, path.orientations, start,
-                                           Eigen::VectorXd::Constant(q.rows(), midrange));
+    const Track track = leadthrough::track(
+        chain, path.positions, path.orientations, start,
+        {to_middle(chain, q.rows()), Eigen::VectorXd::Constant(q.rows(), midrange)});
     ASSERT_EQ(track.q.rows(), q.rows());
     EXPECT_LE(track.position_errors.maxCoeff(), 1e-6);
     EXPECT_LE(track.orientation_errors.maxCoeff(), 1e-6);
     EXPECT_LE(steps_of(track.q).cwiseAbs().maxCoeff(), 0.05);
   }
+}
+
+// The crooked arm has a joint to spare: it stands as it was shown to, and not as it did at first.
+TEST(Tracking, ARedundantArmComesToThePostureThatItIsShown) {
+  const Chain chain = crooked_chain();
+  ASSERT_GT(chain.joints(), 6);
+  const Rows q = smooth_motion(chain, 400);
+  const Poses path = forward_kinematics_batch(chain, q);
+  const auto pulled = [&](double share) {
+    return track(chain, path.positions, path.orientations, middle(chain),
+                 {q, Eigen::VectorXd::Constant(q.rows(), share)});
+  };
+  const auto distance = [&](const Track& track) { return (track.q - q).row(399).norm(); };
+  const Track near = pulled(0.1);
+  const Track free = pulled(0.0);
+  ASSERT_EQ(near.q.rows(), q.rows());
+  EXPECT_LE(near.position_errors.maxCoeff(), 1e-5);
+  EXPECT_LE(distance(near), 1e-2);
+  EXPECT_GT(distance(free), 10.0 * distance(near));
 }
 
 TEST(Tracking, EndsWithTheSampleThatItsStepsDoNotReach) {
@@ -49,9 +73,9 @@ TEST(Tracking, EndsWithTheSampleThatItsStepsDoNotReach) {
   const Poses path = forward_kinematics_batch(chain, q);
   TrackOptions options;
   options.max_step = 5e-3;
-  const Track track =
-      leadthrough::track(chain, path.positions, path.orientations, Eigen::VectorXd(q.row(0)),
-                         Eigen::VectorXd::Constant(q.rows(), 0.1), options);
+  const Track track = leadthrough::track(
+      chain, path.positions, path.orientations, Eigen::VectorXd(q.row(0)),
+      {to_middle(chain, q.rows()), Eigen::VectorXd::Constant(q.rows(), 0.1)}, options);
   ASSERT_LT(track.q.rows(), q.rows());
   ASSERT_GT(track.q.rows(), 1);
   EXPECT_LE(steps_of(track.q).cwiseAbs().maxCoeff(), options.max_step * (1.0 + 1e-12));
@@ -73,8 +97,9 @@ TEST(Tracking, PursuitNeverLeavesTheLimits) {
   const Poses path = forward_kinematics_batch(chain, wild);
   const Eigen::VectorXd limit = Eigen::VectorXd::Constant(chain.joints(), 1.5);
   PursuitOptions options{limit, 4.0 * limit, 0.0, {100.0, 100.0}};
-  const Track track = pursue(chain, {times, path.positions, path.orientations}, middle(chain),
-                             Eigen::VectorXd::Constant(samples, 0.01), options);
+  const Track track =
+      pursue(chain, {times, path.positions, path.orientations}, middle(chain),
+             {to_middle(chain, samples), Eigen::VectorXd::Constant(samples, 0.01)}, options);
   ASSERT_EQ(track.q.rows(), samples);
   Eigen::VectorXd last = Eigen::VectorXd::Zero(chain.joints());
   double before = times[1] - times[0];

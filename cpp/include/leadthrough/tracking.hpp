@@ -24,13 +24,19 @@ struct Track {
   void keep(Eigen::Index samples);
 };
 
+// Where a redundant arm goes in the null space, one row a sample. postures: joints without a wish
+// are not finite. shares: of the way there, taken from the sample before.
+struct Pull {
+  Eigen::Ref<const Rows> postures;
+  Eigen::Ref<const Eigen::VectorXd> shares;
+};
+
 // The path alone, no time. positions: one row a sample; orientations (w, x, y, z) may have no
-// rows. start: the configuration before the first sample. midrange: for each sample, the share of
-// the way to the middle of the ranges that a redundant arm takes in the null space.
+// rows. start: the configuration before the first sample.
 Track track(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
             const Eigen::Ref<const Rows4>& orientations,
-            const Eigen::Ref<const Eigen::VectorXd>& start,
-            const Eigen::Ref<const Eigen::VectorXd>& midrange, const TrackOptions& options = {});
+            const Eigen::Ref<const Eigen::VectorXd>& start, const Pull& pull,
+            const TrackOptions& options = {});
 
 // A path as the arm is to follow it at its own times, s.
 struct TimedPath {
@@ -51,7 +57,7 @@ struct PursuitOptions {
 // always brake before their position limits; where that cannot be met the tip falls behind and
 // catches up. The arm is at rest at `start` at the first time, and again at the last.
 Track pursue(const Chain& chain, const TimedPath& path,
-             const Eigen::Ref<const Eigen::VectorXd>& start,
-             const Eigen::Ref<const Eigen::VectorXd>& midrange, const PursuitOptions& options);
+             const Eigen::Ref<const Eigen::VectorXd>& start, const Pull& pull,
+             const PursuitOptions& options);
 
 }  // namespace leadthrough

@@ -35,7 +35,7 @@ _NEAR_A_LIMIT = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """q: (joints,) at the first sample. midrange: rate of the pull to the middle from there."""
+    """q: (joints,) at the first sample. midrange: rate of the pull from there."""
 
     q: Float64Array
     midrange: float
@@ -58,7 +58,7 @@ def first_postures(
     """Starts for the path, the most promising first; at least one.
 
     Where no posture reaches the first sample, it is the closest found. velocity: limits, rad/s
-    (m/s). midrange: rate of the pull to the middle, 1/s. tracking: of the core's TrackOptions.
+    (m/s). midrange: rate of the pull, 1/s. tracking: of the core's TrackOptions.
     """
     postures, reached = _solutions(chain, path)
     starts = [Start(q, rate) for q in postures for rate in _rates(midrange)]
@@ -71,8 +71,8 @@ def first_postures(
     options = _core.TrackOptions(tolerance, iterations, max_step * stride)
     keys = []
     for i, start in enumerate(starts):
-        shares = thin.shares(start.midrange)
-        q, *_ = _core.track(chain, thin.positions, thin.orientations, start.q, shares, options)
+        pull = thin.pull(start.midrange)
+        q, *_ = _core.track(chain, thin.positions, thin.orientations, start.q, *pull, options)
         keys.append((-len(q), _cost(chain, q, thin.times, velocity), i))
     return [starts[i] for *_, i in sorted(keys)[:_STARTS]]
 

@@ -7,7 +7,7 @@ beside a singularity, something has to give: the limits, the times or the path.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,7 @@ def follow(
     too_fast: str = "keep",
     deviation: tuple[float, float] | None = None,
     max_step: float = 0.5,
+    posture: Any = None,
     midrange: float = 1.0,
     position_tolerance: float = 1e-5,
     orientation_tolerance: float = 1e-5,
@@ -56,7 +57,10 @@ def follow(
         does not count. Between samples the joints move straight.
     deviation: m and rad, the most the tip may be away from a sample; with "deviate" only.
     max_step: the most a joint moves between two samples, rad or m; it makes the answer a path.
-    midrange: rate, 1/s, at which a redundant arm moves itself towards the middle of its ranges.
+    posture: (joints,), or a JointTrajectory, taken at equal shares of the time: where a redundant
+        arm moves itself, say as it stood while the motion was shown; by default towards the middle
+        of its ranges. Where a trajectory begins, the first posture is searched for, without a seed.
+    midrange: rate, 1/s, at which it does.
     position_tolerance, orientation_tolerance: m and rad, what counts as reached; all but samples
         beside a singularity come ten times closer.
     The velocities are the positions' differences in time (second order); accelerations are left
@@ -66,7 +70,10 @@ def follow(
     the pose can be reached but not from the sample before.
     Source: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for the slowing.
     """
-    path = TipPath.of(motion)
+    tip = TipPath.of(motion)
+    path = replace(tip, postures=_postures(chain, posture, tip.times))
+    if seed is None and isinstance(posture, JointTrajectory):
+        seed = path.postures[0]
     allowed = (position_tolerance, orientation_tolerance)
     follower = _Follower(
         chain=chain,
@@ -116,7 +123,7 @@ class _Follower:
             self.path.positions,
             self.path.orientations,
             first.q[0],
-            self.path.shares(start.midrange),
+            *self.path.pull(start.midrange),
             options,
         )
         return Track.of(columns, deviation)
@@ -132,11 +139,30 @@ class _Follower:
 
     def _track(self, start: Start, path: TipPath) -> Track:
         options = _core.TrackOptions(self.tolerance, _SAMPLE_ITERATIONS, self.max_step)
-        shares = path.shares(start.midrange)
+        pull = path.pull(start.midrange)
         columns = _core.track(
-            self.chain, path.positions, path.orientations, start.q, shares, options
+            self.chain, path.positions, path.orientations, start.q, *pull, options
         )
         return Track.of(columns, self.allowed)
+
+
+def _postures(chain: _core.Chain, posture: Any, times: Float64Array) -> Float64Array:
+    """Where the arm is to stand at each of the times, (n, joints)."""
+    joints = len(chain.joint_names)
+    if not isinstance(posture, JointTrajectory):
+        if posture is None:
+            with np.errstate(invalid="ignore"):  # without limits there is no middle
+                wished = 0.5 * chain.lower + 0.5 * chain.upper
+        else:
+            wished = check.array(posture, "posture", shape=(joints,))
+        return np.repeat(wished[None], len(times), axis=0)
+    names = posture.joint_names
+    if posture.positions.shape[1] != joints or names not in ((), tuple(chain.joint_names)):
+        what = list(names) or posture.positions.shape[1]
+        raise InvalidInput(f"posture: expected the joints {list(chain.joint_names)}, got {what}")
+    shares = (times - times[0]) / (times[-1] - times[0]) if len(times) > 1 else np.zeros(1)
+    at = posture.times[0] + shares * posture.duration
+    return np.column_stack([np.interp(at, posture.times, column) for column in posture.positions.T])
 
 
 def acceleration(limits: JointLimits) -> Float64Array:

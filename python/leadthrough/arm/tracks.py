@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -15,11 +15,15 @@ from leadthrough.motion import PoseTrajectory, Trajectory
 
 @dataclass(frozen=True, eq=False)
 class TipPath:
-    """times: (n,) s. positions: (n, 3) m. orientations: (n, 4) w, x, y, z, or no rows: free."""
+    """times: (n,) s. positions: (n, 3) m. orientations: (n, 4) w, x, y, z, or no rows: free.
+
+    postures: (n, joints) where a redundant arm moves itself; not finite for joints without a wish.
+    """
 
     times: Float64Array
     positions: Float64Array
     orientations: Float64Array
+    postures: Float64Array = field(default_factory=lambda: np.empty((0, 0)))
 
     @staticmethod
     def of(motion: Any) -> TipPath:
@@ -44,11 +48,13 @@ class TipPath:
     def only(self, samples: Any) -> TipPath:
         """The path of these samples alone."""
         orientations = self.orientations[samples] if len(self.orientations) else self.orientations
-        return TipPath(self.times[samples], self.positions[samples], orientations)
+        postures = self.postures[samples]
+        return TipPath(self.times[samples], self.positions[samples], orientations, postures)
 
-    def shares(self, rate: float) -> Float64Array:
-        """(n,) the part of a way that is gone between a sample and the one before at `rate` 1/s."""
-        return np.minimum(rate * np.diff(self.times, prepend=self.times[0]), 1.0)
+    def pull(self, rate: float) -> tuple[Float64Array, Float64Array]:
+        """The postures and (n,) the part of the way there that is gone at each sample, at 1/s."""
+        shares = np.minimum(rate * np.diff(self.times, prepend=self.times[0]), 1.0)
+        return self.postures, shares
 
 
 @dataclass(frozen=True, eq=False)

@@ -155,3 +155,49 @@ def test_other_motions_are_refused(arm, motion):
 def test_bad_options_are_refused(arm, posture, options):
     with pytest.raises(InvalidInput):
         arm.follow(loop(arm, posture), **options)
+
+
+def shown_to_swing(arm, posture):
+    """Joints that bring a redundant arm elsewhere while the tool goes round, and their poses."""
+    swing = 0.15 * np.sin(np.pi * TIMES / TIMES[-1]) ** 2
+    q = posture + np.outer(swing, np.linspace(1.0, -1.0, len(posture)))
+    return lt.JointTrajectory(TIMES, q), lt.PoseTrajectory(TIMES, *arm.forward_kinematics(q))
+
+
+def test_a_redundant_arm_stands_as_it_was_shown_to(arm, posture):
+    shown, motion = shown_to_swing(arm, posture)
+    joints = arm.follow(motion, posture=shown, midrange=20.0)
+    assert_follows(arm, motion, joints)
+    np.testing.assert_allclose(joints.positions, shown.positions, atol=0.02)
+    # Another pace is no matter, and names are the arm's where there are any.
+    slow = lt.JointTrajectory(3.0 * TIMES + 1.0, shown.positions, joint_names=arm.joint_names)
+    again = arm.follow(motion, posture=slow, midrange=20.0)
+    np.testing.assert_allclose(again.positions, joints.positions, atol=1e-9)
+
+
+@pytest.mark.parametrize("too_fast", ["keep", "raise"])
+def test_a_posture_keeps_a_redundant_arm_nearer_to_it_than_the_middle(arm, posture, too_fast):
+    shown, motion = shown_to_swing(arm, posture)
+    slow = lt.PoseTrajectory(5.0 * TIMES, motion.positions, motion.orientations)
+    away = [
+        np.abs(arm.follow(slow, **wish, too_fast=too_fast).positions - shown.positions).max()
+        for wish in ({"posture": shown}, {"seed": posture})
+    ]
+    assert away[0] < 0.25
+    assert away[0] <= away[1] + 1e-6
+
+
+def test_a_redundant_arm_goes_to_a_posture(arm, posture):
+    position, turned = arm.forward_kinematics(posture)
+    still = lt.PoseTrajectory(
+        5.0 * TIMES, np.tile(position, (400, 1)), np.tile(turned, (len(TIMES), 1))
+    )
+    begun = arm.inverse_kinematics(position, turned, seed=posture, midrange=1.0).q
+    joints = arm.follow(still, seed=begun, posture=posture)
+    np.testing.assert_allclose(joints.positions[-1], posture, atol=1e-3)
+
+
+@pytest.mark.parametrize("wrong", [np.zeros(3), "up", lt.JointTrajectory([0, 1], np.zeros((2, 3)))])
+def test_a_posture_of_other_joints_is_refused(arm, posture, wrong):
+    with pytest.raises(InvalidInput, match="posture"):
+        arm.follow(loop(arm, posture), posture=wrong)
