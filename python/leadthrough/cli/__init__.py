@@ -13,6 +13,7 @@ from leadthrough.cli.experiment import experiment
 from leadthrough.cli.learn import learn
 from leadthrough.cli.plan import plan
 from leadthrough.cli.retime import retime
+from leadthrough.cli.view import view
 
 __all__ = ["app", "main"]
 
@@ -24,7 +25,7 @@ _ENDINGS = (
 app = typer.Typer(
     cls=Commands, no_args_is_help=True, pretty_exceptions_enable=False, epilog=_ENDINGS
 )
-for command in (demo, learn, plan, retime, check, experiment):
+for command in (demo, learn, plan, retime, check, view, experiment):
     app.command()(command)
 
 

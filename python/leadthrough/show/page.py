@@ -134,14 +134,14 @@ def _rounded(values: Float64Array) -> Float64Array:
 
 def _extent(shown: Scene) -> dict[str, Any]:
     """The ball that the camera shows at first, and the height of the floor."""
-    still = [item.mesh.vertices for item in shown.items if item.link is None]
-    points = np.concatenate([shown.positions.reshape(-1, 3), *still])
-    lower, upper = points.min(axis=0), points.max(axis=0)
-    radius = max(0.5 * float(np.linalg.norm(upper - lower)), 0.1)
+    centre, radius = shown.ball()
+    lowest = min(
+        (float(i.mesh.vertices[:, 2].min()) for i in shown.items if i.link is None), default=0.0
+    )
     return {
-        "centre": np.round(0.5 * (lower + upper), 4).tolist(),
+        "centre": np.round(centre, 4).tolist(),
         "radius": round(radius, 4),
-        "floor": round(float(min(lower[2], 0.0)), 4),
+        "floor": round(min(lowest, 0.0), 4),
     }
 
 

@@ -6,7 +6,7 @@ It knows no renderer: the HTML page and the live view draw the same scene.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import cycle
 from typing import Any
 
@@ -68,6 +68,20 @@ class Scene:
     positions: Float64Array
     orientations: Float64Array
     items: tuple[Item, ...] = field(repr=False)
+
+    def with_motion(self, arm: Arm, joints: JointTrajectory) -> Scene:
+        """The same surfaces, the arm moving in another way. Raises InvalidInput."""
+        shown = frames(arm, joints)
+        _, positions, orientations = _links(arm, shown.positions)
+        times = shown.times - shown.times[0]
+        return replace(self, times=times, positions=positions, orientations=orientations)
+
+    def ball(self) -> tuple[Float64Array, float]:
+        """Centre (3,) and radius, m, of a ball around all that is shown and wherever it goes."""
+        still = [item.mesh.vertices for item in self.items if item.link is None]
+        points = np.concatenate([self.positions.reshape(-1, 3), *still])
+        lower, upper = points.min(axis=0), points.max(axis=0)
+        return 0.5 * (lower + upper), max(0.5 * float(np.linalg.norm(upper - lower)), 0.1)
 
     def poses_at(self, time: float) -> tuple[Float64Array, Float64Array]:
         """Positions (links, 3) and orientations (links, 4) at a time, s; held beyond the ends."""
@@ -148,9 +162,8 @@ def tip_path(arm: Arm, motion: Motion) -> Float64Array:
 def arm_items(arm: Arm, links: Sequence[str]) -> Iterator[Item]:
     """The arm's surfaces, links in two colours by turns where the robot names none."""
     parts = parts_by_link(arm.document, arm.mesh_folders) or _rods(arm)
-    for (link, own), usual in zip(
-        parts.items(), cycle((palette.SHELL, palette.JOINT)), strict=False
-    ):
+    colours = cycle((palette.rgb(palette.SHELL), palette.rgb(palette.JOINT)))
+    for (link, own), usual in zip(parts.items(), colours, strict=False):
         by_colour: dict[Any, list[Mesh]] = {}
         for part in own:
             by_colour.setdefault(part.colour or usual, []).append(part.mesh)

@@ -1,0 +1,223 @@
+"""A local page with an arm that moves, whose goal and obstacles may be dragged."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import threading
+import webbrowser
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from leadthrough import check
+from leadthrough.errors import LeadthroughError, MissingDependency
+from leadthrough.show import scene, solids
+from leadthrough.show.parameters import Parameter
+from leadthrough.show.replanner import Answer, Replanner
+from leadthrough.show.scene import Scene
+from leadthrough.show.stage import Stage
+
+_FRAME = 1.0 / 40.0  # s
+# A plan in full is made when nothing has been dragged for this long, s.
+_REST = 0.25
+_HANDLE = 0.18  # m
+_MOST_SPEED = 2.0
+
+
+class LiveView:
+    """A page that shows a scene and, with a replanner, plans anew while things are dragged.
+
+    port: of this machine's own address; 0 takes a free one. The page is served until `close`.
+    handles: what viser has for the goal ("goal") and the obstacles ("obstacle 0", ...).
+    Raises InvalidInput, MissingDependency without viser.
+    """
+
+    def __init__(self, shown: Scene, replanner: Replanner | None = None, *, port: int = 0) -> None:
+        self._server = _server(check.integer(port, "port", at_least=0, at_most=65535))
+        self._shown, self._planner = shown, replanner
+        if replanner is not None:
+            dragged = (scene.OBSTACLES, scene.GOAL)
+            kept = tuple(item for item in shown.items if item.layer not in dragged)
+            self._stage = Stage(self._server, replace(shown, items=kept))
+        else:
+            self._stage = Stage(self._server, shown)
+        self.handles: dict[str, Any] = {}
+        self._answer: Answer | None = None
+        self._changes: list[Callable[[], None]] = []
+        self._asked, self._closing = threading.Event(), threading.Event()
+        self._motion_controls()
+        self._layer_controls()
+        if replanner is not None:
+            self._model_controls(replanner)
+            self._drag_handles(replanner)
+        self._threads = [threading.Thread(target=self._play, daemon=True)]
+        if replanner is not None:
+            self._threads.append(
+                threading.Thread(target=self._replan, args=(replanner,), daemon=True)
+            )
+        for thread in self._threads:
+            thread.start()
+
+    @property
+    def url(self) -> str:
+        """The page's address."""
+        return f"http://127.0.0.1:{self._server.get_port()}"
+
+    @property
+    def answer(self) -> Answer | None:
+        """The newest plan or preview; None before the first and without a replanner."""
+        return self._answer
+
+    def open(self) -> None:
+        """Opens the page in the user's browser."""
+        webbrowser.open(self.url)
+
+    def wait(self) -> None:
+        """Returns when the view has been closed; an interrupt from the keyboard closes it."""
+        try:
+            while not self._closing.wait(1.0):
+                pass
+        except KeyboardInterrupt:
+            self.close()
+
+    def close(self) -> None:
+        """Ends the page's server."""
+        self._closing.set()
+        self._asked.set()
+        for thread in self._threads:
+            thread.join()
+        with _silence():
+            self._server.stop()
+
+    def request(self, change: Callable[[], None]) -> None:
+        """Makes a change of the replanner before its next plan, and asks for that plan."""
+        self._changes.append(change)
+        self._asked.set()
+
+    def _motion_controls(self) -> None:
+        gui = self._server.gui
+        with gui.add_folder("Motion"):
+            self._playing = gui.add_checkbox("play", True)
+            self._time = gui.add_slider("time, s", 0.0, self._end(), 0.01, 0.0)
+            self._speed = gui.add_slider("speed", 0.1, _MOST_SPEED, 0.1, 1.0)
+        self._told = gui.add_markdown("")
+        self._time.on_update(lambda _: self._stage.pose(self._shown, self._time.value))
+
+    def _layer_controls(self) -> None:
+        with self._server.gui.add_folder("Layers"):
+            for layer in dict.fromkeys(item.layer for item in self._shown.items):
+                self._layer_box(layer)
+
+    def _layer_box(self, layer: str) -> None:
+        box = self._server.gui.add_checkbox(layer, True)
+        box.on_update(lambda _: self._stage.show(layer, box.value))
+
+    def _model_controls(self, planner: Replanner) -> None:
+        usual = round(planner.usual_duration, 2)
+        with self._server.gui.add_folder("Model"):
+            slider = self._server.gui.add_slider(
+                "duration, s", round(0.2 * usual, 2), 3.0 * usual, 0.01, usual
+            )
+            slider.on_update(
+                lambda _: self.request(lambda: setattr(planner, "duration", slider.value))
+            )
+            for i, parameter in enumerate(planner.parameters):
+                self._parameter_slider(planner, i, parameter)
+
+    def _parameter_slider(self, planner: Replanner, index: int, parameter: Parameter) -> None:
+        slider = self._server.gui.add_slider(
+            parameter.label, parameter.lower, parameter.upper, parameter.step, parameter.value
+        )
+        slider.on_update(
+            lambda _: self.request(lambda: planner.set_parameter(index, float(slider.value)))
+        )
+
+    def _drag_handles(self, planner: Replanner) -> None:
+        if planner.has_goal:
+            self._handle("goal", planner.goal_position, planner.goal_orientation, planner.move_goal)
+            self._stage.draw(scene.goal_item(np.zeros(3)), under="/goal")
+        for i, shape in enumerate(planner.obstacles):
+            name = f"obstacle {i}"
+            turned = getattr(shape, "orientation", None)
+            self._handle(
+                name, shape.position, turned, lambda p, q, i=i: planner.move_obstacle(i, p, q)
+            )
+            item = replace(scene.obstacle_item(shape, i), mesh=solids.unplaced(shape))
+            self._stage.draw(item, under=f"/{name}")
+
+    def _handle(self, name: str, position: Any, turned: Any, move: Callable[..., None]) -> None:
+        handle = self._server.scene.add_transform_controls(
+            f"/{name}",
+            scale=_HANDLE,
+            depth_test=False,
+            disable_rotations=turned is None,
+            position=position,
+            wxyz=(1.0, 0.0, 0.0, 0.0) if turned is None else turned,
+        )
+
+        def moved(_: Any) -> None:
+            place = np.array(handle.position)
+            turn = None if turned is None else np.array(handle.wxyz)
+            self.request(lambda: move(place, turn))
+
+        handle.on_update(moved)
+        self.handles[name] = handle
+
+    def _end(self) -> float:
+        return round(max(float(self._shown.times[-1]), 0.01), 2)
+
+    def _play(self) -> None:
+        while not self._closing.wait(_FRAME):
+            if self._playing.value and len(self._shown.times) > 1 and self._server.get_clients():
+                at = self._time.value + _FRAME * self._speed.value
+                self._time.value = 0.0 if at > self._end() else at
+
+    def _replan(self, planner: Replanner) -> None:
+        """A preview after each change, the newest one only; a plan where all has come to rest."""
+        planner.preview()  # makes what the first drag would wait for
+        while not self._closing.is_set():
+            self._show(planner, planner.plan())
+            self._asked.wait()
+            while self._asked.is_set() and not self._closing.is_set():
+                self._asked.clear()
+                trouble = self._apply_changes()
+                self._show(planner, trouble or planner.preview())
+                self._asked.wait(_REST)
+
+    def _apply_changes(self) -> Answer | None:
+        changes, self._changes = self._changes, []
+        try:
+            for change in changes:
+                change()
+        except LeadthroughError as error:
+            return Answer(None, None, str(error), "", 0.0)
+        return None
+
+    def _show(self, planner: Replanner, answer: Answer) -> None:
+        if answer.path is not None:
+            self._stage.redraw(scene.PATH, [scene.path_item(answer.path)])
+        if answer.joints is not None:
+            self._shown = self._shown.with_motion(planner.arm, answer.joints)
+            self._time.max = self._end()
+            self._stage.pose(self._shown, self._time.value)
+        kind = "planned" if answer.verdict else "previewed"
+        head = f"**{kind} in {1e3 * answer.seconds:.0f} ms**"
+        self._told.content = f"{head}\n\n{answer.trouble or answer.verdict}"
+        self._answer = answer
+
+
+def _server(port: int) -> Any:
+    try:
+        import viser  # noqa: PLC0415
+    except ImportError:
+        raise MissingDependency("viser", extra="view") from None
+    with _silence():
+        return viser.ViserServer(host="127.0.0.1", port=port, verbose=False)
+
+
+def _silence() -> Any:
+    """What viser prints of itself is no part of ours."""
+    return contextlib.redirect_stdout(io.StringIO())
