@@ -194,8 +194,8 @@ State step_around(const State& before, const Forces& forces, double dt,
 
 so3::Quaternions orientations(const Curve& curve, const so3::Vector3& start_offset,
                               const so3::Vector3& goal_offset, const VectorIn& phases,
-                              const Eigen::Ref<const so3::Vectors>& values) {
-  require(phases.size() == values.rows());
+                              const RowsIn& values) {
+  require(phases.size() == values.rows() && values.cols() >= 3);
   const py::gil_scoped_release release;
   return dmp::orientations_at(curve, {start_offset, goal_offset}, phases, values);
 }
@@ -283,6 +283,8 @@ void bind_dmp(py::module_& module) {
   module.def("dmp_rollout_around", &rollout_around, py::arg("forces"), py::arg("course"),
              py::arg("surroundings"), py::arg("value").noconvert(), py::arg("slope").noconvert(),
              py::arg("phases").noconvert());
+  module.def("dmp_offset", &dmp::offset_between, py::arg("wanted").noconvert(),
+             py::arg("shown").noconvert(), py::arg("near").noconvert());
   module.def("dmp_orientations", &orientations, py::arg("curve"),
              py::arg("start_offset").noconvert(), py::arg("goal_offset").noconvert(),
              py::arg("phases").noconvert(), py::arg("values").noconvert());

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <type_traits>
 
 namespace leadthrough::dmp {
 
@@ -9,6 +11,19 @@ namespace {
 
 // As near as this a place is at a node, as a share of an interval: rounding.
 constexpr double kAtNode = 1e-9;
+
+// Calls work with a number of channels. The six of a pose are known when compiling: their loops
+// unroll.
+template <typename Work>
+void with_channels(Eigen::Index channels, const Work& work) {
+  if (channels == 6)
+    work(std::integral_constant<Eigen::Index, 6>{});
+  else
+    work(channels);
+}
+
+// Of a number that is not negative and far below 2^63; quicker than std::floor.
+double floored(double x) { return static_cast<double>(static_cast<std::int64_t>(x)); }
 
 // Phase since the break before it, and the coefficients that hold there.
 double place_in_piece(const Course& course, double phase, const double** coefficients) {
@@ -19,12 +34,13 @@ double place_in_piece(const Course& course, double phase, const double** coeffic
   return std::min(phase, 1.0) - course.breaks[piece];
 }
 
-// Adds `sign` times r and dr/du to a value and its slope.
-void add_reference(const Course& course, double phase, double sign, State& state) {
+// Writes a state plus `sign` times r and dr/du to another, which may be the same.
+template <typename Channels>
+void add_reference(Channels channels, const Course& course, double phase, double sign,
+                   const State& from, State& to) {
   const double* c = nullptr;
   const double s = place_in_piece(course, phase, &c);
   const double slope_sign = phase < 1.0 ? sign : 0.0;
-  const Eigen::Index channels = course.coefficients.cols();
   for (Eigen::Index i = 0; i < channels; ++i) {
     double value = c[5 * channels + i];
     double slope = 0.0;
@@ -32,37 +48,50 @@ void add_reference(const Course& course, double phase, double sign, State& state
       slope = slope * s + value;
       value = value * s + c[power * channels + i];
     }
-    state.value[i] += sign * value;
-    state.slope[i] += slope_sign * slope;
+    to.value[i] = from.value[i] + sign * value;
+    to.slope[i] = from.slope[i] + slope_sign * slope;
   }
 }
 
-// A stretch of phase over which the force is a straight line.
+// What a stretch of phase over which the force is a straight line makes of an error, linearly: of
+// its value and slope, and of the force and its slope at the beginning.
 struct Stretch {
-  double length, decay;        // decay: exp(-rate * length)
-  double compliance, inverse;  // 1 / rate^2, 1 / rate
+  Stretch(double rate, double length) {
+    const double x = rate * length;
+    const double decay = std::exp(-x);
+    const double compliance = 1.0 / (rate * rate);
+    const double settled = 1.0 - decay * (1.0 + x);
+    value_of_value = decay * (1.0 + x);
+    value_of_slope = slope_of_force = decay * length;
+    value_of_force = slope_of_rise = compliance * settled;
+    value_of_rise = compliance * (x * (1.0 - decay) - 2.0 * settled) / rate;
+    slope_of_value = -decay * rate * x;
+    slope_of_slope = decay * (1.0 - x);
+  }
+
+  double value_of_value, value_of_slope, value_of_force, value_of_rise;
+  double slope_of_value, slope_of_slope, slope_of_force, slope_of_rise;
 };
 
-// e = p0 + p1 s + (w + k s) exp(-rate s): the polynomial follows the force, the rest dies out.
-void follow(const Stretch& stretch, double rate, double force, double force_slope, double& error,
-            double& error_slope) {
-  const double p1 = stretch.compliance * force_slope;
-  const double p0 = stretch.compliance * force - 2.0 * p1 * stretch.inverse;
-  const double w = error - p0;
-  const double w_slope = error_slope - p1;
-  const double k = w_slope + rate * w;
-  error = p0 + p1 * stretch.length + (w + k * stretch.length) * stretch.decay;
-  error_slope = p1 + (w_slope - rate * k * stretch.length) * stretch.decay;
+void follow(const Stretch& t, double force, double rise, double& error, double& slope) {
+  const double before = error;
+  error = t.value_of_value * before + t.value_of_slope * slope + t.value_of_force * force +
+          t.value_of_rise * rise;
+  slope = t.slope_of_value * before + t.slope_of_slope * slope + t.slope_of_force * force +
+          t.slope_of_rise * rise;
 }
 
 // Moves errors on. What does not change from step to step is computed once.
+template <typename Channels>
 class Motion {
  public:
-  Motion(const Forces& forces, const Course& course, const Vector& push)
-      : forces_(forces),
+  Motion(Channels channels, const Forces& forces, const Course& course, const Vector& push)
+      : channels_(channels),
+        forces_(forces),
         course_(course),
         push_(push),
-        intervals_(static_cast<double>(forces.nodes.rows() - 1)),
+        count_(forces.nodes.rows() - 1),
+        intervals_(static_cast<double>(count_)),
         whole_interval_(stretch(1.0)) {}
 
   // From one phase to a later one.
@@ -71,10 +100,10 @@ class Motion {
     const double target = at_node(intervals_ * to);
     double place = at_node(intervals_ * from);
     while (place < target) {
-      const double node = std::floor(place);
+      const double node = floored(place);
       const bool free = ends && node >= intervals_;
       const double next = free ? target : std::min(node + 1.0, target);
-      const Stretch current = next - place == 1.0 ? whole_interval_ : stretch(next - place);
+      const Stretch& current = next - place == 1.0 ? whole_interval_ : stretch(next - place);
       if (free)
         fade_out(current, error);
       else
@@ -85,40 +114,42 @@ class Motion {
 
  private:
   static double at_node(double place) {
-    const double nearest = std::round(place);
+    const double nearest = floored(place + 0.5);
     return std::abs(place - nearest) < kAtNode ? nearest : place;
   }
 
-  Stretch stretch(double intervals) const {
-    const double length = intervals / intervals_;
-    const double inverse = 1.0 / forces_.rate;
-    return {length, std::exp(-forces_.rate * length), inverse * inverse, inverse};
-  }
+  Stretch stretch(double intervals) const { return {forces_.rate, intervals / intervals_}; }
 
   void fade_out(const Stretch& current, State& error) const {
-    for (Eigen::Index i = 0; i < push_.size(); ++i)
-      follow(current, forces_.rate, push_[i], 0.0, error.value[i], error.slope[i]);
+    for (Eigen::Index i = 0; i < channels_; ++i)
+      follow(current, push_[i], 0.0, error.value[i], error.slope[i]);
   }
 
   // `share` of the interval after the node has passed already.
   void follow_forces(const Stretch& current, double node, double share, State& error) const {
-    const Eigen::Index channels = forces_.nodes.cols();
-    const auto row = static_cast<Eigen::Index>(std::fmod(node, intervals_));
-    const double* left = forces_.nodes.data() + row * channels;
-    const double* right = left + channels;
+    const auto passed = static_cast<Eigen::Index>(node);
+    const Eigen::Index row = passed < count_ ? passed : passed % count_;
+    const double* left = forces_.nodes.data() + row * channels_;
+    const double* right = left + channels_;
     const double fade = forces_.fade[row];
     const double fade_rise = forces_.fade[row + 1] - fade;
-    for (Eigen::Index i = 0; i < channels; ++i) {
-      const double at_node = course_.gain[i] * left[i] + course_.drive[i] * fade;
-      const double rise = course_.gain[i] * (right[i] - left[i]) + course_.drive[i] * fade_rise;
-      follow(current, forces_.rate, at_node + share * rise + push_[i], intervals_ * rise,
-             error.value[i], error.slope[i]);
+    const double* gain = course_.gain.data();
+    const double* drive = course_.drive.data();
+    const double* push = push_.data();
+    double* value = error.value.data();
+    double* slope = error.slope.data();
+    for (Eigen::Index i = 0; i < channels_; ++i) {
+      const double at_node = gain[i] * left[i] + drive[i] * fade;
+      const double rise = gain[i] * (right[i] - left[i]) + drive[i] * fade_rise;
+      follow(current, at_node + share * rise + push[i], intervals_ * rise, value[i], slope[i]);
     }
   }
 
+  Channels channels_;
   const Forces& forces_;
   const Course& course_;
   const Vector& push_;
+  Eigen::Index count_;
   double intervals_;
   Stretch whole_interval_;
 };
@@ -127,10 +158,12 @@ class Motion {
 
 void advance(const Forces& forces, const Course& course, const Vector& push, double span,
              State& state) {
-  add_reference(course, state.phase, -1.0, state);
-  Motion(forces, course, push).advance(state.phase, state.phase + span, state);
-  state.phase += span;
-  add_reference(course, state.phase, 1.0, state);
+  with_channels(state.value.size(), [&](auto channels) {
+    add_reference(channels, course, state.phase, -1.0, state, state);
+    Motion(channels, forces, course, push).advance(state.phase, state.phase + span, state);
+    state.phase += span;
+    add_reference(channels, course, state.phase, 1.0, state, state);
+  });
 }
 
 void acceleration(const Forces& forces, const Course& course, const State& state, Vector& result) {
@@ -165,18 +198,18 @@ Rollout rollout(const Forces& forces, const Course& course, State state,
                 const Eigen::Ref<const Vector>& phases) {
   const Eigen::Index count = phases.size();
   const Vector no_push = Vector::Zero(state.value.size());
-  const Motion motion(forces, course, no_push);
   Rollout result{Rows(count, state.value.size()), Rows(count, state.value.size())};
-  State error = state;
-  add_reference(course, phases[0], -1.0, error);
-  for (Eigen::Index n = 0; n < count; ++n) {
-    if (n > 0) motion.advance(phases[n - 1], phases[n], error);
-    state.value = error.value;
-    state.slope = error.slope;
-    add_reference(course, phases[n], 1.0, state);
-    result.values.row(n) = state.value;
-    result.slopes.row(n) = state.slope;
-  }
+  with_channels(state.value.size(), [&](auto channels) {
+    const Motion motion(channels, forces, course, no_push);
+    State error = state;
+    add_reference(channels, course, phases[0], -1.0, state, error);
+    for (Eigen::Index n = 0; n < count; ++n) {
+      if (n > 0) motion.advance(phases[n - 1], phases[n], error);
+      add_reference(channels, course, phases[n], 1.0, error, state);
+      result.values.row(n) = state.value;
+      result.slopes.row(n) = state.slope;
+    }
+  });
   return result;
 }
 

@@ -32,20 +32,6 @@ Vector3 log(const Quaternion& quaternion) {
   return vector * ((w < 0.0 ? -2.0 : 2.0) * half / sine);
 }
 
-Quaternion compose(const Quaternion& a, const Quaternion& b) {
-  const Vector3 u = a.tail<3>();
-  const Vector3 v = b.tail<3>();
-  Quaternion q;
-  q << a[0] * b[0] - u.dot(v), a[0] * v + b[0] * u + u.cross(v);
-  return q;
-}
-
-Quaternion inverse(const Quaternion& quaternion) {
-  Quaternion q;
-  q << quaternion[0], -quaternion.tail<3>();
-  return q;
-}
-
 double distance(const Quaternion& a, const Quaternion& b) {
   const Quaternion difference = compose(inverse(a), b);
   return 2.0 * std::atan2(difference.tail<3>().stableNorm(), std::abs(difference[0]));

@@ -15,23 +15,29 @@ using so3::Vector3;
 
 constexpr double kPi = 3.14159265358979323846;
 
-// Below half angles of its root these series are exact to rounding.
+// Of the two shortest ways to an offset of half a turn within this, a rule takes one.
+constexpr double kHalfTurn = 1e-9;  // rad
+
+// Of cos(x) and sin(x) / x, in powers of x^2; exact to rounding below this square of half an angle.
 constexpr double kSeriesSquare = 0.07;  // rad^2
+constexpr double kCosine[] = {1.0,           -1.0 / 2.0,       1.0 / 24.0,       -1.0 / 720.0,
+                              1.0 / 40320.0, -1.0 / 3628800.0, 1.0 / 479001600.0};
+constexpr double kSinc[] = {1.0,           -1.0 / 6.0,     1.0 / 120.0,
+                            -1.0 / 5040.0, 1.0 / 362880.0, -1.0 / 39916800.0};
+
+template <std::size_t size>
+double polynomial(const double (&coefficients)[size], double x) {
+  double result = coefficients[size - 1];
+  for (std::size_t power = size - 1; power-- > 0;) result = result * x + coefficients[power];
+  return result;
+}
 
 // so3::exp without a root, sine and cosine: the curve's steps and the coordinates are short.
 Quaternion short_exp(const Vector3& vector) {
   const double h = 0.25 * vector.squaredNorm();
   if (!(h < kSeriesSquare)) return so3::exp(vector);
-  const double cosine =
-      1.0 -
-      h / 2.0 *
-          (1.0 -
-           h / 12.0 * (1.0 - h / 30.0 * (1.0 - h / 56.0 * (1.0 - h / 90.0 * (1.0 - h / 132.0)))));
-  const double sinc =
-      1.0 - h / 6.0 * (1.0 - h / 20.0 * (1.0 - h / 42.0 * (1.0 - h / 72.0 * (1.0 - h / 110.0))));
-  Quaternion q;
-  q << cosine, 0.5 * sinc * vector;
-  return q;
+  const double scale = 0.5 * polynomial(kSinc, h);
+  return {polynomial(kCosine, h), scale * vector[0], scale * vector[1], scale * vector[2]};
 }
 
 Vector3 rotate(const Quaternion& q, const Vector3& v) {
@@ -140,6 +146,7 @@ Product reference(const Curve& curve, const Offsets& offsets, double phase) {
 // All logarithms of a rotation lie 2 pi apart on one line.
 Vector3 nearest_log(const Quaternion& q, const Vector3& near) {
   const Vector3 vector = so3::log(q);
+  if (near.isZero(0.0)) return vector;
   const double angle = vector.norm();
   const Vector3 axis = angle > 0.0 ? Vector3(vector / angle) : Vector3(near.stableNormalized());
   return axis * (angle + 2.0 * kPi * std::round((axis.dot(near) - angle) / (2.0 * kPi)));
@@ -174,6 +181,19 @@ Vector3 slope_of(Chart chart, const Vector3& value, const Vector3& velocity) {
 
 }  // namespace
 
+Vector3 offset_between(const Quaternion& wanted, const Quaternion& shown, const Vector3& near) {
+  Quaternion turn = so3::compose(wanted, so3::inverse(shown));
+  if (std::abs(turn[0]) < 0.5 * kHalfTurn) {
+    const Vector3 axis = turn.tail<3>();
+    const double leading = std::abs(axis[0]) > kHalfTurn   ? axis[0]
+                           : std::abs(axis[1]) > kHalfTurn ? axis[1]
+                                                           : axis[2];
+    if (leading < 0.0) turn = -turn;
+    turn[0] = std::abs(turn[0]);
+  }
+  return nearest_log(turn, near);
+}
+
 Turn turn_at(const Curve& curve, const Offsets& offsets, double phase, const Vector3& value,
              const Vector3& slope) {
   Moving product = reference<Moving>(curve, offsets, phase);
@@ -201,15 +221,22 @@ Quaternion orientation_at(const Curve& curve, const Offsets& offsets, double pha
                           const Vector3& value) {
   Still product = reference<Still>(curve, offsets, phase);
   turn_by_coordinates(curve.chart, value, Vector3::Zero(), product);
-  return product.orientation.normalized();
+  // Rounding has left it so near to unit length that one step of Newton's makes it that.
+  const double excess = product.orientation.squaredNorm() - 1.0;
+  return product.orientation * (1.0 - 0.5 * excess);
 }
 
 so3::Quaternions orientations_at(const Curve& curve, const Offsets& offsets,
                                  const Eigen::Ref<const Vector>& phases,
-                                 const Eigen::Ref<const so3::Vectors>& values) {
+                                 const Eigen::Ref<const Rows>& values) {
   so3::Quaternions result(phases.size(), 4);
-  for (Eigen::Index n = 0; n < phases.size(); ++n)
-    result.row(n) = orientation_at(curve, offsets, phases[n], values.row(n));
+  Quaternion previous = Quaternion::Zero();
+  for (Eigen::Index n = 0; n < phases.size(); ++n) {
+    const Vector3 value = values.row(n).tail<3>();
+    const Quaternion q = orientation_at(curve, offsets, phases[n], value);
+    previous = q.dot(previous) < 0.0 ? Quaternion(-q) : q;
+    result.row(n) = previous;
+  }
   return result;
 }
 

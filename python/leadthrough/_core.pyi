@@ -503,6 +503,7 @@ def dmp_rollout_around(
     slope: Float64Array,
     phases: Float64Array,
 ) -> tuple[Float64Array, Float64Array, float]: ...
+def dmp_offset(wanted: Float64Array, shown: Float64Array, near: Float64Array) -> Float64Array: ...
 def dmp_orientations(
     curve: DmpCurve,
     start_offset: Float64Array,

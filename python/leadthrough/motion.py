@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 from leadthrough import check, events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.events import Event
+from leadthrough.events import Event, Events
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +102,19 @@ class JointTrajectory:
 
 
 Motion = Trajectory | PoseTrajectory | JointTrajectory
+AnyMotion = TypeVar("AnyMotion", Trajectory, PoseTrajectory, JointTrajectory)
+
+
+def computed(kind: type[AnyMotion], *, events: Events, **arrays: Float64Array) -> AnyMotion:
+    """A motion of arrays just computed, which hold all that its constructor checks or makes true.
+
+    They are not copied, and become read-only. events: sorted, inside the motion's times.
+    """
+    motion = object.__new__(kind)
+    for array in arrays.values():
+        array.setflags(write=False)
+    vars(motion).update(arrays, events=events)
+    return motion
 
 
 @dataclass(frozen=True, eq=False)

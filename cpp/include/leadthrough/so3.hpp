@@ -23,10 +23,17 @@ Quaternion exp(const Vector3& rotation_vector);
 Vector3 log(const Quaternion& quaternion);
 
 // The rotation of b followed by that of a.
-Quaternion compose(const Quaternion& a, const Quaternion& b);
+inline Quaternion compose(const Quaternion& a, const Quaternion& b) {
+  return {a[0] * b[0] - (a[1] * b[1] + a[2] * b[2] + a[3] * b[3]),
+          a[0] * b[1] + b[0] * a[1] + (a[2] * b[3] - a[3] * b[2]),
+          a[0] * b[2] + b[0] * a[2] + (a[3] * b[1] - a[1] * b[3]),
+          a[0] * b[3] + b[0] * a[3] + (a[1] * b[2] - a[2] * b[1])};
+}
 
 // The inverse of a unit quaternion.
-Quaternion inverse(const Quaternion& quaternion);
+inline Quaternion inverse(const Quaternion& quaternion) {
+  return {quaternion[0], -quaternion[1], -quaternion[2], -quaternion[3]};
+}
 
 // Geodesic distance in rad, from 0 to pi, blind to the quaternions' signs.
 double distance(const Quaternion& a, const Quaternion& b);

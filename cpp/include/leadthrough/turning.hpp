@@ -28,6 +28,12 @@ struct Offsets {
   so3::Vector3 start, goal;  // rotation vectors, base frame
 };
 
+// The rotation vector that turns `shown` into `wanted`, of those, 2 pi apart on a line, the one
+// nearest to `near`; near 0, the shortest. Half a turn is about the axis whose first coordinate
+// that is not 0 is positive.
+so3::Vector3 offset_between(const so3::Quaternion& wanted, const so3::Quaternion& shown,
+                            const so3::Vector3& near);
+
 so3::Quaternion orientation_at(const Curve& curve, const Offsets& offsets, double phase,
                                const so3::Vector3& value);
 
@@ -51,8 +57,9 @@ Coordinates coordinates_of(const Curve& curve, const Offsets& offsets, double ph
 so3::Vector3 coordinate_push(const Curve& curve, const Offsets& offsets, double phase,
                              const so3::Vector3& value, const so3::Vector3& angular);
 
+// One row a phase, sign-continuous. The last three columns of the values are the coordinates.
 so3::Quaternions orientations_at(const Curve& curve, const Offsets& offsets,
                                  const Eigen::Ref<const Vector>& phases,
-                                 const Eigen::Ref<const so3::Vectors>& values);
+                                 const Eigen::Ref<const Rows>& values);
 
 }  // namespace leadthrough::dmp

@@ -29,9 +29,9 @@ from leadthrough.models.query import (
     ends_of,
 )
 from leadthrough.models.regression import REGRESSIONS, fit
-from leadthrough.models.sampling import even_times
+from leadthrough.models.sampling import even_phases
 from leadthrough.models.springs import FORMS, Springs
-from leadthrough.motion import Demonstration, JointTrajectory, Trajectory
+from leadthrough.motion import Demonstration, JointTrajectory, Trajectory, computed
 from leadthrough.shapes import Shape
 
 
@@ -131,13 +131,12 @@ class DMPSkill:
             start_velocity=start_velocity,
             final_velocity=final_velocity,
         )
-        times = even_times(state.duration, step)
-        positions, slopes = roll(
-            self.springs, state, times / times[-1], around=around, size=self.size
-        )
-        happening = events.moved(self.events, (0.0, 1.0), times[[0, -1]])
+        phases = even_phases(state.duration, step)
+        positions, slopes = roll(self.springs, state, phases, around=around, size=self.size)
+        times = state.duration * phases
+        happening = events.moved(self.events, (0.0, 1.0), (0.0, state.duration))
         if self.joint_names is None:
-            return Trajectory(times, positions, happening)
+            return computed(Trajectory, times=times, positions=positions, events=happening)
         velocities = slopes / state.duration
         return JointTrajectory(times, positions, velocities, None, self.joint_names, happening)
 

@@ -30,10 +30,10 @@ from leadthrough.models.query import (
     ends_of,
 )
 from leadthrough.models.regression import REGRESSIONS, fit
-from leadthrough.models.sampling import even_times
+from leadthrough.models.sampling import even_phases
 from leadthrough.models.springs import Ends, Springs
 from leadthrough.models.turning import REPRESENTATIONS, Turning
-from leadthrough.motion import Demonstration, PoseTrajectory
+from leadthrough.motion import Demonstration, PoseTrajectory, computed
 from leadthrough.shapes import Shape
 
 Offsets = tuple[Float64Array, Float64Array]
@@ -137,15 +137,19 @@ class PoseDMPSkill:
             start_velocity=start_velocity,
             final_velocity=final_velocity,
         )
-        times = even_times(state.duration, step)
-        phases = times / times[-1]
+        phases = even_phases(state.duration, step)
         values, _ = roll(self.springs, state, phases, around=around, size=self.size)
         offsets = state.start_offset, state.goal_offset
-        turned = self.turning.orientations(phases, np.ascontiguousarray(values[:, 3:]), offsets)
+        turned = self.turning.orientations(phases, values, offsets)
         if self.model.orientation == "lifted":
             self._check_spin(turned, offsets)
-        happening = events.moved(self.events, (0.0, 1.0), times[[0, -1]])
-        return PoseTrajectory(times, values[:, :3], turned, happening)
+        return computed(
+            PoseTrajectory,
+            times=state.duration * phases,
+            positions=values[:, :3].copy(),
+            orientations=turned,
+            events=events.moved(self.events, (0.0, 1.0), (0.0, state.duration)),
+        )
 
     def begin(
         self,
@@ -336,7 +340,7 @@ def _replayed_angle(skill: PoseDMPSkill, shown: MeanMotion) -> float:
     values, _ = _core.dmp_rollout(
         skill.springs.forces, state.course, state.value, state.slope, shown.phases
     )
-    made = skill.turning.orientations(shown.phases, np.ascontiguousarray(values[:, 3:]))
+    made = skill.turning.orientations(shown.phases, values)
     worst = float(rotations.distance(made, shown.orientations).max())
     if worst > _SPIN:
         raise FitError(

@@ -240,7 +240,7 @@ class RhythmicPoseDMPSkill:
             self.springs.forces, state.course, state.value, state.slope, phases
         )
         offsets = state.start_offset, state.goal_offset
-        turned = self.turning.orientations(phases, np.ascontiguousarray(values[:, 3:]), offsets)
+        turned = self.turning.orientations(phases, values, offsets)
         happening = _in_every_round(self.events, times, state.duration)
         return PoseTrajectory(times, values[:, :3], turned, happening)
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import sys
+
 import numpy as np
 
 from leadthrough.check import Float64Array
@@ -11,13 +14,22 @@ from leadthrough.errors import InvalidInput
 MOST_SAMPLES = 10_000_000
 # A duration of n steps of dt has n steps, whatever the quotient rounds to.
 _ROUNDING = 1e-9
+# Shorter steps have few digits left, and times would not rise.
+_SHORTEST = sys.float_info.min  # s
 
 
 def even_times(duration: float, dt: float) -> Float64Array:
     """Times (n,) from 0 to `duration`, at most `dt` apart, both s. Raises InvalidInput."""
+    return duration * even_phases(duration, dt)
+
+
+def even_phases(duration: float, dt: float) -> Float64Array:
+    """Those times as shares (n,) of the duration, from 0 to 1. Raises InvalidInput."""
     if not duration / dt <= MOST_SAMPLES:
         raise InvalidInput(
             f"dt: expected at most {MOST_SAMPLES:.0e} samples in {duration:.6g} s, got {dt} s"
         )
-    steps = max(int(np.ceil(duration / dt - _ROUNDING)), 1)
-    return np.linspace(0.0, duration, steps + 1)
+    steps = max(math.ceil(duration / dt - _ROUNDING), 1)
+    if duration / steps < _SHORTEST:
+        raise InvalidInput(f"duration: expected one that floats can divide, got {duration} s")
+    return np.arange(steps + 1) / steps

@@ -45,8 +45,6 @@ _REFINEMENTS = 3
 # motion, which makes it smooth.
 _INTERVALS = 1000
 _SMOOTHING = 0.02
-# Of the two shortest ways to an offset of half a turn within this, a rule takes one.
-_HALF_TURN = 1e-9  # rad
 
 _IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 _NOTHING = np.zeros(3)
@@ -90,11 +88,11 @@ class Turning:
         """
         if self.representation == "euler":
             return _NOTHING, _NOTHING
-        last = _offset(goal, self.goal)
         if self.representation != "anchored":
+            last = _core.dmp_offset(goal, self.goal, _NOTHING)
             return last, last
-        first = _offset(start, self.start)
-        return first, _nearest(last, first if near is None else near)
+        first = _core.dmp_offset(start, self.start, _NOTHING)
+        return first, _core.dmp_offset(goal, self.goal, first if near is None else near)
 
     def coordinates(
         self,
@@ -119,7 +117,10 @@ class Turning:
         values: Float64Array,
         offsets: tuple[Float64Array, Float64Array] = (_NOTHING, _NOTHING),
     ) -> Float64Array:
-        """Orientations (n, 4) of coordinates (n, 3) at phases (n,)."""
+        """Orientations (n, 4), sign-continuous, at phases (n,).
+
+        values: (n, 3), or more columns, of which the last three are the coordinates.
+        """
         return _core.dmp_orientations(self.curve, *offsets, phases, values)
 
     def arrays(self) -> dict[str, Float64Array]:
@@ -265,22 +266,3 @@ def _speeds(
 def _covered(speeds: Float64Array) -> Float64Array:
     steps = 0.5 * (speeds[1:] + speeds[:-1]) / (len(speeds) - 1)
     return np.concatenate([[0.0], np.cumsum(steps)])
-
-
-def _offset(wanted: Float64Array, shown: Float64Array) -> Float64Array:
-    turn = rotations.compose(wanted[None], rotations.inverse(shown[None]))[0]
-    if abs(turn[0]) < 0.5 * _HALF_TURN:
-        axis = turn[1:][np.abs(turn[1:]) > _HALF_TURN]
-        turn = turn if axis[0] > 0.0 else -turn
-        turn[0] = abs(turn[0])
-    return np.asarray(rotations.log(turn[None])[0])
-
-
-def _nearest(vector: Float64Array, near: Float64Array) -> Float64Array:
-    """Of the rotation vectors of one rotation, which lie 2 pi apart on a line, the nearest."""
-    if not near.any():
-        return vector
-    angle = float(np.linalg.norm(vector))
-    axis = vector / angle if angle > 0.0 else near / np.linalg.norm(near)
-    turns = np.round((float(axis @ near) - angle) / (2.0 * np.pi))
-    return np.asarray(axis * (angle + 2.0 * np.pi * turns))
