@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from leadthrough import check
+from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io import npz
 from leadthrough.io.atomic import StrPath, replacing
@@ -42,3 +44,9 @@ def read(path: StrPath) -> tuple[str, dict[str, Any], dict[str, NDArray[Any]]]:
             f"path: {path} is of format version {version}, this leadthrough reads up to {VERSION}"
         )
     return kind, settings, arrays
+
+
+def quaternions(arrays: Arrays, name: str, *, shape: Sequence[int | str]) -> Float64Array:
+    """Unit quaternions of a file, as they were to the bit. Raises KeyError, InvalidInput."""
+    check.quaternions(arrays[name], name, shape=shape)
+    return check.frozen(arrays[name], name, shape=shape)

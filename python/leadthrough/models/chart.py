@@ -17,6 +17,7 @@ from leadthrough import check, events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput
 from leadthrough.events import Event
+from leadthrough.models.archive import quaternions
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
 
 _NODES = 201  # of the reference orientation over the phase
@@ -123,14 +124,12 @@ class Chart:
     @staticmethod
     def from_archive(settings: dict[str, Any], arrays: Any) -> Chart:
         """The chart that `settings` and `arrays` took apart. Raises KeyError, InvalidInput."""
-        reference = arrays.get("reference")
+        shape = (_NODES, 4)
         return Chart(
             check.choice(settings["chart"], "chart", _TYPES),
             check.integer(settings["size"], "size", at_least=1),
             tuple(settings["joint_names"]),
-            None
-            if reference is None
-            else check.quaternions(reference, "reference", shape=(_NODES, 4)),
+            quaternions(arrays, "reference", shape=shape) if "reference" in arrays else None,
             events.from_plain(settings.get("events", ())),
         )
 

@@ -36,7 +36,9 @@ FORMS = ("blended", "hoffmann", "ijspeert")
 RHYTHMIC = "rhythmic"  # r is the centre of the motion, and the force repeats
 
 RATE = 12.5  # per unit of phase: alpha = 25, beta = 6.25
-_BLEND = np.array([0.0, 0.0, 0.0, 10.0, -15.0, 6.0])  # minimum jerk from 0 to 1
+# Of minimum jerk, the powers 3 to 5 that a distance and the slopes at both ends ask for.
+_MINIMUM_JERK = np.array([[10.0, -6.0, -4.0], [-15.0, 8.0, 7.0], [6.0, -3.0, -3.0]])
+_BLEND = np.append(np.zeros(3), _MINIMUM_JERK[:, 0])  # from 0 to 1
 
 Via = Sequence[tuple[float, Float64Array]]
 
@@ -52,7 +54,12 @@ class Ends:
 
     def part(self, channels: slice) -> Ends:
         """Those of some of the channels."""
-        return Ends(*(value[channels] for value in vars(self).values()))
+        return Ends(
+            self.start[channels],
+            self.goal[channels],
+            self.start_slope[channels],
+            self.goal_slope[channels],
+        )
 
     def joined(self, other: Ends) -> Ends:
         """These channels followed by others."""
@@ -116,18 +123,17 @@ def course(form: str, ends: Ends, via: Via = (), *, amplitude: float = 1.0) -> _
 
     via: (phase, offset (channels,)) from the motion that there would be without.
     """
-    distance = ends.goal - ends.start
-    gain = np.full_like(distance, amplitude)
-    drive = np.zeros_like(distance)
-    reference = np.zeros((6, len(distance)))
+    count = len(ends.goal)
+    gain, drive = np.full(count, amplitude), np.zeros(count)
     if form == "blended":
         reference = minimum_jerk(ends)
     else:
+        reference = np.zeros((6, count))
         reference[0] = ends.goal
     if form == "hoffmann":
-        drive = -(RATE**2) * distance
+        drive = -(RATE**2) * (ends.goal - ends.start)
     elif form == "ijspeert":
-        gain = distance
+        gain = ends.goal - ends.start
     breaks, coefficients = _with_via(reference, via)
     return _core.DmpCourse(breaks, coefficients, gain, drive)
 
@@ -148,18 +154,12 @@ def minimum_jerk(ends: Ends) -> Float64Array:
 
     Source: Flash and Hogan 1985.
     """
-    distance = ends.goal - ends.start
-    v0, v1 = ends.start_slope, ends.goal_slope
-    return np.array(
-        [
-            ends.start,
-            v0,
-            np.zeros_like(v0),
-            10.0 * distance - 6.0 * v0 - 4.0 * v1,
-            -15.0 * distance + 8.0 * v0 + 7.0 * v1,
-            6.0 * distance - 3.0 * v0 - 3.0 * v1,
-        ]
-    )
+    coefficients = np.zeros((6, len(ends.start)))
+    coefficients[0] = ends.start
+    coefficients[1] = ends.start_slope
+    told = np.array((ends.goal - ends.start, ends.start_slope, ends.goal_slope))
+    coefficients[3:] = _MINIMUM_JERK @ told
+    return coefficients
 
 
 def _with_via(reference: Float64Array, via: Via) -> tuple[Float64Array, Float64Array]:

@@ -21,7 +21,7 @@ wrongly.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -32,6 +32,7 @@ from scipy.ndimage import uniform_filter1d
 from leadthrough import _core, check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, NoContinuousLogarithm
+from leadthrough.models.archive import quaternions
 
 REPRESENTATIONS = ("anchored", "lifted", "log", "euler")
 
@@ -138,27 +139,21 @@ class Turning:
         representation: str, arrays: Mapping[str, Any], *, rhythmic: bool = False
     ) -> Turning:
         """The one whose `arrays` these are. Raises KeyError, InvalidInput."""
-        controls = _rotations(arrays["controls"], shape=("n", 4))
+        controls = quaternions(arrays, "controls", shape=("n", 4))
         if len(controls) < 4:
             raise ValueError("too few controls")
         return Turning(
             representation,
             controls,
             check.frozen(arrays["speeds"], "speeds", shape=(_INTERVALS + 1,)),
-            _rotations(arrays["start_orientation"], shape=(4,)),
-            _rotations(arrays["goal_orientation"], shape=(4,)),
+            quaternions(arrays, "start_orientation", shape=(4,)),
+            quaternions(arrays, "goal_orientation", shape=(4,)),
             check.number(arrays["angle"], "angle", at_least=0.0),
             rhythmic,
         )
 
     def __getstate__(self) -> dict[str, Any]:  # the curve is made again
         return {name: value for name, value in vars(self).items() if name != "curve"}
-
-
-def _rotations(value: Any, *, shape: Sequence[int | str]) -> Float64Array:
-    """Quaternions of a file, to the bit. Raises InvalidInput."""
-    check.quaternions(value, "orientations", shape=shape)
-    return check.frozen(value, "orientations", shape=shape)
 
 
 def learn(
