@@ -11,6 +11,7 @@ PYBIND11_MODULE(_core, module) {
   leadthrough::bind_gaussian(module);
   leadthrough::bind_ik(module);
   leadthrough::bind_jacobian(module);
+  leadthrough::bind_jerk_filter(module);
   leadthrough::bind_priority(module);
   leadthrough::bind_so3(module);
   leadthrough::bind_time_law(module);

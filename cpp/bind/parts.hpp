@@ -15,6 +15,7 @@ void bind_field(pybind11::module_& module);
 void bind_gaussian(pybind11::module_& module);
 void bind_ik(pybind11::module_& module);
 void bind_jacobian(pybind11::module_& module);
+void bind_jerk_filter(pybind11::module_& module);
 void bind_priority(pybind11::module_& module);
 void bind_so3(pybind11::module_& module);
 void bind_time_law(pybind11::module_& module);

@@ -21,7 +21,7 @@ from leadthrough.trajectories.interpolation import (
     smooth,
     smoothing,
 )
-from leadthrough.trajectories.jerk_filter import JerkFilter, JerkFilterState
+from leadthrough.trajectories.jerk_filter import JerkFilter
 from leadthrough.trajectories.minimum_jerk import State, minimum_jerk, minimum_jerk_through
 from leadthrough.trajectories.point_to_point import point_to_point
 from leadthrough.trajectories.polynomial import Lagrange, chebyshev_nodes, osculating
@@ -30,6 +30,7 @@ from leadthrough.trajectories.profiles import double_s, trapezoid
 from leadthrough.trajectories.rotation_curve import RotationBezier, RotationCurve, Slerp, Squad
 from leadthrough.trajectories.rotation_spline import RotationSpline
 from leadthrough.trajectories.spline import Spline
+from leadthrough.trajectories.straight_filter import LineState, StraightFilter
 
 __all__ = [
     "BSpline",
@@ -38,8 +39,8 @@ __all__ = [
     "FilterState",
     "FirstOrderFilter",
     "JerkFilter",
-    "JerkFilterState",
     "Lagrange",
+    "LineState",
     "Nurbs",
     "PoseCurve",
     "RotationBezier",
@@ -50,6 +51,7 @@ __all__ = [
     "Spline",
     "Squad",
     "State",
+    "StraightFilter",
     "TimeOptimalFilter",
     "chebyshev_nodes",
     "clamped_cubic",

@@ -25,7 +25,10 @@ _SHORTEST_PERIOD, _LONGEST_PERIOD = 1e-7, 1e5
 
 @dataclass(frozen=True, eq=False)
 class FilterState:
-    """Where a reference is, how fast, and how its speed changed in the last step: (d,) each."""
+    """Where a reference is, how fast, and how fast its speed changes: (d,) each.
+
+    Filters that bound no jerk give the mean of the last step for an acceleration, and need none.
+    """
 
     position: Float64Array
     velocity: Float64Array

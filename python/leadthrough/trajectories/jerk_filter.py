@@ -1,82 +1,119 @@
-"""A time-optimal reference with bounded jerk: the one of second order, averaged.
+"""The fastest way to rest at a target inside limits of velocity, acceleration and jerk, stepped.
 
-The mean of the last N samples has the velocities and accelerations of these samples' means, inside
-the same limits; its acceleration changes in a period T by at most 2 a / N, so that N = 2 a / (j T)
-keeps the jerk below j. It comes to rest on its target N samples after what it averages, and
-neither passes it nor chatters.
-Source: Biagiotti and Melchiorri 2012, "FIR filters for online trajectory planning".
+In every period the reference ramps towards its highest velocity for as long as a stop that begins
+then ends before the target, and stops from there: it needs no more than the present state, so that
+targets may change at any time. Each motion is the time-optimal one, its samples lie on it exactly,
+whatever the period, and the last of them is the target: nothing overshoots but what cannot stop in
+time, and nothing chatters.
+
+A state outside of the limits comes back: an acceleration at the jerk's limit, a velocity by the
+fastest ramp to its own. So does a velocity that its acceleration is bound to carry over a limit.
+Source: the problem is that of Lo Bianco and Ghilardelli 2014, whose law switches on a sliding
+surface; this one is Castain and Paul's, 1984, "An on-line dynamic trajectory generator".
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from leadthrough import check
+from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.trajectories.filters import (
-    FilterState,
-    TimeOptimalFilter,
-    check_period,
-    rate_limit,
-)
+from leadthrough.trajectories.filters import FilterState, check_period, limit_for, rate_limit
 
-_MOST_SAMPLES = 100_000
-
-
-@dataclass(frozen=True, eq=False)
-class JerkFilterState(FilterState):
-    """The averaged reference; inner: the last one of second order; recent: (N, 3, d) of these."""
-
-    inner: FilterState
-    recent: Float64Array
+_RATES = ("velocity", "acceleration", "jerk")
+# Beyond it sums of cubes lose all digits.
+_LARGEST = 1e12
 
 
 @dataclass(frozen=True, eq=False)
 class JerkFilter:
-    """To rest at a target inside limits of velocity, acceleration and jerk, > 0, every period, s.
+    """To rest at a target inside three limits, > 0: (d,) or one number for all.
 
-    Limits: (d,) or one number for all. Raises InvalidInput.
+    velocity_down, acceleration_down, jerk_down: limits, > 0, in the other direction, where they
+    differ. Raises InvalidInput.
     """
 
     velocity: Any
     acceleration: Any
     jerk: Any
-    period: float
-    samples: int = field(init=False)
+    velocity_down: Any = None
+    acceleration_down: Any = None
+    jerk_down: Any = None
 
     def __post_init__(self) -> None:
-        inner = TimeOptimalFilter(self.velocity, self.acceleration)
-        jerk, period = rate_limit(self.jerk, "jerk"), check_period(self.period)
-        ratio = float(np.max(2.0 * inner.acceleration / jerk)) / period
-        if ratio > _MOST_SAMPLES:
-            raise InvalidInput(f"jerk: expected limits that {_MOST_SAMPLES} samples can keep")
-        object.__setattr__(self, "jerk", jerk)
-        object.__setattr__(self, "period", period)
-        object.__setattr__(self, "samples", max(1, math.ceil(ratio - 1e-9)))
+        for name in _RATES:
+            object.__setattr__(self, name, rate_limit(getattr(self, name), name))
+            down = getattr(self, f"{name}_down")
+            limit = getattr(self, name) if down is None else rate_limit(down, f"{name}_down")
+            object.__setattr__(self, f"{name}_down", limit)
 
-    def at_rest(self, position: Any) -> JerkFilterState:
-        """The state at rest at a position (d,). Raises InvalidInput."""
-        inner = FilterState.at_rest(position)
-        rows = np.stack([inner.position, inner.velocity, inner.acceleration])
-        return self._state(inner, np.repeat(rows[None], self.samples, axis=0))
+    def step(self, state: FilterState, target: Any, period: float) -> FilterState:
+        """The state one period, s, on, each dimension on its way to the target (d,).
 
-    def step(self, state: JerkFilterState, target: Any) -> JerkFilterState:
-        """The state one period on, towards a target (d,). Raises InvalidInput."""
-        if not isinstance(state, JerkFilterState) or len(state.recent) != self.samples:
-            raise InvalidInput("state: expected one of this filter; begin with at_rest")
+        Raises InvalidInput.
+        """
+        states, limits, goal = self._checked(state, target)
+        return _state(_core.step_each(states, limits, goal, check_period(period)))
+
+    def step_together(self, state: FilterState, target: Any, period: float) -> FilterState:
+        """The same, but all dimensions come to rest at once: when the slowest of them can.
+
+        The others keep so low a speed on their way. One that has to stop on its target at full
+        braking, or passes it before it can stop, may be there before.
+        Raises InvalidInput.
+        """
+        states, limits, goal = self._checked(state, target)
+        return _state(_core.step_together(states, limits, goal, check_period(period)))
+
+    def durations(self, state: FilterState, target: Any) -> Float64Array:
+        """The times (d,) s that `step` takes to rest at the target (d,). Raises InvalidInput."""
+        return np.asarray(_core.times_to_rest(*self._checked(state, target)))
+
+    def resting_place(self, state: FilterState) -> Float64Array:
+        """Where (d,) each dimension rests if it stops at once. Raises InvalidInput."""
+        states, limits, _ = self._checked(state, getattr(state, "position", ()))
+        return np.asarray(_core.resting_places(states, limits))
+
+    def along(self, direction: Any) -> JerkFilter:
+        """The filter of a place on a line of direction (d,): all dimensions keep their limits.
+
+        One that does not move does not bind. Raises InvalidInput.
+        """
+        u = check.array(direction, "direction", shape=("d",))
+        if not u.any():  # any limit does, where nothing moves
+            return JerkFilter(1.0, 1.0, 1.0)
+        limits = self._limits(u).reshape(3, 2, len(u))  # rate, low and high, dimension
+        with np.errstate(divide="ignore"):
+            shares = np.abs(limits / u)
+        shares[:, :, u == 0.0] = np.inf
+        forwards = np.where(u > 0.0, shares[:, 1], shares[:, 0]).min(axis=1)
+        backwards = np.where(u > 0.0, shares[:, 0], shares[:, 1]).min(axis=1)
+        return JerkFilter(*forwards, *backwards)
+
+    def _checked(
+        self, state: FilterState, target: Any
+    ) -> tuple[Float64Array, Float64Array, Float64Array]:
+        """States (3, d), limits (6, d), low and high, and targets (d,)."""
+        if not isinstance(state, FilterState):
+            raise InvalidInput(f"state: expected a FilterState, got {type(state).__name__}")
+        states = np.stack([state.position, state.velocity, state.acceleration])
         goal = check.array(target, "target", shape=state.position.shape)
-        filtered = TimeOptimalFilter(self.velocity, self.acceleration)
-        inner = filtered.step(state.inner, goal, self.period)
-        row = np.stack([inner.position, inner.velocity, inner.acceleration])
-        return self._state(inner, np.concatenate([state.recent[1:], row[None]]))
+        limits = self._limits(state.position)
+        if max(np.abs(x).max(initial=0.0) for x in (states, limits, goal)) > _LARGEST:
+            raise InvalidInput(f"state, target and limits: expected numbers up to {_LARGEST:g}")
+        return states, limits, goal
 
-    @staticmethod
-    def _state(inner: FilterState, recent: Float64Array) -> JerkFilterState:
-        # About the last sample, so that equal samples have exactly their own value for a mean.
-        means = recent[-1] + (recent - recent[-1]).mean(axis=0)
-        return JerkFilterState(means[0], means[1], means[2], inner, recent)
+    def _limits(self, x: Float64Array) -> Float64Array:
+        rows = []
+        for name in _RATES:
+            for sign, side in ((-1.0, f"{name}_down"), (1.0, name)):
+                rows.append(sign * limit_for(getattr(self, side), side, x))
+        return np.stack(rows)
+
+
+def _state(rows: Float64Array) -> FilterState:
+    return FilterState(rows[0], rows[1], rows[2])

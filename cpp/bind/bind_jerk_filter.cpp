@@ -1,0 +1,54 @@
+#include <pybind11/eigen.h>
+
+#include "leadthrough/jerk_filter.hpp"
+#include "parts.hpp"
+
+namespace py = pybind11;
+
+namespace leadthrough {
+
+namespace {
+
+using Columns = Eigen::Ref<const AxisColumns>;
+
+void require_axes(const Columns& states, const Columns& limits, const AxisTargets& targets) {
+  require(states.rows() == 3 && limits.rows() == 6 && limits.cols() == states.cols() &&
+          targets.size() == states.cols());
+}
+
+}  // namespace
+
+void bind_jerk_filter(py::module_& module) {
+  module.def(
+      "resting_places",
+      [](const Columns& states, const Columns& limits) {
+        require(states.rows() == 3 && limits.rows() == 6 && limits.cols() == states.cols());
+        const py::gil_scoped_release release;
+        return resting_places({states, limits});
+      },
+      py::arg("states").noconvert(), py::arg("limits").noconvert());
+  module.def(
+      "times_to_rest",
+      [](const Columns& states, const Columns& limits, const AxisTargets& targets) {
+        require_axes(states, limits, targets);
+        const py::gil_scoped_release release;
+        return times_to_rest({states, limits}, targets);
+      },
+      py::arg("states").noconvert(), py::arg("limits").noconvert(), py::arg("targets").noconvert());
+  const auto def_step = [&](const char* name, auto step) {
+    module.def(
+        name,
+        [step](const Columns& states, const Columns& limits, const AxisTargets& targets,
+               double period) {
+          require_axes(states, limits, targets);
+          const py::gil_scoped_release release;
+          return step({states, limits}, targets, period);
+        },
+        py::arg("states").noconvert(), py::arg("limits").noconvert(),
+        py::arg("targets").noconvert(), py::arg("period"));
+  };
+  def_step("step_each", &step_each);
+  def_step("step_together", &step_together);
+}
+
+}  // namespace leadthrough

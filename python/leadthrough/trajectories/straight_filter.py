@@ -1,0 +1,93 @@
+"""A reference that goes straight to its target, all dimensions at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from leadthrough import check
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.trajectories.filters import FilterState
+from leadthrough.trajectories.jerk_filter import JerkFilter
+
+# A target so far off a line, relative to its distance, lies on it: rounding.
+_ON_THE_LINE = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class LineState(FilterState):
+    """A state on a line: its origin, unit direction (d,), and the state along it, (1,)."""
+
+    origin: Float64Array
+    direction: Float64Array
+    along: FilterState
+
+
+@dataclass(frozen=True, eq=False)
+class StraightFilter:
+    """To rest at a target along a straight line, inside the limits of every dimension.
+
+    A target that is changed in flight is approached on the same line if it lies on it; otherwise
+    the reference stops as fast as it may and leaves for it from there.
+    """
+
+    limits: JerkFilter
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.limits, JerkFilter):
+            what = type(self.limits).__name__
+            raise InvalidInput(f"limits: expected a JerkFilter, got {what}")
+
+    def step(self, state: FilterState, target: Any, period: float) -> LineState:
+        """The state one period, s, on, towards a target (d,).
+
+        state: at rest, or one that this function gave. Raises InvalidInput.
+        """
+        line = _on_a_line(state)
+        goal = check.array(target, "target", shape=line.position.shape)
+        place = _place(line, goal)
+        if place is None and not _moves(line.along):
+            line = _towards(line.position, goal)
+            place = _place(line, goal)
+        scalar = self.limits.along(line.direction)
+        stop = scalar.resting_place(line.along) if place is None else np.array([place])
+        along = scalar.step(line.along, stop, period)
+        there = place is not None and along.position[0] == place and not _moves(along)
+        moved = goal if there else line.origin + along.position * line.direction
+        velocity, acceleration = (
+            rate * line.direction for rate in (along.velocity, along.acceleration)
+        )
+        return LineState(moved, velocity, acceleration, line.origin, line.direction, along)
+
+
+def _on_a_line(state: Any) -> LineState:
+    if isinstance(state, LineState):
+        return state
+    if not isinstance(state, FilterState):
+        raise InvalidInput(f"state: expected a FilterState, got {type(state).__name__}")
+    if _moves(state):
+        raise InvalidInput("state: expected one at rest or one that this filter gave")
+    return _towards(state.position, state.position)
+
+
+def _towards(origin: Float64Array, goal: Float64Array) -> LineState:
+    """At rest at the origin of the line to a goal; there is no direction to where one is."""
+    way, still = goal - origin, np.zeros_like(origin)
+    length = float(np.linalg.norm(way))
+    direction = way / length if length > 0.0 else still
+    return LineState(origin, still, still, origin, direction, FilterState.at_rest([0.0]))
+
+
+def _place(line: LineState, goal: Float64Array) -> float | None:
+    """How far along the line a goal lies, if it lies on it."""
+    way = goal - line.origin
+    place = float(way @ line.direction)
+    off = np.abs(way - place * line.direction).max(initial=0.0)
+    return place if off <= _ON_THE_LINE * (abs(place) + np.abs(goal).max(initial=0.0)) else None
+
+
+def _moves(state: FilterState) -> bool:
+    return bool(state.velocity.any() or state.acceleration.any())
