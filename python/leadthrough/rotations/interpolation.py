@@ -54,27 +54,27 @@ def squad(times: Any, quaternions: Any, at: Any) -> Float64Array:
     t, samples = timed(times, quaternions, at_least=2)
     q = align_signs(samples)
     i, fractions = _places(t, at)
-    leaving, arriving = _controls(t, q, angular_velocity(t, q))
+    leaving, arriving = squad_controls(t, q)
     chord = _core.so3_slerp(q[i], q[i + 1], fractions)
     handle = _core.so3_slerp(leaving[i], arriving[i], fractions)
-    if not np.isfinite(handle).all():
-        raise InvalidInput("times: expected steps of similar length, got some far too uneven")
     return _core.so3_slerp(chord, handle, 2.0 * fractions * (1.0 - fractions))
 
 
-def _controls(
-    times: Float64Array, q: Float64Array, velocities: Float64Array
-) -> tuple[Float64Array, Float64Array]:
-    """Each interval's two inner quaternions, which give the curve its velocity at the ends.
+def squad_controls(times: Float64Array, q: Float64Array) -> tuple[Float64Array, Float64Array]:
+    """The two inner rotations of every step between samples, which make `squad` smooth at them.
 
     With d the turn of the chord and h omega that of the velocity, both in the base frame, squad
     leaves a sample with d + 2 log(leaving q^-1) and arrives with d - 2 log(arriving q^-1).
+    Raises InvalidInput.
     """
+    velocities = angular_velocity(times, q)
     turns = _core.so3_log(_core.so3_compose(q[1:], q[:-1] * [1.0, -1.0, -1.0, -1.0]))
     steps = np.diff(times)[:, None]
-    with np.errstate(over="ignore"):  # what is not finite is refused by squad
+    with np.errstate(over="ignore"):  # what is not finite is refused below
         outwards = _core.so3_exp(0.5 * (steps * velocities[:-1] - turns))
         inwards = _core.so3_exp(0.5 * (turns - steps * velocities[1:]))
+    if not (np.isfinite(outwards).all() and np.isfinite(inwards).all()):
+        raise InvalidInput("times: expected steps of similar length, got some far too uneven")
     return _core.so3_compose(outwards, q[:-1]), _core.so3_compose(inwards, q[1:])
 
 

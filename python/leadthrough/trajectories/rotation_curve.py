@@ -13,23 +13,22 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leadthrough import _core, check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.rotations.interpolation import squad_controls
 from leadthrough.trajectories import curve
+from leadthrough.trajectories.rotation_rates import Turning, slerp
 
-# Step of difference quotients, as a share of the domain: their error is the step squared for a
-# velocity, and what rounding leaves is 1e-16 over it.
-_STEP = 1e-5
-_STEP_TWICE = 3e-4
 _MOST_POINTS = 50
 # The shorter arc of two equal quaternions, rad: weights of a straight line to 1e-13.
 _LEAST_ARC = 1e-6
 
 
 class RotationCurve(ABC):
-    """What all curves of rotations can do; angular rates are difference quotients by default."""
+    """What all curves of rotations can do."""
 
     @property
     @abstractmethod
@@ -39,6 +38,10 @@ class RotationCurve(ABC):
     @abstractmethod
     def _rotations(self, t: Float64Array) -> Float64Array:
         """Quaternions (n, 4) at times (n,) of the domain."""
+
+    @abstractmethod
+    def _turning(self, t: Float64Array) -> Turning:
+        """The same, with angular velocities and accelerations."""
 
     @property
     def domain(self) -> tuple[float, float]:
@@ -52,33 +55,13 @@ class RotationCurve(ABC):
         """
         order = check.integer(derivative, "derivative", at_least=0, at_most=2)
         times = curve.times_inside(t, self.domain)
-        rates = (self._rotations, self._velocities, self._accelerations)
-        result = rates[order](np.atleast_1d(times))
+        at = np.atleast_1d(times)
+        if order == 0:
+            result = self._rotations(at)
+        else:
+            turning = self._turning(at)
+            result = turning.velocity if order == 1 else turning.acceleration
         return result if np.ndim(t) else result[0]
-
-    def _velocities(self, t: Float64Array) -> Float64Array:
-        before, after = self._around(t, _STEP)
-        return self._turns(before, after) / (after - before)[:, None]
-
-    def _accelerations(self, t: Float64Array) -> Float64Array:
-        before, after = self._around(t, _STEP_TWICE)
-        middle = 0.5 * (before + after)
-        out, back = self._turns(middle, after), self._turns(middle, before)
-        return (out + back) / ((after - middle) ** 2)[:, None]
-
-    def _around(self, t: Float64Array, share: float) -> tuple[Float64Array, Float64Array]:
-        """Times before and after, in the smooth stretch that begins at t or goes through it."""
-        i = np.clip(np.searchsorted(self.knots, t, side="right") - 1, 0, len(self.knots) - 2)
-        first, last = self.knots[i], self.knots[i + 1]
-        step = share * (last - first)
-        middle = np.clip(t, first + step, last - step)
-        return middle - step, middle + step
-
-    def _turns(self, a: Float64Array, b: Float64Array) -> Float64Array:
-        q = self._rotations(a)
-        return _core.so3_log(
-            _core.so3_compose(self._rotations(b), q * np.array([1.0, -1.0, -1.0, -1.0]))
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,21 +94,17 @@ class Slerp(RotationCurve):
         a, b = self.quaternions[i], self.quaternions[i + 1]
         return np.asarray(weights[0][:, None] * a + weights[1][:, None] * b)
 
-    def _velocities(self, t: Float64Array) -> Float64Array:
+    def _turning(self, t: Float64Array) -> Turning:
         turns = rotations.log(
             rotations.compose(self.quaternions[1:], rotations.inverse(self.quaternions[:-1]))
         )
         rates = (turns / np.diff(self.times)[:, None])[self._pieces(t)]
-        return np.broadcast_to(rates, (len(t), 3)).copy()
+        velocities = np.broadcast_to(rates, (len(t), 3)).copy()
+        return Turning(self._rotations(t), velocities, np.zeros((len(t), 3)))
 
     def _pieces(self, t: Float64Array) -> Any:
         """The piece of every time; where there is one only, as a number, which spares copies."""
-        if len(self.times) == 2:
-            return 0
-        return np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 2)
-
-    def _accelerations(self, t: Float64Array) -> Float64Array:
-        return np.zeros((len(t), 3))
+        return 0 if len(self.times) == 2 else _pieces(self.times, t)
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,10 +116,11 @@ class Squad(RotationCurve):
 
     times: Float64Array
     quaternions: Float64Array
+    _controls: tuple[Float64Array, Float64Array] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         _freeze(self)
-        self._rotations(self.times[:1])
+        object.__setattr__(self, "_controls", squad_controls(self.times, self.quaternions))
 
     @property
     def knots(self) -> Float64Array:
@@ -148,7 +128,28 @@ class Squad(RotationCurve):
         return self.times
 
     def _rotations(self, t: Float64Array) -> Float64Array:
-        return rotations.squad(self.times, self.quaternions, t)
+        (a, b, leaving, arriving), _, share = self._corners(t)
+        chord = _core.so3_slerp(a, b, share)
+        handle = _core.so3_slerp(leaving, arriving, share)
+        return _core.so3_slerp(chord, handle, 2.0 * share * (1.0 - share))
+
+    def _turning(self, t: Float64Array) -> Turning:
+        corners, steps, share = self._corners(t)
+        a, b, leaving, arriving = (Turning.still(corner) for corner in corners)
+        u, rate = share[:, None], 1.0 / steps[:, None]
+        along = (u, rate, np.zeros_like(u))
+        bent = (2.0 * u * (1.0 - u), 2.0 * (1.0 - 2.0 * u) * rate, -4.0 * rate**2)
+        return slerp(slerp(a, b, along), slerp(leaving, arriving, along), bent)
+
+    def _corners(
+        self, t: Float64Array
+    ) -> tuple[tuple[Float64Array, ...], Float64Array, Float64Array]:
+        """The samples and inner rotations beside each time, the step there and its share passed."""
+        i = _pieces(self.times, t)
+        leaving, arriving = self._controls
+        steps = self.times[i + 1] - self.times[i]
+        corners = self.quaternions[i], self.quaternions[i + 1], leaving[i], arriving[i]
+        return corners, steps, (t - self.times[i]) / steps
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,12 +178,28 @@ class RotationBezier(RotationCurve):
         return np.array(self.times)
 
     def _rotations(self, t: Float64Array) -> Float64Array:
-        first, last = self.times
-        shares = (t - first) / (last - first)
+        shares = self._shares(t)
         level = [np.repeat(q[None], len(t), axis=0) for q in self.quaternions]
         while len(level) > 1:
             level = [_core.so3_slerp(a, b, shares) for a, b in pairwise(level)]
         return level[0]
+
+    def _turning(self, t: Float64Array) -> Turning:
+        shares = self._shares(t)[:, None]
+        rate = np.full_like(shares, 1.0 / (self.times[1] - self.times[0]))
+        along = (shares, rate, np.zeros_like(shares))
+        level = [Turning.still(np.repeat(q[None], len(t), axis=0)) for q in self.quaternions]
+        while len(level) > 1:
+            level = [slerp(a, b, along) for a, b in pairwise(level)]
+        return level[0]
+
+    def _shares(self, t: Float64Array) -> Float64Array:
+        first, last = self.times
+        return (t - first) / (last - first)
+
+
+def _pieces(times: Float64Array, t: Float64Array) -> NDArray[np.intp]:
+    return np.clip(np.searchsorted(times, t, side="right") - 1, 0, len(times) - 2)
 
 
 def _freeze(rotation_curve: Slerp | Squad) -> None:

@@ -20,12 +20,11 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput
 from leadthrough.trajectories import curve
 from leadthrough.trajectories.rotation_curve import RotationCurve
+from leadthrough.trajectories.rotation_rates import Turning, drift, products, turning_of
 
 _MOST_ROUNDS = 200
 # Angular accelerations agree to this, relative to the largest velocity over the shortest step.
 _SETTLED = 1e-13
-# Step along phi' for the derivative of J, rad.
-_STEP = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,15 +70,13 @@ class RotationSpline(RotationCurve):
         i, (phi, _, _) = self._vectors(t)
         return rotations.compose(rotations.exp(phi), self.quaternions[i])
 
-    def _velocities(self, t: Float64Array) -> Float64Array:
-        _, (phi, slope, _) = self._vectors(t)
-        return _turned(rotations.left_jacobian(phi), slope)
+    def _turning(self, t: Float64Array) -> Turning:
+        i, vectors = self._vectors(t)
+        return Turning.still(self.quaternions[i]).then(turning_of(*vectors))
 
-    def _accelerations(self, t: Float64Array) -> Float64Array:
-        _, (phi, slope, bend) = self._vectors(t)
-        return _turned(rotations.left_jacobian(phi), bend) + _drift(phi, slope)
-
-    def _vectors(self, t: Float64Array) -> tuple[Any, tuple[Float64Array, ...]]:
+    def _vectors(
+        self, t: Float64Array
+    ) -> tuple[Any, tuple[Float64Array, Float64Array, Float64Array]]:
         """The piece of each time, and phi with two derivatives there."""
         i = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 2)
         s = (t - self.times[i])[:, None]
@@ -95,7 +92,7 @@ def _cubics(steps: Float64Array, turns: Float64Array, velocities: Float64Array) 
     """(pieces, 3, 3) coefficients of t, t^2 and t^3."""
     h = steps[:, None]
     start = velocities[:-1]
-    end = _turned(rotations.left_jacobian_inverse(turns), velocities[1:])
+    end = products(rotations.left_jacobian_inverse(turns), velocities[1:])
     return np.stack(
         [
             start,
@@ -151,21 +148,9 @@ def _matrix(steps: Float64Array, turns: Float64Array) -> Float64Array:
 def _right_side(steps: Float64Array, turns: Float64Array, velocities: Float64Array) -> Float64Array:
     h = steps[:, None]
     right = 6.0 * (turns[1:] / h[1:] ** 2 + turns[:-1] / h[:-1] ** 2)
-    arriving = _turned(rotations.left_jacobian_inverse(turns), velocities[1:])
-    right -= _drift(turns[:-1], arriving[:-1])
-    leaving = _turned(rotations.left_jacobian(turns), velocities[:-1])
+    arriving = products(rotations.left_jacobian_inverse(turns), velocities[1:])
+    right -= drift(turns[:-1], arriving[:-1])
+    leaving = products(rotations.left_jacobian(turns), velocities[:-1])
     right[0] -= 2.0 * leaving[0] / steps[0]
     right[-1] -= 2.0 * arriving[-1] / steps[-1]
     return np.asarray(right)
-
-
-def _turned(matrices: Float64Array, vectors: Float64Array) -> Float64Array:
-    return np.asarray(np.einsum("nij,nj->ni", matrices, vectors))
-
-
-def _drift(phi: Float64Array, slope: Float64Array) -> Float64Array:
-    """dJ/dt phi' (n, 3) where phi moves by its slope: a central difference along it."""
-    speed = np.linalg.norm(slope, axis=1, keepdims=True)
-    step = _STEP * slope / np.where(speed > 0.0, speed, 1.0)
-    change = rotations.left_jacobian(phi + step) - rotations.left_jacobian(phi - step)
-    return np.asarray(_turned(change, slope) * speed / (2.0 * _STEP))

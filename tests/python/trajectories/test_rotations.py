@@ -6,6 +6,7 @@ import pytest
 from leadthrough import PoseTrajectory, rotations
 from leadthrough import trajectories as tr
 from leadthrough.errors import InvalidInput
+from leadthrough.trajectories import rotation_rates
 
 TIMES = np.array([0.0, 0.7, 1.5, 1.9, 3.0, 4.0])
 Q = rotations.exp(np.cumsum(np.random.default_rng(0).normal(size=(6, 3)) * 0.5, axis=0))
@@ -36,16 +37,34 @@ def test_the_ends_are_met_and_quaternions_have_unit_length(make):
     assert rotations.distance(curve.evaluate([0.0, 4.0]), Q[[0, -1]]).max() < 1e-7
 
 
+def eighth_order(f, t, h):
+    """The derivative of f at t, with an error of h^8."""
+    weights = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
+    return sum(w * (f(t + k * h) - f(t - k * h)) for k, w in enumerate(weights, 1)) / h
+
+
 def test_angular_rates_are_those_of_the_rotations(make):
     curve = make(Q)
-    t, h = inner_times(curve), 1e-3
-    for at in t:
-        samples = at + h * np.arange(-2, 3)
-        q = curve.evaluate(samples)
-        velocity = rotations.angular_velocity(samples, q)[2]
-        acceleration = rotations.angular_acceleration(samples, q)[2]
-        np.testing.assert_allclose(curve.evaluate(at, 1), velocity, atol=1e-4)
-        np.testing.assert_allclose(curve.evaluate(at, 2), acceleration, atol=2e-2)
+
+    def matrix(t):
+        return rotations.to_matrix(curve.evaluate(np.atleast_1d(t)))
+
+    t = inner_times(curve)
+    spin = eighth_order(matrix, t, 4e-3) @ matrix(t).transpose(0, 2, 1)
+    velocities = np.stack([spin[:, 2, 1], spin[:, 0, 2], spin[:, 1, 0]], axis=1)
+    np.testing.assert_allclose(curve.evaluate(t, 1), velocities, atol=1e-9)
+    accelerations = eighth_order(lambda s: curve.evaluate(s, 1), t, 4e-3)
+    np.testing.assert_allclose(curve.evaluate(t, 2), accelerations, atol=1e-8)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-8, 1e-3, 0.3, 0.999999, 1.000001, 2.0, 3.1])
+def test_the_drift_of_the_jacobian_is_its_derivative_at_any_angle(angle):
+    rng = np.random.default_rng(3)
+    phi, slope = rng.normal(size=(2, 5, 3))
+    phi *= angle / np.linalg.norm(phi, axis=1, keepdims=True)
+    change = eighth_order(lambda t: rotations.left_jacobian(phi + t * slope), 0.0, 5e-3)
+    expected = np.einsum("nij,nj->ni", change, slope)
+    np.testing.assert_allclose(rotation_rates.drift(phi, slope), expected, atol=2e-12)
 
 
 def test_turning_all_rotations_turns_the_curve(make):
