@@ -128,8 +128,8 @@ def _deflated(head: dict[str, Any], arrays: Sequence[NDArray[Any]]) -> str:
 
 
 def _rounded(values: Float64Array) -> Float64Array:
-    """To 2^-14, 0.06 mm: finer than anyone sees, and it deflates to a half."""
-    return np.asarray(np.round(values * 2.0**14) / 2.0**14)
+    """To 2^-18, 4 um: needles of a fine mesh keep their shape, and it deflates well."""
+    return np.asarray(np.round(values * 2.0**18) / 2.0**18)
 
 
 def _extent(shown: Scene) -> dict[str, Any]:

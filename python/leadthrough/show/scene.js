@@ -90,7 +90,7 @@ uniform float opacity;
 out vec4 result;
 ${SHADOW}
 void main() {
-  vec3 n = normalize(facing), v = normalize(eye - place);
+  vec3 n = normalize(gl_FrontFacing ? facing : -facing), v = normalize(eye - place);
   vec3 base = pow(colour, vec3(2.2));
   float key = max(dot(n, sun), 0.0);
   if (key > 0.0) key *= sunlight(0.0025 + 0.004 * (1.0 - key));

@@ -31,18 +31,25 @@ def parts_by_link(document: str, mesh_folders: Sequence[str]) -> dict[str, list[
     """What can be drawn of each link of a URDF, links that look like nothing left out.
 
     A link's visual geometry, or its collision geometry where there is none or a mesh of it cannot
-    be read: a view should open all the same. The document is one that the arm has accepted.
+    be read: a view should open all the same. Shapes and meshes that are read without another
+    library come first, since they are small and clean. The document is one that the arm accepted.
     """
     robot = ElementTree.fromstring(document)
     colours = {name: colour for name, colour in map(_material, robot.findall("material")) if colour}
     found = {}
     for link in robot.findall("link"):
-        for kind in ("visual", "collision"):
+        kinds = sorted(("visual", "collision"), key=lambda kind: _needs_library(link, kind))
+        for kind in kinds:
             parts = _parts(link.findall(kind), mesh_folders, colours)
             if parts:
                 found[link.get("name", "")] = parts
                 break
     return found
+
+
+def _needs_library(link: ElementTree.Element, kind: str) -> bool:
+    files = [mesh.get("filename", "").lower() for mesh in link.findall(f"{kind}/geometry/mesh")]
+    return not all(file.endswith((".stl", ".obj")) for file in files)
 
 
 def _parts(

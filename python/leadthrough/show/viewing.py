@@ -34,12 +34,15 @@ def view(
     demonstrations: as they were shown. skill: its uncertainty is drawn as a tube; live, its goal
     and the obstacles may be dragged, and it plans anew. goal: as for `Replanner`. obstacles: in
     the arm's base frame. html: a file to write, which needs no server and no network; no page is
-    opened then. title: of that file, by default the robot's name. port: for the live page; 0 takes a free one.
+    opened then. title: of that file, by default the robot's name. port: for the
+    live page; 0 takes a free one.
     Raises InvalidInput, IkFailure; MissingDependency for the live page without the extra `view`.
     """
     shown = list(demonstrations)
     if html is not None:
-        made = whole_scene(arm, motion, shown, skill, goal, obstacles)
+        made = whole_scene(
+            arm, motion, demonstrations=shown, skill=skill, goal=goal, obstacles=obstacles
+        )
         page.write_page(html, title or arm._robot.name, page.scene(made), whole=True)
         return
     live = open_view(
@@ -65,13 +68,14 @@ def open_view(
     planner = None
     if skill is not None:
         planner = Replanner(arm, skill, goal=goal, obstacles=shapes, demonstrations=shown)
-    made = whole_scene(arm, motion, shown, skill, goal, shapes)
+    made = whole_scene(arm, motion, demonstrations=shown, skill=skill, goal=goal, obstacles=shapes)
     return LiveView(made, planner, port=port)
 
 
 def whole_scene(
     arm: Arm,
     motion: Motion | None,
+    *,
     demonstrations: Iterable[Demonstration],
     skill: Any,
     goal: Any,

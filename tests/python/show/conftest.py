@@ -1,0 +1,51 @@
+"""Scenes and browsers for the tests of what is shown."""
+
+import shutil
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+
+DOWN = (0.0, 1.0, 0.0, 0.0)
+FLAGS = [
+    "--no-sandbox", "--no-first-run", "--disable-quic", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync", "--ignore-gpu-blocklist",
+    "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+]  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def panda():
+    return lt.Arm.load("panda")
+
+
+@pytest.fixture(scope="session")
+def shown():
+    """Five hands carry something over a table, from its right to its left."""
+    rng = np.random.default_rng(1)
+    times = np.linspace(0.0, 4.0, 200)
+    share = 10 * (times / 4) ** 3 - 15 * (times / 4) ** 4 + 6 * (times / 4) ** 5
+    demonstrations = []
+    for _ in range(5):
+        first, last = np.array([[0.40, -0.38, 0.18], [0.50, 0.36, 0.22]]) + rng.normal(
+            0, 0.01, (2, 3)
+        )
+        path = first + np.outer(share, last - first)
+        path[:, 2] += rng.normal(0.25, 0.03) * np.sin(np.pi * share) ** 2
+        poses = lt.PoseTrajectory(times, path, np.tile(DOWN, (len(times), 1)))
+        demonstrations.append(lt.Demonstration(poses))
+    return demonstrations
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """A headless Chromium that draws WebGL in software."""
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if program is None:
+        pytest.skip("no chromium; ./do test installs it")
+    with sync_api.sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=program, args=FLAGS)
+        yield running
+        running.close()

@@ -1,0 +1,115 @@
+"""Scenes: surfaces in layers and links that move."""
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough.errors import InvalidInput
+from leadthrough.show import scene
+
+STICKS = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/>
+<joint name="one" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+<joint name="two" type="fixed"><parent link="b"/><child link="c"/><origin xyz="0.5 0 0"/></joint>
+</robot>"""
+
+
+def swing(arm, duration=2.0, count=50):
+    times = np.linspace(0.0, duration, count)
+    middle = 0.5 * (arm.limits.lower + arm.limits.upper)
+    q = middle + np.outer(0.3 * np.sin(times), np.ones(len(middle)))
+    return lt.JointTrajectory(times, q, joint_names=arm.joint_names)
+
+
+def test_tip_of_the_scene_goes_where_the_arm_goes(panda):
+    joints = swing(panda)
+    made = scene.arm_scene(panda, joints)
+    for time in (0.0, 0.7, 1.234, 2.0):
+        q = [np.interp(time, joints.times, column) for column in joints.positions.T]
+        position, _ = panda.forward_kinematics(np.array(q))
+        found, _ = made.poses_at(time)
+        assert np.allclose(found[made.links.index(panda.tip)], position, atol=1e-4)
+
+
+def test_poses_are_held_before_and_after_the_motion(panda):
+    made = scene.arm_scene(panda, swing(panda))
+    assert np.array_equal(made.poses_at(-1.0)[0], made.positions[0])
+    assert np.array_equal(made.poses_at(9.0)[0], made.positions[-1])
+
+
+def test_each_kind_of_thing_has_its_layer(panda, shown):
+    skill = lt.ProMP().fit(shown)
+    made = scene.arm_scene(
+        panda,
+        swing(panda),
+        demonstrations=shown,
+        skill=skill,
+        obstacles=[lt.Sphere(0.1, (1, 0, 0)), lt.Box((1, 1, 1), (2, 0, 0))],
+        goal=(0.4, 0.0, 0.4),
+    )
+    layers = [item.layer for item in made.items]
+    counts = {layer: layers.count(layer) for layer in dict.fromkeys(layers)}
+    assert counts.pop("arm") == 9
+    assert counts == {
+        "demonstrations": 5, "path": 1, "uncertainty": 1, "obstacles": 2, "goal": 1,
+    }  # fmt: skip
+
+
+def test_arm_without_a_motion_stands_in_the_middle_of_its_ranges(panda):
+    made = scene.arm_scene(panda, None)
+    middle = 0.5 * (panda.limits.lower + panda.limits.upper)
+    wanted, _ = panda.forward_kinematics(middle)
+    assert np.allclose(made.positions[0, made.links.index(panda.tip)], wanted)
+    assert not [item for item in made.items if item.layer == "path"]
+
+
+def test_arm_without_geometry_is_drawn_as_rods():
+    arm = lt.Arm.from_urdf(STICKS)
+    made = scene.arm_scene(arm, None)
+    reach = max(item.mesh.vertices[:, 0].max() for item in made.items)
+    assert reach == pytest.approx(0.5, abs=0.05)
+
+
+def test_long_motion_is_shown_in_no_more_pictures_than_one_can_see(panda):
+    made = scene.arm_scene(panda, swing(panda, 100.0, 100_000))
+    assert len(made.times) <= 1200
+    assert made.times[-1] == 100.0
+
+
+def test_held_object_is_drawn_at_the_tip(panda):
+    arm = panda.with_attached(lt.Box((0.1, 0.1, 0.1), (0, 0, 0.05)))
+    names = [item.name for item in scene.arm_scene(arm, None).items]
+    assert "attached 0" in names
+
+
+def test_spread_of_joints_is_brought_to_the_tip(panda):
+    rng = np.random.default_rng(3)
+    base = swing(panda)
+    shown = [
+        lt.Demonstration(
+            lt.JointTrajectory(base.times, base.positions + rng.normal(0, 0.05, 7), None, None,
+                               panda.joint_names)
+        )
+        for _ in range(20)
+    ]  # fmt: skip
+    mean, covariance = scene.distribution_of(panda, lt.ProMP().fit(shown))
+    tips = np.array([panda.forward_kinematics(each.motion.positions[0])[0] for each in shown])
+    assert np.allclose(mean[0], tips.mean(axis=0), atol=0.01)
+    spread, wanted = np.sqrt(np.diag(covariance[0])), tips.std(axis=0)
+    assert np.allclose(spread, wanted, rtol=0.35)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"joints": 3}, "joints: expected a JointTrajectory"),
+        ({"joints": lt.JointTrajectory([0, 1], np.zeros((2, 3)))}, "joints: expected panda_joint1"),
+        ({"goal": (1, 2)}, "goal: expected shape"),
+        ({"path": np.full((3, 3), np.nan)}, "path: expected finite"),
+        ({"demonstrations": [1]}, r"demonstrations\[0\]: expected a Demonstration"),
+        ({"obstacles": ["box"]}, "obstacles: expected Box"),
+    ],
+)
+def test_wrong_arguments_are_named(panda, arguments, said):
+    with pytest.raises(InvalidInput, match=said):
+        scene.arm_scene(panda, **{"joints": None, **arguments})
