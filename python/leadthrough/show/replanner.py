@@ -88,8 +88,8 @@ class Replanner:
 
     @property
     def has_goal(self) -> bool:
-        """Whether the skill honours a goal."""
-        return "goal" in self.skill.supports
+        """Whether the skill honours a goal where its motion ends; what goes round has none."""
+        return "goal" in self.skill.supports and not self.skill.kind.startswith("rhythmic")
 
     @property
     def parameters(self) -> list[Parameter]:

@@ -70,11 +70,11 @@ class Stage:
     def _set_up(self, shown: Scene) -> None:
         server = self._server
         server.gui.configure_theme(
-            control_layout="collapsible",
             show_logo=False,
             show_share_button=False,
             brand_color=to_bytes(palette.rgb(palette.PATH)),
         )
+        server.gui.main_panel.dock_right()
         server.scene.set_up_direction("+z")
         server.scene.world_axes.visible = False
         server.scene.add_grid(

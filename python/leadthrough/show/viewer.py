@@ -71,6 +71,11 @@ class LiveView:
         """The newest plan or preview; None before the first and without a replanner."""
         return self._answer
 
+    @property
+    def clients(self) -> dict[int, Any]:
+        """The browsers that look at the page, as viser has them."""
+        return dict(self._server.get_clients())
+
     def open(self) -> None:
         """Opens the page in the user's browser."""
         webbrowser.open(self.url)

@@ -1,0 +1,190 @@
+"""Both pages in headless Chromium: they draw, move, and answer to the mouse."""
+
+import io
+import re
+import time
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import leadthrough as lt
+from leadthrough.show import open_view, page, scene
+
+BOX = lt.Box((0.1, 0.1, 0.3), (0.55, 0.0, 0.15))
+SIZE = {"width": 800, "height": 520}
+PATIENCE = 20.0  # s, for software rendering on a busy machine
+ANGLES = "[...leadthrough.scenes[0].links.at(-1)].map((x) => +x.toFixed(6))"
+
+
+def picture(tab):
+    return np.asarray(Image.open(io.BytesIO(tab.screenshot())).convert("RGB"), float)
+
+
+def share_that_changed(before, after):
+    return float((np.abs(before - after).max(axis=2) > 12).mean())
+
+
+def has_colour(image, colour, tolerance=45):
+    return bool((np.abs(image - np.array(colour)).max(axis=2) < tolerance).any())
+
+
+def until(condition):
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.02)
+
+
+@contextmanager
+def opened(browser):
+    """A page in which no script fails."""
+    context = browser.new_context(viewport=SIZE)
+    tab = context.new_page()
+    tab.set_default_timeout(1e3 * PATIENCE)
+    problems = []
+    tab.on("pageerror", lambda error: problems.append(str(error)))
+    yield tab
+    context.close()
+    assert problems == []
+
+
+@pytest.fixture(scope="module")
+def moving(panda, shown):
+    motion = lt.PoseDMP().fit(shown).generate(dt=0.05)
+    return scene.arm_scene(
+        panda,
+        panda.follow(motion),
+        demonstrations=shown,
+        obstacles=[BOX],
+        goal=motion.positions[-1],
+    )
+
+
+@pytest.fixture(scope="module")
+def html(browser, moving, tmp_path_factory):
+    path = tmp_path_factory.mktemp("page") / "a.html"
+    page.write_page(path, "Panda", page.scene(moving), whole=True)
+    asked = []
+    with opened(browser) as tab:
+        tab.on("request", lambda request: asked.append(request.url))
+        tab.goto(path.as_uri())
+        tab.wait_for_function("leadthrough.scenes.length && leadthrough.scenes[0].frames > 0")
+        tab.evaluate("leadthrough.scenes[0].play(false)")
+        yield tab
+    assert [url for url in asked if not url.startswith(("file:", "blob:"))] == []
+
+
+def seek(tab, time):
+    tab.evaluate(f"leadthrough.scenes[0].seek({time})")
+    tab.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def test_file_shows_the_arm_the_path_and_the_controls(html):
+    image = picture(html)
+    assert has_colour(image, (0, 114, 178))  # the path
+    assert has_colour(image, (220, 222, 224))  # the arm's shell
+    assert has_colour(image, (0, 158, 115), 60)  # the goal
+    for name in ("play", "time", "clock", "speed", "home"):
+        assert html.locator(f".{name}").is_visible()
+    layers = html.locator(".layers label").all_inner_texts()
+    assert layers == ["arm", "demonstrations", "path", "obstacles", "goal"]
+
+
+def test_arm_in_the_file_moves_as_the_scene_says(html, moving):
+    seek(html, 0.0)
+    first = picture(html)
+    seek(html, 2.5)
+    assert share_that_changed(first, picture(html)) > 0.02
+    columns = np.array(html.evaluate(ANGLES)).reshape(4, 4)
+    position, _ = moving.poses_at(2.5)
+    assert np.allclose(columns[3, :3], position[-1], atol=1e-4)
+
+
+def test_play_goes_on_and_the_slider_follows(html):
+    seek(html, 0.0)
+    html.locator(".play").click()
+    html.wait_for_function("leadthrough.scenes[0].time > 0.2")
+    html.locator(".play").click()
+    assert float(html.locator(".time").input_value()) > 0.2
+    assert re.match(r"\d\.\d\d / \d+\.\d\d s", html.locator(".clock").inner_text())
+
+
+def test_slider_sets_the_time(html):
+    html.locator(".time").fill("1.5")
+    assert html.evaluate("leadthrough.scenes[0].time") == pytest.approx(1.5)
+    assert html.evaluate("leadthrough.scenes[0].playing") is False
+
+
+def test_mouse_orbits_and_zooms(html):
+    before = picture(html)
+    html.mouse.move(400, 250)
+    html.mouse.down()
+    html.mouse.move(550, 280, steps=3)
+    html.mouse.up()
+    html.wait_for_function("leadthrough.scenes[0].azimuth < -1.5")
+    near = html.evaluate("leadthrough.scenes[0].distance")
+    html.mouse.wheel(0, -300)
+    html.wait_for_function(f"leadthrough.scenes[0].distance < {0.8 * near}")
+    assert share_that_changed(before, picture(html)) > 0.05
+
+
+def test_layer_is_hidden_by_its_box(html):
+    before = picture(html)
+    html.locator(".layers input[name=arm]").uncheck()
+    seek(html, 0.0)
+    assert share_that_changed(before, picture(html)) > 0.05
+
+
+@pytest.fixture(scope="module")
+def live(panda, shown):
+    view = open_view(panda, demonstrations=shown, skill=lt.PoseDMP().fit(shown), obstacles=[BOX])
+    yield view
+    view.close()
+
+
+@pytest.fixture(scope="module")
+def window(browser, live):
+    with opened(browser) as tab:
+        tab.goto(live.url)
+        tab.get_by_text("planned in").wait_for()
+        until(lambda: has_colour(picture(tab), (0, 114, 178), 70))
+        yield tab
+
+
+def test_live_page_shows_the_arm_and_the_controls_and_plays(window):
+    for label in ("play", "time, s", "speed", "duration, s", "weights", "obstacles"):
+        assert window.get_by_text(label, exact=True).is_visible()
+    before = picture(window)
+    until(lambda: share_that_changed(before[:, :480], picture(window)[:, :480]) > 0.01)
+
+
+def test_dragged_obstacle_replans(window, live):
+    handle = live.handles["obstacle 0"]
+    before = live.answer
+    client = next(iter(live.clients.values()))
+    at = np.add(handle.position, (0.0, 0.0, 0.13))  # on the arrow that points up
+    x, y = on_screen(client.camera, at)
+    window.mouse.move(x, y, steps=4)
+    window.mouse.down()
+    window.mouse.move(x, y - 60, steps=8)
+    window.mouse.up()
+    until(lambda: live.answer is not before and live.answer.verdict)
+    assert handle.position[2] > 0.2
+    assert not np.array_equal(live.answer.path[: len(before.path)], before.path)
+
+
+def test_weights_slider_replans(window, live):
+    before = live.answer
+    window.locator("input[type=text], input").last.fill("9")
+    window.keyboard.press("Enter")
+    until(lambda: live.answer is not before and live.answer.verdict)
+
+
+def on_screen(camera, point):
+    """Pixels of a point, by the camera's pose; its z axis looks ahead, y down."""
+    turned = lt.rotations.to_matrix(np.array(camera.wxyz)[None])[0]
+    x, y, z = turned.T @ (point - camera.position)
+    focus = 0.5 * camera.image_height / np.tan(0.5 * camera.fov)
+    return 0.5 * camera.image_width + focus * x / z, 0.5 * camera.image_height + focus * y / z

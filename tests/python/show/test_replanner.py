@@ -1,0 +1,160 @@
+"""Planning anew while things are dragged, without a window."""
+
+import time
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough.errors import InvalidInput
+from leadthrough.show.replanner import Replanner
+
+BOX = lt.Box((0.1, 0.1, 0.3), (0.55, 0.0, 0.15))
+MODELS = {
+    "map": lt.FastMarching(method="map"),
+    "fast marching": lt.FastMarching(),
+    "pose DMP": lt.PoseDMP(),
+    "ProMP": lt.ProMP(),
+    "GMR": lt.GMR(components=5),
+}
+
+
+@pytest.fixture(scope="module")
+def skills(shown):
+    return {name: model.fit(shown) for name, model in MODELS.items()}
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_dragged_goal_is_reached_in_preview_and_plan(name, skills, panda):
+    planner = Replanner(panda, skills[name], obstacles=[BOX])
+    goal = np.add(planner.goal_position, (0.05, 0.02, 0.05))
+    planner.move_goal(goal)
+    for answer in (planner.preview(), planner.plan()):
+        assert answer.trouble == ""
+        assert np.allclose(answer.path[-1], goal, atol=1e-3)
+        tip, _ = panda.forward_kinematics(answer.joints.positions[-1])
+        assert np.allclose(tip, goal, atol=1e-3)
+
+
+@pytest.mark.parametrize("name", ["map", "fast marching", "pose DMP"])
+def test_path_keeps_clear_of_a_dragged_obstacle(name, skills, panda):
+    planner = Replanner(panda, skills[name], obstacles=[BOX])
+    planner.move_obstacle(0, (0.5, 0.05, 0.3), lt.rotations.exp(np.array([[0.0, 0.0, 0.5]]))[0])
+    (box,) = planner.obstacles
+    for answer in (planner.preview(), planner.plan()):
+        assert box.distance(answer.path).min() > 0.0
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_preview_takes_less_than_a_tenth_of_a_second(name, skills, panda):
+    planner = Replanner(panda, skills[name], obstacles=[BOX])
+    planner.preview()
+    if name == "map":
+        assert 0.9e6 < np.prod(planner._live.grid.shape) < 1.2e6  # a workspace of 100^3
+    taken = []
+    for shift in np.linspace(0.0, 0.08, 7):
+        planner.move_obstacle(0, (0.55, shift, 0.15))
+        planner.move_goal(np.add(planner.goal_position, (0.0, 0.005, 0.0)))
+        begin = time.process_time()
+        assert planner.preview().trouble == ""
+        taken.append(time.process_time() - begin)
+    assert np.median(taken) < 0.1
+
+
+def test_arm_does_not_jump_while_one_drags(skills, panda):
+    planner = Replanner(panda, skills["pose DMP"], obstacles=[BOX])
+    before = planner.preview().joints.positions
+    for _ in range(5):
+        planner.move_goal(np.add(planner.goal_position, (0.0, 0.004, 0.0)))
+        after = planner.preview().joints.positions
+        assert np.abs(after[[0, -1]] - before[[0, -1]]).max() < 0.1
+        before = after
+
+
+def test_plan_says_what_a_check_of_the_arm_says(skills, panda):
+    planner = Replanner(panda, skills["ProMP"], obstacles=[lt.Sphere(0.05, (5.0, 0.0, 0.0))])
+    assert planner.preview().verdict == ""
+    assert planner.plan().verdict.startswith("clear by")
+    planner.move_obstacle(0, planner.goal_position)
+    assert planner.plan().verdict.startswith("hit")
+
+
+def test_goal_out_of_reach_is_trouble_and_the_path_is_still_there(skills, panda):
+    planner = Replanner(panda, skills["pose DMP"])
+    planner.move_goal((2.0, 0.0, 0.5))
+    answer = planner.plan()
+    assert "sample" in answer.trouble
+    assert answer.joints is None
+    assert len(answer.path) > 10
+
+
+def test_goal_in_an_obstacle_is_trouble(skills, panda):
+    planner = Replanner(panda, skills["map"], obstacles=[BOX])
+    planner.move_obstacle(0, planner.goal_position)
+    assert "obstacle" in planner.preview().trouble
+
+
+def test_goal_dragged_out_of_the_map_makes_a_larger_one(skills, panda):
+    planner = Replanner(panda, skills["map"])
+    planner.preview()
+    edge = (
+        planner._live.grid.origin[1] + planner._live.grid.shape[1] * planner._live.grid.spacing[1]
+    )
+    planner.move_goal((0.3, edge + 0.02, 0.4))
+    answer = planner.preview()
+    assert np.allclose(answer.path[-1], planner.goal_position)
+
+
+@pytest.mark.parametrize("name", ["fast marching", "pose DMP", "ProMP", "GMR"])
+def test_parameters_change_the_skill(name, skills, panda, shown):
+    planner = Replanner(panda, skills[name], demonstrations=shown, obstacles=[BOX])
+    before = planner.preview()
+    for i, parameter in enumerate(planner.parameters):
+        assert parameter.lower <= parameter.value <= parameter.upper
+        planner.set_parameter(i, parameter.upper)
+        assert planner.parameters[i].value == pytest.approx(parameter.upper)
+    after = planner.preview()
+    assert after.trouble == ""
+    assert not np.array_equal(before.path[:50], after.path[:50])
+
+
+def test_without_demonstrations_what_needs_a_fit_has_no_slider(skills, panda):
+    assert Replanner(panda, skills["ProMP"]).parameters == []
+    assert len(Replanner(panda, skills["map"]).parameters) == 2
+
+
+def test_goal_of_joints_is_dragged_by_the_tip(panda):
+    times = np.linspace(0.0, 2.0, 100)
+    q = np.outer(times, [0.2, 0.1, 0.0, 0.2, 0.0, 0.1, 0.0]) + np.array([0, 0, 0, -1.8, 0, 1.8, 0])
+    motion = lt.JointTrajectory(times, q, joint_names=panda.joint_names)
+    planner = Replanner(panda, lt.DMP().fit([lt.Demonstration(motion)]))
+    goal = np.add(planner.goal_position, (0.0, 0.05, 0.02))
+    planner.move_goal(goal)
+    assert np.allclose(planner.plan().path[-1], goal, atol=1e-4)
+
+
+def test_duration_is_kept(skills, panda):
+    planner = Replanner(panda, skills["map"])
+    planner.duration = 7.0
+    assert planner.preview().joints.duration == pytest.approx(7.0)
+
+
+def test_motion_that_goes_on_for_ever_has_no_goal(panda):
+    times = np.linspace(0.0, 4.0, 200)
+    circle = np.column_stack([0.5 + 0.05 * np.cos(np.pi * times), 0.05 * np.sin(np.pi * times)])
+    path = np.column_stack([circle, np.full(200, 0.3)])
+    skill = lt.RhythmicDMP().fit([lt.Demonstration(lt.Trajectory(times, path))])
+    assert not Replanner(panda, skill).has_goal
+
+
+def test_drawing_is_no_motion_of_an_arm(panda):
+    drawing = lt.Trajectory([0.0, 1.0, 2.0], [[0.0, 0.0], [1.0, 0.0], [2.0, 1.0]])
+    with pytest.raises(InvalidInput, match="in space"):
+        Replanner(panda, lt.DMP().fit([lt.Demonstration(drawing)]))
+
+
+@pytest.mark.parametrize(("index", "place"), [(1, (0, 0, 0)), (-1, (0, 0, 0)), (0, (0, np.nan, 0))])
+def test_wrong_moves_are_refused(index, place, skills, panda):
+    planner = Replanner(panda, skills["pose DMP"], obstacles=[BOX])
+    with pytest.raises(InvalidInput):
+        planner.move_obstacle(index, place)
