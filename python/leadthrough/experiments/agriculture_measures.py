@@ -14,7 +14,8 @@ import numpy as np
 from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.experiments.study import Row
-from leadthrough.motion import PoseTrajectory
+from leadthrough.motion import Demonstration, PoseTrajectory
+from leadthrough.preprocess import align_by_time_warping
 
 # The last three joints of a TIAGo at their limits of velocity, in line: 1.95 + 1.76 + 1.76 rad/s.
 FASTEST = 313.0  # degrees/s
@@ -27,7 +28,7 @@ _SPAN = 0.1  # s; over less, the way covered is that of tremor and encoder steps
 def judged(made: PoseTrajectory, recorded: PoseTrajectory) -> Row:
     """Errors of a motion against the recording at equal shares of their durations."""
     wanted = at_phases(recorded, (made.times - made.times[0]) / made.duration)
-    gaps = np.linalg.norm(made.positions - wanted.positions, axis=1)
+    away = np.linalg.norm(made.positions - wanted.positions, axis=1)
     angles = rotations.distance(made.orientations, wanted.orientations)
     coarse = at_phases(recorded, np.linspace(0.0, 1.0, int(recorded.duration / _SPAN) + 1))
     along = np.linalg.norm(np.diff(coarse.positions, axis=0), axis=1).sum()
@@ -35,11 +36,11 @@ def judged(made: PoseTrajectory, recorded: PoseTrajectory) -> Row:
     net_turn = float(_angles(coarse.orientations[[0, -1]])[0])
     steps = _angles(made.orientations) / np.diff(made.times)
     row = {
-        "npe": float(gaps.mean()) / net if net > _BACK_AT_START else None,
+        "npe": float(away.mean()) / net if net > _BACK_AT_START else None,
         "noe": float(angles.mean()) / net_turn if net_turn > _BACK_AT_START else None,
-        "npe_of_path": float(gaps.mean() / along),
+        "npe_of_path": float(away.mean() / along),
         "noe_of_angle": float(angles.mean() / _angles(coarse.orientations).sum()),
-        "rmse_m": float(np.sqrt((gaps**2).mean())),
+        "rmse_m": float(np.sqrt((away**2).mean())),
         "mean_deg": float(np.degrees(angles.mean())),
         "largest_deg": float(np.degrees(angles.max())),
         "end_deg": float(np.degrees(angles[-1])),
@@ -48,6 +49,25 @@ def judged(made: PoseTrajectory, recorded: PoseTrajectory) -> Row:
         "farthest_from_goal_deg": float(np.degrees(_from_goal(coarse).max())),
     }
     return row | {"succeeded": int(_succeeded(row))}
+
+
+def gaps(made: PoseTrajectory, shown: PoseTrajectory) -> Row:
+    """Mean and last distance of a motion from one shown, their timing aside.
+
+    A person never takes the same time twice: the motions are brought onto one clock.
+    """
+    pair = [Demonstration(motion) for motion in (shown, made)]
+    wanted, came = (each.motion for each in align_by_time_warping(pair, reference=0))
+    assert isinstance(wanted, PoseTrajectory)
+    assert isinstance(came, PoseTrajectory)
+    away = np.linalg.norm(came.positions - wanted.positions, axis=1)
+    turned = np.degrees(rotations.distance(came.orientations, wanted.orientations))
+    return {
+        "mean_m": float(away.mean()),
+        "mean_deg": float(turned.mean()),
+        "end_m": float(away[-1]),
+        "end_deg": float(turned[-1]),
+    }
 
 
 def at_phases(motion: PoseTrajectory, phases: Float64Array) -> PoseTrajectory:

@@ -8,9 +8,11 @@ with; "lifted", the paper's dynamic parameterisation; "anchored", ours. What the
 stands in `agriculture_measures`.
 
 Every reproduction is followed by the arm, slowed down into its limits and checked, the whole arm
-with its hand, against itself and the floor. Whole tasks are chained from their subtasks, each from
-where the last one ended, for targets on the grid and between. The gripper closes or opens where a
-subtask ends; its events keep their places when the arm slows down. Where a folder of recordings is
+with its hand, against itself and the floor; the redundant arm stays near how it stood in the
+demonstration. Whole tasks are chained from their subtasks, each from where the last one ended, for
+targets on the grid and between. The gripper closes or opens where a subtask ends; its events keep
+their places when the arm slows down. Between the targets, skills are looked up at the nearest one
+or interpolated, and held against what the person shows there. Where a folder of recordings is
 given, the motions of a real arm are learned and replayed too.
 """
 
@@ -24,20 +26,30 @@ import numpy as np
 from leadthrough import rotations
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
-from leadthrough.errors import IkFailure, InvalidInput, LimitsInfeasible
+from leadthrough.errors import FitError, IkFailure, InvalidInput, LimitsInfeasible
 from leadthrough.experiments import agriculture_recordings
-from leadthrough.experiments.agriculture_measures import at_phases, judged
+from leadthrough.experiments.agriculture_measures import at_phases, gaps, judged
 from leadthrough.experiments.agriculture_report import report
 from leadthrough.experiments.agriculture_skills import (
     DURATION,
+    LOOKUPS,
     STEP,
     Learned,
     Shown,
     chain,
     fastest_turn,
     learn,
+    show,
 )
-from leadthrough.experiments.agriculture_tasks import TASKS, Subtask, floor, load_arm, targets
+from leadthrough.experiments.agriculture_tasks import (
+    CORNERS,
+    TASKS,
+    Subtask,
+    amid,
+    floor,
+    load_arm,
+    targets,
+)
 from leadthrough.experiments.study import Row, Study, Task, cpu_time
 from leadthrough.models import PoseDMP
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory
@@ -100,18 +112,30 @@ def perform(
         for subtask in TASKS[task]
     ]
     wholes = [
-        {"study": "whole", **labels, "where": where} | _whole(arm, learned, target)
-        for where, target in _wanted(task, repetitions, between=between)
+        {"study": "whole", **labels, "lookup": lookup, "where": where}
+        | _whole(arm, learned, target, lookup)
+        for where, target, lookups in _wanted(task, repetitions, between=between)
+        for lookup in lookups
     ]
-    return subtasks + wholes
+    looked_up = [
+        {"study": "lookup", **labels, "lookup": lookup, "subtask": subtask.number, "amid": i + 1}
+        | _looked_up(arm, learned, subtask, i, lookup, seed=seed)
+        for i in (CORNERS if between else ())
+        for subtask in TASKS[task]
+        if subtask.depends_on_target
+        for lookup in LOOKUPS
+    ]
+    return subtasks + wholes + looked_up
 
 
-def _wanted(task: str, repetitions: list[int], *, between: bool) -> list[tuple[str, Float64Array]]:
+def _wanted(
+    task: str, repetitions: list[int], *, between: bool
+) -> list[tuple[str, Float64Array, tuple[str, ...]]]:
+    """Where whole tasks go, by which look-ups; on the grid both are the same."""
     grid = targets(task)
-    corners = (0, 1, 3, 4) if between else ()
     return [
-        *((f"target {i + 1}", grid[i]) for i in repetitions),
-        *((f"amid {i + 1}", grid[[i, i + 1, i + 3, i + 4]].mean(axis=0)) for i in corners),
+        *((f"target {i + 1}", grid[i], LOOKUPS[:1]) for i in repetitions),
+        *((f"amid {i + 1}", amid(task, i), LOOKUPS) for i in (CORNERS if between else ())),
     ]
 
 
@@ -125,7 +149,7 @@ def _reproduced(arm: Arm, learned: Learned, subtask: Subtask, i: int) -> Row:
         made = skill.generate(duration=DURATION, dt=STEP)
     except InvalidInput as error:  # "lifted" would spin
         return {"succeeded": 0, "refused": str(error)}
-    on_arm, _ = on_the_arm(arm, made, shown.joints.positions[0])
+    on_arm, _ = on_the_arm(arm, made, shown.joints)
     row = judged(made, shown.poses) | on_arm
     row |= {
         "fit_cpu_s": cpu_time(lambda: learned.model.fit([Demonstration(shown.poses)])),
@@ -134,41 +158,53 @@ def _reproduced(arm: Arm, learned: Learned, subtask: Subtask, i: int) -> Row:
     return row | ({"course": _course(made, shown)} if subtask.number == _DRAWN else {})
 
 
-def _whole(arm: Arm, learned: Learned, target: Float64Array) -> Row:
-    """The whole task for a target, by what was learned for the nearest; or why there is none."""
+def _whole(arm: Arm, learned: Learned, target: Float64Array, lookup: str) -> Row:
+    """The whole task for a target; or why there is none."""
     try:
-        motion = chain(learned, target)
-    except InvalidInput as error:
+        whole = chain(learned, target, lookup=lookup)
+    except (InvalidInput, FitError) as error:
         return {"refused": str(error)}
+    motion = whole.poses
     home = learned.shown[TASKS[learned.task][0].number, next(iter(learned.targets))]
-    row, joints = on_the_arm(arm, motion, home.joints.positions[0])
+    row, joints = on_the_arm(arm, motion, whole.joints)
     turned = rotations.distance(motion.orientations[-1:], home.poses.orientations[:1])[0]
+    happened = motion.events if joints is None else joints.events
     return {
         **row,
         "fastest_deg_s": fastest_turn(motion),
         "home_missed_m": float(np.linalg.norm(motion.positions[-1] - home.poses.positions[0])),
         "home_missed_deg": float(np.degrees(turned)),
-        "gripper": _events(learned.task, motion if joints is None else joints),
+        "gripper": [{"does": event.name, "time_s": event.time} for event in happened],
     }
 
 
-def _events(task: str, motion: PoseTrajectory | JointTrajectory) -> list[Row]:
-    """What the gripper does and when, s; a subtask's last sample keeps its place in the whole."""
-    samples = (len(motion.times) - 1) // len(TASKS[task])
-    return [
-        {"does": subtask.gripper, "time_s": float(motion.times[samples * number])}
-        for number, subtask in enumerate(TASKS[task], start=1)
-        if subtask.gripper
-    ]
+def _looked_up(
+    arm: Arm, learned: Learned, subtask: Subtask, i: int, lookup: str, *, seed: int
+) -> Row:
+    """The subtask for a target amid four, from where the person begins, against what he shows."""
+    target = amid(learned.task, i)
+    number = len(targets(learned.task)) + i
+    shown = show(arm, learned.task, subtask, number, seed=seed, target=target).poses
+    start = shown.positions[0], shown.orientations[0]
+    try:
+        skill = learned.skill(subtask, target, lookup=lookup)
+        goal = learned.goal(subtask, target, lookup=lookup)
+        made = skill.generate(start=start, goal=goal, dt=STEP)
+    except (InvalidInput, FitError) as error:
+        return {"refused": str(error)}
+    return gaps(made, shown)
 
 
 def on_the_arm(
-    arm: Arm, motion: PoseTrajectory, seed: Float64Array
+    arm: Arm, motion: PoseTrajectory, posture: JointTrajectory
 ) -> tuple[Row, JointTrajectory | None]:
-    """What becomes of a motion of the tool: followed, slowed down into the limits, checked."""
+    """What becomes of a motion of the tool: followed, slowed down into the limits, checked.
+
+    posture: how the arm stood when it was shown.
+    """
     row: Row = {"followed": 0}
     try:
-        joints = arm.follow(motion, seed=seed, too_fast="slow")
+        joints = arm.follow(motion, posture=posture, too_fast="slow")
     except IkFailure as error:
         return row | {"arm_failure": f"{error.status} at sample {error.index}"}, None
     row = {"followed": 1}

@@ -30,6 +30,7 @@ from leadthrough.shapes import Box, Capsule
 TORSO = 0.25  # m
 SPACING = 0.1  # m, between targets
 _ARM_BASE = np.array([0.09305, 0.014, 0.7375 + TORSO])  # the first joint, in the robot's frame
+CORNERS = (0, 1, 3, 4)  # targets with three neighbours behind them
 _TOOL = (0.0, 0.0, 0.2)  # m, beyond the last link
 _ABOVE = np.array([0.0, 0.0, 0.1])  # m, where a target is approached from
 
@@ -79,8 +80,16 @@ class Subtask:
     @property
     def ends_at_target(self) -> bool:
         """Whether its end moves with the target."""
-        last = self.stops[-1]
-        return "target" in (last, getattr(last, "posture", ""))
+        return _moves_with_target(self.stops[-1])
+
+    @property
+    def depends_on_target(self) -> bool:
+        """Whether any part of it moves with the target."""
+        return any(_moves_with_target(stop) for stop in self.stops)
+
+
+def _moves_with_target(stop: Stop) -> bool:
+    return "target" in (stop, getattr(stop, "posture", ""))
 
 
 _SCOOPED = Turned("target", {5: 1.5, 6: -1.2, 7: 2.2})
@@ -138,6 +147,11 @@ def targets(task: str) -> Float64Array:
     else:
         offsets = np.column_stack([away + 0.2, left - 0.2, zero - 0.4])
     return np.asarray(_ARM_BASE + offsets)
+
+
+def amid(task: str, i: int) -> Float64Array:
+    """The place (3,) m between target i and its three neighbours; i: of CORNERS."""
+    return np.asarray(targets(task)[[i, i + 1, i + 3, i + 4]].mean(axis=0))
 
 
 def postures(arm: Arm, task: str, subtask: Subtask, target: Float64Array) -> Float64Array:

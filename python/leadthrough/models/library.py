@@ -194,8 +194,8 @@ def _mean(motions: list[Any], weights: Float64Array) -> Any:
     positions = np.average([motion.positions for motion in motions], axis=0, weights=weights)
     duration = float(np.average([motion.duration for motion in motions], weights=weights))
     times = np.linspace(0.0, duration, _SAMPLES)
-    happened = [events.moved(motion.events, motion.times, times) for motion in motions]
-    happening = events.agreed(happened, weights)
+    shares = [events.moved(each.events, each.times[[0, -1]], (0.0, 1.0)) for each in motions]
+    happening = events.moved(events.agreed(shares, weights), (0.0, 1.0), times[[0, -1]])
     if isinstance(first, PoseTrajectory):
         layers = np.stack([motion.orientations for motion in motions])
         try:
