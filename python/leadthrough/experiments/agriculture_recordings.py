@@ -15,9 +15,6 @@ from leadthrough.preprocess import segment
 
 _FOLDER = "panda_execution"
 _RATE = 20.0  # Hz, of the recordings
-# Motions of 20 s have more to them than 50 kernels can say.
-_WEIGHTS = 50
-_WEIGHTS_A_SECOND = 4.0
 _COLUMNS = {
     "positions": [f"current_pos_{axis}" for axis in "xyz"],
     "orientations": [f"current_orientation_{axis}" for axis in "wxyz"],
@@ -47,9 +44,10 @@ def replay(*, file: str, planner: str) -> list[Row]:
 def _replayed(motion: Demonstration, planner: str) -> Row:
     recorded = motion.motion
     assert isinstance(recorded, PoseTrajectory)
-    model = PoseDMP(max(_WEIGHTS, int(_WEIGHTS_A_SECOND * recorded.duration)), planner)
-    try:
-        made = model.fit([motion]).generate(dt=1.0 / _RATE)
+    try:  # 50 kernels are enough for all but the motions of 20 s
+        skill = PoseDMP(None, planner).fit([motion])
+        made = skill.generate(dt=1.0 / _RATE)
     except (FitError, InvalidInput) as error:
         return {"succeeded": 0, "refused": str(error)}
-    return judged(made, recorded)
+    counted = {"duration_s": recorded.duration, "weights": skill.model.weights}
+    return judged(made, recorded) | counted

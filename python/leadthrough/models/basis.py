@@ -17,10 +17,19 @@ from leadthrough.check import Float64Array
 DECAY = float(-np.log(0.01))  # x ends at 1 %, as in Pastor et al. 2009
 MOST_WEIGHTS = 1000
 
+# What moves a guided hand lies below some 2 Hz: four kernels a second, and not fewer than usual.
+_WEIGHTS_A_SECOND = 4.0
+_USUAL_WEIGHTS = 50
+
 # A force is tabulated at this many even phases a weight, and is linear between them.
 _INTERVALS_PER_WEIGHT = 20
 # What a kernel is at its neighbour's centre.
 _OVERLAP = 0.8
+
+
+def enough_weights(duration: float) -> int:
+    """Kernels that a motion of a duration, s, asks for: 4 a second, 50 to 1000."""
+    return int(min(max(_WEIGHTS_A_SECOND * duration, _USUAL_WEIGHTS), MOST_WEIGHTS))
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ forms stand in `springs`, those of the fits in `regression`.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -18,7 +18,7 @@ from leadthrough.errors import UnsupportedQuery
 from leadthrough.events import Event
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive, springs
-from leadthrough.models.basis import MOST_WEIGHTS
+from leadthrough.models.basis import MOST_WEIGHTS, enough_weights
 from leadthrough.models.coupling import Around, check_around, roll, step_around
 from leadthrough.models.mean_motion import mean_motion
 from leadthrough.models.query import (
@@ -39,19 +39,21 @@ from leadthrough.shapes import Shape
 class DMP:
     """Dynamic movement primitives of points in any number of dimensions, or of joints.
 
-    weights: kernels a channel, 2 to 1000. form: "blended", which meets start, goal and velocities
-    exactly; "hoffmann" (Hoffmann et al. 2009, Pastor et al. 2009), whose force is not scaled by the
-    goal either; "ijspeert" (Ijspeert et al. 2002, 2013), whose force is.
+    weights: kernels a channel, 2 to 1000; None: 4 a second and at least 50, as long motions with
+    much to them need. form: "blended", which meets start, goal and velocities exactly; "hoffmann"
+    (Hoffmann et al. 2009, Pastor et al. 2009), whose force is not scaled by the goal either;
+    "ijspeert" (Ijspeert et al. 2002, 2013), whose force is.
     regression: "replay" minimises the error of the replayed motion; "ridge" and "lwr" fit the force
     that finite differences ask for, together or kernel by kernel.
     """
 
-    weights: int = 50
+    weights: int | None = 50
     form: str = "blended"
     regression: str = "replay"
 
     def __post_init__(self) -> None:
-        check.integer(self.weights, "weights", at_least=2, at_most=MOST_WEIGHTS)
+        if self.weights is not None:
+            check.integer(self.weights, "weights", at_least=2, at_most=MOST_WEIGHTS)
         check.choice(self.form, "form", FORMS)
         check.choice(self.regression, "regression", REGRESSIONS)
 
@@ -63,14 +65,16 @@ class DMP:
         began.
         """
         shown = mean_motion(demonstrations, (Trajectory, JointTrajectory))
+        count = self.weights or enough_weights(shown.duration)
         learned = fit(
             shown.phases,
             shown.positions,
-            weights=self.weights,
+            weights=count,
             form=self.form,
             regression=self.regression,
         )
-        return DMPSkill(self, learned, shown.duration, shown.size, shown.joint_names, shown.events)
+        model = replace(self, weights=count)
+        return DMPSkill(model, learned, shown.duration, shown.size, shown.joint_names, shown.events)
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,7 +228,7 @@ class DMPSkill:
         size = check.number(settings.pop("size"), "size", at_least=0.0)
         happening = events.from_plain(settings.pop("events", ()))
         model = DMP(**settings)
-        learned = Springs.from_arrays(model.form, model.weights, arrays)
+        learned = Springs.from_arrays(model.form, settings["weights"], arrays)
         joints = None if names is None else tuple(names)
         return cls(model, learned, duration, size, joints, happening)
 

@@ -19,7 +19,7 @@ from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
 from leadthrough.events import Event
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive, springs, turning
-from leadthrough.models.basis import MOST_WEIGHTS
+from leadthrough.models.basis import MOST_WEIGHTS, enough_weights
 from leadthrough.models.coupling import check_around, roll, step_around
 from leadthrough.models.mean_motion import MeanMotion, mean_motion
 from leadthrough.models.query import (
@@ -49,17 +49,18 @@ _SPIN = np.radians(20.0)
 class PoseDMP:
     """Dynamic movement primitives of poses.
 
-    weights: kernels a channel, 2 to 1000. orientation: "anchored", which holds for any rotation;
+    weights: as in `DMP`. orientation: "anchored", which holds for any rotation;
     "lifted" (Lauretti et al. 2023), up to about 220 degrees; "log" and "euler" (ZYZ), which break
     where they jump. regression: as in `DMP`. Positions are those of the form "blended" of `DMP`.
     """
 
-    weights: int = 50
+    weights: int | None = 50
     orientation: str = "anchored"
     regression: str = "replay"
 
     def __post_init__(self) -> None:
-        check.integer(self.weights, "weights", at_least=2, at_most=MOST_WEIGHTS)
+        if self.weights is not None:
+            check.integer(self.weights, "weights", at_least=2, at_most=MOST_WEIGHTS)
         check.choice(self.orientation, "orientation", REPRESENTATIONS)
         check.choice(self.regression, "regression", REGRESSIONS)
 
@@ -72,14 +73,16 @@ class PoseDMP:
         shown = mean_motion(demonstrations, (PoseTrajectory,))
         assert shown.orientations is not None
         turned, coordinates = turning.learn(shown.phases, shown.orientations, self.orientation)
+        count = self.weights or enough_weights(shown.duration)
         learned = fit(
             shown.phases,
             np.hstack([shown.positions, coordinates]),
-            weights=self.weights,
+            weights=count,
             form=_FORM,
             regression=self.regression,
         )
-        skill = PoseDMPSkill(self, learned, turned, shown.duration, shown.size, shown.events)
+        model = replace(self, weights=count)
+        skill = PoseDMPSkill(model, learned, turned, shown.duration, shown.size, shown.events)
         if self.orientation == "lifted":
             return replace(skill, turning=replace(turned, angle=_replayed_angle(skill, shown)))
         return skill
@@ -233,7 +236,7 @@ class PoseDMPSkill:
         size = check.number(settings.pop("size"), "size", at_least=0.0)
         happening = events.from_plain(settings.pop("events", ()))
         model = PoseDMP(**settings)
-        learned = Springs.from_arrays(_FORM, model.weights, arrays)
+        learned = Springs.from_arrays(_FORM, settings["weights"], arrays)
         turned = Turning.from_arrays(model.orientation, arrays)
         return cls(model, learned, turned, duration, size, happening)
 

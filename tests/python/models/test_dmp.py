@@ -246,6 +246,16 @@ def test_two_samples_give_a_minimum_jerk_motion():
     np.testing.assert_allclose(made.positions[:, 0], minimum_jerk(made.times), atol=1e-9)
 
 
+@pytest.mark.parametrize(("duration", "count"), [(3.0, 50), (20.0, 80), (1e4, 1000)])
+def test_long_motions_get_as_many_kernels_as_they_ask_for(duration, count):
+    model = lt.DMP(weights=None)
+    times = np.linspace(0.0, duration, 2500)
+    shown = lt.Trajectory(times, np.sin(times / duration * [[1.0], [2.0]]).T)
+    skill = model.fit([lt.Demonstration(shown)])
+    assert skill.model == lt.DMP(weights=count)
+    assert skill.springs.weights.shape[0] == count
+
+
 def test_kernels_sum_to_their_regressor():
     for basis in (discrete(12), rhythmic(12)):
         share = basis.kernels / basis.kernels.sum(axis=1, keepdims=True)

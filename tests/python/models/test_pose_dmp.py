@@ -496,3 +496,15 @@ def test_motions_of_a_real_robot_are_replayed(recordings, trial):
         assert np.sqrt(np.mean(gaps**2)) <= 1e-3
         angles = rotations.distance(made.orientations, motion.orientations)
         assert np.degrees(angles).mean() <= 0.2
+
+
+def test_a_long_motion_of_much_detail_is_replayed_with_as_many_kernels_as_it_asks_for():
+    times = np.linspace(0.0, 20.0, 401)
+    waves = np.column_stack([np.sin(2.0 * np.pi * f * times) for f in (0.3, 0.7, 1.1)])
+    turned = rotations.exp(0.3 * waves)
+    shown = lt.PoseTrajectory(times, 0.05 * waves, turned)
+    away = []
+    for weights in (50, None):
+        made = lt.PoseDMP(weights).fit([lt.Demonstration(shown)]).generate(dt=0.05)
+        away.append(np.linalg.norm(made.positions - shown.positions, axis=1).max())
+    assert away[1] < 0.2 * away[0]
