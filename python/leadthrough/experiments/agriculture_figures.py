@@ -9,29 +9,43 @@ from matplotlib.figure import Figure
 
 from leadthrough import rotations
 from leadthrough.check import Float64Array
+from leadthrough.experiments import agriculture_measures_figure
 from leadthrough.experiments.agriculture_measures import from_goal
+from leadthrough.experiments.agriculture_measures_figure import COLORS
 from leadthrough.experiments.study import Row, selected
 from leadthrough.motion import PoseTrajectory
-from leadthrough.show import plot
+from leadthrough.show.plot import Style
 
-_COLORS = {"euler": "tab:orange", "log": "tab:red", "lifted": "tab:green", "anchored": "tab:blue"}
 _TITLES = {
     "euler": "Euler angles ZYZ",
     "log": "plain logarithm",
     "lifted": "dynamic parameterisation",
     "anchored": "anchored",
 }
+_ANGLES = (r"$\alpha$", r"$\beta$", r"$\gamma$")
+_COORDINATES = (r"$\phi_1$", r"$\phi_2$", r"$\phi_3$")
 _TURN_SAMPLES = 801
+_RECORDED: Style = {"color": "0.75", "linewidth": 4.0}
 
 
-def figures(config: Any, rows: list[Row]) -> dict[str, Figure]:
-    """By file stem: the parameterisation (2 and 3), the measures (7), subtask 4-4 (8 to 10)."""
+def figures(
+    config: Any, subtasks: list[Row], wholes: list[Row], tests: list[Row]
+) -> dict[str, Figure]:
+    """By file stem, those of the paper: the parameterisation (2 and 3), the measures (7), subtask
+    4-4 (8 to 10); and whole tasks on the arm.
+
+    tests: of pairs of planners, with their p.
+    """
     drawn = {"parameterisation": _parameterisation()}
-    if rows:
-        drawn["measures"] = _measures(config, rows)
-    courses = [row for row in rows if "course" in row]
+    if subtasks:
+        drawn["measures"] = agriculture_measures_figure.measures(config, subtasks, tests)
+    courses = [row for row in subtasks if "course" in row]
     if courses:
         drawn["subtask_4_4"] = _courses(config, courses)
+    default = selected(wholes, planner=config.planners[-1])
+    on_the_arm = [row for row in default if "joints" in row]
+    if on_the_arm:
+        drawn["whole_tasks"] = _whole_tasks(on_the_arm)
     return drawn
 
 
@@ -52,7 +66,7 @@ def _parameterisation() -> Figure:
         axes.plot(angles / np.pi, draw(lifted), color="black", linewidth=1, label="lifted")
         axes.set_xlabel(r"angle turned, $\pi$ rad")
         axes.set_ylabel(label)
-    panels[0].legend(fontsize=8)
+    panels[0].legend(fontsize=8, loc="lower right", markerscale=4)
     return figure
 
 
@@ -75,43 +89,13 @@ def _branches(phi: Float64Array, last: int) -> list[Float64Array]:
     return branches
 
 
-def _measures(config: Any, rows: list[Row]) -> Figure:
-    """NPE and NOE, mean and spread, and SR-MOD, by task and planner."""
-    figure = Figure(figsize=(11.0, 3.4), layout="constrained")
-    width = 0.8 / len(config.planners)
-    for axes, column, title in zip(
-        figure.subplots(1, 3),
-        ("npe", "noe", "succeeded"),
-        ("NPE", "NOE", "SR-MOD, %"),
-        strict=True,
-    ):
-        for i, planner in enumerate(config.planners):
-            values = [_column(rows, task, planner, column) for task in config.tasks]
-            places = np.arange(len(config.tasks)) + (i + 0.5) * width - 0.4
-            means = [np.mean(each) if each else np.nan for each in values]
-            spread = [np.std(each) if each else np.nan for each in values]
-            bars = None if column == "succeeded" else spread
-            style = {"color": _COLORS[planner], "label": planner, "capsize": 2}
-            axes.bar(places, means, width, yerr=bars, **style)
-        axes.set_xticks(range(len(config.tasks)), config.tasks, fontsize=8)
-        axes.set_title(title, fontsize=10)
-        axes.set_ylim(bottom=0.0)
-    figure.axes[0].legend(fontsize=8)
-    return figure
-
-
-def _column(rows: list[Row], task: str, planner: str, column: str) -> list[float]:
-    scale = 100.0 if column == "succeeded" else 1.0
-    own = selected(rows, task=task, planner=planner)
-    return [scale * row[column] for row in own if row.get(column) is not None]
-
-
 def _courses(config: Any, rows: list[Row]) -> Figure:
     """Subtask 4-4 for one target, recorded and made, in each planner's own coordinates."""
     repetition = _most_telling(rows)
     figure = Figure(figsize=(10.0, 2.2 * len(config.planners)), layout="constrained")
     lines = figure.subplots(len(config.planners), 3, squeeze=False, sharex=True)
     for line, planner in zip(lines, config.planners, strict=True):
+        names = _ANGLES if planner == "euler" else _COORDINATES
         for row in selected(rows, planner=planner, repetition=repetition):
             recorded, made = (
                 _coordinates(np.array(row["course"][name]), planner)
@@ -119,12 +103,40 @@ def _courses(config: Any, rows: list[Row]) -> Figure:
             )
             share = np.linspace(0.0, 1.0, len(recorded))
             for i, axes in enumerate(line):
-                axes.plot(share, recorded[:, i], **plot.DEMONSTRATION, label="recorded")
-                axes.plot(share, made[:, i], color=_COLORS[planner], linewidth=1.2, label="made")
+                axes.plot(share, recorded[:, i], **_RECORDED, label="recorded")
+                axes.plot(share, made[:, i], color=COLORS[planner], linewidth=1.2, label="made")
+                axes.set_title(names[i], fontsize=9, loc="left")
         line[0].set_ylabel(f"{_TITLES[planner]}\nrad", fontsize=8)
         line[0].legend(fontsize=7)
     for axes in lines[-1]:
         axes.set_xlabel("share of the duration")
+    return figure
+
+
+def _whole_tasks(rows: list[Row]) -> Figure:
+    """The joints of the arm in whole tasks, slowed down into its limits, with the gripper's events.
+
+    A joint is drawn by its place in its range.
+    """
+    figure = Figure(figsize=(10.0, 2.0 * len(rows)), layout="constrained")
+    panels = figure.subplots(len(rows), 1, squeeze=False)[:, 0]
+    for axes, row in zip(panels, rows, strict=True):
+        joints = row["joints"]
+        lower, upper = np.array(joints["lower"]), np.array(joints["upper"])
+        shares = (np.array(joints["positions"]) - lower) / (upper - lower)
+        for i, column in enumerate(shares.T):
+            axes.plot(joints["times"], column, linewidth=1.2, label=f"joint {i + 1}")
+        for event in row["gripper"]:
+            axes.axvline(event["time_s"], color="black", linewidth=1.0, linestyle=":")
+            place = {"xy": (event["time_s"], 1.02), "xycoords": ("data", "axes fraction")}
+            axes.annotate(event["does"], **place, ha="center", fontsize=8)
+        axes.set_title(f"{row['task']}, {row['where']}", fontsize=9, loc="left")
+        axes.set_ylim(0.0, 1.0)
+        axes.set_ylabel("share of the range", fontsize=8)
+        axes.set_xlim(joints["times"][0], joints["times"][-1])
+    handles, names = panels[0].get_legend_handles_labels()
+    figure.legend(handles, names, fontsize=8, ncols=len(names), loc="outside lower center")
+    panels[-1].set_xlabel("time, s")
     return figure
 
 

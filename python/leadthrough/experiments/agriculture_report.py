@@ -36,19 +36,14 @@ from scipy.stats import wilcoxon
 from leadthrough.experiments import (
     agriculture_figures,
     agriculture_measures,
+    agriculture_recordings,
     agriculture_skills,
     agriculture_tasks,
 )
+from leadthrough.experiments.agriculture_paper import BELOW_40, PRINTED
 from leadthrough.experiments.study import Report, Row, selected
 
 _ALL = "all"
-# The paper's planner of its own is our "lifted"; ours stands beside it.
-_PRINTED: dict[str, dict[str, float]] = {
-    "euler": {"sr_mod": 100.0 - 55.75},
-    "log": {"sr_mod": 100.0 - 24.25},
-    "lifted": {"npe": 0.05, "noe": 0.07, "sr_mod": 100.0, "plan_s": 2.57e-3},
-}
-_BELOW_40 = {("harvesting", "euler"), ("seeding", "euler"), ("irrigation", "log")}
 
 
 def report(config: Any, rows: list[Row]) -> Report:
@@ -56,26 +51,31 @@ def report(config: Any, rows: list[Row]) -> Report:
     subtasks, wholes, recordings = (
         selected(rows, study=name) for name in ("subtasks", "whole", "recordings")
     )
+    tests = [
+        _compared(subtasks, task, pair, len(config.planners))
+        for task in (*config.tasks, _ALL)
+        for pair in combinations(config.planners, 2)
+    ]
     lines = [(task, planner) for task in (*config.tasks, _ALL) for planner in config.planners]
     return Report(
         table=[_line(_of(subtasks, *line), _of(wholes, *line), *line) for line in lines],
-        figures=agriculture_figures.figures(config, subtasks),
+        figures=agriculture_figures.figures(config, subtasks, wholes, tests),
         summary={
             "paper": __doc__,
             "assumptions": agriculture_tasks.__doc__,
             "measures": agriculture_measures.__doc__,
             "details": [_details(_of(subtasks, *line), *line) for line in lines],
-            "wilcoxon": [
-                _compared(subtasks, task, pair, len(config.planners))
-                for task in (*config.tasks, _ALL)
-                for pair in combinations(config.planners, 2)
-            ],
+            "wilcoxon": tests,
             "lookups": [
                 _looked_up(selected(rows, lookup=lookup), planner, lookup)
                 for planner in config.planners
                 for lookup in agriculture_skills.LOOKUPS
             ],
-            "recordings": [_recorded(recordings, planner) for planner in config.planners]
+            "recordings": [
+                _recorded(recordings, planner, weights)
+                for planner in config.planners
+                for weights in agriculture_recordings.WEIGHTS
+            ]
             if recordings
             else "none were given",
         },
@@ -88,8 +88,8 @@ def _of(rows: list[Row], task: str, planner: str) -> list[Row]:
 
 
 def _line(rows: list[Row], wholes: list[Row], task: str, planner: str) -> Row:
-    printed = _PRINTED.get(planner, {}) if task == _ALL else {}
-    paper_sr_mod = "< 40" if (task, planner) in _BELOW_40 else printed.get("sr_mod")
+    printed = PRINTED.get(planner, {}) if task == _ALL else {}
+    paper_sr_mod = "< 40" if (task, planner) in BELOW_40 else printed.get("sr_mod")
     return {
         "task": task,
         "planner": planner,
@@ -186,14 +186,15 @@ def _trial(row: Row) -> tuple[str, str, int]:
     return row["task"], row["subtask"], row["repetition"]
 
 
-def _recorded(rows: list[Row], planner: str) -> Row:
-    own = selected(rows, planner=planner)
+def _recorded(rows: list[Row], planner: str, weights: str) -> Row:
+    own = selected(rows, planner=planner, weights=weights)
     worst = {
         f"worst_{name}": max(_values(own, name), default=None)
         for name in ("rmse_m", "mean_deg", "largest_deg")
     }
     return {
         "planner": planner,
+        "weights": weights,
         "motions": len(own),
         "succeeded_percent": _percent(own, "succeeded"),
         "refused": sum("refused" in row for row in own),

@@ -112,10 +112,8 @@ def perform(
         for subtask in TASKS[task]
     ]
     wholes = [
-        {"study": "whole", **labels, "lookup": lookup, "where": where}
-        | _whole(arm, learned, target, lookup)
-        for where, target, lookups in _wanted(task, repetitions, between=between)
-        for lookup in lookups
+        {"study": "whole", **labels} | row
+        for row in _wholes(arm, learned, repetitions, between=between)
     ]
     looked_up = [
         {"study": "lookup", **labels, "lookup": lookup, "subtask": subtask.number, "amid": i + 1}
@@ -158,23 +156,48 @@ def _reproduced(arm: Arm, learned: Learned, subtask: Subtask, i: int) -> Row:
     return row | ({"course": _course(made, shown)} if subtask.number == _DRAWN else {})
 
 
-def _whole(arm: Arm, learned: Learned, target: Float64Array, lookup: str) -> Row:
+def _wholes(arm: Arm, learned: Learned, repetitions: list[int], *, between: bool) -> list[Row]:
+    """A row for every whole task; that for the first target has its joints, to be drawn."""
+    rows: list[Row] = []
+    for where, target, lookups in _wanted(learned.task, repetitions, between=between):
+        for lookup in lookups:
+            row, joints = _whole(arm, learned, target, lookup)
+            if joints is not None and not rows:
+                row["joints"] = _drawn(arm, joints)
+            rows.append({"where": where, "lookup": lookup} | row)
+    return rows
+
+
+def _whole(
+    arm: Arm, learned: Learned, target: Float64Array, lookup: str
+) -> tuple[Row, JointTrajectory | None]:
     """The whole task for a target; or why there is none."""
     try:
         whole = chain(learned, target, lookup=lookup)
     except (InvalidInput, FitError) as error:
-        return {"refused": str(error)}
+        return {"refused": str(error)}, None
     motion = whole.poses
     home = learned.shown[TASKS[learned.task][0].number, next(iter(learned.targets))]
     row, joints = on_the_arm(arm, motion, whole.joints)
     turned = rotations.distance(motion.orientations[-1:], home.poses.orientations[:1])[0]
     happened = motion.events if joints is None else joints.events
-    return {
-        **row,
+    row |= {
         "fastest_deg_s": fastest_turn(motion),
         "home_missed_m": float(np.linalg.norm(motion.positions[-1] - home.poses.positions[0])),
         "home_missed_deg": float(np.degrees(turned)),
         "gripper": [{"does": event.name, "time_s": event.time} for event in happened],
+    }
+    return row, joints
+
+
+def _drawn(arm: Arm, joints: JointTrajectory) -> Row:
+    """Joints over the time, and their limits, for the figures."""
+    some = np.linspace(0, len(joints.times) - 1, 2 * _DRAWN_SAMPLES).astype(int)
+    return {
+        "times": np.round(joints.times[some], 3).tolist(),
+        "positions": np.round(joints.positions[some], 4).tolist(),
+        "lower": arm.limits.lower.tolist(),
+        "upper": arm.limits.upper.tolist(),
     }
 
 

@@ -7,10 +7,18 @@ import numpy as np
 import pytest
 
 from leadthrough import rotations
+from leadthrough.errors import IkFailure
 from leadthrough.experiments import agriculture_measures, agriculture_study, study
 from leadthrough.experiments.agriculture_recordings import replay
-from leadthrough.experiments.agriculture_skills import chain, learn, show
-from leadthrough.experiments.agriculture_tasks import TASKS, floor, load_arm, targets
+from leadthrough.experiments.agriculture_skills import LOOKUPS, chain, learn, show
+from leadthrough.experiments.agriculture_tasks import (
+    POSTURES,
+    TASKS,
+    amid,
+    floor,
+    load_arm,
+    targets,
+)
 from leadthrough.models import PoseDMP, SkillLibrary
 from leadthrough.motion import PoseTrajectory
 
@@ -115,7 +123,7 @@ def test_gripper_acts_where_subtasks_end(rows):
 
 
 def test_a_recorded_half_turn_is_replayed(rows):
-    own = study.selected(rows, study="recordings", planner="anchored")
+    own = study.selected(rows, study="recordings", planner="anchored", weights="by duration")
     assert [row["motion"] for row in own] == [1, 2]
     for row in own:
         assert row["turned_deg"] == pytest.approx(180, abs=0.1)
@@ -123,9 +131,12 @@ def test_a_recorded_half_turn_is_replayed(rows):
         assert row["mean_deg"] <= 0.2
 
 
-def test_motions_of_a_real_arm_are_replayed(recordings):
-    own = replay(file=str(recordings / "panda_execution" / "trial1.csv"), planner="anchored")
+@pytest.mark.parametrize("trial", ["trial1", "trial2"])
+def test_motions_of_a_real_arm_are_replayed(recordings, trial):
+    own = replay(file=str(recordings / "panda_execution" / f"{trial}.csv"), planner="anchored")
     assert len(own) > 30
+    assert max(row["duration_s"] for row in own) > 19.0
+    assert max(row["turned_deg"] for row in own) > 180.0
     for row in own:
         assert row["succeeded"]
         assert row["rmse_m"] <= 1e-3
@@ -153,7 +164,7 @@ def test_results_and_figures_are_written(outcome):
     out = outcome[1]
     document = json.loads((out / "results.json").read_text())
     assert len(document["table"]) == 2 * len(PLANNERS)
-    for name in ("parameterisation", "measures", "subtask_4_4"):
+    for name in ("parameterisation", "measures", "subtask_4_4", "whole_tasks"):
         assert (out / f"{name}.png").stat().st_size > 10_000
 
 
@@ -190,8 +201,10 @@ def test_a_task_for_a_target_between_ends_grasps_there(tmp_path):
     learned = learn(ARM, "harvesting", PoseDMP(), (0, 1), seed=0)
     grid = targets("harvesting")
     between = 0.6 * grid[0] + 0.4 * grid[1]
-    motion = chain(learned, between)
+    motion = chain(learned, between).poses
     assert motion.duration == pytest.approx(40.0)
+    assert [event.name for event in motion.events] == ["closed", "opened"]
+    np.testing.assert_allclose([event.time for event in motion.events], [10.0, 30.0])
     at_grasp = motion.positions[np.searchsorted(motion.times, 10.0 - 1e-9)]
     shown = learned.shown["4-1", 0].poses.positions[-1]
     np.testing.assert_allclose(at_grasp - shown, between - grid[0], atol=2e-3)
@@ -201,6 +214,39 @@ def test_a_task_for_a_target_between_ends_grasps_there(tmp_path):
     made = again.nearest("harvesting", "4-2", grid[1]).generate()
     expected = learned.skill(TASKS["harvesting"][1], grid[1]).generate()
     np.testing.assert_array_equal(made.orientations, expected.orientations)
+
+
+@pytest.fixture(scope="module")
+def digging():
+    return learn(ARM, "digging", PoseDMP(), (0, 1, 3, 4), seed=0)
+
+
+def test_whole_digging_is_done_near_the_posture_that_was_shown_and_only_there(digging):
+    """The wrist turns far: pulled to the middle of its ranges, the arm cannot go all the way."""
+    whole = chain(digging, targets("digging")[0])
+    row, joints = agriculture_study.on_the_arm(ARM, whole.poses, whole.joints)
+    assert row["limits_kept"]
+    assert row["arm_clear"]
+    assert [event.name for event in joints.events] == ["closed", "opened"]
+    for event in joints.events:  # where the rack is
+        q = np.array([np.interp(event.time, joints.times, column) for column in joints.positions.T])
+        rack, _ = ARM.forward_kinematics(POSTURES["rack"])
+        reached, _ = ARM.forward_kinematics(q)
+        np.testing.assert_allclose(reached, rack, atol=2e-3)
+    with pytest.raises(IkFailure):
+        ARM.follow(whole.poses, seed=whole.joints.positions[0])
+
+
+def test_between_targets_interpolated_skills_are_nearer_to_what_is_shown_and_can_be_done(digging):
+    subtask = TASKS["digging"][1]
+    nearest, interpolated = (
+        agriculture_study._looked_up(ARM, digging, subtask, 0, lookup, seed=0) for lookup in LOOKUPS
+    )
+    for column in ("mean_m", "mean_deg", "end_m", "end_deg"):
+        assert interpolated[column] < 0.5 * nearest[column]
+    whole = chain(digging, amid("digging", 0), lookup="interpolated")
+    row, _ = agriculture_study.on_the_arm(ARM, whole.poses, whole.joints)
+    assert row["arm_clear"]
 
 
 def turning(degrees, *, off=0.0):
