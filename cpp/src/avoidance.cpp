@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace leadthrough::dmp {
 
@@ -10,17 +11,22 @@ namespace {
 
 using so3::Vector3;
 
+constexpr double kPi = 3.14159265358979323846;
+
 // Steering: gamma and beta of Hoffmann et al. 2009, with time measured in durations.
 constexpr double kGain = 1000.0;
-constexpr double kNarrowing = 20.0 / 3.14159265358979323846;
+constexpr double kNarrowing = 20.0 / kPi;
 // A motion that heads for the middle is steered as one that passes at the angle of most effect;
 // the literature's term vanishes there.
 constexpr double kLeastAngle = 1.0 / kNarrowing;
 // Sine of the angle below which a rule chooses the side.
 constexpr double kHeadOn = 1e-6;
 
+constexpr int kSides = 16;  // on which an obstacle may be passed
+
 constexpr double kBarrierRate = 60.0;  // per unit of phase, several times the springs'
 constexpr double kSliding = 1.5;       // of what a barrier holds back, along the surface
+constexpr double kInsistence = 4.0;    // of it, against what leads the other way
 constexpr int kSweeps = 4;             // over barriers that may act against each other
 constexpr double kLongestStep = 1e-3;  // of phase, far below the barrier's time
 // Steering weaker than this share of a barrier's push at the margin does not count as one.
@@ -45,6 +51,17 @@ Clearance of_ball(double radius, const Vector3& offset) {
 Vector3 in_space(const Vector& channels, Eigen::Index dimensions) {
   Vector3 result = Vector3::Zero();
   result.head(dimensions) = channels.head(dimensions);
+  return result;
+}
+
+Vector start_of(const Course& course) { return course.coefficients.row(0); }
+
+Vector end_of(const Course& course) {
+  const Eigen::Index last = course.breaks.size() - 2;
+  const double length = 1.0 - course.breaks[last];
+  Vector result = course.coefficients.row(6 * last + 5);
+  for (Eigen::Index power = 4; power >= 0; --power)
+    result = (result * length + course.coefficients.row(6 * last + power).transpose()).eval();
   return result;
 }
 
@@ -74,10 +91,43 @@ double barrier(double h, double h_slope, double acceleration) {
   return std::max(needed - acceleration, 0.0);
 }
 
+// How far a shape reaches from its middle in a direction of length 1.
+double reach_of(const Obstacle& obstacle, const Vector3& direction) {
+  if (obstacle.form == Form::Sphere) return obstacle.size[0];
+  const Vector3 local = so3::to_matrix(obstacle.orientation).transpose() * direction;
+  if (obstacle.form == Form::Box) return 0.5 * obstacle.size.dot(local.cwiseAbs());
+  return obstacle.size[0] + 0.5 * obstacle.size[1] * std::abs(local.z());
+}
+
+// The axis about which to go round an obstacle: across the line from start to goal, or to the
+// obstacle where they are one, and so that the way out beside the obstacle is the shortest.
+Vector3 sense_of_passing(const Obstacle& obstacle, const Vector3& start, const Vector3& goal,
+                         Eigen::Index dimensions) {
+  Vector3 from_middle = start - obstacle.position;
+  from_middle.tail(3 - dimensions).setZero();
+  const bool closed = (goal - start).norm() < kHeadOn * from_middle.norm();
+  const Vector3 along = (closed ? Vector3(-from_middle) : Vector3(goal - start)).stableNormalized();
+  const Vector3 first = sideways(along, -from_middle);
+  const Vector3 second = along.cross(first);
+  Vector3 best = Vector3::Zero();
+  double shortest = std::numeric_limits<double>::max();
+  for (int i = 0; i < kSides; ++i) {
+    const double angle = 2.0 * kPi * i / kSides;
+    const Vector3 side = std::cos(angle) * first + std::sin(angle) * second;
+    if (dimensions == 2 && std::abs(side.z()) > 0.5) continue;
+    const double way = reach_of(obstacle, side) - side.dot(from_middle);
+    if (way < shortest) {
+      shortest = way;
+      best = side;
+    }
+  }
+  return best.cross(along);
+}
+
 struct Near {
   Clearance clearance;
   const Obstacle* obstacle;
-  Vector3 to_middle;
+  Vector3 sense;
 };
 
 // Finds pushes; its arrays are workspace.
@@ -90,6 +140,10 @@ class Guard {
         dimensions_(std::min<Eigen::Index>(forces.nodes.cols(), 3)),
         acceleration_(forces.nodes.cols()) {
     near_.reserve(surroundings.obstacles.size());
+    senses_.reserve(surroundings.obstacles.size());
+    for (const Obstacle& obstacle : surroundings.obstacles)
+      senses_.push_back(sense_of_passing(obstacle, in_space(start_of(course), dimensions_),
+                                         in_space(end_of(course), dimensions_), dimensions_));
   }
 
   // Adds to the push; returns whether it did.
@@ -114,10 +168,11 @@ class Guard {
     bool matters = false;
     const Vector3 position = in_space(state.value, dimensions_);
     const Vector3 velocity = in_space(state.slope, dimensions_);
-    for (const Obstacle& obstacle : surroundings_.obstacles) {
+    for (std::size_t i = 0; i < senses_.size(); ++i) {
+      const Obstacle& obstacle = surroundings_.obstacles[i];
       Vector3 to_middle = obstacle.position - position;
       to_middle.tail(3 - dimensions_).setZero();
-      near_.push_back({clearance(obstacle, position), &obstacle, to_middle});
+      near_.push_back({clearance(obstacle, position), &obstacle, senses_[i]});
       const Vector3 turn = steering(obstacle, surroundings_.reach, near_.back().clearance.distance,
                                     to_middle, velocity);
       change(turn.head(dimensions_), push);
@@ -127,15 +182,16 @@ class Guard {
     return matters;
   }
 
-  // What presses on a surface is led along it, so that a flat one does not hold the motion up.
+  // What presses on a surface is led along it, always the same way round, so that neither a flat
+  // one nor a corner holds the motion up.
   void slide(const State& state, Vector& push) {
     for (const Near& near : near_) {
-      const Vector3& outward = near.clearance.outward;
       const double pressure = missing(near, state);
       if (pressure == 0.0) continue;
-      Vector3 way = sideways(outward, near.to_middle);
-      way.tail(3 - dimensions_).setZero();
-      change(kSliding * pressure * way.head(dimensions_), push);
+      const Vector3 tangent = near.sense.cross(near.clearance.outward);
+      const double against = std::max(-tangent.dot(in_space(acceleration_, dimensions_)), 0.0);
+      const double strength = kSliding * pressure + std::min(against, kInsistence * pressure);
+      change(strength * tangent.head(dimensions_), push);
     }
   }
 
@@ -184,6 +240,7 @@ class Guard {
   const Surroundings& surroundings_;
   Eigen::Index dimensions_;
   Vector acceleration_;
+  std::vector<Vector3> senses_;
   std::vector<Near> near_;
 };
 

@@ -2,11 +2,12 @@
 
 // Coupling terms that keep a primitive's motion out of obstacles and inside limits.
 //
-// Two of them act together: a steering term turns the velocity away from an obstacle's middle early
-// (after Hoffmann et al. 2009 and Pastor et al. 2009), and a barrier adds the least acceleration
-// that keeps h'' + 2 rate h' + rate^2 h >= 0 for every distance h, so that none falls below 0 by
-// more than finite steps leave (Ames et al. 2019, "Control barrier functions"; here of second
-// order). All is per unit of phase.
+// Three act together: a steering term turns the velocity away from an obstacle's middle early
+// (after Hoffmann et al. 2009 and Pastor et al. 2009); a barrier adds the least acceleration that
+// keeps h'' + 2 rate h' + rate^2 h >= 0 for every distance h, so that none falls below 0 by more
+// than finite steps leave (Ames et al. 2019, "Control barrier functions"; here of second order);
+// and a motion that presses on an obstacle is led round it, by the shortest way out beside the line
+// from start to goal. All is per unit of phase.
 
 #include <vector>
 

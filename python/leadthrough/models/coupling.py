@@ -2,7 +2,7 @@
 
 Steering around an obstacle's middle (Hoffmann et al. 2009, Pastor et al. 2009) with barriers under
 it: the least accelerations that keep every distance from falling below 0 (Ames et al. 2019,
-"Control barrier functions"). The kernels hold both.
+"Control barrier functions"), and led round an obstacle that it presses on. The kernels hold them.
 """
 
 from __future__ import annotations

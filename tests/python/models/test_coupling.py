@@ -40,6 +40,25 @@ def test_obstacles_are_cleared_or_refused_and_the_goal_is_met(kind, seed):
     np.testing.assert_allclose(made.positions[[0, -1]], BOW[[0, -1]], atol=1e-9)
 
 
+@pytest.mark.parametrize("kind", ["sphere", "box", "capsule"])
+def test_one_obstacle_never_holds_the_motion_up(kind):
+    for seed in range(100):
+        obstacle = shape_of(kind, seed)
+        made = SKILL.generate(obstacles=[obstacle], dt=0.01)
+        assert obstacle.distance(made.positions).min() > 0.0
+
+
+@pytest.mark.parametrize("turn", [np.pi, 2.0 * np.pi], ids=["half circle", "circle"])
+def test_obstacles_on_a_curved_way_are_passed_too(turn):
+    way = np.column_stack([0.2 - 0.2 * np.cos(turn * S), 0.2 * np.sin(turn * S)])
+    skill = lt.DMP().fit([lt.Demonstration(lt.Trajectory(TIMES, way))])
+    length = np.linalg.norm(np.diff(way, axis=0), axis=1).sum()
+    for middle in way[70:130:10]:
+        obstacle = lt.Box((0.05, 0.1, 0.1), (*middle, 0.0), lt.rotations.exp([(0, 0, 0.5)])[0])
+        made = skill.generate(obstacles=[obstacle], dt=0.01)
+        assert np.linalg.norm(np.diff(made.positions, axis=0), axis=1).sum() < 1.5 * length
+
+
 def test_flat_wall_across_the_way_is_passed():
     made = SKILL.generate(obstacles=[WALL], dt=0.005)
     assert WALL.distance(made.positions).min() > 0.004
