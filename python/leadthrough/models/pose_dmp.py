@@ -43,6 +43,7 @@ _NOTHING = np.zeros(3)
 # What "lifted" may turn more or less than the demonstration and its offset, before it counts as
 # spinning, or as having lost a turn.
 _SPIN = np.radians(20.0)
+_SPIN_SAMPLES = 1000
 
 
 @dataclass(frozen=True)
@@ -144,8 +145,6 @@ class PoseDMPSkill:
         values, _ = roll(self.springs, state, phases, around=around, size=self.size)
         offsets = state.start_offset, state.goal_offset
         turned = self.turning.orientations(phases, values, offsets)
-        if self.model.orientation == "lifted":
-            self._check_spin(turned, offsets)
         return computed(
             PoseTrajectory,
             times=state.duration * phases,
@@ -164,7 +163,10 @@ class PoseDMPSkill:
         start_velocity: Any = None,
         final_velocity: Any = None,
     ) -> _core.PoseState:
-        """The state at the start, for `step`; arguments as in `generate`. Raises InvalidInput."""
+        """The state at the start, for `step`; arguments as in `generate`.
+
+        Raises InvalidInput; UnsupportedQuery where "lifted" would spin.
+        """
         total = check_duration(duration, self.duration)
         first, first_turned = as_pose(start, "start")
         last, last_turned = as_pose(goal, "goal")
@@ -179,9 +181,11 @@ class PoseDMPSkill:
         turned, offsets = self._turned_ends(first_turned, last_turned)
         ends = positions.joined(turned)
         course = course_through(self.springs, ends, via, count=3)
-        return _core.PoseState(
+        state = _core.PoseState(
             course, ends.start, ends.start_slope, 0.0, total, self.turning.curve, *offsets
         )
+        as_shown = first_turned is None and last_turned is None
+        return state if as_shown else self._without_spin(state)
 
     def step(
         self,
@@ -201,7 +205,8 @@ class PoseDMPSkill:
         `begin` or the last step. goal: as in `generate`, moves the goal. coupling: (3,)
         acceleration, m/s^2, that acts meanwhile, or (6,) with an angular one, rad/s^2 in the base
         frame. measured: like goal; where the motion goes on from instead of the state's pose. lag:
-        as in `DMPSkill.step`. obstacles: to keep clear of in this step. Raises InvalidInput.
+        as in `DMPSkill.step`. obstacles: to keep clear of in this step. Raises InvalidInput;
+        UnsupportedQuery where "lifted" would spin on the way to a new goal, or from a new pose.
         """
         span = check_step(dt, lag, state.duration)
         if goal is not None:
@@ -272,14 +277,14 @@ class PoseDMPSkill:
             wanted[3:] = at_goal
         course = springs.redirected(_FORM, state.course, wanted)
         value, slope = self._coordinates_of(state, state.orientation, new)
-        return self._with(state, course, value, slope, new)
+        return self._without_spin(self._with(state, course, value, slope, new))
 
     def _moved(self, state: _core.PoseState, measured: Any) -> _core.PoseState:
         position, turned = as_pose(measured, "measured")
         q = state.orientation if turned is None else turned
         value, slope = self._coordinates_of(state, q, (state.start_offset, state.goal_offset))
         value[:3] = check_channels(position, "measured", 3)
-        return self._with(state, state.course, value, slope)
+        return self._without_spin(self._with(state, state.course, value, slope))
 
     def _coordinates_of(
         self, state: _core.PoseState, orientation: Float64Array, offsets: Offsets
@@ -307,15 +312,33 @@ class PoseDMPSkill:
             course, value, slope, state.phase, state.duration, state.curve, *turned_by
         )
 
-    def _check_spin(self, turned: Float64Array, offsets: Offsets) -> None:
-        made = float(rotations.distance(turned[:-1], turned[1:]).sum())
-        allowed = _SPIN + max(float(np.linalg.norm(offset)) for offset in offsets)
-        if abs(made - self.turning.angle) > allowed:
+    def _without_spin(self, state: _core.PoseState) -> _core.PoseState:
+        """The same state. Raises UnsupportedQuery where "lifted" would spin from it to the end."""
+        if self.model.orientation != "lifted" or state.phase >= 1.0:
+            return state
+        made = _angle_ahead(self, state)
+        shown = self.turning.angle
+        least = shown if state.phase == 0.0 else 0.0
+        allowed = _SPIN + max(
+            float(np.linalg.norm(offset)) for offset in (state.start_offset, state.goal_offset)
+        )
+        if not least - allowed <= made <= shown + allowed:
             raise UnsupportedQuery(
-                f'orientation="lifted": from this start to this goal it would turn by '
-                f"{np.degrees(made):.0f} degrees, {np.degrees(self.turning.angle):.0f} were shown; "
+                f'orientation="lifted": from here to this goal it would turn by '
+                f"{np.degrees(made):.0f} degrees, {np.degrees(shown):.0f} were shown; "
                 'use "anchored"'
             )
+        return state
+
+
+def _angle_ahead(skill: PoseDMPSkill, state: _core.PoseState) -> float:
+    """The angle that the tool turns from a state to the end, rad."""
+    phases = np.linspace(state.phase, 1.0, _SPIN_SAMPLES)
+    values, _ = _core.dmp_rollout(
+        skill.springs.forces, state.course, state.value, state.slope, phases
+    )
+    made = skill.turning.orientations(phases, values, (state.start_offset, state.goal_offset))
+    return float(rotations.distance(made[:-1], made[1:]).sum())
 
 
 def as_pose(value: Any, name: str) -> tuple[Any, Float64Array | None]:
