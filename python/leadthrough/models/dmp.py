@@ -42,7 +42,9 @@ class DMP:
     weights: kernels a channel, 2 to 1000; None: 4 a second and at least 50, as long motions with
     much to them need. form: "blended", which meets start, goal and velocities exactly; "hoffmann"
     (Hoffmann et al. 2009, Pastor et al. 2009), whose force is not scaled by the goal either;
-    "ijspeert" (Ijspeert et al. 2002, 2013), whose force is.
+    "ijspeert" (Ijspeert et al. 2002, 2013), whose force is. At the end of a motion the last two
+    are only near a new goal: "hoffmann" lacks 2.5 % of what start and goal were moved by (0.03 %
+    after half as long again, in `step`), "ijspeert" its error in replay, scaled.
     regression: "replay" minimises the error of the replayed motion; "ridge" and "lwr" fit the force
     that finite differences ask for, together or kernel by kernel.
     """
@@ -185,11 +187,12 @@ class DMPSkill:
 
         state: from `begin` or the last step. goal: (d,), moves the goal. coupling: (d,), an
         acceleration, unit per s^2, that acts meanwhile. measured: (d,), where the motion goes on
-        from instead of the state's position. lag: >= 0; the motion runs 1 / (1 + lag) as fast. For
-        phase stopping, take a gain times the squared distance between the arm and the state. (The
-        literature slows the phase alone, Ijspeert et al. 2013, while the spring goes on
-        to the goal; here the whole motion waits.) obstacles, limits: as in `generate`, of this
-        step. Raises InvalidInput.
+        from instead of the state's position. lag: >= 0; in this step the motion, phase and springs
+        alike, runs 1 / (1 + lag) as fast, as with a larger tau. For phase stopping, take a gain
+        times the squared distance between the arm and the state: while the arm is held, the motion
+        waits; once it follows, the motion goes on as fast as before. (An arm that always trails
+        behind slows it always: the gain must make little of its usual error.) obstacles, limits: as
+        in `generate`, of this step. Raises InvalidInput.
         """
         span = check_step(dt, lag, state.duration)
         if goal is not None:

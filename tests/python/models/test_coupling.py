@@ -120,6 +120,10 @@ def test_joints_keep_limits_and_know_no_obstacles():
     assert "obstacles" not in skill.supports
     limits = (np.full(6, -0.45), np.array([1.0, 0.03, 1.0, 1.0, 1.0, 1.0]))
     assert skill.generate(limits=limits).positions[:, 1].max() <= 0.03
+    state = skill.begin()
+    for _ in range(400):
+        state = skill.step(state, 0.005, limits=limits)
+        assert state.position[1] <= 0.03 + 1e-9
     with pytest.raises(UnsupportedQuery, match="obstacles"):
         skill.generate(obstacles=[WALL])
 

@@ -33,6 +33,7 @@ def fitted(motion=None, **settings):
 
 
 SKILL = fitted()
+HOFFMANN, IJSPEERT = fitted(form="hoffmann"), fitted(form="ijspeert")
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -71,6 +72,17 @@ def test_springs_converge_to_the_goal_after_the_end(form, goal):
     state = skill.step(skill.begin(goal=goal), 40.0)
     np.testing.assert_allclose(state.position, goal, atol=1e-9)
     np.testing.assert_allclose(state.velocity, 0.0, atol=1e-9)
+
+
+@given(start=POINTS, goal=POINTS)
+def test_forms_of_the_literature_end_as_near_the_goal_as_they_say(start, goal):
+    for skill, lacking, later in ((HOFFMANN, 0.026, 3e-4), (IJSPEERT, 1e-4, 1e-4)):
+        ends = skill.springs.ends
+        moved = np.linalg.norm(start - ends.start) + np.linalg.norm(goal - ends.goal)
+        made = skill.generate(start=start, goal=goal, dt=0.5)
+        assert np.linalg.norm(made.positions[-1] - goal) <= lacking * moved + 1e-4
+        after = skill.step(skill.begin(start=start, goal=goal), 1.5 * skill.duration)
+        assert np.linalg.norm(after.position - goal) <= later * moved + 1e-4
 
 
 @given(POINTS, st.floats(0.1, 10.0), st.integers(0, 2**32 - 1))
@@ -203,6 +215,22 @@ def test_lag_makes_the_motion_wait():
         free = SKILL.step(free, 0.005)
     assert waiting.phase == pytest.approx(0.25)
     np.testing.assert_allclose(waiting.position, free.position, atol=1e-12)
+
+
+def test_motion_waits_for_a_held_arm_and_then_goes_on_as_fast_as_shown():
+    """An arm that corrects its errors within 50 ms is held for a second in the middle."""
+    state, arm, speeds = SKILL.begin(), SKILL.springs.ends.start.copy(), []
+    dt, held = 0.002, range(400, 900)
+    for i in range(1600):
+        before, gap = state, state.position - arm
+        state = SKILL.step(state, dt, lag=float(1e5 * gap @ gap))
+        speeds.append((state.phase - before.phase) / dt * SKILL.duration)
+        if i not in held:
+            arm = arm + (state.position - before.position) + 20.0 * dt * gap
+    waiting, after = np.array(speeds[600:900]), np.array(speeds[1300:])
+    assert waiting.max() < 0.05
+    assert after.min() > 0.9
+    assert state.phase == pytest.approx(1.1, abs=0.1)  # of 3.2 s, one was lost
 
 
 def test_several_demonstrations_give_their_mean():
