@@ -21,8 +21,13 @@ clear. The arm has a joint to spare and three wrist joints of little range: pull
 its ranges it comes, where the tool turns far, to where a wrist joint ends and the other way of
 standing is a jump away; of digging's whole tasks that leaves two of 13. Its demonstrations tell how
 to stand: the joints are learned, looked up and generated like the tool's motion, and `follow` keeps
-the arm near them. Whole tasks between the targets count with interpolated skills. By the nearest
-skill, moved by 7 cm, digging ends in poses that the arm reaches in no posture near the one shown.
+the arm near them. Whole tasks between the targets count with interpolated skills.
+
+lookups: between four targets, against what the person shows there, timing aside. The paper takes
+the nearest target's parameters; its motion, moved to the target, keeps the orientation of a place
+7 cm away, and where digging has the elbow at its limit the arm cannot follow. Interpolated between
+the neighbours, a motion is several times nearer to what is shown, and every whole task is done.
+(Demonstrations brought onto one clock by time warping first gave no better means.)
 """
 
 from __future__ import annotations

@@ -49,7 +49,8 @@ def parameters(skill: Any, demonstrations: Sequence[Demonstration] = ()) -> list
         return []
     if isinstance(skill, DMPSkill | PoseDMPSkill):
         dmp: DMP | PoseDMP = skill.model
-        return [_count("weights", dmp.weights, 100, lambda n: replace(dmp, weights=n).fit(shown))]
+        count = len(skill.springs.weights)
+        return [_count("weights", count, 100, lambda n: replace(dmp, weights=n).fit(shown))]
     if isinstance(skill, ProMPSkill):
         promp = ProMP(basis=skill.basis.kind)
         count = skill.basis.count
