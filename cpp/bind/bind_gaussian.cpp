@@ -1,5 +1,6 @@
 #include <pybind11/eigen.h>
 
+#include "leadthrough/bells.hpp"
 #include "leadthrough/gaussian.hpp"
 #include "parts.hpp"
 
@@ -31,6 +32,25 @@ void bind_gaussian(py::module_& module) {
       py::arg("mean").noconvert(), py::arg("covariance").noconvert(), py::arg("basis").noconvert(),
       py::arg("columns").noconvert(), py::arg("values").noconvert(), py::arg("noise").noconvert(),
       py::arg("scale").noconvert(), py::arg("least"));
+  module.def(
+      "is_covariance",
+      [](const Eigen::Ref<const RowMajorMatrix>& matrix) {
+        require(matrix.rows() == matrix.cols() && matrix.rows() > 0);
+        const py::gil_scoped_release release;
+        return is_covariance(matrix);
+      },
+      py::arg("matrix").noconvert());
+  module.def(
+      "normalised_bells",
+      [](const Eigen::Ref<const Eigen::VectorXd>& phases,
+         const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness, bool periodic,
+         int order) {
+        require(order >= 0 && order <= 2);
+        const py::gil_scoped_release release;
+        return normalised_bells(phases, centres, sharpness, periodic, order);
+      },
+      py::arg("phases").noconvert(), py::arg("centres").noconvert(), py::arg("sharpness"),
+      py::arg("periodic"), py::arg("order"));
 }
 
 }  // namespace leadthrough

@@ -540,6 +540,10 @@ def condition_weights(
     scale: Float64Array,
     least: float,
 ) -> tuple[bool, Float64Array, Float64Array]: ...
+def is_covariance(matrix: Float64Array) -> bool: ...
+def normalised_bells(
+    phases: Float64Array, centres: Float64Array, sharpness: float, periodic: bool, order: int
+) -> Float64Array: ...
 def march_float32(
     speed: Float32Array,
     spacing: Sequence[float],

@@ -7,6 +7,7 @@
 
 using leadthrough::Columns;
 using leadthrough::condition_weights;
+using leadthrough::is_covariance;
 using leadthrough::RowMajorMatrix;
 
 namespace {
@@ -58,4 +59,14 @@ TEST(Gaussian, WhatIsKnownAlreadyIsReported) {
       condition_weights(Eigen::Vector2d::Zero(), RowMajorMatrix::Zero(2, 2), basis,
                         Columns::Zero(1), none, none, Eigen::VectorXd::Ones(1), 1e-9);
   EXPECT_TRUE(found.certain);
+}
+
+TEST(Gaussian, CovariancesAreSymmetricAndSemiDefinite) {
+  const Eigen::Vector3d direction(1.0, -2.0, 0.5);
+  EXPECT_TRUE(is_covariance(RowMajorMatrix::Zero(2, 2)));
+  EXPECT_TRUE(is_covariance(direction * direction.transpose()));
+  EXPECT_TRUE(is_covariance(1e-14 * RowMajorMatrix::Identity(3, 3)));
+  EXPECT_FALSE(is_covariance(-1e-14 * RowMajorMatrix::Identity(3, 3)));
+  EXPECT_FALSE(is_covariance((RowMajorMatrix(2, 2) << 1.0, 0.5, 0.4, 1.0).finished()));
+  EXPECT_FALSE(is_covariance((RowMajorMatrix(2, 2) << 1.0, 2.0, 2.0, 1.0).finished()));
 }

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leadthrough import check, events, rotations
 from leadthrough.check import Float64Array
@@ -47,6 +49,11 @@ class Chart:
     def width(self) -> int:
         """Number of columns; a pose has its position and then three of its orientation."""
         return self.size + (3 if self.kind == "poses" else 0)
+
+    @cached_property
+    def every(self) -> NDArray[np.int64]:
+        """The numbers (width,) of its columns."""
+        return np.arange(self.width, dtype=np.int64)
 
     def columns(self, motion: Motion, phases: Float64Array, name: str) -> Float64Array:
         """The columns (n, width) of a motion whose samples stand at phases (n,).

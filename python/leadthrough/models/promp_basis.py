@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from scipy.interpolate import BSpline
 
+from leadthrough import _core
 from leadthrough.check import Float64Array
 
 KINDS = ("bspline", "gaussian", "rhythmic")
@@ -42,7 +42,9 @@ class Basis:
         """Values (n, count), or derivatives by the phase, of order 1 or 2, at phases (n,)."""
         if self.kind == "bspline":
             return np.asarray(self._spline(phases, order))
-        return self._normalised(phases, order)
+        return _core.normalised_bells(
+            phases, self.centres, self._sharpness, self.is_rhythmic, order
+        )
 
     @cached_property
     def centres(self) -> Float64Array:
@@ -71,35 +73,9 @@ class Basis:
         knots = np.concatenate([np.zeros(_DEGREE), inner, np.ones(_DEGREE)])
         return BSpline(knots, np.eye(self.count), _DEGREE)
 
-    def _normalised(self, phases: Float64Array, order: int) -> Float64Array:
-        """Bells over their sum: f = b / S, and by differentiating f S = b."""
-        bell, slope, bend = self._bells(phases, order)
-        total = bell.sum(axis=1, keepdims=True)
-        values = bell / total
-        if order == 0:
-            return np.asarray(values)
-        rise = slope.sum(axis=1, keepdims=True)
-        slopes = (slope - values * rise) / total
-        if order == 1:
-            return np.asarray(slopes)
-        bends = bend.sum(axis=1, keepdims=True)
-        return np.asarray((bend - 2.0 * slopes * rise - values * bends) / total)
-
-    def _bells(self, phases: Float64Array, order: int) -> tuple[Any, Any, Any]:
-        """The unnormalised functions and, up to an order, their derivatives, each (n, count)."""
-        offsets = phases[:, None] - self.centres
-        if self.is_rhythmic:  # of von Mises
-            sharpness = (self.count / (2.0 * np.pi * self.width)) ** 2
-            turn = 2.0 * np.pi * offsets
-            bell = np.exp(sharpness * (np.cos(turn) - 1.0))
-            if order == 0:
-                return bell, None, None
-            slope = -2.0 * np.pi * sharpness * np.sin(turn)
-            bend = -((2.0 * np.pi) ** 2) * sharpness * np.cos(turn)
-            return bell, slope * bell, (bend + slope**2) * bell
-        precision = ((self.count - 3.0) / self.width) ** 2
-        bell = np.exp(-0.5 * precision * offsets**2)
-        if order == 0:
-            return bell, None, None
-        slope = -precision * offsets
-        return bell, slope * bell, (slope**2 - precision) * bell
+    @cached_property
+    def _sharpness(self) -> float:
+        """Of the bells: for Gaussians one over the variance, for von Mises the concentration."""
+        if self.is_rhythmic:
+            return (self.count / (2.0 * np.pi * self.width)) ** 2
+        return ((self.count - 3.0) / self.width) ** 2

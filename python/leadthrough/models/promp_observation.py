@@ -37,14 +37,13 @@ def of_columns(
     noise: (p, p) of the values at each, or None: exactly. scale: (p,) what counts as large.
     Raises InvalidInput, about the argument `name`, where the distribution rules the values out.
     """
-    nothing = np.zeros((len(columns), len(columns)))
     certain, mean, covariance = _core.condition_weights(
         weights.mean,
         weights.covariance,
         rows,
         columns,
         values,
-        nothing if noise is None else noise,
+        np.zeros((len(columns), len(columns))) if noise is None else noise,
         scale,
         _SURELY_UNCERTAIN,
     )
@@ -138,15 +137,6 @@ def _evaluated(task: Task, q: Float64Array, size: int) -> tuple[Float64Array, Fl
 def noise_of(value: Any, size: int) -> Float64Array:
     """A user's covariance (size, size) of what was observed. Raises InvalidInput."""
     result = check.array(value, "covariance", shape=(size, size))
-    symmetric = bool((result == result.T).all()) or np.allclose(result, result.T)
-    if not symmetric or _is_indefinite(result):
+    if not _core.is_covariance(result):
         raise InvalidInput("covariance: expected a symmetric positive semi-definite matrix")
     return result
-
-
-def _is_indefinite(matrix: Float64Array) -> bool:
-    try:
-        np.linalg.cholesky(matrix)  # the quick proof that it is not
-    except np.linalg.LinAlgError:
-        return bool(np.linalg.eigvalsh(matrix)[0] < 0.0)
-    return False

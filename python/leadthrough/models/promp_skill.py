@@ -20,6 +20,9 @@ from leadthrough.models.sampling import even_times
 from leadthrough.motion import Motion
 from leadthrough.shapes import Shape
 
+# A time may be so many shares of the duration off either end by rounding.
+_ULPS = 1e-9
+
 Task = Callable[[Float64Array], tuple[Any, Any]]
 
 
@@ -111,17 +114,13 @@ class ProMPSkill:
         check.integer(order, "order", at_least=0, at_most=2)
         several = isinstance(time, list | tuple) or getattr(time, "ndim", 0) > 0
         phases = self._phases(time if several else [time], "time")
-        width = self.chart.width
-        if columns is not None:
-            chosen = self._columns(columns)
-        elif order > 0 or self.chart.kind != "poses":
-            chosen = np.arange(width)
-        elif not several:
+        if columns is None and order == 0 and self.chart.kind == "poses":
+            if several:
+                raise InvalidInput("time: expected one time for a pose, call again for more")
             value = self.chart.target(position, "position", float(phases[0]))
             return self._observed("position", phases, value[None], covariance)
-        else:
-            raise InvalidInput("time: expected one time for a pose, call again for more")
-        shape = (len(chosen),) if not several else (len(phases), len(chosen))
+        chosen = self.chart.every if columns is None else self._columns(columns)
+        shape = (len(phases), len(chosen)) if several else (len(chosen),)
         values = check.array(position, "position", shape=shape).reshape(-1, len(chosen))
         return self._observed("position", phases, values, covariance, columns=chosen, order=order)
 
@@ -251,17 +250,14 @@ class ProMPSkill:
         columns: Any = None,
         order: int = 0,
     ) -> ProMPSkill:
-        chosen: Any = np.arange(values.shape[1]) if columns is None else columns
+        chosen = self.chart.every[: values.shape[1]] if columns is None else columns
         noise = None if covariance is None else promp_observation.noise_of(covariance, len(chosen))
-        pace = self.duration**-order
+        rows, scale = self.basis(phases, order), self.scale[chosen]
+        if order > 0:
+            pace = self.duration**-order
+            rows, scale = rows * pace, scale * pace
         weights = promp_observation.of_columns(
-            self.weights,
-            self.basis(phases, order) * pace,
-            chosen,
-            values,
-            noise,
-            scale=self.scale[chosen] * pace,
-            name=name,
+            self.weights, rows, chosen, values, noise, scale=scale, name=name
         )
         return self.with_weights(weights)
 
@@ -276,14 +272,14 @@ class ProMPSkill:
         given = check.array(times, name, shape=("n",)) / self.duration
         if self.basis.is_rhythmic:
             return given
+        first, last = _extent(given)
         # A grid of times up to the duration may end an ulp beyond it.
-        inside = np.minimum(np.maximum(given, 0.0), 1.0)
-        if np.abs(given - inside).max(initial=0.0) > 1e-9:
+        if first < -_ULPS or last > 1.0 + _ULPS:
             raise InvalidInput(
                 f"{name}: expected times in [0, {self.duration:.6g}] s, "
-                f"got {given.min() * self.duration:.6g} to {given.max() * self.duration:.6g} s"
+                f"got {first * self.duration:.6g} to {last * self.duration:.6g} s"
             )
-        return inside
+        return given if first >= 0.0 and last <= 1.0 else np.clip(given, 0.0, 1.0)
 
     def _columns(self, columns: Sequence[int]) -> Any:
         width = self.chart.width
@@ -300,3 +296,10 @@ class ProMPSkill:
         orders = (0, 1, 2) if self.chart.kind == "joints" else (0,)
         values = (self.basis(phases, order) @ curves * self.duration**-order for order in orders)
         return self.chart.motion(times, phases, *values)
+
+
+def _extent(values: Float64Array) -> tuple[float, float]:
+    """Least and largest; where there are none, in the middle of [0, 1]."""
+    if len(values) == 1:  # the quick way: via points come one at a time
+        return float(values[0]), float(values[0])
+    return (float(values.min()), float(values.max())) if len(values) > 0 else (0.5, 0.5)
