@@ -21,7 +21,7 @@ from leadthrough.timing.bounds import InverseDynamics, Jacobian
 from leadthrough.timing.request import Request
 from leadthrough.timing.samples import Motion
 from leadthrough.timing.section_law import time_section
-from leadthrough.timing.sections import sections
+from leadthrough.timing.sections import Section, sections
 from leadthrough.trajectories import Curve
 
 
@@ -49,8 +49,9 @@ def retime(
     rate: samples a second. path_tolerance: rad (m), how far a fitted path may lie off the samples.
     blend: rad (m), by how much corners between way-points are cut; with 0 the motion rests there.
     holds: s by row (way-point, sample or knot), how long the motion rests there.
-    not_before: (n,) s by row; no stretch between two rows is passed faster than these say. With a
-        trajectory's own times, its timing is kept wherever the limits allow.
+    not_before: (n,) s by row; no row is reached before its time. With a trajectory's own times, its
+        timing is kept wherever the limits allow: the motion is no faster than shown but where it is
+        late, by half a percent of its duration or more, and then until it is on time again.
     start_velocity, end_velocity: (joints,) along the path, where it is not to begin or end at rest;
         the last step may then be shorter or longer than the others by half.
     tip_speed: m/s, of the tip, whose `jacobian` maps q to (3, joints) or, linear rows first,
@@ -84,13 +85,20 @@ def retime(
     rest, parts = sections(
         path, path_tolerance=request.path_tolerance, blend=request.blend, holds=request.holds
     )
-    last = len(parts) - 1
-    motions = [
-        time_section(part, limits, request, first=i == 0, last=i == last)
-        for i, part in enumerate(parts)
-    ] or [_standing(path)]
+    motions = _motions(parts, limits, request, begin=rest) or [_standing(path)]
     motions[0] = motions[0].held_before(rest, request.rate)
     return _joined(motions, path, limits.joint_names)
+
+
+def _motions(
+    parts: list[Section], limits: JointLimits, request: Request, *, begin: float
+) -> list[Motion]:
+    motions, last = list[Motion](), len(parts) - 1
+    for i, part in enumerate(parts):
+        motion = time_section(part, limits, request, begin=begin, first=i == 0, last=i == last)
+        begin += float(motion.times[-1])
+        motions.append(motion)
+    return motions
 
 
 def _shape(path: Any) -> tuple[int, int]:

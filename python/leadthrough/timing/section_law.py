@@ -11,7 +11,7 @@ from leadthrough import _core
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, LimitsInfeasible
-from leadthrough.timing import bounds
+from leadthrough.timing import bounds, schedule
 from leadthrough.timing.request import Request
 from leadthrough.timing.samples import Motion, differentiated
 from leadthrough.timing.sections import Section
@@ -43,10 +43,73 @@ class _Rates:
     scale: Float64Array  # the fastest that each could be
 
 
+@dataclass(frozen=True, eq=False)
+class _Course:
+    """What the time law of a section is made from, but for the bounds on it."""
+
+    path: _core.TimedPath
+    section: Section
+    rates: _Rates
+    limits: JointLimits
+    speeds: tuple[float, float]  # of the path's length, at its ends
+    rate: float
+
+    @property
+    def parts(self) -> int:
+        """Samples computed for each one given back."""
+        return max(1, math.ceil(1.0 / (self.rate * _COARSEST_PERIOD) - 1e-9))
+
+    @property
+    def period(self) -> float:
+        """Between the samples computed, s."""
+        return 1.0 / (self.rate * self.parts)
+
+    def law(self, extra: bounds.PathBounds) -> tuple[Float64Array, Float64Array]:
+        """Times (n,) and the path's length at them."""
+        status, point, length, duration, _, _ = self.path.time_law(
+            self.rates.velocity,
+            self.rates.acceleration,
+            self.rates.jerk,
+            extra.fastest,
+            extra.gain,
+            extra.bend,
+            extra.lower,
+            extra.upper,
+            self.period,
+            *self.speeds,
+            _MOST_SAMPLES,
+        )
+        if status:
+            raise _failure(_STATUSES[status], self.path.first[point], self.limits)
+        if self.speeds[1] == 0.0:
+            missing = -(len(length) - 1) % self.parts
+            length = np.concatenate([length, np.full(missing, length[-1])])
+            duration = self.period * (len(length) - 1)
+        times = np.arange(len(length), dtype=np.float64) * self.period
+        times[-1] = duration
+        return times, length
+
+    def motion(self, extra: bounds.PathBounds) -> Motion:
+        """The motion, sampled."""
+        times, length = self.law(extra)
+        q = self.path.positions_at(length)
+        places = _places(length, self.path, self.section)
+        return differentiated(times, places, q, self.path, speeds=self.speeds).thinned(self.parts)
+
+
 def time_section(
-    section: Section, limits: JointLimits, request: Request, *, first: bool, last: bool
+    section: Section,
+    limits: JointLimits,
+    request: Request,
+    *,
+    begin: float,
+    first: bool,
+    last: bool,
 ) -> Motion:
-    """The fastest motion along a section, with the velocities asked for where it is an end."""
+    """The fastest motion along a section, with the velocities asked for where it is an end.
+
+    begin: s, when it begins.
+    """
     rates = _rates(section.spline, limits)
     path = _timed_path(section.spline, rates.scale)
     _check_positions(path, limits)
@@ -54,12 +117,11 @@ def time_section(
         _end_speed(path, 0, request.start_velocity if first else None, "start_velocity"),
         _end_speed(path, -1, request.end_velocity if last else None, "end_velocity"),
     )
+    course = _Course(path, section, rates, limits, speeds, request.rate)
     share, tip_share = 1.0, 1.0
     for _ in range(_MOST_TIGHTENINGS):
-        extra = _bounds(path, section, limits, request, share=share, tip_share=tip_share)
-        motion = _solve(
-            path, section, rates, extra, speeds=speeds, limits=limits, rate=request.rate
-        )
+        found = _bounds(path, limits, request, share=share, tip_share=tip_share)
+        motion = course.motion(_on_schedule(course, found, request, begin))
         tip, effort = _tip_ratio(motion, request), _effort_ratio(motion, limits, request)
         if max(tip, effort) <= 1.0:
             return motion.held(section.hold, request.rate)
@@ -123,7 +185,6 @@ def _end_speed(path: _core.TimedPath, end: int, velocity: Float64Array | None, n
 
 def _bounds(
     path: _core.TimedPath,
-    section: Section,
     limits: JointLimits,
     request: Request,
     *,
@@ -131,9 +192,6 @@ def _bounds(
     tip_share: float,
 ) -> bounds.PathBounds:
     found = bounds.unbounded(path)
-    if request.not_before is not None:
-        times = request.not_before[section.rows]
-        found = bounds.slower_than(found, bounds.paced(path, section.parameters, times))
     if request.tip_speed is not None and request.jacobian is not None:
         speed = tip_share * request.tip_speed
         found = bounds.slower_than(found, bounds.tip_within(path, request.jacobian, speed))
@@ -144,42 +202,26 @@ def _bounds(
     return found
 
 
-def _solve(
-    path: _core.TimedPath,
-    section: Section,
-    rates: _Rates,
-    extra: bounds.PathBounds,
-    *,
-    speeds: tuple[float, float],
-    limits: JointLimits,
-    rate: float,
-) -> Motion:
-    parts = max(1, math.ceil(1.0 / (rate * _COARSEST_PERIOD) - 1e-9))
-    period = 1.0 / (rate * parts)
-    status, point, length, duration, _, _ = path.time_law(
-        rates.velocity,
-        rates.acceleration,
-        rates.jerk,
-        extra.fastest,
-        extra.gain,
-        extra.bend,
-        extra.lower,
-        extra.upper,
-        period,
-        *speeds,
-        _MOST_SAMPLES,
-    )
-    if status:
-        raise _failure(_STATUSES[status], path.first[point], limits)
-    if speeds[1] == 0.0:
-        missing = -(len(length) - 1) % parts
-        length = np.concatenate([length, np.full(missing, length[-1])])
-        duration = period * (len(length) - 1)
-    q = path.positions_at(length)
-    times = np.arange(len(length), dtype=np.float64) * period
-    times[-1] = duration
-    places = _places(length, path, section)
-    return differentiated(times, places, q, path, speeds=speeds).thinned(parts)
+def _on_schedule(
+    course: _Course, found: bounds.PathBounds, request: Request, begin: float
+) -> bounds.PathBounds:
+    """The bounds, with the pace of `not_before` where the motion is not late."""
+    if request.not_before is None:
+        return found
+    path, section = course.path, course.section
+    times = request.not_before[section.rows]
+    pace = bounds.paced(path, section.parameters, times)
+    shown = np.interp(path.parameter, section.parameters, times - request.not_before[0])
+    due = shown - max(begin, shown[0])
+
+    def bounded(free: schedule.Free) -> bounds.PathBounds:
+        return bounds.slower_than(found, np.where(free, np.inf, pace))
+
+    def arrival(free: schedule.Free) -> Float64Array:
+        times, length = course.law(bounded(free))
+        return np.interp(path.length, length, times)
+
+    return bounded(schedule.hurries(due, arrival, slack=0.5 * course.period))
 
 
 def _places(length: Float64Array, path: _core.TimedPath, section: Section) -> Float64Array:

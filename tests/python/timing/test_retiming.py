@@ -167,6 +167,51 @@ def test_a_trajectory_keeps_its_timing_wherever_the_limits_allow():
     assert middle == pytest.approx(np.interp(5.0, times, shown.positions[:, 0]), abs=0.01)
 
 
+def hasty():
+    """Six seconds with two stretches that are shown much faster than the arm can pass them."""
+    share = np.linspace(0.0, 1.0, 601)
+    pace = 0.15 * np.sin(np.pi * share) ** 2
+    for middle, width, size in ((0.3, 0.03, 3.0), (0.65, 0.02, 2.0)):
+        pace += size * np.exp(-(((share - middle) / width) ** 2))
+    way = np.cumsum(pace)
+    way = (way - way[0]) / (way[-1] - way[0])
+    q = MIDDLE + 0.5 * np.sin(3.0 * np.outer(way, 1.0 + 0.1 * np.arange(7)) + np.arange(7))
+    return lt.JointTrajectory(6.0 * share, q)
+
+
+def lateness(shown, motion, rows=slice(20, -20)):
+    """By how much the motion is late where the samples were shown, but for the ends, at rest."""
+    along = [
+        np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(each.positions, axis=0), axis=1))])
+        for each in (shown, motion)
+    ]
+    reached = np.interp(along[0] * along[1][-1] / along[0][-1], along[1], motion.times)
+    return (reached - shown.times)[rows]
+
+
+@pytest.mark.parametrize("share", [1.0, 0.05])
+def test_after_a_stretch_that_was_too_fast_the_motion_catches_up_and_comes_never_early(share):
+    shown, limits = hasty(), with_jerk(share)
+    motion = lt.retime(shown, limits, not_before=shown.times)
+    assert check_limits(motion, limits).ok
+    late = lateness(shown, motion)
+    assert late.min() > -1e-3
+    assert late.max() > 0.06  # where it could not keep up
+    assert np.abs(late[230:330]).max() < 2e-3  # on time again between the two stretches
+    assert abs(late[450:].max()) < 0.03
+    assert motion.duration < 6.0 + 0.06
+
+
+def test_a_stop_that_was_not_shown_is_made_up_for():
+    shown, limits = hasty(), PANDA
+    motion = lt.retime(shown, limits, not_before=shown.times, holds={250: 0.5})
+    late = lateness(shown, motion)
+    assert late[240:260].max() > 0.4
+    assert late[470:].max() < 0.03
+    assert late.min() > -1e-3
+    assert check_limits(motion, limits).ok
+
+
 def test_the_path_stays_within_the_tolerance_of_the_samples():
     rng = np.random.default_rng(5)
     times = np.linspace(0.0, 5.0, 1001)

@@ -1,0 +1,63 @@
+"""Keeping a demonstrated timing wherever limits allow: never before it, nor later than needed.
+
+Where the motion is on time, the demonstrated pace is the fastest. Where limits have made it late
+the pace is free, from there to the place at which the motion is on time again; that place is found
+by bisection, as the limits also bound how fast the pace changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from leadthrough.check import Float64Array
+
+# A motion is late by this share of its demonstrated duration; less is not worth a hurry.
+_LATE = 5e-3
+_MOST_HURRIES = 20
+# Places between two attempts, where the first is late but a hurry from there comes early at once.
+_APART = 10
+
+Free = NDArray[np.bool_]
+
+
+def hurries(due: Float64Array, arrival: Callable[[Free], Float64Array], *, slack: float) -> Free:
+    """Where (n,) along a path the pace is free, so that the motion catches up.
+
+    due: (n,) s, when places of the path were shown. arrival: gives the times (n,) s of the motion
+    whose pace is free at some of them. slack: s, by which rounding may let the motion come early.
+    """
+    free = np.zeros(len(due), dtype=np.bool_)
+    late = arrival(free) - due
+    allowed = min(float(late.min()), 0.0) - slack
+    too_late = max(_LATE * float(due[-1] - due[0]), 4.0 * slack)
+    begin = 0
+    for _ in range(_MOST_HURRIES):
+        places = np.flatnonzero(late[begin:] > too_late)
+        if not len(places):
+            break
+        first = begin + int(places[0])
+        end = _end(free, first, lambda some: arrival(some) - due, allowed)
+        free[first:end] = True
+        late = arrival(free) - due
+        begin = max(end, first + _APART)
+    return free
+
+
+def _end(free: Free, first: int, lateness: Callable[[Free], Float64Array], allowed: float) -> int:
+    """To where, at most, the pace may be free from the first place on so that nothing is early."""
+
+    def early(end: int) -> bool:
+        trial = free.copy()
+        trial[first:end] = True
+        return bool((lateness(trial)[first:] < allowed).any())
+
+    low, high = first, len(free)
+    if not early(high):
+        return high
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if early(middle) else (middle, high)
+    return low
