@@ -171,6 +171,7 @@ class TimeLawSearch {
     for (int k = 0; k < most_rounds; ++k) {
       if (!round(stride, law)) return false;
       if (stride == 1 && excess() <= 1.0 + rounding) return true;
+      if (k == 0 && cap_by_jerk()) continue;
       const bool near = excess() <= 1.0 + coarse_excess || k + 1 >= most_coarse_rounds;
       if (stride > 1 && near) {
         stride = 1;
@@ -187,6 +188,24 @@ class TimeLawSearch {
   double excess() const {
     return std::max(
         {ratios_.largest[0], std::sqrt(ratios_.largest[1]), std::cbrt(ratios_.largest[2])});
+  }
+
+  // At a steady speed v of the length a joint's jerk is q''' v^3. Whether the profile was faster
+  // than that allows: on short and twisty paths it is, and holding it back alone ends far too slow.
+  bool cap_by_jerk() {
+    if (!rests_at_start() || !rests_at_end()) return false;  // which may be faster
+    bool faster = false;
+    for (Index i = 1; i + 1 < grid_.points(); ++i) {
+      const double span = grid_.length[i + 1] - grid_.length[i - 1];
+      for (Index j = 0; j < path_.joints(); ++j) {
+        const double third = std::abs(grid_.second(i + 1, j) - grid_.second(i - 1, j)) / span;
+        if (!(limits_.jerk[j] > 0.0 && third > 0.0)) continue;  // does not move, or straight on
+        const double speed = std::cbrt(limits_.jerk[j] / third);
+        faster = faster || profile_.squared[i] > speed * speed;
+        fastest_[i] = std::min(fastest_[i], speed * speed);
+      }
+    }
+    return faster;
   }
 
   // Every excess counts for the samples that its windows reach. Less acceleration cures it, or

@@ -71,6 +71,17 @@ def test_a_single_joint_moves_as_the_seven_segments_of_the_double_s_let_it():
     assert best <= motion.duration <= best * 1.05
 
 
+def test_short_and_twisty_paths_with_little_jerk_are_not_crept_along():
+    free = replace(PANDA, jerk=np.full(7, np.inf))
+    ratios = []
+    for seed in range(5):
+        path = random_spline(seed, spread=0.03)
+        motion = lt.retime(path, with_jerk(0.02))
+        assert check_limits(motion, with_jerk(0.02)).ok
+        ratios.append(motion.duration / lt.retime(path, free).duration)
+    assert np.median(ratios) < 1.95
+
+
 def test_a_path_is_passed_in_the_same_way_backwards():
     way = MIDDLE + np.random.default_rng(3).uniform(-0.4, 0.4, (6, 7))
     there, back = (lt.retime(points, PANDA, blend=0.05) for points in (way, way[::-1]))
