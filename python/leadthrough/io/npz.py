@@ -7,6 +7,8 @@ with `joint_names`, `velocities` and `accelerations`; `event_times` and `event_n
 from __future__ import annotations
 
 import math
+import tokenize
+import warnings
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -32,6 +34,7 @@ _UNREADABLE = (
     TypeError,
     KeyError,
     SyntaxError,
+    tokenize.TokenError,
     EOFError,
     OSError,
     MemoryError,
@@ -56,10 +59,12 @@ def table(path: Path) -> ArrayTable:
 def arrays(path: Path) -> dict[str, NDArray[Any]]:
     """The arrays of an archive by name. Raises InvalidInput."""
     try:
-        _check_claims(path)
-        # NumPy leaves a file open that it opened itself and could not read.
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
+        with warnings.catch_warnings():  # NumPy warns of headers as Python 2 wrote them
+            warnings.simplefilter("ignore", UserWarning)
+            _check_claims(path)
+            # NumPy leaves a file open that it opened itself and could not read.
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
+                return {name: archive[name] for name in archive.files}
     except _UNREADABLE as error:
         raise InvalidInput(f"not a readable .npz archive of plain arrays ({error})") from None
 

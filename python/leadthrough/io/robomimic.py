@@ -47,7 +47,7 @@ def tables(path: Path) -> list[ArrayTable]:
 
 def _tables(file: Any) -> list[ArrayTable]:
     data = file.get("data")
-    names = [] if data is None else [name for name in data if name.startswith("demo_")]
+    names = [] if data is None else [name for name in data if str(name).startswith("demo_")]
     if not names:
         raise InvalidInput("expected groups data/demo_<i>, as robomimic has them, got none")
     rate = _control_rate(data.attrs.get("env_args"))
@@ -67,7 +67,8 @@ def _sets(group: Any) -> dict[str, Any]:
     return {
         name: each
         for name, each in group.items()
-        if hasattr(each, "dtype")
+        if isinstance(name, str)  # h5py hands on damaged names as bytes
+        and hasattr(each, "dtype")
         and each.dtype.kind in "fiu"
         and (each.ndim == 1 or (each.ndim == 2 and each.shape[1] <= _WIDEST))
     }

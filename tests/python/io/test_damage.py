@@ -91,7 +91,7 @@ def test_an_archive_that_inflates_too_far_is_refused(tmp_path, monkeypatch):
     path = tmp_path / "bomb.npz"
     np.savez_compressed(path, joints=np.zeros((1_300_000, 1)))
     assert path.stat().st_size < 20_000
-    with pytest.raises(InvalidInput, match="the archive: .* it claims 10,400,128"):
+    with pytest.raises(InvalidInput, match=r"the archive: .* it claims 10,400,128"):
         read(path)
 
 
