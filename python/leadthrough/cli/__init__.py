@@ -10,6 +10,7 @@ from leadthrough.cli.check import check
 from leadthrough.cli.demo import demo
 from leadthrough.cli.errors import Commands
 from leadthrough.cli.experiment import experiment
+from leadthrough.cli.info import info
 from leadthrough.cli.learn import learn
 from leadthrough.cli.plan import plan
 from leadthrough.cli.retime import retime
@@ -25,7 +26,7 @@ _ENDINGS = (
 app = typer.Typer(
     cls=Commands, no_args_is_help=True, pretty_exceptions_enable=False, epilog=_ENDINGS
 )
-for command in (demo, learn, plan, retime, check, view, experiment):
+for command in (demo, info, learn, plan, retime, check, view, experiment):
     app.command()(command)
 
 

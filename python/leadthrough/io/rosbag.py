@@ -7,7 +7,7 @@ Text on `/events` becomes events.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -47,6 +47,17 @@ def tables(path: Path, request: Request) -> list[ArrayTable]:
             raise InvalidInput(f"topic: {topic!r} has no messages")
         found = _TABLES[kind](messages, request)
         return [replace(table, events=_events(bag, messages[0][0], table)) for table in found]
+
+
+def topics(path: Path) -> dict[str, str]:
+    """The type of each topic's messages. Raises InvalidInput, MissingDependency."""
+    with _opened(path) as bag:
+        return {name: str(info.msgtype) for name, info in bag.topics.items()}
+
+
+def motions(topics: Mapping[str, str]) -> list[str]:
+    """Those of the topics that can be read without naming frames."""
+    return [name for name, kind in topics.items() if kind in _MOTIONS]
 
 
 @contextmanager

@@ -1,0 +1,97 @@
+"""What a recording holds, and what is wrong with it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from leadthrough.errors import InvalidInput
+from leadthrough.io.recording import Recording
+from leadthrough.preprocess.clean import clean
+from leadthrough.preprocess.report import CleaningReport
+
+_ANY_GAP = 1e300  # s
+_FASTEST = 1e5  # Hz; no arm is recorded so fast, but times in ms or ns that count as s look slow
+_SLOWEST = 0.5  # Hz
+_FARTHEST = 20.0  # m from an arm's base
+
+
+@dataclass(frozen=True)
+class RecordingSummary:
+    """kind: "joints", "poses" or "points". joints: their names. duration: s. rate: Hz, by the
+    median step; 0 with a single sample. lower, upper: the range of each position. report: what
+    `clean` would change; None where nothing can be saved. remarks: what looks wrong.
+    """
+
+    name: str
+    kind: str
+    joints: tuple[str, ...]
+    samples: int
+    duration: float
+    rate: float
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+    events: tuple[str, ...]
+    report: CleaningReport | None
+    remarks: tuple[str, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The fields, as values that JSON knows."""
+        return asdict(self)
+
+    def __str__(self) -> str:
+        lines = [f"{self.name}: {self.kind}, {self.samples} samples"]
+        if self.report is not None:
+            spans = zip(self.lower, self.upper, strict=True)
+            lines[0] += f", {self.duration:.4g} s at {self.rate:.4g} Hz"
+            lines.append("range " + ", ".join(f"{low:.3g} to {high:.3g}" for low, high in spans))
+            lines += str(self.report).splitlines()[1:]
+        if self.joints:
+            lines.append(f"joints {', '.join(self.joints)}")
+        if self.events:
+            lines.append(f"events {', '.join(self.events)}")
+        return "\n  ".join([*lines, *(f"! {remark}" for remark in self.remarks)])
+
+
+def summarize(recording: Recording) -> RecordingSummary:
+    """The summary of a recording, however bad it is. Raises InvalidInput for anything else."""
+    if not isinstance(recording, Recording):
+        raise InvalidInput(f"recording: expected a Recording, got {type(recording).__name__}")
+    known: dict[str, Any] = {
+        "name": recording.name,
+        "kind": recording.kind,
+        "joints": recording.joint_names or (),
+        "samples": len(recording.times),
+        "events": tuple(event.name for event in recording.events),
+    }
+    try:
+        demonstration, report = clean(recording, longest_gap=_ANY_GAP)
+    except InvalidInput as error:
+        nothing: dict[str, Any] = {"duration": 0.0, "rate": 0.0, "lower": (), "upper": ()}
+        return RecordingSummary(**known, **nothing, report=None, remarks=(str(error),))
+    motion = demonstration.motion
+    steps = np.diff(motion.times)
+    summary = RecordingSummary(
+        **known,
+        duration=motion.duration,
+        rate=1.0 / float(np.median(steps)) if len(steps) else 0.0,
+        lower=tuple(motion.positions.min(axis=0).tolist()),
+        upper=tuple(motion.positions.max(axis=0).tolist()),
+        report=report,
+        remarks=(),
+    )
+    return RecordingSummary(**{**vars(summary), "remarks": _remarks(summary)})
+
+
+def _remarks(summary: RecordingSummary) -> tuple[str, ...]:
+    remarks = []
+    if summary.rate and not _SLOWEST <= summary.rate <= _FASTEST:
+        remarks.append(f"{summary.rate:.3g} Hz: are the times in s?")
+    farthest = max(map(abs, (*summary.lower, *summary.upper)))
+    if summary.kind == "poses" and farthest > _FARTHEST:
+        remarks.append(f"positions up to {farthest:.4g} m: are they in m?")
+    if summary.lower == summary.upper:
+        remarks.append("nothing moves")
+    return tuple(remarks)

@@ -1,0 +1,130 @@
+"""What a file holds: recordings and motions, a skill, or a robot."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from leadthrough.arm import Arm
+from leadthrough.errors import InvalidInput
+from leadthrough.io import formats, rosbag
+from leadthrough.io.atomic import StrPath
+from leadthrough.io.recording import recording
+from leadthrough.io.request import Request
+from leadthrough.models import archive
+from leadthrough.preprocess.summary import RecordingSummary, summarize
+
+_ROBOTS = (".urdf", ".xml")
+
+
+@dataclass(frozen=True)
+class FileInfo:
+    """path. format: for people. kind: "recordings", "skill" or "robot". facts: of the whole file.
+
+    recordings: one summary for each. text: a robot's description. problem: why a recording could
+    not be read, in words that say what to ask.
+    """
+
+    path: str
+    format: str
+    kind: str
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    recordings: tuple[RecordingSummary, ...] = ()
+    text: str = ""
+    problem: str | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """The fields, as values that JSON knows."""
+        return {
+            "path": self.path,
+            "format": self.format,
+            "kind": self.kind,
+            **self.facts,
+            "recordings": [each.as_dict() for each in self.recordings],
+            "problem": self.problem,
+        }
+
+    def __str__(self) -> str:
+        lines = [f"{self.path}: {self.format}, {self.kind}"]
+        for name, value in self.facts.items():
+            text = ", ".join(map(str, value)) if isinstance(value, list | tuple) else str(value)
+            lines.append(f"{name.replace('_', ' ')}: {text}")
+        lines += [str(each) for each in self.recordings]
+        lines += [self.text] if self.text else []
+        return "\n".join(lines + ([f"! {self.problem}"] if self.problem else []))
+
+
+def describe(
+    path: StrPath,
+    *,
+    request: Request = Request(),  # noqa: B008 (frozen)
+    limits: StrPath | None = None,
+    base: str | None = None,
+    tip: str | None = None,
+) -> FileInfo:
+    """What a file holds, as far as it can be read.
+
+    request: as `leadthrough.io.request.checked` makes it; of a bag without a topic all are told.
+    limits, base, tip: of a URDF, as `Arm.from_urdf` takes them.
+    Raises InvalidInput, InvalidRobot, MissingDependency.
+    """
+    if not isinstance(path, str | os.PathLike):
+        raise InvalidInput(f"path: expected a path, got {path!r}")
+    where = Path(path)
+    if where.suffix.lower() in _ROBOTS and where.is_file():
+        return _robot(where, limits, base, tip)
+    try:
+        found = formats.of_file(where)
+        if found.name == "npz" and (skill := _skill(where)):
+            return skill
+        if found.name == "rosbag" and request.topic is None:
+            return _bag(where, found.title, request)
+        return _recordings(where, found, request)
+    except OSError as error:
+        raise InvalidInput(f"{path}: cannot be read ({error.strerror})") from None
+    except InvalidInput as error:
+        raise InvalidInput(f"{path}: {error}") from None
+
+
+def _recordings(path: Path, found: formats.Format, request: Request) -> FileInfo:
+    assert found.read is not None
+    tables = found.read(path, request)
+    facts = {"columns": list(tables[0].names)} if tables else {}
+    summaries, problem = [], None
+    for i, table in enumerate(tables):
+        own = path.stem if len(tables) == 1 else f"{path.stem}[{i}]"
+        try:
+            summaries.append(summarize(recording(table, request, name=table.label or own)))
+        except InvalidInput as error:
+            problem = str(error)
+            break
+    return FileInfo(str(path), found.title, "recordings", facts, tuple(summaries), problem=problem)
+
+
+def _bag(path: Path, title: str, request: Request) -> FileInfo:
+    topics = rosbag.topics(path)
+    summaries = []
+    for topic in rosbag.motions(topics):
+        asked = Request(**{**vars(request), "topic": topic})
+        for table in rosbag.tables(path, asked):
+            summaries.append(summarize(recording(table, asked, name=topic)))
+    facts = {"topics": [f"{name} ({kind})" for name, kind in topics.items()]}
+    return FileInfo(str(path), title, "recordings", facts, tuple(summaries))
+
+
+def _skill(path: Path) -> FileInfo | None:
+    try:
+        kind, settings, arrays = archive.read(path)
+    except InvalidInput:
+        return None  # an archive of something else
+    facts = {"model": kind, **settings, "arrays": [f"{n} {a.shape}" for n, a in arrays.items()]}
+    return FileInfo(str(path), "NumPy archive", "skill", facts)
+
+
+def _robot(path: Path, limits: StrPath | None, base: str | None, tip: str | None) -> FileInfo:
+    arm = Arm.from_urdf(path, base=base, tip=tip, limits=limits)
+    facts = {"joints": list(arm.joint_names)}
+    return FileInfo(str(path), "URDF", "robot", facts, text=arm.describe())
