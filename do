@@ -4,7 +4,7 @@ set -euo pipefail
 cd "$(dirname "$0")"
 
 readonly BUILD_PACKAGES=(g++ cmake ninja-build libeigen3-dev liborocos-kdl-dev liburdfdom-dev)
-readonly TEST_PACKAGES=(ccache libfcl-dev libgtest-dev)
+readonly TEST_PACKAGES=(ccache chromium libfcl-dev libgtest-dev)
 
 usage() {
   cat <<'TEXT'

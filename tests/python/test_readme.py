@@ -46,7 +46,7 @@ def test_demo_is_short_and_leaves_what_it_announces(demo, tmp_path):
     assert len(demo.read_text().splitlines()) < 60
     result = run_python([str(demo), str(tmp_path)], tmp_path)
     assert result.returncode == 0, result.stderr
-    announced = re.findall(r"\S+\.(?:png|json)", result.stdout.split("wrote", 1)[1])
+    announced = re.findall(r"\S+\.(?:png|json|html)", result.stdout.split("wrote", 1)[1])
     assert announced
     for name in announced:
         assert Path(name).stat().st_size > 1000

@@ -1,0 +1,86 @@
+"""The command and the function that open a view."""
+
+import sys
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import leadthrough as lt
+from leadthrough import cli
+from leadthrough.errors import InvalidInput, MissingDependency
+from leadthrough.show import open_view, view
+
+runner = CliRunner()
+
+
+@pytest.fixture
+def recording(panda, tmp_path):
+    times = np.linspace(0.0, 1.0, 50)
+    q = np.outer(times, 0.2 * np.ones(7)) + np.array([0, 0, 0, -1.5, 0, 1.5, 0])
+    path = tmp_path / "motion.csv"
+    joints = lt.JointTrajectory(times, q, joint_names=panda.joint_names)
+    lt.io.write_motion(joints, path)
+    return path
+
+
+def test_command_writes_a_page(recording, shown, tmp_path):
+    lt.PoseDMP().fit(shown).save(tmp_path / "skill.npz")
+    out = tmp_path / "out.html"
+    result = runner.invoke(
+        cli.app,
+        ["view", str(recording), "--robot", "panda", "--demonstrations", str(recording),
+         "--skill", str(tmp_path / "skill.npz"), "--obstacle", "sphere:0.1@1,0,0.5",
+         "--html", str(out)],
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    assert str(out) in result.output.replace("\n", "")
+    assert "obstacles" not in result.output
+    assert out.stat().st_size > 50_000
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [["--robot", "hal"], ["--obstacle", "box:1,1@0,0,0"], ["nothing.csv"], ["--port", "-1"]],
+)
+def test_wrong_arguments_are_an_error_of_one_line(wrong):
+    arguments = ["view", *wrong] if wrong[0] == "--port" else ["view", *wrong, "--html", "x.html"]
+    result = runner.invoke(cli.app, arguments)
+    assert result.exit_code == 2
+    assert len(result.output.strip().splitlines()) == 1
+
+
+def test_live_view_without_viser_names_the_extra(panda, monkeypatch):
+    monkeypatch.setitem(sys.modules, "viser", None)
+    with pytest.raises(MissingDependency, match=r"viser is not installed.*leadthrough\[view\]"):
+        view(panda)
+
+
+def test_page_is_written_without_viser(panda, monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "viser", None)
+    view(panda, html=tmp_path / "a.html")
+
+
+def test_skill_without_a_motion_shows_its_own(panda, shown, tmp_path):
+    view(panda, skill=lt.PoseDMP().fit(shown), html=tmp_path / "a.html")
+
+
+def test_motion_of_the_tip_is_followed(panda, shown, tmp_path):
+    view(panda, shown[0].motion, html=tmp_path / "a.html")
+
+
+def test_skill_that_the_arm_cannot_follow_is_refused(panda, shown, tmp_path):
+    with pytest.raises(InvalidInput, match="plans no motion"):
+        view(panda, skill=lt.PoseDMP().fit(shown), goal=(3, 0, 0), html=tmp_path / "a.html")
+    assert not list(tmp_path.iterdir())
+
+
+def test_live_view_is_served_until_it_is_closed(panda, capfd):
+    opened = open_view(panda)
+    try:
+        assert opened.url.startswith("http://127.0.0.1:")
+        assert opened.answer is None
+    finally:
+        opened.close()
+    opened.wait()
+    assert capfd.readouterr().out == ""
