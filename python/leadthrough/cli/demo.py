@@ -29,6 +29,7 @@ def demo(
         handwriting_report.write_motion(result, arm.limits, out / name)
         results.append(result)
     handwriting_report.write_summary(results, out)
+    handwriting_report.write_page(results, arm, config, out)
 
     columns = ("motion", "SEA", "V_rmse", "DTWD/N", "Fréchet", "time s", "slowed", "limits", "arm")
     table = Table(*columns)
@@ -42,5 +43,6 @@ def demo(
     console = Console()
     console.print(table)
     console.print(f"Figures, errors.csv and the joint trajectories: {out}/")
+    console.print(f"All of it to look at, in a browser: {out / 'report.html'}")
     if not all(result.limits.ok and result.clearance.ok for result in results):
         raise typer.Exit(1)

@@ -97,7 +97,7 @@ def run(name: str, arm: Arm, config: HandwritingConfig) -> Handwriting:
         slowing=joints.duration / asked.duration,
         limits=check_limits(joints, arm.limits),
         errors=metrics.reproduction_errors(drawings[-1], placement.on_paper(reproduction)),
-        clearance=arm.with_attached(_pen(config)).check(joints, [_table(), box]),
+        clearance=arm.with_attached(pen(config)).check(joints, [_table(), box]),
     )
 
 
@@ -141,7 +141,7 @@ def _table() -> Box:
     return Box(np.array([1.2, 1.2, 0.04]), np.array([0.0, 0.0, -0.02]))
 
 
-def _pen(config: HandwritingConfig) -> Capsule:
+def pen(config: HandwritingConfig) -> Capsule:
     """The pen in the flange's frame, along its z."""
     length = config.pen_length - config.pen_lift
     middle = np.array([0.0, 0.0, 0.5 * length])

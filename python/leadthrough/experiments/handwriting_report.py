@@ -11,12 +11,26 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from leadthrough import io
-from leadthrough.arm import JointLimits
-from leadthrough.experiments.handwriting import Handwriting
+from leadthrough.arm import Arm, JointLimits
+from leadthrough.experiments import handwriting
+from leadthrough.experiments.handwriting import Handwriting, HandwritingConfig
 from leadthrough.experiments.results import save_figure
 from leadthrough.io import joint_trajectory
 from leadthrough.io.atomic import replacing
-from leadthrough.show import plot
+from leadthrough.motion import Demonstration
+from leadthrough.shapes import Box
+from leadthrough.show import page, plot
+from leadthrough.show.scene import Scene, arm_scene
+
+_INTRODUCTION = (
+    "Motions that people drew seven times each (LASA set). Six drawings were learned by Fast "
+    "Marching Learning; the seventh was reproduced from its start alone. Then the motion was "
+    "planned once more around a box, put on a table before a UR3 with a pen, solved for the "
+    "joints, slowed down until every joint kept its limits, and checked: arm and pen against "
+    "table, box and themselves.",
+    "Drag a scene to look around, with the right button to move it; the wheel zooms.",
+)
+_ERRORS = "Of the reproductions against the seventh drawing, in the drawings' own mm."
 
 COLUMNS = ("motion", "SEA_mm2", "V_rmse_mm_s", "DTWD_per_N_mm", "Frechet_mm")
 
@@ -41,6 +55,47 @@ def write_summary(results: Sequence[Handwriting], folder: Path) -> None:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
         writer.writerows(error_rows(results))
+
+
+def write_page(
+    results: Sequence[Handwriting], arm: Arm, config: HandwritingConfig, folder: Path
+) -> None:
+    """report.html: what was done, each motion to look at from all sides, the errors."""
+    folder.mkdir(parents=True, exist_ok=True)
+    parts = [page.text(text) for text in _INTRODUCTION]
+    parts.append(page.figure(_overview_figure(results), "All motions on the table."))
+    for result in results:
+        parts += _motion_parts(result, arm, config)
+    parts += [page.heading("Errors"), page.text(_ERRORS), page.table(COLUMNS, error_rows(results))]
+    page.write_page(folder / "report.html", "Handwriting, from six hands to a robot arm", parts)
+
+
+def _motion_parts(result: Handwriting, arm: Arm, config: HandwritingConfig) -> list[str]:
+    verdict = "kept" if result.limits.ok else "exceeded"
+    facts = (
+        f"{result.joints.duration:.2f} s, slowed {result.slowing:.2f} times to keep the arm's "
+        f"limits, which are {verdict}. Arm and pen: {result.clearance}."
+    )
+    return [
+        page.heading(result.name),
+        page.scene(_scene(result, arm, config), facts),
+        page.figure(_learning_figure(result), "Left the map, right the speed of the pen."),
+    ]
+
+
+def _scene(result: Handwriting, arm: Arm, config: HandwritingConfig) -> Scene:
+    """The arm with its pen; the table is the floor, of the box only the part above it is shown."""
+    height = 0.5 * result.box.size[2]
+    x, y, z = result.box.position
+    above = Box(np.array([*result.box.size[:2], height]), np.array([x, y, z + 0.5 * height]))
+    on_table = np.pad(result.detour.positions, ((0, 0), (0, 1)))
+    return arm_scene(
+        arm.with_attached(handwriting.pen(config)),
+        result.joints,
+        demonstrations=[Demonstration(motion) for motion in result.shown],
+        path=on_table,
+        obstacles=[above],
+    )
 
 
 def error_rows(results: Sequence[Handwriting]) -> list[tuple[str, ...]]:

@@ -12,6 +12,7 @@ from importlib.resources import files
 from typing import Any
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -47,9 +48,10 @@ def scene(shown: Scene, caption: str = "") -> str:
 
 def figure(drawn: Figure, caption: str = "") -> str:
     """A figure as a drawing of lines and letters, sharp at every size."""
-    text = io.StringIO()
-    drawn.savefig(text, format="svg", metadata={"Date": None})
-    svg = text.getvalue()
+    content = io.StringIO()
+    with rc_context({"svg.hashsalt": "leadthrough"}):  # the same figure, the same file
+        drawn.savefig(content, format="svg", metadata={"Date": None})
+    svg = content.getvalue()
     return f"<figure>{svg[svg.index('<svg') :]}{_caption(caption)}</figure>"
 
 

@@ -287,7 +287,7 @@ class SceneView {
 
   home() {
     Object.assign(this, { azimuth: -0.85, elevation: 0.42, target: [...this.data.centre] });
-    this.distance = 1.05 * this.data.radius / Math.sin(FIELD_OF_VIEW / 2);
+    this.distance = 0.88 * this.data.radius / Math.sin(FIELD_OF_VIEW / 2);
   }
 
   orbit() {

@@ -30,8 +30,10 @@ ARM, DEMONSTRATIONS, PATH, SPREAD, OBSTACLES, GOAL = (
     "arm", "demonstrations", "path", "uncertainty", "obstacles", "goal",
 )  # fmt: skip
 
+# Tubes around paths are so thin that drawings of a hand's size stay legible, m.
 _PATH_RADIUS = 0.004
-_DEMONSTRATION_RADIUS = 0.002
+_PATH_SHARE = 0.01  # of the path's extent
+_DEMONSTRATION_SHARE = 0.5  # of a path's radius
 _GOAL_RADIUS = 0.014
 _PATH_POINTS = 200
 _DEMONSTRATION_POINTS = 100
@@ -182,14 +184,14 @@ def demonstration_items(arm: Arm, demonstrations: Iterable[Demonstration]) -> It
             got = type(demonstration).__name__
             raise InvalidInput(f"demonstrations[{i}]: expected a Demonstration, got {got}")
         points = solids.thinned(tip_path(arm, demonstration.motion), _DEMONSTRATION_POINTS)
-        mesh = solids.tube(points, _DEMONSTRATION_RADIUS, sides=6)
+        mesh = solids.tube(points, _DEMONSTRATION_SHARE * _radius(points), sides=6)
         name = demonstration.name or f"demonstration {i + 1}"
         yield Item(name, DEMONSTRATIONS, mesh, palette.rgb(palette.DEMONSTRATION))
 
 
 def path_item(path: Float64Array) -> Item:
     """The planned path (n, 3)."""
-    mesh = solids.tube(solids.thinned(path, _PATH_POINTS), _PATH_RADIUS)
+    mesh = solids.tube(solids.thinned(path, _PATH_POINTS), _radius(path))
     return Item("path", PATH, mesh, palette.rgb(palette.PATH))
 
 
@@ -227,6 +229,11 @@ def goal_item(goal: Float64Array) -> Item:
     """A ball at the goal (3,)."""
     mesh = solids.sphere(_GOAL_RADIUS).moved(goal)
     return Item("goal", GOAL, mesh, palette.rgb(palette.GOAL))
+
+
+def _radius(path: Float64Array) -> float:
+    extent = float(np.ptp(path, axis=0).max())
+    return min(_PATH_RADIUS, _PATH_SHARE * extent) or _PATH_RADIUS
 
 
 def _links(arm: Arm, q: Float64Array) -> tuple[tuple[str, ...], Float64Array, Float64Array]:
