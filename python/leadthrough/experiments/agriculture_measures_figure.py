@@ -10,9 +10,15 @@ from matplotlib.figure import Figure
 
 from leadthrough.experiments.agriculture_paper import BELOW_40, PRINTED, SIGNIFICANT
 from leadthrough.experiments.study import Row, selected
+from leadthrough.show import palette
 from leadthrough.show.plot import Style
 
-COLORS = {"euler": "tab:orange", "log": "tab:red", "lifted": "tab:green", "anchored": "tab:blue"}
+COLORS = {
+    "euler": palette.AMBER,
+    "log": palette.VERMILION,
+    "lifted": palette.GREEN,
+    "anchored": palette.BLUE,
+}
 _PAPER: Style = {"color": "black", "linewidth": 1.0, "linestyle": ":"}
 _WIDTH = 0.8  # of a task, in tasks
 _ALL = "all"

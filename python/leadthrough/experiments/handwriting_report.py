@@ -19,7 +19,7 @@ from leadthrough.io import joint_trajectory
 from leadthrough.io.atomic import replacing
 from leadthrough.motion import Demonstration
 from leadthrough.shapes import Box
-from leadthrough.show import page, plot
+from leadthrough.show import page, plot, style
 from leadthrough.show.scene import Scene, arm_scene
 
 _INTRODUCTION = (
@@ -35,6 +35,7 @@ _ERRORS = "Of the reproductions against the seventh drawing, in the drawings' ow
 COLUMNS = ("motion", "SEA_mm2", "V_rmse_mm_s", "DTWD_per_N_mm", "Frechet_mm")
 
 
+@style.applied()
 def write_motion(result: Handwriting, limits: JointLimits, folder: Path) -> None:
     """Two figures and the joint trajectory as CSV and JSON, in `folder`, made if missing."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -44,6 +45,7 @@ def write_motion(result: Handwriting, limits: JointLimits, folder: Path) -> None
     joint_trajectory.write_json(result.joints, folder / "trajectory.json")
 
 
+@style.applied()
 def write_summary(results: Sequence[Handwriting], folder: Path) -> None:
     """One figure of all motions and the table of errors, errors.csv."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -57,6 +59,7 @@ def write_summary(results: Sequence[Handwriting], folder: Path) -> None:
         writer.writerows(error_rows(results))
 
 
+@style.applied()
 def write_page(
     results: Sequence[Handwriting], arm: Arm, config: HandwritingConfig, folder: Path
 ) -> None:
@@ -118,11 +121,11 @@ def _learning_figure(result: Handwriting) -> Figure:
     left, right = figure.subplots(1, 2, width_ratios=(1.2, 1.0))
     plot.draw_velocity_map(left, result.skill)
     _draw_motion(left, result)
-    left.set_title(f"{result.name} on the table, m", fontsize=10)
+    left.set_title(f"{result.name} on the table, m")
     left.legend(fontsize=7)
     plot.draw_speed(right, result.held_out, plot.HELD_OUT, label="held-out demonstration")
     plot.draw_speed(right, result.reproduction, plot.PATH, label="reproduced from its start")
-    right.set_title("speed on the table, m/s", fontsize=10)
+    right.set_title("speed on the table, m/s")
     right.legend(fontsize=7)
     return figure
 
@@ -137,9 +140,9 @@ def _overview_figure(results: Sequence[Handwriting]) -> Figure:
     for axes, result in zip(panels, results, strict=False):
         plot.draw_velocity_map(axes, result.skill)
         _draw_motion(axes, result)
-        axes.set_title(result.name, fontsize=10)
+        axes.set_title(result.name)
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=9)
+    figure.legend(handles, labels, loc="outside lower center", ncols=2 * min(columns, 2))
     return figure
 
 

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from leadthrough.experiments import human_demonstrations, human_measures
 from leadthrough.experiments.study import Report, Row, mean, selected
+from leadthrough.show import palette
 
 # Yang, Liu and Pears, section IV B, of the learned velocity. It prints no numbers.
 CLAIMS = {
@@ -47,7 +48,7 @@ MEASURES = (
     "bell_distance_learned",
 )
 _SHOWN: dict[str, Any] = {"color": "0.55", "linewidth": 0.8}
-_COLOURS = {"one": "tab:blue", "all": "tab:red", "all, aligned": "tab:green"}
+_COLOURS = {"one": palette.BLUE, "all": palette.VERMILION, "all, aligned": palette.GREEN}
 _LINES = {"human": "-", "DLS-IK": "--"}
 
 
@@ -116,8 +117,8 @@ def _joint_figure(rows: list[Row]) -> Figure:
         right.set_ylabel("rad/s")
         for axes in (left, right):
             axes.set_xlabel("share of the time")
-    panels[0, 0].set_title("position", fontsize=10)
-    panels[0, 1].set_title("velocity", fontsize=10)
+    panels[0, 0].set_title("position")
+    panels[0, 1].set_title("velocity")
     panels[0, 0].legend(fontsize=7)
     return figure
 
@@ -146,7 +147,7 @@ def _sweep_figure(config: Any, rows: list[Row]) -> Figure:
                 column[0].plot(count, [row["peak_ratio"] for row in own], **style, label=label)
                 column[1].plot(count, [row["reversals_learned"] for row in own], **style)
         column[0].axhline(1.0, color="0.5", linewidth=0.8)
-        column[0].set_title(f"joint {joint}", fontsize=10)
+        column[0].set_title(f"joint {joint}")
         column[1].set_yscale("log")
         column[1].set_xlabel("basis functions")
     panels[0, 0].set_ylabel("peak speed, learned over shown")

@@ -153,7 +153,7 @@ def _methods_figure(config: Any, rows: Sequence[Row]) -> Figure:
             places = [j + (i + 0.5) * width - 0.4 for j in range(len(heights))]
             axes.bar(places, [height or 0.0 for height in heights], width, label=method)
         axes.set_xticks(range(len(config.protocols)), config.protocols)
-        axes.set_title("SEA, mm²" if axes is left else "V_rmse, mm/s", fontsize=10)
+        axes.set_title("SEA, mm²" if axes is left else "V_rmse, mm/s")
     handles, labels = right.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8)
     return figure
@@ -192,7 +192,7 @@ def _shapes_figure(config: Any, rows: Sequence[Row]) -> Figure:
         plot.draw_paths(axes, made, {**plot.PATH, "linewidth": 0.8}, label=_drawn(config))
         axes.set_title(name, fontsize=8)
         axes.set_aspect("equal")
-    figure.suptitle(f"{_drawn(config)}: each demonstration left out and reproduced", fontsize=10)
+    figure.suptitle(f"{_drawn(config)}: each demonstration left out and reproduced")
     return figure
 
 
@@ -213,7 +213,7 @@ def _saturation_figure(config: Any, rows: Sequence[Row]) -> Figure:
                 label=setting,
             )
         axes.set_xlabel("saturation")
-        axes.set_title(f"{column}, left out", fontsize=10)
+        axes.set_title(f"{column}, left out")
         axes.legend(fontsize=7)
     return figure
 

@@ -10,17 +10,18 @@ from matplotlib.figure import Figure
 from leadthrough.experiments import singularity_paths
 from leadthrough.experiments.singularity_paths import APPROACHES
 from leadthrough.experiments.study import Report, Row, selected
+from leadthrough.show import palette
 
 _QUANTITIES = {"position": "rad", "velocity": "rad/s", "torque": "N m"}
 _PEAKS_OF_OTHER_JOINTS = tuple(f"peak_velocity_{joint}" for joint in (1, 2, 3, 5))
 _NOT_IN_THE_TABLE = ("study", "course", *_PEAKS_OF_OTHER_JOINTS)
 # The paper's own figures show its two ways; the others are drawn thinner.
 _STYLES: dict[str, dict[str, Any]] = {
-    "plain": {"color": "tab:red", "linewidth": 1.4},
-    "damped alone": {"color": "tab:orange", "linewidth": 0.9},
-    "damped": {"color": "tab:blue", "linewidth": 1.4},
-    "follow, slowing": {"color": "tab:green", "linewidth": 0.9},
-    "follow, deviating": {"color": "tab:purple", "linewidth": 0.9},
+    "plain": {"color": palette.VERMILION, "linewidth": 1.4},
+    "damped alone": {"color": palette.AMBER, "linewidth": 0.9},
+    "damped": {"color": palette.BLUE, "linewidth": 1.4},
+    "follow, slowing": {"color": palette.GREEN, "linewidth": 0.9},
+    "follow, deviating": {"color": palette.PINK, "linewidth": 0.9},
 }
 
 
@@ -68,7 +69,7 @@ def _course_figure(number: int, rows: list[Row]) -> Figure:
                 axes.plot(row["course"]["time"], values, **style, label=row["method"])
             axes.set_ylabel(f"joint {joint}, {unit}")
     for axes, quantity in zip(panels[0], _QUANTITIES, strict=True):
-        axes.set_title(quantity, fontsize=10)
+        axes.set_title(quantity)
     for axes in panels[-1]:
         axes.set_xlabel("time in s")
     panels[0, 0].legend(fontsize=7)
@@ -86,7 +87,7 @@ def _condition_figure(config: Any, rows: list[Row]) -> Figure:
             )
         for threshold in (8.0, 10.0):
             axes.axhline(threshold, color="0.5", linewidth=0.8, linestyle="--")
-        axes.set_title(f"approach {number}: {APPROACHES[number].title}", fontsize=10)
+        axes.set_title(f"approach {number}: {APPROACHES[number].title}")
         axes.set_xlabel("time in s")
     panels[0].set_ylabel("condition number, SI units")
     panels[0].legend(fontsize=7)
@@ -110,7 +111,7 @@ def _sweep_figure(config: Any, rows: list[Row]) -> Figure:
                 column[0].loglog(dampings, speeds, marker + "-", markersize=3, label=label)
                 column[1].loglog(dampings, errors, marker + "-", markersize=3)
         column[0].axhline(1.0, color="0.5", linewidth=0.8, linestyle="--")
-        column[0].set_title(f"approach {number}: {APPROACHES[number].title}", fontsize=10)
+        column[0].set_title(f"approach {number}: {APPROACHES[number].title}")
         column[1].set_xlabel("damping, m a rad")
     panels[0, 0].set_ylabel("peak speed, of its limit")
     panels[1, 0].set_ylabel("largest error in mm")

@@ -26,6 +26,7 @@ from rich.progress import track
 
 from leadthrough import _core, check
 from leadthrough.experiments import results
+from leadthrough.show import style
 
 Row = dict[str, Any]
 
@@ -95,7 +96,8 @@ def run(study: Study, config: Any, *, out: Path, jobs: int | None = None) -> Out
     """
     tasks = study.tasks(config)
     rows, failures = _solve_all(tasks, out, jobs)
-    report = study.report(config, rows)
+    with style.applied():
+        report = study.report(config, rows)
     results.write(
         out,
         document={

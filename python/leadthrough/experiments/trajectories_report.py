@@ -87,5 +87,5 @@ def _plane_figure(rows: list[Row]) -> Figure:
         for row in selected(rows, law=law):
             states = np.array(row["states"])
             draw_phase_plane(axes, states[:, 0], states[:, 1])
-        axes.set_title(law, fontsize=10)
+        axes.set_title(law)
     return figure

@@ -78,7 +78,7 @@ def _sweep_figure(config: Any, rows: list[Row]) -> Figure:
             label = f"area of influence {100 * area:.0f} cm"
             axes.plot(saturations, [row["kappa"] for row in own], "o-", label=label)
         axes.axhline(config.threshold, color="0.5", linewidth=0.8, linestyle="--")
-        axes.set_title(f"experiment {scene}", fontsize=10)
+        axes.set_title(f"experiment {scene}")
         axes.set_xlabel("saturation")
     panels[0].set_ylabel("kappa")
     panels[0].legend(fontsize=7)
@@ -97,7 +97,7 @@ def _teaching_figure(rows: list[Row]) -> Figure:
             heights = [row[column.format(name)] for row in rows]
             axes.bar(places + offset, heights, 0.4, label=f"path {name}")
         axes.set_xticks(places, [row["pace"] for row in rows])
-        axes.set_title(title, fontsize=10)
+        axes.set_title(title)
     right.set_yscale("log")
     left.legend(fontsize=8)
     return figure

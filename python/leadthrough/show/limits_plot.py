@@ -11,10 +11,12 @@ from matplotlib.figure import Figure
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array
 from leadthrough.motion import JointTrajectory
+from leadthrough.show import palette, style
 
-_LIMIT: dict[str, Any] = {"color": "tab:red", "linewidth": 0.8, "linestyle": "--"}
+_LIMIT: dict[str, Any] = {"color": palette.VERMILION, "linewidth": 0.8, "linestyle": "--"}
 
 
+@style.applied()
 def limits_figure(trajectory: JointTrajectory, limits: JointLimits) -> Figure:
     """Position, velocity, acceleration and jerk of all joints over time, as shares of their limits.
 

@@ -15,15 +15,16 @@ from leadthrough.check import Float64Array
 from leadthrough.models.fast_marching import FastMarchingSkill
 from leadthrough.motion import JointTrajectory, Trajectory
 from leadthrough.shapes import Box
+from leadthrough.show import palette, style
 
 Style = dict[str, Any]
 
-DEMONSTRATION: Style = {"color": "0.55", "linewidth": 0.8}
-HELD_OUT: Style = {"color": "black", "linewidth": 1.0, "linestyle": (0, (4, 2))}
-PATH: Style = {"color": "tab:blue", "linewidth": 1.6}
-DETOUR: Style = {"color": "tab:red", "linewidth": 1.6}
-LIMIT: Style = {"color": "tab:red", "linewidth": 0.8, "linestyle": "--"}
-OBSTACLE: Style = {"facecolor": "0.2", "edgecolor": "none"}
+DEMONSTRATION: Style = {"color": palette.DEMONSTRATION, "linewidth": 0.8}
+HELD_OUT: Style = {"color": palette.BLACK, "linewidth": 1.0, "linestyle": (0, (4, 2))}
+PATH: Style = {"color": palette.PATH, "linewidth": 1.6}
+DETOUR: Style = {"color": palette.DETOUR, "linewidth": 1.6}
+LIMIT: Style = {"color": palette.VERMILION, "linewidth": 0.8, "linestyle": "--"}
+OBSTACLE: Style = {"facecolor": palette.OBSTACLE, "edgecolor": "none"}
 
 
 def draw_velocity_map(axes: Axes, skill: FastMarchingSkill) -> None:
@@ -61,6 +62,7 @@ def draw_speed(axes: Axes, motion: Trajectory, style: Style, *, label: str) -> N
     axes.set_xlabel("time in s")
 
 
+@style.applied()
 def joint_figure(trajectory: JointTrajectory, limits: JointLimits) -> Figure:
     """Positions and velocities of all joints over time, with their limits dashed."""
     joints = trajectory.positions.shape[1]
@@ -76,8 +78,8 @@ def joint_figure(trajectory: JointTrajectory, limits: JointLimits) -> Figure:
         _draw_limits(right, -limits.velocity[j], limits.velocity[j])
         left.set_ylabel(trajectory.joint_names[j] if trajectory.joint_names else f"joint {j + 1}")
         left.yaxis.label.set_fontsize(8)
-    grid[0, 0].set_title("position in rad, limits dashed", fontsize=10)
-    grid[0, 1].set_title("velocity in rad/s, limits dashed", fontsize=10)
+    grid[0, 0].set_title("position in rad, limits dashed")
+    grid[0, 1].set_title("velocity in rad/s, limits dashed")
     for axes in grid[-1]:
         axes.set_xlabel("time in s")
     return figure

@@ -13,11 +13,12 @@ from leadthrough.models.kmeans import Clusters
 from leadthrough.models.mixture import Mixture
 from leadthrough.models.promp_basis import Basis
 from leadthrough.motion import Motion
+from leadthrough.show import palette
 from leadthrough.show.plot import Style
 
-BAND: Style = {"color": "tab:blue", "alpha": 0.2, "linewidth": 0.0}
-SAMPLE: Style = {"color": "tab:blue", "linewidth": 0.6, "alpha": 0.6}
-OBSERVED: Style = {"color": "tab:red", "marker": "o", "linestyle": "none", "markersize": 5}
+BAND: Style = {"color": palette.BLUE, "alpha": 0.2, "linewidth": 0.0}
+SAMPLE: Style = {"color": palette.BLUE, "linewidth": 0.6, "alpha": 0.6}
+OBSERVED: Style = {"color": palette.VERMILION, "marker": "o", "linestyle": "none", "markersize": 5}
 
 
 def draw_band(
@@ -27,7 +28,7 @@ def draw_band(
     covariance: Float64Array,
     column: int,
     *,
-    colour: str = "tab:blue",
+    colour: str = palette.BLUE,
     label: str | None = None,
 ) -> None:
     """The mean (n, d) of one column over times (n,), and two standard deviations about it."""

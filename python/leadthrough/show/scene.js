@@ -286,8 +286,11 @@ class SceneView {
   }
 
   home() {
-    Object.assign(this, { azimuth: -0.85, elevation: 0.42, target: [...this.data.centre] });
-    this.distance = 0.88 * this.data.radius / Math.sin(FIELD_OF_VIEW / 2);
+    const { centre, radius } = this.data, shape = this.canvas.clientWidth / this.canvas.clientHeight;
+    // A little lower than the middle: the bar with the time lies over the bottom.
+    const target = along(centre, [0, 0, 1], -0.14 * radius);
+    const distance = 0.88 * radius / Math.sin(FIELD_OF_VIEW / 2) / Math.min(shape || 1, 1);
+    Object.assign(this, { azimuth: -0.85, elevation: 0.42, target, distance });
   }
 
   orbit() {

@@ -79,11 +79,22 @@ class Scene:
         return replace(self, times=times, positions=positions, orientations=orientations)
 
     def ball(self) -> tuple[Float64Array, float]:
-        """Centre (3,) and radius, m, of a ball around all that is shown and wherever it goes."""
+        """Centre (3,) and radius, m, of a ball around all that is shown and its motion."""
         still = [item.mesh.vertices for item in self.items if item.link is None]
-        points = np.concatenate([self.positions.reshape(-1, 3), *still])
+        frames = {0, len(self.times) // 2, len(self.times) - 1}
+        moving = [self._at(item, frame) for item in self.items for frame in frames]
+        points = np.concatenate([self.positions.reshape(-1, 3), *still, *moving])
         lower, upper = points.min(axis=0), points.max(axis=0)
         return 0.5 * (lower + upper), max(0.5 * float(np.linalg.norm(upper - lower)), 0.1)
+
+    def _at(self, item: Item, frame: int) -> Float64Array:
+        """The corners (8, 3) of the box around a surface in one frame; none if it stands still."""
+        if item.link is None:
+            return np.zeros((0, 3))
+        reach = np.stack([item.mesh.vertices.min(axis=0), item.mesh.vertices.max(axis=0)])
+        corners = np.stack(np.meshgrid(*reach.T), axis=-1).reshape(-1, 3)
+        turned = rotations.to_matrix(self.orientations[frame, item.link][None])[0]
+        return np.asarray(corners @ turned.T + self.positions[frame, item.link])
 
     def poses_at(self, time: float) -> tuple[Float64Array, Float64Array]:
         """Positions (links, 3) and orientations (links, 4) at a time, s; held beyond the ends."""

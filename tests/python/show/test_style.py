@@ -1,0 +1,55 @@
+"""All figures have one look, and matplotlib keeps the user's."""
+
+from dataclasses import dataclass
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import leadthrough as lt
+from leadthrough.experiments import study
+from leadthrough.show import limits_plot, palette, plot
+
+
+@pytest.fixture
+def joints(panda):
+    times = np.linspace(0.0, 1.0, 30)
+    q = np.outer(times, 0.3 * np.ones(7)) + np.array([0, 0, 0, -1.5, 0, 1.5, 0])
+    return lt.JointTrajectory(times, q, joint_names=panda.joint_names)
+
+
+@dataclass(frozen=True)
+class Nothing:
+    """The configuration of a study that does nothing."""
+
+
+def has_the_style(figure):
+    (axes, *_) = figure.axes
+    return not axes.spines["top"].get_visible() and mpl.colors.same_color(
+        axes.xaxis.label.get_color(), palette.BLACK
+    )
+
+
+@pytest.mark.parametrize("draw", [plot.joint_figure, limits_plot.limits_figure])
+def test_figure_has_the_style_and_leaves_the_users_own(draw, joints, panda):
+    before = dict(mpl.rcParams)
+    assert has_the_style(draw(joints, panda.limits))
+    assert dict(mpl.rcParams) == before
+
+
+def test_figures_of_a_study_have_the_style(tmp_path):
+    def report(config, rows):
+        figure = Figure()
+        figure.subplots()
+        return study.Report(table=[], figures={"one": figure})
+
+    small = study.Study(configure=None, tasks=lambda _: [], report=report)
+    outcome = study.run(small, Nothing(), out=tmp_path)
+    assert has_the_style(outcome.report.figures["one"])
+
+
+def test_colours_of_the_cycle_differ():
+    colours = np.array([palette.rgb(colour) for colour in palette.CYCLE])
+    gaps = np.linalg.norm(colours[:, None] - colours[None], axis=2) + np.eye(len(colours))
+    assert gaps.min() > 0.2
