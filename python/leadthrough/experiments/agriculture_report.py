@@ -147,6 +147,7 @@ def _details(rows: list[Row], task: str, planner: str) -> Row:
         "limits_kept_percent": _percent(rows, "limits_kept"),
         "slowing": _mean(rows, "slowing"),
         "fit_cpu_s": _mean(rows, "fit_cpu_s"),
+        "plan_cpu_s_sd": _spread(rows, "plan_cpu_s"),
     }
 
 
