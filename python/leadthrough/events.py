@@ -43,8 +43,11 @@ def checked(value: Any, times: Float64Array) -> Events:
 
     Raises InvalidInput.
     """
-    if not isinstance(value, Sequence) or not all(isinstance(each, Event) for each in value):
-        raise InvalidInput(f"events: expected a sequence of Event, got {value!r}")
+    if not isinstance(value, Sequence):
+        raise InvalidInput(f"events: expected a sequence of Event, got {type(value).__name__}")
+    for each in value:
+        if not isinstance(each, Event):
+            raise InvalidInput(f"events: expected Event, got one of {type(each).__name__}")
     for event in value:
         if not times[0] <= event.time <= times[-1]:
             raise InvalidInput(
