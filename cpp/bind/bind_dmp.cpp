@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include <memory>
+#include <optional>
 
 #include "leadthrough/avoidance.hpp"
 #include "leadthrough/dmp.hpp"
@@ -43,9 +44,11 @@ struct PoseState : PointState {
     return dmp::orientation_at(*curve, offsets, state.phase, state.value.tail<3>());
   }
 
-  Eigen::Matrix<double, 7, 1> pose() const {
-    Eigen::Matrix<double, 7, 1> row;
-    row << state.value.head<3>(), orientation();
+  // An array that owns its numbers is made quicker than one that refers to a matrix.
+  py::array_t<double> pose() const {
+    py::array_t<double> row(7);
+    Eigen::Map<Eigen::Matrix<double, 7, 1>>(row.mutable_data()) << state.value.head<3>(),
+        orientation();
     return row;
   }
 
@@ -141,6 +144,13 @@ State coast(const State& before, const Forces& forces, double dt) {
   return step(before, forces, dt, Vector::Zero(before.channels()));
 }
 
+// Nothing where dt is not in (0, duration]: such steps are rare, and to be checked first.
+template <typename State>
+std::optional<State> tick(const State& before, const Forces& forces, double dt) {
+  if (!(dt > 0.0 && dt <= before.duration)) return std::nullopt;
+  return coast(before, forces, dt);
+}
+
 std::shared_ptr<dmp::Surroundings> make_surroundings(const std::vector<int>& forms,
                                                      const RowsIn& positions,
                                                      const RowsIn& orientations,
@@ -218,6 +228,7 @@ void bind_common(py::class_<State>& type) {
       .def_property_readonly("value", [](const State& s) { return s.state.value; })
       .def_property_readonly("slope", [](const State& s) { return s.state.slope; })
       .def("coast", &coast<State>, py::arg("forces"), py::arg("dt"))
+      .def("tick", &tick<State>, py::arg("forces"), py::arg("dt"))
       .def("pushed", &step<State>, py::arg("forces"), py::arg("dt"),
            py::arg("acceleration").noconvert())
       .def("led_around", &step_around<State>, py::arg("forces"), py::arg("dt"),

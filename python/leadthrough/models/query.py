@@ -25,12 +25,8 @@ def check_duration(duration: float | None, usual: float, name: str = "duration")
 
 def check_step(dt: float, lag: float, duration: float) -> float:
     """The time that the motion goes on by in a step of dt s. Raises InvalidInput."""
-    # The quick way: control loops ask a thousand times a second.
-    if type(dt) is not float or not 0.0 < dt <= duration:
-        dt = check.number(dt, "dt", above=0.0, at_most=_LONGEST_STEP * duration)
-    if lag == 0.0:
-        return dt
-    return dt / (1.0 + check.number(lag, "lag", at_least=0.0))
+    span = check.number(dt, "dt", above=0.0, at_most=_LONGEST_STEP * duration)
+    return span / (1.0 + check.number(lag, "lag", at_least=0.0))
 
 
 def check_channels(value: Any, name: str, count: int) -> Float64Array:
