@@ -102,6 +102,8 @@ MODELS = {
     "ProMP of joints": (lt.ProMP(), JOINTS),
     "ProMP of poses": (lt.ProMP(), POSES),
     "ProMP, B-splines": (lt.ProMP(basis="bspline"), POINTS),
+    "ProMP, by EM": (lt.ProMP(estimator="em"), POINTS),
+    "ProMP of poses, by EM": (lt.ProMP(estimator="em"), POSES),
     "GMR": (lt.GMR(), POINTS),
     "GMR of joints": (lt.GMR(), JOINTS),
     "GMR of poses": (lt.GMR(), POSES),
