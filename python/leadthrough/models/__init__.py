@@ -21,7 +21,8 @@ from leadthrough.models.rhythmic_dmp import (
 )
 from leadthrough.models.skills import load_skill
 from leadthrough.models.stiffness import stiffness_profile
-from leadthrough.models.task_gmr import Frame, TaskGMR, TaskGMRSkill
+from leadthrough.models.task_frames import Frame
+from leadthrough.models.task_gmr import TaskGMR, TaskGMRSkill
 
 __all__ = [
     "DMP",

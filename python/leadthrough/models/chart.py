@@ -22,7 +22,8 @@ from leadthrough.events import Event
 from leadthrough.models.archive import quaternions
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
 
-_NODES = 201  # of the reference orientation over the phase
+# Phases of the reference orientation.
+NODES = np.linspace(0.0, 1.0, 201)
 # Of each motion that a mixture is fitted to, so that all count the same and the work is bounded.
 SAMPLES = 200
 # Columns that vary less than this share of the widest are as good as constant.
@@ -82,7 +83,7 @@ class Chart:
         """The reference orientation (n, 4) at phases (n,) in [0, 1]."""
         assert self.reference is not None
         inside = np.clip(phases, 0.0, 1.0)
-        return rotations.squad(np.linspace(0.0, 1.0, _NODES), self.reference, inside)
+        return rotations.squad(NODES, self.reference, inside)
 
     def motion(
         self,
@@ -131,7 +132,7 @@ class Chart:
     @staticmethod
     def from_archive(settings: dict[str, Any], arrays: Any) -> Chart:
         """The chart that `settings` and `arrays` took apart. Raises KeyError, InvalidInput."""
-        shape = (_NODES, 4)
+        shape = (len(NODES), 4)
         return Chart(
             check.choice(settings["chart"], "chart", _TYPES),
             check.integer(settings["size"], "size", at_least=1),
@@ -173,7 +174,7 @@ def chart_of(motions: Sequence[Motion], phases: Sequence[Float64Array]) -> Chart
     kind = next(kind for kind, each in _TYPES.items() if isinstance(motions[0], each))
     names = motions[0].joint_names if isinstance(motions[0], JointTrajectory) else ()
     poses = [motion for motion in motions if isinstance(motion, PoseTrajectory)]
-    reference = _mean_orientations(poses, phases) if poses else None
+    reference = _reference(poses, phases) if poses else None
     happened = [
         each
         for motion, u in zip(motions, phases, strict=True)
@@ -210,19 +211,20 @@ def timed_columns(
     return result
 
 
-def _mean_orientations(
-    motions: Sequence[PoseTrajectory], phases: Sequence[Float64Array]
-) -> Float64Array:
-    """Means of the orientations at even phases; the first motion's where they are far apart."""
-    even = np.linspace(0.0, 1.0, _NODES)
-    layers = np.stack(
+def _reference(motions: Sequence[PoseTrajectory], phases: Sequence[Float64Array]) -> Float64Array:
+    """The mean orientations of motions whose samples stand at phases, at the nodes (201, 4)."""
+    return mean_orientations(
         [
-            rotations.interpolate(at, motion.orientations, np.clip(even, at[0], at[-1]))
+            rotations.interpolate(at, motion.orientations, np.clip(NODES, at[0], at[-1]))
             for motion, at in zip(motions, phases, strict=True)
         ]
     )
+
+
+def mean_orientations(layers: Sequence[Float64Array]) -> Float64Array:
+    """Means (n, 4) of several rows of orientations; the first where they are far apart."""
     try:
-        return rotations.align_signs(rotations.mean(layers))
+        return rotations.align_signs(rotations.mean(np.stack(layers)))
     except InvalidInput:  # of which the mean is not unique
         return rotations.align_signs(layers[0])
 

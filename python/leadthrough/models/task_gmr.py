@@ -22,40 +22,17 @@ from leadthrough.models.chart import SAMPLES, Chart, chart_of, motions_of, norma
 from leadthrough.models.gmr_skill import GMRSkill
 from leadthrough.models.mixture import Mixture
 from leadthrough.models.mixture_em import Blocks, fit_blocks, standard
-from leadthrough.motion import Demonstration
+from leadthrough.models.task_frames import Frame, Placed, checked, common_chart, placed
+from leadthrough.motion import Demonstration, Motion, PoseTrajectory
 from leadthrough.shapes import Shape
-
-_ORTHONORMAL = 1e-6
-
-
-@dataclass(frozen=True, eq=False)
-class Frame:
-    """Where something of the task stands: a start, a goal, an object.
-
-    origin: (d,). axes: (d, d) orthonormal, its axes as columns; by default those of the base frame.
-    """
-
-    origin: Float64Array
-    axes: Any = None
-
-    def __post_init__(self) -> None:
-        origin = check.frozen(self.origin, "origin", shape=("d",))
-        size = len(origin)
-        given = np.eye(size) if self.axes is None else self.axes
-        axes = check.frozen(given, "axes", shape=(size, size))
-        if np.abs(axes.T @ axes - np.eye(size)).max() > _ORTHONORMAL:
-            raise InvalidInput("axes: expected orthonormal columns")
-        object.__setattr__(self, "origin", origin)
-        object.__setattr__(self, "axes", axes)
-
-    def local(self, points: Float64Array) -> Float64Array:
-        """Points (n, d) of the base frame, seen from this one."""
-        return np.asarray((points - self.origin) @ self.axes)
 
 
 @dataclass(frozen=True)
 class TaskGMR:
-    """A task-parameterised mixture of points. components: >= 1. seed: of the starts of EM."""
+    """A task-parameterised mixture of points, joints or poses.
+
+    components: >= 1. seed: of the starts of EM.
+    """
 
     components: int = 8
     seed: int = 0
@@ -70,46 +47,45 @@ class TaskGMR:
         *,
         frames: Sequence[Sequence[Frame]] | None = None,
     ) -> TaskGMRSkill:
-        """A skill from demonstrations of points.
+        """A skill from demonstrations, all of points, of the same joints, or of poses.
 
         frames: those of each demonstration, in the same order in all; by default two, at its start
-        and at its goal. Raises InvalidInput; FitError for a demonstration that does not move.
+        and at its goal, for poses with the tool's axes there. Raises InvalidInput; FitError for a
+        demonstration that does not move.
         """
         motions = motions_of(demonstrations)
         phases = [normalised(motion) for motion in motions]
         chart = chart_of(motions, phases)
-        if chart.kind != "points":
-            raise InvalidInput(f"demonstrations: expected points, got {chart.kind}")
         duration = float(np.median([motion.duration for motion in motions]))
         samples = timed_columns(motions, phases, chart, duration)
         seen_from = (
-            [(Frame(each[0, 1:]), Frame(each[-1, 1:])) for each in samples]
+            [(_at(motion, 0), _at(motion, -1)) for motion in motions]
             if frames is None
-            else _checked(frames, len(motions), chart.size)
+            else checked(frames, len(motions), chart)
         )
-        seen = [
-            np.concatenate(
-                [
-                    np.column_stack([each[:, 0], own[i].local(each[:, 1:])])
-                    for each, own in zip(samples, seen_from, strict=True)
-                ]
-            )
-            for i in range(len(seen_from[0]))
-        ]
+        charts, seen = [], []
+        for own in zip(*seen_from, strict=True):
+            local = [frame.local(motion) for frame, motion in zip(own, motions, strict=True)]
+            charts.append(chart_of(local, phases))
+            seen.append(np.concatenate(timed_columns(local, phases, charts[-1], duration)))
         components = _fitted(seen, self.components, self.seed)
         ends = np.mean([each[[0, -1], 1:] for each in samples], axis=0)
-        return TaskGMRSkill(chart, components, duration, ends, at_ends=frames is None)
+        return TaskGMRSkill(
+            chart, tuple(charts), components, duration, ends, at_ends=frames is None
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class TaskGMRSkill:
     """What was learned; made by `TaskGMR.fit`.
 
-    components: over the time, s, and the position in each frame. duration: s. ends: (2, d) where
-    the demonstrations start and end on the mean. at_ends: whether its two frames stand there.
+    charts: of each frame. components: over the time, s, and the columns of the charts. duration: s.
+    ends: (2, d) where the demonstrations start and end on the mean, in the columns of `chart`.
+    at_ends: whether its two frames stand there.
     """
 
     chart: Chart
+    charts: tuple[Chart, ...]
     components: Blocks
     duration: float
     ends: Float64Array
@@ -124,14 +100,19 @@ class TaskGMRSkill:
 
     def at(self, frames: Sequence[Frame]) -> GMRSkill:
         """The skill in a situation, with frames as it was fitted with. Raises InvalidInput."""
-        (given,) = _checked([frames], 1, self.chart.size)
+        (given,) = checked([frames], 1, self.chart)
         if len(given) != len(self.components.means):
             raise InvalidInput(
                 f"frames: expected {len(self.components.means)} of them, got {len(given)}"
             )
-        mixture = _multiplied(self.components, given)
+        chart = common_chart(self.chart, self.charts, given)
+        seen = [
+            placed(frame, own, chart, means, self.duration)
+            for frame, own, means in zip(given, self.charts, self.components.means, strict=True)
+        ]
+        mixture = _multiplied(self.components, seen)
         ends, _ = mixture.regress([[0.0], [self.duration]], inputs=[0])
-        return GMRSkill(self.chart, mixture, self.duration, ends, 1)
+        return GMRSkill(chart, mixture, self.duration, ends, 1)
 
     def generate(
         self,
@@ -142,8 +123,9 @@ class TaskGMRSkill:
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
     ) -> Any:
-        """The mean motion from a start to a goal, (d,) each, by default the mean ones.
+        """The mean motion from a start to a goal, by default the mean ones.
 
+        start, goal: (d,), for poses (position (3,), orientation (4,)) or the position alone.
         duration, dt: s, > 0. Raises InvalidInput; UnsupportedQuery for obstacles, and for a skill
         with frames other than those at start and goal.
         """
@@ -152,9 +134,12 @@ class TaskGMRSkill:
         ends = self.ends.copy()
         for row, (value, name) in enumerate(((start, "start"), (goal, "goal"))):
             if value is not None:
-                ends[row] = check.array(value, name, shape=(self.chart.size,))
-        return self.at([Frame(end) for end in ends]).generate(
-            start=ends[0], goal=ends[1], duration=duration, dt=dt, obstacles=obstacles
+                given = self.chart.target(value, name, float(row))
+                ends[row, : len(given)] = given
+        shown = self.chart.motion(np.array([0.0, 1.0]), np.array([0.0, 1.0]), ends)
+        wanted = {name: _query(shown, row) for row, name in enumerate(("start", "goal"))}
+        return self.at([_at(shown, 0), _at(shown, -1)]).generate(
+            **wanted, duration=duration, dt=dt, obstacles=obstacles
         )
 
     def save(self, path: StrPath) -> None:
@@ -169,10 +154,16 @@ class TaskGMRSkill:
             "frames": len(self.components.means),
             **self.chart.settings(),
         }
-        arrays = {"weights": self.components.weights, "ends": self.ends}
+        arrays: dict[str, Any] = {
+            "weights": self.components.weights,
+            "ends": self.ends,
+            **self.chart.arrays(),
+        }
         for i, means in enumerate(self.components.means):
             arrays[f"means_{i}"] = means
             arrays[f"covariances_{i}"] = self.components.covariances[i]
+            if self.charts[i].reference is not None:
+                arrays[f"reference_{i}"] = self.charts[i].reference
         return settings, arrays
 
     @classmethod
@@ -189,8 +180,29 @@ class TaskGMRSkill:
         )
         duration = check.number(settings["duration"], "duration", above=0.0)
         chart = Chart.from_archive(settings, arrays)
-        ends = check.frozen(arrays["ends"], "ends", shape=(2, chart.size))
-        return cls(chart, components, duration, ends, at_ends=bool(settings["at_ends"]))
+        charts = tuple(
+            Chart.from_archive(
+                chart.settings(),
+                {"reference": arrays[f"reference_{i}"]} if chart.reference is not None else {},
+            )
+            for i in range(len(mixtures))
+        )
+        ends = check.frozen(arrays["ends"], "ends", shape=(2, chart.width))
+        return cls(chart, charts, components, duration, ends, at_ends=bool(settings["at_ends"]))
+
+
+def _at(motion: Motion, row: int) -> Frame:
+    """The frame at a sample of a motion."""
+    if isinstance(motion, PoseTrajectory):
+        return Frame.of_pose(motion.positions[row], motion.orientations[row])
+    return Frame(motion.positions[row])
+
+
+def _query(motion: Motion, row: int) -> Any:
+    """A sample of a motion as a skill is asked for it."""
+    if isinstance(motion, PoseTrajectory):
+        return motion.positions[row], motion.orientations[row]
+    return motion.positions[row]
 
 
 def _fitted(seen: Sequence[Float64Array], count: int, seed: int) -> Blocks:
@@ -206,45 +218,34 @@ def _fitted(seen: Sequence[Float64Array], count: int, seed: int) -> Blocks:
     )
 
 
-def _multiplied(components: Blocks, frames: Sequence[Frame]) -> Mixture:
+def _multiplied(components: Blocks, seen: Sequence[Placed]) -> Mixture:
     """The components where the frames stand.
 
-    A component's Gaussian is one of the time and, given the time, one of the position in each
+    A component's Gaussian is one of the time and, given the time, one of the columns in each
     frame; the latter are multiplied, which leaves their mean linear in the time.
     """
-    size = len(frames[0].origin)
+    size = seen[0].means.shape[1]
     precision = np.zeros((len(components.weights), size, size))
     pull = np.zeros((len(components.weights), size))
     slope = np.zeros_like(pull)
-    for frame, means, covariances in zip(
-        frames, components.means, components.covariances, strict=True
-    ):
+    for each, covariances in zip(seen, components.covariances, strict=True):
         rate = covariances[:, 0, 1:] / covariances[:, :1, 0]
         inner = covariances[:, 1:, 1:] - rate[:, :, None] * covariances[:, :1, 1:]
-        own = frame.axes @ np.linalg.inv(inner) @ frame.axes.T
+        own = np.asarray(np.linalg.inv(each.maps @ inner @ each.maps.transpose(0, 2, 1)))
         precision += own
-        pull += np.einsum("kij,kj->ki", own, means[:, 1:] @ frame.axes.T + frame.origin)
-        slope += np.einsum("kij,kj->ki", own, rate @ frame.axes.T)
+        pull += _times(own, each.means)
+        slope += _times(own, _times(each.maps, rate) + each.drift)
     inner = np.asarray(np.linalg.inv(precision))
-    rate = np.einsum("kij,kj->ki", inner, slope)
+    rate = _times(inner, slope)
     times, variances = components.means[0][:, 0], components.covariances[0][:, 0, 0]
-    covariance = np.empty((len(inner), size + 1, size + 1))
+    covariance = np.empty((len(times), size + 1, size + 1))
     covariance[:, 0, 0] = variances
     covariance[:, 0, 1:] = covariance[:, 1:, 0] = variances[:, None] * rate
     outer = rate[:, :, None] * rate[:, None, :] * variances[:, None, None]
     covariance[:, 1:, 1:] = 0.5 * (inner + inner.transpose(0, 2, 1)) + outer
-    positions = np.einsum("kij,kj->ki", inner, pull)
-    return Mixture(components.weights, np.column_stack([times, positions]), covariance)
+    return Mixture(components.weights, np.column_stack([times, _times(inner, pull)]), covariance)
 
 
-def _checked(frames: Sequence[Sequence[Frame]], count: int, size: int) -> list[tuple[Frame, ...]]:
-    if not isinstance(frames, Sequence) or len(frames) != count:
-        raise InvalidInput(f"frames: expected a sequence for each of {count} demonstrations")
-    checked = [tuple(each) for each in frames]
-    for each in checked:
-        wrong = [frame for frame in each if not isinstance(frame, Frame)]
-        if wrong or any(len(frame.origin) != size for frame in each):
-            raise InvalidInput(f"frames: expected Frame of {size} dimensions")
-    if len({len(each) for each in checked}) != 1 or not checked[0]:
-        raise InvalidInput("frames: expected as many for every demonstration, at least one")
-    return checked
+def _times(matrices: Float64Array, vectors: Any) -> Float64Array:
+    """Products (k, d) of matrices (k, d, d) with vectors (k, d)."""
+    return np.asarray(np.einsum("kij,kj->ki", matrices, vectors))

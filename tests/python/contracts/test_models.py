@@ -108,6 +108,8 @@ MODELS = {
     "GMR of joints": (lt.GMR(), JOINTS),
     "GMR of poses": (lt.GMR(), POSES),
     "GMR, task-parameterised": (TaskGMR(components=4), POINTS),
+    "GMR of joints, task-parameterised": (TaskGMR(components=4), JOINTS),
+    "GMR of poses, task-parameterised": (TaskGMR(components=4), POSES),
 }
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import leadthrough as lt
+from leadthrough import rotations
 from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
 from leadthrough.models import Frame, TaskGMR, stiffness_profile
 
@@ -124,6 +125,78 @@ def test_frames_carry_the_motion_to_new_situations():
     errors = np.mean(errors, axis=0)
     assert errors[0] < 0.05
     assert errors[0] < 0.75 * errors[1]
+
+
+def posed(count, seed):
+    """Poses that leave a start along its x axis, turn, and come into a goal along its own."""
+    rng = np.random.default_rng(seed)
+    shown, frames = [], []
+    for _ in range(count):
+        origins = np.array([[0.0, 0.0, 0.0], [1.0, 0.5, 0.3]]) + 0.15 * rng.standard_normal((2, 3))
+        turned = rotations.exp(0.4 * rng.standard_normal((2, 3)) + [[0, 0, 0], [0, 0, 0.8]])
+        start, goal = (Frame.of_pose(o, q) for o, q in zip(origins, turned, strict=True))
+        share = np.clip((U - 0.35) / 0.3, 0.0, 1.0)
+        orientations = rotations.interpolate([0.0, 1.0], turned, share**2 * (3 - 2 * share))
+        motion = lt.PoseTrajectory(U, bezier(start, goal), rotations.align_signs(orientations))
+        shown.append(lt.Demonstration(motion))
+        frames.append([start, goal])
+    return shown, frames
+
+
+def test_frames_carry_poses_to_new_situations():
+    shown, _ = posed(20, seed=0)
+    framed, plain = TaskGMR(6).fit(shown), lt.GMR(6).fit(shown)
+    errors = []
+    for new, (start, goal) in zip(*posed(5, seed=7), strict=True):
+        ends = {
+            name: (frame.origin, frame.orientations(1)[0])
+            for name, frame in (("start", start), ("goal", goal))
+        }
+        made = [s.generate(**ends, duration=1.0, dt=1.0 / 159) for s in (framed, plain)]
+        errors.append(
+            [
+                [
+                    np.linalg.norm(m.positions - new.motion.positions, axis=1).mean(),
+                    rotations.distance(m.orientations, new.motion.orientations).mean(),
+                ]
+                for m in made
+            ]
+        )
+    framed, plain = np.mean(errors, axis=0)
+    assert (framed < [0.065, 0.05]).all()  # m, rad
+    assert (framed < 0.6 * plain).all()
+
+
+def test_a_task_that_is_moved_as_a_whole_moves_the_motion_and_its_spread():
+    shown, frames = posed(8, seed=1)
+    skill = TaskGMR(4).fit(shown, frames=frames)
+    turn = rotations.exp([[0.3, -1.2, 2.0]])
+    matrix, shift = rotations.to_matrix(turn)[0], np.array([1.0, -2.0, 0.5])
+    moved = [Frame(matrix @ frame.origin + shift, matrix @ frame.axes) for frame in frames[0]]
+    here, there = skill.at(frames[0]), skill.at(moved)
+    a, b = here.generate(), there.generate()
+    np.testing.assert_allclose(b.positions, a.positions @ matrix.T + shift, atol=1e-8)
+    expected = rotations.compose(np.repeat(turn, len(a.times), axis=0), a.orientations)
+    assert rotations.distance(b.orientations, expected).max() < 1e-7
+    spread = [each.regress(U * each.duration)[1] for each in (here, there)]
+    np.testing.assert_allclose(spread[1][:, :3, :3], matrix @ spread[0][:, :3, :3] @ matrix.T)
+    # A rotation vector in the tool's own frame does not see that the base has moved.
+    np.testing.assert_allclose(spread[1][:, 3:, 3:], spread[0][:, 3:, 3:], atol=1e-9)
+
+
+def test_a_frame_that_moves_joints_shifts_them():
+    joints = [
+        lt.JointTrajectory(U, np.column_stack([U, a * np.sin(3 * U)]), joint_names=("a", "b"))
+        for a in (0.9, 1.0, 1.1)
+    ]
+    frame = Frame((0.0, 0.0))
+    skill = TaskGMR(4).fit([lt.Demonstration(each) for each in joints], frames=3 * [[frame]])
+    plain, moved = (skill.at([f]).generate() for f in (frame, Frame((0.5, -0.2))))
+    assert moved.joint_names == ("a", "b")
+    np.testing.assert_allclose(moved.positions, plain.positions + np.array([0.5, -0.2]), atol=1e-9)
+    with pytest.raises(InvalidInput, match="right-handed"):
+        shown, _ = posed(2, seed=0)
+        TaskGMR(2).fit(shown, frames=2 * [[Frame((0, 0, 0), np.diag([1.0, 1.0, -1.0]))]])
 
 
 def test_skill_with_frames_of_its_own_says_how_to_ask_it(tmp_path):
