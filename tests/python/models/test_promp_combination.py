@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import leadthrough as lt
+from leadthrough import rotations
 from leadthrough.errors import InvalidInput
 from leadthrough.models import blend, combine, infer
 
@@ -53,6 +54,69 @@ def test_blend_goes_over_from_one_to_the_other(skills):
     np.testing.assert_allclose(mean[-50:], skills[1].distribution(2 * U[-50:])[0], atol=1e-6)
     assert np.abs(np.diff(mean, axis=0)).max() < 0.01
     assert np.linalg.eigvalsh(covariance).min() > -1e-15
+
+
+def posed(lean, *, count=8, seed=0):
+    """Poses that turn by 4 rad about an axis that leans and varies a little."""
+    rng = np.random.default_rng(seed)
+    shown = []
+    for _ in range(count):
+        axis = np.array([lean, 0.2, 1.0]) + 0.08 * rng.standard_normal(3)
+        turned = rotations.exp(np.outer(4.0 * U, axis / np.linalg.norm(axis)))
+        points = np.column_stack([U, np.sin(U), 0.1 * rng.standard_normal() * U])
+        shown.append(lt.Demonstration(lt.PoseTrajectory(2.0 * U, points, turned)))
+    return shown
+
+
+@pytest.fixture(scope="module")
+def turning():
+    model = lt.ProMP(weights=10)
+    return [model.fit(posed(lean, seed=seed)) for lean, seed in ((0.1, 0), (0.3, 1))]
+
+
+def test_poses_about_another_reference_are_distributed_as_before(turning):
+    """Blended alone, the second skill is seen about the first one's reference."""
+    times = np.array([0.4, 1.0, 1.6])
+    mean, covariance = blend(turning, [0.0, *times, 2.0], np.tile([0.0, 1.0], (5, 1)))
+    chart = turning[0].chart
+    samples = turning[1].sample(4000, seed=0, dt=0.2)
+    seen = np.stack(
+        [chart.columns(each, each.times / 2.0, "sample")[[2, 5, 8]] for each in samples]
+    )
+    np.testing.assert_allclose(samples[0].times[[2, 5, 8]], times)
+    np.testing.assert_allclose(seen.mean(axis=0), mean[1:4], atol=0.01)
+    for i in range(3):
+        wanted = covariance[1 + i]
+        np.testing.assert_allclose(np.cov(seen[:, i].T), wanted, atol=0.06 * np.abs(wanted).max())
+
+
+def test_poses_are_combined_between_the_two(turning):
+    both = combine(turning)
+    times = np.linspace(0.0, 2.0, 20)
+    a, b, middle = (s.generate(dt=0.1).orientations for s in (*turning, both))
+    apart = rotations.distance(a, b)
+    assert (rotations.distance(a, middle) <= apart + 0.02).all()
+    assert (rotations.distance(b, middle) <= apart + 0.02).all()
+    same = combine([turning[0], turning[0]]).distribution(times)
+    np.testing.assert_allclose(same[0], turning[0].distribution(times)[0], atol=1e-8)
+    np.testing.assert_allclose(same[1], 0.5 * turning[0].distribution(times)[1], atol=1e-8)
+
+
+def test_poses_that_are_far_apart_are_not_combined(turning):
+    away = [
+        lt.Demonstration(
+            lt.PoseTrajectory(
+                each.motion.times,
+                each.motion.positions,
+                rotations.compose(
+                    rotations.exp(np.tile([2.5, 0.0, 0.0], (150, 1))), each.motion.orientations
+                ),
+            )
+        )
+        for each in posed(0.1)
+    ]
+    with pytest.raises(InvalidInput, match="near"):
+        combine([turning[0], lt.ProMP(weights=10).fit(away)])
 
 
 def test_strangers_are_refused(skills):
