@@ -79,8 +79,7 @@ def _nearest(points: Float64Array, centres: Float64Array) -> tuple[NDArray[np.in
     """The nearest centre of each point, and the squared distance to it."""
     middle = points.mean(axis=0)  # so that the products cancel little
     a, b = points - middle, centres - middle
-    partial = (b**2).sum(axis=1) - 2.0 * a @ b.T
-    labels = partial.argmin(axis=1)
+    labels = ((b**2).sum(axis=1)[:, None] - 2.0 * b @ a.T).argmin(axis=0)
     return labels, ((points - centres[labels]) ** 2).sum(axis=1)
 
 

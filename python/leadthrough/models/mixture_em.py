@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leadthrough import check
 from leadthrough.check import Float64Array
@@ -183,16 +185,17 @@ class Steps:
             for means, covariances in zip(components.means, components.covariances, strict=True)
         ]
         coefficients[0][:, 0] += np.log(np.maximum(components.weights, np.finfo(float).tiny))
-        joint = self._monomials[0] @ coefficients[0].T
+        # A row for each component: sums over few components are then sums of long rows.
+        joint = coefficients[0] @ self._monomials[0].T
         for monomials, others in zip(self._monomials[1:], coefficients[1:], strict=True):
-            joint += monomials @ others.T
-        largest = joint.max(axis=1, keepdims=True)
+            joint += others @ monomials.T
+        largest = joint.max(axis=0)
         joint -= largest
         np.exp(joint, out=joint)
-        total = joint.sum(axis=1, keepdims=True)
+        total = joint.sum(axis=0)
         joint /= total
         likelihood = float((np.log(total) + largest).sum())
-        return joint, (likelihood + self._of_before(coefficients)) / self._count()
+        return joint.T, (likelihood + self._of_before(coefficients)) / self._count()
 
     def maximise(self, shares: Float64Array) -> Blocks:
         """The components that responsibilities (n, k) make the most likely."""
@@ -223,7 +226,7 @@ def sums_of(components: Blocks, count: float) -> list[Float64Array]:
     """For each block the weighted monomials (k, m) of points that components stand for."""
     result = []
     for means, covariances in zip(components.means, components.covariances, strict=True):
-        rows, columns = np.triu_indices(means.shape[1])
+        rows, columns = _triangle(means.shape[1])
         second = covariances + means[:, :, None] * means[:, None, :]
         monomials = np.hstack([np.ones((len(means), 1)), means, second[:, rows, columns]])
         result.append(monomials * (count * components.weights)[:, None])
@@ -249,16 +252,22 @@ def _unscaled(blocks: Blocks, middle: Float64Array, scale: Float64Array) -> Mixt
     )
 
 
+@lru_cache(maxsize=64)
+def _triangle(size: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Rows and columns of the upper triangle of a square matrix."""
+    return np.triu_indices(size)
+
+
 def _monomials(points: Float64Array) -> Float64Array:
     """1, x_i and, for i <= j, x_i x_j of points (n, d)."""
-    rows, columns = np.triu_indices(points.shape[1])
+    rows, columns = _triangle(points.shape[1])
     ones = np.ones((len(points), 1))
     return np.hstack([ones, points, points[:, rows] * points[:, columns]])
 
 
 def _squares(upper: Float64Array, size: int) -> Float64Array:
     """Symmetric matrices (k, d, d) of their upper triangles (k, d (d + 1) / 2)."""
-    rows, columns = np.triu_indices(size)
+    rows, columns = _triangle(size)
     full = np.empty((len(upper), size, size))
     full[:, rows, columns] = upper
     full[:, columns, rows] = upper
@@ -272,7 +281,7 @@ def _coefficients(means: Float64Array, covariances: Float64Array) -> Float64Arra
     linear = (precision @ means[:, :, None])[:, :, 0]
     volume = np.linalg.slogdet(covariances)[1]
     constant = -0.5 * ((linear * means).sum(axis=1) + volume + size * np.log(2.0 * np.pi))
-    rows, columns = np.triu_indices(size)
+    rows, columns = _triangle(size)
     doubled = np.where(rows == columns, -0.5, -1.0)
     quadratic = precision[:, rows, columns] * doubled
     return np.hstack([constant[:, None], linear, quadratic])
