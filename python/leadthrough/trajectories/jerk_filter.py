@@ -14,7 +14,7 @@ surface; this one is Castain and Paul's, 1984, "An on-line dynamic trajectory ge
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,7 @@ import numpy as np
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.trajectories.filters import FilterState, check_period, limit_for, rate_limit
+from leadthrough.trajectories.filters import FilterState, check_period, rate_limit
 
 _RATES = ("velocity", "acceleration", "jerk")
 # Beyond it sums of cubes lose all digits.
@@ -43,13 +43,26 @@ class JerkFilter:
     velocity_down: Any = None
     acceleration_down: Any = None
     jerk_down: Any = None
+    _limits: Float64Array = field(init=False, repr=False)  # (6, d or 1) low and high of each rate
 
     def __post_init__(self) -> None:
+        sides = []
         for name in _RATES:
-            object.__setattr__(self, name, rate_limit(getattr(self, name), name))
-            down = getattr(self, f"{name}_down")
-            limit = getattr(self, name) if down is None else rate_limit(down, f"{name}_down")
-            object.__setattr__(self, f"{name}_down", limit)
+            up, down = getattr(self, name), getattr(self, f"{name}_down")
+            sides.append((f"{name}_down", -1.0, up if down is None else down))
+            sides.append((name, 1.0, up))
+        rows = []
+        for name, sign, value in sides:
+            limit = rate_limit(value, name)
+            object.__setattr__(self, name, limit)
+            rows.append(sign * np.atleast_1d(limit))
+        sizes = {len(row) for row in rows if len(row) != 1}
+        if len(sizes) > 1:
+            raise InvalidInput(f"limits: expected as many of each, got {sorted(sizes)}")
+        table = np.stack(np.broadcast_arrays(*rows))
+        if np.abs(table).max(initial=0.0) > _LARGEST:
+            raise InvalidInput(f"limits: expected numbers up to {_LARGEST:g}")
+        object.__setattr__(self, "_limits", table)
 
     def step(self, state: FilterState, target: Any, period: float) -> FilterState:
         """The state one period, s, on, each dimension on its way to the target (d,).
@@ -86,7 +99,7 @@ class JerkFilter:
         u = check.array(direction, "direction", shape=("d",))
         if not u.any():  # any limit does, where nothing moves
             return JerkFilter(1.0, 1.0, 1.0)
-        limits = self._limits(u).reshape(3, 2, len(u))  # rate, low and high, dimension
+        limits = self._limits_of(len(u)).reshape(3, 2, len(u))  # rate, low and high, dimension
         with np.errstate(divide="ignore"):
             shares = np.abs(limits / u)
         shares[:, :, u == 0.0] = np.inf
@@ -102,17 +115,16 @@ class JerkFilter:
             raise InvalidInput(f"state: expected a FilterState, got {type(state).__name__}")
         states = np.stack([state.position, state.velocity, state.acceleration])
         goal = check.array(target, "target", shape=state.position.shape)
-        limits = self._limits(state.position)
-        if max(np.abs(x).max(initial=0.0) for x in (states, limits, goal)) > _LARGEST:
-            raise InvalidInput(f"state, target and limits: expected numbers up to {_LARGEST:g}")
-        return states, limits, goal
+        if max(np.abs(x).max(initial=0.0) for x in (states, goal)) > _LARGEST:
+            raise InvalidInput(f"state, target: expected numbers up to {_LARGEST:g}")
+        return states, self._limits_of(len(goal)), goal
 
-    def _limits(self, x: Float64Array) -> Float64Array:
-        rows = []
-        for name in _RATES:
-            for sign, side in ((-1.0, f"{name}_down"), (1.0, name)):
-                rows.append(sign * limit_for(getattr(self, side), side, x))
-        return np.stack(rows)
+    def _limits_of(self, dimensions: int) -> Float64Array:
+        """Limits (6, d)."""
+        size = self._limits.shape[1]
+        if size not in {1, dimensions}:
+            raise InvalidInput(f"limits: expected some of {dimensions} dimensions, got {size}")
+        return np.ascontiguousarray(np.broadcast_to(self._limits, (6, dimensions)))
 
 
 def _state(rows: Float64Array) -> FilterState:

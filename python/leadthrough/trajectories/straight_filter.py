@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,11 +19,16 @@ _ON_THE_LINE = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class LineState(FilterState):
-    """A state on a line: its origin, unit direction (d,), and the state along it, (1,)."""
+    """A state on a line: its origin and unit direction (d,), and the state along it, (1,).
+
+    limits, scalar: those of all dimensions, and what they leave along the line.
+    """
 
     origin: Float64Array
     direction: Float64Array
     along: FilterState
+    limits: JerkFilter
+    scalar: JerkFilter
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,39 +51,41 @@ class StraightFilter:
 
         state: at rest, or one that this function gave. Raises InvalidInput.
         """
-        line = _on_a_line(state)
+        line = self._on_a_line(state)
         goal = check.array(target, "target", shape=line.position.shape)
         place = _place(line, goal)
         if place is None and not _moves(line.along):
-            line = _towards(line.position, goal)
+            line = self._towards(line.position, goal)
             place = _place(line, goal)
-        scalar = self.limits.along(line.direction)
-        stop = scalar.resting_place(line.along) if place is None else np.array([place])
-        along = scalar.step(line.along, stop, period)
+        stop = line.scalar.resting_place(line.along) if place is None else np.array([place])
+        along = line.scalar.step(line.along, stop, period)
         there = place is not None and along.position[0] == place and not _moves(along)
         moved = goal if there else line.origin + along.position * line.direction
         velocity, acceleration = (
             rate * line.direction for rate in (along.velocity, along.acceleration)
         )
-        return LineState(moved, velocity, acceleration, line.origin, line.direction, along)
+        return replace(
+            line, position=moved, velocity=velocity, acceleration=acceleration, along=along
+        )
 
+    def _on_a_line(self, state: Any) -> LineState:
+        if isinstance(state, LineState):
+            if state.limits is self.limits:
+                return state
+            return replace(state, limits=self.limits, scalar=self.limits.along(state.direction))
+        if not isinstance(state, FilterState):
+            raise InvalidInput(f"state: expected a FilterState, got {type(state).__name__}")
+        if _moves(state):
+            raise InvalidInput("state: expected one at rest or one that this filter gave")
+        return self._towards(state.position, state.position)
 
-def _on_a_line(state: Any) -> LineState:
-    if isinstance(state, LineState):
-        return state
-    if not isinstance(state, FilterState):
-        raise InvalidInput(f"state: expected a FilterState, got {type(state).__name__}")
-    if _moves(state):
-        raise InvalidInput("state: expected one at rest or one that this filter gave")
-    return _towards(state.position, state.position)
-
-
-def _towards(origin: Float64Array, goal: Float64Array) -> LineState:
-    """At rest at the origin of the line to a goal; there is no direction to where one is."""
-    way, still = goal - origin, np.zeros_like(origin)
-    length = float(np.linalg.norm(way))
-    direction = way / length if length > 0.0 else still
-    return LineState(origin, still, still, origin, direction, FilterState.at_rest([0.0]))
+    def _towards(self, origin: Float64Array, goal: Float64Array) -> LineState:
+        """At rest at the origin of the line to a goal; there is no direction to where one is."""
+        way, still = goal - origin, np.zeros_like(origin)
+        length = float(np.linalg.norm(way))
+        direction = way / length if length > 0.0 else still
+        rest, scalar = FilterState.at_rest([0.0]), self.limits.along(direction)
+        return LineState(origin, still, still, origin, direction, rest, self.limits, scalar)
 
 
 def _place(line: LineState, goal: Float64Array) -> float | None:

@@ -268,6 +268,22 @@ def test_a_straight_way_bends_only_where_it_rests():
     assert rests(now, [0.0, 3.0]).all()
 
 
+def test_limits_lowered_in_flight_are_come_back_to():
+    fast, slow = tr.JerkFilter(2.0, 8.0, 80.0), tr.JerkFilter([0.5, 0.25], 8.0, 80.0)
+    steps = ((fast.step, slow.step), (tr.StraightFilter(fast).step, tr.StraightFilter(slow).step))
+    for before, after in steps:
+        now = tr.FilterState.at_rest([0.0, 0.0])
+        for _ in range(40):
+            now = before(now, [3.0, 3.0], 0.01)
+        assert now.velocity.max() > 1.0
+        for _ in range(60):
+            now = after(now, [3.0, 3.0], 0.01)
+        assert (now.velocity <= np.array([0.5, 0.25]) + 1e-12).all()
+        for _ in range(1200):
+            now = after(now, [3.0, 3.0], 0.01)
+        assert rests(now, [3.0, 3.0]).all()
+
+
 @pytest.mark.parametrize(
     "wrong",
     [
@@ -284,6 +300,8 @@ def test_a_straight_way_bends_only_where_it_rests():
         lambda: tr.JerkFilter(1.0, 1.0, 1.0).step_together(None, [1.0], 0.1),
         lambda: tr.JerkFilter(1.0, 1.0, 1.0).durations(tr.FilterState.at_rest([0.0]), "there"),
         lambda: tr.JerkFilter(1.0, 1.0, 1.0).resting_place(3.0),
+        lambda: tr.JerkFilter([1.0, 2.0], [1.0, 2.0, 3.0], 1.0),
+        lambda: tr.JerkFilter(1.0, 1.0, 1e300),
         lambda: tr.StraightFilter("limits"),
         lambda: tr.StraightFilter(tr.JerkFilter(1.0, 1.0, 1.0)).step(
             state([0.0], [1.0], [0.0]), [1.0], 0.1

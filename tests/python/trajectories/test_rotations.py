@@ -142,3 +142,21 @@ def test_wrong_rotations_are_refused(make):
             curve.evaluate(1.0, order)
     with pytest.raises(InvalidInput, match="t:"):
         curve.evaluate(5.0)
+
+
+@pytest.mark.parametrize(
+    "times", [[0, 1, 1, 2, 3, 4], [0, 2, 1, 3, 4, 5], [0, np.nan, 1, 2, 3, 4], []]
+)
+@pytest.mark.parametrize("build", [tr.Slerp, tr.Squad, tr.RotationSpline])
+def test_times_that_do_not_rise_are_refused(build, times):
+    with pytest.raises(InvalidInput):
+        build(times, Q)
+
+
+def test_rotations_that_are_all_the_same_stand_still(make):
+    curve, t = make(np.tile(Q[:1], (6, 1))), np.linspace(0.1, 3.9, 20)
+    if isinstance(curve, tr.RotationSpline):
+        curve = tr.RotationSpline(TIMES, np.tile(Q[:1], (6, 1)))
+    assert rotations.distance(curve.evaluate(t), np.tile(Q[:1], (20, 1))).max() < 1e-7
+    np.testing.assert_allclose(curve.evaluate(t, 1), 0.0, atol=1e-12)
+    np.testing.assert_allclose(curve.evaluate(t, 2), 0.0, atol=1e-12)
