@@ -71,8 +71,9 @@ def _columns(file: Any) -> dict[str, Float64Array]:
     """The columns of numbers, and those of lists of numbers that are all as long."""
     schema = file.schema_arrow
     wanted = [field.name for field in schema if _is_numeric(field.type)]
-    rows = file.metadata.num_rows
-    bounds.check_claim(8 * rows * max(len(wanted), 1), "the columns")
+    groups = [file.metadata.row_group(i) for i in range(file.metadata.num_row_groups)]
+    counts = [group.column(i).num_values for group in groups for i in range(group.num_columns)]
+    bounds.check_claim(8 * sum(counts), "the columns")
     found = {}
     for name in wanted:
         values = _array(file.read(columns=[name]).column(0), name)
