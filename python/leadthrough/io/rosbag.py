@@ -31,7 +31,7 @@ _TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
 _POSE = "geometry_msgs/msg/PoseStamped"
 _TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 _TEXT = "std_msgs/msg/String"
-_MOST_MESSAGES = 10_000_000
+_MOST_MESSAGES = 2_000_000
 _NANOSECONDS = 1_000_000_000
 
 
