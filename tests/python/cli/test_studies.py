@@ -27,6 +27,10 @@ def test_demo_writes_figures_errors_and_trajectories(tmp_path):
     message = json.loads((out / "GShape" / "trajectory.json").read_text())
     assert message["points"][-1]["velocities"] == [0.0] * 6
     assert (out / "GShape" / "trajectory.csv").is_file()
+    report = (out / "report.html").read_text()
+    assert report.count('<figure class="scene">') == 1
+    assert report.count("<svg") == 2
+    assert "<td>GShape</td>" in report
 
 
 def test_unknown_motion_is_an_error_of_one_line(tmp_path, monkeypatch, capsys):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from leadthrough.errors import InvalidInput, MissingDependency
-from leadthrough.io.mesh import read_vertices
+from leadthrough.io.mesh import read_triangles, read_vertices
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]], float)
 FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
@@ -65,6 +65,25 @@ def test_vertices_are_those_of_the_file(tmp_path, name, content):
     vertices = read_vertices(path)
     assert vertices.dtype == np.float64
     np.testing.assert_allclose(np.unique(vertices, axis=0), np.unique(CORNERS, axis=0), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [("a.stl", binary_stl()), ("t.stl", text_stl()), ("a.obj", obj()), ("a.dae", collada())],
+)
+def test_triangles_are_those_of_the_file(tmp_path, name, content):
+    (tmp_path / name).write_bytes(content)
+    vertices, faces = read_triangles(tmp_path / name)
+    found = {tuple(map(tuple, np.roll(c, -np.lexsort(c.T)[0], axis=0))) for c in vertices[faces]}
+    wanted = CORNERS[np.array(FACES)]
+    assert found == {tuple(map(tuple, np.roll(c, -np.lexsort(c.T)[0], axis=0))) for c in wanted}
+
+
+@pytest.mark.parametrize("faces", ["", "f 1 2 5", "f 0 1 2", "f 1 2 -9", "f 1 two 3"])
+def test_triangles_between_vertices_that_are_not_there_are_refused(tmp_path, faces):
+    (tmp_path / "a.obj").write_text(f"v 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}\n")
+    with pytest.raises(InvalidInput, match=r"a\.obj"):
+        read_triangles(tmp_path / "a.obj")
 
 
 @pytest.mark.parametrize(
