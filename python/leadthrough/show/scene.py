@@ -29,6 +29,8 @@ from leadthrough.show.urdf_geometry import Part, parts_by_link
 ARM, DEMONSTRATIONS, PATH, SPREAD, OBSTACLES, GOAL = (
     "arm", "demonstrations", "path", "uncertainty", "obstacles", "goal",
 )  # fmt: skip
+# Layers whose surfaces have no creases.
+SMOOTH = frozenset({DEMONSTRATIONS, PATH, SPREAD, GOAL})
 
 # Tubes around paths are so thin that drawings of a hand's size stay legible, m.
 _PATH_RADIUS = 0.004

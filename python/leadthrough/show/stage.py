@@ -9,7 +9,7 @@ import numpy as np
 
 from leadthrough.show import palette
 from leadthrough.show.creases import creased
-from leadthrough.show.scene import Item, Scene
+from leadthrough.show.scene import SMOOTH, Item, Scene
 
 _GRID_CELL = (232, 235, 239)
 _GRID_SECTION = (205, 211, 218)
@@ -35,7 +35,8 @@ class Stage:
         """Adds a surface to its link, or to the node `under`."""
         if under is None:
             under = "" if item.link is None else f"/arm/{self._links[item.link]}"
-        mesh, _ = creased(item.mesh)
+        # The page makes normals of its own, smooth where faces share a vertex.
+        mesh = item.mesh if item.layer in SMOOTH else creased(item.mesh)[0]
         node = self._server.scene.add_mesh_simple(
             f"{under}/{item.layer}/{item.name}",
             mesh.vertices.astype(np.float32),
