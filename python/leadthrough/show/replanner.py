@@ -14,7 +14,7 @@ from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LeadthroughError
-from leadthrough.models import FastMarchingSkill
+from leadthrough.models import FastMarchingSkill, ProMPSkill
 from leadthrough.models.live_map import LiveMap
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from leadthrough.shapes import Shape, Sphere, check_shapes
@@ -118,6 +118,15 @@ class Replanner:
         for name in ("_live", "_coarse"):
             self.__dict__.pop(name, None)
 
+    def asked_skill(self) -> Any:
+        """The skill, of a ProMP the one that is conditioned on the goal: its spread ends there.
+
+        Raises InvalidInput for a goal of joints out of reach.
+        """
+        if isinstance(self.skill, ProMPSkill) and self.has_goal and self._asked:
+            return self.skill.condition(self.skill.duration, self._goal())
+        return self.skill
+
     def preview(self) -> Answer:
         """An answer in less than a tenth of a second, coarser where it has to be."""
         return self._answer(_PREVIEW_STEP, preview=True)
@@ -180,7 +189,7 @@ class Replanner:
         return usual.positions[-1].copy(), turned
 
     def _goal(self) -> Any:
-        """The goal as the skill wants it. Raises IkFailure."""
+        """The goal as the skill wants it. Raises InvalidInput for joints out of reach."""
         if self._is_of_poses:
             return self.goal_position, self.goal_orientation
         if not self._is_of_joints:

@@ -5,7 +5,7 @@ const SHADOW_SIZE = 2048;
 const FIELD_OF_VIEW = 0.6; // rad
 const LIGHT = normalise([0.45, -0.35, 1.0]);
 
-// ---------------------------------------------------------------- vectors; matrices by columns
+// Vectors, and matrices by columns.
 function sub(a, b) { return [a[0] - b[0], a[1] - b[1], a[2] - b[2]]; }
 function dot(a, b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 function cross(a, b) {
@@ -54,7 +54,6 @@ function posed(p, q) {
 
 const UNMOVED = posed([0, 0, 0], [1, 0, 0, 0]);
 
-// ---------------------------------------------------------------- shaders
 const SURFACE_VERTEX = `#version 300 es
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -143,7 +142,6 @@ function shader(gl, vertex, fragment) {
   return { program, at };
 }
 
-// ---------------------------------------------------------------- data
 async function unpacked(text) {
   const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
@@ -155,7 +153,6 @@ async function unpacked(text) {
   return { ...head, arrays };
 }
 
-// ---------------------------------------------------------------- a scene in a page
 class SceneView {
   constructor(element, data) {
     Object.assign(this, { element, data, time: 0, playing: true, frames: 0, hidden: new Set() });
@@ -211,7 +208,6 @@ class SceneView {
     return { array, count: faces.length };
   }
 
-  // ---- time
   get duration() { return this.data.times[this.data.times.length - 1]; }
 
   seek(time) {
@@ -258,7 +254,6 @@ class SceneView {
     this.draw();
   }
 
-  // ---- controls
   controls() {
     const find = (name) => this.element.querySelector(`.${name}`);
     [this.button, this.slider, this.clock] = ["play", "time", "clock"].map(find);
@@ -331,7 +326,6 @@ class SceneView {
     return along(this.target, toward, this.distance);
   }
 
-  // ---- drawing
   draw() {
     const { gl, canvas, data } = this, ratio = Math.min(window.devicePixelRatio || 1, 2);
     const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.round(ratio * x));

@@ -83,11 +83,6 @@ def capsule(radius: float, length: float) -> Mesh:
     return _turned(profile)
 
 
-def cone(radius: float, length: float) -> Mesh:
-    """A cone about z, its base in the origin, its tip at `length`."""
-    return _turned([(0.0, 0.0), (radius, 0.0), (0.0, length)])
-
-
 def tube(path: Float64Array, radius: float, *, sides: int = _TUBE_SIDES) -> Mesh:
     """A round tube around a path (n, 3), closed at both ends."""
     points = without_repeats(path)

@@ -208,6 +208,9 @@ class LiveView:
             self._shown = self._shown.with_motion(planner.arm, answer.joints)
             self._time.max = self._end()
             self._stage.pose(self._shown, self._time.value)
+        if not answer.trouble:
+            spread = scene.spread_items(planner.arm, planner.asked_skill())
+            self._stage.redraw(scene.SPREAD, spread)
         kind = "planned" if answer.verdict else "previewed"
         head = f"**{kind} in {1e3 * answer.seconds:.0f} ms**"
         self._told.content = f"{head}\n\n{answer.trouble or answer.verdict}"

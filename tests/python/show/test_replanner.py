@@ -8,6 +8,7 @@ import pytest
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
 from leadthrough.show.replanner import Replanner
+from leadthrough.show.scene import distribution_of
 
 BOX = lt.Box((0.1, 0.1, 0.3), (0.55, 0.0, 0.15))
 MODELS = {
@@ -131,6 +132,16 @@ def test_goal_of_joints_is_dragged_by_the_tip(panda):
     goal = np.add(planner.goal_position, (0.0, 0.05, 0.02))
     planner.move_goal(goal)
     assert np.allclose(planner.plan().path[-1], goal, atol=1e-4)
+
+
+def test_spread_of_a_promp_ends_at_the_dragged_goal(skills, panda):
+    planner = Replanner(panda, skills["ProMP"])
+    assert planner.asked_skill() is planner.skill
+    planner.move_goal(np.add(planner.goal_position, (0.0, 0.03, 0.05)))
+    mean, covariance = distribution_of(panda, planner.asked_skill())
+    assert np.allclose(mean[-1], planner.goal_position, atol=1e-6)
+    assert np.sqrt(covariance[-1].max()) < 1e-4
+    assert np.sqrt(covariance[0].max()) > 2e-3
 
 
 def test_duration_is_kept(skills, panda):
