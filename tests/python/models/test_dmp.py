@@ -309,6 +309,7 @@ def test_bad_settings_are_refused_by_name(settings):
         {"start_velocity": (np.inf, 0.0, 0.0)},
         {"final_velocity": 1.0},
         {"goal": (1e308, 0.0, 0.0), "start": (-1e308, 0.0, 0.0)},
+        {"duration": 5e-324},
         {"obstacles": [None]},
         {"obstacles": 3},
     ],
