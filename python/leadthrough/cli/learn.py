@@ -33,6 +33,10 @@ def learn(
     limits: options.LimitsFile = None,
     base: options.BaseLink = None,
     tip: options.TipLink = None,
+    clean: Annotated[
+        bool,
+        typer.Option("--clean", help="Leave faulty samples out, and say on stderr what was done."),
+    ] = False,
     cut: Annotated[
         bool, typer.Option("--cut", help="Cut recordings into motions at their pauses.")
     ] = False,
@@ -56,7 +60,8 @@ def learn(
     from leadthrough.cli import parse, reading, tables
     from leadthrough.io import read_demonstrations
 
-    demonstrations = read_demonstrations(
+    read = reading.cleaned if clean else read_demonstrations
+    demonstrations = read(
         files,
         columns=parse.columns(column or []),
         rate=rate,

@@ -29,7 +29,11 @@ def plan(
     base: options.BaseLink = None,
     tip: options.TipLink = None,
     posture: Annotated[
-        str | None, typer.Option(help="Joints, rad, near which the arm's first posture is sought.")
+        str | None,
+        typer.Option(
+            help="How the arm is to stand meanwhile: joints, rad, or a recording of them, such as "
+            "the demonstration."
+        ),
     ] = None,
     file_format: options.FormatName = None,
     as_json: options.AsJson = False,
@@ -87,7 +91,7 @@ def _joints(
     tip: str | None,
     posture: str | None,
 ) -> Any:
-    from leadthrough.cli import parse
+    from leadthrough.cli import parse, reading
     from leadthrough.cli import robot as robots
     from leadthrough.motion import JointTrajectory
     from leadthrough.timing import differentiate
@@ -95,5 +99,10 @@ def _joints(
     arm = robots.load(robot, limits, base, tip)
     if isinstance(motion, JointTrajectory):
         return differentiate(arm.joints_of(motion))
-    seed = None if posture is None else parse.numbers(posture, "--posture")
-    return arm.follow(motion, seed=seed, too_fast="slow")
+    if posture is None:
+        return arm.follow(motion, too_fast="slow")
+    if not Path(posture).exists():
+        wished = parse.numbers(posture, "--posture")
+        return arm.follow(motion, seed=wished, posture=wished, too_fast="slow")
+    stood = robots.own_joints(arm, reading.one_motion(Path(posture)), posture)
+    return arm.follow(motion, posture=stood, too_fast="slow")

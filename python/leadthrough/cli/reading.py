@@ -5,10 +5,24 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from leadthrough import io, preprocess
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import Demonstration, Motion
+
+
+def cleaned(files: Sequence[Path], **request: Any) -> list[Demonstration]:
+    """The recordings in files without their faults, which stderr tells.
+
+    request: as `read_demonstrations` takes it. Raises InvalidInput, MissingDependency.
+    """
+    demonstrations = []
+    for recording in io.read_recordings(files, **request):
+        demonstration, report = preprocess.clean(recording)
+        print(f"{recording.name}: {report}", file=sys.stderr)
+        demonstrations.append(demonstration)
+    return demonstrations
 
 
 def cut(recordings: Sequence[Demonstration]) -> list[Demonstration]:

@@ -112,6 +112,25 @@ def test_recordings_are_cut_at_pauses_and_one_is_chosen(shown):
     assert np.abs(skill.generate().positions[-1] - goal).max() < 2e-3
 
 
+def test_the_arm_stands_as_it_was_shown_to(shown):
+    robot = ("--robot", UR5, "--tip", "tool0", "--limits", "ur5.toml")
+    facts("learn", "shown0.csv", *robot, "-o", "reach.npz")
+    facts("plan", "reach.npz", *robot, "--posture", "shown0.csv", "-o", "m.json")
+    (motion,) = lt.read_demonstrations("m.json")
+    recorded = np.loadtxt("shown0.csv", delimiter=",", skiprows=1)[:, 1:]
+    # An arm of six joints has no null space: the same branch is the same joints.
+    assert np.abs(motion.motion.positions[[0, -1]] - recorded[[0, -1]]).max() < 0.01
+
+
+def test_faulty_recordings_are_cleaned_and_said_to_be(shown):
+    lines = Path("shown0.csv").read_text().splitlines()
+    lines[50] = ",".join(["nan"] * 7)
+    lines[60] = lines[61]
+    Path("faulty.csv").write_text("\n".join(lines))
+    run("learn", "faulty.csv", "-o", "s.npz", code=2)
+    assert "faulty: " in run("learn", "faulty.csv", "--clean", "-o", "s.npz").stderr
+
+
 @pytest.mark.parametrize(
     ("words", "code", "says"),
     [
