@@ -22,7 +22,12 @@ def view(
         list[Path] | None, typer.Option(help="A recording; may be repeated.")
     ] = None,
     skill: Annotated[Path | None, typer.Option(help="A skill, whose goal may be dragged.")] = None,
+    goal: Annotated[
+        str | None, typer.Option(help="Of the skill: X,Y,Z in m; /W,X,Y,Z behind turns it.")
+    ] = None,
     obstacle: options.Obstacles = None,
+    column: options.Columns = None,
+    rate: options.Rate = None,
     html: Annotated[Path | None, typer.Option(help="Write a page to this file instead.")] = None,
     port: Annotated[int, typer.Option(help="Of the live page; 0 takes a free one.")] = 0,
 ) -> None:
@@ -40,14 +45,19 @@ def view(
     from leadthrough.show import viewing
 
     arm = robots.load(robot, limits, base, tip)
-    shown = None if motion is None else reading.one_motion(motion)
-    if isinstance(shown, JointTrajectory):
-        shown = robots.own_joints(arm, shown, str(motion))
+    asked = None if motion is None else reading.one_motion(motion)
+    if isinstance(asked, JointTrajectory):
+        asked = robots.own_joints(arm, asked, str(motion))
+    shown = []
+    if demonstrations:
+        named = parse.columns(column or [])
+        shown = read_demonstrations(demonstrations, columns=named, rate=rate)
     viewing.view(
         arm,
-        shown,
-        demonstrations=read_demonstrations(demonstrations) if demonstrations else (),
+        asked,
+        demonstrations=shown,
         skill=None if skill is None else load_skill(skill),
+        goal=None if goal is None else parse.end(goal, "--goal"),
         obstacles=[parse.obstacle(text) for text in obstacle or ()],
         html=html,
         port=port,

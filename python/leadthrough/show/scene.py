@@ -259,7 +259,7 @@ def _links(arm: Arm, q: Float64Array) -> tuple[tuple[str, ...], Float64Array, Fl
 def _middle(arm: Arm) -> Float64Array:
     low, high = arm.limits.lower, arm.limits.upper
     bounded = np.isfinite(low) & np.isfinite(high)
-    return np.asarray(np.where(bounded, 0.5 * np.where(bounded, low + high, 0.0), 0.0))
+    return 0.5 * (np.where(bounded, low, 0.0) + np.where(bounded, high, 0.0))
 
 
 def _rods(arm: Arm) -> dict[str, list[Part]]:

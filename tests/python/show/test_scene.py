@@ -63,6 +63,13 @@ def test_arm_without_a_motion_stands_in_the_middle_of_its_ranges(panda):
     assert not [item for item in made.items if item.layer == "path"]
 
 
+def test_joint_without_bounds_stands_at_zero():
+    arm = lt.Arm.load("ur3")  # its last joint turns without an end
+    made = scene.arm_scene(arm, None)
+    wanted, _ = arm.forward_kinematics(np.zeros(6))
+    assert np.allclose(made.positions[0, made.links.index(arm.tip)], wanted)
+
+
 def test_arm_without_geometry_is_drawn_as_rods():
     arm = lt.Arm.from_urdf(STICKS)
     made = scene.arm_scene(arm, None)
