@@ -14,7 +14,7 @@ from leadthrough.show import open_view, page, scene
 
 BOX = lt.Box((0.1, 0.1, 0.3), (0.55, 0.0, 0.15))
 SIZE = {"width": 800, "height": 520}
-PATIENCE = 20.0  # s, for software rendering on a busy machine
+PATIENCE = 60.0  # s, for software rendering on a busy machine
 ANGLES = "[...leadthrough.scenes[0].links.at(-1)].map((x) => +x.toFixed(6))"
 
 
