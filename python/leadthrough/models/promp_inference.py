@@ -7,7 +7,7 @@ in human-robot collaboration".
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,10 @@ from leadthrough.motion import Motion
 _MOST_SAMPLES = 50
 # Durations that are tried, in shares of the skill's.
 _PACES = np.geomspace(0.4, 2.5, 37)
+# What a motion deviates from a skill by is not white noise: neighbouring samples deviate alike. So
+# deviations up to this share of the reach are not held against a skill, nor is it held against one
+# that it was shown less precisely than another.
+_FORGIVEN = 0.03
 # Standard deviation of the logarithm of people's durations.
 _PACE_SPREAD = 0.25
 
@@ -51,14 +55,16 @@ def infer(observed: Motion, skills: Sequence[ProMPSkill], *, prior: Any = None) 
     """The motion that goes on, from its first part, which starts where the motion starts.
 
     observed: at least two samples, of the skills' type. prior: (k,) probabilities before, by
-    default equal. Raises InvalidInput.
+    default equal. The probabilities take the skills' distributions as known: of skills from a dozen
+    demonstrations or fewer they are too sure. Raises InvalidInput.
     """
     if not isinstance(skills, Sequence) or len(skills) == 0:
         raise InvalidInput("skills: expected at least one")
     if not isinstance(observed, Motion) or len(observed.times) < 2:
         raise InvalidInput("observed: expected a motion of at least two samples")
     before = _prior(prior, len(skills))
-    found = [_Pace(observed, skill) for skill in skills]
+    noise = _common_noise(skills)
+    found = [_Pace(observed, skill, noise) for skill in skills]
     with np.errstate(divide="ignore"):
         evidence = np.log(before) + [pace.evidence for pace in found]
     probabilities = np.exp(evidence - evidence.max())
@@ -74,10 +80,11 @@ def infer(observed: Motion, skills: Sequence[ProMPSkill], *, prior: Any = None) 
 class _Pace:
     """The most likely duration of a motion seen in part, if it is a skill's."""
 
-    def __init__(self, observed: Motion, skill: ProMPSkill) -> None:
+    def __init__(self, observed: Motion, skill: ProMPSkill, noise: Float64Array) -> None:
         chosen = np.unique(np.linspace(0, len(observed.times) - 1, _MOST_SAMPLES).round())
         self._rows = chosen.astype(int)
         self._observed, self._skill = observed, skill
+        self._judged = replace(skill, noise=noise)
         least = max(np.log(observed.duration / skill.duration), np.log(_PACES[0]))
         paces = np.unique(np.maximum(np.log(_PACES), least))
         scores = np.array([self._score(pace) for pace in paces])
@@ -100,12 +107,24 @@ class _Pace:
     def _score(self, pace: float) -> float:
         duration = self._skill.duration * float(np.exp(pace))
         believed = -0.5 * (pace / _PACE_SPREAD) ** 2
-        return believed + promp_observation.log_density(self._skill, *self._seen(duration))
+        return believed + promp_observation.log_density(self._judged, *self._seen(duration))
 
     def _seen(self, duration: float) -> tuple[Float64Array, Float64Array]:
         phases = np.minimum((self._observed.times - self._observed.times[0]) / duration, 1.0)
         values = self._skill.chart.columns(self._observed, phases, "observed")
         return phases[self._rows], values[self._rows]
+
+
+def _common_noise(skills: Sequence[ProMPSkill]) -> Float64Array:
+    """Variances (d,) of what is not held against any of the skills."""
+    for each in skills:
+        if not isinstance(each, ProMPSkill):
+            raise InvalidInput(f"skills: expected ProMPSkill, got {type(each).__name__}")
+    if len({(each.chart.kind, each.chart.size) for each in skills}) > 1:
+        raise InvalidInput("skills: expected all of the same points, joints or poses")
+    noise = np.mean([each.noise for each in skills], axis=0)
+    reach = np.mean([each.scale for each in skills], axis=0)
+    return np.asarray(noise + (_FORGIVEN * reach) ** 2)
 
 
 def _prior(value: Any, size: int) -> Float64Array:

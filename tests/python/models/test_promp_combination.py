@@ -143,6 +143,39 @@ def test_beginning_of_a_motion_tells_which_how_fast_and_how_it_goes_on(skills):
     assert np.abs(ahead - whole.positions).max() < np.abs(before - whole.positions).max()
 
 
+@pytest.mark.parametrize("noise", [0.0, 0.002])
+def test_probabilities_are_about_those_of_the_families_that_motions_are_drawn_from(noise):
+    """Two families that overlap: by Bayes' rule on a motion's height, nothing else tells them."""
+    heights, spread = (0.10, 0.13), 0.02
+
+    def noisy(height, seed, count):
+        rng = np.random.default_rng(seed)
+        return [
+            lt.Demonstration(
+                lt.Trajectory(
+                    each.motion.times,
+                    each.motion.positions + noise * rng.standard_normal((150, 2)),
+                )
+            )
+            for each in family(height, seed=seed, count=count, spread=spread)
+        ]
+
+    model = lt.ProMP(weights=10)
+    skills = [model.fit(noisy(h, s, 40)) for h, s in zip(heights, (1, 2), strict=True)]
+    losses, gaps = [], []
+    for own, height in enumerate(heights):
+        for each in noisy(height, 50 + own, 12):
+            seen = lt.Trajectory(each.motion.times[:75], each.motion.positions[:75])
+            found = infer(seen, skills).probabilities
+            peak = each.motion.positions[:, 1].max()
+            likely = np.exp(-((peak - np.array(heights)) ** 2) / (2 * spread**2))
+            gaps.append(found[0] - likely[0] / likely.sum())
+            losses.append((np.log(found[own]), np.log(likely[own] / likely.sum())))
+    ours, exact = -np.mean(losses, axis=0)
+    assert ours < exact + 0.3
+    assert np.sqrt(np.mean(np.square(gaps))) < 0.3
+
+
 def test_prior_counts(skills):
     whole = family(0.1, count=1, seed=9)[0].motion
     seen = lt.Trajectory(whole.times[:3], whole.positions[:3])
