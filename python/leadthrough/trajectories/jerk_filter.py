@@ -75,8 +75,8 @@ class JerkFilter:
     def step_together(self, state: FilterState, target: Any, period: float) -> FilterState:
         """The same, but all dimensions come to rest at once: when the slowest of them can.
 
-        The others keep so low a speed on their way. One that has to stop on its target at full
-        braking, or passes it before it can stop, may be there before.
+        The others keep so low a speed on their way. Only one whose hardest stop happens to end on
+        its target cannot wait, and is there before.
         Raises InvalidInput.
         """
         states, limits, goal = self._checked(state, target)
