@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from leadthrough.cli.check import check
+from leadthrough.cli.clean import clean
 from leadthrough.cli.demo import demo
 from leadthrough.cli.errors import Commands
 from leadthrough.cli.experiment import experiment
@@ -26,7 +27,7 @@ _ENDINGS = (
 app = typer.Typer(
     cls=Commands, no_args_is_help=True, pretty_exceptions_enable=False, epilog=_ENDINGS
 )
-for command in (demo, info, learn, plan, retime, check, view, experiment):
+for command in (demo, info, clean, learn, plan, retime, check, view, experiment):
     app.command()(command)
 
 

@@ -144,8 +144,8 @@ def check_complete(table: Table, request: Request) -> None:
             if len(wrong):
                 raise InvalidInput(
                     f"{table.place(int(wrong[0, 0]))}, column {name!r}: expected a finite number, "
-                    f"got {values[tuple(wrong[0])]}; io.read_recordings and preprocess.clean leave "
-                    "such samples out"
+                    f"got {values[tuple(wrong[0])]}; `leadthrough clean` (io.read_recordings and "
+                    "preprocess.clean) leaves such samples out"
                 )
 
 

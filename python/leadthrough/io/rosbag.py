@@ -7,6 +7,7 @@ Text on `/events` becomes events.
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -18,7 +19,7 @@ import numpy as np
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, LeadthroughError, MissingDependency
 from leadthrough.events import Event, Events
-from leadthrough.io import joint_states, joint_trajectory
+from leadthrough.io import bounds, joint_states, joint_trajectory
 from leadthrough.io.request import Request
 from leadthrough.io.table import ArrayTable
 
@@ -31,6 +32,12 @@ _TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
 _POSE = "geometry_msgs/msg/PoseStamped"
 _TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 _TEXT = "std_msgs/msg/String"
+# Source: the MCAP specification: magic, then records of a kind, a length and a content; that of a
+# chunk begins with two times and its size when inflated.
+_MCAP_MAGIC = 8
+_MCAP_RECORD = struct.Struct("<BQ")
+_MCAP_CHUNK_KIND = 6
+_MCAP_CHUNK = struct.Struct("<16xQ")
 _MOST_MESSAGES = 2_000_000
 _NANOSECONDS = 1_000_000_000
 
@@ -70,6 +77,9 @@ def _opened(path: Path) -> Iterator[Any]:
     # Bags of SQLite up to ROS 2 Humble don't say what their messages look like.
     store = get_typestore(Stores.ROS2_HUMBLE)
     try:
+        for file in path.glob("*.mcap") if path.is_dir() else [path]:
+            if file.suffix.lower() == ".mcap":
+                _check_chunks(file)
         with AnyReader([path], default_typestore=store) as bag:
             yield bag
     except LeadthroughError:
@@ -78,6 +88,20 @@ def _opened(path: Path) -> Iterator[Any]:
     except Exception as error:
         what = " ".join(str(error).split())[:200] or type(error).__name__
         raise InvalidInput(f"not a readable ROS bag ({what})") from None
+
+
+def _check_chunks(path: Path) -> None:
+    """Refuses an MCAP file with a chunk that claims to inflate beyond all bounds."""
+    size = path.stat().st_size
+    at = _MCAP_MAGIC
+    with path.open("rb") as file:
+        while at + _MCAP_RECORD.size <= size:
+            file.seek(at)
+            kind, length = _MCAP_RECORD.unpack(file.read(_MCAP_RECORD.size))
+            head = file.read(_MCAP_CHUNK.size) if kind == _MCAP_CHUNK_KIND else b""
+            if len(head) == _MCAP_CHUNK.size:
+                bounds.check_claim(_MCAP_CHUNK.unpack(head)[0], "a chunk")
+            at += _MCAP_RECORD.size + length
 
 
 def _chosen(bag: Any, request: Request) -> tuple[str, str]:

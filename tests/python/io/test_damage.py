@@ -4,6 +4,7 @@ The flips are drawn from a fixed seed; any other exception than InvalidInput is 
 """
 
 import shutil
+import struct
 import zipfile
 
 import h5py
@@ -93,6 +94,19 @@ def test_an_archive_that_inflates_too_far_is_refused(tmp_path, monkeypatch):
     assert path.stat().st_size < 20_000
     with pytest.raises(InvalidInput, match=r"the archive: .* it claims 10,400,128"):
         read(path)
+
+
+def test_a_chunk_of_a_bag_that_inflates_too_far_is_refused(whole, tmp_path):
+    content = (whole / "motion.mcap").read_bytes()
+    at, kind = 8, 0
+    while kind != 6:  # records: a kind, a length, and of a chunk two times and its size
+        kind, length = struct.unpack_from("<BQ", content, at)
+        at += 9 + length
+    size = at - length + 16
+    bomb = content[:size] + struct.pack("<Q", 10**10) + content[size + 8 :]
+    (tmp_path / "bomb.mcap").write_bytes(bomb)
+    with pytest.raises(InvalidInput, match=r"a chunk: .* it claims 10,000,000,000"):
+        read(tmp_path / "bomb.mcap")
 
 
 def test_a_header_of_ten_gigabytes_is_refused(tmp_path):

@@ -1,0 +1,62 @@
+import json
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+from typer.testing import CliRunner
+
+import leadthrough as lt
+from leadthrough import cli
+
+runner = CliRunner()
+
+
+@pytest.fixture
+def faulty(tmp_path):
+    """Two seconds of a joint at 100 Hz, a number missing at 0.5 s and a leap at 1 s."""
+    times = np.arange(201) / 100.0
+    angles = [f"{np.sin(time):.6f}" for time in times]
+    angles[50], angles[100] = "", "9"
+    rows = [f"{time},{angle}" for time, angle in zip(times, angles, strict=True)]
+    path = tmp_path / "faulty.csv"
+    path.write_text("\n".join(["t,elbow_joint", *rows]))
+    return path
+
+
+def test_faults_are_left_out_and_told(faulty, tmp_path):
+    out = tmp_path / "clean.csv"
+    result = runner.invoke(cli.app, ["clean", str(faulty), "-o", str(out)])
+    assert result.exit_code == 0, result.output
+    assert "201 samples read, 199 left" in result.output
+    assert "spikes, left out: 1 s" in result.output
+    (shown,) = lt.read_demonstrations(out)
+    assert len(shown.motion.times) == 199
+
+
+def test_machines_get_the_report_as_json(faulty, tmp_path):
+    out = tmp_path / "clean.npz"
+    options = ["--new-rate", "50", "--smoothing", "0.2", "--json", "-o", str(out)]
+    result = runner.invoke(cli.app, ["clean", str(faulty), *options])
+    (found,) = json.loads(result.output)
+    assert found["report"]["spikes"] == [1.0]
+    (shown,) = lt.read_demonstrations(found["file"])
+    assert np.abs(shown.motion.velocities[:, 0] - np.cos(shown.motion.times)).max() < 0.02
+
+
+def test_several_recordings_go_to_numbered_files(tmp_path):
+    path = tmp_path / "several.mat"
+    shown = np.empty((1, 2), dtype=object)
+    for i in range(2):
+        shown[0, i] = {"pos": np.arange(30.0).reshape(3, 10) + i}
+    savemat(path, {"shown": shown})
+    arguments = ["clean", str(path), "--rate", "10", "-o", str(tmp_path / "clean.csv")]
+    result = runner.invoke(cli.app, arguments)
+    assert result.exit_code == 0, result.output
+    for i in (1, 2):
+        (demonstration,) = lt.read_demonstrations(tmp_path / f"clean_{i}.csv")
+        assert demonstration.motion.positions[0, 0] == i - 1
+
+
+def test_a_strict_reader_says_what_to_do(faulty):
+    with pytest.raises(lt.errors.InvalidInput, match=r"line 52, .* `leadthrough clean`"):
+        lt.read_demonstrations(faulty)
