@@ -150,7 +150,7 @@ def _handwriting(motions: Sequence[str]) -> Iterator[Benchmark]:
             peer=partial(_areas, motions, peer),
             peer_name=peer_name,
             error=lambda a, b: a / b,
-            tolerance=1.0,
+            tolerance=1.02,  # regressions with the same mixture differ by a rounding
         )
 
 

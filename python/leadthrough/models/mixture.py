@@ -95,11 +95,12 @@ class Mixture:
     def _conditioned(
         self, x: Float64Array, given: list[int], wanted: list[int]
     ) -> tuple[Float64Array, Float64Array]:
-        shares = self.marginal(given).responsibilities(x)
+        of_inputs = self.covariances[:, given][:, :, given]
+        whitening = np.linalg.inv(np.linalg.cholesky(of_inputs))
+        joint = _log_joint(self.weights, self.means[:, given], whitening, x)
+        shares = np.exp(joint - _log_sum(joint)[:, None])
         cross = self.covariances[:, wanted][:, :, given]
-        gains = np.linalg.solve(
-            self.covariances[:, given][:, :, given], cross.transpose(0, 2, 1)
-        ).transpose(0, 2, 1)
+        gains = cross @ whitening.transpose(0, 2, 1) @ whitening
         inner = self.covariances[:, wanted][:, :, wanted] - gains @ cross.transpose(0, 2, 1)
         offsets = x[None] - self.means[:, None, given]
         means = self.means[:, None, wanted] + offsets @ gains.transpose(0, 2, 1)  # (k, n, p)
@@ -126,14 +127,19 @@ class Mixture:
             raise InvalidInput("covariances: expected positive definite matrices") from None
 
     def _joint(self, data: Float64Array) -> Float64Array:
-        """Logarithms (n, k) of weight times density."""
-        whitening = self._whitening
-        offsets = data[None] - self.means[:, None]
-        squared = ((offsets @ whitening.transpose(0, 2, 1)) ** 2).sum(axis=2)
-        volumes = np.log(np.einsum("kii->ki", whitening)).sum(axis=1)
-        with np.errstate(divide="ignore"):  # a component without weight has none anywhere
-            constants = np.log(self.weights) + volumes - 0.5 * self.size * np.log(2.0 * np.pi)
-        return np.asarray(constants - 0.5 * squared.T)
+        return _log_joint(self.weights, self.means, self._whitening, data)
+
+
+def _log_joint(
+    weights: Float64Array, means: Float64Array, whitening: Float64Array, data: Float64Array
+) -> Float64Array:
+    """Logarithms (n, k) of weight times density at points (n, d)."""
+    offsets = data[None] - means[:, None]
+    squared = ((offsets @ whitening.transpose(0, 2, 1)) ** 2).sum(axis=2)
+    volumes = np.log(np.einsum("kii->ki", whitening)).sum(axis=1)
+    with np.errstate(divide="ignore"):  # a component without weight has none anywhere
+        constants = np.log(weights) + volumes - 0.5 * means.shape[1] * np.log(2.0 * np.pi)
+    return np.asarray(constants - 0.5 * squared.T)
 
 
 def _log_sum(values: Float64Array) -> Float64Array:
