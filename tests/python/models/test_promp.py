@@ -165,6 +165,26 @@ def test_task_space_via_point_is_reached_by_the_mean():
         skill.condition_task(1.0, [9.0, 0.0], hand)
 
 
+def test_tool_of_an_arm_is_led_through_a_point_of_its_task_space():
+    panda = lt.Arm.load("panda")
+    ready = np.array([0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])
+    moved = [
+        lt.Demonstration(lt.JointTrajectory(each.motion.times, ready + 0.1 * each.motion.positions))
+        for each in shown(joints=7)
+    ]
+    skill = lt.ProMP().fit(moved)
+
+    def tool(q):
+        return panda.forward_kinematics(q)[0], panda.jacobian(q)[:3]
+
+    wanted = tool(skill.distribution([1.0])[0][0])[0] + np.array([0.02, -0.03, 0.01])
+    led = skill.condition_task(1.0, wanted, tool)
+    np.testing.assert_allclose(tool(led.distribution([1.0])[0][0])[0], wanted, atol=1e-7)
+    _, jacobian = tool(led.distribution([1.0])[0][0])
+    spread = jacobian @ led.distribution([1.0])[1][0] @ jacobian.T
+    assert np.abs(spread).max() < 1e-9  # the tool is there in every sample, to first order
+
+
 def test_contradicting_via_points_are_refused(skill):
     fixed = skill.condition(1.0, [0.5, 1.0, 1.5])
     np.testing.assert_allclose(
