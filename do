@@ -14,6 +14,7 @@ usage: ./do COMMAND [OPTIONS]
   test       all tests, C++ and Python; options go to pytest
   sanitize   the C++ tests with AddressSanitizer, UndefinedBehaviorSanitizer and ThreadSanitizer
   bench      benchmarks against other libraries; options go to python/benchmarks/run.py
+  docs       the documentation, build/docs/index.html
   lint       ruff, mypy and clang-format
   format     let ruff and clang-format rewrite the code
 TEXT
@@ -118,6 +119,11 @@ main() {
     bench)
       install_package bench
       .venv/bin/python python/benchmarks/run.py "$@"
+      ;;
+    docs)
+      install_package docs
+      NO_MKDOCS_2_WARNING=1 .venv/bin/mkdocs build --strict --quiet
+      echo "built build/docs/index.html"
       ;;
     lint)
       install_package dev
