@@ -8,6 +8,7 @@ PYBIND11_MODULE(_core, module) {
   leadthrough::bind_dmp(module);
   leadthrough::bind_dynamics(module);
   leadthrough::bind_field(module);
+  leadthrough::bind_finite(module);
   leadthrough::bind_gaussian(module);
   leadthrough::bind_ik(module);
   leadthrough::bind_jacobian(module);

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from leadthrough import _core
 from leadthrough.errors import InvalidInput
 
 Float64Array = NDArray[np.float64]
@@ -21,8 +22,6 @@ Float64Array = NDArray[np.float64]
 UNIT_LENGTH_TOLERANCE = 1e-2
 
 _FLOAT64 = np.dtype(np.float64)
-_FEW = 1000
-_VERY_FEW = 32
 
 
 def array(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
@@ -149,7 +148,7 @@ def _of_shape(result: Float64Array, name: str, shape: Sequence[int | str]) -> Fl
 
 def _checked(result: Float64Array, name: str, shape: Sequence[int | str]) -> Float64Array:
     _of_shape(result, name, shape)
-    if not _is_finite(result):
+    if not _core.all_finite(result):
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(result))[0])
         position = f" at index {where if len(where) > 1 else where[0]}" if where else ""
         raise InvalidInput(f"{name}: expected finite numbers, got {result[where]}{position}")
@@ -170,16 +169,6 @@ def _numeric(value: Any, name: str) -> Float64Array:
         # Booleans, complex numbers, strings and objects would be turned into something plausible.
         raise InvalidInput(f"{name}: expected numbers, got {_short(value)} of dtype {raw.dtype}")
     return np.ascontiguousarray(raw, dtype=np.float64).reshape(raw.shape)
-
-
-def _is_finite(values: Float64Array) -> bool:
-    # Sums are quick proofs for few numbers (for many, BLAS wakes its threads); beyond their range
-    # they prove nothing.
-    if values.ndim == 1 and values.size <= _VERY_FEW and math.isfinite(sum(values.tolist())):
-        return True
-    if values.size <= _FEW and math.isfinite(np.vdot(values, values)):
-        return True
-    return bool(np.isfinite(values).all())
 
 
 def _fits(actual: tuple[int, ...], shape: Sequence[int | str]) -> bool:

@@ -1,0 +1,20 @@
+#include <pybind11/numpy.h>
+
+#include "leadthrough/finite.hpp"
+#include "parts.hpp"
+
+namespace py = pybind11;
+
+namespace leadthrough {
+
+void bind_finite(py::module_& module) {
+  // It keeps the GIL: to let it go takes longer than most arrays do.
+  module.def(
+      "all_finite",
+      [](const py::array_t<double, py::array::c_style>& values) {
+        return all_finite(values.data(), static_cast<std::size_t>(values.size()));
+      },
+      py::arg("values").noconvert());
+}
+
+}  // namespace leadthrough
