@@ -5,8 +5,6 @@ from typing import Any
 
 import griffe
 
-_SENTENCES = ("Raises", "Returns", "Source", "Sources")
-
 
 class Prose(griffe.Extension):
     """Marks the names of arguments and fields where `name:` explains them."""
@@ -25,13 +23,19 @@ def _explained(obj: griffe.Object) -> list[str]:
 
 
 def marked(text: str, names: list[str]) -> str:
-    """The text with a line break before, and code marks around, each explained name."""
+    """The text with what explains a name, and what is raised and cited, on lines of their own."""
     listed = "|".join(map(re.escape, names)) or "(?!)"
-    text = re.sub(
-        rf"\n((?:(?:{listed})(?:, (?:{listed}))*:|(?:{'|'.join(_SENTENCES)})\b))", r"  \n\1", text
-    )
+    explained = re.compile(rf"(^|\n|\. )((?:{listed})(?:, (?:{listed}))*):(?=\s|$)")
+    text = explained.sub(lambda found: f"{_ended(found[1])}{_as_code(found[2])}:", text)
     return re.sub(
-        rf"(?m)(?:(?<=^)|(?<=\. ))((?:{listed})(?:, (?:{listed}))*):(?= |$)",
-        lambda found: ", ".join(f"`{name}`" for name in found[1].split(", ")) + ":",
-        text,
+        r"(\n|\. )(?=(?:Raises|Returns|Sources?)\b)", lambda found: _ended(found[1]), text
     )
+
+
+def _ended(before: str) -> str:
+    """What stands before a new line, with Markdown's hard break."""
+    return before and f"{before.strip()}  \n"
+
+
+def _as_code(names: str) -> str:
+    return ", ".join(f"`{name}`" for name in names.split(", "))
