@@ -112,6 +112,16 @@ def test_page_runs_as_it_stands(page, folder):
             run_commands(text, variables)
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_commands_in_the_text_exist(page):
+    for text in re.findall(r"`leadthrough ([^`]+)`", page.read_text()):
+        words = text.split()
+        command = COMMANDS.commands.get(words[0], COMMANDS)
+        known = {each for parameter in command.params for each in parameter.opts} | {"--help"}
+        assert command is not COMMANDS or words[0] in known, text
+        assert {word for word in words if word.startswith("-")} <= known, text
+
+
 def test_every_page_is_in_the_navigation():
     navigation = (ROOT / "mkdocs.yml").read_text()
     for page in PAGES[1:]:
