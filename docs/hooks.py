@@ -7,6 +7,7 @@ from typing import Any
 
 import typer
 from latex2mathml.converter import convert
+from mkdocs.exceptions import PluginError
 
 from leadthrough import cli
 
@@ -21,7 +22,10 @@ def on_page_content(content: str, **_: Any) -> str:
 
 def _drawn(found: re.Match[str]) -> str:
     display = "block" if found["tag"] == "div" else "inline"
-    return convert(html.unescape(found["latex"]), display=display)
+    drawn = convert(html.unescape(found["latex"]), display=display)
+    if "\\" in drawn:
+        raise PluginError(f"a formula that cannot be drawn: {found['latex']}")
+    return drawn
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
