@@ -52,6 +52,7 @@ Conditioned condition_weights(const Eigen::Ref<const Eigen::VectorXd>& mean,
   const Eigen::Index observed = basis.rows() * curves;
 
   // In shares of the scale: covariances of observed values and weights, and the values' surprise.
+  // The products are of few rows: written out in place they are quicker than by blocks.
   const Eigen::Index padded = (observed + kTogether - 1) / kTogether * kTogether;
   RowMajorMatrix padded_spread(padded, mean.size());
   padded_spread.bottomRows(padded - observed).setZero();
@@ -61,16 +62,16 @@ Conditioned condition_weights(const Eigen::Ref<const Eigen::VectorXd>& mean,
     const Eigen::Index first = columns[c] * functions;
     for (Eigen::Index i = 0; i < basis.rows(); ++i) {
       const Eigen::Index row = i * curves + c;
-      spread.row(row).noalias() = basis.row(i) * covariance.middleRows(first, functions) / scale[c];
+      spread.row(row) =
+          (basis.row(i) / scale[c]).lazyProduct(covariance.middleRows(first, functions));
       surprise[row] = (values(i, c) - basis.row(i).dot(mean.segment(first, functions))) / scale[c];
     }
   }
   RowMajorMatrix innovation(observed, observed);
   for (Eigen::Index c = 0; c < curves; ++c)
     for (Eigen::Index i = 0; i < basis.rows(); ++i)
-      innovation.col(i * curves + c).noalias() =
-          spread.middleCols(columns[c] * functions, functions) * basis.row(i).transpose() /
-          scale[c];
+      innovation.col(i * curves + c) = spread.middleCols(columns[c] * functions, functions)
+                                           .lazyProduct(basis.row(i).transpose() / scale[c]);
   const RowMajorMatrix scaled =
       (noise.array().colwise() / scale.array()).rowwise() / scale.transpose().array();
   for (Eigen::Index i = 0; i < basis.rows(); ++i)

@@ -174,6 +174,8 @@ def _numeric(value: Any, name: str) -> Float64Array:
 def _fits(actual: tuple[int, ...], shape: Sequence[int | str]) -> bool:
     if len(actual) != len(shape):
         return False
+    if len(shape) == 1:  # the quick way: most are vectors
+        return isinstance(shape[0], str) or actual[0] == shape[0]
     named: dict[str, int] = {}
     for size, wanted in zip(actual, shape, strict=True):
         expected = named.setdefault(wanted, size) if isinstance(wanted, str) else wanted
