@@ -64,7 +64,7 @@ def folder(ur5, tmp_path, monkeypatch):
 
 
 def run_commands(text, variables):
-    for line in text.splitlines():
+    for line in text.replace("\\\n", "").splitlines():
         words = shlex.split(line, comments=True)
         if not words or words[0] == "./do":
             assert not words or f"    {words[1]})" in (ROOT / "do").read_text()
