@@ -25,9 +25,13 @@ class Gaussian:
 
     @cached_property
     def root(self) -> Float64Array:
-        """A matrix (n, n) whose product with its own transpose is the covariance."""
+        """A matrix (n, n) whose product with its own transpose is the covariance.
+
+        Variances that are rounding are none: what was observed exactly does not move.
+        """
         values, vectors = np.linalg.eigh(self.covariance)
-        return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
+        rounding = len(values) * np.finfo(np.float64).eps * values[-1]
+        return np.asarray(vectors * np.sqrt(np.where(values > rounding, values, 0.0)))
 
     def observe(
         self,
