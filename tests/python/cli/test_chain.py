@@ -168,3 +168,23 @@ def test_both_a_goal_and_an_offset_are_refused(shown):
     run("learn", "shown0.csv", "-o", "s.npz")
     words = ["plan", "s.npz", "--goal", "0,0,0,0,0,0", "--move-goal", "0,0,0,0,0,0", "-o", "m.csv"]
     assert "--move-goal, got both" in run(*words, code=2).stderr
+
+
+@pytest.mark.parametrize(("model", "within"), [("pose-dmp", 1e-4), ("fast-marching", 1e-3)])
+def test_a_real_recording_is_replayed_to_a_moved_goal(
+    recordings, tmp_path, monkeypatch, model, within
+):
+    monkeypatch.chdir(tmp_path)
+    trial = recordings / "panda_execution" / "trial1.csv"
+    joints = "joints=" + ",".join(f"joint_{i}" for i in range(1, 8))
+    one = ("--rate", 20, "--column", joints, "--cut", "--motion", 11, "--robot", "panda")
+    run("learn", trial, *one, "--model", model, "-o", "skill.npz")
+    shown = lt.load_skill("skill.npz").generate()
+    moved = ("--robot", "panda", "--move-goal=0.02,-0.02,0.01")
+    run("plan", "skill.npz", *moved, "-o", "motion.json")
+    run("retime", "motion.json", "--robot", "panda", "-o", "timed.npz")
+    verdict = facts("check", "timed.npz", "--robot", "panda")
+    assert verdict["ok"]
+    (timed,) = lt.read_demonstrations("timed.npz")
+    reached = lt.Arm.load("panda").poses(timed.motion).positions[-1]
+    assert np.abs(reached - (shown.positions[-1] + [0.02, -0.02, 0.01])).max() < within
