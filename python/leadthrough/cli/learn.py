@@ -58,6 +58,7 @@ def learn(
     leadthrough learn day.csv --cut --motion 3 --rate 50 --model fast-marching -o reach.npz
     """
     from leadthrough.cli import parse, reading, tables
+    from leadthrough.cli import robot as robots
     from leadthrough.io import read_demonstrations
 
     read = reading.cleaned if clean else read_demonstrations
@@ -72,6 +73,7 @@ def learn(
     if cut:
         demonstrations = reading.cut(demonstrations)
     demonstrations = _chosen(demonstrations, motion)
+    robots.refuse_without(robot, limits=limits, base=base, tip=tip)
     if robot is not None:
         demonstrations = _as_poses(demonstrations, robot, limits, base, tip)
     kind = model or _USUAL[type(demonstrations[0].motion).__name__]

@@ -13,7 +13,6 @@ from leadthrough.errors import InvalidInput
 from leadthrough.motion import Motion, PoseTrajectory
 from leadthrough.shapes import Box, Capsule, Shape, Sphere
 
-_UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
 _SHAPES = {"box": 3, "sphere": 1, "capsule": 2}
 
 
@@ -38,33 +37,41 @@ def obstacle(text: str) -> Shape:
     if len(size) != _SHAPES[kind]:
         raise InvalidInput(f"--obstacle: expected {_SHAPES[kind]} sizes for {kind}, got {text!r}")
     position, turned = _place(place, f"--obstacle {text}")
+    turn = () if turned is None else (turned,)
     if kind == "box":
-        return Box(size, position, _UNTURNED if turned is None else turned)
+        return Box(size, position, *turn)
     if kind == "capsule":
-        radius, length = size
-        return Capsule(radius, length, position, _UNTURNED if turned is None else turned)
+        return Capsule(float(size[0]), float(size[1]), position, *turn)
     if turned is not None:
         raise InvalidInput(f"--obstacle: a sphere cannot be turned, got {text!r}")
     return Sphere(size[0], position)
 
 
-def end(text: str, name: str) -> Any:
-    """A start or a goal: X,Y,Z/W,X,Y,Z is a pose, without the slash a point or joints.
-
-    Raises InvalidInput.
-    """
+def place(text: str, name: str) -> Any:
+    """A point or joints, X,Y,Z, or a pose, X,Y,Z/W,X,Y,Z. Raises InvalidInput."""
     position, turned = _place(text, name)
     return position if turned is None else (position, turned)
 
 
-def moved(motion: Motion, index: int, by: str, name: str) -> Any:
-    """An end of a motion, its first or last sample, moved by an offset. Raises InvalidInput."""
-    offset = numbers(by, name)
-    position = motion.positions[index]
+def end(text: str, shown: Motion, index: int, name: str) -> Any:
+    """A start or a goal, as by `place`; a pose without an orientation keeps the one shown.
+
+    shown: the skill's own motion, which starts or ends at sample `index`. Raises InvalidInput.
+    """
+    asked = place(text, name)
+    if isinstance(asked, tuple) or not isinstance(shown, PoseTrajectory):
+        return asked
+    return asked, shown.orientations[index]
+
+
+def moved(text: str, shown: Motion, index: int, name: str) -> Any:
+    """The sample `index` of a motion, moved by an offset. Raises InvalidInput."""
+    offset = numbers(text, name)
+    position = shown.positions[index]
     if len(offset) != len(position):
-        raise InvalidInput(f"{name}: expected {len(position)} numbers, got {by!r}")
+        raise InvalidInput(f"{name}: expected {len(position)} numbers, got {text!r}")
     there = position + offset
-    return (there, motion.orientations[index]) if isinstance(motion, PoseTrajectory) else there
+    return (there, shown.orientations[index]) if isinstance(shown, PoseTrajectory) else there
 
 
 def columns(given: Sequence[str]) -> dict[str, list[str]] | None:

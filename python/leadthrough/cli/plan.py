@@ -14,7 +14,8 @@ def plan(
     skill: Annotated[Path, typer.Argument(help="A skill, as `leadthrough learn` saves it.")],
     out: options.Output,
     start: Annotated[
-        str | None, typer.Option(help="X,Y,Z, a pose X,Y,Z/W,X,Y,Z, or joints; else as shown.")
+        str | None,
+        typer.Option(help="X,Y,Z, a pose X,Y,Z/W,X,Y,Z, or joints; what is left out is as shown."),
     ] = None,
     goal: Annotated[str | None, typer.Option(help="As --start.")] = None,
     move_start: Annotated[
@@ -45,6 +46,7 @@ def plan(
     leadthrough plan reach.npz --goal 0.5,0.1,0.3 --obstacle sphere:0.08@0.4,0,0.3 -o path.csv
     """
     from leadthrough.cli import parse, tables
+    from leadthrough.cli import robot as robots
     from leadthrough.io import write_motion
     from leadthrough.models import load_skill
 
@@ -52,11 +54,12 @@ def plan(
     asked: dict[str, Any] = {
         "start": _end(learned, start, move_start, "start", 0),
         "goal": _end(learned, goal, move_goal, "goal", -1),
-        "obstacles": [parse.obstacle(text) for text in obstacle or ()],
+        "obstacles": [parse.obstacle(text) for text in obstacle or ()] or None,
         "duration": duration,
     }
     # What a skill has no say in is left out, so that it need not refuse it.
-    asked = {name: value for name, value in asked.items() if value is not None and value != []}
+    asked = {name: value for name, value in asked.items() if value is not None}
+    robots.refuse_without(robot, limits=limits, base=base, tip=tip, posture=posture)
     with tables.busy("planning"):
         motion = learned.generate(dt=dt, **asked)
         if robot is not None:
@@ -78,9 +81,11 @@ def _end(learned: Any, given: str | None, moved: str | None, name: str, index: i
 
     if given is not None and moved is not None:
         raise InvalidInput(f"--{name}: expected it or --move-{name}, got both")
+    if given is not None:
+        return parse.end(given, learned.generate(), index, f"--{name}")
     if moved is not None:
-        return parse.moved(learned.generate(), index, moved, f"--move-{name}")
-    return None if given is None else parse.end(given, f"--{name}")
+        return parse.moved(moved, learned.generate(), index, f"--move-{name}")
+    return None
 
 
 def _joints(

@@ -20,7 +20,7 @@ def retime(
     rate: Annotated[float, typer.Option(help="Samples a second.")] = 1000.0,
     path_tolerance: Annotated[
         float, typer.Option(help="rad (m), how far the smooth path may lie off the samples.")
-    ] = 1e-4,
+    ] = 1e-5,
     keep_timing: Annotated[
         bool, typer.Option("--keep-timing", help="Never faster than the motion is now.")
     ] = False,

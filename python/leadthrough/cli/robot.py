@@ -27,6 +27,13 @@ def load(
     return Arm.load(name)
 
 
+def refuse_without(name: str | None, **given: object) -> None:
+    """Raises InvalidInput for options that are given and need a robot, where there is none."""
+    for option, value in given.items():
+        if name is None and value is not None:
+            raise InvalidInput(f"--{option}: expected --robot beside it, got {value}")
+
+
 def own_joints(arm: Arm, motion: Motion, name: str) -> JointTrajectory:
     """The arm's joints of a motion; if none of its joints has a name of the arm's, by their order.
 

@@ -57,7 +57,7 @@ def view(
         asked,
         demonstrations=shown,
         skill=None if skill is None else load_skill(skill),
-        goal=None if goal is None else parse.end(goal, "--goal"),
+        goal=None if goal is None else parse.place(goal, "--goal"),
         obstacles=[parse.obstacle(text) for text in obstacle or ()],
         html=html,
         port=port,

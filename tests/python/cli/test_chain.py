@@ -164,6 +164,49 @@ def test_what_cannot_be_had_ends_with_one(shown):
     assert not Path("m.json").exists()
 
 
+def test_a_goal_without_an_orientation_keeps_the_one_shown(shown):
+    run("learn", "shown0.csv", "--robot", UR5, "--tip", "tool0", "-o", "s.npz")
+    plain = lt.load_skill("s.npz").generate()
+    goal = plain.positions[-1] + [0.02, 0.0, 0.01]
+    run("plan", "s.npz", "--goal", ",".join(map(str, goal)), "-o", "m.npz")
+    (made,) = lt.read_demonstrations("m.npz")
+    np.testing.assert_allclose(made.motion.positions[-1], goal, atol=1e-9)
+    turn = lt.rotations.distance(made.motion.orientations[-1:], plain.orientations[-1:])
+    assert turn[0] < 1e-9
+
+
+def test_a_goal_of_joints_or_with_an_orientation_is_reached(shown):
+    run("learn", "shown0.csv", "-o", "j.npz")
+    run("plan", "j.npz", "--goal", ",".join(map(str, HOME)), "-o", "j.csv")
+    (made,) = lt.read_demonstrations("j.csv")
+    np.testing.assert_allclose(made.motion.positions[-1], HOME, atol=1e-9)
+    run("learn", "shown0.csv", "--robot", UR5, "--tip", "tool0", "-o", "p.npz")
+    run("plan", "p.npz", "--goal", "0.3,0.3,0.4/0,1,0,0", "-o", "p.csv")
+    (posed,) = lt.read_demonstrations("p.csv")
+    assert lt.rotations.distance(posed.motion.orientations[-1:], [[0.0, 1.0, 0.0, 0.0]])[0] < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--goal", "1,2"], "goal"),
+        (["--goal", "nan,0,0"], "goal"),
+        (["--goal", "a,0,0"], "--goal"),
+        (["--goal", "0,0,0/0,0,0,0"], "goal"),
+        (["--start", "0,0,0/1,0"], "start"),
+        (["--move-goal", "1,2"], "--move-goal: expected 3"),
+        (["--posture", "0,0,0,0,0,0"], "--posture: expected --robot"),
+        (["--limits", "ur5.toml"], "--limits: expected --robot"),
+        (["--dt", "0"], "dt"),
+    ],
+)
+def test_wrong_queries_are_told_in_one_line(shown, words, says):
+    run("learn", "shown0.csv", "--robot", UR5, "--tip", "tool0", "-o", "s.npz")
+    result = run("plan", "s.npz", *words, "-o", "m.csv", code=2)
+    assert says in result.stderr
+    assert not Path("m.csv").exists()
+
+
 def test_both_a_goal_and_an_offset_are_refused(shown):
     run("learn", "shown0.csv", "-o", "s.npz")
     words = ["plan", "s.npz", "--goal", "0,0,0,0,0,0", "--move-goal", "0,0,0,0,0,0", "-o", "m.csv"]
