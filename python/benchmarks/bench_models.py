@@ -21,14 +21,14 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.mixture import GaussianMixture
 
 import leadthrough as lt
-from leadthrough.experiments.lasa_methods import generated_by
-from leadthrough.experiments.lasa_study import error_columns, splits
 from leadthrough.models import ProMPSkill
 from leadthrough.models.chart import normalised
-from leadthrough.models.gmr_skill import shifted
-from leadthrough.models.kmeans import kmeans
-from leadthrough.models.mixture_em import Steps, fit_mixture
+from leadthrough.models.mixtures.em import Steps, fit_mixture
+from leadthrough.models.mixtures.gmr_skill import shifted
+from leadthrough.models.mixtures.kmeans import kmeans
 from leadthrough.preprocess.resample import arc_length
+from leadthrough_studies.lasa.methods import generated_by
+from leadthrough_studies.lasa.study import error_columns, splits
 
 SAMPLES, JOINTS, WEIGHTS, COMPONENTS = 200, 7, 10, 10
 DRAWINGS = ("Sshape", "JShape")

@@ -19,7 +19,8 @@ def demo(
 ) -> None:
     """Learn human handwriting, plan it around a box and write it with a UR3."""
     from leadthrough.arm import Arm
-    from leadthrough.experiments import handwriting, handwriting_report
+    from leadthrough_studies.handwriting import demo as handwriting
+    from leadthrough_studies.handwriting import report as handwriting_report
 
     config = handwriting.HandwritingConfig()
     arm = Arm.load(config.robot)

@@ -20,8 +20,8 @@ def experiment(
 ) -> None:
     """Run a study; what its folder already holds is not computed again."""
     from leadthrough import check
-    from leadthrough.experiments import study
-    from leadthrough.experiments.catalogue import STUDIES
+    from leadthrough_studies import study
+    from leadthrough_studies.catalogue import STUDIES
 
     if name is None:
         print("\n".join(STUDIES))

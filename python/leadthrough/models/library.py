@@ -18,8 +18,8 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
-from leadthrough.models.dmp import DMPSkill
-from leadthrough.models.pose_dmp import PoseDMPSkill
+from leadthrough.models.dmp.discrete import DMPSkill
+from leadthrough.models.dmp.pose import PoseDMPSkill
 from leadthrough.models.protocol import Skill
 from leadthrough.models.skills import restored
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory

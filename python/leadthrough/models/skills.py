@@ -8,14 +8,14 @@ from typing import Any
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
-from leadthrough.models.dmp import DMPSkill
-from leadthrough.models.fast_marching import FastMarchingSkill
-from leadthrough.models.gmr_skill import GMRSkill
-from leadthrough.models.pose_dmp import PoseDMPSkill
-from leadthrough.models.promp_skill import ProMPSkill
+from leadthrough.models.dmp.discrete import DMPSkill
+from leadthrough.models.dmp.pose import PoseDMPSkill
+from leadthrough.models.dmp.rhythmic import RhythmicDMPSkill, RhythmicPoseDMPSkill
+from leadthrough.models.marching.model import FastMarchingSkill
+from leadthrough.models.mixtures.gmr_skill import GMRSkill
+from leadthrough.models.mixtures.task_gmr import TaskGMRSkill
+from leadthrough.models.promp.skill import ProMPSkill
 from leadthrough.models.protocol import Skill
-from leadthrough.models.rhythmic_dmp import RhythmicDMPSkill, RhythmicPoseDMPSkill
-from leadthrough.models.task_gmr import TaskGMRSkill
 
 _KINDS: dict[str, Callable[[dict[str, Any], archive.Arrays], Skill]] = {
     skill.kind: skill.from_archive

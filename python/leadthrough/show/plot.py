@@ -12,7 +12,7 @@ from matplotlib.patches import Rectangle
 
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array
-from leadthrough.models.fast_marching import FastMarchingSkill
+from leadthrough.models.marching.model import FastMarchingSkill
 from leadthrough.motion import JointTrajectory, Trajectory
 from leadthrough.shapes import Box
 from leadthrough.show import palette, style

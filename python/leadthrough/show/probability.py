@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Ellipse
 
 from leadthrough.check import Float64Array
-from leadthrough.models.kmeans import Clusters
-from leadthrough.models.mixture import Mixture
-from leadthrough.models.promp_basis import Basis
+from leadthrough.models.mixtures.kmeans import Clusters
+from leadthrough.models.mixtures.mixture import Mixture
+from leadthrough.models.promp.basis import Basis
 from leadthrough.motion import Motion
 from leadthrough.show import palette
 from leadthrough.show.plot import Style

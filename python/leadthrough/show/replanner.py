@@ -15,7 +15,7 @@ from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LeadthroughError
 from leadthrough.models import FastMarchingSkill, ProMPSkill
-from leadthrough.models.live_map import LiveMap
+from leadthrough.models.marching.live_map import LiveMap
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from leadthrough.shapes import Shape, Sphere, check_shapes
 from leadthrough.show.parameters import Parameter, parameters

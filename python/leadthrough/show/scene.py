@@ -17,7 +17,7 @@ from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models import ProMPSkill
-from leadthrough.models.gmr_skill import GMRSkill
+from leadthrough.models.mixtures.gmr_skill import GMRSkill
 from leadthrough.models.protocol import Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion
 from leadthrough.shapes import Shape, check_shapes

@@ -8,7 +8,8 @@ import pytest
 from typer.testing import CliRunner
 
 from leadthrough import cli, errors
-from leadthrough.experiments import catalogue, study, ur3_study
+from leadthrough_studies import catalogue, study
+from leadthrough_studies.ur3 import study as ur3_study
 
 runner = CliRunner()
 

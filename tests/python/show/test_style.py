@@ -8,8 +8,8 @@ import pytest
 from matplotlib.figure import Figure
 
 import leadthrough as lt
-from leadthrough.experiments import study
 from leadthrough.show import limits_plot, palette, plot
+from leadthrough_studies import study
 
 
 @pytest.fixture

@@ -1,1 +1,0 @@
-"""Studies: a frozen configuration in, a result out."""

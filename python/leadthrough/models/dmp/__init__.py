@@ -1,0 +1,1 @@
+"""Dynamic movement primitives of points, joints and poses, discrete and rhythmic."""

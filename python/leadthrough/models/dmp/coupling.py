@@ -1,0 +1,191 @@
+"""What a primitive's motion keeps clear of: obstacles and limits.
+
+Steering around an obstacle's middle (Hoffmann et al. 2009, Pastor et al. 2009) with barriers under
+it: the least accelerations that keep every distance from falling below 0 (Ames et al. 2019,
+"Control barrier functions"), and led round an obstacle that it presses on. The kernels hold them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any, TypeVar
+
+import numpy as np
+
+from leadthrough import _core, check
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput, NoPath, UnsupportedQuery
+from leadthrough.models.dmp.springs import Springs, end_of
+from leadthrough.shapes import Box, Capsule, Shape, check_shapes
+
+# Shares of the demonstration's size: the distance to keep from obstacles, and the one at which
+# steering fades. Nearer ends halve the first.
+_MARGIN = 0.02
+_LEAST_MARGIN = 1e-4
+_REACH = 0.25
+# The last part of a motion, in which what a detour has left of an error is blended out.
+_LATEST_PUSH = 0.9
+
+State = TypeVar("State", _core.PointState, _core.PoseState)
+Limits = tuple[Float64Array, Float64Array]
+Around = tuple[tuple[Shape, ...], Limits]
+
+_UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
+
+
+def check_around(
+    obstacles: Iterable[Shape], limits: Any, *, dimensions: int | None, channels: int
+) -> Around:
+    """Obstacles and limits (lower, upper) of a query; without limits, empty arrays.
+
+    dimensions: of the space that the motion runs in, None for joints. Raises InvalidInput,
+    UnsupportedQuery for obstacles in a space that has none.
+    """
+    shapes = check_shapes(obstacles)
+    if shapes and dimensions not in (2, 3):
+        raise UnsupportedQuery(
+            "obstacles: expected none, they stand in the way of points in two or three dimensions"
+        )
+    if limits is None:
+        return shapes, (np.zeros(0), np.zeros(0))
+    if not isinstance(limits, Sequence) or len(limits) != 2:
+        raise InvalidInput(f"limits: expected a pair (lower, upper), got {limits!r}")
+    lower, upper = (check.array(side, "limits", shape=(channels,)) for side in limits)
+    if not (lower < upper).all():
+        raise InvalidInput(f"limits: expected lower < upper, got {lower} and {upper}")
+    return shapes, (lower, upper)
+
+
+def roll(
+    springs: Springs,
+    state: State,
+    phases: Float64Array,
+    *,
+    around: Around,
+    size: float,
+) -> tuple[Float64Array, Float64Array]:
+    """Values and slopes (n, channels) at phases (n,), around obstacles and inside limits.
+
+    Raises InvalidInput, NoPath.
+    """
+    (obstacles, limits), forces = around, springs.forces
+    start = state.value, state.slope
+    if not obstacles and len(limits[0]) == 0:
+        return _core.dmp_rollout(forces, state.course, *start, phases)
+    goal = end_of(state.course)
+    _check_ends(obstacles, limits, state.value, goal)
+    near = np.stack([state.value, goal])
+    things = _surroundings(*around, near=near, size=size)
+    values, slopes, last_push = _core.dmp_rollout_around(
+        forces, state.course, things, *start, phases
+    )
+    if len(limits[0]):  # a barrier's steps leave rounding beyond it
+        values = np.clip(values, *limits)
+    if springs.form == "blended" and last_push > 0.0:
+        values, slopes = _settled(values, slopes, phases, goal, last_push)
+    _check_clear(obstacles, values)
+    return values, slopes
+
+
+def step_around(
+    springs: Springs,
+    state: State,
+    dt: float,
+    acceleration: Float64Array,
+    *,
+    around: Around,
+    size: float,
+) -> State:
+    """The state dt s later, under an acceleration (channels,), around what is in the way."""
+    near = end_of(state.course)[None]
+    things = _surroundings(*around, near=near, size=size)
+    return state.led_around(springs.forces, dt, acceleration, things)
+
+
+def _check_ends(
+    obstacles: Sequence[Shape],
+    limits: Limits,
+    start: Float64Array,
+    goal: Float64Array,
+) -> None:
+    """Raises InvalidInput for an end (d,) outside the limits, NoPath for one in an obstacle."""
+    lower, upper = limits
+    for name, point in (("start", start), ("goal", goal)):
+        if len(lower) and not ((lower <= point) & (point <= upper)).all():
+            raise InvalidInput(f"{name}: expected one inside the limits, got {point}")
+        if (_clearances(obstacles, point[None]) <= 0.0).any():
+            raise NoPath(f"{name}: {point} lies in an obstacle", reason=f"{name}_in_wall")
+
+
+def _surroundings(
+    obstacles: Sequence[Shape],
+    limits: Limits,
+    *,
+    near: Float64Array,
+    size: float,
+) -> _core.DmpSurroundings:
+    """What the kernels take.
+
+    near: (n, d) points that may be approached nearer than is usually kept, at least one. size: of
+    the demonstration.
+    """
+    count = len(obstacles)
+    size = size or 1.0
+    allowed = 0.5 * _clearances(obstacles, near).min(axis=1)
+    return _core.DmpSurroundings(
+        [_form(shape) for shape in obstacles],
+        np.array([shape.position for shape in obstacles]).reshape(count, 3),
+        np.array([getattr(shape, "orientation", _UNTURNED) for shape in obstacles]).reshape(-1, 4),
+        np.array([_size(shape) for shape in obstacles]).reshape(count, 3),
+        np.clip(allowed, _LEAST_MARGIN * size, _MARGIN * size),
+        _REACH * size,
+        *limits,
+    )
+
+
+def _clearances(obstacles: Sequence[Shape], points: Float64Array) -> Float64Array:
+    """Signed distances (obstacles, n) of points (n, d); in two dimensions they lie at z = 0."""
+    in_space = np.zeros((len(points), 3))
+    in_space[:, : points.shape[1]] = points[:, :3]
+    return np.array([shape.distance(in_space) for shape in obstacles]).reshape(-1, len(points))
+
+
+def _settled(
+    values: Float64Array,
+    slopes: Float64Array,
+    phases: Float64Array,
+    goal: Float64Array,
+    last_push: float,
+) -> tuple[Float64Array, Float64Array]:
+    """The motion (n, channels), what its end is off having been blended out since the last push.
+
+    Springs only come near their goal after a detour. The blend is that of minimum jerk.
+    """
+    since = min(last_push, _LATEST_PUSH)
+    s = np.clip((phases - since) / (1.0 - since), 0.0, 1.0)
+    blend = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+    speed = 30.0 * s**2 * (1.0 - s) ** 2 / (1.0 - since)
+    off = goal - values[-1]
+    return values + np.outer(blend, off), slopes + np.outer(speed, off)
+
+
+def _check_clear(obstacles: Sequence[Shape], points: Float64Array) -> None:
+    """Raises NoPath where one of the points (n, d) lies in an obstacle."""
+    gaps = _clearances(obstacles, points)
+    if (gaps < 0.0).any():
+        index = int(np.argmax((gaps < 0.0).any(axis=0)))
+        raise NoPath(
+            f"obstacles: steering around them fails at sample {index}, {points[index]}; "
+            "plan with FastMarching, or pass via points",
+            reason="not_cleared",
+        )
+
+
+def _form(shape: Shape) -> int:
+    return 0 if isinstance(shape, Box) else 2 if isinstance(shape, Capsule) else 1
+
+
+def _size(shape: Shape) -> Any:
+    if isinstance(shape, Box):
+        return shape.size
+    return (shape.radius, shape.length if isinstance(shape, Capsule) else 0.0, 0.0)

@@ -1,0 +1,197 @@
+"""The transformation system of movement primitives: springs with learned forces.
+
+Each channel y is r(u) + e: a reference r from start to goal and an error e that obeys
+e'' = -2 RATE e' - RATE^2 e + f(u) over the phase u, with alpha = 2 RATE, beta = alpha / 4 and
+tau = 1 in the literature's letters. The forms differ in r and in what multiplies the force:
+
+- "blended": r is the minimum-jerk motion from start to goal with their velocities, and e begins and
+  ends at 0. Start, goal and velocities are met exactly and the force is not scaled. Where Hoffmann
+  et al. 2009 let the spring's goal start at x0 and decay exponentially to g, it moves by minimum
+  jerk here, with its velocity and acceleration fed forward.
+- "hoffmann": tau v' = K (g - x) - D v - K (g - x0) x(u) + K f. No scaling by the goal.
+  Sources: Hoffmann et al. 2009; Pastor et al. 2009.
+- "ijspeert": r = g, and the force is scaled by g - y0, which must not be near 0 in any channel.
+  Sources: Ijspeert et al. 2002; 2013, section 2.1.
+
+The last two come near the goal at the end and reach it after it, as springs do: what is left of a
+move of start or goal is 2.5 % with "hoffmann", whose canonical state ends at 1 %, and next to
+nothing with "ijspeert". The force stops at the end in all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import PPoly, make_interp_spline
+
+from leadthrough import _core, check
+from leadthrough.check import Float64Array
+from leadthrough.models.dmp import kernels
+from leadthrough.models.dmp.kernels import Kernels
+
+FORMS = ("blended", "hoffmann", "ijspeert")
+RHYTHMIC = "rhythmic"  # r is the centre of the motion, and the force repeats
+
+RATE = 12.5  # per unit of phase: alpha = 25, beta = 6.25
+# Of minimum jerk, the powers 3 to 5 that a distance and the slopes at both ends ask for.
+_MINIMUM_JERK = np.array([[10.0, -6.0, -4.0], [-15.0, 8.0, 7.0], [6.0, -3.0, -3.0]])
+_BLEND = np.append(np.zeros(3), _MINIMUM_JERK[:, 0])  # from 0 to 1
+
+Via = Sequence[tuple[float, Float64Array]]
+
+
+@dataclass(frozen=True, eq=False)
+class Ends:
+    """Where channels begin and end: values and slopes over the phase, (channels,) each."""
+
+    start: Float64Array
+    goal: Float64Array
+    start_slope: Float64Array
+    goal_slope: Float64Array
+
+    def part(self, channels: slice) -> Ends:
+        """Those of some of the channels."""
+        return Ends(
+            self.start[channels],
+            self.goal[channels],
+            self.start_slope[channels],
+            self.goal_slope[channels],
+        )
+
+    def joined(self, other: Ends) -> Ends:
+        """These channels followed by others."""
+        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
+        return Ends(*(np.concatenate(pair) for pair in pairs))
+
+
+@dataclass(frozen=True, eq=False)
+class Springs:
+    """Learned channels.
+
+    form: one of FORMS, or RHYTHMIC. weights: (weights, channels). ends: as demonstrated.
+    """
+
+    form: str
+    weights: Float64Array
+    ends: Ends
+
+    @property
+    def kernels(self) -> Kernels:
+        """The functions that the weights belong to."""
+        return kernels_of(self.form, len(self.weights))
+
+    @cached_property
+    def forces(self) -> _core.DmpForces:
+        """The learned force, tabulated."""
+        return tabulated(self.kernels, self.weights)
+
+    def arrays(self) -> dict[str, Float64Array]:
+        """Its parts by name, for a file."""
+        return {"weights": self.weights, **vars(self.ends)}
+
+    @staticmethod
+    def from_arrays(form: str, weights: int, arrays: Mapping[str, Any]) -> Springs:
+        """The ones whose `arrays` these are. Raises KeyError, InvalidInput."""
+        found = check.frozen(arrays["weights"], "weights", shape=(weights, "channels"))
+        ends = [
+            check.frozen(arrays[field.name], field.name, shape=(found.shape[1],))
+            for field in fields(Ends)
+        ]
+        return Springs(form, found, Ends(*ends))
+
+    def __getstate__(self) -> dict[str, Any]:  # the table is made again
+        return {"form": self.form, "weights": self.weights, "ends": self.ends}
+
+
+def kernels_of(form: str, weights: int) -> Kernels:
+    """The functions that so many weights of a form belong to."""
+    return kernels.rhythmic(weights) if form == RHYTHMIC else kernels.discrete(weights)
+
+
+def tabulated(functions: Kernels, weights: Float64Array | None = None) -> _core.DmpForces:
+    """Forces of weights (weights, channels); without them, one channel a function."""
+    table = functions.functions if weights is None else functions.functions @ weights
+    nodes = np.ascontiguousarray(table)
+    return _core.DmpForces(nodes, functions.fade, RATE, functions.rhythmic)
+
+
+def course(form: str, ends: Ends, via: Via = (), *, amplitude: float = 1.0) -> _core.DmpCourse:
+    """What a query makes of the learned force: reference, gain and drive of every channel.
+
+    via: (phase, offset (channels,)) from the motion that there would be without.
+    """
+    count = len(ends.goal)
+    gain, drive = np.full(count, amplitude), np.zeros(count)
+    if form == "blended":
+        reference = minimum_jerk(ends)
+    else:
+        reference = np.zeros((6, count))
+        reference[0] = ends.goal
+    if form == "hoffmann":
+        drive = -(RATE**2) * (ends.goal - ends.start)
+    elif form == "ijspeert":
+        gain = ends.goal - ends.start
+    breaks, coefficients = _with_via(reference, via)
+    return _core.DmpCourse(breaks, coefficients, gain, drive)
+
+
+def redirected(form: str, before: _core.DmpCourse, goal: Float64Array) -> _core.DmpCourse:
+    """The course with another goal (channels,); what lay behind the phase is as it was."""
+    shift = goal - end_of(before)
+    blend = _BLEND if form == "blended" else np.array([1.0, 0, 0, 0, 0, 0])
+    breaks = before.breaks
+    coefficients = before.coefficients + _expanded(np.outer(blend, shift), breaks)
+    gain = before.gain + shift if form == "ijspeert" else before.gain
+    drive = before.drive - RATE**2 * shift if form == "hoffmann" else before.drive
+    return _core.DmpCourse(breaks, coefficients, gain, drive)
+
+
+def minimum_jerk(ends: Ends) -> Float64Array:
+    """Coefficients (6, channels) of the powers of u from start to goal, at no acceleration.
+
+    Source: Flash and Hogan 1985.
+    """
+    coefficients = np.zeros((6, len(ends.start)))
+    coefficients[0] = ends.start
+    coefficients[1] = ends.start_slope
+    told = np.array((ends.goal - ends.start, ends.start_slope, ends.goal_slope))
+    coefficients[3:] = _MINIMUM_JERK @ told
+    return coefficients
+
+
+def _with_via(reference: Float64Array, via: Via) -> tuple[Float64Array, Float64Array]:
+    """Breaks (pieces + 1,) and coefficients (6 pieces, channels) of a reference with detours.
+
+    The detour is the minimum-jerk spline through the offsets, at rest and 0 at both ends.
+    """
+    if not via:
+        return np.array([0.0, 1.0]), np.ascontiguousarray(reference)
+    phases = np.array([0.0, *(phase for phase, _ in via), 1.0])
+    nothing = np.zeros(reference.shape[1])
+    offsets = np.array([nothing, *(offset for _, offset in via), nothing])
+    rest = [(1, nothing), (2, nothing)]
+    spline = make_interp_spline(phases, offsets, k=5, bc_type=(rest, rest))
+    breaks = np.ascontiguousarray(phases)
+    return breaks, _taylor(spline, breaks) + _expanded(reference, breaks)
+
+
+def _expanded(polynomial: Float64Array, breaks: Float64Array) -> Float64Array:
+    """A polynomial (6, channels) about 0 as one about each break, (6 pieces, channels)."""
+    return _taylor(PPoly(polynomial[::-1, None, :], [0.0, 1.0]), breaks)
+
+
+def _taylor(curve: Any, breaks: Float64Array) -> Float64Array:
+    factorials = (1.0, 1.0, 2.0, 6.0, 24.0, 120.0)
+    blocks = [curve(breaks[:-1], order) / scale for order, scale in enumerate(factorials)]
+    return np.ascontiguousarray(np.stack(blocks, axis=1).reshape(-1, blocks[0].shape[1]))
+
+
+def end_of(asked: _core.DmpCourse) -> Float64Array:
+    """Where a course leads, (channels,)."""
+    breaks = asked.breaks
+    powers = (1.0 - breaks[-2]) ** np.arange(6.0)
+    return np.asarray(powers @ asked.coefficients[-6:])

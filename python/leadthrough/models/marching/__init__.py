@@ -1,0 +1,1 @@
+"""Fast Marching Learning: demonstrations as a speed map that fast marching plans in."""

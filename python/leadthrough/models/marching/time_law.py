@@ -1,0 +1,69 @@
+"""When a planned path is where: its duration and its progress, from rest to rest."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from leadthrough import events
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.models import phase
+from leadthrough.models.marching.route import Route
+from leadthrough.models.marching.shown import Shown
+from leadthrough.models.sampling import even_times
+from leadthrough.motion import Trajectory
+from leadthrough.preprocess.resample import arc_length, by_arc_length
+
+TIMINGS = ("demonstrations", "speed_map", "constant")
+
+# Found on human handwriting: between isochrony (0) and constant speed (1).
+_DURATION_EXPONENT = 0.25
+
+
+def timed(
+    route: Route, *, timing: str, duration: float | None, dt: float
+) -> tuple[Trajectory, Float64Array]:
+    """The motion along a route, and the share of it (n,) that is covered at each sample.
+
+    timing: one of TIMINGS. duration: s; None: the usual one. dt: s, upper bound of the step.
+    Raises InvalidInput where nothing tells the duration.
+    """
+    length = float(arc_length(route.path)[-1])
+    if duration is None and not route.used:
+        raise InvalidInput("duration: expected a time, as there is no demonstration")
+    total = duration or usual_duration(route.used, route.weights, length)
+    times = even_times(total, dt)
+    happening = events.agreed([each.events for each in route.used], route.weights)
+    if length == 0.0:
+        still = np.repeat(route.path[:1], len(times), axis=0)
+        shares = np.linspace(0.0, 1.0, len(times))
+        return Trajectory(times, still, events.moved(happening, shares, times)), shares
+    even = by_arc_length(route.path, len(route.path))
+    curve = CubicSpline(np.linspace(0.0, 1.0, len(even)), even)
+    shares = phase.progress_at(phase.rest_to_rest(_progress(route, timing)), times / total)
+    return Trajectory(times, curve(shares), events.moved(happening, shares, times)), shares
+
+
+def usual_duration(used: Sequence[Shown], weights: Float64Array, length: float) -> float:
+    """The weighted median of the demonstrations' durations, s, each adapted to a path's length.
+
+    Longer paths take longer, but less than in proportion, as in human movements.
+    """
+    adapted = np.array(
+        [each.duration * (length / each.length) ** _DURATION_EXPONENT for each in used]
+    )
+    order = np.argsort(adapted, kind="stable")
+    share = weights[order] / weights.sum()
+    return float(np.interp(0.5, np.cumsum(share) - 0.5 * share, adapted[order]))
+
+
+def _progress(route: Route, timing: str) -> Float64Array:
+    if timing == "speed_map":
+        return phase.progress_by_speed(route.path, route.speed)
+    if timing == "constant" or not route.used:
+        return phase.uniform_progress()
+    progress = [each.progress for each in route.used]
+    return np.asarray(np.average(progress, axis=0, weights=route.weights))

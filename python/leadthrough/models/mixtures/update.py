@@ -1,0 +1,59 @@
+"""A Gaussian mixture that learns further demonstrations without the old ones.
+
+The old mixture stands for the sums of the points that it was fitted to. Source: Calinon and
+Billard 2007, "Incremental learning of gestures by imitation in a humanoid robot", direct method.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from leadthrough.check import Float64Array
+from leadthrough.models.chart import motions_of, normalised, timed_columns
+from leadthrough.models.mixtures.em import Blocks, Steps, sums_of
+from leadthrough.models.mixtures.mixture import Mixture
+from leadthrough.motion import Demonstration
+
+if TYPE_CHECKING:
+    from leadthrough.models.mixtures.gmr_skill import GMRSkill
+
+_MOST_ITERATIONS = 200
+
+
+def learned(
+    skill: GMRSkill, demonstrations: Sequence[Demonstration]
+) -> tuple[Mixture, Float64Array, int]:
+    """Mixture, mean ends (2, d) and number of demonstrations, with further ones."""
+    motions = motions_of(demonstrations)
+    phases = [normalised(motion) for motion in motions]
+    samples = timed_columns(motions, phases, skill.chart, skill.duration)
+    total = skill.shown + len(motions)
+    points = np.concatenate(samples)
+    mixture = _adapted(skill.mixture, points, len(points) / len(motions) * skill.shown)
+    ends = np.sum([each[[0, -1], 1:] for each in samples], axis=0)
+    return mixture, (skill.ends * skill.shown + ends) / total, total
+
+
+def _adapted(mixture: Mixture, points: Float64Array, before: float) -> Mixture:
+    """The mixture of points (n, d) and of those, as many as `before`, that it stands for."""
+    middle, scale = _extent(mixture)
+    old = Blocks(
+        mixture.weights,
+        ((mixture.means - middle) / scale,),
+        (mixture.covariances / (scale * scale[:, None]),),
+    )
+    steps = Steps([(points - middle) / scale], sums_of(old, before))
+    new, _ = steps.run(old, _MOST_ITERATIONS)
+    return Mixture(
+        new.weights, new.means[0] * scale + middle, new.covariances[0] * scale * scale[:, None]
+    )
+
+
+def _extent(mixture: Mixture) -> tuple[Float64Array, Float64Array]:
+    """Mean and standard deviation (d,) of the points that a mixture stands for."""
+    middle = mixture.weights @ mixture.means
+    variances = np.einsum("kii->ki", mixture.covariances) + (mixture.means - middle) ** 2
+    return middle, np.sqrt(mixture.weights @ variances)

@@ -1,0 +1,118 @@
+"""Weight distributions of ProMPs from demonstrations by regularised least squares.
+
+A curve is fitted to each demonstration; the covariance of their weights is shrunk towards a prior
+with the strength that minimises the expected squared error (Schaefer and Strimmer 2005, "A
+shrinkage approach to large-scale covariance matrix estimation", eq. 8), so that it has full rank
+with fewer demonstrations than weights, even with one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from leadthrough.check import Float64Array
+from leadthrough.models.promp.basis import Basis
+from leadthrough.models.promp.gaussian import Gaussian
+from leadthrough.models.promp.prior import shaped_prior, smooth_prior
+
+# The least standard deviation that a motion is believed to have, in shares of its reach.
+LEAST_SPREAD = 1e-3
+# One demonstration says nothing about the spread of others: a tenth of its reach.
+_UNKNOWN_SPREAD = 0.1
+_LEAST_NOISE = 1e-6  # standard deviation in shares of the reach
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """weights: of the motion's columns, one after the other, (d k,). noise: (d,) variances."""
+
+    weights: Gaussian
+    noise: Float64Array
+
+
+def least_squares(
+    basis: Basis,
+    phases: Sequence[Float64Array],
+    columns: Sequence[Float64Array],
+    scale: Float64Array,
+    regularization: float,
+) -> Fit:
+    """phases: (n,) of each motion. columns: (n, d) of each. scale: (d,) their reach."""
+    curves, residuals = [], []
+    known: dict[bytes, CurveFit] = {}
+    for at, values in zip(phases, columns, strict=True):
+        key = at.tobytes()
+        if key not in known:
+            known[key] = CurveFit(basis, at, regularization)
+        fit = known[key]
+        curves.append(fit.weights(values))
+        residuals.append(((values - fit.values @ curves[-1]) ** 2).sum(axis=0))
+    samples = sum(len(at) for at in phases)
+    free = max(samples - len(curves) * basis.count, 1)
+    noise = np.sum(residuals, axis=0) / free + (_LEAST_NOISE * scale) ** 2
+    stacked = np.stack([curve.T.ravel() for curve in curves])
+    return Fit(shrunk(stacked, basis, scale), noise)
+
+
+class CurveFit:
+    """Least-squares curves through values at the same phases, exact at both ends.
+
+    A wiggle costs regularization times what the values' squared errors cost, so that few samples
+    determine a curve as well.
+    """
+
+    def __init__(self, basis: Basis, phases: Float64Array, regularization: float) -> None:
+        self.values = basis(phases)
+        normal = self.values.T @ self.values
+        unit = float(np.trace(normal)) / basis.count
+        normal += regularization * unit * basis.roughness
+        normal[np.diag_indices(basis.count)] += 1e-12 * unit
+        self._factor = cho_factor(normal)
+        self._solved = self._solve(self.values.T)
+        ends = [0] if basis.is_rhythmic else [0, -1]
+        self._ends = ends
+        influence = self._solve(self.values[ends].T)
+        self._to_ends = influence @ np.linalg.pinv(self.values[ends] @ influence)
+
+    def _solve(self, right: Float64Array) -> Float64Array:
+        return np.asarray(cho_solve(self._factor, right))
+
+    def weights(self, values: Float64Array) -> Float64Array:
+        """The weights (count, d) for values (n, d)."""
+        middle = values.mean(axis=0)  # which all weights add to, as the functions sum to one
+        free = self._solved @ (values - middle)
+        missed = values[self._ends] - middle - self.values[self._ends] @ free
+        return np.asarray(free + self._to_ends @ missed + middle)
+
+
+def shrunk(stacked: Float64Array, basis: Basis, scale: Float64Array) -> Gaussian:
+    """Mean and shrunk covariance of weight vectors (m, d k), one a demonstration."""
+    count = len(stacked)
+    mean = stacked.mean(axis=0)
+    if count == 1:
+        return Gaussian(mean, smooth_prior(basis, _UNKNOWN_SPREAD * scale))
+    unit = np.repeat(scale, basis.count)  # so that the columns' units do not weigh
+    centred = (stacked - mean) / unit
+    sample = centred.T @ centred / (count - 1)
+    target = shaped_prior(basis, centred.reshape(count, len(scale), basis.count))
+    distance = float(((sample - target) ** 2).sum())
+    share = min(_variance_of_sample(centred) / distance, 1.0) if distance > 0.0 else 0.0
+    covariance = (1.0 - share) * sample + share * target
+    covariance += smooth_prior(basis, np.full(len(scale), LEAST_SPREAD))
+    return Gaussian(mean, covariance * unit * unit[:, None])
+
+
+def _variance_of_sample(centred: Float64Array) -> float:
+    """Estimated expected squared error of the sample covariance of rows (m, p).
+
+    sum_k |x_k x_k^T - S|^2 from inner products alone (Schaefer and Strimmer 2005, appendix A).
+    """
+    count = len(centred)
+    gram = centred @ centred.T
+    fourth = float((np.diag(gram) ** 2).sum())
+    total = fourth - float((gram**2).sum()) / count
+    return count / (count - 1) ** 3 * total

@@ -1,0 +1,85 @@
+"""What is believed about the spread of motions before any is seen: covariances of their weights.
+
+A motion deviates from the mean by an offset at its start that fades along a straight line, an
+offset at its goal that grows along one, and a smooth deviation in between. So a motion asked to
+start elsewhere is shifted, as far as the demonstrations do not say otherwise.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from leadthrough.check import Float64Array
+from leadthrough.models.promp.basis import Basis
+
+_LENGTH = 0.25  # in phase, of the deviations in between
+# Variances beside those of the ends: of the deviations in between, and of each weight by itself,
+# so that nothing is ruled out.
+_INNER = 0.3
+_ROUGH = 1e-3
+# No phase is taken to vary less than this share of the one that varies the most.
+_LEAST_PROFILE = 0.1
+
+
+def smooth_prior(basis: Basis, spread: Float64Array) -> Float64Array:
+    """Covariance (d k, d k) for columns with a spread (d,), the same at all phases."""
+    fit, inner = _of(basis)
+    one = _INNER * fit @ inner @ fit.T + _ROUGH * np.eye(basis.count)
+    if not basis.is_rhythmic:
+        lines = _lines(basis)
+        one += lines @ lines.T
+    return np.asarray(np.kron(np.diag(spread**2), one))
+
+
+def shaped_prior(basis: Basis, curves: Float64Array) -> Float64Array:
+    """Covariance (d k, d k) with the spread that centred weights (m, d, k) have at each phase."""
+    fit, inner = _of(basis)
+    at_phases = curves @ basis(_phases(basis)).T
+    lines = _lines(basis)
+    count, size = len(curves), curves.shape[1]
+    result = np.zeros((size, basis.count, size, basis.count))
+    for column in range(size):
+        own = at_phases[:, column]
+        ends = own[:, [0, -1]]
+        if basis.is_rhythmic:
+            covariance = np.zeros((basis.count, basis.count))
+        else:
+            own = own - ends @ _ramps(basis)
+            spread = (ends**2).sum(axis=0) / (count - 1)
+            covariance = (lines * spread) @ lines.T
+        profile = np.sqrt((own**2).sum(axis=0) / (count - 1))
+        profile = np.maximum(profile, _LEAST_PROFILE * profile.max())
+        reached = fit * profile
+        result[column, :, column] = covariance + reached @ inner @ reached.T
+    return result.reshape(size * basis.count, -1)
+
+
+@lru_cache(maxsize=16)
+def _of(basis: Basis) -> tuple[Float64Array, Float64Array]:
+    """What turns values at even phases into weights, and the kernel of deviations in between."""
+    u = _phases(basis)
+    gaps = u[:, None] - u
+    if basis.is_rhythmic:
+        kernel = np.exp(-((np.sin(np.pi * gaps) / (np.pi * _LENGTH)) ** 2) / 2.0)
+    else:
+        kernel = np.exp(-((gaps / _LENGTH) ** 2) / 2.0)
+        known = kernel[:, [0, -1]]  # a deviation in between is zero at both ends
+        kernel -= known @ np.linalg.solve(known[[0, -1]], known.T)
+    return np.asarray(np.linalg.pinv(basis(u), rcond=1e-6)), kernel
+
+
+@lru_cache(maxsize=16)
+def _lines(basis: Basis) -> Float64Array:
+    """Weights (k, 2) of the lines that fall from 1 and that rise to it."""
+    return np.asarray(_of(basis)[0] @ _ramps(basis).T)
+
+
+def _ramps(basis: Basis) -> Float64Array:
+    u = _phases(basis)
+    return np.stack([1.0 - u, u])
+
+
+def _phases(basis: Basis) -> Float64Array:
+    return np.linspace(0.0, 1.0, 8 * basis.count + 1)

@@ -1,0 +1,1 @@
+"""Studies on record: one folder a study, run by `leadthrough experiment`."""

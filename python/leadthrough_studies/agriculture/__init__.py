@@ -1,0 +1,1 @@
+"""Orientation primitives on agricultural tasks of a TIAGo (Lauretti et al. 2023)."""

@@ -1,0 +1,149 @@
+"""What a planner learns from a task as it was shown, looked up by subtask and target.
+
+Source: Lauretti et al. 2023, section 2.1 (figure 1), for the look-up in a database. Beside the
+motions of the tool the library holds those of the joints: how the arm stood, which tells a
+redundant arm how to follow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from leadthrough import rotations
+from leadthrough.arm import Arm
+from leadthrough.check import Float64Array
+from leadthrough.errors import FitError
+from leadthrough.events import Event
+from leadthrough.models import DMP, PoseDMP, SkillLibrary
+from leadthrough.models.dmp.pose import PoseDMPSkill
+from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory
+from leadthrough.preprocess import join
+from leadthrough_studies.agriculture.tasks import TASKS, Subtask, postures, targets
+from leadthrough_studies.demonstrator import JointTeaching, guide_joints
+
+DURATION = 10.0  # s of a subtask, the paper's
+STEP = 0.02  # s
+LOOKUPS = ("nearest", "interpolated")
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """A motion, as the joints and as the tool move; both have the gripper's events."""
+
+    joints: JointTrajectory
+    poses: PoseTrajectory
+
+
+@dataclass(frozen=True, eq=False)
+class Learned:
+    """shown: by subtask and number of the target. refused: why the planner learned nothing."""
+
+    task: str
+    model: PoseDMP
+    targets: Mapping[int, Float64Array]
+    shown: Mapping[tuple[str, int], Shown]
+    library: SkillLibrary
+    refused: Mapping[tuple[str, int], str]
+
+    def skill(
+        self, subtask: Subtask, target: Float64Array, *, lookup: str = "nearest"
+    ) -> PoseDMPSkill:
+        """The skill for a target, found by one of LOOKUPS.
+
+        Raises InvalidInput where there is none, FitError where neighbours give none.
+        """
+        found = getattr(self.library, lookup)(self.task, subtask.number, target)
+        assert isinstance(found, PoseDMPSkill)
+        return found
+
+    def posture(self, subtask: Subtask, target: Float64Array, *, lookup: str = "nearest") -> Any:
+        """The skill of the joints for a target."""
+        return getattr(self.library, lookup)(_joints_of(self.task), subtask.number, target)
+
+    def goal(
+        self, subtask: Subtask, target: Float64Array, *, lookup: str = "nearest"
+    ) -> Float64Array:
+        """Where the subtask ends for a target, (3,) m: the nearest one's end is moved there."""
+        learned = self.skill(subtask, target, lookup=lookup).springs.ends.goal[:3]
+        if not subtask.ends_at_target or lookup == "interpolated":
+            return learned
+        known = [at for i, at in self.targets.items() if (subtask.number, i) not in self.refused]
+        nearest = min(known, key=lambda at: float(np.linalg.norm(at - target)))
+        return np.asarray(learned + target - nearest)
+
+
+def show(
+    arm: Arm,
+    task: str,
+    subtask: Subtask,
+    i: int,
+    *,
+    seed: int,
+    target: Float64Array | None = None,
+) -> Shown:
+    """The simulated person's demonstration for target i, or another; the same for every planner."""
+    place = [list(TASKS).index(task), TASKS[task].index(subtask), i]
+    stops = postures(arm, task, subtask, targets(task)[i] if target is None else target)
+    joints = guide_joints(stops, JointTeaching(), np.random.default_rng([seed, *place])).motion
+    assert isinstance(joints, JointTrajectory)
+    if subtask.gripper:
+        joints = replace(joints, events=(Event(float(joints.times[-1]), subtask.gripper),))
+    tool = arm.forward_kinematics(joints.positions)
+    return Shown(joints, PoseTrajectory(joints.times, *tool, joints.events))
+
+
+def learn(arm: Arm, task: str, model: PoseDMP, repetitions: Sequence[int], *, seed: int) -> Learned:
+    """All subtasks, for the targets given by number."""
+    at = {i: targets(task)[i] for i in repetitions}
+    library, refused, shown = SkillLibrary(), {}, {}
+    for subtask in TASKS[task]:
+        for i, target in at.items():
+            key = subtask.number, i
+            shown[key] = show(arm, task, subtask, i, seed=seed)
+            place = {"subtask": subtask.number, "target": target}
+            stood = DMP().fit([Demonstration(shown[key].joints)])
+            library = library.with_skill(stood, task=_joints_of(task), **place)
+            try:
+                skill = model.fit([Demonstration(shown[key].poses)])
+            except FitError as error:
+                refused[key] = str(error)
+                continue
+            library = library.with_skill(skill, task=task, **place)
+    return Learned(task, model, at, shown, library, refused)
+
+
+def chain(learned: Learned, target: Float64Array, *, lookup: str = "nearest") -> Shown:
+    """The whole task for a target, each subtask from where the last one ended.
+
+    Raises UnsupportedQuery where a planner refuses, FitError where it learns nothing in between,
+    InvalidInput where it learned nothing.
+    """
+    poses: list[PoseTrajectory] = []
+    stands: list[JointTrajectory] = []
+    for subtask in TASKS[learned.task]:
+        skill = learned.skill(subtask, target, lookup=lookup)
+        goal = learned.goal(subtask, target, lookup=lookup)
+        start = (poses[-1].positions[-1], poses[-1].orientations[-1]) if poses else None
+        poses.append(skill.generate(start=start, goal=goal, duration=DURATION, dt=STEP))
+        posture = learned.posture(subtask, target, lookup=lookup)
+        stood = stands[-1].positions[-1] if stands else None
+        stands.append(posture.generate(start=stood, duration=DURATION, dt=STEP))
+    tool, joints = join(poses), join(stands)
+    assert isinstance(tool, PoseTrajectory)
+    assert isinstance(joints, JointTrajectory)
+    return Shown(joints, tool)
+
+
+def fastest_turn(motion: PoseTrajectory) -> float:
+    """The largest angular speed between samples, degrees/s."""
+    angles = rotations.distance(motion.orientations[1:], motion.orientations[:-1])
+    return float(np.degrees((angles / np.diff(motion.times)).max()))
+
+
+def _joints_of(task: str) -> str:
+    """What the library calls the motions of a task's joints."""
+    return f"{task}, joints"

@@ -1,0 +1,261 @@
+"""The agriculture study: a TIAGo learns digging, seeding, irrigation and harvesting.
+
+After Lauretti et al. 2023, sections 2.2 and 3: 16 subtasks, nine targets, one demonstration of each
+and one reproduction in 10 s by each planner. The paper's recordings are not public; a simulated
+person shows the subtasks (`demonstrator`) through the postures of `agriculture_tasks`. Planners are
+the orientations of `PoseDMP`: Euler angles ZYZ and the plain logarithm, which the paper compares
+with; "lifted", the paper's dynamic parameterisation; "anchored", ours. What the measures mean
+stands in `agriculture_measures`.
+
+Every reproduction is followed by the arm, slowed down into its limits and checked, the whole arm
+with its hand, against itself and the floor; the redundant arm stays near how it stood in the
+demonstration. Whole tasks are chained from their subtasks, each from where the last one ended, for
+targets on the grid and between. The gripper closes or opens where a subtask ends; its events keep
+their places when the arm slows down. Between the targets, skills are looked up at the nearest one
+or interpolated, and held against what the person shows there. Where a folder of recordings is
+given, the motions of a real arm are learned and replayed too.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+
+import numpy as np
+
+from leadthrough import rotations
+from leadthrough.arm import Arm
+from leadthrough.check import Float64Array
+from leadthrough.errors import FitError, IkFailure, InvalidInput, LimitsInfeasible
+from leadthrough.models import PoseDMP
+from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory
+from leadthrough.timing import check_limits, scale_to_limits
+from leadthrough_studies.agriculture import recordings as agriculture_recordings
+from leadthrough_studies.agriculture.measures import at_phases, gaps, judged
+from leadthrough_studies.agriculture.report import report
+from leadthrough_studies.agriculture.skills import (
+    DURATION,
+    LOOKUPS,
+    STEP,
+    Learned,
+    Shown,
+    chain,
+    fastest_turn,
+    learn,
+    show,
+)
+from leadthrough_studies.agriculture.tasks import (
+    CORNERS,
+    TASKS,
+    Subtask,
+    amid,
+    floor,
+    load_arm,
+    targets,
+)
+from leadthrough_studies.study import Row, Study, Task, cpu_time
+
+PLANNERS = ("euler", "log", "lifted", "anchored")
+_PLANNED_STEP = 0.01  # s, of the motions whose planning is timed: 1000 steps
+_CLEARANCE = 1e-3  # m, tolerance of the check between samples
+_DRAWN = "4-4"  # the subtask of the paper's figures 8 to 10
+_DRAWN_SAMPLES = 201
+
+
+@dataclass(frozen=True)
+class AgricultureConfig:
+    """repetitions: of the nine targets, 0 to 8. between: whole tasks for the targets amid four.
+
+    recordings: a folder with panda_execution/*.csv, empty for none. seed: of the simulated person.
+    """
+
+    tasks: tuple[str, ...] = tuple(TASKS)
+    repetitions: tuple[int, ...] = tuple(range(9))
+    planners: tuple[str, ...] = PLANNERS
+    between: bool = True
+    recordings: str = ""
+    seed: int = 0
+
+
+def configure(quick: bool, seed: int) -> AgricultureConfig:
+    """All of it with the recordings in LEADTHROUGH_DATA, or one task for two targets."""
+    if quick:
+        return AgricultureConfig(("harvesting",), (0, 4), between=False, seed=seed)
+    return AgricultureConfig(recordings=os.environ.get("LEADTHROUGH_DATA", ""), seed=seed)
+
+
+def tasks(config: AgricultureConfig) -> list[Task]:
+    """A task for every agricultural task by every planner, and for every recording."""
+    common = {"repetitions": list(config.repetitions), "seed": config.seed}
+    return [
+        *(
+            Task(perform, {"task": task, "planner": planner, "between": config.between, **common})
+            for task in config.tasks
+            for planner in config.planners
+        ),
+        *agriculture_recordings.tasks(config.recordings, config.planners),
+    ]
+
+
+def perform(
+    *, task: str, planner: str, repetitions: list[int], between: bool, seed: int
+) -> list[Row]:
+    """A row for every subtask and target, and for every whole task, by a planner."""
+    arm = load_arm()
+    learned = learn(arm, task, PoseDMP(orientation=planner), repetitions, seed=seed)
+    labels = {"task": task, "planner": planner}
+    subtasks = [
+        {"study": "subtasks", **labels, "subtask": subtask.number, "title": subtask.title}
+        | {"repetition": i}
+        | _reproduced(arm, learned, subtask, i)
+        for i in repetitions
+        for subtask in TASKS[task]
+    ]
+    wholes = [
+        {"study": "whole", **labels} | row
+        for row in _wholes(arm, learned, repetitions, between=between)
+    ]
+    looked_up = [
+        {"study": "lookup", **labels, "lookup": lookup, "subtask": subtask.number, "amid": i + 1}
+        | _looked_up(arm, learned, subtask, i, lookup, seed=seed)
+        for i in (CORNERS if between else ())
+        for subtask in TASKS[task]
+        if subtask.depends_on_target
+        for lookup in LOOKUPS
+    ]
+    return subtasks + wholes + looked_up
+
+
+def _wanted(
+    task: str, repetitions: list[int], *, between: bool
+) -> list[tuple[str, Float64Array, tuple[str, ...]]]:
+    """Where whole tasks go, by which look-ups; on the grid both are the same."""
+    grid = targets(task)
+    return [
+        *((f"target {i + 1}", grid[i], LOOKUPS[:1]) for i in repetitions),
+        *((f"amid {i + 1}", amid(task, i), LOOKUPS) for i in (CORNERS if between else ())),
+    ]
+
+
+def _reproduced(arm: Arm, learned: Learned, subtask: Subtask, i: int) -> Row:
+    """The subtask by the skill of its own target, judged; or why there is none."""
+    key = subtask.number, i
+    if key in learned.refused:
+        return {"succeeded": 0, "refused": learned.refused[key]}
+    shown, skill = learned.shown[key], learned.skill(subtask, learned.targets[i])
+    try:
+        made = skill.generate(duration=DURATION, dt=STEP)
+    except InvalidInput as error:  # "lifted" would spin
+        return {"succeeded": 0, "refused": str(error)}
+    on_arm, _ = on_the_arm(arm, made, shown.joints)
+    row = judged(made, shown.poses) | on_arm
+    row |= {
+        "fit_cpu_s": cpu_time(lambda: learned.model.fit([Demonstration(shown.poses)])),
+        "plan_cpu_s": cpu_time(lambda: skill.generate(duration=DURATION, dt=_PLANNED_STEP)),
+    }
+    return row | ({"course": _course(made, shown)} if subtask.number == _DRAWN else {})
+
+
+def _wholes(arm: Arm, learned: Learned, repetitions: list[int], *, between: bool) -> list[Row]:
+    """A row for every whole task; that for the first target has its joints, to be drawn."""
+    rows: list[Row] = []
+    for where, target, lookups in _wanted(learned.task, repetitions, between=between):
+        for lookup in lookups:
+            row, joints = _whole(arm, learned, target, lookup)
+            if joints is not None and not rows:
+                row["joints"] = _drawn(arm, joints)
+            rows.append({"where": where, "lookup": lookup} | row)
+    return rows
+
+
+def _whole(
+    arm: Arm, learned: Learned, target: Float64Array, lookup: str
+) -> tuple[Row, JointTrajectory | None]:
+    """The whole task for a target; or why there is none."""
+    try:
+        whole = chain(learned, target, lookup=lookup)
+    except (InvalidInput, FitError) as error:
+        return {"refused": str(error)}, None
+    motion = whole.poses
+    home = learned.shown[TASKS[learned.task][0].number, next(iter(learned.targets))]
+    row, joints = on_the_arm(arm, motion, whole.joints)
+    turned = rotations.distance(motion.orientations[-1:], home.poses.orientations[:1])[0]
+    happened = motion.events if joints is None else joints.events
+    row |= {
+        "fastest_deg_s": fastest_turn(motion),
+        "home_missed_m": float(np.linalg.norm(motion.positions[-1] - home.poses.positions[0])),
+        "home_missed_deg": float(np.degrees(turned)),
+        "gripper": [{"does": event.name, "time_s": event.time} for event in happened],
+    }
+    return row, joints
+
+
+def _drawn(arm: Arm, joints: JointTrajectory) -> Row:
+    """Joints over the time, and their limits, for the figures."""
+    some = np.linspace(0, len(joints.times) - 1, 2 * _DRAWN_SAMPLES).astype(int)
+    return {
+        "times": np.round(joints.times[some], 3).tolist(),
+        "positions": np.round(joints.positions[some], 4).tolist(),
+        "lower": arm.limits.lower.tolist(),
+        "upper": arm.limits.upper.tolist(),
+    }
+
+
+def _looked_up(
+    arm: Arm, learned: Learned, subtask: Subtask, i: int, lookup: str, *, seed: int
+) -> Row:
+    """The subtask for a target amid four, from where the person begins, against what he shows."""
+    target = amid(learned.task, i)
+    number = len(targets(learned.task)) + i
+    shown = show(arm, learned.task, subtask, number, seed=seed, target=target).poses
+    start = shown.positions[0], shown.orientations[0]
+    try:
+        skill = learned.skill(subtask, target, lookup=lookup)
+        goal = learned.goal(subtask, target, lookup=lookup)
+        made = skill.generate(start=start, goal=goal, dt=STEP)
+    except (InvalidInput, FitError) as error:
+        return {"refused": str(error)}
+    return gaps(made, shown)
+
+
+def on_the_arm(
+    arm: Arm, motion: PoseTrajectory, posture: JointTrajectory
+) -> tuple[Row, JointTrajectory | None]:
+    """What becomes of a motion of the tool: followed, slowed down into the limits, checked.
+
+    posture: how the arm stood when it was shown.
+    """
+    row: Row = {"followed": 0}
+    try:
+        joints = arm.follow(motion, posture=posture, too_fast="slow")
+    except IkFailure as error:
+        return row | {"arm_failure": f"{error.status} at sample {error.index}"}, None
+    row = {"followed": 1}
+    try:
+        joints = scale_to_limits(joints, arm.limits)  # "slow" does not mind the jerk
+    except LimitsInfeasible as error:
+        return row | {"arm_failure": str(error)}, joints
+    row |= {
+        "limits_kept": int(check_limits(joints, arm.limits).ok),
+        "slowing": joints.duration / motion.duration,
+    }
+    return row | _cleared(arm, joints), joints
+
+
+def _cleared(arm: Arm, joints: JointTrajectory) -> Row:
+    found = arm.check(joints, [floor()], tolerance=_CLEARANCE)
+    hit = {} if found.first is None else {"arm_failure": " and ".join(found.first.bodies)}
+    return {"arm_clear": int(found.ok), "arm_distance_m": found.minimum_distance, **hit}
+
+
+def _course(made: PoseTrajectory, shown: Shown) -> Row:
+    """Orientations over the share of the duration, for the figures."""
+    phases = np.linspace(0.0, 1.0, _DRAWN_SAMPLES)
+    recorded, drawn = at_phases(shown.poses, phases), at_phases(made, phases)
+    return {
+        "recorded": np.round(recorded.orientations, 6).tolist(),
+        "made": np.round(drawn.orientations, 6).tolist(),
+    }
+
+
+STUDY = Study(configure, tasks, report)

@@ -1,0 +1,1 @@
+"""The demo: handwriting learned, planned and written by a UR3."""

@@ -1,0 +1,160 @@
+"""Human handwriting, shown to a robot arm: learned, planned around a box, checked, exported.
+
+Six of the seven demonstrations of a motion of the LASA set are learned, the seventh is reproduced
+from its start. Then the motion is planned once more around a box, put on a table before a UR3
+that holds a pen, made a joint trajectory inside the limits, and checked: the whole arm and the pen
+against table, box and themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from leadthrough.arm import Arm, CollisionReport
+from leadthrough.check import Float64Array
+from leadthrough.io import lasa
+from leadthrough.models import FastMarching, FastMarchingSkill
+from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
+from leadthrough.preprocess.resample import by_arc_length
+from leadthrough.shapes import Box, Capsule
+from leadthrough.timing import LimitsReport, check_limits, differentiate, scale_to_limits
+from leadthrough_studies import metrics
+
+MOTIONS = (
+    "GShape", "Leaf_1", "Snake", "Sshape", "WShape", "BendedLine", "heee", "DoubleBendedLine",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class HandwritingConfig:
+    """The table, the pen and the box; all in the arm's base frame, m.
+
+    centre: of the drawing, x and y, on the table z = 0. size: of the drawing's longer side.
+    pen_length: from the flange to the table. pen_radius: of what is checked of the pen, which ends
+    at `pen_lift` above the table. box_size: edges of the obstacle.
+    hurry: how much faster than the people who drew the motion is asked for; the arm's limits then
+    decide. posture: (joints,) rad, elbow up, from which the first pose is searched.
+    """
+
+    robot: str = "ur3"
+    model: FastMarching = field(default_factory=FastMarching)
+    centre: tuple[float, float] = (0.30, 0.0)
+    size: float = 0.16
+    pen_length: float = 0.10
+    pen_radius: float = 0.001
+    pen_lift: float = 0.001
+    box_size: tuple[float, float, float] = (0.012, 0.012, 0.05)
+    hurry: float = 10.0
+    posture: tuple[float, ...] = (0.0, -1.6, 1.9, -1.9, -1.6, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Handwriting:
+    """One motion, from the recordings to the joints; lengths in m on the table.
+
+    slowing: the factor on time that brought the hurried motion inside the limits.
+    """
+
+    name: str
+    shown: tuple[Trajectory, ...]
+    held_out: Trajectory
+    skill: FastMarchingSkill
+    reproduction: Trajectory
+    box: Box
+    detour: Trajectory
+    joints: JointTrajectory
+    slowing: float
+    limits: LimitsReport
+    errors: metrics.ReproductionErrors
+    clearance: CollisionReport
+
+
+def run(name: str, arm: Arm, config: HandwritingConfig) -> Handwriting:
+    """Learn, reproduce, plan around a box and solve the arm's joints for one motion."""
+    drawings = [_drawing(demonstration) for demonstration in lasa.load(name)]
+    placement = _Placement.onto_table(drawings, config)
+    *shown, held_out = (placement.on_table(drawing) for drawing in drawings)
+    skill = config.model.fit([Demonstration(motion) for motion in shown])
+    start = held_out.positions[0]
+    reproduction = skill.generate(start=start)
+    box = _box_in_the_way(reproduction.positions, config)
+    detour = skill.generate(start=start, obstacles=[box])
+    poses = _hurried(_with_pen(detour, config), config)
+    asked = differentiate(arm.follow(poses, seed=config.posture))
+    joints = scale_to_limits(asked, arm.limits)
+    return Handwriting(
+        name=name,
+        shown=tuple(shown),
+        held_out=held_out,
+        skill=skill,
+        reproduction=reproduction,
+        box=box,
+        detour=detour,
+        joints=joints,
+        slowing=joints.duration / asked.duration,
+        limits=check_limits(joints, arm.limits),
+        errors=metrics.reproduction_errors(drawings[-1], placement.on_paper(reproduction)),
+        clearance=arm.with_attached(pen(config)).check(joints, [_table(), box]),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Placement:
+    """From a drawing in mm onto the table in m and back."""
+
+    scale: float
+    offset: Float64Array
+
+    @classmethod
+    def onto_table(cls, drawings: Sequence[Trajectory], config: HandwritingConfig) -> _Placement:
+        points = np.concatenate([drawing.positions for drawing in drawings])
+        lower, upper = points.min(axis=0), points.max(axis=0)
+        scale = config.size / float((upper - lower).max())
+        return cls(scale, np.array(config.centre) - scale * 0.5 * (lower + upper))
+
+    def on_table(self, drawing: Trajectory) -> Trajectory:
+        return Trajectory(drawing.times, self.offset + self.scale * drawing.positions)
+
+    def on_paper(self, motion: Trajectory) -> Trajectory:
+        return Trajectory(motion.times, (motion.positions - self.offset) / self.scale)
+
+
+def _drawing(demonstration: Demonstration) -> Trajectory:
+    assert isinstance(demonstration.motion, Trajectory)
+    return demonstration.motion
+
+
+def _box_in_the_way(path: Float64Array, config: HandwritingConfig) -> Box:
+    """A box in the table on the middle half of the path, there where the ends are farthest."""
+    even = by_arc_length(path, 101)
+    middle = even[25:76]
+    ends = np.minimum(*(np.linalg.norm(middle - end, axis=1) for end in even[[0, -1]]))
+    x, y = middle[int(np.argmax(ends))]
+    return Box(np.array(config.box_size), np.array([x, y, 0.0]))
+
+
+def _table() -> Box:
+    """The table on which the arm stands and draws."""
+    return Box(np.array([1.2, 1.2, 0.04]), np.array([0.0, 0.0, -0.02]))
+
+
+def pen(config: HandwritingConfig) -> Capsule:
+    """The pen in the flange's frame, along its z."""
+    length = config.pen_length - config.pen_lift
+    middle = np.array([0.0, 0.0, 0.5 * length])
+    return Capsule(config.pen_radius, length - 2.0 * config.pen_radius, middle)
+
+
+def _hurried(motion: PoseTrajectory, config: HandwritingConfig) -> PoseTrajectory:
+    return replace(motion, times=motion.times / config.hurry)
+
+
+def _with_pen(motion: Trajectory, config: HandwritingConfig) -> PoseTrajectory:
+    """Flange poses that hold a pen upright with its tip on the drawing."""
+    count = len(motion.times)
+    height = np.full((count, 1), config.pen_length)
+    downwards = np.tile([0.0, 1.0, 0.0, 0.0], (count, 1))  # half a turn about x: flange down
+    return PoseTrajectory(motion.times, np.hstack([motion.positions, height]), downwards)

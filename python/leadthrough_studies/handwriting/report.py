@@ -1,0 +1,156 @@
+"""What the handwriting study leaves in a folder: figures, a table of errors, joint trajectories."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from leadthrough import io
+from leadthrough.arm import Arm, JointLimits
+from leadthrough.io import joint_trajectory
+from leadthrough.io.atomic import replacing
+from leadthrough.motion import Demonstration
+from leadthrough.shapes import Box
+from leadthrough.show import page, plot, style
+from leadthrough.show.scene import Scene, arm_scene
+from leadthrough_studies.handwriting import demo as handwriting
+from leadthrough_studies.handwriting.demo import Handwriting, HandwritingConfig
+from leadthrough_studies.results import save_figure
+
+_INTRODUCTION = (
+    "Motions that people drew seven times each (LASA set). Six drawings were learned by Fast "
+    "Marching Learning; the seventh was reproduced from its start alone. Then the motion was "
+    "planned once more around a box, put on a table before a UR3 with a pen, solved for the "
+    "joints, slowed down until every joint kept its limits, and checked: arm and pen against "
+    "table, box and themselves.",
+    "Drag a scene to look around, with the right button to move it; the wheel zooms.",
+)
+_ERRORS = "Of the reproductions against the seventh drawing, in the drawings' own mm."
+
+COLUMNS = ("motion", "SEA_mm2", "V_rmse_mm_s", "DTWD_per_N_mm", "Frechet_mm")
+
+
+@style.applied()
+def write_motion(result: Handwriting, limits: JointLimits, folder: Path) -> None:
+    """Two figures and the joint trajectory as CSV and JSON, in `folder`, made if missing."""
+    folder.mkdir(parents=True, exist_ok=True)
+    save_figure(_learning_figure(result), folder / "learning.png")
+    save_figure(plot.joint_figure(result.joints, limits), folder / "joints.png")
+    io.write_motion(result.joints, folder / "trajectory.csv")
+    joint_trajectory.write_json(result.joints, folder / "trajectory.json")
+
+
+@style.applied()
+def write_summary(results: Sequence[Handwriting], folder: Path) -> None:
+    """One figure of all motions and the table of errors, errors.csv."""
+    folder.mkdir(parents=True, exist_ok=True)
+    save_figure(_overview_figure(results), folder / "overview.png")
+    with (
+        replacing(folder / "errors.csv") as temporary,
+        temporary.open("w", encoding="utf-8", newline="") as file,
+    ):
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        writer.writerows(error_rows(results))
+
+
+@style.applied()
+def write_page(
+    results: Sequence[Handwriting], arm: Arm, config: HandwritingConfig, folder: Path
+) -> None:
+    """report.html: what was done, each motion to look at from all sides, the errors."""
+    folder.mkdir(parents=True, exist_ok=True)
+    parts = [page.text(text) for text in _INTRODUCTION]
+    parts.append(page.figure(_overview_figure(results), "All motions on the table."))
+    for result in results:
+        parts += _motion_parts(result, arm, config)
+    parts += [page.heading("Errors"), page.text(_ERRORS), page.table(COLUMNS, error_rows(results))]
+    page.write_page(folder / "report.html", "Handwriting, from six hands to a robot arm", parts)
+
+
+def _motion_parts(result: Handwriting, arm: Arm, config: HandwritingConfig) -> list[str]:
+    verdict = "kept" if result.limits.ok else "exceeded"
+    facts = (
+        f"{result.joints.duration:.2f} s, slowed {result.slowing:.2f} times to keep the arm's "
+        f"limits, which are {verdict}. Arm and pen: {result.clearance}."
+    )
+    return [
+        page.heading(result.name),
+        page.scene(_scene(result, arm, config), facts),
+        page.figure(_learning_figure(result), "Left the map, right the speed of the pen."),
+    ]
+
+
+def _scene(result: Handwriting, arm: Arm, config: HandwritingConfig) -> Scene:
+    """The arm with its pen; the table is the floor, of the box only the part above it is shown."""
+    height = 0.5 * result.box.size[2]
+    x, y, z = result.box.position
+    above = Box(np.array([*result.box.size[:2], height]), np.array([x, y, z + 0.5 * height]))
+    on_table = np.pad(result.detour.positions, ((0, 0), (0, 1)))
+    return arm_scene(
+        arm.with_attached(handwriting.pen(config)),
+        result.joints,
+        demonstrations=[Demonstration(motion) for motion in result.shown],
+        path=on_table,
+        obstacles=[above],
+    )
+
+
+def error_rows(results: Sequence[Handwriting]) -> list[tuple[str, ...]]:
+    """A row a motion and their mean, in the order of COLUMNS."""
+    values = np.array(
+        [
+            (e.swept_error_area, e.velocity_rmse, e.dtw_distance, e.frechet_distance)
+            for e in (result.errors for result in results)
+        ]
+    )
+    names = [*(result.name for result in results), "mean"]
+    rows = np.vstack([values, values.mean(axis=0)])
+    return [
+        (name, *(f"{value:.4g}" for value in row)) for name, row in zip(names, rows, strict=True)
+    ]
+
+
+def _learning_figure(result: Handwriting) -> Figure:
+    figure = Figure(figsize=(10.0, 4.4), layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=(1.2, 1.0))
+    plot.draw_velocity_map(left, result.skill)
+    _draw_motion(left, result)
+    left.set_title(f"{result.name} on the table, m")
+    left.legend(fontsize=7)
+    plot.draw_speed(right, result.held_out, plot.HELD_OUT, label="held-out demonstration")
+    plot.draw_speed(right, result.reproduction, plot.PATH, label="reproduced from its start")
+    right.set_title("speed on the table, m/s")
+    right.legend(fontsize=7)
+    return figure
+
+
+def _overview_figure(results: Sequence[Handwriting]) -> Figure:
+    columns = min(len(results), 4)
+    rows = -(-len(results) // columns)
+    figure = Figure(figsize=(3.0 * columns, 3.0 * rows), layout="constrained")
+    panels = figure.subplots(rows, columns, squeeze=False).ravel()
+    for axes in panels:
+        axes.set_axis_off()
+    for axes, result in zip(panels, results, strict=False):
+        plot.draw_velocity_map(axes, result.skill)
+        _draw_motion(axes, result)
+        axes.set_title(result.name)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2 * min(columns, 2))
+    return figure
+
+
+def _draw_motion(axes: Axes, result: Handwriting) -> None:
+    shown = [motion.positions for motion in result.shown]
+    plot.draw_paths(axes, shown, plot.DEMONSTRATION, label="six demonstrations")
+    held_out = [result.held_out.positions]
+    plot.draw_paths(axes, held_out, plot.HELD_OUT, label="held-out demonstration")
+    plot.draw_paths(axes, [result.reproduction.positions], plot.PATH, label="reproduction")
+    plot.draw_paths(axes, [result.detour.positions], plot.DETOUR, label="around the box")
+    plot.draw_box(axes, result.box)

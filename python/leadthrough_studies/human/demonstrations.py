@@ -1,0 +1,117 @@
+"""One reach of a Panda, shown by a person and by damped least squares.
+
+Yang, Liu and Pears draw their reach but do not state it, and their recordings are not public. Ours
+goes from the ready posture to the tool's pose of `GOAL`, to the left of the base, for which joints
+1, 3 and 5 turn far. The person is simulated (`demonstrator`): the joints move at an unsteady pace
+through postures that are off the straight way, with tremor, a pause or none, and rounded by
+encoders. Damped least squares take the tool along a straight line to the same pose by the paper's
+equations 3 to 7.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from leadthrough import rotations
+from leadthrough.arm import Arm
+from leadthrough.arm.yang import DampedLeastSquares, follow_path
+from leadthrough.check import Float64Array
+from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory
+from leadthrough_studies.demonstrator import JointTeaching, guide_joints
+
+ROBOT = "panda"
+START = np.array([0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])  # the maker's ready posture
+GOAL = np.array([0.6, 0.2, 0.6, -1.7, 0.9, 1.9, 0.4])
+# Where a person's joints are a third and two thirds of the way, and where they end, rad.
+_ASTRAY, _GOAL_SPREAD = 0.08, 0.03
+# Of the poses that damped least squares are sent to, m and rad.
+_TARGET_SPREAD = (0.02, 0.03)
+_TEACHING = JointTeaching(
+    duration=(5.0, 8.0), pauses=1, pause=(0.3, 0.8), tremor=5e-4, encoder=2**14
+)
+_DURATION = 4.0  # s, of damped least squares
+_RATE = 100.0  # Hz
+_REST = 1.0  # s, before and after where a motion is recorded with them
+
+Law = Callable[[Float64Array], Float64Array]
+
+
+def minimum_jerk(u: Float64Array) -> Float64Array:
+    """The share of the way of a hand that starts and ends at rest; its speed is a bell."""
+    return u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
+
+
+def constant(u: Float64Array) -> Float64Array:
+    """The share of the way at constant speed."""
+    return u
+
+
+def servo(u: Float64Array) -> Float64Array:
+    """The share of the way of steps that each cover the same part of what is left."""
+    return np.asarray((1.0 - np.exp(-6.0 * u)) / (1.0 - np.exp(-6.0)))
+
+
+def human(count: int, rng: np.random.Generator) -> list[Demonstration]:
+    """Reaches of a simulated person."""
+    shown = []
+    for number in range(1, count + 1):
+        between = START + np.outer((1.0 / 3.0, 2.0 / 3.0), GOAL - START)
+        between += rng.normal(0.0, _ASTRAY, between.shape)
+        end = GOAL + rng.normal(0.0, _GOAL_SPREAD, len(GOAL))
+        postures = np.vstack([START, between, end])
+        shown.append(guide_joints(postures, _TEACHING, rng, name=f"human {number}"))
+    return shown
+
+
+def damped(
+    arm: Arm, count: int, rng: np.random.Generator, *, law: Law = minimum_jerk
+) -> list[Demonstration]:
+    """Reaches by damped least squares; the first to the goal itself, the others about it.
+
+    law: the share of the straight line covered at each share of the time.
+    """
+    position, orientation = arm.forward_kinematics(GOAL)
+    shown = []
+    for number in range(count):
+        spread = (number > 0) * np.repeat(_TARGET_SPREAD, 3) * rng.standard_normal(6)
+        turned = rotations.compose(rotations.exp(spread[None, 3:]), orientation[None])[0]
+        motion = _line(arm, position + spread[:3], turned, law)
+        joints = follow_path(arm, motion, start=START, settings=DampedLeastSquares()).joints
+        shown.append(Demonstration(joints, name=f"DLS-IK {number + 1}"))
+    return shown
+
+
+def interpolated(arm: Arm, rng: np.random.Generator, *, rest: float = 0.0) -> Demonstration:
+    """The joints straight from the start to where damped least squares end, at constant speed.
+
+    rest: s, of standing still before and after.
+    """
+    end = damped(arm, 1, rng)[0].motion.positions[-1]
+    times = np.arange(round((_DURATION + 2.0 * rest) * _RATE) + 1) / _RATE
+    share = np.clip((times - rest) / _DURATION, 0.0, 1.0)
+    return Demonstration(JointTrajectory(times, START + np.outer(share, end - START)))
+
+
+def laws(arm: Arm, rng: np.random.Generator) -> dict[str, Demonstration]:
+    """One reach of damped least squares by each time law that the paper may have used."""
+    return {
+        "joints interpolated": interpolated(arm, rng),
+        "joints interpolated, with rests": interpolated(arm, rng, rest=_REST),
+        "line, constant speed": damped(arm, 1, rng, law=constant)[0],
+        "line, servo": damped(arm, 1, rng, law=servo)[0],
+        "line, minimum jerk": damped(arm, 1, rng)[0],
+    }
+
+
+def _line(arm: Arm, position: Float64Array, orientation: Float64Array, law: Law) -> PoseTrajectory:
+    times = np.arange(round(_DURATION * _RATE) + 1) / _RATE
+    first, turned = arm.forward_kinematics(START)
+    share = law(times / _DURATION)
+    ends = rotations.align_signs(np.stack([turned, orientation]))
+    return PoseTrajectory(
+        times,
+        first + np.outer(share, position - first),
+        rotations.interpolate(np.array([0.0, 1.0]), ends, share),
+    )

@@ -1,0 +1,162 @@
+"""Human demonstrations against those of damped least squares, learned by ProMPs, on a Panda.
+
+After Yang, Liu and Pears, "Enhancing Learning from Demonstration with DLS-IK and ProMPs", section
+IV B, figures 6 to 8: joints 1, 3 and 5, position and velocity. The paper's recordings are not
+public, so a simulated person shows the reach (`human_demonstrations`), and real recordings stand
+beside where there are any. The paper says neither how many demonstrations were learned nor with
+which basis functions: one, several, and several aligned in time are learned, and the number and the
+width of the basis functions are swept. What the measures mean stands in `human_measures`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from leadthrough.arm import Arm
+from leadthrough.models import ProMP
+from leadthrough.motion import Demonstration
+from leadthrough.preprocess.align import align_by_time_warping
+from leadthrough_studies.human import recordings as human_recordings
+from leadthrough_studies.human.demonstrations import ROBOT, damped, human, laws
+from leadthrough_studies.human.measures import course, fidelity
+from leadthrough_studies.human.report import report
+from leadthrough_studies.study import Row, Study, Task
+
+
+@dataclass(frozen=True)
+class HumanConfig:
+    """demonstrations: of each source. weights, width: of the ProMPs compared; swept over others.
+
+    recordings: a folder with panda_execution/*.csv and panda_symbol/*.mat, empty for none. seed: of
+    the simulated person and of the targets of damped least squares.
+    """
+
+    demonstrations: int = 6
+    joints: tuple[int, ...] = (1, 3, 5)
+    weights: int = 20
+    width: float = 1.0
+    swept_weights: tuple[int, ...] = (6, 8, 12, 20, 30, 45)
+    swept_widths: tuple[float, ...] = (0.35, 0.45, 0.6, 1.0)
+    recordings: str = ""
+    seed: int = 0
+
+
+def configure(quick: bool, seed: int) -> HumanConfig:
+    """All of it with the recordings in LEADTHROUGH_DATA, or a short sweep without them."""
+    if quick:
+        return HumanConfig(swept_weights=(8, 20), swept_widths=(0.45, 1.0), seed=seed)
+    return HumanConfig(recordings=os.environ.get("LEADTHROUGH_DATA", ""), seed=seed)
+
+
+def tasks(config: HumanConfig) -> list[Task]:
+    """A task for every source and way of learning, for the sweep, the time laws, the recordings."""
+    common = {
+        "count": config.demonstrations,
+        "joints": list(config.joints),
+        "seed": config.seed,
+    }
+    own = {"weights": config.weights, "width": config.width}
+    return [
+        *(
+            Task(learn, {"source": source, "way": way, **own, **common})
+            for source in SOURCES
+            for way in WAYS
+        ),
+        *(
+            Task(sweep, {"source": source, "weights": weights, "width": width, **common})
+            for source in SOURCES
+            for weights in config.swept_weights
+            for width in config.swept_widths
+        ),
+        *(
+            Task(time_laws, {"weights": weights, "joints": list(config.joints)})
+            for weights in (min(config.swept_weights), config.weights)
+        ),
+        *human_recordings.tasks(config.recordings, list(config.joints), config.weights),
+    ]
+
+
+def learn(
+    *, source: str, way: str, weights: int, width: float, count: int, joints: list[int], seed: int
+) -> list[Row]:
+    """A row for every joint: what one way of learning leaves of a source's velocities."""
+    given, compared = WAYS[way](SOURCES[source](count, seed))
+    skill = ProMP(weights=weights, width=width).fit(given)
+    motions = [each.motion for each in compared]
+    return [
+        {"study": "learning", "source": source, "learned_from": way, "column": f"joint {joint}"}
+        | {"weights": weights, "width": width, **fidelity(skill, motions, joint - 1)}
+        | {"course": course(skill, motions[0], joint - 1)}
+        for joint in joints
+    ]
+
+
+def sweep(
+    *, source: str, weights: int, width: float, count: int, joints: list[int], seed: int
+) -> list[Row]:
+    """A row for every joint, its means over a source's demonstrations, each learned by itself."""
+    found: dict[int, list[Row]] = {joint: [] for joint in joints}
+    for shown in SOURCES[source](count, seed):
+        skill = ProMP(weights=weights, width=width).fit([shown])
+        for joint in joints:
+            found[joint].append(fidelity(skill, [shown.motion], joint - 1))
+    return [
+        {"study": "sweep", "source": source, "weights": weights, "width": width}
+        | {"column": f"joint {joint}"}
+        | {name: float(np.mean([row[name] for row in rows])) for name in rows[0]}
+        for joint, rows in found.items()
+    ]
+
+
+def time_laws(*, weights: int, joints: list[int]) -> list[Row]:
+    """A row for every time law and joint: how much of a bell there is before and after learning."""
+    rows = []
+    for law, shown in laws(Arm.load(ROBOT), np.random.default_rng(0)).items():
+        skill = ProMP(weights=weights).fit([shown])
+        rows += [
+            {"study": "time laws", "law": law, "weights": weights, "column": f"joint {joint}"}
+            | fidelity(skill, [shown.motion], joint - 1)
+            | {"course": course(skill, shown.motion, joint - 1)}
+            for joint in joints
+        ]
+    return rows
+
+
+def _human(count: int, seed: int) -> list[Demonstration]:
+    return human(count, np.random.default_rng(seed))
+
+
+def _damped(count: int, seed: int) -> list[Demonstration]:
+    return damped(Arm.load(ROBOT), count, np.random.default_rng(seed))
+
+
+Shown = list[Demonstration]
+SOURCES: dict[str, Callable[[int, int], Shown]] = {"human": _human, "DLS-IK": _damped}
+
+
+def _one(shown: Shown) -> tuple[Shown, Shown]:
+    return shown[:1], shown[:1]
+
+
+def _all(shown: Shown) -> tuple[Shown, Shown]:
+    return shown, shown
+
+
+def _aligned(shown: Shown) -> tuple[Shown, Shown]:
+    """Learned in the timing of the quickest, and compared with it."""
+    chosen = int(np.argmin([each.motion.duration for each in shown]))
+    return align_by_time_warping(shown, reference=chosen), [shown[chosen]]
+
+
+# What is learned, and with what the mean is compared.
+WAYS: dict[str, Callable[[Shown], tuple[Shown, Shown]]] = {
+    "one": _one,
+    "all": _all,
+    "all, aligned": _aligned,
+}
+
+STUDY = Study(configure, tasks, report)

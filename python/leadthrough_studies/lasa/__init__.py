@@ -1,0 +1,1 @@
+"""Fast Marching Learning on the LASA handwriting set (Prados et al. 2023)."""

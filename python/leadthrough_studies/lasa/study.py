@@ -1,0 +1,176 @@
+"""The LASA handwriting study: 30 motions of 7 demonstrations, reproduced and compared.
+
+Each demonstration in turn is the one tested: a method sees the others, or some of them (LOO), or
+all (IN), and reproduces it from its start. Errors are those of `metrics`, in mm and s. The
+saturation is swept, and auto-learning is tried, in the setting of Prados et al. 2023, section 4.1.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+
+from leadthrough.check import Float64Array
+from leadthrough.io import lasa
+from leadthrough.models import FastMarchingSkill
+from leadthrough.motion import Demonstration, Trajectory
+from leadthrough.preprocess.resample import arc_length, by_arc_length
+from leadthrough_studies import metrics
+from leadthrough_studies.lasa.methods import METHODS, SETTINGS, generated_by
+from leadthrough_studies.lasa.report import HEADLINE, report
+from leadthrough_studies.study import Row, Study, Task
+
+# How many of the 7 demonstrations are shown.
+PROTOCOLS = {"IN": 7, "LOO": 6, "LOO from 3": 3, "LOO from 1": 1}
+QUICK_MOTIONS = ("GShape", "Leaf_1", "Sshape", "WShape")
+# Points of a path kept for the figures.
+_DRAWN = 60
+
+
+@dataclass(frozen=True)
+class LasaConfig:
+    """threshold: of kappa, below which a path is learned.
+
+    seed: of the draw of the demonstrations shown, where not all others are.
+    """
+
+    motions: tuple[str, ...]
+    methods: tuple[str, ...] = tuple(METHODS)
+    protocols: tuple[str, ...] = tuple(PROTOCOLS)
+    saturations: tuple[float, ...] = (0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0)
+    settings: tuple[str, ...] = tuple(SETTINGS)
+    threshold: float = 0.6
+    seed: int = 0
+
+
+def configure(quick: bool, seed: int) -> LasaConfig:
+    """All 30 motions, or four of them and few saturations."""
+    if quick:
+        return LasaConfig(QUICK_MOTIONS, saturations=(0.1, 0.5, 1.0), seed=seed)
+    return LasaConfig(tuple(lasa.motions()), seed=seed)
+
+
+def tasks(config: LasaConfig) -> list[Task]:
+    """A task for every motion with every method, saturation and setting of auto-learning."""
+    return [
+        *(
+            Task(
+                compare,
+                {"motion": motion, "protocol": protocol, "method": method, "seed": config.seed},
+            )
+            for protocol in config.protocols
+            for method in config.methods
+            for motion in config.motions
+        ),
+        *(
+            Task(sweep, {"motion": motion, "setting": setting, "saturation": saturation})
+            for setting in config.settings
+            for saturation in config.saturations
+            for motion in config.motions
+        ),
+        *(
+            Task(auto_learn, {"motion": motion, "setting": setting, "threshold": config.threshold})
+            for setting in config.settings
+            for motion in config.motions
+        ),
+    ]
+
+
+def compare(*, motion: str, protocol: str, method: str, seed: int) -> list[Row]:
+    """A row for every demonstration tested; of the left out ones the path made, for drawing."""
+    labels = {"study": "compare", "protocol": protocol, "method": method, "motion": motion}
+    rows = []
+    for i, shown, tested in _splits(motion, protocol, seed):
+        made = METHODS[method](shown, tested.positions[0])
+        row = {**labels, "tested": i, **error_columns(tested, made)}
+        if protocol == HEADLINE:
+            row["path"] = by_arc_length(made.positions, _DRAWN).round(2).tolist()
+        rows.append(row)
+    return rows
+
+
+def sweep(*, motion: str, setting: str, saturation: float) -> list[Row]:
+    """A row for every demonstration left out, at a saturation."""
+    method = generated_by(replace(SETTINGS[setting], saturation=saturation))
+    labels = {"study": "sweep", "method": setting, "saturation": saturation, "motion": motion}
+    return [
+        {**labels, "tested": i, **error_columns(tested, method(shown, tested.positions[0]))}
+        for i, shown, tested in _splits(motion, "LOO")
+    ]
+
+
+def auto_learn(*, motion: str, setting: str, threshold: float) -> list[Row]:
+    """A row for every start: the path before and after the skill has learned from itself.
+
+    travel_time: of a wave in the skill's speed map along the path, in mm over a speed of at most 1.
+    """
+    rows = []
+    for i, shown, tested in _splits(motion, "IN"):
+        model = SETTINGS[setting]
+        skill = model.fit(shown)
+        before = skill.generate(start=tested.positions[0])
+        learned = skill.auto_learn(before, threshold=threshold)
+        after = learned.generate(start=tested.positions[0])
+        rows.append(
+            {
+                **{"study": "auto-learning", "method": setting, "motion": motion, "tested": i},
+                **error_columns(tested, after),
+                "kappa": skill.kappa(before.positions),
+                "auto_learned": int(learned is not skill),
+                "length_shown_mm": float(arc_length(tested.positions)[-1]),
+                "length_before_mm": float(arc_length(before.positions)[-1]),
+                "travel_time_before": travel_time(skill, before.positions, model.saturation),
+                "travel_time": travel_time(learned, after.positions, model.saturation),
+            }
+        )
+    return rows
+
+
+def splits(
+    demonstrations: Sequence[Demonstration], shown: int, rng: np.random.Generator
+) -> list[tuple[list[Demonstration], Trajectory]]:
+    """For each demonstration the ones that are shown, in their order, and its motion.
+
+    All are shown where `shown` is their number, else others, drawn where not all are wanted.
+    """
+    total = len(demonstrations)
+    sets = []
+    for i, tested in enumerate(demonstrations):
+        assert isinstance(tested.motion, Trajectory)
+        candidates = [j for j in range(total) if j != i or shown == total]
+        chosen = sorted(rng.choice(candidates, shown, replace=False))
+        sets.append(([demonstrations[j] for j in chosen], tested.motion))
+    return sets
+
+
+def _splits(
+    motion: str, protocol: str, seed: int = 0
+) -> Iterator[tuple[int, list[Demonstration], Trajectory]]:
+    # The same draw for every method, whatever motions are compared.
+    rng = np.random.default_rng([seed, zlib.crc32(motion.encode())])
+    for i, (shown, tested) in enumerate(splits(lasa.load(motion), PROTOCOLS[protocol], rng)):
+        yield i, shown, tested
+
+
+def error_columns(tested: Trajectory, made: Trajectory) -> Row:
+    """The errors, in mm and s, and how long the motion made is."""
+    errors = asdict(metrics.reproduction_errors(tested, made))
+    names = ("SEA_mm2", "V_rmse_mm_s", "DTWD_per_N_mm", "Frechet_mm", "end_error_mm")
+    return {
+        **dict(zip(names, errors.values(), strict=True)),
+        "length_mm": float(arc_length(made.positions)[-1]),
+        "duration_s": made.duration,
+    }
+
+
+def travel_time(skill: FastMarchingSkill, path: Float64Array, outside: float) -> float:
+    """The integral of 1/F along a path (n, d); F is `outside` where the skill has no map."""
+    middles = 0.5 * (path[1:] + path[:-1])
+    speed = metrics.speed_along(middles, skill.grid, skill.velocity_map, outside)
+    return float((np.linalg.norm(np.diff(path, axis=0), axis=1) / speed).sum())
+
+
+STUDY = Study(configure, tasks, report)

@@ -1,0 +1,1 @@
+"""Two ways past singularities of a Panda (Yang et al.)."""

@@ -1,0 +1,128 @@
+"""Table and figures of the singularity study, with the paper's numbers beside ours."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from leadthrough.show import palette
+from leadthrough_studies.singularity import paths as singularity_paths
+from leadthrough_studies.singularity.paths import APPROACHES
+from leadthrough_studies.study import Report, Row, selected
+
+_QUANTITIES = {"position": "rad", "velocity": "rad/s", "torque": "N m"}
+_PEAKS_OF_OTHER_JOINTS = tuple(f"peak_velocity_{joint}" for joint in (1, 2, 3, 5))
+_NOT_IN_THE_TABLE = ("study", "course", *_PEAKS_OF_OTHER_JOINTS)
+# The paper's own figures show its two ways; the others are drawn thinner.
+_STYLES: dict[str, dict[str, Any]] = {
+    "plain": {"color": palette.VERMILION, "linewidth": 1.4},
+    "damped alone": {"color": palette.AMBER, "linewidth": 0.9},
+    "damped": {"color": palette.BLUE, "linewidth": 1.4},
+    "follow, slowing": {"color": palette.GREEN, "linewidth": 0.9},
+    "follow, deviating": {"color": palette.PINK, "linewidth": 0.9},
+}
+
+
+def report(config: Any, rows: list[Row]) -> Report:
+    """The approaches beside the paper's tables; the sweep in a figure."""
+    approaches, swept = selected(rows, study="approach"), selected(rows, study="sweep")
+    figures = {}
+    for number in config.approaches:
+        own = selected(approaches, approach=number)
+        if own:
+            figures[f"approach_{number}"] = _course_figure(number, own)
+    if approaches:
+        figures["condition"] = _condition_figure(config, approaches)
+    if swept:
+        figures["sweep"] = _sweep_figure(config, swept)
+    return Report(
+        table=[_table_row(row) for row in approaches],
+        figures=figures,
+        summary={"approaches": singularity_paths.__doc__, "sweep": swept},
+    )
+
+
+def _table_row(row: Row) -> Row:
+    printed = APPROACHES[row["approach"]].paper.get(row["method"], {})
+    beside = {
+        "paper_below_8_percent": printed.get("below_8"),
+        "paper_below_10_percent": printed.get("below_10"),
+        "paper_peak_velocity_6": printed.get("joint_6"),
+        "paper_peak_velocity_7": printed.get("joint_7"),
+    }
+    own = {name: value for name, value in row.items() if name not in _NOT_IN_THE_TABLE}
+    return {**own, **beside}
+
+
+def _course_figure(number: int, rows: list[Row]) -> Figure:
+    """Position, velocity and torque of the joints the singularity affects, as the paper draws."""
+    joints = APPROACHES[number].joints
+    figure = Figure(figsize=(4.0 * len(_QUANTITIES), 2.4 * len(joints) + 0.4), layout="constrained")
+    panels = figure.subplots(len(joints), len(_QUANTITIES), squeeze=False, sharex=True)
+    for line, joint in zip(panels, joints, strict=True):
+        for axes, (quantity, unit) in zip(line, _QUANTITIES.items(), strict=True):
+            for row in rows:
+                values = np.array(row["course"][quantity])[:, joint - 1]
+                style = _STYLES[row["method"]]
+                axes.plot(row["course"]["time"], values, **style, label=row["method"])
+            axes.set_ylabel(f"joint {joint}, {unit}")
+    for axes, quantity in zip(panels[0], _QUANTITIES, strict=True):
+        axes.set_title(quantity)
+    for axes in panels[-1]:
+        axes.set_xlabel("time in s")
+    panels[0, 0].legend(fontsize=7)
+    return figure
+
+
+def _condition_figure(config: Any, rows: list[Row]) -> Figure:
+    figure = Figure(figsize=(4.5 * len(config.approaches), 3.2), layout="constrained")
+    panels = figure.subplots(1, len(config.approaches), squeeze=False).ravel()
+    for axes, number in zip(panels, config.approaches, strict=True):
+        for row in selected(rows, approach=number):
+            style = _STYLES[row["method"]]
+            axes.semilogy(
+                row["course"]["time"], row["course"]["condition"], **style, label=row["method"]
+            )
+        for threshold in (8.0, 10.0):
+            axes.axhline(threshold, color="0.5", linewidth=0.8, linestyle="--")
+        axes.set_title(f"approach {number}: {APPROACHES[number].title}")
+        axes.set_xlabel("time in s")
+    panels[0].set_ylabel("condition number, SI units")
+    panels[0].legend(fontsize=7)
+    return figure
+
+
+def _sweep_figure(config: Any, rows: list[Row]) -> Figure:
+    """Peak speed and error over lambda, or over the root of a constant alpha."""
+    figure = Figure(figsize=(4.5 * len(config.approaches), 5.6), layout="constrained")
+    panels = figure.subplots(2, len(config.approaches), squeeze=False, sharex=True)
+    for column, number in zip(panels.T, config.approaches, strict=True):
+        own = selected(rows, approach=number)
+        for gain, marker in ((0.0, "o"), (0.5, "s")):
+            with_gain = selected(own, nullspace_gain=gain)
+            task = "with" if gain else "without"
+            for name, line in (("lambda", _led(with_gain)), ("sqrt(alpha)", _constant(with_gain))):
+                label = f"{name}, {task} secondary task"
+                dampings = [damping for damping, _ in line]
+                speeds = [row["peak_share_of_velocity_limit"] for _, row in line]
+                errors = [1e3 * row["largest_error_m"] for _, row in line]
+                column[0].loglog(dampings, speeds, marker + "-", markersize=3, label=label)
+                column[1].loglog(dampings, errors, marker + "-", markersize=3)
+        column[0].axhline(1.0, color="0.5", linewidth=0.8, linestyle="--")
+        column[0].set_title(f"approach {number}: {APPROACHES[number].title}")
+        column[1].set_xlabel("damping, m a rad")
+    panels[0, 0].set_ylabel("peak speed, of its limit")
+    panels[1, 0].set_ylabel("largest error in mm")
+    panels[0, 0].legend(fontsize=7)
+    return figure
+
+
+def _led(rows: list[Row]) -> list[tuple[float, Row]]:
+    """Damping led by the condition number, without alpha."""
+    return [(row["damping"], row) for row in rows if row["alpha"] == 0.0 and row["damping"] > 0.0]
+
+
+def _constant(rows: list[Row]) -> list[tuple[float, Row]]:
+    return [(float(np.sqrt(row["alpha"])), row) for row in rows if row["alpha"] > 0.0]

@@ -1,0 +1,144 @@
+"""The singularity study: a Panda taken past two singularities, with and without damping.
+
+After Yang, Liu and Pears, "Enhancing Learning from Demonstration with DLS-IK and ProMPs",
+section IV A. The paper's numbers stand beside ours where it prints them; its paths, its lambda and
+its weighting of rotations are not stated, so that they compare in kind and not digit for digit.
+In equation 5 only lambda^2 + alpha counts, so the sweep runs over each with the other at zero.
+
+Shares of condition numbers are given twice: in plain SI units, where a Panda in the middle of its
+workspace has about 9 and the paper's thresholds 8 and 10 have something to divide, and with 0.3 m
+a rad, the weighting by which the damping is led.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from leadthrough.arm import Arm
+from leadthrough.check import Float64Array
+from leadthrough.motion import JointTrajectory, PoseTrajectory
+from leadthrough_studies.singularity.paths import (
+    APPROACHES,
+    METHODS,
+    ROTATION_WEIGHT,
+    damped,
+    motion,
+    start,
+)
+from leadthrough_studies.singularity.report import report
+from leadthrough_studies.study import Row, Study, Task
+
+_ROBOT = "panda"
+_THRESHOLDS = (8, 10)  # the paper's, of the condition number
+
+
+@dataclass(frozen=True)
+class SingularityConfig:
+    """dampings: lambda, m a rad, led by the condition number. alphas: of equation 5, (m a rad)^2.
+
+    seed: on record as every study's; nothing is drawn at random.
+    """
+
+    approaches: tuple[int, ...] = tuple(APPROACHES)
+    methods: tuple[str, ...] = tuple(METHODS)
+    dampings: tuple[float, ...] = (0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
+    alphas: tuple[float, ...] = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)
+    seed: int = 0
+
+
+def configure(quick: bool, seed: int) -> SingularityConfig:
+    """All of it, or the approaches with a short sweep."""
+    if quick:
+        return SingularityConfig(dampings=(0.0, 0.1), alphas=(1e-4,), seed=seed)
+    return SingularityConfig(seed=seed)
+
+
+def tasks(config: SingularityConfig) -> list[Task]:
+    """A task for every approach by every method, and for every point of the sweep."""
+    settings = [
+        *({"damping": damping, "alpha": 0.0} for damping in config.dampings),
+        *({"damping": 0.0, "alpha": alpha} for alpha in config.alphas),
+    ]
+    return [
+        *(
+            Task(approach, {"number": number, "method": method})
+            for number in config.approaches
+            for method in config.methods
+        ),
+        *(
+            Task(sweep, {"number": number, **setting, "nullspace_gain": gain})
+            for number in config.approaches
+            for setting in settings
+            for gain in (0.0, 0.5)
+        ),
+    ]
+
+
+def approach(*, number: int, method: str) -> list[Row]:
+    """One row: an approach by a method, judged, with its course in time."""
+    arm, way, q = _given(number)
+    joints = METHODS[method](arm, way, q)
+    row = {"study": "approach", "approach": number, "title": APPROACHES[number].title}
+    course = _course(arm, joints)
+    return [row | {"method": method} | _judged(arm, way, joints, course) | {"course": course}]
+
+
+def sweep(*, number: int, damping: float, alpha: float, nullspace_gain: float) -> list[Row]:
+    """One row: an approach by equations 3 to 7 with other numbers."""
+    arm, way, q = _given(number)
+    settings = {"damping": damping, "alpha": alpha, "nullspace_gain": nullspace_gain}
+    joints = damped(arm, way, q, **settings)
+    judged = _judged(arm, way, joints, _course(arm, joints))
+    return [{"study": "sweep", "approach": number, **settings, **judged}]
+
+
+def _given(number: int) -> tuple[Arm, PoseTrajectory, Float64Array]:
+    arm = Arm.load(_ROBOT)
+    way = motion(arm, APPROACHES[number])
+    return arm, way, start(arm, APPROACHES[number], way)
+
+
+def _course(arm: Arm, joints: JointTrajectory) -> dict[str, Any]:
+    """What the joints do over time; velocities are the positions' differences."""
+    velocities = np.gradient(joints.positions, joints.times, axis=0)
+    accelerations = np.gradient(velocities, joints.times, axis=0)
+    torques = arm.inverse_dynamics(joints.positions, velocities, accelerations)
+    columns = {
+        "time": joints.times,
+        "position": joints.positions,
+        "velocity": velocities,
+        "torque": torques,
+        "condition": arm.condition_number(joints.positions, rotation_weight=1.0),
+        "condition_weighted": arm.condition_number(
+            joints.positions, rotation_weight=ROTATION_WEIGHT
+        ),
+    }
+    return {name: np.round(values, 6).tolist() for name, values in columns.items()}
+
+
+def _judged(arm: Arm, way: PoseTrajectory, joints: JointTrajectory, course: dict[str, Any]) -> Row:
+    velocity, torque = np.array(course["velocity"]), np.array(course["torque"])
+    fit = arm.path_report(joints, way)
+    peaks = velocity[np.abs(velocity).argmax(axis=0), np.arange(velocity.shape[1])]
+    return {
+        "duration_s": float(joints.times[-1]),
+        "largest_error_m": float(fit.position_error.max()),
+        "largest_error_rad": float(fit.orientation_error.max()),
+        **{f"peak_velocity_{i + 1}": float(peak) for i, peak in enumerate(peaks)},
+        "peak_share_of_velocity_limit": float((np.abs(peaks) / arm.limits.velocity).max()),
+        "peak_share_of_effort_limit": float((np.abs(torque).max(axis=0) / arm.limits.effort).max()),
+        **_shares(course["condition"], "below_{}_percent"),
+        **_shares(course["condition_weighted"], "below_{}_weighted_percent"),
+        "largest_condition": max(course["condition"]),
+    }
+
+
+def _shares(condition: list[float], name: str) -> Row:
+    values = np.array(condition)
+    return {name.format(bound): 100.0 * float((values < bound).mean()) for bound in _THRESHOLDS}
+
+
+STUDY = Study(configure, tasks, report)

@@ -1,0 +1,1 @@
+"""What notes on trajectory generation say of curves (Grioli 2023)."""

@@ -1,0 +1,119 @@
+"""The five experiments of Prados et al. 2023, section 4.2, as far as the paper tells them.
+
+The paper gives the two ends, the cells (150^3 of 1 cm), kappa and the kind of demonstrations.
+Assumed here, all in its workspace frame, x, y and z up, in m:
+
+- Demonstrations come from `demonstrator`, five an experiment, their ends scattered by 3 cm: from
+  one end to the other (1, 3), the same over the box (2), up and down at five places 10 cm beside
+  the way, left and right in turn (4), wandering within 15 cm of the way (5).
+- The table's top is at z = 0.62, below the lowest end of all paths and its area of influence,
+  under the whole workspace.
+- The box stands on the table. In experiment 2 it stands between the ends; in experiment 3 it
+  appears across the demonstrations, which are those of experiment 1, and is wide enough to leave no
+  way past it inside their tube.
+- Experiments 1 and 4 lie 1.67 m apart, so that no single base serves both: the UR3 stands upright
+  at the place stated for each, its tip tool0 follows the path and its orientation is free.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from leadthrough.check import Float64Array
+from leadthrough.motion import Demonstration
+from leadthrough.shapes import Box
+from leadthrough_studies.demonstrator import Teaching, guide, wander
+
+Point = tuple[float, float, float]
+
+WORKSPACE = 1.5  # m, edge of the cube
+TABLE_TOP = 0.62
+DEMONSTRATIONS = 5
+_REACH_OF_WANDERING = 0.15
+_BESIDE_THE_WAY = 0.10
+
+
+@dataclass(frozen=True)
+class Scene:
+    """An experiment. shown: the kind of demonstrations. kappa: the paper's. box: size, centre."""
+
+    title: str
+    start: Point
+    goal: Point
+    base: Point
+    shown: str
+    kappa: float | None
+    box: tuple[Point, Point] | None = None
+
+    def boxes(self) -> list[Box]:
+        """The box, where there is one."""
+        if self.box is None:
+            return []
+        size, position = self.box
+        return [Box(np.array(size), np.array(position))]
+
+
+_BASE_BY_THE_TABLE: Point = (0.05, 1.04, 0.85)
+
+SCENES = {
+    1: Scene("empty", (0.30, 1.30, 1.10), (0.40, 0.78, 0.87), _BASE_BY_THE_TABLE, "reach", 0.635),
+    2: Scene(
+        "box known while teaching", (0.30, 1.30, 1.10), (0.40, 0.78, 0.87), _BASE_BY_THE_TABLE,
+        "over", 0.7894, ((0.14, 0.10, 0.30), (0.37, 0.98, 0.77)),
+    ),
+    3: Scene(
+        "box appears later", (0.28, 1.30, 1.00), (0.25, 0.87, 0.89), _BASE_BY_THE_TABLE,
+        "reach", 0.2096, ((0.26, 0.10, 0.48), (0.34, 1.08, 0.86)),
+    ),
+    4: Scene(
+        "segregated demonstrations", (1.40, 0.05, 1.20), (1.00, 0.55, 0.70), (1.05, 0.20, 0.80),
+        "vertical", 0.105,
+    ),
+    5: Scene(
+        "useless demonstrations", (0.40, 0.87, 0.90), (0.40, 0.78, 0.87), _BASE_BY_THE_TABLE,
+        "wander", None,
+    ),
+}  # fmt: skip
+
+
+def table() -> Box:
+    """The table, from the floor to its top."""
+    size = np.array([WORKSPACE, WORKSPACE, TABLE_TOP])
+    return Box(size, 0.5 * size)
+
+
+def demonstrations(number: int, teaching: Teaching, seed: int) -> list[Demonstration]:
+    """What is shown in an experiment; one and three are shown the same."""
+    kind = SCENES[number].shown
+    scene = SCENES[1] if kind == "reach" else SCENES[number]
+    rng = np.random.default_rng([seed, 1 if kind == "reach" else number])
+    return [_shown(kind, scene, i, teaching, rng) for i in range(DEMONSTRATIONS)]
+
+
+def _shown(
+    kind: str, scene: Scene, index: int, teaching: Teaching, rng: np.random.Generator
+) -> Demonstration:
+    start, goal = np.array(scene.start), np.array(scene.goal)
+    if kind == "vertical":
+        way = goal - start
+        beside = np.array([way[1], -way[0], 0.0]) / np.hypot(way[0], way[1])
+        side = _BESIDE_THE_WAY if index % 2 else -_BESIDE_THE_WAY
+        place = start + (index + 1) / (DEMONSTRATIONS + 1) * way + side * beside
+        ends = np.tile(place, (2, 1))
+        ends[:, 2] = (start[2], goal[2]) if index % 2 else (goal[2], start[2])
+        return guide(ends, teaching, rng)
+    if kind == "wander":
+        middle = 0.5 * (start + goal)
+        reach = np.full(3, _REACH_OF_WANDERING)
+        return wander(middle - reach, middle + reach, teaching, rng)
+    via = [] if kind == "reach" else [_above(scene)]
+    return guide(np.array([start, *via, goal]), teaching, rng)
+
+
+def _above(scene: Scene) -> Float64Array:
+    (box,) = scene.boxes()
+    above = np.array(box.position)
+    above[2] += 0.5 * box.size[2] + 0.10
+    return above

@@ -1,0 +1,251 @@
+"""The workspace study: a UR3 beside a table, five experiments of Prados et al. 2023, section 4.2.
+
+What the paper leaves open is assumed in `ur3_scenes`; the setting is the paper's: cells of 1 cm,
+area of influence 5 cells, saturation 0.25, paths with kappa below 0.6 are learned. Every path is
+followed by the arm and checked: the whole of it, between samples as well, against table, box and
+itself. The plan knows of the tip only; what the rest meets is reported as it is found.
+
+The paper prints kappa below its saturation of 0.25, where the mean of a map with values in
+[0.25, 1], eq. 6, cannot be. So three are stated: of the map of the raw experience, which decides;
+of that map before its rescaling to [saturation, 1]; of the map with obstacles in it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from leadthrough.arm import Arm
+from leadthrough.check import Float64Array
+from leadthrough.models import FastMarching, FastMarchingSkill
+from leadthrough.motion import Demonstration, JointTrajectory, Trajectory
+from leadthrough.planning.speed_map import add_obstacles
+from leadthrough.preprocess.resample import arc_length, by_arc_length
+from leadthrough.shapes import Shape
+from leadthrough_studies import metrics
+from leadthrough_studies.demonstrator import Teaching
+from leadthrough_studies.metrics import speed_along
+from leadthrough_studies.study import Row, Study, Task, cpu_time
+from leadthrough_studies.ur3.report import report
+from leadthrough_studies.ur3.scenes import SCENES, WORKSPACE, demonstrations, table
+
+PACES = {
+    "slow": Teaching(duration=12.0, spread=0.005, bow=0.03, tremor=0.0015),
+    "medium": Teaching(duration=4.0, spread=0.01, bow=0.06, tremor=0.006, tremor_band=(1.5, 5.0)),
+    "fast": Teaching(duration=1.2, spread=0.02, bow=0.05, tremor=0.0005),
+}
+# Points of a path that kappa is the mean over, even in arc length; they are also drawn.
+_POINTS = 200
+_JOINT_STEP = 0.1  # degrees, the paper's resolution of the joints
+
+_NOT_LEARNED: Row = {"kappa_after": None, "length_after_m": None}
+
+
+@dataclass(frozen=True)
+class Setting:
+    """area_of_influence, resolution: m. saturation: in (0, 1]."""
+
+    area_of_influence: float = 0.05
+    saturation: float = 0.25
+    resolution: float = 0.01
+
+    def model(self) -> FastMarching:
+        """Algorithm 1 in this setting, over the whole workspace."""
+        last = WORKSPACE - self.resolution  # the centre of the last cell
+        return FastMarching(**vars(self), method="map", workspace=((0.0,) * 3, (last,) * 3))
+
+
+@dataclass(frozen=True)
+class Ur3Config:
+    """threshold: of kappa, below which a path is learned. seed: of the simulated person."""
+
+    scenes: tuple[int, ...] = tuple(SCENES)
+    paces: tuple[str, ...] = tuple(PACES)
+    setting: Setting = Setting()
+    saturations: tuple[float, ...] = (0.05, 0.1, 0.25, 0.5, 0.75, 1.0)
+    areas_of_influence: tuple[float, ...] = (0.02, 0.05, 0.1)
+    threshold: float = 0.6
+    seed: int = 0
+
+
+def configure(quick: bool, seed: int) -> Ur3Config:
+    """All of it, or two experiments without the sweep."""
+    if quick:
+        return Ur3Config((1, 3), ("medium",), saturations=(), seed=seed)
+    return Ur3Config(seed=seed)
+
+
+def tasks(config: Ur3Config) -> list[Task]:
+    """A task for every experiment, every point of the sweep and every pace of teaching."""
+    common = {"threshold": config.threshold, "seed": config.seed}
+    setting = dict(vars(config.setting))
+    sweeps = [
+        setting | {"saturation": saturation, "area_of_influence": area}
+        for saturation in config.saturations
+        for area in config.areas_of_influence
+    ]
+    return [
+        *(Task(experiment, {"scene": n, "setting": setting, **common}) for n in config.scenes),
+        *(
+            Task(sweep, {"scene": n, "setting": swept, **common})
+            for n in config.scenes
+            for swept in sweeps
+        ),
+        *(
+            Task(teach, {"pace": pace, "setting": setting, "seed": config.seed})
+            for pace in config.paces
+        ),
+    ]
+
+
+def experiment(*, scene: int, setting: dict[str, float], threshold: float, seed: int) -> list[Row]:
+    """One row: the path of an experiment, judged, and what becomes of it on the arm."""
+    place = SCENES[scene]
+    shown = demonstrations(scene, Teaching(), seed)
+    row, made, skill = _plan(scene, setting, threshold, shown)
+    row |= _after_learning(skill, made, scene) if row["auto_learned"] else _NOT_LEARNED
+    row |= _on_the_arm(made, np.array(place.base), _obstacles(scene))
+    row |= _times(scene, setting, shown)
+    labels = {"study": "scenes", "title": place.title, "kappa_paper": place.kappa}
+    return [{**labels, **row, "path": _even(made).round(3).tolist()}]
+
+
+def sweep(*, scene: int, setting: dict[str, float], threshold: float, seed: int) -> list[Row]:
+    """One row: an experiment at a saturation and an area of influence."""
+    row, _, _ = _plan(scene, setting, threshold, demonstrations(scene, Teaching(), seed))
+    return [{"study": "sweep", **setting, **row}]
+
+
+def teach(*, pace: str, setting: dict[str, float], seed: int) -> list[Row]:
+    """One row: how rough the demonstrations of the first experiment are at a pace, and the path."""
+    shown = demonstrations(1, PACES[pace], seed)
+    row, made, _ = _plan(1, setting, 0.0, shown)
+    motions = [_motion(demonstration) for demonstration in shown]
+    return [
+        {
+            "study": "teaching",
+            "pace": pace,
+            "samples_shown": sum(len(motion.times) for motion in motions),
+            **_roughness("shown", motions),
+            **_roughness("made", [made]),
+            **row,
+        }
+    ]
+
+
+def _plan(
+    scene: int, setting: dict[str, float], threshold: float, shown: list[Demonstration]
+) -> tuple[Row, Trajectory, FastMarchingSkill]:
+    place, obstacles = SCENES[scene], _obstacles(scene)
+    skill = Setting(**setting).model().fit(shown)
+    made = skill.generate(start=place.start, goal=place.goal, obstacles=obstacles)
+    path = _even(made)
+    kappa, slowest = skill.kappa(path), setting["saturation"]
+    with_obstacles = add_obstacles(
+        skill.velocity_map, skill.grid, obstacles, area_of_influence=setting["area_of_influence"]
+    )
+    before, after = (
+        speed_along(path, skill.grid, speed, slowest)
+        for speed in (skill.velocity_map, with_obstacles)
+    )
+    row = {
+        "scene": scene,
+        "kappa": kappa,
+        "kappa_before_rescaling": (kappa - slowest) / (1.0 - slowest) if slowest < 1.0 else None,
+        "kappa_with_obstacles": kappa - float((before - after).mean()),
+        "auto_learned": int(kappa < threshold),
+        "length_m": float(arc_length(made.positions)[-1]),
+        "goal_error_m": float(np.linalg.norm(made.positions[-1] - place.goal)),
+        "table_distance_m": _clearance(made, obstacles[0]),
+        "box_distance_m": _clearance(made, obstacles[1]) if place.box else None,
+        "cells": int(skill.velocity_map.size),
+    }
+    return row, made, skill
+
+
+def _after_learning(skill: FastMarchingSkill, made: Trajectory, scene: int) -> Row:
+    place = SCENES[scene]
+    learned = skill.with_experience(made.positions)
+    again = learned.generate(start=place.start, goal=place.goal, obstacles=_obstacles(scene))
+    return {
+        "kappa_after": learned.kappa(_even(again)),
+        "length_after_m": float(arc_length(again.positions)[-1]),
+    }
+
+
+def _times(scene: int, setting: dict[str, float], shown: list[Demonstration]) -> Row:
+    place, model = SCENES[scene], Setting(**setting).model()
+    skill = model.fit(shown)
+
+    def plan(obstacles: list[Shape]) -> Trajectory:
+        made: Trajectory = skill.generate(start=place.start, goal=place.goal, obstacles=obstacles)
+        return made
+
+    return {
+        "fit_cpu_s": cpu_time(lambda: model.fit(shown).velocity_map),
+        "plan_cpu_s": cpu_time(lambda: plan([table()])),
+        "replan_cpu_s": cpu_time(lambda: plan(_obstacles(scene))),
+    }
+
+
+def _motion(demonstration: Demonstration) -> Trajectory:
+    assert isinstance(demonstration.motion, Trajectory)
+    return demonstration.motion
+
+
+def _obstacles(scene: int) -> list[Shape]:
+    return [table(), *SCENES[scene].boxes()]
+
+
+def _clearance(motion: Trajectory, shape: Shape) -> float:
+    return float(shape.distance(motion.positions).min())
+
+
+def _on_the_arm(motion: Trajectory, base: Float64Array, obstacles: list[Shape]) -> Row:
+    """Errors of the tip when the joints take whole steps only, and what the whole arm meets."""
+    arm = Arm.load("ur3")
+    joints = arm.follow(Trajectory(motion.times, motion.positions - base))
+    steps = np.round(np.rad2deg(joints.positions) / _JOINT_STEP) * _JOINT_STEP
+    reached, _ = arm.forward_kinematics(np.deg2rad(steps))
+    errors = np.linalg.norm(reached + base - motion.positions, axis=1)
+    quantised = {
+        "quantised_error_m": float(errors.max()),
+        "quantised_end_error_m": float(errors[-1]),
+    }
+    return quantised | _whole_arm(arm, joints, base, obstacles)
+
+
+def _whole_arm(
+    arm: Arm, joints: JointTrajectory, base: Float64Array, obstacles: list[Shape]
+) -> Row:
+    """The check of the whole arm; its first obstacle is the table."""
+    moved = [replace(shape, position=shape.position - base) for shape in obstacles]
+    report = arm.check(joints, moved)
+    names = {"obstacle 0": "table", "obstacle 1": "box"}
+    hit = None
+    if report.first is not None:
+        hit = " and ".join(names.get(body, body) for body in report.first.bodies)
+    return {
+        "arm_ok": int(report.ok),
+        "arm_distance_m": report.obstacles.minimum_distance,
+        "arm_self_distance_m": report.itself.minimum_distance,
+        "arm_hit": hit,
+        "arm_hit_share": None if report.first is None else report.first.sample / len(joints.times),
+    }
+
+
+def _roughness(name: str, motions: list[Trajectory]) -> Row:
+    turning = [metrics.turning(motion.positions, step=0.01) for motion in motions]
+    jerk = [metrics.dimensionless_jerk(motion) for motion in motions]
+    return {
+        f"turning_{name}_rad": float(np.mean(turning)),
+        f"jerk_{name}": float(np.mean(jerk)),
+    }
+
+
+def _even(motion: Trajectory) -> Float64Array:
+    return by_arc_length(motion.positions, _POINTS)
+
+
+STUDY = Study(configure, tasks, report)

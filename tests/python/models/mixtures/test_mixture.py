@@ -1,0 +1,178 @@
+"""Gaussian mixtures: density, regression, EM."""
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from leadthrough.errors import FitError, InvalidInput
+from leadthrough.models import Mixture, choose_components, fit_mixture
+from leadthrough.models.mixtures.em import LEAST_VARIANCE, Steps, bic, trace_mixture
+from leadthrough.models.mixtures.kmeans import clustered, seeds
+
+
+def random_mixture(count=3, size=4, seed=0):
+    rng = np.random.default_rng(seed)
+    roots = rng.standard_normal((count, size, size)) / 2
+    weights = rng.random(count) + 0.2
+    return Mixture(
+        weights / weights.sum(),
+        2.0 * rng.standard_normal((count, size)),
+        roots @ roots.transpose(0, 2, 1) + 0.05 * np.eye(size),
+    )
+
+
+def test_density_is_the_weighted_sum_of_normal_ones():
+    mixture = random_mixture()
+    points = mixture.sample(50, seed=1)
+    parts = [
+        weight * multivariate_normal(mean, covariance).pdf(points)
+        for weight, mean, covariance in zip(
+            mixture.weights, mixture.means, mixture.covariances, strict=True
+        )
+    ]
+    np.testing.assert_allclose(mixture.log_density(points), np.log(np.sum(parts, axis=0)))
+    np.testing.assert_allclose(
+        mixture.responsibilities(points).T, parts / np.sum(parts, axis=0), atol=1e-12
+    )
+
+
+@pytest.mark.parametrize(("inputs", "outputs"), [([0], [1, 2, 3]), ([2, 0], [3, 1])])
+def test_regression_equals_monte_carlo(inputs, outputs):
+    """Importance sampling: outputs drawn from components by their share given the inputs."""
+    mixture = random_mixture()
+    x = mixture.means[:2, inputs] * 0.7
+    mean, covariance = mixture.regress(x, inputs=inputs, outputs=outputs)
+    rng = np.random.default_rng(0)
+    # Independent truth: rejection from the joint, in a narrow slab about the inputs, corrected by
+    # drawing from each component's conditional written with the precision matrix.
+    for i in range(len(x)):
+        draws = []
+        shares = [
+            w * multivariate_normal(m[inputs], c[np.ix_(inputs, inputs)]).pdf(x[i])
+            for w, m, c in zip(mixture.weights, mixture.means, mixture.covariances, strict=True)
+        ]
+        counts = rng.multinomial(400_000, shares / np.sum(shares))
+        for count, m, c in zip(counts, mixture.means, mixture.covariances, strict=True):
+            precision = np.linalg.inv(c[np.ix_(inputs + outputs, inputs + outputs)])
+            a, b = len(inputs), len(inputs + outputs)
+            inner = np.linalg.inv(precision[a:b, a:b])
+            middle = m[outputs] - inner @ precision[a:b, :a] @ (x[i] - m[inputs])
+            draws.append(rng.multivariate_normal(middle, inner, count))
+        values = np.concatenate(draws)
+        scale = np.abs(covariance[i]).max()
+        np.testing.assert_allclose(mean[i], values.mean(axis=0), atol=0.02 * np.sqrt(scale))
+        np.testing.assert_allclose(covariance[i], np.cov(values.T), atol=0.02 * scale)
+
+
+def test_spread_of_the_components_is_part_of_the_covariance():
+    """Two branches: the printed form of the covariance would miss the distance between them."""
+    branches = Mixture([0.5, 0.5], [[0, 1], [0, -1]], np.tile(np.diag([1.0, 0.01]), (2, 1, 1)))
+    mean, covariance = branches.regress([[0.3]], inputs=[0])
+    assert mean[0, 0] == pytest.approx(0.0)
+    assert covariance[0, 0, 0] == pytest.approx(1.01)
+
+
+def test_far_inputs_take_the_nearest_component_and_stay_finite():
+    mixture = random_mixture()
+    mean, covariance = mixture.regress([[1e4], [-1e4]], inputs=[0])
+    assert np.isfinite(mean).all()
+    assert np.isfinite(covariance).all()
+
+
+def test_likelihood_never_falls():
+    points = random_mixture(4, 3, seed=2).sample(600, seed=3)
+    for seed in range(5):
+        steps = Steps([points])
+        first = seeds(points, 6, np.random.default_rng(seed))
+        components = steps.maximise(np.eye(6)[clustered(points, first).labels])
+        history = []
+        for _ in range(60):
+            shares, likelihood = steps.expect(components)
+            history.append(likelihood)
+            components = steps.maximise(shares)
+        assert np.diff(history).min() > -1e-10
+
+
+def test_likelihood_never_falls_where_the_floor_holds_either():
+    t = np.repeat(np.linspace(0, 1, 100), 2)
+    points = np.column_stack([t, 2 * t, np.ones(200)])
+    points = (points - points.mean(axis=0)) / [1.0, 1.0, 1.0]
+    steps = Steps([points])
+    components = steps.maximise(np.eye(4)[np.arange(200) % 4])
+    history = []
+    for _ in range(100):
+        shares, likelihood = steps.expect(components)
+        history.append(likelihood)
+        components = steps.maximise(shares)
+    assert np.diff(history).min() > -1e-8
+    assert np.linalg.eigvalsh(components.covariances[0]).min() > 0.99 * LEAST_VARIANCE
+
+
+def test_fit_history_ends_at_the_mixtures_own_likelihood():
+    points = 1e3 * random_mixture(3, 2, seed=4).sample(500, seed=5)
+    fit = fit_mixture(points, 3)
+    assert fit.log_likelihood == pytest.approx(fit.mixture.log_density(points).mean(), abs=1e-8)
+    assert np.diff(fit.history).min() > -1e-12
+    assert fit_mixture(points, 3).mixture.means.tobytes() == fit.mixture.means.tobytes()
+
+
+@pytest.mark.parametrize(("count", "size", "seed"), [(5, 3, 1), (8, 2, 3)])
+def test_fit_is_as_likely_as_the_best_of_five_of_scikit_learn(count, size, seed):
+    sklearn_mixture = pytest.importorskip("sklearn.mixture")
+    points = random_mixture(count, size, seed).sample(400, seed=seed)
+    peer = sklearn_mixture.GaussianMixture(
+        count, n_init=5, max_iter=500, tol=1e-5, random_state=seed
+    ).fit(points)
+    assert fit_mixture(points, count).log_likelihood >= peer.score(points) - 0.01
+
+
+def test_trace_shows_every_iteration_on_the_way_up():
+    points = random_mixture(3, 2, seed=8).sample(300, seed=9)
+    mixtures = trace_mixture(points, 4, iterations=6)
+    heights = [mixture.log_density(points).mean() for mixture in mixtures]
+    assert len(mixtures) == 7
+    assert (np.diff(heights) > 0).all()
+
+
+def test_units_do_not_matter():
+    points = random_mixture(3, 2, seed=6).sample(400, seed=7)
+    plain, scaled = fit_mixture(points, 3), fit_mixture(points * [1e-3, 1e4], 3)
+    np.testing.assert_allclose(scaled.mixture.means, plain.mixture.means * [1e-3, 1e4], rtol=1e-6)
+
+
+def test_number_of_components_is_that_of_well_separate_clusters():
+    rng = np.random.default_rng(0)
+    centres = np.array([[0, 0], [8, 0], [0, 8], [8, 8], [4, 16]])
+    points = np.concatenate([c + rng.standard_normal((80, 2)) for c in centres])
+    fit = choose_components(points, at_most=9)
+    assert fit.mixture.count == 5
+    assert bic(fit, 400) < bic(fit_mixture(points, 4), 400)
+
+
+def test_samples_have_the_moments_of_the_mixture():
+    mixture = random_mixture(2, 2)
+    points = mixture.sample(200_000, seed=0)
+    np.testing.assert_allclose(points.mean(axis=0), mixture.weights @ mixture.means, atol=0.02)
+
+
+def test_singular_points_give_a_usable_mixture():
+    line = np.column_stack([np.linspace(0, 1, 50), np.ones(50)])
+    for points, count in ((line, 3), (np.ones((4, 2)), 2), (line[:1], 1)):
+        mixture = fit_mixture(points, count).mixture
+        mean, covariance = mixture.regress([[0.5]], inputs=[0])
+        assert np.isfinite(mean).all()
+        assert (covariance > 0).all()
+
+
+def test_bad_arguments_are_refused_by_name():
+    mixture = random_mixture()
+    with pytest.raises(FitError, match="components"):
+        fit_mixture(np.zeros((3, 2)), 4)
+    with pytest.raises(InvalidInput, match="inputs"):
+        mixture.regress([[0.0]], inputs=[7])
+    with pytest.raises(InvalidInput, match="outputs"):
+        mixture.regress([[0.0]], inputs=[0], outputs=[0])
+    with pytest.raises(InvalidInput, match="weights"):
+        Mixture([0.5, 0.6], np.zeros((2, 1)), np.ones((2, 1, 1)))
+    with pytest.raises(InvalidInput, match="covariances"):
+        Mixture([1.0], np.zeros((1, 2)), np.ones((1, 2, 2)))

@@ -1,0 +1,66 @@
+"""ProMPs by EM: noisy and partial demonstrations."""
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough.errors import FitError
+from leadthrough.models.chart import Chart, scales
+from leadthrough.models.promp.basis import Basis
+from leadthrough.models.promp.em import expectation_maximisation
+
+BASIS = Basis("gaussian", 8)
+NOISE = 0.05
+
+
+def curves(count, seed, *, noise=NOISE):
+    """Phases (60,) and noisy curves (count, 60, 2) of random weights; and the curves without it."""
+    rng = np.random.default_rng(seed)
+    u = np.linspace(0.0, 1.0, 60)
+    offsets = 0.3 * rng.standard_normal((count, 1, 2))
+    bumps = 0.2 * rng.standard_normal((count, 1, 2))
+    shape = np.column_stack([u, np.sin(3 * u)])
+    true = shape + offsets * (1 - u)[:, None] + bumps * np.sin(np.pi * u)[:, None]
+    return u, true + noise * rng.standard_normal(true.shape), true
+
+
+def test_posterior_density_never_falls():
+    u, noisy, _ = curves(6, seed=1)
+    history = []
+    phases = [u[:40], u[20:], u, u[10:50], u, u]
+    columns = [noisy[0][:40], noisy[1][20:], noisy[2], noisy[3][10:50], noisy[4], noisy[5]]
+    scale = scales(columns, Chart("points", 2))
+    expectation_maximisation(BASIS, phases, columns, scale, history=history)
+    assert len(history) > 3
+    assert np.diff(history).min() > -1e-6
+
+
+def test_noise_is_found_and_smoothed_away():
+    u, noisy, true = curves(20, seed=2)
+    given = [lt.Demonstration(lt.Trajectory(u, each)) for each in noisy]
+    skill = lt.ProMP(weights=8, estimator="em").fit(given)
+    np.testing.assert_allclose(np.sqrt(skill.noise), NOISE, rtol=0.1)
+    mean, _ = skill.distribution(u)
+    assert np.abs(mean - true.mean(axis=0)).max() < 2 * NOISE / np.sqrt(20) + 0.02
+
+
+def test_parts_of_a_motion_make_up_the_whole():
+    u, noisy, true = curves(24, seed=3, noise=0.01)
+    parts, phases = [], []
+    for i, each in enumerate(noisy):
+        rows = slice(0, 38) if i % 2 else slice(22, 60)
+        parts.append(lt.Demonstration(lt.Trajectory(2.0 * (1 + i % 3) * u[rows], each[rows])))
+        phases.append(u[rows])
+    skill = lt.ProMP(weights=8, estimator="em").fit(parts, phases=phases)
+    mean, covariance = skill.distribution(u * skill.duration)
+    assert np.abs(mean - true.mean(axis=0)).max() < 0.1
+    assert skill.duration == pytest.approx(4.0)
+    spread = np.sqrt(np.einsum("nii->ni", covariance)[30])
+    np.testing.assert_allclose(spread, true[:, 30].std(axis=0), rtol=0.5)
+
+
+def test_a_part_that_nobody_showed_is_named():
+    u, noisy, _ = curves(2, seed=4)
+    parts = [lt.Demonstration(lt.Trajectory(u[:30], each[:30])) for each in noisy]
+    with pytest.raises(FitError, match="phases"):
+        lt.ProMP(estimator="em").fit(parts, phases=[u[:30], u[:30]])

@@ -1,0 +1,118 @@
+"""The workspace study, with coarse cells."""
+
+import json
+
+import numpy as np
+import pytest
+
+from leadthrough_studies import study
+from leadthrough_studies.demonstrator import Teaching
+from leadthrough_studies.ur3 import scenes as ur3_scenes
+from leadthrough_studies.ur3 import study as ur3_study
+from leadthrough_studies.ur3.scenes import SCENES
+
+COARSE = ur3_study.Setting(resolution=0.025)
+CONFIG = ur3_study.Ur3Config(
+    paces=("slow", "fast"), setting=COARSE, saturations=(0.25, 1.0), areas_of_influence=(0.05,)
+)
+
+
+@pytest.fixture(scope="module")
+def outcome(tmp_path_factory):
+    out = tmp_path_factory.mktemp("ur3")
+    return study.run(ur3_study.STUDY, CONFIG, out=out), out
+
+
+@pytest.fixture(scope="module")
+def rows(outcome):
+    return {row["scene"]: row for row in study.selected(outcome[0].rows, study="scenes")}
+
+
+def test_all_five_experiments_reach_their_goal(outcome, rows):
+    assert not outcome[0].failures
+    assert sorted(rows) == [1, 2, 3, 4, 5]
+    for row in rows.values():
+        assert row["goal_error_m"] < 1e-9
+        assert row["length_m"] >= np.linalg.norm(np.subtract(*_ends(row["scene"]))) - 1e-9
+
+
+def test_paths_keep_clear_of_table_and_box(rows):
+    for row in rows.values():
+        assert row["table_distance_m"] > 0.0
+    assert rows[2]["box_distance_m"] > 0.0
+    assert rows[3]["box_distance_m"] > 0.0
+    assert rows[1]["box_distance_m"] is None
+
+
+def test_box_of_the_third_experiment_stands_across_what_was_shown():
+    (box,) = SCENES[3].boxes()
+    for demonstration in ur3_scenes.demonstrations(3, Teaching(), 0):
+        assert box.distance(demonstration.motion.positions).min() < 0.0
+
+
+def test_box_of_the_second_experiment_was_known():
+    (box,) = SCENES[2].boxes()
+    for demonstration in ur3_scenes.demonstrations(2, Teaching(), 0):
+        assert box.distance(demonstration.motion.positions).min() > 0.0
+
+
+def test_only_what_leaves_the_experience_is_learned(rows):
+    for row in rows.values():
+        assert 0.25 <= row["kappa"] <= 1.0
+        assert row["kappa_with_obstacles"] <= row["kappa"] + 1e-12
+        assert row["auto_learned"] == (row["kappa"] < 0.6)
+    assert rows[3]["kappa"] < rows[1]["kappa"]
+    assert rows[4]["kappa"] < rows[1]["kappa"]
+
+
+def test_joints_in_steps_of_a_tenth_of_a_degree_cost_less_than_a_millimetre(rows):
+    for row in rows.values():
+        assert 0.0 < row["quantised_end_error_m"] <= row["quantised_error_m"] < 1e-3
+
+
+def test_whole_arm_is_checked_and_what_it_meets_is_named(rows):
+    for row in rows.values():
+        assert row["arm_ok"] == (row["arm_hit"] is None)
+        assert row["arm_ok"] == (min(row["arm_distance_m"], row["arm_self_distance_m"]) > -1e-6)
+        # The flange, nearest to the path, is a disc of 35 mm, 0.8 mm behind the tip.
+        assert row["arm_distance_m"] < row["table_distance_m"]
+    # The box of the third experiment appears where the forearm is.
+    assert rows[3]["arm_hit"] == "box and forearm_link"
+    assert rows[1]["arm_ok"]
+
+
+def test_rough_demonstrations_give_smooth_paths(outcome):
+    slow, fast = study.selected(outcome[0].rows, study="teaching")
+    assert slow["samples_shown"] > fast["samples_shown"]
+    assert slow["turning_shown_rad"] > 10.0
+    assert slow["turning_made_rad"] < 0.2 * slow["turning_shown_rad"]
+    assert slow["jerk_made"] < 0.1 * slow["jerk_shown"]
+
+
+def test_sweep_ends_with_the_straight_way_at_saturation_one(outcome):
+    for row in study.selected(outcome[0].rows, study="sweep", saturation=1.0, scene=4):
+        straight = np.linalg.norm(np.subtract(*_ends(4)))
+        assert row["kappa"] == 1.0
+        assert row["length_m"] == pytest.approx(straight, rel=0.05)
+
+
+def test_results_state_the_assumptions_and_the_times_in_the_whole_workspace(outcome):
+    written = json.loads((outcome[1] / "results.json").read_text())
+    assert "table" in written["summary"]["assumptions"]
+    for row in study.selected(written["rows"], study="scenes"):
+        assert row["cells"] == 60**3
+        assert row["plan_cpu_s"] > 0.0
+    for name in ("experiments", "sweep", "teaching"):
+        assert (outcome[1] / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_rows_are_the_same_again_but_for_the_times(outcome):
+    arguments = {"scene": 3, "setting": vars(COARSE), "threshold": 0.6, "seed": 0}
+    (again,) = ur3_study.experiment(**arguments)
+    (first,) = study.selected(outcome[0].rows, study="scenes", scene=3)
+    for name, value in again.items():
+        assert name.endswith("_cpu_s") or value == first[name], name
+
+
+def _ends(scene):
+    return SCENES[scene].start, SCENES[scene].goal
