@@ -1,5 +1,6 @@
-"""Pictures of demonstrations, skills and trajectories. Imported only where something is drawn."""
+"""Pictures of demonstrations, skills and trajectories; the 3D view and the HTML report."""
 
-from leadthrough.show.viewing import open_view, view
+import lazy_loader
 
-__all__ = ["open_view", "view"]
+# The names stand in __init__.pyi; what draws is imported when first used.
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,72 @@
+from . import (
+    arm,
+    errors,
+    io,
+    models,
+    planning,
+    preprocess,
+    rotations,
+    show,
+    timing,
+    trajectories,
+)
+from .arm import Arm, DifferentialIk
+from .events import Event
+from .io import read_demonstrations, write_motion
+from .models import (
+    DMP,
+    GMR,
+    FastMarching,
+    PoseDMP,
+    ProMP,
+    RhythmicDMP,
+    RhythmicPoseDMP,
+    SkillLibrary,
+    load_skill,
+)
+from .motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
+from .planning import Grid, arrival_times
+from .shapes import Box, Capsule, Sphere
+from .timing import check_limits, differentiate, retime, scale_to_limits
+
+__version__: str
+
+__all__ = [
+    "DMP",
+    "GMR",
+    "Arm",
+    "Box",
+    "Capsule",
+    "Demonstration",
+    "DifferentialIk",
+    "Event",
+    "FastMarching",
+    "Grid",
+    "JointTrajectory",
+    "PoseDMP",
+    "PoseTrajectory",
+    "ProMP",
+    "RhythmicDMP",
+    "RhythmicPoseDMP",
+    "SkillLibrary",
+    "Sphere",
+    "Trajectory",
+    "arm",
+    "arrival_times",
+    "check_limits",
+    "differentiate",
+    "errors",
+    "io",
+    "load_skill",
+    "models",
+    "planning",
+    "preprocess",
+    "read_demonstrations",
+    "retime",
+    "rotations",
+    "scale_to_limits",
+    "show",
+    "timing",
+    "trajectories",
+    "write_motion",
+]

@@ -1,0 +1,53 @@
+from .dmp.discrete import DMP, DMPSkill
+from .dmp.pose import PoseDMP, PoseDMPSkill
+from .dmp.rhythmic import (
+    RhythmicDMP,
+    RhythmicDMPSkill,
+    RhythmicPoseDMP,
+    RhythmicPoseDMPSkill,
+)
+from .library import SkillLibrary
+from .marching.model import FastMarching, FastMarchingSkill
+from .mixtures.em import choose_components, fit_mixture
+from .mixtures.gmr import GMR
+from .mixtures.gmr_skill import GMRSkill
+from .mixtures.kmeans import kmeans
+from .mixtures.mixture import Mixture
+from .mixtures.stiffness import stiffness_profile
+from .mixtures.task_frames import Frame
+from .mixtures.task_gmr import TaskGMR, TaskGMRSkill
+from .promp.combination import blend, combine
+from .promp.inference import infer
+from .promp.model import ProMP
+from .promp.skill import ProMPSkill
+from .skills import load_skill
+
+__all__ = [
+    "DMP",
+    "GMR",
+    "DMPSkill",
+    "FastMarching",
+    "FastMarchingSkill",
+    "Frame",
+    "GMRSkill",
+    "Mixture",
+    "PoseDMP",
+    "PoseDMPSkill",
+    "ProMP",
+    "ProMPSkill",
+    "RhythmicDMP",
+    "RhythmicDMPSkill",
+    "RhythmicPoseDMP",
+    "RhythmicPoseDMPSkill",
+    "SkillLibrary",
+    "TaskGMR",
+    "TaskGMRSkill",
+    "blend",
+    "choose_components",
+    "combine",
+    "fit_mixture",
+    "infer",
+    "kmeans",
+    "load_skill",
+    "stiffness_profile",
+]

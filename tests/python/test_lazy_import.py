@@ -1,0 +1,55 @@
+"""`import leadthrough` is light: each part is loaded when it is first used."""
+
+import pickle
+import subprocess
+import sys
+
+import pytest
+
+import leadthrough as lt
+
+HEAVY = {"matplotlib", "numpy", "rich", "scipy", "yaml"}
+
+
+def modules_after(code):
+    """The modules that a fresh interpreter has loaded after some code."""
+    report = f"{code}\nimport sys; print(*sys.modules, sep='\\n')"
+    result = subprocess.run(
+        [sys.executable, "-c", report], capture_output=True, text=True, timeout=60, check=True
+    )
+    return set(result.stdout.splitlines())
+
+
+def test_importing_the_package_loads_none_of_its_parts_and_no_heavy_library():
+    loaded = modules_after("import leadthrough")
+    assert not loaded & HEAVY
+    assert not {name for name in loaded if name.startswith("leadthrough.")}
+
+
+def test_the_command_line_loads_no_library_that_computes_or_draws():
+    loaded = modules_after("import leadthrough.cli")
+    assert not loaded & (HEAVY - {"rich"})  # typer's own --help is printed by rich
+
+
+def test_a_model_loads_no_family_but_its_own():
+    loaded = modules_after("import leadthrough as lt; lt.DMP")
+    families = {f"leadthrough.models.{name}" for name in ("dmp", "marching", "mixtures", "promp")}
+    assert loaded & families == {"leadthrough.models.dmp"}
+
+
+def test_the_view_is_there_right_after_the_import():
+    assert "leadthrough.show.viewing" in modules_after("import leadthrough as lt; lt.show.view")
+
+
+@pytest.mark.parametrize("package", [lt, lt.models, lt.show], ids=lambda each: each.__name__)
+def test_every_public_name_is_listed_and_loads(package):
+    assert set(package.__all__) <= set(dir(package))
+    for name in package.__all__:
+        assert getattr(package, name) is not None
+    with pytest.raises(AttributeError, match="no_such_name"):
+        package.no_such_name  # noqa: B018 (looked up for its error)
+
+
+def test_objects_of_lazily_loaded_classes_are_pickled():
+    motion = lt.Trajectory([0.0, 1.0], [[0.0, 1.0], [2.0, 3.0]])
+    assert pickle.loads(pickle.dumps(motion)).positions.tolist() == motion.positions.tolist()
