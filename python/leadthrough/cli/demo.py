@@ -19,22 +19,22 @@ def demo(
 ) -> None:
     """Learn human handwriting, plan it around a box and write it with a UR3."""
     from leadthrough.arm import Arm
-    from leadthrough_studies.handwriting import demo as handwriting
-    from leadthrough_studies.handwriting import report as handwriting_report
+    from leadthrough_studies.handwriting import report
+    from leadthrough_studies.handwriting.demo import MOTIONS, HandwritingConfig, run
 
-    config = handwriting.HandwritingConfig()
+    config = HandwritingConfig()
     arm = Arm.load(config.robot)
     results = []
-    for name in track(motion or handwriting.MOTIONS, description="Learning and writing"):
-        result = handwriting.run(name, arm, config)
-        handwriting_report.write_motion(result, arm.limits, out / name)
+    for name in track(motion or MOTIONS, description="Learning and writing"):
+        result = run(name, arm, config)
+        report.write_motion(result, arm.limits, out / name)
         results.append(result)
-    handwriting_report.write_summary(results, out)
-    handwriting_report.write_page(results, arm, config, out)
+    report.write_summary(results, out)
+    report.write_page(results, arm, config, out)
 
     columns = ("motion", "SEA", "V_rmse", "DTWD/N", "Fréchet", "time s", "slowed", "limits", "arm")
     table = Table(*columns)
-    rows = handwriting_report.error_rows(results)
+    rows = report.error_rows(results)
     for row, result in zip(rows, results, strict=False):
         verdict = "kept" if result.limits.ok else "exceeded"
         slowed = f"x {result.slowing:.2f}"

@@ -11,9 +11,8 @@ from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.motion import PoseTrajectory
 from leadthrough.show.plot import Style
-from leadthrough_studies.agriculture import measures_figure as agriculture_measures_figure
 from leadthrough_studies.agriculture.measures import from_goal
-from leadthrough_studies.agriculture.measures_figure import COLORS
+from leadthrough_studies.agriculture.measures_figure import COLORS, measures
 from leadthrough_studies.study import Row, selected
 
 _TITLES = {
@@ -28,7 +27,7 @@ _TURN_SAMPLES = 801
 _RECORDED: Style = {"color": "0.75", "linewidth": 4.0}
 
 
-def figures(
+def draw(
     config: Any, subtasks: list[Row], wholes: list[Row], tests: list[Row]
 ) -> dict[str, Figure]:
     """By file stem, those of the paper: the parameterisation (2 and 3), the measures (7), subtask
@@ -38,7 +37,7 @@ def figures(
     """
     drawn = {"parameterisation": _parameterisation()}
     if subtasks:
-        drawn["measures"] = agriculture_measures_figure.measures(config, subtasks, tests)
+        drawn["measures"] = measures(config, subtasks, tests)
     courses = [row for row in subtasks if "course" in row]
     if courses:
         drawn["subtask_4_4"] = _courses(config, courses)

@@ -38,11 +38,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import wilcoxon
 
-from leadthrough_studies.agriculture import figures as agriculture_figures
-from leadthrough_studies.agriculture import measures as agriculture_measures
-from leadthrough_studies.agriculture import recordings as agriculture_recordings
-from leadthrough_studies.agriculture import skills as agriculture_skills
-from leadthrough_studies.agriculture import tasks as agriculture_tasks
+from leadthrough_studies.agriculture import figures, measures, recordings, skills, tasks
 from leadthrough_studies.agriculture.paper import BELOW_40, PRINTED
 from leadthrough_studies.study import Report, Row, selected
 
@@ -51,7 +47,7 @@ _ALL = "all"
 
 def report(config: Any, rows: list[Row]) -> Report:
     """A line for every task and planner; tests, whole tasks and recordings in the summary."""
-    subtasks, wholes, recordings = (
+    subtasks, wholes, replayed = (
         selected(rows, study=name) for name in ("subtasks", "whole", "recordings")
     )
     tests = [
@@ -62,24 +58,24 @@ def report(config: Any, rows: list[Row]) -> Report:
     lines = [(task, planner) for task in (*config.tasks, _ALL) for planner in config.planners]
     return Report(
         table=[_line(_of(subtasks, *line), _of(wholes, *line), *line) for line in lines],
-        figures=agriculture_figures.figures(config, subtasks, wholes, tests),
+        figures=figures.draw(config, subtasks, wholes, tests),
         summary={
             "paper": __doc__,
-            "assumptions": agriculture_tasks.__doc__,
-            "measures": agriculture_measures.__doc__,
+            "assumptions": tasks.__doc__,
+            "measures": measures.__doc__,
             "details": [_details(_of(subtasks, *line), *line) for line in lines],
             "wilcoxon": tests,
             "lookups": [
                 _looked_up(selected(rows, lookup=lookup), planner, lookup)
                 for planner in config.planners
-                for lookup in agriculture_skills.LOOKUPS
+                for lookup in skills.LOOKUPS
             ],
             "recordings": [
-                _recorded(recordings, planner, weights)
+                _recorded(replayed, planner, weights)
                 for planner in config.planners
-                for weights in agriculture_recordings.WEIGHTS
+                for weights in recordings.WEIGHTS
             ]
-            if recordings
+            if replayed
             else "none were given",
         },
     )

@@ -18,8 +18,7 @@ from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
 from leadthrough.events import Event
-from leadthrough.models import DMP, PoseDMP, SkillLibrary
-from leadthrough.models.dmp.pose import PoseDMPSkill
+from leadthrough.models import DMP, PoseDMP, PoseDMPSkill, SkillLibrary
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory
 from leadthrough.preprocess import join
 from leadthrough_studies.agriculture.tasks import TASKS, Subtask, postures, targets

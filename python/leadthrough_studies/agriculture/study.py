@@ -30,7 +30,7 @@ from leadthrough.errors import FitError, IkFailure, InvalidInput, LimitsInfeasib
 from leadthrough.models import PoseDMP
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory
 from leadthrough.timing import check_limits, scale_to_limits
-from leadthrough_studies.agriculture import recordings as agriculture_recordings
+from leadthrough_studies.agriculture import recordings
 from leadthrough_studies.agriculture.measures import at_phases, gaps, judged
 from leadthrough_studies.agriculture.report import report
 from leadthrough_studies.agriculture.skills import (
@@ -93,7 +93,7 @@ def tasks(config: AgricultureConfig) -> list[Task]:
             for task in config.tasks
             for planner in config.planners
         ),
-        *agriculture_recordings.tasks(config.recordings, config.planners),
+        *recordings.tasks(config.recordings, config.planners),
     ]
 
 
@@ -115,15 +115,15 @@ def perform(
         {"study": "whole", **labels} | row
         for row in _wholes(arm, learned, repetitions, between=between)
     ]
-    looked_up = [
+    between_targets = [
         {"study": "lookup", **labels, "lookup": lookup, "subtask": subtask.number, "amid": i + 1}
-        | _looked_up(arm, learned, subtask, i, lookup, seed=seed)
+        | looked_up(arm, learned, subtask, i, lookup, seed=seed)
         for i in (CORNERS if between else ())
         for subtask in TASKS[task]
         if subtask.depends_on_target
         for lookup in LOOKUPS
     ]
-    return subtasks + wholes + looked_up
+    return subtasks + wholes + between_targets
 
 
 def _wanted(
@@ -201,7 +201,7 @@ def _drawn(arm: Arm, joints: JointTrajectory) -> Row:
     }
 
 
-def _looked_up(
+def looked_up(
     arm: Arm, learned: Learned, subtask: Subtask, i: int, lookup: str, *, seed: int
 ) -> Row:
     """The subtask for a target amid four, from where the person begins, against what he shows."""

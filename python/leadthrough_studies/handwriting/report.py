@@ -18,8 +18,7 @@ from leadthrough.motion import Demonstration
 from leadthrough.shapes import Box
 from leadthrough.show import page, plot, style
 from leadthrough.show.scene import Scene, arm_scene
-from leadthrough_studies.handwriting import demo as handwriting
-from leadthrough_studies.handwriting.demo import Handwriting, HandwritingConfig
+from leadthrough_studies.handwriting.demo import Handwriting, HandwritingConfig, pen
 from leadthrough_studies.results import save_figure
 
 _INTRODUCTION = (
@@ -93,7 +92,7 @@ def _scene(result: Handwriting, arm: Arm, config: HandwritingConfig) -> Scene:
     above = Box(np.array([*result.box.size[:2], height]), np.array([x, y, z + 0.5 * height]))
     on_table = np.pad(result.detour.positions, ((0, 0), (0, 1)))
     return arm_scene(
-        arm.with_attached(handwriting.pen(config)),
+        arm.with_attached(pen(config)),
         result.joints,
         demonstrations=[Demonstration(motion) for motion in result.shown],
         path=on_table,

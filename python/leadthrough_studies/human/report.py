@@ -9,8 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from leadthrough.show import palette
-from leadthrough_studies.human import demonstrations as human_demonstrations
-from leadthrough_studies.human import measures as human_measures
+from leadthrough_studies.human import demonstrations, measures
 from leadthrough_studies.study import Report, Row, mean, selected
 
 # Yang, Liu and Pears, section IV B, of the learned velocity. It prints no numbers.
@@ -73,8 +72,8 @@ def report(config: Any, rows: list[Row]) -> Report:
         table=[*table, *_recorded(recorded)],
         figures=figures,
         summary={
-            "demonstrations": human_demonstrations.__doc__,
-            "measures": human_measures.__doc__,
+            "demonstrations": demonstrations.__doc__,
+            "measures": measures.__doc__,
             "explained": EXPLAINED,
             "sweep": swept,
             "time_laws": [_without_course(row) for row in laws],

@@ -20,7 +20,7 @@ from leadthrough.arm import Arm
 from leadthrough.models import ProMP
 from leadthrough.motion import Demonstration
 from leadthrough.preprocess.align import align_by_time_warping
-from leadthrough_studies.human import recordings as human_recordings
+from leadthrough_studies.human import recordings
 from leadthrough_studies.human.demonstrations import ROBOT, damped, human, laws
 from leadthrough_studies.human.measures import course, fidelity
 from leadthrough_studies.human.report import report
@@ -76,7 +76,7 @@ def tasks(config: HumanConfig) -> list[Task]:
             Task(time_laws, {"weights": weights, "joints": list(config.joints)})
             for weights in (min(config.swept_weights), config.weights)
         ),
-        *human_recordings.tasks(config.recordings, list(config.joints), config.weights),
+        *recordings.tasks(config.recordings, list(config.joints), config.weights),
     ]
 
 

@@ -1,1 +1,5 @@
 """Two ways past singularities of a Panda (Yang et al.)."""
+
+from leadthrough_studies.singularity.study import STUDY
+
+__all__ = ["STUDY"]

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from leadthrough.show import palette
-from leadthrough_studies.singularity import paths as singularity_paths
+from leadthrough_studies.singularity import paths
 from leadthrough_studies.singularity.paths import APPROACHES
 from leadthrough_studies.study import Report, Row, selected
 
@@ -40,7 +40,7 @@ def report(config: Any, rows: list[Row]) -> Report:
     return Report(
         table=[_table_row(row) for row in approaches],
         figures=figures,
-        summary={"approaches": singularity_paths.__doc__, "sweep": swept},
+        summary={"approaches": paths.__doc__, "sweep": swept},
     )
 
 

@@ -19,7 +19,7 @@ from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.timing import check_limits, retime
 from leadthrough_studies.study import Row, Study, Task
-from leadthrough_studies.trajectories import report as trajectories_report
+from leadthrough_studies.trajectories.report import report
 
 _FINE = 2001
 # The notes' example: a quarter turn about z, then one about the new x.
@@ -126,9 +126,8 @@ def retimed(seed: int) -> list[Row]:
         assert limits.jerk is not None
         kept = replace(limits, jerk=share * limits.jerk)
         motion = retime(path, kept)
-        report = check_limits(motion, kept)
         row = {"study": "retimed", "seed": seed, "jerk_share": share, "duration_s": motion.duration}
-        rows.append({**row, "kept": int(report.ok)})
+        rows.append({**row, "kept": int(check_limits(motion, kept).ok)})
     return rows
 
 
@@ -175,5 +174,5 @@ def _bang_bang(state: tr.FilterState, target: list[float], period: float) -> tr.
     return tr.FilterState(moved, speed, np.array([push]))
 
 
-STUDY = Study(configure, tasks, trajectories_report.report)
+STUDY = Study(configure, tasks, report)
 """The notes' statements."""

@@ -11,26 +11,28 @@ from matplotlib.ticker import MaxNLocator
 from leadthrough.show import plot
 from leadthrough_studies.demonstrator import Teaching
 from leadthrough_studies.study import Report, Row, selected
-from leadthrough_studies.ur3 import scenes as ur3_scenes
+from leadthrough_studies.ur3 import scenes
 
 _NOT_IN_THE_TABLE = ("study", "path")
 
 
 def report(config: Any, rows: list[Row]) -> Report:
     """The experiments beside the paper's kappa; the sweep and the paces in the summary."""
-    scenes, swept, taught = (selected(rows, study=name) for name in ("scenes", "sweep", "teaching"))
+    experiments, swept, taught = (
+        selected(rows, study=name) for name in ("scenes", "sweep", "teaching")
+    )
     figures = {}
-    if scenes:
-        figures["experiments"] = _scenes_figure(config, scenes)
+    if experiments:
+        figures["experiments"] = _scenes_figure(config, experiments)
     if swept:
         figures["sweep"] = _sweep_figure(config, swept)
     if taught:
         figures["teaching"] = _teaching_figure(taught)
     return Report(
-        table=[_without(row, *_NOT_IN_THE_TABLE) for row in scenes],
+        table=[_without(row, *_NOT_IN_THE_TABLE) for row in experiments],
         figures=figures,
         summary={
-            "assumptions": ur3_scenes.__doc__,
+            "assumptions": scenes.__doc__,
             "teaching": [_without(row, "study") for row in taught],
         },
     )
@@ -45,13 +47,13 @@ def _scenes_figure(config: Any, rows: list[Row]) -> Figure:
     figure.subplots_adjust(left=0.01, right=0.97, wspace=0.15)
     for i, row in enumerate(rows):
         axes: Any = figure.add_subplot(1, len(rows), i + 1, projection="3d")
-        shown = ur3_scenes.demonstrations(row["scene"], Teaching(), config.seed)
+        shown = scenes.demonstrations(row["scene"], Teaching(), config.seed)
         for demonstration in shown:
             axes.plot(*demonstration.motion.positions.T, **plot.DEMONSTRATION)
         path = np.array(row["path"])
         axes.plot(*path.T, **plot.PATH)
         axes.scatter(*path[[0, -1]].T, color="black", s=12)
-        for box in ur3_scenes.SCENES[row["scene"]].boxes():
+        for box in scenes.SCENES[row["scene"]].boxes():
             _draw_box(axes, box)
         axes.set_aspect("equal")
         met = "clear" if row["arm_ok"] else row["arm_hit"].replace("_link", "") + " meet"

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from leadthrough import cli, errors
 from leadthrough_studies import catalogue, study
-from leadthrough_studies.ur3 import study as ur3_study
+from leadthrough_studies.ur3.study import STUDY, Setting, Ur3Config
 
 runner = CliRunner()
 
@@ -54,13 +54,9 @@ def test_output_folder_that_cannot_be_made_is_an_error_of_one_line(tmp_path, mon
 
 
 def test_experiment_writes_results_and_goes_on_where_it_was(tmp_path, monkeypatch):
-    config = ur3_study.Ur3Config(
-        (1,), (), ur3_study.Setting(resolution=0.025), saturations=(), seed=3
-    )
+    config = Ur3Config((1,), (), Setting(resolution=0.025), saturations=(), seed=3)
     asked = []
-    small = replace(
-        ur3_study.STUDY, configure=lambda quick, seed: asked.append((quick, seed)) or config
-    )
+    small = replace(STUDY, configure=lambda quick, seed: asked.append((quick, seed)) or config)
     monkeypatch.setitem(catalogue.STUDIES, "ur3", small)
     arguments = ["experiment", "ur3", "--quick", "--seed", "3", "--out", str(tmp_path)]
     first = runner.invoke(cli.app, arguments)
@@ -78,7 +74,7 @@ def test_experiment_with_a_failure_says_so_and_ends_with_one(tmp_path, monkeypat
         raise ValueError(f"scene {scene} is out of paper")
 
     broken = replace(
-        ur3_study.STUDY,
+        STUDY,
         tasks=lambda config: [study.Task(fail, {"scene": n}) for n in config.scenes],
     )
     monkeypatch.setitem(catalogue.STUDIES, "ur3", broken)

@@ -10,11 +10,16 @@ from leadthrough import rotations
 from leadthrough.errors import IkFailure
 from leadthrough.models import PoseDMP, SkillLibrary
 from leadthrough.motion import PoseTrajectory
-from leadthrough_studies import study
-from leadthrough_studies.agriculture import measures as agriculture_measures
-from leadthrough_studies.agriculture import study as agriculture_study
+from leadthrough_studies.agriculture.measures import judged
 from leadthrough_studies.agriculture.recordings import replay
 from leadthrough_studies.agriculture.skills import LOOKUPS, chain, learn, show
+from leadthrough_studies.agriculture.study import (
+    PLANNERS,
+    STUDY,
+    AgricultureConfig,
+    looked_up,
+    on_the_arm,
+)
 from leadthrough_studies.agriculture.tasks import (
     POSTURES,
     TASKS,
@@ -23,9 +28,9 @@ from leadthrough_studies.agriculture.tasks import (
     load_arm,
     targets,
 )
+from leadthrough_studies.study import run, selected
 
 ARM = load_arm()
-PLANNERS = agriculture_study.PLANNERS
 
 
 @pytest.fixture(scope="module")
@@ -51,11 +56,11 @@ def recordings_folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory, recordings_folder):
-    config = agriculture_study.AgricultureConfig(
+    config = AgricultureConfig(
         ("harvesting",), (0, 1), between=False, recordings=str(recordings_folder)
     )
     out = tmp_path_factory.mktemp("agriculture")
-    return study.run(agriculture_study.STUDY, config, out=out, jobs=1), out
+    return run(STUDY, config, out=out, jobs=1), out
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +70,7 @@ def rows(outcome):
 
 
 def planned(rows, planner, **values):
-    return study.selected(rows, study="subtasks", planner=planner, **values)
+    return selected(rows, study="subtasks", planner=planner, **values)
 
 
 def test_every_subtask_is_reproduced_by_every_planner(rows):
@@ -106,7 +111,7 @@ def test_positions_do_not_depend_on_the_planner(rows):
 def test_the_arm_does_what_the_default_plans(rows):
     for row in (
         *planned(rows, "anchored"),
-        *study.selected(rows, study="whole", planner="anchored"),
+        *selected(rows, study="whole", planner="anchored"),
     ):
         assert row["followed"]
         assert row["limits_kept"]
@@ -115,7 +120,7 @@ def test_the_arm_does_what_the_default_plans(rows):
 
 
 def test_gripper_acts_where_subtasks_end(rows):
-    for row in study.selected(rows, study="whole", planner="anchored"):
+    for row in selected(rows, study="whole", planner="anchored"):
         assert [event["does"] for event in row["gripper"]] == ["closed", "opened"]
         first, third = (event["time_s"] for event in row["gripper"])
         # After the first and the third subtask of four; slowing down is nearly even.
@@ -125,7 +130,7 @@ def test_gripper_acts_where_subtasks_end(rows):
 
 
 def test_a_recorded_half_turn_is_replayed(rows):
-    own = study.selected(rows, study="recordings", planner="anchored", weights="by duration")
+    own = selected(rows, study="recordings", planner="anchored", weights="by duration")
     assert [row["motion"] for row in own] == [1, 2]
     for row in own:
         assert row["turned_deg"] == pytest.approx(180, abs=0.1)
@@ -226,7 +231,7 @@ def digging():
 def test_whole_digging_is_done_near_the_posture_that_was_shown_and_only_there(digging):
     """The wrist turns far: pulled to the middle of its ranges, the arm cannot go all the way."""
     whole = chain(digging, targets("digging")[0])
-    row, joints = agriculture_study.on_the_arm(ARM, whole.poses, whole.joints)
+    row, joints = on_the_arm(ARM, whole.poses, whole.joints)
     assert row["limits_kept"]
     assert row["arm_clear"]
     assert [event.name for event in joints.events] == ["closed", "opened"]
@@ -242,12 +247,12 @@ def test_whole_digging_is_done_near_the_posture_that_was_shown_and_only_there(di
 def test_between_targets_interpolated_skills_are_nearer_to_what_is_shown_and_can_be_done(digging):
     subtask = TASKS["digging"][1]
     nearest, interpolated = (
-        agriculture_study._looked_up(ARM, digging, subtask, 0, lookup, seed=0) for lookup in LOOKUPS
+        looked_up(ARM, digging, subtask, 0, lookup, seed=0) for lookup in LOOKUPS
     )
     for column in ("mean_m", "mean_deg", "end_m", "end_deg"):
         assert interpolated[column] < 0.5 * nearest[column]
     whole = chain(digging, amid("digging", 0), lookup="interpolated")
-    row, _ = agriculture_study.on_the_arm(ARM, whole.poses, whole.joints)
+    row, _ = on_the_arm(ARM, whole.poses, whole.joints)
     assert row["arm_clear"]
 
 
@@ -261,7 +266,7 @@ def turning(degrees, *, off=0.0):
 
 
 def test_errors_are_shares_of_what_was_turned():
-    found = agriculture_measures.judged(turning(90, off=9), turning(90))
+    found = judged(turning(90, off=9), turning(90))
     assert found["npe"] == pytest.approx(0.0, abs=1e-12)
     assert found["mean_deg"] == pytest.approx(9 * 49 / 101)
     assert found["noe"] == pytest.approx(0.1 * 49 / 101)
@@ -271,8 +276,8 @@ def test_errors_are_shares_of_what_was_turned():
 
 
 def test_what_comes_back_has_no_way_to_divide_by():
-    found = agriculture_measures.judged(turning(360), turning(360))
+    found = judged(turning(360), turning(360))
     assert found["noe"] is None
     assert found["turned_deg"] == pytest.approx(360)
     assert found["succeeded"] == 0  # 360 degrees a second
-    assert agriculture_measures.judged(turning(300), turning(300))["succeeded"] == 1
+    assert judged(turning(300), turning(300))["succeeded"] == 1

@@ -5,9 +5,9 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
-from leadthrough_studies.handwriting import demo as handwriting
+from leadthrough_studies.handwriting.demo import HandwritingConfig, run
 
-CONFIG = handwriting.HandwritingConfig()
+CONFIG = HandwritingConfig()
 
 
 @pytest.fixture(scope="module")
@@ -17,7 +17,7 @@ def arm():
 
 @pytest.fixture(scope="module")
 def snake(arm):
-    return handwriting.run("Snake", arm, CONFIG)
+    return run("Snake", arm, CONFIG)
 
 
 def on_table(points):
@@ -70,11 +70,11 @@ def test_arm_and_pen_keep_clear_of_table_box_and_themselves(snake):
 
 
 def test_same_motion_gives_the_same_bits(snake, arm):
-    again = handwriting.run("Snake", arm, CONFIG)
+    again = run("Snake", arm, CONFIG)
     assert again.joints.positions.tobytes() == snake.joints.positions.tobytes()
     assert again.joints.times.tobytes() == snake.joints.times.tobytes()
 
 
 def test_unknown_motion_is_refused(arm):
     with pytest.raises(InvalidInput, match="Scribble"):
-        handwriting.run("Scribble", arm, CONFIG)
+        run("Scribble", arm, CONFIG)

@@ -7,17 +7,14 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.arm import Arm
-from leadthrough_studies import study
-from leadthrough_studies.human import demonstrations as human_demonstrations
-from leadthrough_studies.human import measures as human_measures
-from leadthrough_studies.human import study as human_study
+from leadthrough_studies.human.demonstrations import GOAL, START
+from leadthrough_studies.human.measures import bell_distance, fidelity, reversals, sign_changes
 from leadthrough_studies.human.recordings import execution, symbol
 from leadthrough_studies.human.report import CLAIMS
-from leadthrough_studies.human.study import SOURCES, WAYS
+from leadthrough_studies.human.study import SOURCES, STUDY, WAYS, HumanConfig, tasks
+from leadthrough_studies.study import run, selected
 
-CONFIG = human_study.HumanConfig(
-    demonstrations=4, swept_weights=(6, 20), swept_widths=(0.35, 1.0), seed=1
-)
+CONFIG = HumanConfig(demonstrations=4, swept_weights=(6, 20), swept_widths=(0.35, 1.0), seed=1)
 U = np.linspace(0.0, 1.0, 201)
 BELL = 16.0 * U**2 * (1.0 - U) ** 2
 
@@ -25,7 +22,7 @@ BELL = 16.0 * U**2 * (1.0 - U) ** 2
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
     out = tmp_path_factory.mktemp("human")
-    return study.run(human_study.STUDY, CONFIG, out=out, jobs=1), out
+    return run(STUDY, CONFIG, out=out, jobs=1), out
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +32,7 @@ def rows(outcome):
 
 
 def learned(rows, source, way):
-    return study.selected(rows, study="learning", source=source, learned_from=way)
+    return selected(rows, study="learning", source=source, learned_from=way)
 
 
 def test_every_source_is_learned_in_every_way_and_stands_beside_the_claim(rows, outcome):
@@ -50,10 +47,10 @@ def test_every_source_is_learned_in_every_way_and_stands_beside_the_claim(rows, 
 
 def test_both_sources_reach_the_same_place():
     arm = Arm.load("panda")
-    wanted, _ = arm.forward_kinematics(human_demonstrations.GOAL)
+    wanted, _ = arm.forward_kinematics(GOAL)
     for source, tolerance in (("human", 0.1), ("DLS-IK", 1e-3)):
         first = SOURCES[source](1, 0)[0].motion
-        np.testing.assert_allclose(first.positions[0], human_demonstrations.START, atol=0.01)
+        np.testing.assert_allclose(first.positions[0], START, atol=0.01)
         reached, _ = arm.forward_kinematics(first.positions[-1])
         assert np.linalg.norm(reached - wanted) < tolerance
 
@@ -69,17 +66,15 @@ def test_peaks_are_lost_in_the_mean_over_unsteady_people_and_not_of_damped_least
 
 
 def test_narrow_basis_functions_overshoot_and_oscillate_for_either_source(rows):
-    swept = study.selected(rows, study="sweep", weights=20)
-    for narrow, wide in zip(
-        study.selected(swept, width=0.35), study.selected(swept, width=1.0), strict=True
-    ):
+    swept = selected(rows, study="sweep", weights=20)
+    for narrow, wide in zip(selected(swept, width=0.35), selected(swept, width=1.0), strict=True):
         assert narrow["peak_ratio"] > 1.2
         assert wide["peak_ratio"] < 1.05
         assert narrow["reversals_learned"] > 3 * wide["reversals_learned"]
 
 
 def test_the_bell_is_the_time_laws(rows):
-    own = study.selected(rows, study="time laws", weights=20, column="joint 3")
+    own = selected(rows, study="time laws", weights=20, column="joint 3")
     far = {row["law"]: row["bell_distance_learned"] for row in own}
     assert far["line, minimum jerk"] < 0.15
     for law in ("joints interpolated", "line, constant speed", "line, servo"):
@@ -87,13 +82,13 @@ def test_the_bell_is_the_time_laws(rows):
 
 
 def test_measures_of_a_bell_and_of_constant_speed():
-    assert human_measures.bell_distance(U, -0.3 * BELL) == pytest.approx(0.0, abs=1e-12)
-    assert human_measures.bell_distance(U, np.ones(201)) == pytest.approx(0.58, abs=0.01)
-    assert human_measures.sign_changes(BELL) == human_measures.reversals(BELL) == 1
+    assert bell_distance(U, -0.3 * BELL) == pytest.approx(0.0, abs=1e-12)
+    assert bell_distance(U, np.ones(201)) == pytest.approx(0.58, abs=0.01)
+    assert sign_changes(BELL) == reversals(BELL) == 1
     trembling = BELL + 0.01 * np.sin(60 * np.pi * U)
-    assert human_measures.sign_changes(trembling) > 10
-    assert human_measures.reversals(trembling) == 1
-    assert human_measures.reversals(BELL * np.sin(6 * np.pi * U)) == 6
+    assert sign_changes(trembling) > 10
+    assert reversals(trembling) == 1
+    assert reversals(BELL * np.sin(6 * np.pi * U)) == 6
 
 
 def test_learned_velocity_of_a_quicker_motion_is_larger():
@@ -101,9 +96,7 @@ def test_learned_velocity_of_a_quicker_motion_is_larger():
     slow, fast = (lt.JointTrajectory(duration * U, curve) for duration in (4.0, 1.0))
     skill = lt.ProMP().fit([lt.Demonstration(slow)])
     for motion in (slow, fast):
-        assert human_measures.fidelity(skill, [motion], 0)["peak_ratio"] == pytest.approx(
-            1.0, abs=0.01
-        )
+        assert fidelity(skill, [motion], 0)["peak_ratio"] == pytest.approx(1.0, abs=0.01)
 
 
 def test_recorded_motions_of_an_arm_are_measured(recordings):
@@ -123,8 +116,8 @@ def test_aligning_a_recorded_symbol_brings_its_peaks_back(recordings):
 
 
 def test_recordings_join_where_there_is_a_folder(recordings):
-    config = human_study.HumanConfig(recordings=str(recordings))
-    assert len(human_study.tasks(config)) == len(human_study.tasks(human_study.HumanConfig())) + 3
+    config = HumanConfig(recordings=str(recordings))
+    assert len(tasks(config)) == len(tasks(HumanConfig())) + 3
 
 
 def test_results_and_figures_are_written(outcome):

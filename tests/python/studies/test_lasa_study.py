@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import leadthrough as lt
-from leadthrough_studies import study
-from leadthrough_studies.lasa import report as lasa_report
-from leadthrough_studies.lasa import study as lasa_study
+from leadthrough_studies.lasa import study
 from leadthrough_studies.lasa.methods import METHODS, nearest_shifted, paper_setting
+from leadthrough_studies.lasa.report import ranking
+from leadthrough_studies.study import run, selected
 
 TIMES = np.linspace(0.0, 1.0, 5)
 
@@ -23,7 +23,7 @@ def line(offset, name=""):
 
 def splits(count, shown, seed=0):
     demonstrations = [line(float(i), name=str(i)) for i in range(count)]
-    sets = lasa_study.splits(demonstrations, shown, np.random.default_rng(seed))
+    sets = study.splits(demonstrations, shown, np.random.default_rng(seed))
     return [([each.name for each in chosen], tested) for chosen, tested in sets]
 
 
@@ -57,7 +57,7 @@ def test_nearest_demonstration_is_shifted_to_the_start_and_keeps_its_end():
 
 
 def test_error_columns_of_a_line_beside_a_line():
-    row = lasa_study.error_columns(line(0.0).motion, line(1.0).motion)
+    row = study.error_columns(line(0.0).motion, line(1.0).motion)
     assert row["SEA_mm2"] == pytest.approx(4.0)
     assert row["V_rmse_mm_s"] == pytest.approx(0.0, abs=1e-12)
     assert row["DTWD_per_N_mm"] == pytest.approx(1.0)
@@ -75,12 +75,12 @@ def test_paper_setting_is_in_pixels():
 def test_travel_time_is_the_length_over_the_speed():
     skill = lt.FastMarching(saturation=1.0).fit([line(0.0)])
     path = np.array([[-4.0, 0.0], [-1.0, 0.0], [0.0, 0.0], [100.0, 0.0]])
-    assert lasa_study.travel_time(skill, path, 0.5) == pytest.approx(4.0 + 200.0)
+    assert study.travel_time(skill, path, 0.5) == pytest.approx(4.0 + 200.0)
 
 
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
-    config = lasa_study.LasaConfig(
+    config = study.LasaConfig(
         ("Line", "Worm"),
         methods=("FML", "nearest demonstration, shifted"),
         protocols=("IN", "LOO"),
@@ -88,7 +88,7 @@ def outcome(tmp_path_factory):
         settings=("FML",),
     )
     out = tmp_path_factory.mktemp("lasa")
-    return config, study.run(lasa_study.STUDY, config, out=out), out
+    return config, run(study.STUDY, config, out=out), out
 
 
 def test_every_motion_is_tested_seven_times_a_method_and_protocol(outcome):
@@ -103,7 +103,7 @@ def test_table_holds_means_and_the_papers_convention(outcome):
     with (out / "table.csv").open() as file:
         table = list(csv.DictReader(file))
     first = table[0]
-    rows = study.selected(found.rows, protocol="IN", method="FML")
+    rows = selected(found.rows, protocol="IN", method="FML")
     area = np.mean([row["SEA_mm2"] for row in rows])
     assert float(first["SEA_mm2"]) == pytest.approx(area)
     assert float(first["SEA_sum_px2"]) == pytest.approx(area * 7 * 8.3**2)
@@ -114,10 +114,10 @@ def test_table_holds_means_and_the_papers_convention(outcome):
 
 def test_shapes_are_ranked_by_their_error_and_saturations_swept(outcome):
     config, found, out = outcome
-    ranking = lasa_report.ranking(config, found.rows, "FML")
-    errors = [row["SEA_mm2"] for row in ranking]
+    ranked = ranking(config, found.rows, "FML")
+    errors = [row["SEA_mm2"] for row in ranked]
     assert errors == sorted(errors, reverse=True)
-    assert {row["motion"] for row in ranking} == set(config.motions)
+    assert {row["motion"] for row in ranked} == set(config.motions)
     summary = json.loads((out / "results.json").read_text())["summary"]
     assert [row["saturation"] for row in summary["saturation"]] == [0.1, 1.0]
     assert "not compared" in summary["remark"]
@@ -130,7 +130,7 @@ def test_figures_are_written(outcome):
 
 
 def test_full_study_covers_thirty_motions_and_quick_four():
-    assert len(lasa_study.configure(False, 0).motions) == 30
-    assert len(lasa_study.configure(True, 5).motions) == 4
-    assert lasa_study.configure(True, 5).seed == 5
-    assert set(lasa_study.configure(False, 0).methods) == set(METHODS)
+    assert len(study.configure(False, 0).motions) == 30
+    assert len(study.configure(True, 5).motions) == 4
+    assert study.configure(True, 5).seed == 5
+    assert set(study.configure(False, 0).methods) == set(METHODS)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from leadthrough.io import lasa
-from leadthrough_studies.lasa import study as lasa_study
+from leadthrough_studies.lasa.study import compare
 
 # Swept error areas in mm^2 that other implementations reach on the same data: ProMP 126, GMR 145.
 PROMP_LIMIT = 120.0
@@ -16,7 +16,7 @@ def mean_area(method, motions):
     rows = [
         row
         for motion in motions
-        for row in lasa_study.compare(motion=motion, protocol="LOO", method=method, seed=0)
+        for row in compare(motion=motion, protocol="LOO", method=method, seed=0)
     ]
     return np.mean([row["SEA_mm2"] for row in rows])
 

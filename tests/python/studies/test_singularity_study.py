@@ -6,12 +6,17 @@ import numpy as np
 import pytest
 
 from leadthrough.arm import Arm
-from leadthrough_studies import study
-from leadthrough_studies.singularity import paths as singularity_paths
-from leadthrough_studies.singularity import study as singularity_study
-from leadthrough_studies.singularity.paths import APPROACHES, METHODS
+from leadthrough_studies.singularity.paths import (
+    APPROACHES,
+    DEVIATION,
+    METHODS,
+    motion,
+    slowest_direction,
+)
+from leadthrough_studies.singularity.study import STUDY, SingularityConfig
+from leadthrough_studies.study import run, selected
 
-CONFIG = singularity_study.SingularityConfig(dampings=(0.0, 0.1, 0.5), alphas=(1e-4,))
+CONFIG = SingularityConfig(dampings=(0.0, 0.1, 0.5), alphas=(1e-4,))
 PANDA = Arm.load("panda")
 NUMBERS = pytest.mark.parametrize("number", APPROACHES)
 
@@ -19,13 +24,13 @@ NUMBERS = pytest.mark.parametrize("number", APPROACHES)
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
     out = tmp_path_factory.mktemp("singularity")
-    return study.run(singularity_study.STUDY, CONFIG, out=out, jobs=1), out
+    return run(STUDY, CONFIG, out=out, jobs=1), out
 
 
 @pytest.fixture(scope="module")
 def rows(outcome):
     assert not outcome[0].failures
-    own = study.selected(outcome[0].rows, study="approach")
+    own = selected(outcome[0].rows, study="approach")
     return {(row["approach"], row["method"]): row for row in own}
 
 
@@ -36,7 +41,7 @@ def test_every_approach_is_made_by_every_method(rows):
 @NUMBERS
 def test_the_way_leads_through_the_posture(number):
     approach = APPROACHES[number]
-    way = singularity_paths.motion(PANDA, approach)
+    way = motion(PANDA, approach)
     position, orientation = PANDA.forward_kinematics(np.array(approach.posture))
     near = np.linalg.norm(way.positions - position, axis=1).argmin()
     assert 0.6 < way.times[near] / way.times[-1] < 0.75  # three quarters of the way, not of time
@@ -49,7 +54,7 @@ def test_the_way_takes_the_direction_that_costs_the_joints_most(number):
     q = np.array(APPROACHES[number].posture)
     weights = np.repeat([1.0, 0.3], 3)
     weighted = weights[:, None] * PANDA.jacobian(q)
-    direction = weights * singularity_paths.slowest_direction(PANDA, q)
+    direction = weights * slowest_direction(PANDA, q)
     assert np.linalg.norm(direction) == pytest.approx(1.0)
     cost = np.linalg.norm(np.linalg.pinv(weighted) @ direction)
     assert cost == pytest.approx(1.0 / np.linalg.svd(weighted)[1][-1])
@@ -76,12 +81,12 @@ def test_slowing_keeps_to_the_path_and_deviating_to_the_time(rows):
         slowing, deviating = (rows[number, f"follow, {how}"] for how in ("slowing", "deviating"))
         assert slowing["largest_error_m"] < 1e-5
         assert slowing["duration_s"] >= 4.0 - 1e-9
-        assert deviating["largest_error_m"] <= singularity_paths.DEVIATION[0]
+        assert deviating["largest_error_m"] <= DEVIATION[0]
         assert deviating["duration_s"] == pytest.approx(4.0)
 
 
 def test_more_damping_leaves_more_of_the_path(outcome):
-    own = study.selected(outcome[0].rows, study="sweep", approach=2, alpha=0.0, nullspace_gain=0.0)
+    own = selected(outcome[0].rows, study="sweep", approach=2, alpha=0.0, nullspace_gain=0.0)
     errors = [row["largest_error_m"] for row in sorted(own, key=lambda row: row["damping"])]
     assert errors == sorted(errors)
 

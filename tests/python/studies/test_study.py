@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from leadthrough.errors import FitError, InvalidInput
 from leadthrough_studies import study
-from leadthrough_studies.lasa import study as lasa_study
+from leadthrough_studies.lasa.study import STUDY, LasaConfig
 from leadthrough_studies.study import Report, Study, Task
 
 CALLS = []
@@ -138,7 +138,7 @@ def test_rows_that_are_not_finite_are_failures(tmp_path):
 
 
 def test_rows_do_not_depend_on_the_number_of_jobs(tmp_path):
-    config = lasa_study.LasaConfig(
+    config = LasaConfig(
         ("Line", "Worm"),
         methods=("nearest demonstration, shifted",),
         protocols=("IN", "LOO from 3"),
@@ -146,8 +146,7 @@ def test_rows_do_not_depend_on_the_number_of_jobs(tmp_path):
         settings=(),
     )
     one, two = (
-        study.run(lasa_study.STUDY, config, out=tmp_path / str(jobs), jobs=jobs).rows
-        for jobs in (1, 2)
+        study.run(STUDY, config, out=tmp_path / str(jobs), jobs=jobs).rows for jobs in (1, 2)
     )
     assert one == two
     assert len(one) == 28

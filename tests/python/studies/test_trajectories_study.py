@@ -2,16 +2,16 @@
 
 import pytest
 
-from leadthrough_studies import study
 from leadthrough_studies.catalogue import STUDIES
-from leadthrough_studies.trajectories import study as trajectories_study
+from leadthrough_studies.study import run
+from leadthrough_studies.trajectories.study import TrajectoriesConfig
 
 
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
     out = tmp_path_factory.mktemp("trajectories")
-    config = trajectories_study.TrajectoriesConfig(nodes=(9, 33), splines=2)
-    return study.run(STUDIES["trajectories"], config, out=out, jobs=1), out
+    config = TrajectoriesConfig(nodes=(9, 33), splines=2)
+    return run(STUDIES["trajectories"], config, out=out, jobs=1), out
 
 
 @pytest.fixture(scope="module")

@@ -5,14 +5,13 @@ import json
 import numpy as np
 import pytest
 
-from leadthrough_studies import study
 from leadthrough_studies.demonstrator import Teaching
-from leadthrough_studies.ur3 import scenes as ur3_scenes
-from leadthrough_studies.ur3 import study as ur3_study
-from leadthrough_studies.ur3.scenes import SCENES
+from leadthrough_studies.study import run, selected
+from leadthrough_studies.ur3.scenes import SCENES, demonstrations
+from leadthrough_studies.ur3.study import STUDY, Setting, Ur3Config, experiment
 
-COARSE = ur3_study.Setting(resolution=0.025)
-CONFIG = ur3_study.Ur3Config(
+COARSE = Setting(resolution=0.025)
+CONFIG = Ur3Config(
     paces=("slow", "fast"), setting=COARSE, saturations=(0.25, 1.0), areas_of_influence=(0.05,)
 )
 
@@ -20,12 +19,12 @@ CONFIG = ur3_study.Ur3Config(
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
     out = tmp_path_factory.mktemp("ur3")
-    return study.run(ur3_study.STUDY, CONFIG, out=out), out
+    return run(STUDY, CONFIG, out=out), out
 
 
 @pytest.fixture(scope="module")
 def rows(outcome):
-    return {row["scene"]: row for row in study.selected(outcome[0].rows, study="scenes")}
+    return {row["scene"]: row for row in selected(outcome[0].rows, study="scenes")}
 
 
 def test_all_five_experiments_reach_their_goal(outcome, rows):
@@ -46,13 +45,13 @@ def test_paths_keep_clear_of_table_and_box(rows):
 
 def test_box_of_the_third_experiment_stands_across_what_was_shown():
     (box,) = SCENES[3].boxes()
-    for demonstration in ur3_scenes.demonstrations(3, Teaching(), 0):
+    for demonstration in demonstrations(3, Teaching(), 0):
         assert box.distance(demonstration.motion.positions).min() < 0.0
 
 
 def test_box_of_the_second_experiment_was_known():
     (box,) = SCENES[2].boxes()
-    for demonstration in ur3_scenes.demonstrations(2, Teaching(), 0):
+    for demonstration in demonstrations(2, Teaching(), 0):
         assert box.distance(demonstration.motion.positions).min() > 0.0
 
 
@@ -82,7 +81,7 @@ def test_whole_arm_is_checked_and_what_it_meets_is_named(rows):
 
 
 def test_rough_demonstrations_give_smooth_paths(outcome):
-    slow, fast = study.selected(outcome[0].rows, study="teaching")
+    slow, fast = selected(outcome[0].rows, study="teaching")
     assert slow["samples_shown"] > fast["samples_shown"]
     assert slow["turning_shown_rad"] > 10.0
     assert slow["turning_made_rad"] < 0.2 * slow["turning_shown_rad"]
@@ -90,7 +89,7 @@ def test_rough_demonstrations_give_smooth_paths(outcome):
 
 
 def test_sweep_ends_with_the_straight_way_at_saturation_one(outcome):
-    for row in study.selected(outcome[0].rows, study="sweep", saturation=1.0, scene=4):
+    for row in selected(outcome[0].rows, study="sweep", saturation=1.0, scene=4):
         straight = np.linalg.norm(np.subtract(*_ends(4)))
         assert row["kappa"] == 1.0
         assert row["length_m"] == pytest.approx(straight, rel=0.05)
@@ -99,7 +98,7 @@ def test_sweep_ends_with_the_straight_way_at_saturation_one(outcome):
 def test_results_state_the_assumptions_and_the_times_in_the_whole_workspace(outcome):
     written = json.loads((outcome[1] / "results.json").read_text())
     assert "table" in written["summary"]["assumptions"]
-    for row in study.selected(written["rows"], study="scenes"):
+    for row in selected(written["rows"], study="scenes"):
         assert row["cells"] == 60**3
         assert row["plan_cpu_s"] > 0.0
     for name in ("experiments", "sweep", "teaching"):
@@ -108,8 +107,8 @@ def test_results_state_the_assumptions_and_the_times_in_the_whole_workspace(outc
 
 def test_rows_are_the_same_again_but_for_the_times(outcome):
     arguments = {"scene": 3, "setting": vars(COARSE), "threshold": 0.6, "seed": 0}
-    (again,) = ur3_study.experiment(**arguments)
-    (first,) = study.selected(outcome[0].rows, study="scenes", scene=3)
+    (again,) = experiment(**arguments)
+    (first,) = selected(outcome[0].rows, study="scenes", scene=3)
     for name, value in again.items():
         assert name.endswith("_cpu_s") or value == first[name], name
 
