@@ -50,7 +50,9 @@ def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
 
 def _fit(repeats: int) -> Benchmark:
     times = np.linspace(0.0, 1.0, SAMPLES)
-    joints = np.sin(np.outer(times, np.arange(1, 8))) * _minimum_jerk(times)[:, None]
+    joints = (
+        np.sin(np.outer(times, np.arange(1, 8))) * lt.trajectories.minimum_jerk_rise(times)[:, None]
+    )
     demonstration = lt.Demonstration(lt.JointTrajectory(times, joints))
 
     def ours() -> Any:
@@ -93,13 +95,9 @@ def _subtask(repeats: int) -> Benchmark:
     )
 
 
-def _minimum_jerk(u: Any) -> Any:
-    return u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
-
-
 def _pose_motion(duration: float) -> lt.PoseTrajectory:
     times = np.linspace(0.0, duration, SAMPLES)
-    s = _minimum_jerk(times / duration)
+    s = lt.trajectories.minimum_jerk_rise(times / duration)
     positions = np.column_stack([0.3 * s, 0.1 * np.sin(2.0 * s), 0.2 * s**2])
     return lt.PoseTrajectory(times, positions, lt.rotations.exp(np.outer(s, [0.5, 1.0, 1.1])))
 

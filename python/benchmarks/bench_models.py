@@ -22,10 +22,10 @@ from sklearn.mixture import GaussianMixture
 
 import leadthrough as lt
 from leadthrough.models import ProMPSkill
-from leadthrough.models.chart import normalised
 from leadthrough.models.mixtures.em import Steps, fit_mixture
 from leadthrough.models.mixtures.gmr_skill import shifted
 from leadthrough.models.mixtures.kmeans import kmeans
+from leadthrough.motion import normalised_times
 from leadthrough.preprocess.resample import arc_length
 from leadthrough_studies.lasa.methods import generated_by
 from leadthrough_studies.lasa.study import error_columns, splits
@@ -191,7 +191,10 @@ def _sampled(shown: Any) -> tuple[float, Any, Any]:
     """Mean duration, even phases (200,) and the drawings at them (m, 200, 2)."""
     times = np.linspace(0.0, 1.0, SAMPLES)
     curves = [
-        [np.interp(times, normalised(each.motion), column) for column in each.motion.positions.T]
+        [
+            np.interp(times, normalised_times(each.motion.times), column)
+            for column in each.motion.positions.T
+        ]
         for each in shown
     ]
     duration = float(np.mean([each.motion.duration for each in shown]))

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
+import numpy as np
+
 from leadthrough import check, events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
@@ -103,6 +105,13 @@ class JointTrajectory:
 
 Motion = Trajectory | PoseTrajectory | JointTrajectory
 AnyMotion = TypeVar("AnyMotion", Trajectory, PoseTrajectory, JointTrajectory)
+
+
+def normalised_times(times: Float64Array) -> Float64Array:
+    """Fractions (n,) of the duration passed at rising times (n,), from 0 to 1; 0 if n is 1."""
+    if len(times) == 1:
+        return np.zeros(1)
+    return np.asarray((times - times[0]) / (times[-1] - times[0]))
 
 
 def computed(kind: type[AnyMotion], *, events: Events, **arrays: Float64Array) -> AnyMotion:

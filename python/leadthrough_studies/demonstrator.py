@@ -14,8 +14,9 @@ import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from leadthrough.check import Float64Array
-from leadthrough.motion import Demonstration, JointTrajectory, Trajectory
+from leadthrough.motion import Demonstration, JointTrajectory, Trajectory, normalised_times
 from leadthrough.preprocess.resample import arc_length
+from leadthrough.trajectories import minimum_jerk_rise
 
 _RATE = 50.0  # Hz
 _TREMOR_WAVES = 6
@@ -83,7 +84,7 @@ def guide(
     scattered = wanted + rng.normal(0.0, teaching.spread, wanted.shape)
     times = np.linspace(0.0, teaching.duration, int(teaching.duration * _RATE) + 1)
     u = times / teaching.duration
-    progress = u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
+    progress = minimum_jerk_rise(u)
     knots = arc_length(scattered)
     curve = CubicSpline(knots / knots[-1], scattered)
     bow = rng.normal(0.0, teaching.bow * knots[-1], wanted.shape[1])
@@ -107,7 +108,7 @@ def _unsteady(
     moving = rng.uniform(*teaching.duration)
     pauses = rng.uniform(*teaching.pause, rng.integers(teaching.pauses + 1))
     times = np.arange(int((moving + pauses.sum()) * _RATE) + 1) / _RATE
-    u = times / times[-1]
+    u = normalised_times(times)
     speed = u**2 * (1.0 - u) ** 2 * _pace(times, teaching.pace, rng)
     for middle, length in zip(rng.uniform(0.2, 0.8, len(pauses)), pauses, strict=True):
         # Flat over the pause, with shoulders on which the arm comes to rest and starts again.

@@ -3,6 +3,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
+from leadthrough.motion import normalised_times
 
 TIMES = np.array([0.0, 0.5, 2.0])
 UNIT = np.tile([1.0, 0.0, 0.0, 0.0], (3, 1))
@@ -17,6 +18,11 @@ def test_data_are_copied_and_read_only():
         motion.positions[0, 0] = 1.0
     with pytest.raises(AttributeError):
         motion.positions = positions
+
+
+def test_normalised_times_run_from_zero_to_one_and_a_single_one_is_zero():
+    assert np.array_equal(normalised_times(TIMES + 3.0), [0.0, 0.25, 1.0])
+    assert np.array_equal(normalised_times(TIMES[2:]), [0.0])
 
 
 def test_duration_is_from_the_first_to_the_last_sample():

@@ -20,7 +20,7 @@ from leadthrough.arm.results import STATUSES
 from leadthrough.arm.tracks import TipPath, Track, solve_sample
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LimitsInfeasible
-from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
+from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory, normalised_times
 
 _SAMPLE_ITERATIONS = 60
 # Damping to try where the arm may leave the path, m^2: from none to (0.1 m)^2, by which a joint's
@@ -160,8 +160,7 @@ def _postures(chain: _core.Chain, posture: Any, times: Float64Array) -> Float64A
     if posture.positions.shape[1] != joints or names not in ((), tuple(chain.joint_names)):
         what = list(names) or posture.positions.shape[1]
         raise InvalidInput(f"posture: expected the joints {list(chain.joint_names)}, got {what}")
-    shares = (times - times[0]) / (times[-1] - times[0]) if len(times) > 1 else np.zeros(1)
-    at = posture.times[0] + shares * posture.duration
+    at = posture.times[0] + normalised_times(times) * posture.duration
     return np.column_stack([np.interp(at, posture.times, column) for column in posture.positions.T])
 
 

@@ -184,11 +184,6 @@ def chart_of(motions: Sequence[Motion], phases: Sequence[Float64Array]) -> Chart
     return Chart(kind, size, names, reference, events.agreed(happened))
 
 
-def normalised(motion: Motion) -> Float64Array:
-    """The times of a motion as shares of its duration, (n,) from 0 to 1."""
-    return np.asarray((motion.times - motion.times[0]) / motion.duration)
-
-
 def scales(columns: Sequence[Float64Array], chart: Chart) -> Float64Array:
     """How far the columns of motions (n, width) reach, (width,) > 0, in their units."""
     reach = np.sqrt(np.mean([each.var(axis=0) for each in columns], axis=0))

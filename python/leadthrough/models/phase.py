@@ -7,7 +7,9 @@ from scipy.interpolate import CubicSpline
 from scipy.ndimage import uniform_filter1d
 
 from leadthrough.check import Float64Array
+from leadthrough.motion import normalised_times
 from leadthrough.preprocess.resample import arc_length
+from leadthrough.trajectories import minimum_jerk_rise
 
 SAMPLES = 1001  # of progress, at even normalised times
 # Shares of the duration. The speed is averaged twice over the first, which makes the acceleration
@@ -24,7 +26,7 @@ def progress_of(times: Float64Array, path: Float64Array) -> Float64Array:
     """
     covered = arc_length(path)
     share = covered / covered[-1] if covered[-1] > 0 else np.linspace(0.0, 1.0, len(path))
-    return np.interp(np.linspace(0, 1, SAMPLES), (times - times[0]) / (times[-1] - times[0]), share)
+    return np.interp(np.linspace(0, 1, SAMPLES), normalised_times(times), share)
 
 
 def uniform_progress() -> Float64Array:
@@ -49,7 +51,7 @@ def rest_to_rest(progress: Float64Array) -> Float64Array:
         speed = uniform_filter1d(speed, int(_SMOOTHING * SAMPLES), mode="nearest")
     u = np.linspace(0.0, 1.0, SAMPLES)
     x = np.clip(np.minimum(u, 1.0 - u) / _RAMP, 0.0, 1.0)
-    speed = speed * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+    speed = minimum_jerk_rise(x, speed)
     total = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))])
     return np.asarray(total / total[-1])
 

@@ -14,7 +14,14 @@ import numpy as np
 from leadthrough import _core, check, events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
+from leadthrough.motion import (
+    Demonstration,
+    JointTrajectory,
+    Motion,
+    PoseTrajectory,
+    Trajectory,
+    normalised_times,
+)
 
 # Samples at which motions are compared; a path of pairs takes a byte for each pair.
 _COMPARED = 1000
@@ -80,12 +87,8 @@ def _motions(demonstrations: Sequence[Demonstration]) -> list[Motion]:
     return motions
 
 
-def _share_of_time(motion: Motion) -> Float64Array:
-    return np.asarray((motion.times - motion.times[0]) / motion.duration)
-
-
 def _positions_at(motion: Motion, shares: Float64Array) -> Float64Array:
-    own = _share_of_time(motion)
+    own = normalised_times(motion.times)
     return np.column_stack([np.interp(shares, own, column) for column in motion.positions.T])
 
 
@@ -94,7 +97,7 @@ def _taken_at(motion: Motion, shares: Float64Array, clock: Float64Array) -> Moti
     positions = _positions_at(motion, shares)
     happening = events.moved(motion.events, motion.times[0] + shares * motion.duration, clock)
     if isinstance(motion, PoseTrajectory):
-        turned = rotations.interpolate(_share_of_time(motion), motion.orientations, shares)
+        turned = rotations.interpolate(normalised_times(motion.times), motion.orientations, shares)
         return PoseTrajectory(clock, positions, turned, happening)
     if isinstance(motion, JointTrajectory):
         names = motion.joint_names
@@ -123,4 +126,4 @@ def _way(motion: Motion, name: str) -> tuple[Float64Array, Float64Array]:
     if kept[-1] != len(points) - 1:
         kept[-1 if len(kept) > 1 else 1 :] = [len(points) - 1]
     covered = np.cumsum(np.linalg.norm(np.diff(points[kept], axis=0), axis=1))
-    return _share_of_time(motion)[kept], np.concatenate([[0.0], covered])
+    return normalised_times(motion.times)[kept], np.concatenate([[0.0], covered])

@@ -8,6 +8,7 @@ import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.trajectories import Spline
+from leadthrough.trajectories.minimum_jerk import QUINTIC
 
 # Directions that differ by less are one: rounding of way-points on a straight line.
 _SAME_DIRECTION = 1e-9
@@ -69,16 +70,11 @@ def _corner(
     """Quintic over 2 cut from corner - cut before to corner + cut after."""
     h = 2.0 * cut
     rise, speed = cut * (after - before), after - before
-    return _piece(
-        [
-            corner - cut * before,
-            before,
-            np.zeros_like(corner),
-            (10.0 * rise - 4.0 * h * speed) / h**3,
-            (-15.0 * rise + 7.0 * h * speed) / h**4,
-            (6.0 * rise - 3.0 * h * speed) / h**5,
-        ]
-    )
+    powers = [
+        (by_rise * rise + by_speed * h * speed) / h**power
+        for power, (by_rise, _, by_speed) in enumerate(QUINTIC.tolist(), 3)
+    ]
+    return _piece([corner - cut * before, before, np.zeros_like(corner), *powers])
 
 
 def _piece(rows: list[Float64Array]) -> Float64Array:

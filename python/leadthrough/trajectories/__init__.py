@@ -22,7 +22,12 @@ from leadthrough.trajectories.interpolation import (
     smoothing,
 )
 from leadthrough.trajectories.jerk_filter import JerkFilter
-from leadthrough.trajectories.minimum_jerk import State, minimum_jerk, minimum_jerk_through
+from leadthrough.trajectories.minimum_jerk import (
+    State,
+    minimum_jerk,
+    minimum_jerk_rise,
+    minimum_jerk_through,
+)
 from leadthrough.trajectories.point_to_point import point_to_point
 from leadthrough.trajectories.polynomial import Lagrange, chebyshev_nodes, osculating
 from leadthrough.trajectories.pose_curve import PoseCurve
@@ -60,6 +65,7 @@ __all__ = [
     "hermite",
     "linear",
     "minimum_jerk",
+    "minimum_jerk_rise",
     "minimum_jerk_through",
     "natural_cubic",
     "osculating",

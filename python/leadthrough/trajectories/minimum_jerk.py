@@ -15,6 +15,10 @@ from leadthrough.trajectories.bezier import Bezier
 from leadthrough.trajectories.interpolation import of_bspline
 from leadthrough.trajectories.spline import Spline
 
+# Coefficients of u^3, u^4 and u^5 (rows) of a quintic over u from 0 to 1 without acceleration at
+# its ends, for its rise from 0, its slope at 0 and its slope at 1 (columns).
+QUINTIC = np.array([[10.0, -6.0, -4.0], [-15.0, 8.0, 7.0], [6.0, -3.0, -3.0]])
+
 
 @dataclass(frozen=True, eq=False)
 class State:
@@ -23,6 +27,42 @@ class State:
     position: Float64Array
     velocity: Float64Array | float = 0.0
     acceleration: Float64Array | float = 0.0
+
+
+def minimum_jerk_rise(u: Float64Array, height: float | Float64Array = 1.0) -> Float64Array:
+    """The minimum-jerk rise from 0 at u = 0 to a height at u = 1, at rest at both ends.
+
+    Args:
+        u: fractions (n,) of the duration, or of the way, from 0 to 1.
+        height: what to rise to, one number or (n,).
+
+    Returns:
+        Values (n,).
+
+    Source: Flash and Hogan 1985.
+    """
+    cubic, quartic, quintic = QUINTIC[:, 0].tolist()
+    return np.asarray(height * u**3 * (cubic + quartic * u + quintic * u**2))
+
+
+def quintic_coefficients(
+    start: Float64Array, end: Float64Array, start_slope: Float64Array, end_slope: Float64Array
+) -> Float64Array:
+    """Coefficients (6, d) of the powers of u of the least jerk, without acceleration at the ends.
+
+    Args:
+        start: value (d,) at u = 0.
+        end: value (d,) at u = 1.
+        start_slope: derivative (d,) by u at u = 0.
+        end_slope: derivative (d,) by u at u = 1.
+
+    Source: Flash and Hogan 1985.
+    """
+    coefficients = np.zeros((6, len(start)))
+    coefficients[0] = start
+    coefficients[1] = start_slope
+    coefficients[3:] = QUINTIC @ np.array((end - start, start_slope, end_slope))
+    return coefficients
 
 
 def minimum_jerk(start: Any, end: Any, *, duration: float) -> Bezier:

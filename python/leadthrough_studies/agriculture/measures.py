@@ -13,7 +13,7 @@ import numpy as np
 
 from leadthrough import rotations
 from leadthrough.check import Float64Array
-from leadthrough.motion import Demonstration, PoseTrajectory
+from leadthrough.motion import Demonstration, PoseTrajectory, normalised_times
 from leadthrough.preprocess import align_by_time_warping
 from leadthrough_studies.study import Row
 
@@ -27,7 +27,7 @@ _SPAN = 0.1  # s; over less, the way covered is that of tremor and encoder steps
 
 def judged(made: PoseTrajectory, recorded: PoseTrajectory) -> Row:
     """Errors of a motion against the recording at equal shares of their durations."""
-    wanted = at_phases(recorded, (made.times - made.times[0]) / made.duration)
+    wanted = at_phases(recorded, normalised_times(made.times))
     away = np.linalg.norm(made.positions - wanted.positions, axis=1)
     angles = rotations.distance(made.orientations, wanted.orientations)
     coarse = at_phases(recorded, np.linspace(0.0, 1.0, int(recorded.duration / _SPAN) + 1))

@@ -19,6 +19,7 @@ from leadthrough.arm import Arm
 from leadthrough.arm.yang import DampedLeastSquares, follow_path
 from leadthrough.check import Float64Array
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory
+from leadthrough.trajectories import minimum_jerk_rise
 from leadthrough_studies.demonstrator import JointTeaching, guide_joints
 
 ROBOT = "panda"
@@ -36,11 +37,6 @@ _RATE = 100.0  # Hz
 _REST = 1.0  # s, before and after where a motion is recorded with them
 
 Law = Callable[[Float64Array], Float64Array]
-
-
-def minimum_jerk(u: Float64Array) -> Float64Array:
-    """The share of the way of a hand that starts and ends at rest; its speed is a bell."""
-    return u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
 
 
 def constant(u: Float64Array) -> Float64Array:
@@ -66,7 +62,7 @@ def human(count: int, rng: np.random.Generator) -> list[Demonstration]:
 
 
 def damped(
-    arm: Arm, count: int, rng: np.random.Generator, *, law: Law = minimum_jerk
+    arm: Arm, count: int, rng: np.random.Generator, *, law: Law = minimum_jerk_rise
 ) -> list[Demonstration]:
     """Reaches by damped least squares; the first to the goal itself, the others about it.
 

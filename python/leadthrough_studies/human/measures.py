@@ -22,7 +22,7 @@ import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.models import ProMPSkill
-from leadthrough.motion import Motion
+from leadthrough.motion import Motion, normalised_times
 from leadthrough_studies.study import Row
 
 _TURNED = 0.05
@@ -64,7 +64,7 @@ def _of_one(skill: ProMPSkill, motion: Motion, column: int) -> Row:
     position, made = (values[:, column] for values in learned(skill, motion))
     shown = velocity(motion.times, motion.positions)[:, column]
     peak = float(np.abs(shown).max())
-    phases = (motion.times - motion.times[0]) / motion.duration
+    phases = normalised_times(motion.times)
     error = _rms(made - shown)
     return {
         "peak_ratio": float(np.abs(made).max()) / peak,

@@ -22,6 +22,7 @@ from leadthrough.arm import Arm
 from leadthrough.arm.yang import DampedLeastSquares, follow_path
 from leadthrough.check import Float64Array
 from leadthrough.motion import JointTrajectory, PoseTrajectory
+from leadthrough.trajectories import minimum_jerk_rise
 
 ROTATION_WEIGHT = 0.3  # m a rad
 _CLOSEST_AT = 0.75  # of the way
@@ -76,7 +77,7 @@ def motion(arm: Arm, approach: Approach) -> PoseTrajectory:
     position, orientation = arm.forward_kinematics(posture)
     times = np.arange(round(_DURATION * _RATE) + 1) / _RATE
     u = times / _DURATION
-    along = _TRAVEL * (10 * u**3 - 15 * u**4 + 6 * u**5 - _CLOSEST_AT)
+    along = _TRAVEL * (minimum_jerk_rise(u) - _CLOSEST_AT)
     turned = rotations.exp(np.outer(along, direction[3:]))
     return PoseTrajectory(
         times,

@@ -17,6 +17,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath, UnsupportedQuery
 from leadthrough.models.dmp.springs import Springs, end_of
 from leadthrough.shapes import Box, Capsule, Shape, check_shapes
+from leadthrough.trajectories import minimum_jerk_rise
 
 # Shares of the demonstration's size: the distance to keep from obstacles, and the one at which
 # steering fades. Nearer ends halve the first.
@@ -163,7 +164,7 @@ def _settled(
     """
     since = min(last_push, _LATEST_PUSH)
     s = np.clip((phases - since) / (1.0 - since), 0.0, 1.0)
-    blend = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+    blend = minimum_jerk_rise(s)
     speed = 30.0 * s**2 * (1.0 - s) ** 2 / (1.0 - since)
     off = goal - values[-1]
     return values + np.outer(blend, off), slopes + np.outer(speed, off)

@@ -12,7 +12,13 @@ from leadthrough import events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput
 from leadthrough.events import Event
-from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory
+from leadthrough.motion import (
+    Demonstration,
+    JointTrajectory,
+    Motion,
+    PoseTrajectory,
+    normalised_times,
+)
 
 # Beyond this, products of numbers overflow.
 LARGEST = 1e100
@@ -60,7 +66,9 @@ def mean_motion(demonstrations: Sequence[Demonstration], kinds: tuple[type, ...]
     happened = events.agreed(shares)
     if len(motions) == 1:
         turned = first.orientations if isinstance(first, PoseTrajectory) else None
-        return MeanMotion(_phases(first), first.positions, turned, first.duration, names, happened)
+        return MeanMotion(
+            normalised_times(first.times), first.positions, turned, first.duration, names, happened
+        )
     count = max(len(motion.times) for motion in motions)
     phases = np.linspace(0.0, 1.0, count)
     positions = np.mean([_positions_at(motion, phases) for motion in motions], axis=0)
@@ -105,18 +113,14 @@ def _moves(motion: Motion) -> bool:
     return bool((motion.orientations != motion.orientations[0]).any())
 
 
-def _phases(motion: Motion) -> Float64Array:
-    return np.asarray((motion.times - motion.times[0]) / motion.duration)
-
-
 def _positions_at(motion: Motion, phases: Float64Array) -> Float64Array:
-    own = _phases(motion)
+    own = normalised_times(motion.times)
     return np.column_stack([np.interp(phases, own, column) for column in motion.positions.T])
 
 
 def _mean_turn(motions: Sequence[Motion], phases: Float64Array) -> Float64Array | None:
     layers = [
-        rotations.interpolate(_phases(motion), motion.orientations, phases)
+        rotations.interpolate(normalised_times(motion.times), motion.orientations, phases)
         for motion in motions
         if isinstance(motion, PoseTrajectory)
     ]

@@ -32,14 +32,13 @@ from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.models.dmp import kernels
 from leadthrough.models.dmp.kernels import Kernels
+from leadthrough.trajectories.minimum_jerk import QUINTIC, quintic_coefficients
 
 FORMS = ("blended", "hoffmann", "ijspeert")
 RHYTHMIC = "rhythmic"  # r is the centre of the motion, and the force repeats
 
 RATE = 12.5  # per unit of phase: alpha = 25, beta = 6.25
-# Of minimum jerk, the powers 3 to 5 that a distance and the slopes at both ends ask for.
-_MINIMUM_JERK = np.array([[10.0, -6.0, -4.0], [-15.0, 8.0, 7.0], [6.0, -3.0, -3.0]])
-_BLEND = np.append(np.zeros(3), _MINIMUM_JERK[:, 0])  # from 0 to 1
+_BLEND = np.append(np.zeros(3), QUINTIC[:, 0])  # minimum jerk from 0 to 1
 
 Via = Sequence[tuple[float, Float64Array]]
 
@@ -151,16 +150,8 @@ def redirected(form: str, before: _core.DmpCourse, goal: Float64Array) -> _core.
 
 
 def minimum_jerk(ends: Ends) -> Float64Array:
-    """Coefficients (6, channels) of the powers of u from start to goal, at no acceleration.
-
-    Source: Flash and Hogan 1985.
-    """
-    coefficients = np.zeros((6, len(ends.start)))
-    coefficients[0] = ends.start
-    coefficients[1] = ends.start_slope
-    told = np.array((ends.goal - ends.start, ends.start_slope, ends.goal_slope))
-    coefficients[3:] = _MINIMUM_JERK @ told
-    return coefficients
+    """Coefficients (6, channels) of the powers of u from start to goal, at no acceleration."""
+    return quintic_coefficients(ends.start, ends.goal, ends.start_slope, ends.goal_slope)
 
 
 def _with_via(reference: Float64Array, via: Via) -> tuple[Float64Array, Float64Array]:

@@ -10,6 +10,7 @@ from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.models.marching.shown import Shown
 from leadthrough.preprocess.resample import arc_length
+from leadthrough.trajectories import minimum_jerk_rise
 
 _NODES = 101  # of the mean orientation along the path
 
@@ -38,7 +39,7 @@ def along(
         else rotations.log(rotations.compose(wanted[None], rotations.inverse(node[None])))
         for wanted, node in ((start, nodes[0]), (goal, nodes[-1]))
     ]
-    blend = (shares**3 * (10.0 - 15.0 * shares + 6.0 * shares**2))[:, None]
+    blend = minimum_jerk_rise(shares)[:, None]
     turns = rotations.exp((1.0 - blend) * offsets[0] + blend * offsets[1])
     return rotations.align_signs(rotations.compose(turns, mean))
 

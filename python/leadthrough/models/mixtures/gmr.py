@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from leadthrough import check
-from leadthrough.models.chart import SAMPLES, chart_of, motions_of, normalised, timed_columns
+from leadthrough.models.chart import SAMPLES, chart_of, motions_of, timed_columns
 from leadthrough.models.mixtures.em import choose_components, fit_mixture
 from leadthrough.models.mixtures.gmr_skill import GMRSkill
-from leadthrough.motion import Demonstration
+from leadthrough.motion import Demonstration, normalised_times
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class GMR:
         does not move.
         """
         motions = motions_of(demonstrations)
-        phases = [normalised(motion) for motion in motions]
+        phases = [normalised_times(motion.times) for motion in motions]
         chart = chart_of(motions, phases)
         duration = float(np.median([motion.duration for motion in motions]))
         samples = timed_columns(motions, phases, chart, duration)

@@ -17,7 +17,7 @@ from leadthrough.models.chart import Chart
 from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.update import learned
 from leadthrough.models.sampling import even_times
-from leadthrough.motion import Demonstration
+from leadthrough.motion import Demonstration, normalised_times
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Shape
 
@@ -69,7 +69,7 @@ class GMRSkill:
         check.number(dt, "dt", above=0.0)
         total = self.duration if duration is None else duration
         times = even_times(check.number(total, "duration", above=0.0), dt)
-        phases = times / times[-1]
+        phases = normalised_times(times)
         columns, _ = self.regress(phases * self.duration)
         way = arc_length(columns[:, : self.chart.size])
         shares = way / way[-1] if way[-1] > 0.0 else phases

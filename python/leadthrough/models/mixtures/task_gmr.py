@@ -18,12 +18,12 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
-from leadthrough.models.chart import SAMPLES, Chart, chart_of, motions_of, normalised, timed_columns
+from leadthrough.models.chart import SAMPLES, Chart, chart_of, motions_of, timed_columns
 from leadthrough.models.mixtures.em import Blocks, fit_blocks, standard
 from leadthrough.models.mixtures.gmr_skill import GMRSkill
 from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.task_frames import Frame, Placed, checked, common_chart, placed
-from leadthrough.motion import Demonstration, Motion, PoseTrajectory
+from leadthrough.motion import Demonstration, Motion, PoseTrajectory, normalised_times
 from leadthrough.shapes import Shape
 
 
@@ -54,7 +54,7 @@ class TaskGMR:
         demonstration that does not move.
         """
         motions = motions_of(demonstrations)
-        phases = [normalised(motion) for motion in motions]
+        phases = [normalised_times(motion.times) for motion in motions]
         chart = chart_of(motions, phases)
         duration = float(np.median([motion.duration for motion in motions]))
         samples = timed_columns(motions, phases, chart, duration)

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from leadthrough.check import Float64Array
-from leadthrough.models.chart import motions_of, normalised, timed_columns
+from leadthrough.models.chart import motions_of, timed_columns
 from leadthrough.models.mixtures.em import Blocks, Steps, sums_of
 from leadthrough.models.mixtures.mixture import Mixture
-from leadthrough.motion import Demonstration
+from leadthrough.motion import Demonstration, normalised_times
 
 if TYPE_CHECKING:
     from leadthrough.models.mixtures.gmr_skill import GMRSkill
@@ -28,7 +28,7 @@ def learned(
 ) -> tuple[Mixture, Float64Array, int]:
     """Mixture, mean ends (2, d) and number of demonstrations, with further ones."""
     motions = motions_of(demonstrations)
-    phases = [normalised(motion) for motion in motions]
+    phases = [normalised_times(motion.times) for motion in motions]
     samples = timed_columns(motions, phases, skill.chart, skill.duration)
     total = skill.shown + len(motions)
     points = np.concatenate(samples)

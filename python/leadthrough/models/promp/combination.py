@@ -17,6 +17,7 @@ from leadthrough.errors import InvalidInput
 from leadthrough.models.chart import NODES, Chart
 from leadthrough.models.promp.gaussian import Gaussian, product
 from leadthrough.models.promp.skill import ProMPSkill
+from leadthrough.motion import normalised_times
 
 # Added to what is certain, in shares of the motion's reach, so that it can be divided by.
 _CERTAIN = 1e-7
@@ -58,7 +59,7 @@ def blend(
     shares = check.array(activations, "activations", shape=(len(at), len(skills)))
     if (shares < 0.0).any() or (shares.sum(axis=1) == 0.0).any():
         raise InvalidInput("activations: expected numbers >= 0, not all 0 at any time")
-    phases = (at - at[0]) / (at[-1] - at[0]) if len(at) > 1 else np.zeros(1)
+    phases = normalised_times(at)
     precision, pull = 0.0, 0.0
     for each, share in zip(skills, shares.T, strict=True):
         mean, covariance = each.distribution(phases * each.duration)

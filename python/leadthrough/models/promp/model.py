@@ -15,12 +15,12 @@ import numpy as np
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput
-from leadthrough.models.chart import chart_of, motions_of, normalised, scales
+from leadthrough.models.chart import chart_of, motions_of, scales
 from leadthrough.models.promp.basis import KINDS, LEAST, Basis
 from leadthrough.models.promp.em import expectation_maximisation
 from leadthrough.models.promp.least_squares import least_squares
 from leadthrough.models.promp.skill import ProMPSkill
-from leadthrough.motion import Demonstration, Motion
+from leadthrough.motion import Demonstration, Motion, normalised_times
 
 ESTIMATORS = ("least_squares", "em")
 
@@ -66,7 +66,7 @@ class ProMP:
         """
         motions = motions_of(demonstrations)
         at = (
-            [normalised(motion) for motion in motions]
+            [normalised_times(motion.times) for motion in motions]
             if phases is None
             else _phases(phases, motions, rhythmic=self.basis == "rhythmic")
         )

@@ -13,12 +13,12 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
-from leadthrough.models.chart import Chart, normalised
+from leadthrough.models.chart import Chart
 from leadthrough.models.promp import limits, observation
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.sampling import even_times
-from leadthrough.motion import Motion
+from leadthrough.motion import Motion, normalised_times
 from leadthrough.shapes import Shape
 
 # A time may be so many shares of the duration off either end by rounding.
@@ -183,7 +183,7 @@ class ProMPSkill:
         """
         if not hasattr(trajectory, "positions") or len(trajectory.times) < 2:
             raise InvalidInput("trajectory: expected a motion of at least two samples")
-        phases = normalised(trajectory)
+        phases = normalised_times(trajectory.times)
         values = self.chart.columns(trajectory, phases, "trajectory")
         return observation.log_density(self, phases, values)
 
