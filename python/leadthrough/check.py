@@ -1,14 +1,15 @@
-"""Checks of users' arguments, each done once, at the boundary.
+"""Checks of users' arguments, each done once, where the argument enters the package.
 
-Every function returns the checked value in the form that the rest of the package works with and
-raises InvalidInput with the argument's name otherwise.
+Every function returns the checked value in the form that the rest of the package works with, and
+raises InvalidInput, with the argument's name, what is right and what came. Values come in as
+`object`: checking the type is what these functions are for.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,29 +18,56 @@ from leadthrough import _core
 from leadthrough.errors import InvalidInput
 
 Float64Array = NDArray[np.float64]
+Text = TypeVar("Text", bound=str)
 
-# A recorded quaternion is off by its format's rounding; more than this is not a rotation.
+# Rounding in a file format moves a recorded quaternion off length 1; more is not a rotation.
 UNIT_LENGTH_TOLERANCE = 1e-2
 
 _FLOAT64 = np.dtype(np.float64)
 
 
-def array(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
-    """`value` as a finite, C-contiguous float64 array of `shape`.
+def array(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Array:
+    """`value` as a finite, C-contiguous float64 array, which may share memory with `value`.
 
-    shape: an int is that size, a name any size (the same wherever it stands again), so
-    ("n", 3) is any number of rows of three. The result may share memory with `value`.
+    Args:
+        value: numbers, as an array or nested sequences.
+        name: of the argument, for messages.
+        shape: a size per axis; a string stands for any size, the same wherever it stands again:
+            ("n", 3) is any number of rows of three.
+
+    Raises:
+        InvalidInput: if `value` is not numeric, has another shape or holds NaN or infinity.
     """
     return _checked(_numeric(value, name), name, shape)
 
 
-def with_gaps(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
-    """`value` as by `array`, but it may hold NaN and infinity: what a recorder left out."""
+def with_gaps(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Array:
+    """`value` checked as by `array`, but NaN and infinity may stand for missing numbers.
+
+    Args:
+        value: numbers, as an array or nested sequences.
+        name: of the argument, for messages.
+        shape: as for `array`.
+
+    Raises:
+        InvalidInput: if `value` is not numeric or has another shape.
+    """
     return _of_shape(_numeric(value, name), name, shape)
 
 
-def array_of_rank(value: Any, name: str, *, shapes: Sequence[Sequence[int | str]]) -> Float64Array:
-    """`value` checked as by `array` against the one of `shapes` that has as many axes."""
+def array_of_rank(
+    value: object, name: str, *, shapes: Sequence[Sequence[int | str]]
+) -> Float64Array:
+    """`value` checked as by `array` against the one of several shapes that has as many axes.
+
+    Args:
+        value: numbers, as an array or nested sequences.
+        name: of the argument, for messages.
+        shapes: accepted shapes, each with another number of axes.
+
+    Raises:
+        InvalidInput: as by `array`, or if no shape has as many axes.
+    """
     result = _numeric(value, name)
     for shape in shapes:
         if len(shape) == result.ndim:
@@ -48,15 +76,33 @@ def array_of_rank(value: Any, name: str, *, shapes: Sequence[Sequence[int | str]
     raise InvalidInput(f"{name}: expected shape {wanted}, got {result.shape}")
 
 
-def frozen(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
-    """A read-only copy of `value`, checked as by `array`."""
+def frozen(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Array:
+    """A read-only copy of `value`, checked as by `array`.
+
+    Args:
+        value: numbers, as an array or nested sequences.
+        name: of the argument, for messages.
+        shape: as for `array`.
+
+    Raises:
+        InvalidInput: as by `array`.
+    """
     result = array(value, name, shape=shape).copy()
     result.setflags(write=False)
     return result
 
 
-def times(value: Any, name: str) -> Float64Array:
-    """`value` as at least one strictly increasing time, (n,) s; a read-only copy."""
+def times(value: object, name: str) -> Float64Array:
+    """`value` as at least one strictly increasing time, (n,) s; a read-only copy.
+
+    Args:
+        value: times, s.
+        name: of the argument, for messages.
+
+    Raises:
+        InvalidInput: if `value` is not numeric, empty, not strictly increasing or of infinite
+            duration.
+    """
     result = frozen(value, name, shape=("n",))
     if len(result) == 0:
         raise InvalidInput(f"{name}: expected at least one sample, got none")
@@ -73,10 +119,19 @@ def times(value: Any, name: str) -> Float64Array:
     return result
 
 
-def quaternions(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
-    """`value` as unit quaternions w, x, y, z, normalised; a copy. The last axis holds four."""
+def quaternions(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Array:
+    """`value` as unit quaternions w, x, y, z, normalised; a copy.
+
+    Args:
+        value: quaternions, off length 1 by no more than `UNIT_LENGTH_TOLERANCE`.
+        name: of the argument, for messages.
+        shape: as for `array`; the last axis has size 4.
+
+    Raises:
+        InvalidInput: as by `array`, or if a quaternion's length is not 1.
+    """
     result = array(value, name, shape=shape)
-    if result.ndim == 1:  # the quick way: an arm is asked for single poses in a loop
+    if result.ndim == 1:  # the quick way: single poses come in a control loop
         w, x, y, z = result.tolist()
         length = worst = math.sqrt(w * w + x * x + y * y + z * z)
     else:
@@ -92,7 +147,7 @@ def quaternions(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64
 
 
 def number(
-    value: Any,
+    value: object,
     name: str,
     *,
     above: float | None = None,
@@ -100,11 +155,23 @@ def number(
     below: float | None = None,
     at_most: float | None = None,
 ) -> float:
-    """`value` as a finite float inside the bounds given."""
+    """`value` as a finite float within bounds.
+
+    Args:
+        value: a real number; booleans and text are refused.
+        name: of the argument, for messages.
+        above: exclusive lower bound.
+        at_least: inclusive lower bound.
+        below: exclusive upper bound.
+        at_most: inclusive upper bound.
+
+    Raises:
+        InvalidInput: if `value` is not a finite number or is out of bounds.
+    """
     if isinstance(value, (bool, np.bool_, str, bytes)):
         raise InvalidInput(f"{name}: expected a number, got {value!r}")
     try:
-        result = float(value)
+        result = float(value)  # type: ignore[arg-type]  # whether it can be one is the question
     except (TypeError, ValueError, OverflowError):
         raise InvalidInput(f"{name}: expected a number, got {_short(value)}") from None
     bounds = [
@@ -121,8 +188,18 @@ def number(
     return result
 
 
-def integer(value: Any, name: str, *, at_least: int, at_most: int | None = None) -> int:
-    """`value` as an int inside the bounds given; a float is refused, even a whole one."""
+def integer(value: object, name: str, *, at_least: int, at_most: int | None = None) -> int:
+    """`value` as an int within bounds; a float is refused, even a whole one.
+
+    Args:
+        value: an int or NumPy integer.
+        name: of the argument, for messages.
+        at_least: inclusive lower bound.
+        at_most: inclusive upper bound.
+
+    Raises:
+        InvalidInput: if `value` is not an integer or is out of bounds.
+    """
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)):
         raise InvalidInput(f"{name}: expected an integer, got {_short(value)}")
     result = int(value)
@@ -132,12 +209,23 @@ def integer(value: Any, name: str, *, at_least: int, at_most: int | None = None)
     return result
 
 
-def choice(value: Any, name: str, options: Collection[str]) -> str:
-    """`value` if it is one of `options`."""
-    if not isinstance(value, str) or value not in options:
-        names = ", ".join(repr(option) for option in options)
-        raise InvalidInput(f"{name}: expected one of {names}, got {_short(value)}")
-    return value
+def choice(value: object, name: str, options: Collection[Text]) -> Text:
+    """`value`, if it is one of several texts.
+
+    Args:
+        value: the user's choice.
+        name: of the argument, for messages.
+        options: accepted texts.
+
+    Raises:
+        InvalidInput: if `value` is none of the options.
+    """
+    if isinstance(value, str):
+        for option in options:
+            if option == value:
+                return option
+    names = ", ".join(repr(option) for option in options)
+    raise InvalidInput(f"{name}: expected one of {names}, got {_short(value)}")
 
 
 def _of_shape(result: Float64Array, name: str, shape: Sequence[int | str]) -> Float64Array:
@@ -155,8 +243,8 @@ def _checked(result: Float64Array, name: str, shape: Sequence[int | str]) -> Flo
     return result
 
 
-def _numeric(value: Any, name: str) -> Float64Array:
-    # What it should be already needs no more: an arm is asked for single poses in a loop.
+def _numeric(value: object, name: str) -> Float64Array:
+    # The quick way: single poses come in a control loop.
     if type(value) is np.ndarray and value.dtype is _FLOAT64 and value.flags.c_contiguous:
         return value
     try:
@@ -189,6 +277,6 @@ def _shape_text(shape: Sequence[int | str]) -> str:
     return f"({', '.join(str(size) for size in shape)}{comma})"
 
 
-def _short(value: Any) -> str:
+def _short(value: object) -> str:
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."

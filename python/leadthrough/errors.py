@@ -1,20 +1,24 @@
-"""Every exception that leadthrough raises; all of them are a `LeadthroughError`."""
+"""Every exception that leadthrough raises; each is a `LeadthroughError`."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class LeadthroughError(Exception):
-    """Root of the package's errors; they survive the way back from a worker process."""
+    """Root of the package's errors; each can be pickled, so a worker process may raise it."""
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        # Exception's own calls the class with the message alone, which not all of them take.
+    def __reduce__(self) -> tuple[Any, ...]:  # Any: the type that Exception declares
+        # Exception's own version calls the class with the message alone; some need more.
         return _restored, (type(self), self.args, self.__dict__)
 
 
 class InvalidInput(LeadthroughError, ValueError):
-    """An argument is wrong; the message names it, what came and what would be right."""
+    """An argument is wrong; the message names it, what is right and what came."""
 
 
 class UnsupportedQuery(InvalidInput):
@@ -22,11 +26,15 @@ class UnsupportedQuery(InvalidInput):
 
 
 class FitError(LeadthroughError):
-    """No model could be fitted to these demonstrations."""
+    """No model can be fitted to these demonstrations."""
 
 
 class NoPath(LeadthroughError):
-    """No path exists; `reason` is a short code such as "start_in_wall" or "goal_enclosed"."""
+    """No path exists between start and goal.
+
+    Attributes:
+        reason: short code such as "start_in_wall" or "goal_enclosed".
+    """
 
     def __init__(self, message: str, *, reason: str) -> None:
         super().__init__(message)
@@ -34,7 +42,11 @@ class NoPath(LeadthroughError):
 
 
 class NoContinuousLogarithm(LeadthroughError):
-    """A motion's rotation vectors cannot be continued; `index` is the sample where they break."""
+    """A motion's rotation vectors cannot be continued without a jump.
+
+    Attributes:
+        index: sample at which the continuation breaks.
+    """
 
     def __init__(self, message: str, *, index: int) -> None:
         super().__init__(message)
@@ -44,12 +56,21 @@ class NoContinuousLogarithm(LeadthroughError):
 class IkFailure(LeadthroughError):
     """No joint configuration reaches a sample of a motion.
 
-    index: the sample. status: why the solver stopped. residual: (position m, orientation rad).
-    q: (n,) the closest configuration found.
+    Attributes:
+        index: sample that is not reached.
+        status: why the solver stopped.
+        residual: remaining errors (position in m, orientation in rad).
+        q: closest joint configuration found, (n,) rad (m for prismatic joints).
     """
 
     def __init__(
-        self, message: str, *, index: int, status: str, residual: tuple[float, float], q: Any
+        self,
+        message: str,
+        *,
+        index: int,
+        status: str,
+        residual: tuple[float, float],
+        q: NDArray[np.float64],
     ) -> None:
         super().__init__(message)
         self.index = index
@@ -59,7 +80,11 @@ class IkFailure(LeadthroughError):
 
 
 class LimitsInfeasible(LeadthroughError):
-    """No slowing down brings this motion inside the limits; `joint` names the one at fault."""
+    """No slower execution brings this motion inside the limits.
+
+    Attributes:
+        joint: name of the joint whose limits cannot be met.
+    """
 
     def __init__(self, message: str, *, joint: str) -> None:
         super().__init__(message)
@@ -67,9 +92,11 @@ class LimitsInfeasible(LeadthroughError):
 
 
 class InvalidRobot(LeadthroughError, ValueError):
-    """A robot description is malformed or contradictory.
+    """A robot description is malformed or contradicts itself.
 
-    where: the element at fault. why: what is wrong with it.
+    Attributes:
+        where: element at fault.
+        why: what is wrong with it.
     """
 
     def __init__(self, where: str, why: str) -> None:
@@ -79,7 +106,12 @@ class InvalidRobot(LeadthroughError, ValueError):
 
 
 class MissingDependency(LeadthroughError, ImportError):
-    """An optional package is not installed; the message names the extra that brings it."""
+    """An optional package is not installed.
+
+    Attributes:
+        package: name of the package.
+        extra: extra of leadthrough that installs it.
+    """
 
     def __init__(self, package: str, *, extra: str) -> None:
         super().__init__(

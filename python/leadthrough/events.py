@@ -1,18 +1,18 @@
-"""What happens during a motion besides moving, such as a gripper that closes: names with times.
+"""Events of a motion, such as a gripper that closes: names with times.
 
-What changes a motion's clock hands its events on through `moved`, so that they keep their places on
-the way. A skill has them at shares of its duration, 0 to 1.
+Whatever changes a motion's clock passes its events through `moved`, so that they stay at their
+places along the path. A skill stores its events at fractions, 0 to 1, of its duration.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import count
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
@@ -21,9 +21,14 @@ from leadthrough.errors import InvalidInput
 
 @dataclass(frozen=True, order=True)
 class Event:
-    """time: s, on the clock of the motion that has it. name: what happens, not empty.
+    """Something that happens at one time of a motion.
 
-    Raises InvalidInput.
+    Attributes:
+        time: s, on the clock of the motion.
+        name: what happens, such as "close gripper"; not blank.
+
+    Raises:
+        InvalidInput: if the time is not a finite number or the name is not text or is blank.
     """
 
     time: float
@@ -31,64 +36,88 @@ class Event:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "time", check.number(self.time, "time"))
-        if not isinstance(self.name, str) or not self.name.strip():
-            raise InvalidInput(f"name: expected what happens, got {self.name!r}")
+        if not isinstance(self.name, str):
+            raise InvalidInput(f"name: expected the event's name as text, got {self.name!r}")
+        if not self.name.strip():
+            raise InvalidInput(f"name: expected an event's name, got blank text {self.name!r}")
 
 
 Events = tuple[Event, ...]
 
 
-def checked(value: Any, times: Float64Array) -> Events:
-    """`value` as events in the order of their times, inside those (n,) of a motion.
+def checked(value: object, times: Float64Array) -> Events:
+    """Events in the order of their times.
 
-    Raises InvalidInput.
+    Args:
+        value: a sequence of `Event`.
+        times: of the motion, (n,) s, increasing.
+
+    Raises:
+        InvalidInput: if `value` is anything else, or an event lies outside the motion's times.
     """
     if not isinstance(value, Sequence):
         raise InvalidInput(f"events: expected a sequence of Event, got {type(value).__name__}")
-    for each in value:
+    for i, each in enumerate(value):
         if not isinstance(each, Event):
-            raise InvalidInput(f"events: expected Event, got one of {type(each).__name__}")
+            raise InvalidInput(f"events[{i}]: expected an Event, got {type(each).__name__}")
     for event in value:
         if not times[0] <= event.time <= times[-1]:
             raise InvalidInput(
-                f"events: expected times from {times[0]:.6g} to {times[-1]:.6g} s, as the motion "
-                f"has, got {event.name!r} at {event.time:.6g} s"
+                f"events: expected times within the motion, {times[0]:.6g} to {times[-1]:.6g} s, "
+                f"got {event.name!r} at {event.time:.6g} s"
             )
     return tuple(sorted(value))
 
 
-def moved(events: Events, old: Any, new: Any) -> Events:
-    """The events on another clock, which shows `new` (n,) where theirs shows `old` (n,).
+def moved(events: Events, old: ArrayLike, new: ArrayLike) -> Events:
+    """The events on another clock.
 
-    Both rise; where the old clock stands still, an event comes as soon as the new one gets there.
+    Where the old clock stands still while the new one runs, an event comes at the earliest new
+    time.
+
+    Args:
+        events: on the old clock.
+        old: readings of the old clock, (n,), not decreasing.
+        new: readings of the new clock at the same moments, (n,), not decreasing.
     """
     if not events:
         return ()
     before, after = np.asarray(old), np.asarray(new)
     times = np.array([event.time for event in events])
-    # From the end on backwards: of several equal times np.interp takes the last.
+    # From the end backwards: of several equal times np.interp takes the last.
     found = np.clip(np.interp(-times, -before[::-1], after[::-1]), after[0], after[-1])
     return tuple(Event(float(time), event.name) for time, event in zip(found, events, strict=True))
 
 
 def within(events: Events, first: float, last: float) -> Events:
-    """The events from `first` to `last`, s."""
+    """The events from `first` to `last`, s, both included."""
     return tuple(event for event in events if first <= event.time <= last)
 
 
-def agreed(shown: Sequence[Events], weights: Any = None) -> Events:
-    """The events that most of several motions have, at the mean of their times.
+def clipped(events: Events, times: Float64Array) -> Events:
+    """All events, those outside of a motion's times (n,) moved to its nearer end."""
+    return tuple(
+        Event(float(np.clip(event.time, times[0], times[-1])), event.name) for event in events
+    )
 
-    The k-th of a name is the same event in all; it counts where the motions that have it weigh
-    more than half of all. weights: (m,), by default equal.
+
+def agreed(shown: Sequence[Events], weights: ArrayLike | None = None) -> Events:
+    """The events that most of several motions have, at the weighted mean of their times.
+
+    The k-th event of a name in one motion corresponds to the k-th of that name in the others. It
+    is kept if the motions that have it carry more than half of the total weight.
+
+    Args:
+        shown: the events of m motions, on a common clock.
+        weights: of the motions, (m,), positive; equal by default.
     """
-    shares = np.ones(len(shown)) if weights is None else np.asarray(weights)
+    each_weight = np.ones(len(shown)) if weights is None else np.asarray(weights)
     seen: dict[tuple[str, int], list[tuple[float, float]]] = defaultdict(list)
-    for events, share in zip(shown, shares, strict=True):
+    for events, weight in zip(shown, each_weight, strict=True):
         numbers: dict[str, count[int]] = defaultdict(count)
         for event in events:
-            seen[event.name, next(numbers[event.name])].append((event.time, float(share)))
-    half = 0.5 * float(shares.sum())
+            seen[event.name, next(numbers[event.name])].append((event.time, float(weight)))
+    half = 0.5 * float(each_weight.sum())
     return tuple(
         sorted(
             Event(float(np.average(times, weights=own)), name)
@@ -100,7 +129,12 @@ def agreed(shown: Sequence[Events], weights: Any = None) -> Events:
 
 
 def every_round(events: Events, rounds: float) -> Events:
-    """Events of one round, at 0 to 1, in all of a number of rounds."""
+    """The events of one round, repeated in every round; a round lasts 1.
+
+    Args:
+        events: at times 0 to 1.
+        rounds: how many rounds there are, the last perhaps not complete.
+    """
     return tuple(
         Event(event.time + k, event.name)
         for k in range(int(np.ceil(rounds)))
@@ -110,7 +144,7 @@ def every_round(events: Events, rounds: float) -> Events:
 
 
 def by_round(events: Events, first: float, last: float) -> list[Events]:
-    """Events from `first` to `last`, in rounds, each round's at 0 to 1."""
+    """The events of each round from `first` to `last`, at times 0 to 1 within their round."""
     end = int(np.ceil(last))
     return [
         tuple(
@@ -122,11 +156,19 @@ def by_round(events: Events, first: float, last: float) -> list[Events]:
     ]
 
 
-def to_plain(events: Events) -> list[list[Any]]:
-    """The events as values that JSON knows."""
+def to_plain(events: Events) -> list[list[float | str]]:
+    """The events as [time, name] pairs, which JSON can hold."""
     return [[event.time, event.name] for event in events]
 
 
-def from_plain(value: Any) -> Events:
-    """The events that `to_plain` took apart. Raises TypeError, InvalidInput."""
+def from_plain(value: Iterable[tuple[float, str]]) -> Events:
+    """The events of [time, name] pairs, as `to_plain` makes them.
+
+    Args:
+        value: the pairs.
+
+    Raises:
+        InvalidInput: if a time is not a number or a name is not text.
+        TypeError: if an entry is not a pair.
+    """
     return tuple(Event(*each) for each in value)

@@ -12,6 +12,7 @@ PACKAGE = Path(leadthrough.__file__).parent
 STUDIES = Path(leadthrough_studies.__file__).parent
 STAGES = (
     "errors",
+    "optional",
     "check",
     "events",
     "rotations",
