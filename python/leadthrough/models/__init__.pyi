@@ -8,7 +8,7 @@ from .dmp.rhythmic import (
 )
 from .library import SkillLibrary
 from .marching.model import FastMarching, FastMarchingSkill
-from .mixtures.em import choose_components, fit_mixture
+from .mixtures.fitting import choose_components, fit_mixture
 from .mixtures.gmr import GMR
 from .mixtures.gmr_skill import GMRSkill
 from .mixtures.kmeans import kmeans

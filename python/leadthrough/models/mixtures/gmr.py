@@ -13,7 +13,7 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.models.chart import SAMPLES, chart_of, motions_of, timed_columns
-from leadthrough.models.mixtures.em import choose_components, fit_mixture
+from leadthrough.models.mixtures.fitting import choose_components, fit_mixture
 from leadthrough.models.mixtures.gmr_skill import GMRSkill
 from leadthrough.motion import Demonstration, normalised_times
 

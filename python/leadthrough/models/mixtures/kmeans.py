@@ -1,15 +1,15 @@
-"""Clusters of points: k-means with the seeding of k-means++.
+"""k-means clustering with the seeding of k-means++.
 
-Sources: Lloyd 1982; Arthur and Vassilvitskii 2007, "k-means++: the advantages of careful seeding".
+Sources: Lloyd 1982, "Least squares quantization in PCM"; Arthur and Vassilvitskii 2007, "k-means++:
+the advantages of careful seeding".
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
 from leadthrough.check import Float64Array
@@ -20,9 +20,13 @@ _MOST_STEPS = 300
 
 @dataclass(frozen=True, eq=False)
 class Clusters:
-    """centres: (k, d). labels: (n,) the cluster of each point. inertia: sum of squared distances.
+    """Points divided into clusters.
 
-    steps: the centres (k, d) before every step, first the seeds.
+    Attributes:
+        centres: centres (k, d).
+        labels: index (n,) of each point's cluster.
+        inertia: sum of squared distances of the points from their centres.
+        steps: centres (k, d) before every step, the seeds first.
     """
 
     centres: Float64Array
@@ -31,21 +35,31 @@ class Clusters:
     steps: tuple[Float64Array, ...]
 
 
-def kmeans(points: Any, count: int, *, seed: int) -> Clusters:
-    """Points (n, d) in as many clusters as count, at most n, none of them empty.
+def kmeans(points: ArrayLike, count: int, *, seed: int) -> Clusters:
+    """Points divided into clusters, none of them empty.
 
-    Distances are those of the numbers as they are: scale them before. Raises InvalidInput.
+    Columns are not scaled: scale them first where their units differ.
+
+    Args:
+        points: points (n, d).
+        count: number of clusters, 1 to n.
+        seed: seed of the random number generator.
+
+    Raises:
+        InvalidInput: if points is not a finite (n, d) array, count is not in 1 to n or seed < 0.
     """
     data = check.array(points, "points", shape=("n", "d"))
     size = check.integer(count, "count", at_least=1)
     if size > len(data):
-        raise InvalidInput(f"count: expected at most {len(data)} for as many points, got {size}")
+        raise InvalidInput(
+            f"count: expected at most as many clusters as points, {len(data)}, got {size}"
+        )
     rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
     return clustered(data, seeds(data, size, rng))
 
 
 def seeds(points: Float64Array, count: int, rng: np.random.Generator) -> Float64Array:
-    """Points (count, d) of points (n, d), each drawn by its squared distance to those before."""
+    """Rows (count, d) of points (n, d), drawn by squared distance to those drawn before."""
     chosen = [int(rng.integers(len(points)))]
     nearest = ((points - points[chosen[0]]) ** 2).sum(axis=1)
     for _ in range(count - 1):
@@ -60,7 +74,7 @@ def seeds(points: Float64Array, count: int, rng: np.random.Generator) -> Float64
 
 
 def clustered(points: Float64Array, centres: Float64Array) -> Clusters:
-    """Lloyd's steps from centres (k, d) until no point changes its cluster."""
+    """Clusters of points (n, d) after Lloyd's steps from centres (k, d), until none changes."""
     steps: list[Float64Array] = []
     labels = np.full(len(points), -1)
     while True:
@@ -76,7 +90,7 @@ def clustered(points: Float64Array, centres: Float64Array) -> Clusters:
 
 
 def _nearest(points: Float64Array, centres: Float64Array) -> tuple[NDArray[np.intp], Float64Array]:
-    """The nearest centre of each point, and the squared distance to it."""
+    """Index (n,) of each point's nearest centre, and the squared distance (n,) to it."""
     middle = points.mean(axis=0)  # so that the products cancel little
     a, b = points - middle, centres - middle
     labels = ((b**2).sum(axis=1)[:, None] - 2.0 * b @ a.T).argmin(axis=0)
@@ -84,7 +98,7 @@ def _nearest(points: Float64Array, centres: Float64Array) -> tuple[NDArray[np.in
 
 
 def _without_empty(labels: NDArray[np.intp], squared: Float64Array, count: int) -> NDArray[np.intp]:
-    """The labels, where every empty cluster takes the farthest point of one that has several."""
+    """Labels (n,) in which each empty cluster has taken the farthest point of a larger one."""
     counts = np.bincount(labels, minlength=count)
     if counts.all():
         return labels

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
@@ -22,7 +22,17 @@ _SUM_TOLERANCE = 1e-6  # of weights that were rounded in a file
 
 @dataclass(frozen=True, eq=False)
 class Mixture:
-    """weights: (k,) > 0, of sum 1. means: (k, d). covariances: (k, d, d), positive definite."""
+    """A mixture of k normal distributions of d columns.
+
+    Attributes:
+        weights: weights (k,), >= 0, of sum 1.
+        means: means (k, d).
+        covariances: covariances (k, d, d), positive definite.
+
+    Raises:
+        InvalidInput: if the shapes differ, the weights do not sum to 1 or a covariance is not
+            positive definite.
+    """
 
     weights: Float64Array
     means: Float64Array
@@ -36,7 +46,7 @@ class Mixture:
             self.covariances, "covariances", shape=(len(weights), size, size)
         )
         if not (weights >= 0.0).all() or abs(weights.sum() - 1.0) > _SUM_TOLERANCE:
-            raise InvalidInput(f"weights: expected shares of sum 1, got {weights}")
+            raise InvalidInput(f"weights: expected fractions that sum to 1, got {weights}")
         for name, value in (("weights", weights), ("means", means), ("covariances", covariances)):
             object.__setattr__(self, name, value)
         _ = self._whitening  # a covariance that is not positive definite is refused here
@@ -51,18 +61,46 @@ class Mixture:
         """Number of columns."""
         return int(self.means.shape[1])
 
-    def log_density(self, points: Any) -> Float64Array:
-        """Logarithms (n,) of the density at points (n, d). Raises InvalidInput."""
+    def log_density(self, points: ArrayLike) -> Float64Array:
+        """Logarithm of the density at each point.
+
+        Args:
+            points: points (n, d).
+
+        Returns:
+            Logarithms (n,).
+
+        Raises:
+            InvalidInput: if points is not a finite (n, d) array.
+        """
         data = check.array(points, "points", shape=("n", self.size))
         return _log_sum(self._joint(data))
 
-    def responsibilities(self, points: Any) -> Float64Array:
-        """Probability (n, k) that points (n, d) belong to each component. Raises InvalidInput."""
+    def responsibilities(self, points: ArrayLike) -> Float64Array:
+        """Probability that each point belongs to each component.
+
+        Args:
+            points: points (n, d).
+
+        Returns:
+            Probabilities (n, k).
+
+        Raises:
+            InvalidInput: if points is not a finite (n, d) array.
+        """
         joint = self._joint(check.array(points, "points", shape=("n", self.size)))
         return np.asarray(np.exp(joint - _log_sum(joint)[:, None]))
 
     def sample(self, count: int, *, seed: int) -> Float64Array:
-        """Random points (count, d). Raises InvalidInput."""
+        """Random points (count, d).
+
+        Args:
+            count: number of points, >= 1.
+            seed: seed of the random number generator, >= 0.
+
+        Raises:
+            InvalidInput: if count or seed is out of range.
+        """
         size = check.integer(count, "count", at_least=1)
         rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
         which = rng.choice(self.count, size, p=self.weights / self.weights.sum())
@@ -71,51 +109,74 @@ class Mixture:
         return np.asarray(self.means[which] + np.einsum("nij,nj->ni", roots[which], normal))
 
     def marginal(self, columns: Sequence[int]) -> Mixture:
-        """The mixture of some columns, in the order given. Raises InvalidInput."""
+        """The mixture of some columns.
+
+        Args:
+            columns: indices of different columns, in the order wanted.
+
+        Raises:
+            InvalidInput: if a column is out of range or given twice.
+        """
         chosen = self._columns(columns, "columns")
         covariances = self.covariances[:, chosen][:, :, chosen]
         return Mixture(self.weights, self.means[:, chosen], covariances)
 
     def regress(
-        self, values: Any, *, inputs: Sequence[int], outputs: Sequence[int] | None = None
+        self, values: ArrayLike, *, inputs: Sequence[int], outputs: Sequence[int] | None = None
     ) -> tuple[Float64Array, Float64Array]:
-        """Mean (n, p) and covariance (n, p, p) of outputs given the values (n, m) of inputs.
+        """Mean and covariance of some columns, given the values of others.
 
-        inputs, outputs: columns; by default all others are outputs. The covariance is that of the
-        conditional mixture, by the law of total variance. Raises InvalidInput.
+        The covariance is that of the conditional mixture, by the law of total variance.
+
+        Args:
+            values: values (n, m) of the inputs.
+            inputs: indices of m columns.
+            outputs: indices of p other columns; by default all that are not inputs.
+
+        Returns:
+            Mean (n, p) and covariance (n, p, p) of the outputs.
+
+        Raises:
+            InvalidInput: if a column is out of range, given twice or both input and output, or if
+                values is not a finite (n, m) array.
         """
         given = self._columns(inputs, "inputs")
         rest = [column for column in range(self.size) if column not in given]
         wanted = rest if outputs is None else self._columns(outputs, "outputs")
         if not wanted or set(wanted) & set(given):
-            raise InvalidInput(f"outputs: expected columns beside the inputs, got {wanted}")
+            raise InvalidInput(
+                f"outputs: expected at least one column, none of them an input, got {wanted}"
+            )
         x = check.array(values, "values", shape=("n", len(given)))
         return self._conditioned(x, given, wanted)
 
     def _conditioned(
         self, x: Float64Array, given: list[int], wanted: list[int]
     ) -> tuple[Float64Array, Float64Array]:
+        """Mean and covariance of the columns `wanted` at values x (n, m) of the columns `given`."""
         of_inputs = self.covariances[:, given][:, :, given]
         whitening = np.linalg.inv(np.linalg.cholesky(of_inputs))
         joint = _log_joint(self.weights, self.means[:, given], whitening, x)
-        shares = np.exp(joint - _log_sum(joint)[:, None])
+        weights = np.exp(joint - _log_sum(joint)[:, None])  # of the components at each input
         cross = self.covariances[:, wanted][:, :, given]
         gains = cross @ whitening.transpose(0, 2, 1) @ whitening
         inner = self.covariances[:, wanted][:, :, wanted] - gains @ cross.transpose(0, 2, 1)
         offsets = x[None] - self.means[:, None, given]
         means = self.means[:, None, wanted] + offsets @ gains.transpose(0, 2, 1)  # (k, n, p)
-        mean = np.einsum("nk,knp->np", shares, means)
+        mean = np.einsum("nk,knp->np", weights, means)
         # The spread of the components' means about their mean, free of cancellation.
         apart = (means - mean).transpose(1, 2, 0)
-        within = shares @ inner.reshape(self.count, -1)
-        covariance = (apart * shares[:, None, :]) @ apart.transpose(0, 2, 1)
+        within = weights @ inner.reshape(self.count, -1)
+        covariance = (apart * weights[:, None, :]) @ apart.transpose(0, 2, 1)
         covariance += within.reshape(covariance.shape)
         return mean, 0.5 * (covariance + covariance.transpose(0, 2, 1))
 
     def _columns(self, columns: Sequence[int], name: str) -> list[int]:
         chosen = [check.integer(c, name, at_least=0, at_most=self.size - 1) for c in columns]
         if not chosen or len(set(chosen)) != len(chosen):
-            raise InvalidInput(f"{name}: expected different columns, got {list(columns)}")
+            raise InvalidInput(
+                f"{name}: expected at least one column, each once, got {list(columns)}"
+            )
         return chosen
 
     @cached_property
@@ -133,7 +194,7 @@ class Mixture:
 def _log_joint(
     weights: Float64Array, means: Float64Array, whitening: Float64Array, data: Float64Array
 ) -> Float64Array:
-    """Logarithms (n, k) of weight times density at points (n, d)."""
+    """Logarithms (n, k) of each component's weight times its density at points (n, d)."""
     offsets = data[None] - means[:, None]
     squared = ((offsets @ whitening.transpose(0, 2, 1)) ** 2).sum(axis=2)
     volumes = np.log(np.einsum("kii->ki", whitening)).sum(axis=1)
@@ -143,6 +204,6 @@ def _log_joint(
 
 
 def _log_sum(values: Float64Array) -> Float64Array:
-    """log sum exp over the last axis, (n,)."""
+    """log sum exp (n,) over the last axis of values (n, k)."""
     largest = values.max(axis=1)
     return np.asarray(largest + np.log(np.exp(values - largest[:, None]).sum(axis=1)))

@@ -1,19 +1,21 @@
 """Frames that move with a task, and motions and distributions seen from them.
 
-Points and joints seen from a frame are shifted and turned. Of poses the orientation is seen from
-it too: as a rotation vector in the tangent spaces along the frame's own reference. Where the frames
-of a new situation stand, these references are averaged; each frame's Gaussians are brought into the
-tangent spaces of the mean to first order. Source: Zeestraten et al. 2017, "An approach for
-imitation learning on Riemannian manifolds", section III-C.
+Seen from a frame, points and joints are shifted and rotated. Orientations of poses are rotated too,
+and written as rotation vectors in the tangent spaces along the frame's own reference. For the
+frames of a new situation these references are averaged, and each frame's Gaussians are carried into
+the tangent spaces of the mean reference to first order.
+
+Source: Zeestraten et al. 2017, "An approach for imitation learning on Riemannian manifolds",
+section III-C.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array
@@ -21,39 +23,57 @@ from leadthrough.errors import InvalidInput
 from leadthrough.models.chart import NODES, Chart, mean_orientations
 from leadthrough.motion import Motion, PoseTrajectory
 
+# Largest entry of axes.T @ axes - identity that passes for rounding.
 _ORTHONORMAL = 1e-6
-# Half the span of phases over which a drift is measured.
+# Half the span of phases over which a drift is measured by finite differences.
 _AROUND = 2.5e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Where something of the task stands: a start, a goal, an object.
+    """A frame of reference in the task: at a start, a goal or an object.
 
-    origin: (d,). axes: (d, d) orthonormal, its axes as columns; by default those of the base frame.
-    For poses (3,) and (3, 3), right-handed.
+    Attributes:
+        origin: origin (d,) in the base frame, m; for joints a configuration, rad.
+        axes: orthonormal axes (d, d) as columns, by default those of the base frame. For poses
+            (3, 3) and right-handed.
+
+    Raises:
+        InvalidInput: if the shapes do not fit or the axes are not orthonormal.
     """
 
     origin: Float64Array
-    axes: Any = None
+    axes: Float64Array
 
-    def __post_init__(self) -> None:
-        origin = check.frozen(self.origin, "origin", shape=("d",))
-        size = len(origin)
-        given = np.eye(size) if self.axes is None else self.axes
-        axes = check.frozen(given, "axes", shape=(size, size))
-        if np.abs(axes.T @ axes - np.eye(size)).max() > _ORTHONORMAL:
-            raise InvalidInput("axes: expected orthonormal columns")
-        object.__setattr__(self, "origin", origin)
-        object.__setattr__(self, "axes", axes)
+    def __init__(self, origin: ArrayLike, axes: ArrayLike | None = None) -> None:
+        checked_origin = check.frozen(origin, "origin", shape=("d",))
+        size = len(checked_origin)
+        given = np.eye(size) if axes is None else axes
+        checked_axes = check.frozen(given, "axes", shape=(size, size))
+        off = float(np.abs(checked_axes.T @ checked_axes - np.eye(size)).max())
+        if off > _ORTHONORMAL:
+            raise InvalidInput(
+                f"axes: expected orthonormal columns, got axes.T @ axes off by {off:.3g}"
+            )
+        object.__setattr__(self, "origin", checked_origin)
+        object.__setattr__(self, "axes", checked_axes)
 
     @staticmethod
-    def of_pose(position: Float64Array, orientation: Float64Array) -> Frame:
-        """The frame of a tool at a position (3,) with an orientation (4,)."""
-        return Frame(position, rotations.to_matrix(orientation[None])[0])
+    def of_pose(position: ArrayLike, orientation: ArrayLike) -> Frame:
+        """The frame of a tool.
+
+        Args:
+            position: position (3,) of the tool in the base frame, m.
+            orientation: orientation (4,) of the tool, w, x, y, z.
+
+        Raises:
+            InvalidInput: if the shapes differ or the quaternion is not of length one.
+        """
+        given = check.array(orientation, "orientation", shape=(4,))
+        return Frame(position, rotations.to_matrix(given[None])[0])
 
     def local(self, motion: Motion) -> Motion:
-        """A motion of the base frame, seen from this one; without events and derivatives."""
+        """A motion given in the base frame, seen from this one; without events and derivatives."""
         positions = np.asarray((motion.positions - self.origin) @ self.axes)
         if not isinstance(motion, PoseTrajectory):
             return type(motion)(motion.times, positions)
@@ -62,15 +82,18 @@ class Frame:
         return PoseTrajectory(motion.times, positions, rotations.align_signs(turned))
 
     def orientations(self, count: int) -> Float64Array:
-        """Its orientation, repeated (count, 4)."""
+        """Its orientation w, x, y, z, repeated (count, 4)."""
         return np.repeat(rotations.from_matrix(self.axes[None]), count, axis=0)
 
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """Gaussians of a frame in a situation: means (k, w), what turns their deviations (k, w, w).
+    """A frame's k Gaussians, in the common columns of a situation.
 
-    drift: (k, w) what the means gain a second because the reference moves on.
+    Attributes:
+        means: means (k, w).
+        maps: matrices (k, w, w) that carry deviations from the frame's own columns.
+        drift: rates (k, w) at which the means change because the reference moves on, per second.
     """
 
     means: Float64Array
@@ -79,7 +102,13 @@ class Placed:
 
 
 def common_chart(chart: Chart, own: Sequence[Chart], frames: Sequence[Frame]) -> Chart:
-    """The chart about the mean of the frames' references, which are those of their own charts."""
+    """A chart whose reference is the mean of the frames' own, seen from the base frame.
+
+    Args:
+        chart: chart of the motions in the base frame.
+        own: chart of the motions seen from each frame.
+        frames: the frames of the situation.
+    """
     if chart.kind != "poses":
         return chart
     predicted = [_predicted(each, frame, NODES) for each, frame in zip(own, frames, strict=True)]
@@ -87,9 +116,14 @@ def common_chart(chart: Chart, own: Sequence[Chart], frames: Sequence[Frame]) ->
 
 
 def placed(frame: Frame, own: Chart, common: Chart, means: Float64Array, duration: float) -> Placed:
-    """Gaussians with means (k, 1 + w), the time first, s, in a frame's own columns, in common ones.
+    """A frame's Gaussians, carried from its own columns into the common ones.
 
-    duration: s, of the motion.
+    Args:
+        frame: the frame in the situation.
+        own: chart of the motions seen from the frame.
+        common: chart of the situation.
+        means: means (k, 1 + w) in the frame's own columns, the time first, s.
+        duration: duration of the motion, s.
     """
     size, count = own.size, len(means)
     means, phases = means[:, 1:], np.clip(means[:, 0] / duration, 0.0, 1.0)
@@ -115,17 +149,34 @@ def placed(frame: Frame, own: Chart, common: Chart, means: Float64Array, duratio
 
 
 def checked(frames: Sequence[Sequence[Frame]], count: int, chart: Chart) -> list[tuple[Frame, ...]]:
-    """Frames for so many demonstrations, as many for each. Raises InvalidInput."""
+    """The frames of each of several demonstrations.
+
+    Args:
+        frames: the frames of each demonstration, equally many for all.
+        count: number of demonstrations.
+        chart: chart of the motions.
+
+    Raises:
+        InvalidInput: if the numbers or dimensions do not fit, or if poses get left-handed axes.
+    """
     if not isinstance(frames, Sequence) or len(frames) != count:
-        raise InvalidInput(f"frames: expected a sequence for each of {count} demonstrations")
+        got = len(frames) if isinstance(frames, Sequence) else type(frames).__name__
+        raise InvalidInput(
+            f"frames: expected one sequence of frames per demonstration, {count}, got {got}"
+        )
     given = [tuple(each) for each in frames]
     for frame in (frame for each in given for frame in each):
         if not isinstance(frame, Frame) or len(frame.origin) != chart.size:
-            raise InvalidInput(f"frames: expected Frame of {chart.size} dimensions")
+            got = len(frame.origin) if isinstance(frame, Frame) else type(frame).__name__
+            raise InvalidInput(f"frames: expected frames of {chart.size} dimensions, got {got}")
         if chart.kind == "poses" and np.linalg.det(frame.axes) < 0.0:
             raise InvalidInput("frames: expected right-handed axes for poses")
     if len({len(each) for each in given}) != 1 or not given[0]:
-        raise InvalidInput("frames: expected as many for every demonstration, at least one")
+        numbers = sorted({len(each) for each in given})
+        raise InvalidInput(
+            "frames: expected the same number of frames for every demonstration, at least one, "
+            f"got {', '.join(map(str, numbers))}"
+        )
     return given
 
 

@@ -19,7 +19,8 @@ from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
 from leadthrough.models.chart import SAMPLES, Chart, chart_of, motions_of, timed_columns
-from leadthrough.models.mixtures.em import Blocks, fit_blocks, standard
+from leadthrough.models.mixtures.em import Blocks, fit_blocks
+from leadthrough.models.mixtures.fitting import standard
 from leadthrough.models.mixtures.gmr_skill import GMRSkill
 from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.task_frames import Frame, Placed, checked, common_chart, placed

@@ -1,1 +1,1 @@
-"""Probabilistic movement primitives."""
+"""Probabilistic movement primitives (ProMPs): normal distributions over motions."""

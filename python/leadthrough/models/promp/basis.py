@@ -1,6 +1,7 @@
-"""Basis functions over the phase of a motion: Gaussian, B-spline, rhythmic.
+"""Basis functions over the phase of a motion: Gaussian, B-spline or rhythmic.
 
-Each set sums to one everywhere, so that equal weights are a constant.
+The functions of a basis sum to one at every phase, so that equal weights give a constant.
+
 Source: Paraschos et al. 2018, "Using probabilistic movement primitives in robotics", section 2.
 """
 
@@ -18,15 +19,19 @@ from leadthrough.check import Float64Array
 KINDS = ("bspline", "gaussian", "rhythmic")
 
 _DEGREE = 3
-# Fewer cannot bend, and a period needs three points.
+# Fewer functions cannot bend, and a period needs three points.
 LEAST = 4
 
 
 @dataclass(frozen=True)
 class Basis:
-    """count basis functions of a kind over the phase, [0, 1] or, rhythmic, any with period 1.
+    """Basis functions of one kind over the phase of a motion.
 
-    width: standard deviation of bells in spacings of their centres; B-splines have none.
+    Attributes:
+        kind: "gaussian", "bspline" or "rhythmic" (von Mises functions, of period 1).
+        count: number of functions, k.
+        width: standard deviation of the Gaussian and rhythmic functions, in spacings of their
+            centres; B-splines ignore it.
     """
 
     kind: str
@@ -39,7 +44,15 @@ class Basis:
         return self.kind == "rhythmic"
 
     def __call__(self, phases: Float64Array, order: int = 0) -> Float64Array:
-        """Values (n, count), or derivatives by the phase, of order 1 or 2, at phases (n,)."""
+        """Values of the functions, or their derivatives with respect to the phase.
+
+        Args:
+            phases: phases (n,), in [0, 1]; for rhythmic functions any.
+            order: 0 for values, 1 or 2 for derivatives.
+
+        Returns:
+            Values or derivatives (n, k).
+        """
         if self.kind == "bspline":
             return np.asarray(self._spline(phases, order))
         return _core.normalised_bells(
@@ -48,7 +61,7 @@ class Basis:
 
     @cached_property
     def centres(self) -> Float64Array:
-        """The phases (count,) about which the functions lie; beyond the ends by one Gaussian."""
+        """Centres (k,) of the functions; the outermost two Gaussian ones lie outside [0, 1]."""
         if self.is_rhythmic:
             return np.asarray(np.arange(self.count) / self.count)
         if self.kind == "gaussian":
@@ -59,7 +72,7 @@ class Basis:
 
     @cached_property
     def roughness(self) -> Float64Array:
-        """The form (count, count) that sums the squared second differences of weights."""
+        """Matrix R (k, k) such that w @ R @ w sums the squared second differences of weights w."""
         if self.is_rhythmic:
             steps = np.roll(np.eye(self.count), 1, axis=1) - np.eye(self.count)
             differences = steps @ steps
@@ -75,7 +88,7 @@ class Basis:
 
     @cached_property
     def _sharpness(self) -> float:
-        """Of the bells: for Gaussians one over the variance, for von Mises the concentration."""
+        """One over the variance of a Gaussian function, or a von Mises one's concentration."""
         if self.is_rhythmic:
             return (self.count / (2.0 * np.pi * self.width)) ** 2
         return ((self.count - 3.0) / self.width) ** 2

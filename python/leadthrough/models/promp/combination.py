@@ -1,4 +1,4 @@
-"""Several ProMPs at once, and one after the other.
+"""Several ProMPs combined into one motion, at once or one after the other.
 
 Source: Paraschos et al. 2018, "Using probabilistic movement primitives in robotics", eqs. 12 to 14.
 """
@@ -7,64 +7,87 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.chart import NODES, Chart
+from leadthrough.models.promp.alike import check_alike
 from leadthrough.models.promp.gaussian import Gaussian, product
 from leadthrough.models.promp.skill import ProMPSkill
 from leadthrough.motion import normalised_times
 
-# Added to what is certain, in shares of the motion's reach, so that it can be divided by.
-_CERTAIN = 1e-7
-# Rotation vectors farther from a reference are no longer nearly a linear space.
+# Standard deviation added where a skill has none, as a fraction of the motion's reach: the
+# covariance is inverted.
+_LEAST_DEVIATION = 1e-7
+# Rotation vectors farther from a reference, rad, are no longer nearly a linear space.
 _FARTHEST = 0.5 * np.pi
 
 
-def combine(skills: Sequence[ProMPSkill], *, activations: Any = None) -> ProMPSkill:
+def combine(skills: Sequence[ProMPSkill], *, activations: ArrayLike | None = None) -> ProMPSkill:
     """The motions that all skills find likely at once: the product of their distributions.
 
-    activations: (k,) > 0, the powers of the factors, by default all 1. The result has the first
-    one's duration, noise, limits and, of poses, reference orientation. Raises InvalidInput for
-    skills of different bases or types, and for poses more than a right angle apart.
+    Args:
+        skills: k skills of the same motion type, with equal bases. Orientations of poses must lie
+            within a right angle of each other.
+        activations: powers (k,) of the factors, > 0; by default all 1.
+
+    Returns:
+        A skill with the duration, the noise, the limits and, for poses, the reference orientation
+        of the first one.
+
+    Raises:
+        InvalidInput: if the skills differ in type or basis, if orientations are more than a right
+            angle apart, or if an activation is not positive.
     """
-    _refuse_strangers(skills)
+    check_alike(skills)
     skills = [_about(each, skills[0].chart) for each in skills]
     if len({each.basis for each in skills}) > 1:
-        raise InvalidInput("skills: expected all of one basis with as many weights")
-    shares = np.ones(len(skills)) if activations is None else _activations(activations, skills)
-    weights = product([each.weights for each in skills], [float(share) for share in shares])
+        raise InvalidInput(
+            "skills: expected the same basis, width and number of weights in all; "
+            "fit them with the same ProMP"
+        )
+    powers = np.ones(len(skills)) if activations is None else _powers(activations, len(skills))
+    weights = product([each.weights for each in skills], [float(power) for power in powers])
     if skills[0].bounds is None:
         return replace(skills[0], weights=weights)
     return replace(skills[0], weights=weights).within(*skills[0].bounds)
 
 
 def blend(
-    skills: Sequence[ProMPSkill], times: Any, activations: Any
+    skills: Sequence[ProMPSkill], times: ArrayLike, activations: ArrayLike
 ) -> tuple[Float64Array, Float64Array]:
-    """Mean (n, d) and covariance (n, d, d) of a motion that goes over from skill to skill.
+    """Mean and covariance of a motion that passes from one skill to the next.
 
-    times: (n,) s, of the whole motion; each skill runs over all of it, whatever its duration.
-    activations: (n, k) >= 0, of each skill at each time, not all 0 at one. Of poses the columns are
-    those of `skills[0].chart`, whose `motion` makes a trajectory of them. Raises InvalidInput, also
-    for poses more than a right angle apart.
+    Args:
+        skills: k skills of the same motion type. Each runs over the whole motion, whatever its own
+            duration. Orientations of poses must lie within a right angle of each other.
+        times: times (n,) of the whole motion, s, increasing.
+        activations: activation (n, k) of each skill at each time, >= 0, not all 0 at any time.
+
+    Returns:
+        Mean (n, d) and covariance (n, d, d). For poses, the columns are those of
+        `skills[0].chart`, whose `motion` turns them into a trajectory.
+
+    Raises:
+        InvalidInput: if the skills differ in type, if orientations are more than a right angle
+            apart, or if the times or the activations are not as described.
     """
-    _refuse_strangers(skills)
+    check_alike(skills)
     skills = [_about(each, skills[0].chart) for each in skills]
     at = check.times(times, "times")
-    shares = check.array(activations, "activations", shape=(len(at), len(skills)))
-    if (shares < 0.0).any() or (shares.sum(axis=1) == 0.0).any():
+    active = check.array(activations, "activations", shape=(len(at), len(skills)))
+    if (active < 0.0).any() or (active.sum(axis=1) == 0.0).any():
         raise InvalidInput("activations: expected numbers >= 0, not all 0 at any time")
     phases = normalised_times(at)
     precision, pull = 0.0, 0.0
-    for each, share in zip(skills, shares.T, strict=True):
+    for each, activation in zip(skills, active.T, strict=True):
         mean, covariance = each.distribution(phases * each.duration)
-        inverse = np.linalg.inv(covariance + np.diag((_CERTAIN * each.scale) ** 2))
-        weighted = inverse * share[:, None, None]
+        inverse = np.linalg.inv(covariance + np.diag((_LEAST_DEVIATION * each.scale) ** 2))
+        weighted = inverse * activation[:, None, None]
         precision = precision + weighted
         pull = pull + weighted @ mean[:, :, None]
     blended = np.linalg.inv(precision)
@@ -72,26 +95,15 @@ def blend(
     return mean, 0.5 * (blended + blended.transpose(0, 2, 1))
 
 
-def _activations(value: Any, skills: Sequence[ProMPSkill]) -> Float64Array:
-    shares = check.array(value, "activations", shape=(len(skills),))
-    if not (shares > 0.0).all():
-        raise InvalidInput(f"activations: expected numbers > 0, got {shares}")
-    return shares
-
-
-def _refuse_strangers(skills: Sequence[ProMPSkill]) -> None:
-    if not isinstance(skills, Sequence) or len(skills) == 0:
-        raise InvalidInput("skills: expected at least one")
-    for each in skills:
-        if not isinstance(each, ProMPSkill):
-            raise InvalidInput(f"skills: expected ProMPSkill, got {type(each).__name__}")
-    kinds = {(each.chart.kind, each.chart.size, each.chart.joint_names) for each in skills}
-    if len(kinds) > 1:
-        raise InvalidInput("skills: expected all of the same points or the same joints")
+def _powers(activations: ArrayLike, count: int) -> Float64Array:
+    powers = check.array(activations, "activations", shape=(count,))
+    if not (powers > 0.0).all():
+        raise InvalidInput(f"activations: expected numbers > 0, got {powers}")
+    return powers
 
 
 def _about(skill: ProMPSkill, chart: Chart) -> ProMPSkill:
-    """The skill about the reference orientation of another chart, to first order in its spread."""
+    """The skill about another chart's reference orientation, to first order in its spread."""
     if skill.chart.kind != "poses" or skill.chart is chart:
         return skill
     rows, count = skill.basis(NODES), skill.basis.count
@@ -101,7 +113,8 @@ def _about(skill: ProMPSkill, chart: Chart) -> ProMPSkill:
     farthest = float(np.linalg.norm(here, axis=1).max())
     if farthest > _FARTHEST:
         raise InvalidInput(
-            f"skills: expected orientations near each other, got some {farthest:.3g} rad apart"
+            "skills: expected orientations near each other, at most a right angle apart, "
+            f"got {farthest:.3g} rad"
         )
     # log(exp(d) exp(v)) = d + J_r(d)^-1 v + ..., with J_r(d) = J_l(-d); Sola et al. 2018, eq. 151.
     turning = rotations.left_jacobian_inverse(-here) @ rotations.left_jacobian(-own)

@@ -1,9 +1,11 @@
 """Weight distributions of ProMPs from noisy and partial demonstrations by EM.
 
 Expectation: the weights of each demonstration given its samples. Maximisation: their mean and
-covariance, with an inverse-Wishart prior, and the samples' noise. Source: Lazaric and Ghavamzadeh
-2010, "Bayesian multi-task reinforcement learning"; Gomez-Gonzalez et al. 2020, "Adaptation and
-robust learning of probabilistic movement primitives", section III.
+covariance, with an inverse-Wishart prior, and the samples' noise.
+
+Sources: Lazaric and Ghavamzadeh 2010, "Bayesian multi-task reinforcement learning";
+Gomez-Gonzalez et al. 2020, "Adaptation and robust learning of probabilistic movement primitives",
+section III.
 """
 
 from __future__ import annotations
@@ -22,20 +24,35 @@ from leadthrough.models.promp.prior import smooth_prior
 
 # The prior counts as much as this many demonstrations.
 _PRIOR_COUNT = 0.1
-_LEAST_NOISE = 1e-5  # standard deviation in shares of the reach
+_FIRST_NOISE = 0.01  # variance, of columns scaled to reach one
+_LEAST_NOISE = 1e-5  # standard deviation as a fraction of the reach
 _MOST_ITERATIONS = 200
-# Of the logarithm of the posterior density, for one value observed.
+# Gain in log posterior density, per observed number, below which the iteration ends.
 _TOLERANCE = 1e-6
+# Longest stretch of phases without a sample; beyond it only the prior would shape the motion.
+_WIDEST_GAP = 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class _Seen:
-    """A demonstration's sums: of the basis' squares (k, k), products with values (k, d)."""
+class _Sums:
+    """A demonstration, reduced to what EM needs of it.
+
+    Attributes:
+        squares: sums (k, k) of the products of basis functions.
+        products: sums (k, d) of basis functions times values.
+        values: sums (d,) of squared values.
+        count: number of samples.
+    """
 
     squares: Float64Array
     products: Float64Array
-    values: Float64Array  # (d,) sums of squares
+    values: Float64Array
     count: int
+
+    @staticmethod
+    def of(rows: Float64Array, values: Float64Array) -> _Sums:
+        """The sums of samples with basis functions (n, k) and values (n, d)."""
+        return _Sums(rows.T @ rows, rows.T @ values, (values**2).sum(axis=0), len(values))
 
 
 def expectation_maximisation(
@@ -43,46 +60,52 @@ def expectation_maximisation(
     phases: Sequence[Float64Array],
     columns: Sequence[Float64Array],
     scale: Float64Array,
-    *,
-    history: list[float] | None = None,
 ) -> Fit:
-    """phases: (n,) of each motion. columns: (n, d) of each. scale: (d,) their reach.
+    """The distribution of weights and the noise under which the motions are the most probable.
 
-    history: takes the logarithm of the posterior density at every iteration. Raises FitError
-    where a part of the motion was not shown at all.
+    Args:
+        basis: the k basis functions.
+        phases: phases (n,) of each motion.
+        columns: values (n, d) of each motion.
+        scale: reach (d,) of the motions.
+
+    Raises:
+        FitError: if no demonstration shows a part of the motion.
     """
     _refuse_gaps(phases, basis)
     pooled = np.concatenate(columns)
     middle = pooled.mean(axis=0)
     shown = [
-        _sums(basis(at), (values - middle) / scale)
+        _Sums.of(basis(at), (values - middle) / scale)
         for at, values in zip(phases, columns, strict=True)
     ]
     size = len(scale)
     base = smooth_prior(basis, np.ones(size)) * _spread_of(shown, basis) ** 2
+    first = Gaussian(_common_curve(shown, basis), base)
+    weights, noise, history = _iterated(shown, first, base, _TOLERANCE * len(pooled) * size)
     floor = smooth_prior(basis, np.full(size, LEAST_SPREAD))
-    weights, noise = Gaussian(_pooled(shown, basis), base), np.full(size, 0.01)
-    reached = -np.inf
-    for _ in range(_MOST_ITERATIONS):
-        estimates, likelihood = _expectation(shown, weights, noise)
-        density = likelihood + _log_prior(weights.covariance, base)
-        if history is not None:
-            history.append(density)
-        if density - reached < _TOLERANCE * len(pooled) * size:
-            break
-        reached = density
-        weights, noise = _maximisation(shown, estimates, base)
     unit = np.repeat(scale, basis.count)
     mean = weights.mean * unit + np.repeat(middle, basis.count)
     covariance = (weights.covariance + floor) * unit * unit[:, None]
-    return Fit(Gaussian(mean, covariance), noise * scale**2)
+    return Fit(Gaussian(mean, covariance), noise * scale**2, history)
 
 
-def _sums(rows: Float64Array, values: Float64Array) -> _Seen:
-    return _Seen(rows.T @ rows, rows.T @ values, (values**2).sum(axis=0), len(values))
+def _iterated(
+    shown: Sequence[_Sums], weights: Gaussian, base: Float64Array, tolerance: float
+) -> tuple[Gaussian, Float64Array, tuple[float, ...]]:
+    """Weights, noise (d,) and history after EM from `weights` on, with the prior's `base`."""
+    noise = np.full(len(shown[0].values), _FIRST_NOISE)
+    history: list[float] = []
+    for _ in range(_MOST_ITERATIONS):
+        estimates, likelihood = _expectation(shown, weights, noise)
+        history.append(likelihood + _log_prior(weights.covariance, base))
+        if len(history) > 1 and history[-1] - history[-2] < tolerance:
+            break
+        weights, noise = _maximisation(shown, estimates, base)
+    return weights, noise, tuple(history)
 
 
-def _pooled(shown: Sequence[_Seen], basis: Basis) -> Float64Array:
+def _common_curve(shown: Sequence[_Sums], basis: Basis) -> Float64Array:
     """The weights (d k,) of the smooth curve through all demonstrations."""
     squares = np.sum([each.squares for each in shown], axis=0)
     products = np.sum([each.products for each in shown], axis=0)
@@ -91,9 +114,9 @@ def _pooled(shown: Sequence[_Seen], basis: Basis) -> Float64Array:
     return np.asarray(np.linalg.solve(smooth, products).T.ravel())
 
 
-def _spread_of(shown: Sequence[_Seen], basis: Basis) -> float:
-    """How far the demonstrations lie from their common curve, root mean square."""
-    curve = _pooled(shown, basis).reshape(-1, basis.count)
+def _spread_of(shown: Sequence[_Sums], basis: Basis) -> float:
+    """Root mean square distance of the demonstrations from their common curve."""
+    curve = _common_curve(shown, basis).reshape(-1, basis.count)
     squared = sum(
         float(each.values.sum() - 2.0 * (curve.T * each.products).sum())
         + float(np.einsum("dk,kl,dl->", curve, each.squares, curve))
@@ -104,9 +127,9 @@ def _spread_of(shown: Sequence[_Seen], basis: Basis) -> float:
 
 
 def _expectation(
-    shown: Sequence[_Seen], weights: Gaussian, noise: Float64Array
+    shown: Sequence[_Sums], weights: Gaussian, noise: Float64Array
 ) -> tuple[list[Gaussian], float]:
-    """Each demonstration's weights, and the logarithm of the likelihood of all."""
+    """The weights of each demonstration, and the log-likelihood of all."""
     lower = np.linalg.cholesky(weights.covariance)
     inverse_lower = np.linalg.inv(lower)
     precision = inverse_lower.T @ inverse_lower
@@ -115,12 +138,9 @@ def _expectation(
     known: dict[bytes, tuple[Float64Array, float]] = {}
     estimates, likelihood = [], 0.0
     for each in shown:
-        key = each.squares.tobytes()
+        key = each.squares.tobytes()  # demonstrations at the same phases share their covariance
         if key not in known:
-            posterior = precision + np.kron(np.diag(1.0 / noise), each.squares)
-            log_volume = 2.0 * float(np.log(np.diag(np.linalg.cholesky(posterior))).sum())
-            inverse = np.linalg.inv(posterior)
-            known[key] = 0.5 * (inverse + inverse.T), log_volume
+            known[key] = _inverted(precision + np.kron(np.diag(1.0 / noise), each.squares))
         covariance, log_volume = known[key]
         right = pulled + (each.products / noise).T.ravel()
         mean = covariance @ right
@@ -131,9 +151,17 @@ def _expectation(
     return estimates, likelihood
 
 
+def _inverted(precision: Float64Array) -> tuple[Float64Array, float]:
+    """The inverse (n, n) of a symmetric matrix, and the logarithm of its determinant."""
+    log_determinant = 2.0 * float(np.log(np.diag(np.linalg.cholesky(precision))).sum())
+    inverse = np.linalg.inv(precision)
+    return 0.5 * (inverse + inverse.T), log_determinant
+
+
 def _maximisation(
-    shown: Sequence[_Seen], estimates: Sequence[Gaussian], base: Float64Array
+    shown: Sequence[_Sums], estimates: Sequence[Gaussian], base: Float64Array
 ) -> tuple[Gaussian, Float64Array]:
+    """The distribution of the weights and the noise (d,) that the estimates make most probable."""
     means = np.stack([each.mean for each in estimates])
     mean = means.mean(axis=0)
     centred = means - mean
@@ -152,19 +180,18 @@ def _maximisation(
 
 
 def _log_prior(covariance: Float64Array, base: Float64Array) -> float:
-    """Of the inverse-Wishart prior that the maximisation follows, but for a constant."""
+    """Log density, up to a constant, of the inverse-Wishart prior that the maximisation follows."""
     lower = np.linalg.cholesky(covariance)
     trace = float(np.trace(np.linalg.solve(covariance, base)))
     return -0.5 * _PRIOR_COUNT * (2.0 * float(np.log(np.diag(lower)).sum()) + trace)
 
 
 def _refuse_gaps(phases: Sequence[Float64Array], basis: Basis) -> None:
-    """Where no sample lies near, only the prior would say how the motion goes on."""
     everything = np.sort(np.concatenate(phases) % 1.0 if basis.is_rhythmic else np.hstack(phases))
     gaps = np.diff(np.concatenate([[0.0], everything, [1.0]]))
-    if gaps.max() > 0.25:
+    if gaps.max() > _WIDEST_GAP:
         at = float(np.concatenate([[0.0], everything])[int(np.argmax(gaps))])
         raise FitError(
             f"demonstrations: none shows the phases {at:.3g} to {at + gaps.max():.3g}; "
-            "show that part as well"
+            "add one that shows this part"
         )

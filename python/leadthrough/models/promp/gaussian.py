@@ -1,4 +1,4 @@
-"""Normal distributions of a vector: observed through linear maps, multiplied, sampled."""
+"""Normal distributions of a vector: conditioned on linear observations, multiplied."""
 
 from __future__ import annotations
 
@@ -11,23 +11,31 @@ import numpy as np
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
-# Standard deviations below this share of the scale of what is observed count as certain: no
+# Standard deviations below this fraction of the scale of what is observed count as zero: no
 # observation moves the distribution in such a direction.
 CERTAIN = 1e-7
+# An observation may differ by this fraction of the scale, in a direction without variance.
+_CONTRADICTION = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Gaussian:
-    """mean: (n,). covariance: (n, n), positive semi-definite."""
+    """A normal distribution of a vector.
+
+    Attributes:
+        mean: mean (n,).
+        covariance: covariance (n, n), positive semi-definite.
+    """
 
     mean: Float64Array
     covariance: Float64Array
 
     @cached_property
     def root(self) -> Float64Array:
-        """A matrix (n, n) whose product with its own transpose is the covariance.
+        """A matrix R (n, n) with R @ R.T equal to the covariance.
 
-        Variances that are rounding are none: what was observed exactly does not move.
+        Variances of the size of rounding errors count as zero: what was observed exactly does not
+        move.
         """
         values, vectors = np.linalg.eigh(self.covariance)
         rounding = len(values) * np.finfo(np.float64).eps * values[-1]
@@ -42,11 +50,20 @@ class Gaussian:
         scale: Float64Array,
         name: str,
     ) -> Gaussian:
-        """The distribution given that rows @ x is a value, within a noise covariance.
+        """The distribution of x after observing rows @ x.
 
-        rows: (p, n). value: (p,). noise: (p, p), or None: exactly. scale: (p,) what counts as
-        large. Raises InvalidInput, about the argument `name`, where the distribution rules the
-        value out.
+        Args:
+            rows: matrix (p, n) of the linear observation.
+            value: observed values (p,).
+            noise: covariance (p, p) of the observation, or None if it is exact.
+            scale: magnitude (p,) of each observed value that counts as large, > 0.
+            name: argument that the error names.
+
+        Returns:
+            The conditioned distribution.
+
+        Raises:
+            InvalidInput: if the distribution rules the value out.
         """
         spread = rows @ self.covariance
         innovation = spread @ rows.T
@@ -65,14 +82,18 @@ class Gaussian:
         return Gaussian(mean, self.covariance - step.T @ step)
 
 
-def product(factors: Sequence[Gaussian], shares: Sequence[float]) -> Gaussian:
-    """The normalised product of densities to the powers of shares > 0.
+def product(factors: Sequence[Gaussian], powers: Sequence[float]) -> Gaussian:
+    """The normalised product of densities, each raised to a power.
 
-    Without inverting a covariance, so that factors may be certain in some directions.
+    No covariance is inverted, so factors may have no variance in some directions.
+
+    Args:
+        factors: k distributions of vectors of one size.
+        powers: k powers, > 0.
     """
     result, *others = (
-        Gaussian(each.mean, each.covariance / share)
-        for each, share in zip(factors, shares, strict=True)
+        Gaussian(each.mean, each.covariance / power)
+        for each, power in zip(factors, powers, strict=True)
     )
     for other in others:
         total = result.covariance + other.covariance
@@ -84,9 +105,11 @@ def product(factors: Sequence[Gaussian], shares: Sequence[float]) -> Gaussian:
     return result
 
 
-def _refuse_contradiction(left: Float64Array, name: str) -> None:
-    if np.abs(left).max() > 1e-6:
+def _refuse_contradiction(missed: Float64Array, name: str) -> None:
+    """Refuses an observation that misses what is fixed by fractions (p,) of its scale."""
+    farthest = np.abs(missed).max()
+    if farthest > _CONTRADICTION:
         raise InvalidInput(
-            f"{name}: expected one that agrees with what was fixed before, got one that is "
-            f"{np.abs(left).max():.3g} of the motion's extent away from it"
+            f"{name}: expected a value that agrees with the points fixed before, got one that "
+            f"misses them by {farthest:.3g} times the motion's extent"
         )

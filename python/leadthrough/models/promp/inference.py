@@ -1,4 +1,4 @@
-"""Which motion an observer sees the beginning of, how fast it goes, and how it will go on.
+"""Which motion has begun, how fast it goes and how it will go on, from its first samples.
 
 Source: Maeda et al. 2017, "Phase estimation for fast action recognition and trajectory generation
 in human-robot collaboration".
@@ -8,25 +8,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.promp import observation
+from leadthrough.models.promp.alike import check_alike
 from leadthrough.models.promp.skill import ProMPSkill
 from leadthrough.motion import Motion
 
-# More samples say the same again: neighbours are not independent.
+# More samples add nothing: neighbours are not independent.
 _MOST_SAMPLES = 50
-# Durations that are tried, in shares of the skill's.
+# Durations that are tried, relative to the skill's.
 _PACES = np.geomspace(0.4, 2.5, 37)
-# What a motion deviates from a skill by is not white noise: neighbouring samples deviate alike. So
-# deviations up to this share of the reach are not held against a skill, nor is it held against one
-# that it was shown less precisely than another.
+# A motion's deviation from a skill is not white noise: neighbouring samples deviate alike. So
+# deviations up to this fraction of the reach do not count against a skill; nor does it count
+# against one that its demonstrations were less precise than another's.
 _FORGIVEN = 0.03
 # Standard deviation of the logarithm of people's durations.
 _PACE_SPREAD = 0.25
@@ -36,8 +37,11 @@ _PACE_SPREAD = 0.25
 class Inference:
     """What the beginning of a motion tells; entry i is about skill i.
 
-    probabilities: (k,). durations: (k,) s, of the whole motion. phases: (k,) where it stands, in
-    (0, 1]. skills: conditioned on what was seen, with the new durations.
+    Attributes:
+        probabilities: probability (k,) of each skill.
+        durations: the most likely duration (k,) of the whole motion under each skill, s.
+        phases: the phase (k,) at which the observed part ends, in (0, 1].
+        skills: the k skills conditioned on the observed part, with the new durations.
     """
 
     probabilities: Float64Array
@@ -47,19 +51,29 @@ class Inference:
 
     @property
     def best(self) -> int:
-        """The most probable skill."""
+        """Index of the most probable skill."""
         return int(np.argmax(self.probabilities))
 
 
-def infer(observed: Motion, skills: Sequence[ProMPSkill], *, prior: Any = None) -> Inference:
-    """The motion that goes on, from its first part, which starts where the motion starts.
+def infer(
+    observed: Motion, skills: Sequence[ProMPSkill], *, prior: ArrayLike | None = None
+) -> Inference:
+    """Probability, duration and continuation of a motion under each of several skills.
 
-    observed: at least two samples, of the skills' type. prior: (k,) probabilities before, by
-    default equal. The probabilities take the skills' distributions as known: of skills from a dozen
-    demonstrations or fewer they are too sure. Raises InvalidInput.
+    The probabilities treat the skills' distributions as known: with a dozen demonstrations per
+    skill or fewer they come out too close to 0 and 1.
+
+    Args:
+        observed: first part of a motion, from its start on, at least two samples, of the skills'
+            type.
+        skills: k skills of one motion type.
+        prior: probabilities (k,) before anything is observed, >= 0; by default equal.
+
+    Raises:
+        InvalidInput: if the motion has fewer than two samples or another type, if the skills
+            differ in type, or if the prior is negative or all 0.
     """
-    if not isinstance(skills, Sequence) or len(skills) == 0:
-        raise InvalidInput("skills: expected at least one")
+    check_alike(skills)
     if not isinstance(observed, Motion) or len(observed.times) < 2:
         raise InvalidInput("observed: expected a motion of at least two samples")
     before = _prior(prior, len(skills))
@@ -78,7 +92,7 @@ def infer(observed: Motion, skills: Sequence[ProMPSkill], *, prior: Any = None) 
 
 
 class _Pace:
-    """The most likely duration of a motion seen in part, if it is a skill's."""
+    """The most likely duration of a partly observed motion under a skill."""
 
     def __init__(self, observed: Motion, skill: ProMPSkill, noise: Float64Array) -> None:
         chosen = np.unique(np.linspace(0, len(observed.times) - 1, _MOST_SAMPLES).round())
@@ -88,23 +102,29 @@ class _Pace:
         least = max(np.log(observed.duration / skill.duration), np.log(_PACES[0]))
         paces = np.unique(np.maximum(np.log(_PACES), least))
         scores = np.array([self._score(pace) for pace in paces])
-        top = int(scores.argmax())
-        around = paces[max(top - 1, 0)], paces[min(top + 1, len(paces) - 1)]
-        pace = float(paces[top])
-        if around[0] < around[1]:
-            found = minimize_scalar(lambda x: -self._score(x), bounds=around, method="bounded")
-            pace = pace if -found.fun < scores[top] else float(found.x)
-        self.duration = skill.duration * float(np.exp(pace))
+        self.duration = skill.duration * float(np.exp(self._refined(paces, scores)))
         # The probability of the skill is that of all its durations together.
         steps = np.gradient(paces) if len(paces) > 1 else np.ones(1)
         best = float(scores.max())
         self.evidence = best + float(np.log((np.exp(scores - best) * steps).sum()))
 
     def conditioned(self) -> ProMPSkill:
+        """The skill conditioned on the observed part, with the most likely duration."""
         phases, values = self._seen(self.duration)
         return observation.along(self._skill, phases, values).lasting(self.duration)
 
+    def _refined(self, paces: Float64Array, scores: Float64Array) -> float:
+        """The best pace, searched between the neighbours of the best one of a grid."""
+        top = int(scores.argmax())
+        around = paces[max(top - 1, 0)], paces[min(top + 1, len(paces) - 1)]
+        pace = float(paces[top])
+        if around[0] < around[1]:
+            found = minimize_scalar(lambda x: -self._score(x), bounds=around, method="bounded")
+            pace = pace if -found.fun < scores[top] else float(found.x)
+        return pace
+
     def _score(self, pace: float) -> float:
+        """Log density of the observed part at a pace, the log of the duration's ratio."""
         duration = self._skill.duration * float(np.exp(pace))
         believed = -0.5 * (pace / _PACE_SPREAD) ** 2
         return believed + observation.log_density(self._judged, *self._seen(duration))
@@ -116,18 +136,13 @@ class _Pace:
 
 
 def _common_noise(skills: Sequence[ProMPSkill]) -> Float64Array:
-    """Variances (d,) of what is not held against any of the skills."""
-    for each in skills:
-        if not isinstance(each, ProMPSkill):
-            raise InvalidInput(f"skills: expected ProMPSkill, got {type(each).__name__}")
-    if len({(each.chart.kind, each.chart.size) for each in skills}) > 1:
-        raise InvalidInput("skills: expected all of the same points, joints or poses")
+    """Variances (d,) of deviations that do not count against any of the skills."""
     noise = np.mean([each.noise for each in skills], axis=0)
     reach = np.mean([each.scale for each in skills], axis=0)
     return np.asarray(noise + (_FORGIVEN * reach) ** 2)
 
 
-def _prior(value: Any, size: int) -> Float64Array:
+def _prior(value: ArrayLike | None, size: int) -> Float64Array:
     if value is None:
         return np.full(size, 1.0 / size)
     prior = check.array(value, "prior", shape=(size,))

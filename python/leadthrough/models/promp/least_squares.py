@@ -1,9 +1,11 @@
 """Weight distributions of ProMPs from demonstrations by regularised least squares.
 
-A curve is fitted to each demonstration; the covariance of their weights is shrunk towards a prior
-with the strength that minimises the expected squared error (Schaefer and Strimmer 2005, "A
-shrinkage approach to large-scale covariance matrix estimation", eq. 8), so that it has full rank
-with fewer demonstrations than weights, even with one.
+A curve is fitted to each demonstration. The covariance of their weights is shrunk towards a prior,
+with the strength that minimises the expected squared error, so that it has full rank with fewer
+demonstrations than weights, even with one.
+
+Source: Schaefer and Strimmer 2005, "A shrinkage approach to large-scale covariance matrix
+estimation", eq. 8.
 """
 
 from __future__ import annotations
@@ -19,19 +21,26 @@ from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.prior import shaped_prior, smooth_prior
 
-# The least standard deviation that a motion is believed to have, in shares of its reach.
+# The least standard deviation that a motion is believed to have, as a fraction of its reach.
 LEAST_SPREAD = 1e-3
-# One demonstration says nothing about the spread of others: a tenth of its reach.
+# One demonstration says nothing about the spread of others: a tenth of its reach is assumed.
 _UNKNOWN_SPREAD = 0.1
-_LEAST_NOISE = 1e-6  # standard deviation in shares of the reach
+_LEAST_NOISE = 1e-6  # standard deviation as a fraction of the reach
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """weights: of the motion's columns, one after the other, (d k,). noise: (d,) variances."""
+    """What an estimator found.
+
+    Attributes:
+        weights: distribution of the weights (d k,), one column after the other.
+        noise: variances (d,) of the samples about their curves.
+        history: log posterior density at every iteration; empty for least squares.
+    """
 
     weights: Gaussian
     noise: Float64Array
+    history: tuple[float, ...] = ()
 
 
 def least_squares(
@@ -41,7 +50,15 @@ def least_squares(
     scale: Float64Array,
     regularization: float,
 ) -> Fit:
-    """phases: (n,) of each motion. columns: (n, d) of each. scale: (d,) their reach."""
+    """The distribution of the weights of curves fitted to each motion.
+
+    Args:
+        basis: the k basis functions.
+        phases: phases (n,) of each motion.
+        columns: values (n, d) of each motion.
+        scale: reach (d,) of the motions.
+        regularization: cost of a wiggle relative to that of an error, > 0.
+    """
     curves, residuals = [], []
     known: dict[bytes, CurveFit] = {}
     for at, values in zip(phases, columns, strict=True):
@@ -61,8 +78,8 @@ def least_squares(
 class CurveFit:
     """Least-squares curves through values at the same phases, exact at both ends.
 
-    A wiggle costs regularization times what the values' squared errors cost, so that few samples
-    determine a curve as well.
+    Squared second differences of the weights cost `regularization` times what squared errors cost,
+    so that few samples determine a curve as well.
     """
 
     def __init__(self, basis: Basis, phases: Float64Array, regularization: float) -> None:
@@ -82,26 +99,32 @@ class CurveFit:
         return np.asarray(cho_solve(self._factor, right))
 
     def weights(self, values: Float64Array) -> Float64Array:
-        """The weights (count, d) for values (n, d)."""
-        middle = values.mean(axis=0)  # which all weights add to, as the functions sum to one
+        """The weights (k, d) of the curves through values (n, d)."""
+        middle = values.mean(axis=0)  # adds to all weights alike, as the functions sum to one
         free = self._solved @ (values - middle)
         missed = values[self._ends] - middle - self.values[self._ends] @ free
         return np.asarray(free + self._to_ends @ missed + middle)
 
 
 def shrunk(stacked: Float64Array, basis: Basis, scale: Float64Array) -> Gaussian:
-    """Mean and shrunk covariance of weight vectors (m, d k), one a demonstration."""
+    """Mean and shrunk covariance of weight vectors.
+
+    Args:
+        stacked: weights (m, d k), one row per demonstration.
+        basis: the k basis functions.
+        scale: reach (d,) of the motions.
+    """
     count = len(stacked)
     mean = stacked.mean(axis=0)
     if count == 1:
         return Gaussian(mean, smooth_prior(basis, _UNKNOWN_SPREAD * scale))
-    unit = np.repeat(scale, basis.count)  # so that the columns' units do not weigh
+    unit = np.repeat(scale, basis.count)  # makes the result independent of the columns' units
     centred = (stacked - mean) / unit
     sample = centred.T @ centred / (count - 1)
     target = shaped_prior(basis, centred.reshape(count, len(scale), basis.count))
     distance = float(((sample - target) ** 2).sum())
-    share = min(_variance_of_sample(centred) / distance, 1.0) if distance > 0.0 else 0.0
-    covariance = (1.0 - share) * sample + share * target
+    shrinkage = min(_variance_of_sample(centred) / distance, 1.0) if distance > 0.0 else 0.0
+    covariance = (1.0 - shrinkage) * sample + shrinkage * target
     covariance += smooth_prior(basis, np.full(len(scale), LEAST_SPREAD))
     return Gaussian(mean, covariance * unit * unit[:, None])
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import nnls
 
 from leadthrough.check import Float64Array
@@ -13,7 +12,8 @@ from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.gaussian import Gaussian
 
 _PHASES_PER_WEIGHT = 10
-# Limits are kept to this share of the motion's reach, also between the phases that are checked.
+# A motion stays this fraction of its reach inside the limits, so that it also keeps them between
+# the phases that are checked.
 _MARGIN = 1e-3
 _MOST_ROUNDS = 30
 # The programme's residual is zero where it has no solution; far beyond any standard deviation.
@@ -22,8 +22,17 @@ _INFEASIBLE = 1e-7
 Bounds = tuple[Float64Array, Float64Array]
 
 
-def checked(lower: Any, upper: Any, width: int) -> Bounds:
-    """Limits (width,), lower < upper, infinite ones allowed. Raises InvalidInput."""
+def checked(lower: ArrayLike, upper: ArrayLike, width: int) -> Bounds:
+    """Limits of `width` columns as read-only arrays.
+
+    Args:
+        lower: lower limits (width,), -inf where there is none.
+        upper: upper limits (width,), > lower, inf where there is none.
+        width: number of columns.
+
+    Raises:
+        InvalidInput: if a limit has another shape or is NaN, or if lower is not below upper.
+    """
     limits = []
     for value, name in ((lower, "lower"), (upper, "upper")):
         try:
@@ -35,18 +44,29 @@ def checked(lower: Any, upper: Any, width: int) -> Bounds:
         limit.setflags(write=False)
         limits.append(limit)
     if not (limits[0] < limits[1]).all():
-        raise InvalidInput(f"lower: expected less than upper, got {lower} and {upper}")
+        raise InvalidInput(f"lower: expected less than upper, got {limits[0]} and {limits[1]}")
     return limits[0], limits[1]
 
 
 def moved_inside(
     weights: Gaussian, basis: Basis, bounds: Bounds, scale: Float64Array
 ) -> Float64Array:
-    """The weights (d k,) nearest to the mean, in the covariance's measure, that keep the limits.
+    """The weights nearest to the mean, in the covariance's metric, that keep the limits.
 
-    A quadratic programme, solved in its dual over the constraints that are violated so far, which
-    is a least-squares problem with non-negative multipliers. Raises InvalidInput where the
-    covariance allows no such weights.
+    A quadratic programme, solved in its dual over the constraints that have been violated so far,
+    which is a least-squares problem with non-negative multipliers.
+
+    Args:
+        weights: distribution of the weights (d k,), one column after the other.
+        basis: the k basis functions.
+        bounds: lower and upper limits (d,) each.
+        scale: reach (d,) of the motion.
+
+    Returns:
+        Weights (d k,).
+
+    Raises:
+        InvalidInput: if the covariance allows no weights that keep the limits.
     """
     rows = basis(np.linspace(0.0, 1.0, _PHASES_PER_WEIGHT * basis.count + 1))
     active: list[tuple[int, int, int]] = []  # sample, column, side
@@ -64,11 +84,14 @@ def moved_inside(
 
 
 def _fixed_outside() -> InvalidInput:
-    return InvalidInput("limits: expected some that the motion can keep, it is fixed outside them")
+    return InvalidInput(
+        "limits: expected limits that the motion can keep, but its via points or its narrow "
+        "spread hold it outside them; widen the limits"
+    )
 
 
 def _excess(values: Float64Array, bounds: Bounds, scale: Float64Array) -> Float64Array:
-    """Beyond lower and upper limits, in shares of the reach: (2, n, d)."""
+    """How far values lie beyond lower and upper limits, as fractions (2, n, d) of the reach."""
     lower, upper = bounds
     return np.stack([(lower - values) / scale, (values - upper) / scale])
 
@@ -94,7 +117,7 @@ def _limit(active: tuple[int, int, int], bounds: Bounds, scale: Float64Array) ->
 
 
 def _solved(weights: Gaussian, constraints: Float64Array, limits: Float64Array) -> Float64Array:
-    """min |w - mean|^2 in the covariance's measure, constraints @ w <= limits.
+    """The w that minimises |w - mean|^2 in the covariance's metric, constraints @ w <= limits.
 
     With w = mean + root z it is the least distance programme of Lawson and Hanson 1974, chapter 23.
     """

@@ -1,8 +1,8 @@
-"""What is believed about the spread of motions before any is seen: covariances of their weights.
+"""Prior covariances of a ProMP's weights: how motions vary before any is seen.
 
 A motion deviates from the mean by an offset at its start that fades along a straight line, an
-offset at its goal that grows along one, and a smooth deviation in between. So a motion asked to
-start elsewhere is shifted, as far as the demonstrations do not say otherwise.
+offset at its goal that grows along one, and a smooth deviation in between. A motion asked to start
+elsewhere is therefore shifted, unless the demonstrations say otherwise.
 """
 
 from __future__ import annotations
@@ -14,18 +14,23 @@ import numpy as np
 from leadthrough.check import Float64Array
 from leadthrough.models.promp.basis import Basis
 
-_LENGTH = 0.25  # in phase, of the deviations in between
-# Variances beside those of the ends: of the deviations in between, and of each weight by itself,
-# so that nothing is ruled out.
+_LENGTH = 0.25  # correlation length of the deviations in between, in phase
+# Variances relative to those of the ends: of the deviations in between, and of each weight on its
+# own, so that nothing is ruled out.
 _INNER = 0.3
 _ROUGH = 1e-3
-# No phase is taken to vary less than this share of the one that varies the most.
+# No phase is taken to vary less than this fraction of the one that varies the most.
 _LEAST_PROFILE = 0.1
 
 
 def smooth_prior(basis: Basis, spread: Float64Array) -> Float64Array:
-    """Covariance (d k, d k) for columns with a spread (d,), the same at all phases."""
-    fit, inner = _of(basis)
+    """Covariance (d k, d k) of the weights of columns that vary alike at all phases.
+
+    Args:
+        basis: the k basis functions.
+        spread: standard deviation (d,) of each column.
+    """
+    fit, inner = _fit_and_kernel(basis)
     one = _INNER * fit @ inner @ fit.T + _ROUGH * np.eye(basis.count)
     if not basis.is_rhythmic:
         lines = _lines(basis)
@@ -34,8 +39,13 @@ def smooth_prior(basis: Basis, spread: Float64Array) -> Float64Array:
 
 
 def shaped_prior(basis: Basis, curves: Float64Array) -> Float64Array:
-    """Covariance (d k, d k) with the spread that centred weights (m, d, k) have at each phase."""
-    fit, inner = _of(basis)
+    """Covariance (d k, d k) with the spread that demonstrations have at each phase.
+
+    Args:
+        basis: the k basis functions.
+        curves: weights (m, d, k) of the m demonstrations, minus their mean.
+    """
+    fit, inner = _fit_and_kernel(basis)
     at_phases = curves @ basis(_phases(basis)).T
     lines = _lines(basis)
     count, size = len(curves), curves.shape[1]
@@ -57,8 +67,8 @@ def shaped_prior(basis: Basis, curves: Float64Array) -> Float64Array:
 
 
 @lru_cache(maxsize=16)
-def _of(basis: Basis) -> tuple[Float64Array, Float64Array]:
-    """What turns values at even phases into weights, and the kernel of deviations in between."""
+def _fit_and_kernel(basis: Basis) -> tuple[Float64Array, Float64Array]:
+    """The map (k, n) from values at `_phases` to weights, and the kernel (n, n) in between."""
     u = _phases(basis)
     gaps = u[:, None] - u
     if basis.is_rhythmic:
@@ -72,8 +82,8 @@ def _of(basis: Basis) -> tuple[Float64Array, Float64Array]:
 
 @lru_cache(maxsize=16)
 def _lines(basis: Basis) -> Float64Array:
-    """Weights (k, 2) of the lines that fall from 1 and that rise to it."""
-    return np.asarray(_of(basis)[0] @ _ramps(basis).T)
+    """Weights (k, 2) of the straight lines from 1 to 0 and from 0 to 1."""
+    return np.asarray(_fit_and_kernel(basis)[0] @ _ramps(basis).T)
 
 
 def _ramps(basis: Basis) -> Float64Array:

@@ -6,7 +6,8 @@ from scipy.stats import multivariate_normal
 
 from leadthrough.errors import FitError, InvalidInput
 from leadthrough.models import Mixture, choose_components, fit_mixture
-from leadthrough.models.mixtures.em import LEAST_VARIANCE, Steps, bic, trace_mixture
+from leadthrough.models.mixtures.em import LEAST_VARIANCE, Steps
+from leadthrough.models.mixtures.fitting import bic, trace_mixture
 from leadthrough.models.mixtures.kmeans import clustered, seeds
 
 

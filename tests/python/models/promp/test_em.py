@@ -26,11 +26,10 @@ def curves(count, seed, *, noise=NOISE):
 
 def test_posterior_density_never_falls():
     u, noisy, _ = curves(6, seed=1)
-    history = []
     phases = [u[:40], u[20:], u, u[10:50], u, u]
     columns = [noisy[0][:40], noisy[1][20:], noisy[2], noisy[3][10:50], noisy[4], noisy[5]]
     scale = scales(columns, Chart("points", 2))
-    expectation_maximisation(BASIS, phases, columns, scale, history=history)
+    history = expectation_maximisation(BASIS, phases, columns, scale).history
     assert len(history) > 3
     assert np.diff(history).min() > -1e-6
 

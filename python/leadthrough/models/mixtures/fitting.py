@@ -1,0 +1,159 @@
+"""Gaussian mixtures fitted to points, with a given or a chosen number of components.
+
+Columns are scaled to variance one first, so that their units do not matter.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leadthrough import check
+from leadthrough.check import Float64Array
+from leadthrough.errors import FitError
+from leadthrough.models.mixtures.em import Blocks, Steps, fit_blocks
+from leadthrough.models.mixtures.kmeans import clustered, seeds
+from leadthrough.models.mixtures.mixture import Mixture
+
+# The search for a number of components ends after this many numbers without improvement.
+_PATIENCE = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """A mixture fitted by EM.
+
+    Attributes:
+        mixture: the mixture that EM ended at.
+        history: mean log-likelihood per point at every iteration.
+    """
+
+    mixture: Mixture
+    history: tuple[float, ...]
+
+    @property
+    def log_likelihood(self) -> float:
+        """Mean log-likelihood per point of the mixture."""
+        return self.history[-1]
+
+
+def fit_mixture(points: ArrayLike, components: int, *, seed: int = 0) -> Fitted:
+    """The most likely mixture with a given number of components.
+
+    The best of several starts from k-means. Components are in the order of their means' first
+    column, which for motions is the time.
+
+    Args:
+        points: points (n, d).
+        components: number of components, 1 to n.
+        seed: seed of the random number generator that starts k-means.
+
+    Raises:
+        InvalidInput: if points is not a finite (n, d) array, components < 1 or seed < 0.
+        FitError: if there are fewer points than components.
+    """
+    data, count = _checked(points, components, seed)
+    middle, scale = standard(data)
+    scaled = (data - middle) / scale
+    blocks, history = fit_blocks([scaled], scaled, count, seed)
+    volume = float(np.log(scale).sum())
+    return Fitted(_unscaled(blocks, middle, scale), tuple(value - volume for value in history))
+
+
+def choose_components(points: ArrayLike, *, at_most: int = 15, seed: int = 0) -> Fitted:
+    """The mixture with the number of components of least Bayesian information criterion.
+
+    Numbers are tried from 1 on; the search ends where three in a row have not lowered the
+    criterion.
+
+    Args:
+        points: points (n, d).
+        at_most: largest number of components to try, >= 1.
+        seed: seed of the random number generator that starts k-means.
+
+    Raises:
+        InvalidInput: if points is not a finite (n, d) array, at_most < 1 or seed < 0.
+
+    Source: Schwarz 1978, "Estimating the dimension of a model".
+    """
+    data = check.array(points, "points", shape=("n", "d"))
+    most = min(check.integer(at_most, "at_most", at_least=1), len(data))
+    best, least = 1, np.inf
+    fits = {}
+    for count in range(1, most + 1):
+        fits[count] = fit_mixture(data, count, seed=seed)
+        criterion = bic(fits[count], len(data))
+        if criterion < least:
+            best, least = count, criterion
+        if count - best == _PATIENCE:
+            break
+    return fits[best]
+
+
+def trace_mixture(
+    points: ArrayLike, components: int, *, iterations: int, seed: int = 0
+) -> list[Mixture]:
+    """The mixtures after 0, 1, ... iterations of EM from one start by k-means, to draw EM at work.
+
+    Args:
+        points: points (n, d).
+        components: number of components, 1 to n.
+        iterations: number of iterations, >= 0.
+        seed: seed of the random number generator that starts k-means.
+
+    Returns:
+        As many mixtures as iterations, and one.
+
+    Raises:
+        InvalidInput: if points is not a finite (n, d) array, components < 1, iterations < 0 or
+            seed < 0.
+        FitError: if there are fewer points than components.
+    """
+    data, count = _checked(points, components, seed)
+    rounds = check.integer(iterations, "iterations", at_least=0)
+    middle, scale = standard(data)
+    scaled = (data - middle) / scale
+    steps = Steps([scaled])
+    labels = clustered(scaled, seeds(scaled, count, np.random.default_rng(seed))).labels
+    found = [steps.maximise(np.eye(count)[labels])]
+    for _ in range(rounds):
+        found.append(steps.maximise(steps.expect(found[-1])[0]))
+    return [_unscaled(each, middle, scale) for each in found]
+
+
+def bic(fit: Fitted, samples: int) -> float:
+    """The Bayesian information criterion of a mixture fitted to a number of points."""
+    k, d = fit.mixture.count, fit.mixture.size
+    free = k - 1 + k * d + k * d * (d + 1) // 2
+    return free * float(np.log(samples)) - 2.0 * samples * fit.log_likelihood
+
+
+def standard(data: Float64Array) -> tuple[Float64Array, Float64Array]:
+    """Means and standard deviations (d,) of columns; deviation 1 where all values are the same."""
+    scale = data.std(axis=0)
+    middle = data.mean(axis=0)
+    rounding = 1e-12 * np.abs(middle)
+    return middle, np.where(scale > rounding, scale, 1.0)
+
+
+def _checked(points: ArrayLike, components: int, seed: int) -> tuple[Float64Array, int]:
+    data = check.array(points, "points", shape=("n", "d"))
+    count = check.integer(components, "components", at_least=1)
+    check.integer(seed, "seed", at_least=0)
+    if count > len(data):
+        raise FitError(
+            f"components: expected at most as many as there are points, {len(data)}, got {count}"
+        )
+    return data, count
+
+
+def _unscaled(blocks: Blocks, middle: Float64Array, scale: Float64Array) -> Mixture:
+    """The components of one block in their columns' own units, ordered by the first column."""
+    order = np.argsort(blocks.means[0][:, 0], kind="stable")
+    return Mixture(
+        blocks.weights[order],
+        blocks.means[0][order] * scale + middle,
+        blocks.covariances[0][order] * scale * scale[:, None],
+    )
