@@ -1,4 +1,4 @@
-"""Several ProMPs at once, one after the other, and the inference of one."""
+"""Several ProMPs at once, and one after the other."""
 
 import numpy as np
 import pytest
@@ -6,25 +6,9 @@ import pytest
 import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.errors import InvalidInput
-from leadthrough.models import blend, combine, infer
+from leadthrough.models import blend, combine
 
 U = np.linspace(0.0, 1.0, 150)
-
-
-def family(height, *, count=8, seed=0, duration=2.0, spread=0.02):
-    rng = np.random.default_rng(seed)
-    shown = []
-    for _ in range(count):
-        peak = height + spread * rng.standard_normal()
-        goal = 0.3 + spread * rng.standard_normal()
-        points = np.column_stack([goal * U, peak * np.sin(np.pi * U)])
-        shown.append(lt.Demonstration(lt.Trajectory(duration * U, points)))
-    return shown
-
-
-@pytest.fixture(scope="module")
-def skills():
-    return [lt.ProMP(weights=10).fit(family(height)) for height in (0.1, -0.1)]
 
 
 def test_combination_of_a_skill_with_itself_keeps_the_mean_and_halves_the_covariance(skills):
@@ -79,11 +63,12 @@ def test_poses_about_another_reference_are_distributed_as_before(turning):
     times = np.array([0.4, 1.0, 1.6])
     mean, covariance = blend(turning, [0.0, *times, 2.0], np.tile([0.0, 1.0], (5, 1)))
     chart = turning[0].chart
-    samples = turning[1].sample(4000, seed=0, dt=0.2)
-    seen = np.stack(
-        [chart.columns(each, each.times / 2.0, "sample")[[2, 5, 8]] for each in samples]
-    )
-    np.testing.assert_allclose(samples[0].times[[2, 5, 8]], times)
+    phases, other = times / 2.0, turning[1]
+    weights = other.sample_weights(4000, seed=0).reshape(4000, 6, -1)
+    columns = np.einsum("nk,mdk->mnd", other.basis(phases), weights)
+    at = np.tile(phases, 4000)
+    turned = other.chart.orientations(columns[..., 3:].reshape(-1, 3), at)
+    seen = np.concatenate([columns[..., :3], chart.tangent(turned, at).reshape(4000, 3, 3)], axis=2)
     np.testing.assert_allclose(seen.mean(axis=0), mean[1:4], atol=0.01)
     for i in range(3):
         wanted = covariance[1 + i]
@@ -119,7 +104,7 @@ def test_poses_that_are_far_apart_are_not_combined(turning):
         combine([turning[0], lt.ProMP(weights=10).fit(away)])
 
 
-def test_strangers_are_refused(skills):
+def test_strangers_are_refused(skills, family):
     with pytest.raises(InvalidInput, match="weights"):
         combine([skills[0], lt.ProMP(weights=12).fit(family(0.1))])
     joints = [lt.Demonstration(lt.JointTrajectory(U, np.column_stack([U, U])))]
@@ -127,60 +112,3 @@ def test_strangers_are_refused(skills):
         blend([skills[0], lt.ProMP().fit(joints)], U, np.ones((150, 2)))
     with pytest.raises(InvalidInput, match="activations"):
         blend(skills, U, np.zeros((150, 2)))
-
-
-def test_beginning_of_a_motion_tells_which_how_fast_and_how_it_goes_on(skills):
-    whole = family(-0.12, count=1, seed=9, duration=2.6)[0].motion
-    seen = lt.Trajectory(whole.times[:60], whole.positions[:60])
-    found = infer(seen, skills)
-    assert found.best == 1
-    assert found.probabilities[1] > 0.99
-    assert found.durations[1] == pytest.approx(2.6, rel=0.1)
-    assert found.phases[1] == pytest.approx(60 / 150, rel=0.1)
-    ahead, _ = found.skills[1].distribution(np.minimum(whole.times, found.durations[1]))
-    assert np.abs(ahead - whole.positions).max() < 0.04
-    before, _ = skills[1].distribution(np.minimum(whole.times, 2.0))
-    assert np.abs(ahead - whole.positions).max() < np.abs(before - whole.positions).max()
-
-
-@pytest.mark.parametrize("noise", [0.0, 0.002])
-def test_probabilities_are_about_those_of_the_families_that_motions_are_drawn_from(noise):
-    """Two families that overlap: by Bayes' rule on a motion's height, nothing else tells them."""
-    heights, spread = (0.10, 0.13), 0.02
-
-    def noisy(height, seed, count):
-        rng = np.random.default_rng(seed)
-        return [
-            lt.Demonstration(
-                lt.Trajectory(
-                    each.motion.times,
-                    each.motion.positions + noise * rng.standard_normal((150, 2)),
-                )
-            )
-            for each in family(height, seed=seed, count=count, spread=spread)
-        ]
-
-    model = lt.ProMP(weights=10)
-    skills = [model.fit(noisy(h, s, 40)) for h, s in zip(heights, (1, 2), strict=True)]
-    losses, gaps = [], []
-    for own, height in enumerate(heights):
-        for each in noisy(height, 50 + own, 12):
-            seen = lt.Trajectory(each.motion.times[:75], each.motion.positions[:75])
-            found = infer(seen, skills).probabilities
-            peak = each.motion.positions[:, 1].max()
-            likely = np.exp(-((peak - np.array(heights)) ** 2) / (2 * spread**2))
-            gaps.append(found[0] - likely[0] / likely.sum())
-            losses.append((np.log(found[own]), np.log(likely[own] / likely.sum())))
-    ours, exact = -np.mean(losses, axis=0)
-    assert ours < exact + 0.3
-    assert np.sqrt(np.mean(np.square(gaps))) < 0.3
-
-
-def test_prior_counts(skills):
-    whole = family(0.1, count=1, seed=9)[0].motion
-    seen = lt.Trajectory(whole.times[:3], whole.positions[:3])
-    assert infer(seen, skills, prior=[0.0, 1.0]).best == 1
-    with pytest.raises(InvalidInput, match="prior"):
-        infer(seen, skills, prior=[0.0, 0.0])
-    with pytest.raises(InvalidInput, match="observed"):
-        infer(lt.Trajectory([0.0], [[0.0, 0.0]]), skills)

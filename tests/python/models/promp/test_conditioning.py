@@ -1,0 +1,122 @@
+"""Via points of ProMPs: in their columns, in velocities, in a task space."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import leadthrough as lt
+from leadthrough.errors import InvalidInput
+
+TIMES = np.linspace(0.0, 2.0, 200)
+
+
+def test_conditioned_motion_passes_and_variance_nowhere_grows(skill):
+    via = np.array([0.7, 0.9, 1.6])
+    conditioned = skill.condition(1.0, via)
+    mean, covariance = conditioned.distribution([1.0])
+    np.testing.assert_allclose(mean[0], via, atol=1e-9)
+    assert np.abs(covariance).max() < 1e-12
+    _, before = skill.distribution(TIMES)
+    _, after = conditioned.distribution(TIMES)
+    assert np.linalg.eigvalsh(before - after).min() > -1e-12
+    assert (np.einsum("nii->n", after) < np.einsum("nii->n", before)).mean() > 0.9
+
+
+def test_several_via_points_hold_at_once_and_their_order_does_not_matter(skill):
+    vias = {0.0: [0.1, 0.0, -0.1], 0.8: [0.5, 0.9, 1.0], 1.5: [0.9, 1.8, 2.6]}
+    forth, back = skill, skill
+    for time, via in vias.items():
+        forth = forth.condition(time, via)
+    for time, via in reversed(vias.items()):
+        back = back.condition(time, via)
+    mean, _ = forth.distribution(list(vias))
+    np.testing.assert_allclose(mean, list(vias.values()), atol=1e-7)
+    np.testing.assert_allclose(back.distribution(TIMES)[0], forth.distribution(TIMES)[0], atol=1e-6)
+
+
+def test_via_points_may_be_given_at_once(skill):
+    times, values = [0.4, 1.0, 1.6], np.array([[0.2, 0.1, 0.3], [0.5, 1.0, 1.5], [0.9, 1.7, 2.6]])
+    one_by_one, noise = skill, 1e-4 * np.eye(3)
+    for time, value in zip(times, values, strict=True):
+        one_by_one = one_by_one.condition(time, value, covariance=noise)
+    together = skill.condition(times, values, covariance=noise)
+    for a, b in zip(together.distribution(TIMES), one_by_one.distribution(TIMES), strict=True):
+        np.testing.assert_allclose(a, b, atol=1e-8)
+    exact = skill.condition(np.array(times), values)
+    np.testing.assert_allclose(exact.distribution(times)[0], values, atol=1e-8)
+
+
+@given(st.floats(0.0, 2.0), st.lists(st.floats(-2.0, 4.0), min_size=3, max_size=3))
+def test_any_via_point_is_passed(skill, time, via):
+    mean, _ = skill.condition(time, via).distribution([time])
+    np.testing.assert_allclose(mean[0], via, atol=1e-8)
+
+
+def test_noisy_observation_is_weighed_as_bayes_rule_says(skill):
+    mean, covariance = (each[0] for each in skill.distribution([1.0]))
+    noise = np.diag([0.1, 0.2, 0.3]) ** 2
+    value = mean + np.array([0.2, -0.1, 0.3])
+    after, _ = skill.condition(1.0, value, covariance=noise).distribution([1.0])
+    expected = mean + covariance @ np.linalg.solve(covariance + noise, value - mean)
+    np.testing.assert_allclose(after[0], expected, atol=1e-10)
+
+
+def test_velocities_and_single_columns_can_be_given(skill):
+    conditioned = skill.condition(0.5, [0.4], order=1, columns=[2]).condition(
+        1.2, [0.7, 2.0], columns=[0, 2]
+    )
+    assert conditioned.distribution([0.5], order=1)[0][0, 2] == pytest.approx(0.4, abs=1e-8)
+    np.testing.assert_allclose(conditioned.distribution([1.2])[0][0, [0, 2]], [0.7, 2.0], atol=1e-8)
+
+
+def test_task_space_via_point_is_reached_by_the_mean(shown):
+    def hand(q):  # of a planar arm with links of 1 m
+        angles = np.cumsum(q)
+        tip = [np.cos(angles).sum(), np.sin(angles).sum()]
+        jacobian = [
+            [-np.sin(angles[i:]).sum() for i in range(3)],
+            [np.cos(angles[i:]).sum() for i in range(3)],
+        ]
+        return np.array(tip), np.array(jacobian)
+
+    skill = lt.ProMP().fit(shown())
+    tip, _ = hand(skill.distribution([1.0])[0][0])
+    wanted = tip + np.array([0.15, -0.1])
+    conditioned = skill.condition_task(1.0, wanted, hand)
+    np.testing.assert_allclose(hand(conditioned.distribution([1.0])[0][0])[0], wanted, atol=1e-7)
+    soft = skill.condition_task(1.0, wanted, hand, covariance=1e4 * np.eye(2))
+    np.testing.assert_allclose(soft.distribution(TIMES)[0], skill.distribution(TIMES)[0], atol=1e-3)
+    with pytest.raises(InvalidInput, match="reach"):
+        skill.condition_task(1.0, [9.0, 0.0], hand)
+
+
+def test_tool_of_an_arm_is_led_through_a_point_of_its_task_space(shown):
+    panda = lt.Arm.load("panda")
+    ready = np.array([0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])
+    moved = [
+        lt.Demonstration(lt.JointTrajectory(each.motion.times, ready + 0.1 * each.motion.positions))
+        for each in shown(joints=7)
+    ]
+    skill = lt.ProMP().fit(moved)
+
+    def tool(q):
+        return panda.forward_kinematics(q)[0], panda.jacobian(q)[:3]
+
+    wanted = tool(skill.distribution([1.0])[0][0])[0] + np.array([0.02, -0.03, 0.01])
+    led = skill.condition_task(1.0, wanted, tool)
+    np.testing.assert_allclose(tool(led.distribution([1.0])[0][0])[0], wanted, atol=1e-7)
+    _, jacobian = tool(led.distribution([1.0])[0][0])
+    spread = jacobian @ led.distribution([1.0])[1][0] @ jacobian.T
+    assert np.abs(spread).max() < 1e-9  # the tool is there in every sample, to first order
+
+
+def test_contradicting_via_points_are_refused(skill):
+    fixed = skill.condition(1.0, [0.5, 1.0, 1.5])
+    np.testing.assert_allclose(
+        fixed.condition(1.0, [0.5, 1.0, 1.5]).weights.mean, fixed.weights.mean, atol=1e-9
+    )
+    with pytest.raises(InvalidInput, match="position"):
+        fixed.condition(1.0, [0.6, 1.0, 1.5])
+    with pytest.raises(InvalidInput, match="start"):
+        skill.condition(0.0, [0.0, 0.0, 0.1]).generate(start=[0.0, 0.0, 0.2])
