@@ -39,20 +39,19 @@ def test_density_is_the_weighted_sum_of_normal_ones():
 
 @pytest.mark.parametrize(("inputs", "outputs"), [([0], [1, 2, 3]), ([2, 0], [3, 1])])
 def test_regression_equals_monte_carlo(inputs, outputs):
-    """Importance sampling: outputs drawn from components by their share given the inputs."""
+    """Outputs drawn from the components' conditional distributions, by their weight there."""
     mixture = random_mixture()
     x = mixture.means[:2, inputs] * 0.7
     mean, covariance = mixture.regress(x, inputs=inputs, outputs=outputs)
     rng = np.random.default_rng(0)
-    # Independent truth: rejection from the joint, in a narrow slab about the inputs, corrected by
-    # drawing from each component's conditional written with the precision matrix.
+    # An independent form: conditionals written with the precision matrix.
     for i in range(len(x)):
         draws = []
-        shares = [
+        weights = [
             w * multivariate_normal(m[inputs], c[np.ix_(inputs, inputs)]).pdf(x[i])
             for w, m, c in zip(mixture.weights, mixture.means, mixture.covariances, strict=True)
         ]
-        counts = rng.multinomial(400_000, shares / np.sum(shares))
+        counts = rng.multinomial(400_000, weights / np.sum(weights))
         for count, m, c in zip(counts, mixture.means, mixture.covariances, strict=True):
             precision = np.linalg.inv(c[np.ix_(inputs + outputs, inputs + outputs)])
             a, b = len(inputs), len(inputs + outputs)
