@@ -4,49 +4,60 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 
 from leadthrough.arm.limits import JointLimits
 from leadthrough.motion import JointTrajectory
-from leadthrough.timing.scaling import limit_ratios
+from leadthrough.timing.limits_report import limit_ratios
 
-_KINDS = ("velocity", "acceleration", "jerk")
+Kind = Literal["velocity", "acceleration", "jerk"]
+_KINDS: tuple[Kind, ...] = ("velocity", "acceleration", "jerk")
 
 
 @dataclass(frozen=True)
 class Binding:
     """A stretch of time in which one limit is the nearest.
 
-    start, end: s. joint: its name. kind: "velocity", "acceleration" or "jerk". ratio: the largest
-    share of the limit that is used.
+    Attributes:
+        start: first time, s.
+        end: last time, s.
+        joint: name of the joint.
+        kind: which of its limits.
+        ratio: largest fraction of the limit that is used.
     """
 
     start: float
     end: float
     joint: str
-    kind: str
+    kind: Kind
     ratio: float
 
 
 def binding_limits(trajectory: JointTrajectory, limits: JointLimits) -> list[Binding]:
-    """What limits each stretch of a trajectory, in the order of time.
+    """The limit that is nearest in each stretch of a trajectory, in the order of time.
 
-    Raises InvalidInput where trajectory and limits do not belong together.
+    Args:
+        trajectory: the motion.
+        limits: limits of the same joints.
+
+    Raises:
+        InvalidInput: if the trajectory and the limits are not of the same joints.
     """
     joints, ratios = limit_ratios(trajectory, limits)
     if len(trajectory.times) == 1:
         return []
-    nearest = ratios.reshape(len(ratios), -1).argmax(axis=1)
+    flat = ratios.reshape(len(ratios), -1)
+    nearest = flat.argmax(axis=1)
     changes = np.flatnonzero(np.diff(nearest)) + 1
-    bounds = [0, *changes, len(nearest)]
     return [
         Binding(
             start=float(trajectory.times[first]),
             end=float(trajectory.times[last]),
             joint=joints[int(nearest[first]) % len(joints)],
             kind=_KINDS[int(nearest[first]) // len(joints)],
-            ratio=float(ratios.reshape(len(ratios), -1)[first:last].max()),
+            ratio=float(flat[first:last].max()),
         )
-        for first, last in pairwise(bounds)
+        for first, last in pairwise([0, *changes, len(nearest)])
     ]

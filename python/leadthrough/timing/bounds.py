@@ -1,4 +1,4 @@
-"""Bounds on the motion along a path beyond those of the joints' rates.
+"""Bounds on the motion along a path besides the joints' limits of velocity, acceleration and jerk.
 
 Along a path of length l, with x = (dl/dt)^2 and u = d2l/dt2, every row of a table says
 lower <= gain u + bend x <= upper; see Pham and Pham 2018, section III.
@@ -20,7 +20,15 @@ InverseDynamics = Callable[[Float64Array, Float64Array, Float64Array], Float64Ar
 
 @dataclass(frozen=True, eq=False)
 class PathBounds:
-    """fastest: (n,) the largest x at the grid's points. The rest: (n, rows)."""
+    """Bounds at the n points of a path's grid.
+
+    Attributes:
+        fastest: the largest x, (n,).
+        gain: factor of u in each row of the table, (n, rows).
+        bend: factor of x, (n, rows).
+        lower: lower bound of the row, (n, rows).
+        upper: upper bound of the row, (n, rows).
+    """
 
     fastest: Float64Array
     gain: Float64Array
@@ -41,15 +49,26 @@ def slower_than(bounds: PathBounds, squared: Float64Array) -> PathBounds:
     return replace(bounds, fastest=np.minimum(bounds.fastest, squared))
 
 
-def paced(path: _core.TimedPath, parameters: Float64Array, times: Float64Array) -> Float64Array:
-    """x (n,) of a motion that is at the parameters (m,) at the times (m,)."""
-    middles = 0.5 * (parameters[1:] + parameters[:-1])
-    pace = np.interp(path.parameter, middles, np.diff(parameters) / np.diff(times))
-    return np.asarray((pace / path.slope) ** 2)
+def paced(
+    path: _core.TimedPath, parameters: Float64Array, times: Float64Array
+) -> tuple[Float64Array, Float64Array]:
+    """Times (n,) at the grid's points, and x (n,) there, of a motion known at some parameters.
+
+    Args:
+        path: what the motion runs along.
+        parameters: strictly increasing, (m,).
+        times: when the motion is there, (m,) strictly increasing; between them it has a continuous
+            pace and never turns back.
+    """
+    from scipy.interpolate import PchipInterpolator
+
+    clock = PchipInterpolator(parameters, times)
+    with np.errstate(divide="ignore"):
+        return clock(path.parameter), np.asarray((1.0 / clock(path.parameter, 1) / path.slope) ** 2)
 
 
 def tip_within(path: _core.TimedPath, jacobian: Jacobian, speed: float) -> Float64Array:
-    """x (n,) at which the tip moves at `speed`, m/s."""
+    """x (n,) at the grid's points at which the tip moves at `speed`, m/s."""
     with np.errstate(divide="ignore"):
         return np.asarray((speed / tip_speeds(jacobian, path.positions, path.first)) ** 2)
 
@@ -57,7 +76,7 @@ def tip_within(path: _core.TimedPath, jacobian: Jacobian, speed: float) -> Float
 def with_efforts(
     bounds: PathBounds, path: _core.TimedPath, dynamics: InverseDynamics, effort: Float64Array
 ) -> PathBounds:
-    """The bounds, with the joints' efforts inside +-effort (joints,)."""
+    """The bounds, with the joints' efforts kept inside +-effort (joints,), N m (N)."""
     still = np.zeros_like(path.positions)
     rest = efforts(dynamics, path.positions, still, still)
     gain = efforts(dynamics, path.positions, still, path.first) - rest
@@ -66,7 +85,11 @@ def with_efforts(
 
 
 def tip_speeds(jacobian: Jacobian, q: Float64Array, velocities: Float64Array) -> Float64Array:
-    """(n,) m/s at configurations and velocities (n, joints). Raises InvalidInput."""
+    """Speeds (n,) of the tip, m/s, at configurations and velocities (n, joints).
+
+    Raises:
+        InvalidInput: if the Jacobian is not a finite matrix (rows, joints).
+    """
     speeds = []
     for row, velocity in zip(q, velocities, strict=True):
         matrix = check.array(jacobian(row), "jacobian(q)", shape=("rows", len(row)))
@@ -77,7 +100,11 @@ def tip_speeds(jacobian: Jacobian, q: Float64Array, velocities: Float64Array) ->
 def efforts(
     dynamics: InverseDynamics, q: Float64Array, qd: Float64Array, qdd: Float64Array
 ) -> Float64Array:
-    """(n, joints) N m (N) of states (n, joints). Raises InvalidInput."""
+    """Efforts (n, joints) of states (n, joints), N m (N).
+
+    Raises:
+        InvalidInput: if the inverse dynamics are not finite efforts (joints,).
+    """
     name = "inverse_dynamics(q, qd, qdd)"
     rows = zip(q, qd, qdd, strict=True)
     return np.array([check.array(dynamics(*row), name, shape=(q.shape[1],)) for row in rows])

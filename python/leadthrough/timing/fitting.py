@@ -1,35 +1,44 @@
 """A smooth path through the samples of a joint trajectory, within a tolerance.
 
-Splines of degree five are fitted by least squares with as few knots as the tolerance lets them
-have: spans that miss it are halved. The parameter of the path is the samples' time, but where they
-stand still it does not grow.
+Splines of degree five are fitted by least squares with as few knots as the tolerance allows: spans
+that miss it are halved. The parameter of the path is the samples' time, but it does not grow while
+they stand still.
 """
 
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline, CubicSpline, make_lsq_spline
 
 from leadthrough.check import Float64Array
 from leadthrough.trajectories import Spline
 
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
 _DEGREE = 5
 _FIRST_SPANS = 4
-# A span needs a few samples more than it has coefficients of its own, lest it swings between them.
+# A span needs a few more samples than coefficients of its own, or it swings between them.
 _LEAST_SAMPLES = 3
-# The ends count for so many samples: they are met as if they were interpolated.
+# Each end weighs as much as this many samples: it is met as if it were interpolated.
 _WEIGHT_OF_ENDS = 1e4
 
 
 def moving_samples(
     times: Float64Array, q: Float64Array, tolerance: float
 ) -> tuple[NDArray[np.intp], Float64Array]:
-    """The samples (m,) that leave the one kept before by more than the tolerance; parameters (m,).
+    """The samples that differ from the one kept before by more than the tolerance.
 
-    The last sample is always one of them.
+    Args:
+        times: s, (n,).
+        q: samples (n, joints).
+        tolerance: rad (m), the largest difference of a joint that counts as standing still.
+
+    Returns:
+        Their indices (m,), the last sample always among them, and their parameters (m,).
     """
     kept = [0]
     for i in range(1, len(q)):
@@ -46,8 +55,13 @@ def moving_samples(
 def fit_within(parameters: Float64Array, q: Float64Array, tolerance: float) -> Spline:
     """A spline with two continuous derivatives or more, within the tolerance of every sample.
 
-    parameters: (n,) rising. q: (n, d). tolerance: the largest error of a coordinate.
+    Args:
+        parameters: strictly increasing, (n,).
+        q: samples (n, d).
+        tolerance: the largest error of a coordinate.
     """
+    from scipy.interpolate import make_lsq_spline
+
     count = len(parameters)
     if count <= _DEGREE + 1:
         return through(parameters, q)
@@ -71,6 +85,8 @@ def fit_within(parameters: Float64Array, q: Float64Array, tolerance: float) -> S
 
 def through(parameters: Float64Array, q: Float64Array) -> Spline:
     """The cubic spline through all samples; its third derivative is continuous near its ends."""
+    from scipy.interpolate import CubicSpline
+
     ends = "not-a-knot" if len(q) > 2 else "natural"
     spline = CubicSpline(parameters, q, bc_type=ends)
     return Spline(spline.x, spline.c[::-1].transpose(1, 0, 2))

@@ -1,4 +1,4 @@
-"""Paths along straight lines between way-points, with corners that are cut or stopped at."""
+"""Paths along straight lines between way-points, whose corners are cut or stopped at."""
 
 from __future__ import annotations
 
@@ -23,11 +23,14 @@ def stops_of(points: Float64Array, *, blend: float, holds: Sequence[int]) -> lis
 
 
 def blended_path(points: Float64Array, blend: float) -> Spline:
-    """Straight lines through way-points (n, d), no two neighbours equal, with corners cut.
+    """Straight lines between way-points, with corners cut.
 
-    blend: the largest distance from a corner, in every coordinate. The lines are passed at unit
-    speed; a quintic with the lines' velocities and no acceleration at its ends leads around a
-    corner, on no more than half of the lines beside it.
+    The lines are passed at unit speed. A quintic with the lines' velocities and no acceleration at
+    its ends leads around a corner, on no more than half of the lines beside it.
+
+    Args:
+        points: way-points (n, d), no two neighbours equal.
+        blend: the largest distance from a corner, in every coordinate.
     """
     steps = np.diff(points, axis=0)
     lengths = np.sqrt(np.einsum("ij,ij->i", steps, steps))

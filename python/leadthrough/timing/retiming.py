@@ -1,119 +1,108 @@
 """The fastest motion along a path inside velocity, acceleration and jerk limits.
 
 The time-optimal speeds for velocities and accelerations are those of Pham and Pham 2018 in their
-interpolation scheme. Averaged over two windows of time they have a bounded jerk; where averaging
+interpolation scheme. Averaging them over two windows of time bounds the jerk; where averaging
 pushes a joint over a limit, the path is passed a little more slowly, there and nowhere else. What
-is promised is measured: differences of the samples given back keep the limits.
+is promised is measured: differences of the returned samples keep the limits.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from functools import reduce
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check, events
 from leadthrough.arm.limits import JointLimits
+from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory
+from leadthrough.timing import request as checks
 from leadthrough.timing.bounds import InverseDynamics, Jacobian
+from leadthrough.timing.paths import path_of
 from leadthrough.timing.request import Request
-from leadthrough.timing.samples import Motion
+from leadthrough.timing.samples import Samples
 from leadthrough.timing.section_law import time_section
-from leadthrough.timing.sections import Section, sections
+from leadthrough.timing.sections import Sections
 from leadthrough.trajectories import Curve
 
 
 def retime(
-    path: Any,
+    path: JointTrajectory | Curve | ArrayLike,
     limits: JointLimits,
     *,
     rate: float = 1000.0,
     path_tolerance: float = 1e-5,
     blend: float = 0.0,
     holds: Mapping[int, float] | None = None,
-    not_before: Any = None,
-    start_velocity: Any = None,
-    end_velocity: Any = None,
+    not_before: ArrayLike | None = None,
+    start_velocity: ArrayLike | None = None,
+    end_velocity: ArrayLike | None = None,
     tip_speed: float | None = None,
     jacobian: Jacobian | None = None,
     inverse_dynamics: InverseDynamics | None = None,
 ) -> JointTrajectory:
-    """The fastest motion along a path inside the limits, from rest to rest, sampled evenly.
+    """The fastest motion along a path inside the limits, from rest to rest, evenly sampled.
 
-    path: a JointTrajectory, through whose samples a smooth path is fitted; a curve of
-        `leadthrough.trajectories`, of which a Spline with two continuous derivatives is followed
-        exactly and one with corners rests at them; or way-points (n, joints), joined by straight
-        lines.
-    rate: samples a second. path_tolerance: rad (m), how far a fitted path may lie off the samples.
-    blend: rad (m), by how much corners between way-points are cut; with 0 the motion rests there.
-    holds: s by row (way-point, sample or knot), how long the motion rests there.
-    not_before: (n,) s by row; no row is reached before its time. With a trajectory's own times, its
-        timing is kept wherever the limits allow: the motion is no faster than shown but where it is
-        late, by half a percent of its duration or more, and then until it is on time again.
-    start_velocity, end_velocity: (joints,) along the path, where it is not to begin or end at rest;
-        the last step may then be shorter or longer than the others by half.
-    tip_speed: m/s, of the tip, whose `jacobian` maps q to (3, joints) or, linear rows first,
-        (6, joints). inverse_dynamics: maps q, velocities and accelerations to efforts, which then
-        keep their limits as well.
-    Velocities and accelerations given back are the samples' central differences; a trajectory's
-    events stay at their places on the path.
-    Raises InvalidInput; LimitsInfeasible where a position lies outside its limits, a joint moves
-    that must not, a velocity at an end is too fast, or an arm cannot hold itself.
+    Args:
+        path: a JointTrajectory, through whose samples a smooth path is fitted; a curve of
+            `leadthrough.trajectories`, of which a Spline with two continuous derivatives is
+            followed exactly and one with corners rests at them; or way-points (n, joints), joined
+            by straight lines. Its rows are its samples, knots or way-points.
+        limits: velocity, acceleration and jerk limits of the joints.
+        rate: samples per second.
+        path_tolerance: rad (m), how far a fitted path may lie off the samples.
+        blend: rad (m), by how much corners between way-points are cut; with 0 the motion rests
+            there.
+        holds: seconds that the motion rests, by row.
+        not_before: times (rows,) in seconds, before which no row is reached. With a trajectory's
+            own times, its timing is kept wherever the limits allow: the motion is no faster than
+            shown, except where it is late by half a percent of its duration or more, and then
+            only until it is on time again.
+        start_velocity: velocity (joints,) along the path at its start, instead of rest.
+        end_velocity: velocity (joints,) along the path at its end, instead of rest; the last step
+            may then be shorter or longer than the others by half.
+        tip_speed: m/s, that the tip must not exceed; needs `jacobian`.
+        jacobian: maps q to (3, joints) or, linear rows first, (6, joints).
+        inverse_dynamics: maps q, velocities and accelerations to efforts; with it, the efforts
+            keep their limits as well.
+
+    Returns:
+        Samples at `rate`, with their central differences as velocities and accelerations. A
+        trajectory's events stay at their places on the path.
+
+    Raises:
+        InvalidInput: if an argument is malformed or does not fit the path.
+        LimitsInfeasible: if a position lies outside its limits, a joint moves whose limit is 0, a
+            velocity at an end is too fast, or the arm cannot hold itself.
+
+    Source: Pham and Pham 2018.
     """
     _check_limits(limits)
-    rows, joints = _shape(path)
-    if joints != len(limits.joint_names):
+    way = path_of(path)
+    if way.joints != len(limits.joint_names):
         raise InvalidInput(
-            f"limits: expected limits of {joints} joints, got {len(limits.joint_names)}"
+            f"limits: expected limits of {way.joints} joints, got {len(limits.joint_names)}"
         )
     request = Request(
-        rows=rows,
-        joints=joints,
-        rate=rate,
-        path_tolerance=path_tolerance,
-        blend=blend,
-        holds={} if holds is None else holds,
-        not_before=not_before,
-        start_velocity=start_velocity,
-        end_velocity=end_velocity,
-        tip_speed=tip_speed,
+        rate=check.number(rate, "rate", above=0.0),
+        path_tolerance=check.number(path_tolerance, "path_tolerance", above=0.0),
+        blend=check.number(blend, "blend", at_least=0.0),
+        holds=checks.checked_holds(holds, way.rows),
+        not_before=checks.checked_schedule(not_before, way.rows),
+        start_velocity=checks.checked_velocity(start_velocity, "start_velocity", way.joints),
+        end_velocity=checks.checked_velocity(end_velocity, "end_velocity", way.joints),
+        tip_speed=checks.checked_tip_speed(tip_speed),
         jacobian=jacobian,
         inverse_dynamics=inverse_dynamics,
     )
-    rest, parts = sections(
-        path, path_tolerance=request.path_tolerance, blend=request.blend, holds=request.holds
-    )
-    motions = _motions(parts, limits, request, begin=rest) or [_standing(path)]
-    motions[0] = motions[0].held_before(rest, request.rate)
-    return _joined(motions, path, limits.joint_names)
+    motion = _timed(way.sections(request), limits, request, start=way.start)
+    return _trajectory(motion, path, limits.joint_names)
 
 
-def _motions(
-    parts: list[Section], limits: JointLimits, request: Request, *, begin: float
-) -> list[Motion]:
-    motions, last = list[Motion](), len(parts) - 1
-    for i, part in enumerate(parts):
-        motion = time_section(part, limits, request, begin=begin, first=i == 0, last=i == last)
-        begin += float(motion.times[-1])
-        motions.append(motion)
-    return motions
-
-
-def _shape(path: Any) -> tuple[int, int]:
-    """Rows and joints of a path of any kind."""
-    if isinstance(path, JointTrajectory):
-        return path.positions.shape
-    if isinstance(path, Curve):
-        return len(path.knots), path.evaluate(path.domain[0]).shape[0]
-    points = check.array(path, "path", shape=("n", "joints"))
-    if 0 in points.shape:
-        raise InvalidInput(f"path: expected way-points (n, joints), got shape {points.shape}")
-    return points.shape
-
-
-def _check_limits(limits: Any) -> None:
+def _check_limits(limits: JointLimits) -> None:
     if not isinstance(limits, JointLimits):
         raise InvalidInput(f"limits: expected JointLimits, got {type(limits).__name__}")
     for name in ("acceleration", "jerk"):
@@ -124,23 +113,28 @@ def _check_limits(limits: Any) -> None:
             )
 
 
-def _standing(path: Any) -> Motion:
-    if isinstance(path, JointTrajectory):
-        q = path.positions[:1]
-    elif isinstance(path, Curve):
-        q = path.evaluate([path.domain[0]])
-    else:
-        q = np.asarray(path, dtype=np.float64)[:1]
-    return Motion(np.zeros(1), np.zeros(1), q, np.zeros_like(q), np.zeros_like(q))
+def _timed(
+    sections: Sections, limits: JointLimits, request: Request, *, start: Float64Array
+) -> Samples:
+    """The motion over all sections, with the rests between them."""
+    motions, begin = list[Samples](), sections.initial_hold
+    for i, part in enumerate(sections.parts):
+        last = i == len(sections.parts) - 1
+        motions.append(time_section(part, limits, request, begin=begin, first=i == 0, last=last))
+        begin += float(motions[-1].times[-1])
+    first = motions[0] if motions else Samples.at_rest(start)
+    return reduce(
+        Samples.followed_by, motions[1:], first.held_before(sections.initial_hold, request.rate)
+    )
 
 
-def _joined(motions: list[Motion], path: Any, names: tuple[str, ...]) -> JointTrajectory:
-    whole = motions[0]
-    for motion in motions[1:]:
-        whole = whole.followed_by(motion)
-    timed = whole.positions, whole.velocities, whole.accelerations
+def _trajectory(
+    motion: Samples, path: JointTrajectory | Curve | ArrayLike, names: tuple[str, ...]
+) -> JointTrajectory:
+    """The motion with the path's first time and events, where it has them."""
+    moved = motion.positions, motion.velocities, motion.accelerations
     if not isinstance(path, JointTrajectory):
-        return JointTrajectory(whole.times, *timed, names)
-    times = path.times[0] + whole.times
-    shown = np.interp(whole.places, np.arange(len(path.times)), path.times)
-    return JointTrajectory(times, *timed, names, events.moved(path.events, shown, times))
+        return JointTrajectory(motion.times, *moved, names)
+    times = path.times[0] + motion.times
+    shown = np.interp(motion.places, np.arange(len(path.times)), path.times)
+    return JointTrajectory(times, *moved, names, events.moved(path.events, shown, times))

@@ -13,11 +13,15 @@ from leadthrough.check import Float64Array
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class Samples:
     """Samples of a motion.
 
-    times: (n,) from 0. places: (n,) where on the path, in its way-points, samples or knots.
-    positions, velocities, accelerations: (n, joints).
+    Attributes:
+        times: s from the start, (n,).
+        places: where on the path, counted in its way-points, samples or knots, (n,).
+        positions: rad (m), (n, joints).
+        velocities: rad/s (m/s), (n, joints).
+        accelerations: rad/s^2 (m/s^2), (n, joints).
     """
 
     times: Float64Array
@@ -26,17 +30,23 @@ class Motion:
     velocities: Float64Array
     accelerations: Float64Array
 
-    def held_before(self, time: float, rate: float) -> Motion:
-        """The motion, at rest for a time before it begins."""
+    @staticmethod
+    def at_rest(q: Float64Array) -> Samples:
+        """A single sample at rest at a configuration (joints,)."""
+        still = np.zeros((1, len(q)))
+        return Samples(np.zeros(1), np.zeros(1), q[None], still, still)
+
+    def held_before(self, time: float, rate: float) -> Samples:
+        """The motion after a rest of `time`, s."""
         return self._rest(0, time, rate).followed_by(self) if time > 0.0 else self
 
-    def held(self, time: float, rate: float) -> Motion:
-        """The motion, at rest for a time after it ends."""
+    def held(self, time: float, rate: float) -> Samples:
+        """The motion followed by a rest of `time`, s."""
         return self.followed_by(self._rest(-1, time, rate)) if time > 0.0 else self
 
-    def followed_by(self, other: Motion) -> Motion:
+    def followed_by(self, other: Samples) -> Samples:
         """Both motions; the other begins where this one ends."""
-        return Motion(
+        return Samples(
             np.concatenate([self.times, self.times[-1] + other.times[1:]]),
             np.concatenate([self.places, other.places[1:]]),
             np.vstack([self.positions, other.positions[1:]]),
@@ -44,11 +54,11 @@ class Motion:
             np.vstack([self.accelerations, other.accelerations[1:]]),
         )
 
-    def some(self, count: int) -> Motion:
-        """At most `count` samples, spread evenly."""
+    def some(self, count: int) -> Samples:
+        """At most `count` evenly spread samples."""
         return self._rows(np.unique(np.linspace(0, len(self.times) - 1, count).astype(np.intp)))
 
-    def thinned(self, parts: int) -> Motion:
+    def thinned(self, parts: int) -> Samples:
         """Every sample of `parts` and the last; one half a step or less before it is left out."""
         last = len(self.times) - 1
         rows = np.arange(0, last, parts)
@@ -56,15 +66,15 @@ class Motion:
             rows = rows[:-1]
         return self._rows(np.append(rows, last))
 
-    def _rest(self, end: int, time: float, rate: float) -> Motion:
+    def _rest(self, end: int, time: float, rate: float) -> Samples:
         """Standing still where the motion begins or ends."""
         count = math.ceil(time * rate - 1e-9) + 1
         positions = np.repeat(self.positions[[end]], count, axis=0)
         still, places = np.zeros_like(positions), np.repeat(self.places[end], count)
-        return Motion(np.arange(count) / rate, places, positions, still, still)
+        return Samples(np.arange(count) / rate, places, positions, still, still)
 
-    def _rows(self, rows: NDArray[np.intp]) -> Motion:
-        return Motion(
+    def _rows(self, rows: NDArray[np.intp]) -> Samples:
+        return Samples(
             self.times[rows],
             self.places[rows],
             self.positions[rows],
@@ -80,11 +90,15 @@ def differentiated(
     path: _core.TimedPath,
     *,
     speeds: tuple[float, float],
-) -> Motion:
-    """A motion with its central differences.
+) -> Samples:
+    """Samples with their central differences as velocities and accelerations.
 
-    times, places, q: as in `Motion`. speeds: those of the path's length at the ends; beyond them
-    the motion goes on as it is there.
+    Args:
+        times: as in `Samples`.
+        places: as in `Samples`.
+        q: positions (n, joints).
+        path: what the motion runs along.
+        speeds: of the path's length at both ends; beyond them the motion goes on as it is there.
     """
     steps = np.diff(times)
     steps = np.concatenate([steps[:1], steps, steps[-1:]])[:, None]
@@ -97,4 +111,4 @@ def differentiated(
     for end, speed in zip((0, -1), speeds, strict=True):  # there they are known exactly
         velocities[end] = path.first[end] * speed
         accelerations[end] = path.second[end] * speed**2
-    return Motion(times, places, q, velocities, accelerations)
+    return Samples(times, places, q, velocities, accelerations)

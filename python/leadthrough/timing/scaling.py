@@ -1,107 +1,39 @@
-"""Joint limits along a trajectory: judged, and kept by slowing down.
-
-Derivatives of order k are k! times the divided differences of the samples' positions. By the mean
-value theorem they are values that the true derivative takes, so that samples of a smooth motion
-inside its limits are never judged outside them. Before the first sample and after the last the
-arm stands still: that is how a controller will have it, so a motion that starts or ends at full
-speed shows the acceleration and jerk that this takes.
-"""
+"""Joint limits kept by slowing down, and velocities and accelerations of bare samples."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from leadthrough import events
 from leadthrough.arm.limits import JointLimits
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, LimitsInfeasible
+from leadthrough.errors import LimitsInfeasible
 from leadthrough.motion import JointTrajectory
+from leadthrough.timing.limits_report import LimitsReport, Peak, check_limits, check_type
 
 # Scaled times are rounded, and so are the differences measured on them; a factor that is larger
 # by this brings the few trajectories that end up an ulp outside back inside.
 _MARGIN = 1e-9
 _MOST_CORRECTIONS = 20
 
-# A ratio above 1 by less is rounding: third differences of positions sampled at 1 kHz carry 1e-6
-# rad/s^3 of it, and a position given with seven digits 1e-7 rad.
-ROUNDING = 1e-6
-
-
-@dataclass(frozen=True, eq=False)
-class Peak:
-    """How much of one quantity's limits a trajectory uses at most.
-
-    ratios: (joints,) the largest magnitude over its limit; of a position, the distance from the
-    middle of the range over half the range. joint, time: the worst of them, and when, s.
-    """
-
-    ratios: Float64Array
-    joint: str
-    time: float
-
-    @property
-    def ok(self) -> bool:
-        """Whether no joint exceeds its limit by more than rounding."""
-        return self.ratio <= 1.0 + ROUNDING
-
-    @property
-    def ratio(self) -> float:
-        """The worst joint's ratio."""
-        return float(self.ratios.max())
-
-    def __str__(self) -> str:
-        return f"{self.ratio:.1%} by {self.joint} at {self.time:.3f} s"
-
-
-@dataclass(frozen=True, eq=False)
-class LimitsReport:
-    """A trajectory's peaks; None for a quantity whose limits are not known."""
-
-    position: Peak
-    velocity: Peak
-    acceleration: Peak | None
-    jerk: Peak | None
-
-    @property
-    def ok(self) -> bool:
-        """Whether every quantity that has limits keeps them."""
-        peaks = (self.position, self.velocity, self.acceleration, self.jerk)
-        return all(peak is None or peak.ok for peak in peaks)
-
-    @property
-    def unchecked(self) -> tuple[str, ...]:
-        """The quantities without limits."""
-        return tuple(name for name in ("acceleration", "jerk") if getattr(self, name) is None)
-
-
-def check_limits(trajectory: JointTrajectory, limits: JointLimits) -> LimitsReport:
-    """How a trajectory stands to the limits of the arm; a violation does not raise.
-
-    The trajectory's own velocities and accelerations count as well, where it has them.
-    Raises InvalidInput where trajectory and limits do not belong together.
-    """
-    names = _joint_names(trajectory, limits)
-    acceleration, jerk = limits.acceleration, limits.jerk
-    return LimitsReport(
-        position=_position_peak(trajectory, limits, names),
-        velocity=_peak(trajectory, 1, limits.velocity, names, own=trajectory.velocities),
-        acceleration=None
-        if acceleration is None
-        else _peak(trajectory, 2, acceleration, names, own=trajectory.accelerations),
-        jerk=None if jerk is None else _peak(trajectory, 3, jerk, names),
-    )
-
 
 def scale_to_limits(trajectory: JointTrajectory, limits: JointLimits) -> JointTrajectory:
-    """The trajectory, slowed down evenly until `check_limits` finds all limits kept.
+    """The trajectory, slowed down uniformly until `check_limits` finds all limits kept.
 
-    It is never sped up, its path and its first time stay; its events and, where it has them, its
-    own velocities and accelerations are scaled along. Raises LimitsInfeasible where a position lies
-    outside its limits or a joint moves that must not, InvalidInput.
+    It is never sped up.
+
+    Args:
+        trajectory: the motion.
+        limits: limits of the same joints.
+
+    Returns:
+        The same path from the same first time, with the events, velocities and accelerations that
+        the trajectory carries scaled along.
+
+    Raises:
+        InvalidInput: if the trajectory and the limits are not of the same joints.
+        LimitsInfeasible: if a position lies outside its limits or a joint moves whose limit is 0.
     """
     report = check_limits(trajectory, limits)
     if not report.position.ok:
@@ -117,7 +49,7 @@ def scale_to_limits(trajectory: JointTrajectory, limits: JointLimits) -> JointTr
         scaled = _slowed(trajectory, factor)
         report = check_limits(scaled, limits)
     raise LimitsInfeasible(
-        f"{report.velocity.joint} does not come inside its limits at any speed",
+        f"{report.velocity.joint} exceeds its limits at any speed",
         joint=report.velocity.joint,
     )
 
@@ -125,9 +57,15 @@ def scale_to_limits(trajectory: JointTrajectory, limits: JointLimits) -> JointTr
 def differentiate(trajectory: JointTrajectory) -> JointTrajectory:
     """The same samples with velocities and accelerations, those of the cubic spline through them.
 
-    The spline starts and ends at rest; a single sample rests. Raises InvalidInput.
+    Args:
+        trajectory: the motion; the spline starts and ends at rest, and a single sample rests.
+
+    Raises:
+        InvalidInput: if it is not a JointTrajectory.
     """
-    _check_type(trajectory)
+    from scipy.interpolate import CubicSpline
+
+    check_type(trajectory)
     if len(trajectory.times) == 1:
         zeros = np.zeros_like(trajectory.positions)
         return replace(trajectory, velocities=zeros, accelerations=zeros)
@@ -136,109 +74,6 @@ def differentiate(trajectory: JointTrajectory) -> JointTrajectory:
     velocities = spline(times, 1)
     velocities[[0, -1]] = 0.0  # the spline's own are zero to rounding
     return replace(trajectory, velocities=velocities, accelerations=spline(times, 2))
-
-
-def _check_type(trajectory: Any) -> None:
-    if not isinstance(trajectory, JointTrajectory):
-        raise InvalidInput(
-            f"trajectory: expected a JointTrajectory, got {type(trajectory).__name__}"
-        )
-
-
-def _joint_names(trajectory: JointTrajectory, limits: JointLimits) -> tuple[str, ...]:
-    _check_type(trajectory)
-    if not isinstance(limits, JointLimits):
-        raise InvalidInput(f"limits: expected JointLimits, got {type(limits).__name__}")
-    joints = trajectory.positions.shape[1]
-    wanted = limits.joint_names
-    if len(wanted) != joints:
-        raise InvalidInput(f"limits: expected limits of {joints} joints, got {len(wanted)}")
-    if trajectory.joint_names and trajectory.joint_names != wanted:
-        raise InvalidInput(
-            f"limits: expected limits of {list(trajectory.joint_names)}, got {list(wanted)}"
-        )
-    return wanted
-
-
-def _differences(
-    times: Float64Array, positions: Float64Array, order: int
-) -> tuple[Float64Array, Float64Array]:
-    """Times (m,) and derivatives (m, joints) of a motion that starts and ends at rest."""
-    if len(times) == 1:
-        return times, np.zeros_like(positions)
-    rest = order - 1  # as many samples of standing still as a difference reaches beyond an end
-    t = times - times[0]
-    before = t[0] - (t[1] - t[0]) * np.arange(rest, 0, -1)
-    after = t[-1] + (t[-1] - t[-2]) * np.arange(1, rest + 1)
-    t = np.concatenate([before, t, after])
-    values = np.pad(positions, ((rest, rest), (0, 0)), mode="edge")
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        for k in range(1, order + 1):
-            values = k * np.diff(values, axis=0) / (t[k:] - t[:-k])[:, None]
-    middles = times[0] + 0.5 * (t[order:] + t[:-order])
-    return np.clip(middles, times[0], times[-1]), values
-
-
-def limit_ratios(
-    trajectory: JointTrajectory, limits: JointLimits
-) -> tuple[tuple[str, ...], Float64Array]:
-    """Joint names, and (n - 1, 3, joints) how much of its velocity, acceleration and jerk limit
-    each joint uses between two samples; 0 where there is no limit.
-
-    Raises InvalidInput where trajectory and limits do not belong together.
-    """
-    names = _joint_names(trajectory, limits)
-    steps = len(trajectory.times) - 1
-    ratios = np.zeros((steps, 3, len(names)))
-    for order, limit in enumerate((limits.velocity, limits.acceleration, limits.jerk), 1):
-        if limit is None or steps == 0:
-            continue
-        _, values = _differences(trajectory.times, trajectory.positions, order)
-        used = _ratios(values, limit)
-        for reach in range(order):  # differences of a higher order span several steps
-            ratios[:, order - 1] = np.maximum(ratios[:, order - 1], used[reach : reach + steps])
-    return names, ratios
-
-
-def _peak(
-    trajectory: JointTrajectory,
-    order: int,
-    limit: Float64Array,
-    names: tuple[str, ...],
-    *,
-    own: Float64Array | None = None,
-) -> Peak:
-    """The peak of a derivative, measured and, where the trajectory has its own, given."""
-    times, values = _differences(trajectory.times, trajectory.positions, order)
-    if own is not None:
-        times, values = np.append(times, trajectory.times), np.vstack([values, own])
-    return _worst(times, _ratios(values, limit), names)
-
-
-def _ratios(values: Float64Array, limit: Float64Array) -> Float64Array:
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        # 0 / 0 is a joint at rest that must rest; anything else not a number overflowed.
-        ratios = np.where(values == 0.0, 0.0, np.abs(values) / limit)
-    return np.where(np.isnan(ratios), np.inf, ratios)
-
-
-def _position_peak(
-    trajectory: JointTrajectory, limits: JointLimits, names: tuple[str, ...]
-) -> Peak:
-    q, lower, upper = trajectory.positions, limits.lower, limits.upper
-    inside = (lower <= q) & (q <= upper)
-    bounded = np.isfinite(lower) & np.isfinite(upper) & (lower < upper)
-    low, high = np.where(bounded, lower, -1.0), np.where(bounded, upper, 1.0)
-    ratios = np.abs(q - 0.5 * (low + high)) / (0.5 * (high - low))
-    unbounded = np.where(inside, 0.0, np.inf)
-    return _worst(trajectory.times, np.where(bounded, ratios, unbounded), names)
-
-
-def _worst(times: Float64Array, ratios: Float64Array, names: tuple[str, ...]) -> Peak:
-    sample, joint = np.unravel_index(int(ratios.argmax()), ratios.shape)
-    peaks = ratios.max(axis=0)
-    peaks.setflags(write=False)
-    return Peak(peaks, names[joint], float(times[sample]))
 
 
 def _derivatives(report: LimitsReport) -> list[tuple[int, Peak]]:

@@ -1,8 +1,8 @@
-"""Keeping a demonstrated timing wherever limits allow: never before it, nor later than needed.
+"""Keeping a demonstrated timing wherever limits allow: never earlier, no later than needed.
 
-Where the motion is on time, the demonstrated pace is the fastest. Where limits have made it late
-the pace is free, from there to the place at which the motion is on time again; that place is found
-by bisection, as the limits also bound how fast the pace changes.
+Where the motion is on time, the demonstrated pace is the fastest allowed. Where limits have made it
+late, the pace is free until the place at which the motion is on time again. That place is found by
+bisection, as the limits also bound how fast the pace changes.
 """
 
 from __future__ import annotations
@@ -14,20 +14,22 @@ from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
 
-# A motion is late by this share of its demonstrated duration; less is not worth a hurry.
+# A motion counts as late by this fraction of its demonstrated duration; less is not made up for.
 _LATE = 5e-3
 _MOST_HURRIES = 20
-# Places between two attempts, where the first is late but a hurry from there comes early at once.
+# Places between two attempts, where the motion is late but any faster pace comes early at once.
 _APART = 10
 
 Free = NDArray[np.bool_]
 
 
 def hurries(due: Float64Array, arrival: Callable[[Free], Float64Array], *, slack: float) -> Free:
-    """Where (n,) along a path the pace is free, so that the motion catches up.
+    """Where along a path the pace is free, so that the motion catches up, (n,).
 
-    due: (n,) s, when places of the path were shown. arrival: gives the times (n,) s of the motion
-    whose pace is free at some of them. slack: s, by which rounding may let the motion come early.
+    Args:
+        due: when the places of the path were shown, s, (n,).
+        arrival: maps the places with a free pace to the times (n,), s, of the resulting motion.
+        slack: s, by which rounding may let the motion come early.
     """
     free = np.zeros(len(due), dtype=np.bool_)
     late = arrival(free) - due
@@ -47,7 +49,7 @@ def hurries(due: Float64Array, arrival: Callable[[Free], Float64Array], *, slack
 
 
 def _end(free: Free, first: int, lateness: Callable[[Free], Float64Array], allowed: float) -> int:
-    """To where, at most, the pace may be free from the first place on so that nothing is early."""
+    """The place up to which the pace may be free from the first one without coming early."""
 
     def early(end: int) -> bool:
         trial = free.copy()

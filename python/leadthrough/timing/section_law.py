@@ -13,22 +13,22 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, LimitsInfeasible
 from leadthrough.timing import bounds, schedule
 from leadthrough.timing.request import Request
-from leadthrough.timing.samples import Motion, differentiated
+from leadthrough.timing.samples import Samples, differentiated
 from leadthrough.timing.sections import Section
 from leadthrough.trajectories import Spline
 
-# Points of the grid over a path: at least, and for each of its pieces.
+# Points of the grid over a path: the least, for each of its pieces, and the most.
 _POINTS, _POINTS_A_PIECE, _MOST_POINTS = 1000, 8, 50_000
-_COARSEST_PERIOD = 1e-3  # s; what is given back more rarely is computed at a part of it
+_COARSEST_PERIOD = 1e-3  # s; at lower rates several samples are computed for each one returned
 _MOST_SAMPLES = 1e7
-# Joints that move by less, rad or m, are at rest: it is what fitting leaves of a constant.
+# Joints that move by less, rad or m, are at rest: fitting a constant leaves as much.
 _AT_REST = 1e-9
-# Rounding may take a path over its position limits by so much, rad or m.
+# Rounding may take a path beyond its position limits by this, rad or m.
 _ROUNDING = 1e-9
-# A velocity may point so far off the path, relative to its size.
+# A velocity may deviate from the path by this, relative to its size.
 _ALONG = 1e-3
 _STATUSES = ("ok", "no_motion", "start_too_fast", "end_too_fast", "too_long", "not_settled")
-# Averaging leaves bounds of the tip and of efforts exceeded by a percent: they are tightened.
+# Averaging exceeds the bounds of the tip and of efforts by a percent: they are tightened.
 _MOST_TIGHTENINGS, _TIGHTER = 10, 1.0 + 1e-4
 _JUDGED_SAMPLES = 2000
 
@@ -40,12 +40,12 @@ class _Rates:
     velocity: Float64Array
     acceleration: Float64Array
     jerk: Float64Array
-    scale: Float64Array  # the fastest that each could be
+    scale: Float64Array  # the highest velocity that each could reach
 
 
 @dataclass(frozen=True, eq=False)
 class _Course:
-    """What the time law of a section is made from, but for the bounds on it."""
+    """What the time law of a section is computed from, apart from the bounds on it."""
 
     path: _core.TimedPath
     section: Section
@@ -56,12 +56,12 @@ class _Course:
 
     @property
     def parts(self) -> int:
-        """Samples computed for each one given back."""
+        """Samples computed for each one returned."""
         return max(1, math.ceil(1.0 / (self.rate * _COARSEST_PERIOD) - 1e-9))
 
     @property
     def period(self) -> float:
-        """Between the samples computed, s."""
+        """Time between computed samples, s."""
         return 1.0 / (self.rate * self.parts)
 
     def law(self, extra: bounds.PathBounds) -> tuple[Float64Array, Float64Array]:
@@ -89,8 +89,8 @@ class _Course:
         times[-1] = duration
         return times, length
 
-    def motion(self, extra: bounds.PathBounds) -> Motion:
-        """The motion, sampled."""
+    def motion(self, extra: bounds.PathBounds) -> Samples:
+        """The motion, sampled at the rate asked for."""
         times, length = self.law(extra)
         q = self.path.positions_at(length)
         places = _places(length, self.path, self.section)
@@ -105,10 +105,20 @@ def time_section(
     begin: float,
     first: bool,
     last: bool,
-) -> Motion:
-    """The fastest motion along a section, with the velocities asked for where it is an end.
+) -> Samples:
+    """The fastest motion along a section.
 
-    begin: s, when it begins.
+    Args:
+        section: what it runs along.
+        limits: of the joints.
+        request: what else it must keep.
+        begin: when it begins, s.
+        first: whether the section is the path's first, which may start with a velocity.
+        last: whether it is the path's last, which may end with one.
+
+    Raises:
+        InvalidInput: if the request and the path do not fit each other.
+        LimitsInfeasible: if no motion along it keeps the limits.
     """
     rates = _rates(section.spline, limits)
     path = _timed_path(section.spline, rates.scale)
@@ -118,17 +128,17 @@ def time_section(
         _end_speed(path, -1, request.end_velocity if last else None, "end_velocity"),
     )
     course = _Course(path, section, rates, limits, speeds, request.rate)
-    share, tip_share = 1.0, 1.0
+    effort_fraction, tip_fraction = 1.0, 1.0
     for _ in range(_MOST_TIGHTENINGS):
-        found = _bounds(path, limits, request, share=share, tip_share=tip_share)
+        found = _bounds(path, limits, request, effort=effort_fraction, tip=tip_fraction)
         motion = course.motion(_on_schedule(course, found, request, begin))
         tip, effort = _tip_ratio(motion, request), _effort_ratio(motion, limits, request)
         if max(tip, effort) <= 1.0:
             return motion.held(section.hold, request.rate)
-        tip_share /= max(tip * _TIGHTER, 1.0)
-        share /= max(effort * _TIGHTER, 1.0)
+        tip_fraction /= max(tip * _TIGHTER, 1.0)
+        effort_fraction /= max(effort * _TIGHTER, 1.0)
     raise LimitsInfeasible(
-        "the tip's speed and the efforts do not come inside their limits",
+        "no motion along the path keeps the tip's speed and the efforts inside their limits",
         joint=limits.joint_names[0],
     )
 
@@ -145,9 +155,9 @@ def _rates(spline: Spline, limits: JointLimits) -> _Rates:
     )
     for i in np.flatnonzero(moves & ~(scale > 0.0)):
         name = limits.joint_names[i]
-        raise LimitsInfeasible(f"{name} moves along the path but must not", joint=name)
+        raise LimitsInfeasible(f"{name} moves along the path, but a limit of it is 0", joint=name)
     if not np.isfinite(scale[moves]).any():
-        raise InvalidInput("limits: expected a limit for one of the joints that move, got none")
+        raise InvalidInput("limits: expected a finite limit of some joint that moves, got none")
     still = ~moves | ~np.isfinite(scale)
     return _Rates(
         velocity=np.where(moves, velocity, 0.0),
@@ -188,16 +198,17 @@ def _bounds(
     limits: JointLimits,
     request: Request,
     *,
-    share: float,
-    tip_share: float,
+    effort: float,
+    tip: float,
 ) -> bounds.PathBounds:
+    """The bounds of a request, with fractions of the effort limits and of the tip's speed."""
     found = bounds.unbounded(path)
     if request.tip_speed is not None and request.jacobian is not None:
-        speed = tip_share * request.tip_speed
+        speed = tip * request.tip_speed
         found = bounds.slower_than(found, bounds.tip_within(path, request.jacobian, speed))
     if request.inverse_dynamics is not None:
-        effort = share * _effort(limits)
-        found = bounds.with_efforts(found, path, request.inverse_dynamics, effort)
+        most = effort * _effort(limits)
+        found = bounds.with_efforts(found, path, request.inverse_dynamics, most)
         _check_holding(found, limits)
     return found
 
@@ -210,8 +221,7 @@ def _on_schedule(
         return found
     path, section = course.path, course.section
     times = request.not_before[section.rows]
-    pace = bounds.paced(path, section.parameters, times)
-    shown = np.interp(path.parameter, section.parameters, times - request.not_before[0])
+    shown, pace = bounds.paced(path, section.parameters, times - request.not_before[0])
     due = shown - max(begin, shown[0])
 
     def bounded(free: schedule.Free) -> bounds.PathBounds:
@@ -225,10 +235,10 @@ def _on_schedule(
 
 
 def _places(length: Float64Array, path: _core.TimedPath, section: Section) -> Float64Array:
-    """Where along the way-points, samples or knots of the whole path a motion is, (n,)."""
+    """Places (n,) of a motion, counted in way-points, samples or knots of the whole path."""
     parameters = np.interp(length, path.length, path.parameter)
     places = np.interp(parameters, section.parameters, section.rows)
-    places[[0, -1]] = section.rows[[0, -1]]  # which rounding must not miss
+    places[[0, -1]] = section.rows[[0, -1]]  # the ends are exact, whatever rounding makes of them
     return places
 
 
@@ -237,19 +247,19 @@ def _failure(status: str, direction: Float64Array, limits: JointLimits) -> Excep
         need = np.nan_to_num(np.abs(direction) / limits.velocity)
     name = limits.joint_names[int(need.argmax())]
     if status == "too_long":
-        return InvalidInput(f"rate: expected a motion of at most {_MOST_SAMPLES:.0e} samples")
+        return InvalidInput(f"rate: expected at most {_MOST_SAMPLES:.0e} samples; lower the rate")
     reasons = {
         "no_motion": "no motion along the path keeps the limits",
         "start_too_fast": "start_velocity is faster than the limits allow",
         "end_too_fast": "end_velocity is faster than the limits allow",
         "not_settled": "no motion with these velocities at the ends keeps the limits",
     }
-    return LimitsInfeasible(f"{reasons[status]}; first of the joints is {name}", joint=name)
+    return LimitsInfeasible(f"{reasons[status]}; the joint nearest its limit is {name}", joint=name)
 
 
 def _effort(limits: JointLimits) -> Float64Array:
     if limits.effort is None:
-        raise InvalidInput("limits: expected effort limits for inverse_dynamics, got none")
+        raise InvalidInput("limits: expected effort limits beside inverse_dynamics, got none")
     return limits.effort
 
 
@@ -260,7 +270,7 @@ def _check_holding(found: bounds.PathBounds, limits: JointLimits) -> None:
         raise LimitsInfeasible(f"{name} cannot hold the arm along the path", joint=name)
 
 
-def _tip_ratio(motion: Motion, request: Request) -> float:
+def _tip_ratio(motion: Samples, request: Request) -> float:
     if request.tip_speed is None or request.jacobian is None:
         return 0.0
     some = motion.some(_JUDGED_SAMPLES)
@@ -268,7 +278,7 @@ def _tip_ratio(motion: Motion, request: Request) -> float:
     return float(speeds.max()) / request.tip_speed
 
 
-def _effort_ratio(motion: Motion, limits: JointLimits, request: Request) -> float:
+def _effort_ratio(motion: Samples, limits: JointLimits, request: Request) -> float:
     if request.inverse_dynamics is None:
         return 0.0
     some = motion.some(_JUDGED_SAMPLES)

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from scipy.interpolate import CubicSpline
 
 import leadthrough as lt
+from leadthrough import trajectories as tr
 from leadthrough.arm.limits import JointLimits
 from leadthrough.errors import InvalidInput, LimitsInfeasible
 from leadthrough.timing import binding_limits, check_limits
@@ -176,6 +177,16 @@ def test_a_trajectory_keeps_its_timing_wherever_the_limits_allow():
     assert kept.duration == pytest.approx(shown.duration, rel=0.01)
     middle = np.interp(5.0, kept.times, kept.positions[:, 0])
     assert middle == pytest.approx(np.interp(5.0, times, shown.positions[:, 0]), abs=0.01)
+
+
+def test_a_curve_reaches_no_knot_before_its_time():
+    points = MIDDLE + np.random.default_rng(8).uniform(-0.2, 0.2, (6, 7))
+    curve = tr.BSpline(points, [0, 0, 0, 0, 0.4, 0.7, 1, 1, 1, 1], 3)
+    kept = lt.retime(curve, PANDA, not_before=[0.0, 3.0, 4.0, 8.0])
+    assert kept.duration == pytest.approx(8.0, rel=0.01)
+    knot = curve.evaluate(0.4)
+    reached = kept.times[np.abs(kept.positions - knot).max(axis=1).argmin()]
+    assert reached == pytest.approx(3.0, abs=0.1)
 
 
 def hasty():
