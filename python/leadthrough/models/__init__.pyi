@@ -16,10 +16,12 @@ from .mixtures.mixture import Mixture
 from .mixtures.stiffness import stiffness_profile
 from .mixtures.task_frames import Frame
 from .mixtures.task_gmr import TaskGMR, TaskGMRSkill
+from .parameters import Parameter
 from .promp.combination import blend, combine
 from .promp.inference import infer
 from .promp.model import ProMP
 from .promp.skill import ProMPSkill
+from .protocol import Skill
 from .skills import load_skill
 
 __all__ = [
@@ -31,6 +33,7 @@ __all__ = [
     "Frame",
     "GMRSkill",
     "Mixture",
+    "Parameter",
     "PoseDMP",
     "PoseDMPSkill",
     "ProMP",
@@ -39,6 +42,7 @@ __all__ = [
     "RhythmicDMPSkill",
     "RhythmicPoseDMP",
     "RhythmicPoseDMPSkill",
+    "Skill",
     "SkillLibrary",
     "TaskGMR",
     "TaskGMRSkill",

@@ -10,17 +10,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Generic, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import check, events, rotations
 from leadthrough.check import Float64Array
-from leadthrough.errors import FitError, InvalidInput
+from leadthrough.errors import InvalidInput
 from leadthrough.events import Event
 from leadthrough.models.archive import quaternions
-from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
+from leadthrough.models.place import Place
+from leadthrough.motion import (
+    JointTrajectory,
+    Motion,
+    MotionT,
+    MotionT_co,
+    PoseTrajectory,
+    Trajectory,
+)
 
 # Phases of the reference orientation.
 NODES = np.linspace(0.0, 1.0, 201)
@@ -33,7 +41,7 @@ _STILL = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Chart:
+class Chart(Generic[MotionT_co]):
     """kind: "points", "joints" or "poses". size: columns of a point or joints.
 
     joint_names: of joints. reference: (201, 4) orientations w, x, y, z at even phases, or None.
@@ -92,18 +100,21 @@ class Chart:
         columns: Float64Array,
         velocities: Float64Array | None = None,
         accelerations: Float64Array | None = None,
-    ) -> Motion:
+    ) -> MotionT_co:
         """The motion with these columns (n, width); only joints keep the derivatives."""
         happening = events.moved(self.events, phases, times)
+        made: Motion
         if self.kind == "points":
-            return Trajectory(times, columns, happening)
-        if self.kind == "joints":
+            made = Trajectory(times, columns, happening)
+        elif self.kind == "joints":
             names = self.joint_names
-            return JointTrajectory(times, columns, velocities, accelerations, names, happening)
-        turned = self.orientations(columns[:, 3:], phases)
-        return PoseTrajectory(times, columns[:, :3], turned, happening)
+            made = JointTrajectory(times, columns, velocities, accelerations, names, happening)
+        else:
+            turned = self.orientations(columns[:, 3:], phases)
+            made = PoseTrajectory(times, columns[:, :3], turned, happening)
+        return cast(MotionT_co, made)  # of the type that the chart was made for
 
-    def target(self, value: Any, name: str, phase: float) -> Float64Array:
+    def target(self, value: Place, name: str, phase: float) -> Float64Array:
         """What a query asks for, as the first columns (width,), or (3,) for a position alone.
 
         A pose is (position (3,), orientation (4,)). Raises InvalidInput.
@@ -149,27 +160,7 @@ _TYPES: dict[str, type] = {
 }
 
 
-def motions_of(demonstrations: Sequence[Demonstration]) -> list[Motion]:
-    """The motions of demonstrations, all of one type and size, with two samples or more each.
-
-    Raises InvalidInput, FitError for one that does not move or where there is none.
-    """
-    if isinstance(demonstrations, Demonstration) or not isinstance(demonstrations, Sequence):
-        got = type(demonstrations).__name__
-        raise InvalidInput(f"demonstrations: expected a sequence of them, got {got}")
-    if len(demonstrations) == 0:
-        raise FitError("demonstrations: there is none, show the motion at least once")
-    motions = [_moving(demonstration, i) for i, demonstration in enumerate(demonstrations)]
-    kinds = {(type(motion), motion.positions.shape[1]) for motion in motions}
-    if len(kinds) > 1:
-        got = ", ".join(sorted({_described(motion) for motion in motions}))
-        raise InvalidInput(f"demonstrations: expected all of one type and size, got {got}")
-    if len({motion.joint_names for motion in motions if isinstance(motion, JointTrajectory)}) > 1:
-        raise InvalidInput("demonstrations: expected the same joints in the same order in all")
-    return motions
-
-
-def chart_of(motions: Sequence[Motion], phases: Sequence[Float64Array]) -> Chart:
+def chart_of(motions: Sequence[MotionT], phases: Sequence[Float64Array]) -> Chart[MotionT]:
     """The chart in which motions, their samples at phases in [0, 1], are near each other."""
     kind = next(kind for kind, each in _TYPES.items() if isinstance(motions[0], each))
     names = motions[0].joint_names if isinstance(motions[0], JointTrajectory) else ()
@@ -194,7 +185,10 @@ def scales(columns: Sequence[Float64Array], chart: Chart) -> Float64Array:
 
 
 def timed_columns(
-    motions: Sequence[Motion], phases: Sequence[Float64Array], chart: Chart, duration: float
+    motions: Sequence[Motion],
+    phases: Sequence[Float64Array],
+    chart: Chart,
+    duration: float,
 ) -> list[Float64Array]:
     """Of every motion (200, 1 + d): the time, s, stretched to a duration, and the columns."""
     even = np.linspace(0.0, 1.0, SAMPLES)
@@ -222,22 +216,6 @@ def mean_orientations(layers: Sequence[Float64Array]) -> Float64Array:
         return rotations.align_signs(rotations.mean(np.stack(layers)))
     except InvalidInput:  # of which the mean is not unique
         return rotations.align_signs(layers[0])
-
-
-def _moving(demonstration: Any, index: int) -> Motion:
-    name = f"demonstrations[{index}]"
-    motion: Any = getattr(demonstration, "motion", None)
-    if not isinstance(motion, Trajectory | PoseTrajectory | JointTrajectory):
-        got = type(motion if motion is not None else demonstration).__name__
-        raise InvalidInput(f"{name}: expected a demonstration with a motion, got {got}")
-    if len(motion.times) < 2:
-        raise FitError(f"{name}: has a single sample, needs at least two")
-    still = bool((motion.positions == motion.positions[0]).all())
-    if isinstance(motion, PoseTrajectory):
-        still = still and bool((motion.orientations == motion.orientations[0]).all())
-    if still:
-        raise FitError(f"{name}: does not move; leave it out")
-    return motion
 
 
 def _described(motion: Motion) -> str:

@@ -1,38 +1,123 @@
-"""What every fitted skill offers."""
+"""What every fitted skill offers, and what some can do beyond it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
-from leadthrough.motion import Motion
+from numpy.typing import ArrayLike
+
+from leadthrough.check import Float64Array
+from leadthrough.io.atomic import StrPath
+from leadthrough.models.chart import Chart
+from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.parameters import Parameter
+from leadthrough.models.place import Place
+from leadthrough.motion import Motion, MotionT_co
 from leadthrough.shapes import Shape
 
+__all__ = ["Conditioned", "Distributed", "Model", "Place", "Skill"]
 
-class Skill(Protocol):
-    """A fitted model: frozen, safe to share between threads."""
+
+class Model(Protocol):
+    """The settings of a kind of skill: a frozen dataclass of plain values."""
+
+    def fit(self, demonstrations: Demonstrations[Motion]) -> Skill:
+        """A skill from demonstrations.
+
+        Raises:
+            InvalidInput: for motions that the model does not learn.
+            FitError: where nothing can be learned from them.
+        """
+
+
+class Skill(Protocol[MotionT_co]):
+    """A fitted model: frozen, safe to share between threads.
+
+    What it generates is of the type of motion that was shown: a `Skill[JointTrajectory]` generates
+    joint trajectories.
+    """
+
+    @property
+    def model(self) -> Model:
+        """The settings that it was fitted with, all of them."""
 
     @property
     def supports(self) -> frozenset[str]:
         """Parts of a query that it honours, of "start", "goal", "duration", "obstacles"."""
 
+    @property
+    def kind(self) -> str:
+        """The name of this kind of skill in files."""
+
     def generate(
         self,
         *,
-        start: Any = None,
-        goal: Any = None,
+        start: Place | None = None,
+        goal: Place | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
-    ) -> Motion:
-        """A motion of the fitted type; what is left out is taken from the demonstrations.
+    ) -> MotionT_co:
+        """A motion of the type that was shown; what is left out is taken from the demonstrations.
 
-        Raises InvalidInput, UnsupportedQuery for a part that it does not support, NoPath.
+        Args:
+            start: where it starts.
+            goal: where it ends; of a rhythm, its centre.
+            duration: s, > 0.
+            dt: s, > 0, upper bound of the sampling step.
+            obstacles: shapes to keep clear of, in the demonstrations' frame.
+
+        Raises:
+            InvalidInput: if an argument is wrong.
+            UnsupportedQuery: for a part that it does not support.
+            NoPath: where obstacles leave no way.
         """
 
-    @property
-    def kind(self) -> str:
-        """What files call skills like this."""
+    def parameters(
+        self, demonstrations: Demonstrations[Motion] = ()
+    ) -> Sequence[Parameter[MotionT_co]]:
+        """The few numbers of its model that a person may drag.
+
+        Args:
+            demonstrations: those that it was fitted to; without them there are only the parameters
+                that need no new fit.
+        """
+
+    def save(self, path: StrPath) -> None:
+        """Writes the skill to a .npz file that `load_skill` reads.
+
+        Raises:
+            InvalidInput: if the file cannot be written.
+        """
 
     def to_archive(self) -> tuple[dict[str, Any], Mapping[str, Any]]:
         """Settings and arrays, for a file."""
+
+
+@runtime_checkable
+class Distributed(Protocol):
+    """A skill that knows how its demonstrations spread about the mean motion."""
+
+    @property
+    def chart(self) -> Chart:
+        """What its columns are."""
+
+    @property
+    def duration(self) -> float:
+        """Of the motion, s."""
+
+    def distribution(self, times: ArrayLike) -> tuple[Float64Array, Float64Array]:
+        """Mean (n, d) and covariance (n, d, d) of the columns at times (n,), s."""
+
+
+@runtime_checkable
+class Conditioned(Protocol):
+    """A skill that can be conditioned on passing a place at a time."""
+
+    @property
+    def duration(self) -> float:
+        """Of the motion, s."""
+
+    def condition(self, time: ArrayLike, position: Place) -> Skill:
+        """The skill that passes a position at a time, s."""

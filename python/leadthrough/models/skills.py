@@ -12,23 +12,22 @@ from leadthrough.models.dmp.discrete import DMPSkill
 from leadthrough.models.dmp.pose import PoseDMPSkill
 from leadthrough.models.dmp.rhythmic import RhythmicDMPSkill, RhythmicPoseDMPSkill
 from leadthrough.models.marching.model import FastMarchingSkill
+from leadthrough.models.mixtures import gmr
 from leadthrough.models.mixtures.gmr_skill import GMRSkill
 from leadthrough.models.mixtures.task_gmr import TaskGMRSkill
+from leadthrough.models.promp import model as promp
 from leadthrough.models.promp.skill import ProMPSkill
 from leadthrough.models.protocol import Skill
 
 _KINDS: dict[str, Callable[[dict[str, Any], archive.Arrays], Skill]] = {
-    skill.kind: skill.from_archive
-    for skill in (
-        DMPSkill,
-        FastMarchingSkill,
-        GMRSkill,
-        PoseDMPSkill,
-        ProMPSkill,
-        RhythmicDMPSkill,
-        RhythmicPoseDMPSkill,
-        TaskGMRSkill,
-    )
+    DMPSkill.kind: DMPSkill.from_archive,
+    FastMarchingSkill.kind: FastMarchingSkill.from_archive,
+    GMRSkill.kind: gmr.from_archive,
+    PoseDMPSkill.kind: PoseDMPSkill.from_archive,
+    ProMPSkill.kind: promp.from_archive,
+    RhythmicDMPSkill.kind: RhythmicDMPSkill.from_archive,
+    RhythmicPoseDMPSkill.kind: RhythmicPoseDMPSkill.from_archive,
+    TaskGMRSkill.kind: TaskGMRSkill.from_archive,
 }
 
 

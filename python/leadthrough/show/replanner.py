@@ -14,11 +14,12 @@ from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LeadthroughError
-from leadthrough.models import FastMarchingSkill, ProMPSkill
+from leadthrough.models import FastMarchingSkill
 from leadthrough.models.marching.live_map import LiveMap
+from leadthrough.models.parameters import Parameter
+from leadthrough.models.protocol import Conditioned
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from leadthrough.shapes import Shape, Sphere, check_shapes
-from leadthrough.show.parameters import Parameter, parameters
 from leadthrough.show.scene import tip_path
 
 # Sampling of a preview and of a plan, s.
@@ -94,7 +95,7 @@ class Replanner:
     @property
     def parameters(self) -> list[Parameter]:
         """What sliders may change about the skill as it is now."""
-        return parameters(self.skill, self._demonstrations)
+        return list(self.skill.parameters(self._demonstrations))
 
     def move_goal(self, position: Any, orientation: Any = None) -> None:
         """Another goal: (3,) m and, where not as before, (4,) w, x, y, z. Raises InvalidInput."""
@@ -119,11 +120,11 @@ class Replanner:
             self.__dict__.pop(name, None)
 
     def asked_skill(self) -> Any:
-        """The skill, of a ProMP the one that is conditioned on the goal: its spread ends there.
+        """The skill, conditioned on the goal where it can be: its spread ends there.
 
         Raises InvalidInput for a goal of joints out of reach.
         """
-        if isinstance(self.skill, ProMPSkill) and self.has_goal and self._asked:
+        if self.has_goal and self._asked and isinstance(self.skill, Conditioned):
             return self.skill.condition(self.skill.duration, self._goal())
         return self.skill
 

@@ -16,9 +16,7 @@ from leadthrough import check, rotations
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.models import ProMPSkill
-from leadthrough.models.mixtures.gmr_skill import GMRSkill
-from leadthrough.models.protocol import Skill
+from leadthrough.models.protocol import Distributed, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion
 from leadthrough.shapes import Shape, check_shapes
 from leadthrough.show import palette, solids
@@ -221,10 +219,9 @@ def distribution_of(arm: Arm, skill: Skill | None) -> tuple[Float64Array, Float6
 
     That of joints is brought to the tip by the Jacobian, to first order.
     """
-    if not isinstance(skill, ProMPSkill | GMRSkill):
+    if not isinstance(skill, Distributed):
         return None
-    ask = skill.distribution if isinstance(skill, ProMPSkill) else skill.regress
-    mean, covariance = ask(np.linspace(0.0, skill.duration, _SPREAD_POINTS))
+    mean, covariance = skill.distribution(np.linspace(0.0, skill.duration, _SPREAD_POINTS))
     if skill.chart.kind == "joints":
         jacobian = arm.jacobian(mean)[:, :3]
         covariance = jacobian @ covariance @ jacobian.transpose(0, 2, 1)

@@ -14,8 +14,8 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.errors import LeadthroughError, MissingDependency
+from leadthrough.models.parameters import Parameter
 from leadthrough.show import scene, solids
-from leadthrough.show.parameters import Parameter
 from leadthrough.show.replanner import Answer, Replanner
 from leadthrough.show.scene import Scene
 from leadthrough.show.stage import Stage

@@ -45,7 +45,7 @@ def _solved(
     first: tuple[Float64Array, ...], last: tuple[Float64Array, ...], rates: list[Float64Array]
 ) -> Spline:
     try:
-        import ruckig  # noqa: PLC0415
+        import ruckig
     except ImportError:
         raise MissingDependency("ruckig", extra="ruckig") from None
     # Given fewer numbers than dimensions, or none, ruckig reads beyond its arrays: all have d here.

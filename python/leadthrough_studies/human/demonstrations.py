@@ -51,7 +51,7 @@ def servo(u: Float64Array) -> Float64Array:
 
 def human(count: int, rng: np.random.Generator) -> list[Demonstration]:
     """Reaches of a simulated person."""
-    shown = []
+    shown: list[Demonstration] = []
     for number in range(1, count + 1):
         between = START + np.outer((1.0 / 3.0, 2.0 / 3.0), GOAL - START)
         between += rng.normal(0.0, _ASTRAY, between.shape)
@@ -69,7 +69,7 @@ def damped(
     law: the share of the straight line covered at each share of the time.
     """
     position, orientation = arm.forward_kinematics(GOAL)
-    shown = []
+    shown: list[Demonstration] = []
     for number in range(count):
         spread = (number > 0) * np.repeat(_TARGET_SPREAD, 3) * rng.standard_normal(6)
         turned = rotations.compose(rotations.exp(spread[None, 3:]), orientation[None])[0]

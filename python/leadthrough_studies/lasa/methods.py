@@ -12,7 +12,8 @@ from leadthrough.models import GMR, FastMarching, ProMP
 from leadthrough.motion import Demonstration, Trajectory
 from leadthrough.preprocess.resample import arc_length
 
-Method = Callable[[Sequence[Demonstration], Float64Array], Trajectory]
+Shown = Sequence[Demonstration[Trajectory]]
+Method = Callable[[Shown, Float64Array], Trajectory]
 
 PIXELS_PER_MM = 8.3
 PAPER_AREA_OF_INFLUENCE = 25.0 / PIXELS_PER_MM  # mm
@@ -20,7 +21,7 @@ PAPER_SATURATION = 0.1
 
 
 class _Model(Protocol):
-    def fit(self, demonstrations: Sequence[Demonstration]) -> Any: ...
+    def fit(self, demonstrations: Shown) -> Any: ...
 
 
 def paper_setting(saturation: float = PAPER_SATURATION, **options: Any) -> FastMarching:
@@ -37,7 +38,7 @@ def paper_setting(saturation: float = PAPER_SATURATION, **options: Any) -> FastM
 def generated_by(model: _Model) -> Method:
     """The method that fits a model and generates a motion from the start asked for."""
 
-    def reproduce(demonstrations: Sequence[Demonstration], start: Float64Array) -> Trajectory:
+    def reproduce(demonstrations: Shown, start: Float64Array) -> Trajectory:
         motion: Trajectory = model.fit(demonstrations).generate(start=start)
         return motion
 
@@ -47,7 +48,7 @@ def generated_by(model: _Model) -> Method:
 def at_mean_duration(model: _Model) -> Method:
     """As `generated_by`, in the mean duration of the demonstrations, however long the path is."""
 
-    def reproduce(demonstrations: Sequence[Demonstration], start: Float64Array) -> Trajectory:
+    def reproduce(demonstrations: Shown, start: Float64Array) -> Trajectory:
         duration = np.mean([demonstration.motion.duration for demonstration in demonstrations])
         skill = model.fit(demonstrations)
         motion: Trajectory = skill.generate(start=start, duration=float(duration))
@@ -56,7 +57,7 @@ def at_mean_duration(model: _Model) -> Method:
     return reproduce
 
 
-def nearest_shifted(demonstrations: Sequence[Demonstration], start: Float64Array) -> Trajectory:
+def nearest_shifted(demonstrations: Shown, start: Float64Array) -> Trajectory:
     """The demonstration that starts nearest, its offset fading with the share of the path left."""
     motions = [demonstration.motion for demonstration in demonstrations]
     assert all(isinstance(motion, Trajectory) for motion in motions)

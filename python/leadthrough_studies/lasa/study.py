@@ -130,8 +130,8 @@ def auto_learn(*, motion: str, setting: str, threshold: float) -> list[Row]:
 
 
 def splits(
-    demonstrations: Sequence[Demonstration], shown: int, rng: np.random.Generator
-) -> list[tuple[list[Demonstration], Trajectory]]:
+    demonstrations: Sequence[Demonstration[Trajectory]], shown: int, rng: np.random.Generator
+) -> list[tuple[list[Demonstration[Trajectory]], Trajectory]]:
     """For each demonstration the ones that are shown, in their order, and its motion.
 
     All are shown where `shown` is their number, else others, drawn where not all are wanted.
@@ -148,7 +148,7 @@ def splits(
 
 def _splits(
     motion: str, protocol: str, seed: int = 0
-) -> Iterator[tuple[int, list[Demonstration], Trajectory]]:
+) -> Iterator[tuple[int, list[Demonstration[Trajectory]], Trajectory]]:
     # The same draw for every method, whatever motions are compared.
     rng = np.random.default_rng([seed, zlib.crc32(motion.encode())])
     for i, (shown, tested) in enumerate(splits(lasa.load(motion), PROTOCOLS[protocol], rng)):

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from leadthrough.check import Float64Array
-from leadthrough.motion import Demonstration
+from leadthrough.motion import Demonstration, Trajectory
 from leadthrough.shapes import Box
 from leadthrough_studies.demonstrator import Teaching, guide, wander
 
@@ -84,7 +84,7 @@ def table() -> Box:
     return Box(size, 0.5 * size)
 
 
-def demonstrations(number: int, teaching: Teaching, seed: int) -> list[Demonstration]:
+def demonstrations(number: int, teaching: Teaching, seed: int) -> list[Demonstration[Trajectory]]:
     """What is shown in an experiment; one and three are shown the same."""
     kind = SCENES[number].shown
     scene = SCENES[1] if kind == "reach" else SCENES[number]
@@ -94,7 +94,7 @@ def demonstrations(number: int, teaching: Teaching, seed: int) -> list[Demonstra
 
 def _shown(
     kind: str, scene: Scene, index: int, teaching: Teaching, rng: np.random.Generator
-) -> Demonstration:
+) -> Demonstration[Trajectory]:
     start, goal = np.array(scene.start), np.array(scene.goal)
     if kind == "vertical":
         way = goal - start

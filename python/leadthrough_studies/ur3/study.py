@@ -135,8 +135,8 @@ def teach(*, pace: str, setting: dict[str, float], seed: int) -> list[Row]:
 
 
 def _plan(
-    scene: int, setting: dict[str, float], threshold: float, shown: list[Demonstration]
-) -> tuple[Row, Trajectory, FastMarchingSkill]:
+    scene: int, setting: dict[str, float], threshold: float, shown: list[Demonstration[Trajectory]]
+) -> tuple[Row, Trajectory, FastMarchingSkill[Trajectory]]:
     place, obstacles = SCENES[scene], _obstacles(scene)
     skill = Setting(**setting).model().fit(shown)
     made = skill.generate(start=place.start, goal=place.goal, obstacles=obstacles)
@@ -164,7 +164,7 @@ def _plan(
     return row, made, skill
 
 
-def _after_learning(skill: FastMarchingSkill, made: Trajectory, scene: int) -> Row:
+def _after_learning(skill: FastMarchingSkill[Trajectory], made: Trajectory, scene: int) -> Row:
     place = SCENES[scene]
     learned = skill.with_experience(made.positions)
     again = learned.generate(start=place.start, goal=place.goal, obstacles=_obstacles(scene))
@@ -174,7 +174,7 @@ def _after_learning(skill: FastMarchingSkill, made: Trajectory, scene: int) -> R
     }
 
 
-def _times(scene: int, setting: dict[str, float], shown: list[Demonstration]) -> Row:
+def _times(scene: int, setting: dict[str, float], shown: list[Demonstration[Trajectory]]) -> Row:
     place, model = SCENES[scene], Setting(**setting).model()
     skill = model.fit(shown)
 

@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from leadthrough import events, rotations
 from leadthrough.errors import FitError
+from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.dmp.mean_motion import MeanMotion, mean_motion
-from leadthrough.motion import (
-    Demonstration,
-    JointTrajectory,
-    Motion,
-    PoseTrajectory,
-    Trajectory,
-)
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
 
 # Rounds short of their last sample by this share of a period count as whole.
 _SLACK = 0.02
@@ -24,7 +18,7 @@ _LEAST_SAMPLES = 4  # of a round
 
 
 def mean_round(
-    demonstrations: Sequence[Demonstration], kinds: tuple[type, ...], period: float | None
+    demonstrations: Demonstrations[Motion], kinds: tuple[type[Motion], ...], period: float | None
 ) -> MeanMotion:
     """The mean over all whole rounds in the demonstrations, closed: it ends where it began.
 
@@ -32,10 +26,9 @@ def mean_round(
     round is dropped, and what a round's end lies off its beginning is spread evenly over it.
     Raises InvalidInput; FitError for demonstrations shorter than a period or that do not move.
     """
-    rounds = demonstrations
+    rounds = motions_of(demonstrations, kinds=kinds)
     if period is not None:
-        mean_motion(demonstrations, kinds)  # checks them
-        rounds = [part for each in demonstrations for part in _rounds(each, period)]
+        rounds = [part for motion in rounds for part in _rounds(motion, period)]
     shown = mean_motion(rounds, kinds)
     gap = shown.positions[-1] - shown.positions[0]
     positions = shown.positions - np.outer(shown.phases, gap)
@@ -46,8 +39,7 @@ def mean_round(
     return replace(shown, positions=positions, orientations=turned)
 
 
-def _rounds(demonstration: Demonstration, period: float) -> list[Demonstration]:
-    motion = demonstration.motion
+def _rounds(motion: Motion, period: float) -> list[Motion]:
     count = int(motion.duration / period + _SLACK)
     if count == 0:
         raise FitError(
@@ -60,7 +52,7 @@ def _rounds(demonstration: Demonstration, period: float) -> list[Demonstration]:
     return [_part(motion, index * period, period, samples) for index in range(count)]
 
 
-def _part(motion: Motion, begin: float, period: float, samples: int) -> Demonstration:
+def _part(motion: Motion, begin: float, period: float, samples: int) -> Motion:
     own = np.linspace(0.0, period, samples)
     at = np.minimum(motion.times[0] + begin + own, motion.times[-1])
     positions = np.column_stack(
@@ -69,8 +61,7 @@ def _part(motion: Motion, begin: float, period: float, samples: int) -> Demonstr
     happening = events.moved(events.within(motion.events, at[0], at[-1]), at, own)
     if isinstance(motion, PoseTrajectory):
         turned = rotations.interpolate(motion.times, motion.orientations, at)
-        return Demonstration(PoseTrajectory(own, positions, turned, happening))
+        return PoseTrajectory(own, positions, turned, happening)
     if isinstance(motion, JointTrajectory):
-        joints = JointTrajectory(own, positions, joint_names=motion.joint_names, events=happening)
-        return Demonstration(joints)
-    return Demonstration(Trajectory(own, positions, happening))
+        return JointTrajectory(own, positions, joint_names=motion.joint_names, events=happening)
+    return Trajectory(own, positions, happening)

@@ -9,15 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Generic, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, events
+from leadthrough.check import Float64Array
 from leadthrough.errors import UnsupportedQuery
 from leadthrough.events import Event
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
+from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.dmp import springs
 from leadthrough.models.dmp.coupling import Around, check_around, roll, step_around
 from leadthrough.models.dmp.kernels import MOST_WEIGHTS, enough_weights
@@ -29,10 +32,13 @@ from leadthrough.models.dmp.query import (
     course_through,
     ends_of,
 )
+from leadthrough.models.dmp.refit import weights_of
 from leadthrough.models.dmp.regression import REGRESSIONS, fit
 from leadthrough.models.dmp.springs import FORMS, Springs
+from leadthrough.models.parameters import Parameter
+from leadthrough.models.place import Place
 from leadthrough.models.sampling import even_phases
-from leadthrough.motion import Demonstration, JointTrajectory, Trajectory, computed
+from leadthrough.motion import JointTrajectory, Motion, MotionT, MotionT_co, Trajectory, computed
 from leadthrough.shapes import Shape
 
 
@@ -60,7 +66,7 @@ class DMP:
         check.choice(self.form, "form", FORMS)
         check.choice(self.regression, "regression", REGRESSIONS)
 
-    def fit(self, demonstrations: Sequence[Demonstration]) -> DMPSkill:
+    def fit(self, demonstrations: Demonstrations[MotionT]) -> DMPSkill[MotionT]:
         """A skill from demonstrations, all of points or all of joints.
 
         Several are averaged over normalised time first. Raises InvalidInput for other motions,
@@ -81,7 +87,7 @@ class DMP:
 
 
 @dataclass(frozen=True, eq=False)
-class DMPSkill:
+class DMPSkill(Generic[MotionT_co]):
     """A learned primitive; made by `DMP.fit`.
 
     model: its parameters. springs: what was learned. duration: s, as demonstrated. size: diagonal
@@ -107,16 +113,16 @@ class DMPSkill:
     def generate(
         self,
         *,
-        start: Any = None,
-        goal: Any = None,
+        start: Place | None = None,
+        goal: Place | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
-        via: Sequence[tuple[float, Any]] = (),
-        start_velocity: Any = None,
-        final_velocity: Any = None,
-        limits: Any = None,
-    ) -> Any:
+        via: Sequence[tuple[float, ArrayLike]] = (),
+        start_velocity: ArrayLike | None = None,
+        final_velocity: ArrayLike | None = None,
+        limits: tuple[ArrayLike, ArrayLike] | None = None,
+    ) -> MotionT_co:
         """A Trajectory, or a JointTrajectory where joints were shown.
 
         start, goal: (d,), by default as demonstrated. duration: s, > 0, by default the
@@ -140,22 +146,18 @@ class DMPSkill:
         )
         phases = even_phases(state.duration, step)
         positions, slopes = roll(self.springs, state, phases, around=around, size=self.size)
-        times = state.duration * phases
-        happening = events.moved(self.events, (0.0, 1.0), (0.0, state.duration))
-        if self.joint_names is None:
-            return computed(Trajectory, times=times, positions=positions, events=happening)
-        velocities = slopes / state.duration
-        return JointTrajectory(times, positions, velocities, None, self.joint_names, happening)
+        made = self._motion(state.duration, phases, positions, slopes)
+        return cast(MotionT_co, made)  # joints where joints were shown
 
     def begin(
         self,
         *,
-        start: Any = None,
-        goal: Any = None,
+        start: Place | None = None,
+        goal: Place | None = None,
         duration: float | None = None,
-        via: Sequence[tuple[float, Any]] = (),
-        start_velocity: Any = None,
-        final_velocity: Any = None,
+        via: Sequence[tuple[float, ArrayLike]] = (),
+        start_velocity: ArrayLike | None = None,
+        final_velocity: ArrayLike | None = None,
     ) -> _core.PointState:
         """The state at the start, for `step`; arguments as in `generate`. Raises InvalidInput."""
         if final_velocity is not None and self.model.form != "blended":
@@ -177,12 +179,12 @@ class DMPSkill:
         state: _core.PointState,
         dt: float,
         *,
-        goal: Any = None,
-        coupling: Any = None,
+        goal: ArrayLike | None = None,
+        coupling: ArrayLike | None = None,
         lag: float = 0.0,
-        measured: Any = None,
+        measured: ArrayLike | None = None,
         obstacles: Sequence[Shape] = (),
-        limits: Any = None,
+        limits: tuple[ArrayLike, ArrayLike] | None = None,
     ) -> _core.PointState:
         """The state dt s later: .position, .velocity (d,), .phase; exact for any dt > 0.
 
@@ -215,6 +217,12 @@ class DMPSkill:
         around = self._around(obstacles, limits)
         return step_around(self.springs, state, span, push, around=around, size=self.size)
 
+    def parameters(
+        self, demonstrations: Demonstrations[Motion] = ()
+    ) -> Sequence[Parameter[MotionT_co]]:
+        """Its number of weights, where there are demonstrations to fit again."""
+        return weights_of(self, demonstrations)
+
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""
         archive.write(path, self.kind, *self.to_archive())
@@ -242,6 +250,16 @@ class DMPSkill:
         learned = Springs.from_arrays(model.form, settings["weights"], arrays)
         joints = None if names is None else tuple(names)
         return cls(model, learned, duration, size, joints, happening)
+
+    def _motion(
+        self, duration: float, phases: Float64Array, positions: Float64Array, slopes: Float64Array
+    ) -> Trajectory | JointTrajectory:
+        times = duration * phases
+        happening = events.moved(self.events, (0.0, 1.0), (0.0, duration))
+        if self.joint_names is None:
+            return computed(Trajectory, times=times, positions=positions, events=happening)
+        velocities = slopes / duration
+        return JointTrajectory(times, positions, velocities, None, self.joint_names, happening)
 
     @property
     def _dimensions(self) -> int | None:

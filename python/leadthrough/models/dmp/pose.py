@@ -12,6 +12,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, events, rotations
 from leadthrough.check import Float64Array
@@ -19,6 +20,7 @@ from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
 from leadthrough.events import Event
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
+from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.dmp import springs, turning
 from leadthrough.models.dmp.coupling import check_around, roll, step_around
 from leadthrough.models.dmp.kernels import MOST_WEIGHTS, enough_weights
@@ -30,11 +32,14 @@ from leadthrough.models.dmp.query import (
     course_through,
     ends_of,
 )
+from leadthrough.models.dmp.refit import weights_of
 from leadthrough.models.dmp.regression import REGRESSIONS, fit
 from leadthrough.models.dmp.springs import Ends, Springs
 from leadthrough.models.dmp.turning import REPRESENTATIONS, Turning
+from leadthrough.models.parameters import Parameter
+from leadthrough.models.place import Place
 from leadthrough.models.sampling import even_phases
-from leadthrough.motion import Demonstration, PoseTrajectory, computed
+from leadthrough.motion import Motion, PoseTrajectory, computed
 from leadthrough.shapes import Shape
 
 Offsets = tuple[Float64Array, Float64Array]
@@ -66,7 +71,7 @@ class PoseDMP:
         check.choice(self.orientation, "orientation", REPRESENTATIONS)
         check.choice(self.regression, "regression", REGRESSIONS)
 
-    def fit(self, demonstrations: Sequence[Demonstration]) -> PoseDMPSkill:
+    def fit(self, demonstrations: Demonstrations[Motion]) -> PoseDMPSkill:
         """A skill from demonstrations of poses; several are averaged over normalised time first.
 
         Raises InvalidInput for other motions; FitError for one that does not move, for several
@@ -112,14 +117,14 @@ class PoseDMPSkill:
     def generate(
         self,
         *,
-        start: Any = None,
-        goal: Any = None,
+        start: Place | None = None,
+        goal: Place | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
-        via: Sequence[tuple[float, Any]] = (),
-        start_velocity: Any = None,
-        final_velocity: Any = None,
+        via: Sequence[tuple[float, ArrayLike]] = (),
+        start_velocity: ArrayLike | None = None,
+        final_velocity: ArrayLike | None = None,
     ) -> PoseTrajectory:
         """A motion from pose to pose.
 
@@ -157,12 +162,12 @@ class PoseDMPSkill:
     def begin(
         self,
         *,
-        start: Any = None,
-        goal: Any = None,
+        start: Place | None = None,
+        goal: Place | None = None,
         duration: float | None = None,
-        via: Sequence[tuple[float, Any]] = (),
-        start_velocity: Any = None,
-        final_velocity: Any = None,
+        via: Sequence[tuple[float, ArrayLike]] = (),
+        start_velocity: ArrayLike | None = None,
+        final_velocity: ArrayLike | None = None,
     ) -> _core.PoseState:
         """The state at the start, for `step`; arguments as in `generate`.
 
@@ -193,10 +198,10 @@ class PoseDMPSkill:
         state: _core.PoseState,
         dt: float,
         *,
-        goal: Any = None,
-        coupling: Any = None,
+        goal: Place | None = None,
+        coupling: ArrayLike | None = None,
         lag: float = 0.0,
-        measured: Any = None,
+        measured: Place | None = None,
         obstacles: Sequence[Shape] = (),
     ) -> _core.PoseState:
         """The state dt s later; exact for any dt > 0.
@@ -225,6 +230,12 @@ class PoseDMPSkill:
         push = np.zeros(6) if coupling is None else as_push(coupling)
         around = check_around(obstacles, None, dimensions=3, channels=6)
         return step_around(self.springs, state, span, push, around=around, size=self.size)
+
+    def parameters(
+        self, demonstrations: Demonstrations[Motion] = ()
+    ) -> Sequence[Parameter[PoseTrajectory]]:
+        """Its number of weights, where there are demonstrations to fit again."""
+        return weights_of(self, demonstrations)
 
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""

@@ -10,8 +10,8 @@ import numpy as np
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.models.demonstrated import LARGEST
 from leadthrough.models.dmp import springs
-from leadthrough.models.dmp.mean_motion import LARGEST
 from leadthrough.models.dmp.springs import Ends, Springs
 
 # Steps this many durations long are a slip of the unit of dt.

@@ -7,7 +7,7 @@ turns, and the springs pull to the centre of the motion.
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, cast
 
 import numpy as np
 
@@ -19,19 +19,32 @@ from leadthrough.models.dmp.cycle import mean_round
 from leadthrough.models.dmp.kernels import MOST_WEIGHTS
 from leadthrough.models.dmp.pose import as_pose, as_push
 from leadthrough.models.dmp.query import check_channels, check_duration, check_step, ends_of
+from leadthrough.models.dmp.refit import weights_of
 from leadthrough.models.dmp.regression import fit_rhythm
 from leadthrough.models.dmp.springs import RHYTHMIC, Ends, Springs
 from leadthrough.models.dmp.turning import Turning, learn_closed
+from leadthrough.models.parameters import Parameter
 from leadthrough.models.sampling import even_times
-from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
+from leadthrough.motion import (
+    JointTrajectory,
+    Motion,
+    MotionT,
+    MotionT_co,
+    PoseTrajectory,
+    Trajectory,
+)
 from leadthrough.shapes import check_shapes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import ArrayLike
+
     from leadthrough.check import Float64Array
     from leadthrough.events import Event, Events
     from leadthrough.io.atomic import StrPath
+    from leadthrough.models.demonstrated import Demonstrations
+    from leadthrough.models.place import Place
     from leadthrough.shapes import Shape
 
 _MOST_ROUNDS = 10_000  # in one query; more are a slip of a unit
@@ -53,7 +66,7 @@ class RhythmicDMP:
         if self.period is not None:
             check.number(self.period, "period", above=0.0)
 
-    def fit(self, demonstrations: Sequence[Demonstration]) -> RhythmicDMPSkill:
+    def fit(self, demonstrations: Demonstrations[MotionT]) -> RhythmicDMPSkill[MotionT]:
         """A skill from demonstrations; all whole rounds in them are averaged.
 
         Raises InvalidInput for other motions, FitError for one that does not move or is shorter
@@ -65,7 +78,7 @@ class RhythmicDMP:
 
 
 @dataclass(frozen=True, eq=False)
-class RhythmicDMPSkill:
+class RhythmicDMPSkill(Generic[MotionT_co]):
     """A learned rhythm; made by `RhythmicDMP.fit`.
 
     model: its parameters. springs: what was learned. period: s, as demonstrated. joint_names: None
@@ -84,14 +97,14 @@ class RhythmicDMPSkill:
     def generate(
         self,
         *,
-        start: Any = None,
-        goal: Any = None,
+        start: Place | None = None,
+        goal: Place | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
         period: float | None = None,
         amplitude: float = 1.0,
-    ) -> Any:
+    ) -> MotionT_co:
         """A Trajectory, or a JointTrajectory where joints were shown.
 
         start: (d,), by default on the round; from elsewhere the motion swings in. goal: (d,), its
@@ -106,17 +119,14 @@ class RhythmicDMPSkill:
         positions, slopes = _core.dmp_rollout(
             self.springs.forces, state.course, state.value, state.slope, times / state.duration
         )
-        happening = _in_every_round(self.events, times, state.duration)
-        if self.joint_names is None:
-            return Trajectory(times, positions, happening)
-        velocities = slopes / state.duration
-        return JointTrajectory(times, positions, velocities, None, self.joint_names, happening)
+        made = self._motion(times, positions, slopes / state.duration, state.duration)
+        return cast(MotionT_co, made)  # joints where joints were shown
 
     def begin(
         self,
         *,
-        start: Any = None,
-        goal: Any = None,
+        start: Place | None = None,
+        goal: Place | None = None,
         period: float | None = None,
         amplitude: float = 1.0,
     ) -> _core.PointState:
@@ -128,7 +138,12 @@ class RhythmicDMPSkill:
         return _core.PointState(course, ends.start, ends.start_slope, 0.0, total)
 
     def step(
-        self, state: _core.PointState, dt: float, *, goal: Any = None, coupling: Any = None
+        self,
+        state: _core.PointState,
+        dt: float,
+        *,
+        goal: ArrayLike | None = None,
+        coupling: ArrayLike | None = None,
     ) -> _core.PointState:
         """The state dt s later; its phase counts the rounds.
 
@@ -144,6 +159,12 @@ class RhythmicDMPSkill:
             return state.coast(self.springs.forces, span)
         push = check_channels(coupling, "coupling", len(self.springs.ends.goal))
         return state.pushed(self.springs.forces, span, push)
+
+    def parameters(
+        self, demonstrations: Demonstrations[Motion] = ()
+    ) -> Sequence[Parameter[MotionT_co]]:
+        """Its number of weights, where there are demonstrations to fit again."""
+        return weights_of(self, demonstrations)
 
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""
@@ -169,6 +190,14 @@ class RhythmicDMPSkill:
         happening = events.from_plain(settings.get("events", ()))
         return cls(model, learned, period, None if names is None else tuple(names), happening)
 
+    def _motion(
+        self, times: Float64Array, positions: Float64Array, velocities: Float64Array, period: float
+    ) -> Trajectory | JointTrajectory:
+        happening = _in_every_round(self.events, times, period)
+        if self.joint_names is None:
+            return Trajectory(times, positions, happening)
+        return JointTrajectory(times, positions, velocities, None, self.joint_names, happening)
+
 
 @dataclass(frozen=True)
 class RhythmicPoseDMP:
@@ -184,7 +213,7 @@ class RhythmicPoseDMP:
     def __post_init__(self) -> None:
         RhythmicDMP(self.weights, self.period)  # checks
 
-    def fit(self, demonstrations: Sequence[Demonstration]) -> RhythmicPoseDMPSkill:
+    def fit(self, demonstrations: Demonstrations[Motion]) -> RhythmicPoseDMPSkill:
         """A skill from demonstrations of poses; all whole rounds in them are averaged.
 
         Raises InvalidInput for other motions, FitError as `RhythmicDMP.fit`.
@@ -218,8 +247,8 @@ class RhythmicPoseDMPSkill:
     def generate(
         self,
         *,
-        start: Any = None,
-        goal: Any = None,
+        start: Place | None = None,
+        goal: Place | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
@@ -248,8 +277,8 @@ class RhythmicPoseDMPSkill:
     def begin(
         self,
         *,
-        start: Any = None,
-        goal: Any = None,
+        start: Place | None = None,
+        goal: Place | None = None,
         period: float | None = None,
         amplitude: float = 1.0,
     ) -> _core.PoseState:
@@ -271,7 +300,12 @@ class RhythmicPoseDMPSkill:
         )
 
     def step(
-        self, state: _core.PoseState, dt: float, *, goal: Any = None, coupling: Any = None
+        self,
+        state: _core.PoseState,
+        dt: float,
+        *,
+        goal: ArrayLike | None = None,
+        coupling: ArrayLike | None = None,
     ) -> _core.PoseState:
         """The state dt s later; its phase counts the rounds.
 
@@ -289,6 +323,12 @@ class RhythmicPoseDMPSkill:
         if coupling is None:
             return state.coast(self.springs.forces, span)
         return state.pushed(self.springs.forces, span, as_push(coupling))
+
+    def parameters(
+        self, demonstrations: Demonstrations[Motion] = ()
+    ) -> Sequence[Parameter[PoseTrajectory]]:
+        """Its number of weights, where there are demonstrations to fit again."""
+        return weights_of(self, demonstrations)
 
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""

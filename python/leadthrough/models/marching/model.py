@@ -5,25 +5,29 @@ Source: Prados et al. 2023, Appl. Sci. 13:2028, Algorithm 1, eqs. 6 and 7.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Generic, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check, events
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
+from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.marching import orientation, route
 from leadthrough.models.marching.live_map import LiveMap
 from leadthrough.models.marching.policy import Policy
 from leadthrough.models.marching.route import Query, Route, Scales
 from leadthrough.models.marching.shown import Shown, keep
 from leadthrough.models.marching.time_law import TIMINGS, timed, usual_duration
-from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
+from leadthrough.models.parameters import Parameter
+from leadthrough.models.place import Place
+from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, Trajectory
 from leadthrough.planning.grid import Grid
 from leadthrough.planning.speed_map import experience_map
 from leadthrough.preprocess.resample import arc_length, by_arc_length
@@ -42,6 +46,8 @@ _GROWTH = 3.0
 # demonstrations say little about the way, and bending them to it gives detours.
 _NEAR_OF_DISTANCE = 0.5
 _NEAR_OF_LENGTH = 0.1
+# What a slider of the tubes' radius goes to, in multiples of the present one.
+_RADII_WORTH_TRYING = (0.4, 4.0)
 # Points at which kappa looks the map up, at the most; two a cell otherwise.
 _MOST_KAPPA_STEPS = 100_000
 
@@ -84,7 +90,7 @@ class FastMarching:
             plain = tuple(tuple(float(x) for x in corner) for corner in corners)
             object.__setattr__(self, "workspace", plain)
 
-    def fit(self, demonstrations: Sequence[Demonstration]) -> FastMarchingSkill:
+    def fit(self, demonstrations: Demonstrations[MotionT]) -> FastMarchingSkill[MotionT]:
         """A skill from demonstrations: all a Trajectory in two or three dimensions, or all poses.
 
         Without any, the skill goes the shortest way. Raises InvalidInput for other motions,
@@ -94,7 +100,7 @@ class FastMarching:
 
 
 @dataclass(frozen=True, eq=False)
-class FastMarchingSkill:
+class FastMarchingSkill(Generic[MotionT_co]):
     """What was learned; made by `FastMarching.fit`.
 
     model: its parameters. shown: the demonstrations. learned: paths that were added since.
@@ -127,7 +133,7 @@ class FastMarchingSkill:
         """Speeds in [saturation, 1] over `grid`, from the raw experience: Algorithm 1's F."""
         return self._map[1]
 
-    def kappa(self, path: Any) -> float:
+    def kappa(self, path: ArrayLike) -> float:
         """Mean of the velocity map along a path (n, d), eq. 6: 1 deep in the experience.
 
         Taken evenly over the path's length, so that pauses do not count. Never below the
@@ -143,7 +149,9 @@ class FastMarchingSkill:
         speeds[inside] = self.velocity_map[tuple(self.grid.cells_of(points[inside]).T)]
         return float(speeds.mean())
 
-    def with_experience(self, path: Any, *, duration: float | None = None) -> FastMarchingSkill:
+    def with_experience(
+        self, path: ArrayLike, *, duration: float | None = None
+    ) -> FastMarchingSkill[MotionT_co]:
         """A new skill that has also learned a path (n, d), n >= 2.
 
         duration: s, > 0; by default the demonstrations', adapted to its length. Its timing is the
@@ -168,7 +176,7 @@ class FastMarchingSkill:
 
     def auto_learn(
         self, motion: Trajectory | PoseTrajectory, *, threshold: float = 0.6
-    ) -> FastMarchingSkill:
+    ) -> FastMarchingSkill[MotionT_co]:
         """The skill with the motion's path added if its kappa is below the threshold.
 
         Otherwise the skill itself: the motion shows nothing new. Raises InvalidInput.
@@ -184,12 +192,12 @@ class FastMarchingSkill:
     def generate(
         self,
         *,
-        start: Any = None,
-        goal: Any = None,
+        start: Place | None = None,
+        goal: Place | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
-    ) -> Any:
+    ) -> MotionT_co:
         """A motion of the type that was shown, around obstacles.
 
         A Trajectory, or a PoseTrajectory where poses were shown.
@@ -207,11 +215,11 @@ class FastMarchingSkill:
         self,
         found: Route,
         *,
-        start: Any = None,
-        goal: Any = None,
+        start: Place | None = None,
+        goal: Place | None = None,
         duration: float | None = None,
         dt: float = 0.01,
-    ) -> Any:
+    ) -> MotionT_co:
         """The motion along a route, as by `generate`; start and goal count by their orientations.
 
         Raises InvalidInput.
@@ -220,15 +228,20 @@ class FastMarchingSkill:
         wanted = None if duration is None else check.number(duration, "duration", above=0.0)
         turns = [self._pose(value, name)[1] for value, name in ((start, "start"), (goal, "goal"))]
         motion, shares = timed(found, timing=self.model.timing, duration=wanted, dt=dt)
-        if not self._has_orientations:
-            return motion
-        turned = orientation.along(
-            found.used, found.weights, start=turns[0], goal=turns[1], shares=shares
-        )
-        return PoseTrajectory(motion.times, motion.positions, turned, motion.events)
+        made: Trajectory | PoseTrajectory = motion
+        if self._has_orientations:
+            turned = orientation.along(
+                found.used, found.weights, start=turns[0], goal=turns[1], shares=shares
+            )
+            made = PoseTrajectory(motion.times, motion.positions, turned, motion.events)
+        return cast(MotionT_co, made)  # poses where poses were shown
 
     def plan(
-        self, *, start: Any = None, goal: Any = None, obstacles: Sequence[Shape] = ()
+        self,
+        *,
+        start: ArrayLike | None = None,
+        goal: ArrayLike | None = None,
+        obstacles: Sequence[Shape] = (),
     ) -> Route:
         """The path of `generate`, without a time law, and how it was found.
 
@@ -244,7 +257,7 @@ class FastMarchingSkill:
         find = route.from_start if method == "start" else route.along_mean
         return find(self._all, query, self._scales(_TUBE_RADIUS, query))
 
-    def live_map(self, workspace: Any, *, cells: int = 1_000_000) -> LiveMap:
+    def live_map(self, workspace: ArrayLike, *, cells: int = 1_000_000) -> LiveMap:
         """Routes to goals and around obstacles that keep moving, in tens of milliseconds each.
 
         workspace: (lower, upper) corners (d,) each, around the demonstrations and all that moves.
@@ -259,7 +272,7 @@ class FastMarchingSkill:
         model = replace(self.model, method="map", workspace=space, resolution=edge)
         return LiveMap(self._all, replace(self, model=model)._map_scales)
 
-    def policy(self, position: Any) -> Float64Array:
+    def policy(self, position: ArrayLike) -> Float64Array:
         """The velocity (d,) that leads from a position (d,) to the demonstrations' goal.
 
         In the unit of the data per second, without planning again: after a push the tool joins the
@@ -267,7 +280,9 @@ class FastMarchingSkill:
         """
         return self._policy(position)
 
-    def policy_to(self, goal: Any = None, *, obstacles: Sequence[Shape] = ()) -> Policy:
+    def policy_to(
+        self, goal: ArrayLike | None = None, *, obstacles: Sequence[Shape] = ()
+    ) -> Policy:
         """A policy for a goal (d,) and among obstacles; what it needs is computed here, once.
 
         It goes by the map of all demonstrations, at their mean speed, slower near the goal. Where
@@ -284,6 +299,29 @@ class FastMarchingSkill:
     @cached_property
     def _policy(self) -> Policy:
         return self.policy_to()
+
+    def parameters(
+        self,
+        demonstrations: Demonstrations[Motion] = (),  # noqa: ARG002 (no fit is needed)
+    ) -> Sequence[Parameter[MotionT_co]]:
+        """Its saturation and, where there is a map, the radius of its tubes."""
+        saturation = self.model.saturation
+        found = [Parameter("saturation", saturation, 0.005, 0.5, 0.005, self._with("saturation"))]
+        if self._all:
+            radius = self.area_of_influence
+            least, most = (share * radius for share in _RADII_WORTH_TRYING)
+            step, apply = (most - least) / 100.0, self._with("area_of_influence")
+            found.append(Parameter("area of influence, m", radius, least, most, step, apply))
+        return found
+
+    def _with(self, setting: str) -> Callable[[float], FastMarchingSkill[MotionT_co]]:
+        """Takes a value of a setting of the model and returns the skill with it."""
+
+        def changed(value: float) -> FastMarchingSkill[MotionT_co]:
+            settings: dict[str, Any] = {setting: value}
+            return replace(self, model=replace(self.model, **settings))
+
+        return changed
 
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""
@@ -359,7 +397,7 @@ class FastMarchingSkill:
             raise InvalidInput("skill: was fitted to no demonstration and has no map")
         return int(self._all[0].path.shape[1])
 
-    def _end(self, value: Any, name: str, index: int) -> Float64Array:
+    def _end(self, value: ArrayLike | None, name: str, index: int) -> Float64Array:
         if self._all:
             if value is None:
                 return np.asarray(np.mean([each.path[index] for each in self.shown], axis=0))

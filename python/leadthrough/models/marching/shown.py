@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,8 +12,9 @@ from leadthrough import check, events
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput
 from leadthrough.events import Event
+from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.phase import SAMPLES, progress_of
-from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
+from leadthrough.motion import MotionT, PoseTrajectory, Trajectory
 from leadthrough.preprocess.resample import arc_length
 
 
@@ -73,22 +74,22 @@ class Shown:
         )
 
 
-def keep(demonstrations: Sequence[Demonstration]) -> tuple[Shown, ...]:
+def keep(demonstrations: Demonstrations[MotionT]) -> tuple[Shown, ...]:
     """What to keep of demonstrations: all points in two or three dimensions, or all poses.
 
-    Raises InvalidInput, FitError for one that does not move.
+    Raises:
+        InvalidInput: for other motions.
+        FitError: for one of a single sample, or whose position does not move.
     """
-    if isinstance(demonstrations, Demonstration) or not isinstance(demonstrations, Sequence):
-        got = type(demonstrations).__name__
-        raise InvalidInput(f"demonstrations: expected a sequence of them, got {got}")
-    motions = [_moving(demonstration, i) for i, demonstration in enumerate(demonstrations)]
-    dimensions = {motion.positions.shape[1] for motion in motions}
-    if len(dimensions) > 1 or not dimensions <= {2, 3}:
-        raise InvalidInput(
-            f"demonstrations: expected all in two or all in three dimensions, got {dimensions}"
-        )
-    if len({type(motion) for motion in motions}) > 1:
-        raise InvalidInput("demonstrations: expected points or poses, got both")
+    motions: list[Any] = motions_of(demonstrations, kinds=(Trajectory, PoseTrajectory), at_least=0)
+    for i, motion in enumerate(motions):
+        width = motion.positions.shape[1]
+        if width not in (2, 3):
+            raise InvalidInput(
+                f"demonstrations[{i}]: expected points in two or three dimensions, got {width}"
+            )
+        if arc_length(motion.positions)[-1] == 0.0:
+            raise FitError(f"demonstrations[{i}]: turns but does not move; a path needs positions")
     return tuple(_kept(motion) for motion in motions)
 
 
@@ -101,16 +102,3 @@ def _kept(motion: Trajectory | PoseTrajectory) -> Shown:
         motion.orientations if isinstance(motion, PoseTrajectory) else None,
         events.moved(motion.events, motion.times, covered / covered[-1]),
     )
-
-
-def _moving(demonstration: Any, index: int) -> Trajectory | PoseTrajectory:
-    name = f"demonstrations[{index}]"
-    motion = getattr(demonstration, "motion", None)
-    if not isinstance(motion, Trajectory | PoseTrajectory):
-        got = type(motion if motion is not None else demonstration).__name__
-        raise InvalidInput(f"{name}: expected one with a Trajectory or a PoseTrajectory, got {got}")
-    if len(motion.times) < 2:
-        raise FitError(f"{name}: has a single sample, needs at least two")
-    if arc_length(motion.positions)[-1] == 0.0:
-        raise FitError(f"{name}: does not move")
-    return motion

@@ -6,16 +6,20 @@ humanoid robot".
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from leadthrough import check
-from leadthrough.models.chart import SAMPLES, chart_of, motions_of, timed_columns
+from leadthrough.errors import InvalidInput
+from leadthrough.models import archive
+from leadthrough.models.chart import SAMPLES, Chart, chart_of, timed_columns
+from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.mixtures.fitting import choose_components, fit_mixture
 from leadthrough.models.mixtures.gmr_skill import GMRSkill
-from leadthrough.motion import Demonstration, normalised_times
+from leadthrough.models.mixtures.mixture import Mixture
+from leadthrough.motion import MotionT, normalised_times
 
 
 @dataclass(frozen=True)
@@ -34,7 +38,7 @@ class GMR:
             check.integer(self.components, "components", at_least=1, at_most=SAMPLES)
         check.integer(self.seed, "seed", at_least=0)
 
-    def fit(self, demonstrations: Sequence[Demonstration]) -> GMRSkill:
+    def fit(self, demonstrations: Demonstrations[MotionT]) -> GMRSkill[MotionT]:
         """A skill from demonstrations, all of points, of the same joints, or of poses.
 
         Each is taken at 200 even shares of its time. Raises InvalidInput; FitError for one that
@@ -51,4 +55,18 @@ class GMR:
         else:
             fit = fit_mixture(points, self.components, seed=self.seed)
         ends = np.mean([each[[0, -1], 1:] for each in samples], axis=0)
-        return GMRSkill(chart, fit.mixture, duration, ends, len(motions))
+        model = replace(self, components=len(fit.mixture.weights))
+        return GMRSkill(model, chart, fit.mixture, duration, ends, len(motions))
+
+
+def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> GMRSkill:
+    """The skill that `GMRSkill.to_archive` took apart. Raises KeyError, TypeError, ValueError."""
+    chart = Chart.from_archive(settings, arrays)
+    mixture = Mixture(arrays["weights"], arrays["means"], arrays["covariances"])
+    if mixture.size != chart.width + 1:
+        raise InvalidInput(f"means: expected {chart.width + 1} columns, got {mixture.size}")
+    # A file of version 0.1 has no model; its mixture tells the number of components.
+    model = GMR(**settings.get("model", {"components": len(mixture.weights)}))
+    ends = check.frozen(arrays["ends"], "ends", shape=(2, chart.width))
+    duration = check.number(settings["duration"], "duration", above=0.0)
+    return GMRSkill(model, chart, mixture, duration, ends, int(settings["shown"]))

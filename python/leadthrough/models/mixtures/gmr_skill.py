@@ -3,35 +3,50 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, UnsupportedQuery
+from leadthrough.errors import UnsupportedQuery
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
 from leadthrough.models.chart import Chart
+from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.update import learned
+from leadthrough.models.parameters import Parameter, whole_number
+from leadthrough.models.place import Place
 from leadthrough.models.sampling import even_times
-from leadthrough.motion import Demonstration, normalised_times
+from leadthrough.motion import Motion, MotionT_co, normalised_times
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Shape
 
+if TYPE_CHECKING:
+    from leadthrough.models.mixtures.gmr import GMR
+
+MOST_COMPONENTS = 20  # worth trying
+
 
 @dataclass(frozen=True, eq=False)
-class GMRSkill:
+class GMRSkill(Generic[MotionT_co]):
     """What was learned; made by `GMR.fit`.
 
-    mixture: over the time, s, and the d columns of `chart`: the coordinates of points, the joints,
-    or for poses the position and a rotation vector from a reference orientation. duration: s.
-    ends: (2, d) where the demonstrations start and end on the mean. shown: how many there were.
+    Attributes:
+        model: the settings that it was fitted with, with the number of components that was found.
+        chart: what the d columns are: the coordinates of points, the joints, or for poses the
+            position and a rotation vector from a reference orientation.
+        mixture: over the time, s, and the d columns.
+        duration: s.
+        ends: (2, d) mean start and goal of the demonstrations.
+        shown: number of demonstrations.
     """
 
-    chart: Chart
+    model: GMR
+    chart: Chart[MotionT_co]
     mixture: Mixture
     duration: float
     ends: Float64Array
@@ -40,7 +55,7 @@ class GMRSkill:
     kind: ClassVar[str] = "gmr"
     supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration"})
 
-    def regress(self, times: Any) -> tuple[Float64Array, Float64Array]:
+    def regress(self, times: ArrayLike) -> tuple[Float64Array, Float64Array]:
         """Mean (n, d) and covariance (n, d, d) of the columns at times (n,), s, of the motion.
 
         Beyond [0, duration] they are what the outer components say. Raises InvalidInput.
@@ -48,15 +63,19 @@ class GMRSkill:
         given = check.array(times, "times", shape=("n",))
         return self.mixture.regress(given[:, None], inputs=[0])
 
+    def distribution(self, times: ArrayLike) -> tuple[Float64Array, Float64Array]:
+        """As `regress`, by the name that it has in every skill that knows a spread."""
+        return self.regress(times)
+
     def generate(
         self,
         *,
-        start: Any = None,
-        goal: Any = None,
+        start: Place | None = None,
+        goal: Place | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
-    ) -> Any:
+    ) -> MotionT_co:
         """The mean motion, shifted to start and goal; of the type that was shown.
 
         start, goal: (d,), for poses (position (3,), orientation (4,)) or the position alone, by
@@ -76,7 +95,7 @@ class GMRSkill:
         columns = shifted(columns, shares, self._ends(start, goal))
         return self.chart.motion(times, phases, columns)
 
-    def updated(self, demonstrations: Sequence[Demonstration]) -> GMRSkill:
+    def updated(self, demonstrations: Demonstrations[Motion]) -> GMRSkill[MotionT_co]:
         """A skill that has learned further demonstrations, without the ones learned before.
 
         The components are adapted, not added to. Raises InvalidInput for motions of another type;
@@ -99,13 +118,32 @@ class GMRSkill:
         result[order] = turned
         return result
 
+    def parameters(
+        self, demonstrations: Demonstrations[Motion] = ()
+    ) -> Sequence[Parameter[MotionT_co]]:
+        """Its number of components, where there are demonstrations to fit again."""
+        if len(demonstrations) == 0:
+            return []
+
+        def fitted(components: int) -> GMRSkill[MotionT_co]:
+            made = replace(self.model, components=components).fit(demonstrations)
+            return cast(GMRSkill[MotionT_co], made)
+
+        count = len(self.mixture.weights)
+        return [whole_number("components", count, least=1, most=MOST_COMPONENTS, apply=fitted)]
+
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""
         archive.write(path, self.kind, *self.to_archive())
 
     def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
         """Settings and arrays that `from_archive` puts together again."""
-        settings = {"duration": self.duration, "shown": self.shown, **self.chart.settings()}
+        settings = {
+            "model": asdict(self.model),
+            "duration": self.duration,
+            "shown": self.shown,
+            **self.chart.settings(),
+        }
         arrays = {
             "weights": self.mixture.weights,
             "means": self.mixture.means,
@@ -115,18 +153,7 @@ class GMRSkill:
         }
         return settings, arrays
 
-    @classmethod
-    def from_archive(cls, settings: dict[str, Any], arrays: archive.Arrays) -> GMRSkill:
-        """The skill that `save` took apart. Raises KeyError, TypeError, ValueError."""
-        chart = Chart.from_archive(settings, arrays)
-        mixture = Mixture(arrays["weights"], arrays["means"], arrays["covariances"])
-        if mixture.size != chart.width + 1:
-            raise InvalidInput(f"means: expected {chart.width + 1} columns, got {mixture.size}")
-        ends = check.frozen(arrays["ends"], "ends", shape=(2, chart.width))
-        duration = check.number(settings["duration"], "duration", above=0.0)
-        return cls(chart, mixture, duration, ends, int(settings["shown"]))
-
-    def _ends(self, start: Any, goal: Any) -> Float64Array:
+    def _ends(self, start: Place | None, goal: Place | None) -> Float64Array:
         wanted = self.ends.copy()
         for row, (value, name) in enumerate(((start, "start"), (goal, "goal"))):
             if value is not None:

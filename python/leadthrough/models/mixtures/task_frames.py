@@ -21,7 +21,7 @@ from leadthrough import check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.chart import NODES, Chart, mean_orientations
-from leadthrough.motion import Motion, PoseTrajectory
+from leadthrough.motion import Motion, MotionT, PoseTrajectory
 
 # Largest entry of axes.T @ axes - identity that passes for rounding.
 _ORTHONORMAL = 1e-6
@@ -101,7 +101,9 @@ class Placed:
     drift: Float64Array
 
 
-def common_chart(chart: Chart, own: Sequence[Chart], frames: Sequence[Frame]) -> Chart:
+def common_chart(
+    chart: Chart[MotionT], own: Sequence[Chart], frames: Sequence[Frame]
+) -> Chart[MotionT]:
     """A chart whose reference is the mean of the frames' own, seen from the base frame.
 
     Args:

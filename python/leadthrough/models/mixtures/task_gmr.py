@@ -8,8 +8,8 @@ and retrieval", sections 2 to 4; here the time counts once and not once a frame.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import asdict, dataclass, replace
+from typing import Any, ClassVar, Generic, cast
 
 import numpy as np
 
@@ -18,13 +18,17 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
-from leadthrough.models.chart import SAMPLES, Chart, chart_of, motions_of, timed_columns
+from leadthrough.models.chart import SAMPLES, Chart, chart_of, timed_columns
+from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.mixtures.em import Blocks, fit_blocks
 from leadthrough.models.mixtures.fitting import standard
-from leadthrough.models.mixtures.gmr_skill import GMRSkill
+from leadthrough.models.mixtures.gmr import GMR
+from leadthrough.models.mixtures.gmr_skill import MOST_COMPONENTS, GMRSkill
 from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.task_frames import Frame, Placed, checked, common_chart, placed
-from leadthrough.motion import Demonstration, Motion, PoseTrajectory, normalised_times
+from leadthrough.models.parameters import Parameter, whole_number
+from leadthrough.models.place import Place
+from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, normalised_times
 from leadthrough.shapes import Shape
 
 
@@ -44,10 +48,10 @@ class TaskGMR:
 
     def fit(
         self,
-        demonstrations: Sequence[Demonstration],
+        demonstrations: Demonstrations[MotionT],
         *,
         frames: Sequence[Sequence[Frame]] | None = None,
-    ) -> TaskGMRSkill:
+    ) -> TaskGMRSkill[MotionT]:
         """A skill from demonstrations, all of points, of the same joints, or of poses.
 
         frames: those of each demonstration, in the same order in all; by default two, at its start
@@ -71,21 +75,26 @@ class TaskGMR:
             seen.append(np.concatenate(timed_columns(local, phases, charts[-1], duration)))
         components = _fitted(seen, self.components, self.seed)
         ends = np.mean([each[[0, -1], 1:] for each in samples], axis=0)
-        return TaskGMRSkill(
-            chart, tuple(charts), components, duration, ends, at_ends=frames is None
-        )
+        at_ends = frames is None
+        return TaskGMRSkill(self, chart, tuple(charts), components, duration, ends, at_ends)
 
 
 @dataclass(frozen=True, eq=False)
-class TaskGMRSkill:
+class TaskGMRSkill(Generic[MotionT_co]):
     """What was learned; made by `TaskGMR.fit`.
 
-    charts: of each frame. components: over the time, s, and the columns of the charts. duration: s.
-    ends: (2, d) where the demonstrations start and end on the mean, in the columns of `chart`.
-    at_ends: whether its two frames stand there.
+    Attributes:
+        model: the settings that it was fitted with.
+        chart: what the d columns are in the base frame.
+        charts: what they are in each frame.
+        components: over the time, s, and the columns of the charts.
+        duration: s.
+        ends: (2, d) mean start and goal of the demonstrations, in the columns of `chart`.
+        at_ends: whether its two frames stand at start and goal.
     """
 
-    chart: Chart
+    model: TaskGMR
+    chart: Chart[MotionT_co]
     charts: tuple[Chart, ...]
     components: Blocks
     duration: float
@@ -99,31 +108,32 @@ class TaskGMRSkill:
         """Parts of a query that it honours; with frames of its own, see `at`."""
         return frozenset({"start", "goal", "duration"} if self.at_ends else {"duration"})
 
-    def at(self, frames: Sequence[Frame]) -> GMRSkill:
+    def at(self, frames: Sequence[Frame]) -> GMRSkill[MotionT_co]:
         """The skill in a situation, with frames as it was fitted with. Raises InvalidInput."""
         (given,) = checked([frames], 1, self.chart)
         if len(given) != len(self.components.means):
             raise InvalidInput(
                 f"frames: expected {len(self.components.means)} of them, got {len(given)}"
             )
-        chart = common_chart(self.chart, self.charts, given)
+        chart: Chart[MotionT_co] = common_chart(self.chart, self.charts, given)
         seen = [
             placed(frame, own, chart, means, self.duration)
             for frame, own, means in zip(given, self.charts, self.components.means, strict=True)
         ]
         mixture = _multiplied(self.components, seen)
         ends, _ = mixture.regress([[0.0], [self.duration]], inputs=[0])
-        return GMRSkill(chart, mixture, self.duration, ends, 1)
+        model = GMR(self.model.components, self.model.seed)
+        return GMRSkill(model, chart, mixture, self.duration, ends, 1)
 
     def generate(
         self,
         *,
-        start: Any = None,
-        goal: Any = None,
+        start: Place | None = None,
+        goal: Place | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
-    ) -> Any:
+    ) -> MotionT_co:
         """The mean motion from a start to a goal, by default the mean ones.
 
         start, goal: (d,), for poses (position (3,), orientation (4,)) or the position alone.
@@ -143,6 +153,23 @@ class TaskGMRSkill:
             **wanted, duration=duration, dt=dt, obstacles=obstacles
         )
 
+    def parameters(
+        self, demonstrations: Demonstrations[Motion] = ()
+    ) -> Sequence[Parameter[MotionT_co]]:
+        """Its number of components, where there are demonstrations to fit again.
+
+        None for a skill with frames of its own: the demonstrations do not tell where these stood.
+        """
+        if len(demonstrations) == 0 or not self.at_ends:
+            return []
+
+        def fitted(components: int) -> TaskGMRSkill[MotionT_co]:
+            made = replace(self.model, components=components).fit(demonstrations)
+            return cast(TaskGMRSkill[MotionT_co], made)
+
+        count = self.model.components
+        return [whole_number("components", count, least=1, most=MOST_COMPONENTS, apply=fitted)]
+
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""
         archive.write(path, self.kind, *self.to_archive())
@@ -150,6 +177,7 @@ class TaskGMRSkill:
     def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
         """Settings and arrays that `from_archive` puts together again."""
         settings = {
+            "model": asdict(self.model),
             "duration": self.duration,
             "at_ends": self.at_ends,
             "frames": len(self.components.means),
@@ -167,8 +195,8 @@ class TaskGMRSkill:
                 arrays[f"reference_{i}"] = self.charts[i].reference
         return settings, arrays
 
-    @classmethod
-    def from_archive(cls, settings: dict[str, Any], arrays: archive.Arrays) -> TaskGMRSkill:
+    @staticmethod
+    def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> TaskGMRSkill:
         """The skill that `save` took apart. Raises KeyError, TypeError, ValueError."""
         mixtures = [
             Mixture(arrays["weights"], arrays[f"means_{i}"], arrays[f"covariances_{i}"])
@@ -189,7 +217,11 @@ class TaskGMRSkill:
             for i in range(len(mixtures))
         )
         ends = check.frozen(arrays["ends"], "ends", shape=(2, chart.width))
-        return cls(chart, charts, components, duration, ends, at_ends=bool(settings["at_ends"]))
+        # A file of version 0.1 has no model; its mixtures tell the number of components.
+        model = TaskGMR(**settings.get("model", {"components": len(components.weights)}))
+        return TaskGMRSkill(
+            model, chart, charts, components, duration, ends, bool(settings["at_ends"])
+        )
 
 
 def _at(motion: Motion, row: int) -> Frame:
@@ -199,11 +231,10 @@ def _at(motion: Motion, row: int) -> Frame:
     return Frame(motion.positions[row])
 
 
-def _query(motion: Motion, row: int) -> Any:
+def _query(motion: Motion, row: int) -> Place:
     """A sample of a motion as a skill is asked for it."""
-    if isinstance(motion, PoseTrajectory):
-        return motion.positions[row], motion.orientations[row]
-    return motion.positions[row]
+    position: Float64Array = motion.positions[row]
+    return (position, motion.orientations[row]) if isinstance(motion, PoseTrajectory) else position
 
 
 def _fitted(seen: Sequence[Float64Array], count: int, seed: int) -> Blocks:

@@ -6,16 +6,16 @@ Billard 2007, "Incremental learning of gestures by imitation in a humanoid robot
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from leadthrough.check import Float64Array
-from leadthrough.models.chart import motions_of, timed_columns
+from leadthrough.models.chart import timed_columns
+from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.mixtures.em import Blocks, Steps, sums_of
 from leadthrough.models.mixtures.mixture import Mixture
-from leadthrough.motion import Demonstration, normalised_times
+from leadthrough.motion import Motion, normalised_times
 
 if TYPE_CHECKING:
     from leadthrough.models.mixtures.gmr_skill import GMRSkill
@@ -24,7 +24,7 @@ _MOST_ITERATIONS = 200
 
 
 def learned(
-    skill: GMRSkill, demonstrations: Sequence[Demonstration]
+    skill: GMRSkill, demonstrations: Demonstrations[Motion]
 ) -> tuple[Mixture, Float64Array, int]:
     """Mixture, mean ends (2, d) and number of demonstrations, with further ones."""
     motions = motions_of(demonstrations)

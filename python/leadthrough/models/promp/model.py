@@ -11,16 +11,21 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput
-from leadthrough.models.chart import chart_of, motions_of, scales
+from leadthrough.models import archive
+from leadthrough.models.chart import Chart, chart_of, scales
+from leadthrough.models.demonstrated import Demonstrations, motions_of
+from leadthrough.models.promp import limits
 from leadthrough.models.promp.basis import KINDS, LEAST, Basis
 from leadthrough.models.promp.em import expectation_maximisation
+from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.least_squares import least_squares
 from leadthrough.models.promp.skill import ProMPSkill
-from leadthrough.motion import Demonstration, Motion, normalised_times
+from leadthrough.motion import Motion, MotionT, normalised_times
 
 ESTIMATORS = ("least_squares", "em")
 
@@ -55,8 +60,11 @@ class ProMP:
         check.number(self.regularization, "regularization", above=0.0)
 
     def fit(
-        self, demonstrations: Sequence[Demonstration], *, phases: Sequence[Any] | None = None
-    ) -> ProMPSkill:
+        self,
+        demonstrations: Demonstrations[MotionT],
+        *,
+        phases: Sequence[ArrayLike] | None = None,
+    ) -> ProMPSkill[MotionT]:
         """A skill from demonstrations, all of points, of the same joints, or of poses.
 
         phases: (n,) increasing in [0, 1] for each demonstration, where its samples stand in the
@@ -76,18 +84,50 @@ class ProMP:
             for i, (motion, u) in enumerate(zip(motions, at, strict=True))
         ]
         scale = scales(columns, chart)
-        basis = Basis(self.basis, self.weights, float(self.width))
+        basis = _basis_of(self)
         if self.estimator == "em":
             fit = expectation_maximisation(basis, at, columns, scale)
         else:
             _refuse_parts(at)
             fit = least_squares(basis, at, columns, scale, self.regularization)
         whole = [m.duration / float(u[-1] - u[0]) for m, u in zip(motions, at, strict=True)]
-        return ProMPSkill(basis, chart, fit.weights, fit.noise, scale, float(np.median(whole)))
+        duration = float(np.median(whole))
+        return ProMPSkill(self, basis, chart, fit.weights, fit.noise, scale, duration)
+
+
+def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> ProMPSkill:
+    """The skill that `ProMPSkill.to_archive` took apart. Raises KeyError, TypeError, ValueError."""
+    model = _model_of(settings)
+    basis, chart = _basis_of(model), Chart.from_archive(settings, arrays)
+    size = chart.width * basis.count
+    weights = Gaussian(
+        check.frozen(arrays["mean"], "mean", shape=(size,)),
+        check.frozen(arrays["covariance"], "covariance", shape=(size, size)),
+    )
+    noise, scale = (
+        check.frozen(arrays[name], name, shape=(chart.width,)) for name in ("noise", "scale")
+    )
+    bounds = None
+    if "lower" in arrays:
+        bounds = limits.checked(arrays["lower"], arrays["upper"], chart.width)
+    duration = float(settings["duration"])
+    return ProMPSkill(model, basis, chart, weights, noise, scale, duration, bounds)
+
+
+def _model_of(settings: dict[str, Any]) -> ProMP:
+    """The model in a file; one of version 0.1 has only its basis, in three entries."""
+    if "model" in settings:
+        return ProMP(**settings["model"])
+    count, width = int(settings["count"]), float(settings.get("width", ProMP.width))
+    return ProMP(weights=count, basis=str(settings["basis"]), width=width)
+
+
+def _basis_of(model: ProMP) -> Basis:
+    return Basis(model.basis, model.weights, float(model.width))
 
 
 def _phases(
-    phases: Sequence[Any], motions: Sequence[Motion], *, rhythmic: bool
+    phases: Sequence[ArrayLike], motions: Sequence[Motion], *, rhythmic: bool
 ) -> list[Float64Array]:
     if not isinstance(phases, Sequence) or len(phases) != len(motions):
         raise InvalidInput(f"phases: expected a sequence of {len(motions)} arrays")

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
@@ -14,31 +15,46 @@ from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
 from leadthrough.models.chart import Chart
+from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.parameters import Parameter, whole_number
+from leadthrough.models.place import Place
 from leadthrough.models.promp import limits, observation
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.sampling import even_times
-from leadthrough.motion import Motion, normalised_times
+from leadthrough.motion import Motion, MotionT_co, normalised_times
 from leadthrough.shapes import Shape
+
+if TYPE_CHECKING:
+    from leadthrough.models.promp.model import ProMP
 
 # A time may be so many shares of the duration off either end by rounding.
 _ULPS = 1e-9
+
+_LEAST_WEIGHTS, _MOST_WEIGHTS = 5, 40  # worth trying
 
 Task = Callable[[Float64Array], tuple[Any, Any]]
 
 
 @dataclass(frozen=True, eq=False)
-class ProMPSkill:
+class ProMPSkill(Generic[MotionT_co]):
     """What was learned; made by `ProMP.fit`.
 
-    Its d columns are the coordinates of points, the joints, or for poses the position and a
-    rotation vector from a reference orientation (`chart`). weights: of the columns, one after the
-    other. noise: (d,) variances of the demonstrations about their curves. scale: (d,) the reach of
-    the motion. duration: s, its length in time. bounds: lower and upper limits (d,), or None.
+    Attributes:
+        model: the settings that it was fitted with.
+        basis: functions of the phase.
+        chart: what the d columns are: the coordinates of points, the joints, or for poses the
+            position and a rotation vector from a reference orientation.
+        weights: distribution of the weights of the columns, one column after the other.
+        noise: (d,) variances of the demonstrations about their curves.
+        scale: (d,) reach of the motion.
+        duration: s.
+        bounds: lower and upper limits (d,), or None.
     """
 
+    model: ProMP
     basis: Basis
-    chart: Chart
+    chart: Chart[MotionT_co]
     weights: Gaussian
     noise: Float64Array
     scale: Float64Array
@@ -53,7 +69,9 @@ class ProMPSkill:
         parts = {"start", "goal", "duration"}
         return frozenset(parts - {"goal"} if self.basis.is_rhythmic else parts)
 
-    def distribution(self, times: Any, *, order: int = 0) -> tuple[Float64Array, Float64Array]:
+    def distribution(
+        self, times: ArrayLike, *, order: int = 0
+    ) -> tuple[Float64Array, Float64Array]:
         """Mean (n, d) and covariance (n, d, d) at times (n,), s, in [0, duration].
 
         order: 0 positions, 1 velocities, 2 accelerations. Without the noise of the demonstrations.
@@ -70,12 +88,12 @@ class ProMPSkill:
     def generate(
         self,
         *,
-        start: Any = None,
-        goal: Any = None,
+        start: Place | None = None,
+        goal: Place | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
-    ) -> Any:
+    ) -> MotionT_co:
         """The mean motion, conditioned on start and goal where given; of the type that was shown.
 
         start, goal: (d,), for poses (position (3,), orientation (4,)) or the position alone.
@@ -97,13 +115,13 @@ class ProMPSkill:
 
     def condition(
         self,
-        time: Any,
-        position: Any,
+        time: ArrayLike,
+        position: Place,
         *,
-        covariance: Any = None,
+        covariance: ArrayLike | None = None,
         order: int = 0,
         columns: Sequence[int] | None = None,
-    ) -> ProMPSkill:
+    ) -> ProMPSkill[MotionT_co]:
         """A skill that passes a via point, or several; call it again for more.
 
         time: s, in [0, duration]. position: (d,), for poses as in `generate`. For several via
@@ -126,8 +144,8 @@ class ProMPSkill:
         return self._observed("position", phases, values, covariance, columns=chosen, order=order)
 
     def condition_task(
-        self, time: float, value: Any, task: Task, *, covariance: Any = None
-    ) -> ProMPSkill:
+        self, time: float, value: ArrayLike, task: Task, *, covariance: ArrayLike | None = None
+    ) -> ProMPSkill[MotionT_co]:
         """A skill that passes a via point in a task space, such as a tool's position.
 
         time: s. value: (p,). task: takes the columns (d,), gives their value (p,) in the task
@@ -140,11 +158,11 @@ class ProMPSkill:
         noise = None if covariance is None else observation.noise_of(covariance, np.size(value))
         return self.with_weights(observation.through(self, rows, value, task, noise))
 
-    def lasting(self, duration: float) -> ProMPSkill:
+    def lasting(self, duration: float) -> ProMPSkill[MotionT_co]:
         """The same motion in another duration, s, > 0. Raises InvalidInput."""
         return replace(self, duration=check.number(duration, "duration", above=0.0))
 
-    def within(self, lower: Any, upper: Any) -> ProMPSkill:
+    def within(self, lower: ArrayLike, upper: ArrayLike) -> ProMPSkill[MotionT_co]:
         """A skill whose mean and samples keep limits (d,), infinite ones allowed.
 
         They are moved the least that the covariance allows: along what varies, so that via points
@@ -153,7 +171,7 @@ class ProMPSkill:
         bounds = limits.checked(lower, upper, self.chart.width)
         return replace(self, bounds=bounds).with_weights(self.weights)
 
-    def sample(self, count: int, *, seed: int, dt: float = 0.01) -> list[Motion]:
+    def sample(self, count: int, *, seed: int, dt: float = 0.01) -> list[MotionT_co]:
         """Random motions, as many as count. Raises InvalidInput."""
         check.number(dt, "dt", above=0.0)
         times = even_times(self.duration, dt)
@@ -187,6 +205,26 @@ class ProMPSkill:
         values = self.chart.columns(trajectory, phases, "trajectory")
         return observation.log_density(self, phases, values)
 
+    def parameters(
+        self, demonstrations: Demonstrations[Motion] = ()
+    ) -> Sequence[Parameter[MotionT_co]]:
+        """Its number of weights, where there are demonstrations to fit again.
+
+        The skill fitted again has the same settings, duration and limits, but no via points.
+        """
+        if len(demonstrations) == 0:
+            return []
+
+        def fitted(weights: int) -> ProMPSkill[MotionT_co]:
+            made = replace(self.model, weights=weights).fit(demonstrations)
+            again = cast(ProMPSkill[MotionT_co], made).lasting(self.duration)
+            return again if self.bounds is None else again.within(*self.bounds)
+
+        most = _MOST_WEIGHTS
+        return [
+            whole_number("weights", self.basis.count, least=_LEAST_WEIGHTS, most=most, apply=fitted)
+        ]
+
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""
         archive.write(path, self.kind, *self.to_archive())
@@ -194,9 +232,7 @@ class ProMPSkill:
     def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
         """Settings and arrays that `from_archive` puts together again."""
         settings = {
-            "basis": self.basis.kind,
-            "count": self.basis.count,
-            "width": self.basis.width,
+            "model": asdict(self.model),
             "duration": self.duration,
             **self.chart.settings(),
         }
@@ -211,33 +247,12 @@ class ProMPSkill:
             arrays["lower"], arrays["upper"] = self.bounds
         return settings, arrays
 
-    @classmethod
-    def from_archive(cls, settings: dict[str, Any], arrays: archive.Arrays) -> ProMPSkill:
-        """The skill that `save` took apart. Raises KeyError, TypeError, ValueError."""
-        chart = Chart.from_archive(settings, arrays)
-        basis = Basis(
-            str(settings["basis"]), int(settings["count"]), float(settings.get("width", 1.0))
-        )
-        size = chart.width * basis.count
-        weights = Gaussian(
-            check.frozen(arrays["mean"], "mean", shape=(size,)),
-            check.frozen(arrays["covariance"], "covariance", shape=(size, size)),
-        )
-        noise, scale = (
-            check.frozen(arrays[name], name, shape=(chart.width,)) for name in ("noise", "scale")
-        )
-        bounds = None
-        if "lower" in arrays:
-            bounds = limits.checked(arrays["lower"], arrays["upper"], chart.width)
-        return cls(basis, chart, weights, noise, scale, float(settings["duration"]), bounds)
-
-    def with_weights(self, weights: Gaussian) -> ProMPSkill:
+    def with_weights(self, weights: Gaussian) -> ProMPSkill[MotionT_co]:
         """Itself with other weights, moved inside the limits."""
         if self.bounds is not None:
             mean = limits.moved_inside(weights, self.basis, self.bounds, self.scale)
             weights = Gaussian(mean, weights.covariance)
-        basis, chart, scale = self.basis, self.chart, self.scale
-        return ProMPSkill(basis, chart, weights, self.noise, scale, self.duration, self.bounds)
+        return replace(self, weights=weights)
 
     def _observed(
         self,
@@ -248,7 +263,7 @@ class ProMPSkill:
         *,
         columns: Any = None,
         order: int = 0,
-    ) -> ProMPSkill:
+    ) -> ProMPSkill[MotionT_co]:
         chosen = self.chart.every[: values.shape[1]] if columns is None else columns
         noise = None if covariance is None else observation.noise_of(covariance, len(chosen))
         rows, scale = self.basis(phases, order), self.scale[chosen]
@@ -289,7 +304,7 @@ class ProMPSkill:
             raise InvalidInput(f"columns: expected different ones below {width}, got {columns}")
         return np.array(chosen)
 
-    def _motion(self, weights: Float64Array, times: Float64Array) -> Any:
+    def _motion(self, weights: Float64Array, times: Float64Array) -> MotionT_co:
         phases = times / self.duration
         curves = weights.reshape(self.chart.width, -1).T
         orders = (0, 1, 2) if self.chart.kind == "joints" else (0,)

@@ -233,7 +233,7 @@ def test_bad_demonstrations_are_refused():
         lt.FastMarching().fit([still])
     with pytest.raises(FitError, match="single sample"):
         lt.FastMarching().fit([lt.Demonstration(lt.Trajectory([0.0], [[0.0, 0.0]]))])
-    with pytest.raises(InvalidInput, match="two or all in three"):
+    with pytest.raises(InvalidInput, match="two or three dimensions"):
         lt.FastMarching().fit([lt.Demonstration(lt.Trajectory([0.0, 1.0], [[0.0], [1.0]]))])
     with pytest.raises(InvalidInput, match="expected a sequence"):
         lt.FastMarching().fit(wave())

@@ -1,0 +1,97 @@
+"""The one door by which demonstrations come into the models, with one wording of each error."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from leadthrough.check import Float64Array
+from leadthrough.errors import FitError, InvalidInput
+from leadthrough.motion import (
+    Demonstration,
+    JointTrajectory,
+    Motion,
+    MotionT,
+    PoseTrajectory,
+    Trajectory,
+)
+
+# What every `fit` takes: demonstrations, or the motions alone.
+Demonstrations: TypeAlias = Sequence[Demonstration[MotionT] | MotionT]
+
+KINDS = (Trajectory, PoseTrajectory, JointTrajectory)
+# Products of numbers beyond this overflow.
+LARGEST = 1e100
+
+
+def motions_of(
+    demonstrations: Demonstrations[MotionT],
+    *,
+    kinds: tuple[type[Motion], ...] = KINDS,
+    at_least: int = 1,
+) -> list[MotionT]:
+    """The motions of demonstrations, all of one type and size, each of which moves.
+
+    Args:
+        demonstrations: a sequence of them; a motion stands for a demonstration of it.
+        kinds: the types of motion that the model learns.
+        at_least: number of demonstrations that the model needs.
+
+    Raises:
+        InvalidInput: if it is no sequence of demonstrations of one of the kinds, or if they differ
+            in type, number of columns or joint names.
+        FitError: if there are too few, or one has a single sample, does not move or has numbers
+            that overflow.
+    """
+    if not isinstance(demonstrations, Sequence):
+        raise InvalidInput(
+            "demonstrations: expected a sequence of demonstrations, got one "
+            f"{type(demonstrations).__name__}; put a single one in a list"
+        )
+    if len(demonstrations) < at_least:
+        raise FitError(
+            f"demonstrations: expected at least {at_least}, got {len(demonstrations) or 'none'}"
+        )
+    motions: list[Any] = [_motion(each, i, kinds) for i, each in enumerate(demonstrations)]
+    _refuse_mixed(motions)
+    for i, motion in enumerate(motions):
+        _refuse_unfit(motion, f"demonstrations[{i}]")
+    return motions
+
+
+def _motion(demonstration: object, index: int, kinds: tuple[type[Motion], ...]) -> object:
+    motion = demonstration.motion if isinstance(demonstration, Demonstration) else demonstration
+    if not isinstance(motion, kinds):
+        wanted = " or ".join(kind.__name__ for kind in kinds)
+        raise InvalidInput(
+            f"demonstrations[{index}]: expected a Demonstration of a {wanted}, "
+            f"got {type(motion).__name__}"
+        )
+    return motion
+
+
+def _refuse_mixed(motions: Sequence[Motion]) -> None:
+    for what, values in (
+        ("one type of motion", {type(motion).__name__ for motion in motions}),
+        ("the same number of columns", {motion.positions.shape[1] for motion in motions}),
+        ("the same joint names", {getattr(motion, "joint_names", ()) for motion in motions}),
+    ):
+        if len(values) > 1:
+            got = " and ".join(str(value) for value in sorted(values))
+            raise InvalidInput(f"demonstrations: expected {what} in all, got {got}")
+
+
+def _refuse_unfit(motion: Motion, name: str) -> None:
+    if len(motion.times) < 2:
+        raise FitError(f"{name}: has a single sample, needs at least two")
+    turns = isinstance(motion, PoseTrajectory) and not _is_still(motion.orientations)
+    if _is_still(motion.positions) and not turns:
+        raise FitError(f"{name}: does not move; leave it out")
+    if np.abs(motion.positions).max() > LARGEST:
+        raise FitError(f"{name}: has numbers beyond {LARGEST:.0e}; use another unit")
+
+
+def _is_still(rows: Float64Array) -> bool:
+    return bool((rows == rows[0]).all())
