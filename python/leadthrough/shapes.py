@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array
@@ -15,69 +15,122 @@ from leadthrough.errors import InvalidInput
 _UNTURNED = (1.0, 0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Box:
     """A box about its centre.
 
-    size: (3,) full edge lengths, m, > 0. position: (3,) centre, m.
-    orientation: (4,) w, x, y, z of the box in the base frame.
+    Attributes:
+        size: full edge lengths (3,), m, > 0.
+        position: centre (3,), m.
+        orientation: w, x, y, z of the box in the base frame, (4,); parallel to the axes by
+            default.
+
+    Raises:
+        InvalidInput: if one of them is malformed or an edge is not > 0.
     """
 
     size: Float64Array
     position: Float64Array
-    orientation: Float64Array = _UNTURNED  # type: ignore[assignment]
+    orientation: Float64Array
 
-    def __post_init__(self) -> None:
-        size = check.frozen(self.size, "size", shape=(3,))
-        for edge in size:
+    def __init__(
+        self, size: ArrayLike, position: ArrayLike, orientation: ArrayLike = _UNTURNED
+    ) -> None:
+        edges = check.frozen(size, "size", shape=(3,))
+        for edge in edges:
             check.number(edge, "size", above=0.0)
-        object.__setattr__(self, "size", size)
-        _freeze_pose(self)
+        vars(self).update(size=edges, **_pose(position, orientation))
 
-    def distance(self, points: Any) -> Float64Array:
-        """Signed distance (n,) of points (n, 3) in the base frame, m. Raises InvalidInput."""
+    def distance(self, points: ArrayLike) -> Float64Array:
+        """Signed distances (n,) of points, m.
+
+        Args:
+            points: m in the base frame, (n, 3).
+
+        Raises:
+            InvalidInput: if they are not finite points of that shape.
+        """
         outside = np.abs(_to_local(self, points)) - 0.5 * self.size
         deepest = np.maximum(np.maximum(outside[:, 0], outside[:, 1]), outside[:, 2])
         return _length(np.maximum(outside, 0.0)) + np.minimum(deepest, 0.0)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Sphere:
-    """A ball. radius: m, > 0. position: (3,) centre, m."""
+    """A ball.
+
+    Attributes:
+        radius: m, > 0.
+        position: centre (3,), m.
+
+    Raises:
+        InvalidInput: if one of them is malformed or the radius is not > 0.
+    """
 
     radius: float
     position: Float64Array
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", check.number(self.radius, "radius", above=0.0))
-        object.__setattr__(self, "position", check.frozen(self.position, "position", shape=(3,)))
+    def __init__(self, radius: float, position: ArrayLike) -> None:
+        vars(self).update(
+            radius=check.number(radius, "radius", above=0.0),
+            position=check.frozen(position, "position", shape=(3,)),
+        )
 
-    def distance(self, points: Any) -> Float64Array:
-        """Signed distance (n,) of points (n, 3) in the base frame, m. Raises InvalidInput."""
+    def distance(self, points: ArrayLike) -> Float64Array:
+        """Signed distances (n,) of points, m.
+
+        Args:
+            points: m in the base frame, (n, 3).
+
+        Raises:
+            InvalidInput: if they are not finite points of that shape.
+        """
         p = check.array(points, "points", shape=("n", 3))
         return _length(p - self.position) - self.radius
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Capsule:
-    """A cylinder along its own z with half balls beyond both ends.
+    """A cylinder along its own z axis with a half ball at each end.
 
-    radius: m, > 0. length: m between the centres of the balls, >= 0. position: (3,) middle, m.
-    orientation: (4,) w, x, y, z of the capsule in the base frame.
+    Attributes:
+        radius: m, > 0.
+        length: distance between the centres of the balls, m, >= 0.
+        position: middle (3,), m.
+        orientation: w, x, y, z of the capsule in the base frame, (4,); along the base's z axis by
+            default.
+
+    Raises:
+        InvalidInput: if one of them is malformed or out of its range.
     """
 
     radius: float
     length: float
     position: Float64Array
-    orientation: Float64Array = _UNTURNED  # type: ignore[assignment]
+    orientation: Float64Array
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", check.number(self.radius, "radius", above=0.0))
-        object.__setattr__(self, "length", check.number(self.length, "length", at_least=0.0))
-        _freeze_pose(self)
+    def __init__(
+        self,
+        radius: float,
+        length: float,
+        position: ArrayLike,
+        orientation: ArrayLike = _UNTURNED,
+    ) -> None:
+        vars(self).update(
+            radius=check.number(radius, "radius", above=0.0),
+            length=check.number(length, "length", at_least=0.0),
+            **_pose(position, orientation),
+        )
 
-    def distance(self, points: Any) -> Float64Array:
-        """Signed distance (n,) of points (n, 3) in the base frame, m. Raises InvalidInput."""
+    def distance(self, points: ArrayLike) -> Float64Array:
+        """Signed distances (n,) of points, m.
+
+        Args:
+            points: m in the base frame, (n, 3).
+
+        Raises:
+            InvalidInput: if they are not finite points of that shape.
+        """
         local = _to_local(self, points)
         half = 0.5 * self.length
         local[:, 2] -= np.clip(local[:, 2], -half, half)
@@ -88,7 +141,14 @@ Shape = Box | Sphere | Capsule
 
 
 def check_shapes(obstacles: Iterable[Shape]) -> tuple[Shape, ...]:
-    """The obstacles, if all are shapes. Raises InvalidInput."""
+    """The obstacles, if all are shapes.
+
+    Args:
+        obstacles: boxes, spheres and capsules.
+
+    Raises:
+        InvalidInput: if they are no sequence, or one of them is no shape.
+    """
     if not isinstance(obstacles, Iterable):
         raise InvalidInput(f"obstacles: expected a sequence, got {type(obstacles).__name__}")
     shapes = tuple(obstacles)
@@ -100,18 +160,20 @@ def check_shapes(obstacles: Iterable[Shape]) -> tuple[Shape, ...]:
     return shapes
 
 
-def _freeze_pose(shape: Box | Capsule) -> None:
-    object.__setattr__(shape, "position", check.frozen(shape.position, "position", shape=(3,)))
-    orientation = check.quaternions(shape.orientation, "orientation", shape=(4,))
-    orientation.setflags(write=False)
-    object.__setattr__(shape, "orientation", orientation)
+def _pose(position: ArrayLike, orientation: ArrayLike) -> dict[str, Float64Array]:
+    """A position (3,) and a unit quaternion (4,), read-only, by their names."""
+    centre = check.frozen(position, "position", shape=(3,))
+    quaternion = check.quaternions(orientation, "orientation", shape=(4,))
+    quaternion.setflags(write=False)
+    return {"position": centre, "orientation": quaternion}
 
 
 def _length(vectors: Float64Array) -> Float64Array:
-    """Lengths (n,) of vectors (n, 3): many times quicker than NumPy's reduction over three."""
+    """Lengths (n,) of vectors (n, 3), many times faster than NumPy's reduction over three."""
     return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
 
 
-def _to_local(shape: Box | Capsule, points: Any) -> Float64Array:
+def _to_local(shape: Box | Capsule, points: ArrayLike) -> Float64Array:
+    """Points (n, 3) in the shape's own frame."""
     offsets = check.array(points, "points", shape=("n", 3)) - shape.position
     return np.asarray(offsets @ rotations.to_matrix(shape.orientation[None])[0])

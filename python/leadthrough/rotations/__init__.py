@@ -1,7 +1,8 @@
 """Rotations in batches: unit quaternions (w, x, y, z) and rotation vectors (axis times angle, rad).
 
-Angular velocities are those of the base frame: exp(omega dt) turns a rotation on, from the left.
-q and -q are the same rotation everywhere.
+Angular velocities are in the base frame: exp(omega dt), multiplied from the left, turns a rotation
+further. q and -q are the same rotation everywhere.
+
 Source: Sola, Deray and Atchuthan 2018, "A micro Lie theory for state estimation in robotics".
 """
 

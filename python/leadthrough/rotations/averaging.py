@@ -2,29 +2,36 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
-# Within a quarter turn of one point there is one mean only (Afsari 2011); two rotations half a turn
-# apart have two. The margin keeps the choice between them from rounding.
+# Within a quarter turn of one point there is only one mean (Afsari 2011); two rotations half a turn
+# apart have two. With the margin, rounding does not decide between them.
 MAX_REACH = np.pi / 2 - 1e-6  # rad
 
 
-def mean(quaternions: Any, *, weights: Any = None) -> Float64Array:
+def mean(quaternions: ArrayLike, *, weights: ArrayLike | None = None) -> Float64Array:
     """The rotation with the least weighted sum of squared distances (Karcher mean).
 
-    quaternions: (k, 4), the result is (4,), or (k, n, 4), n means of k rotations each, (n, 4).
-    weights: (k,) >= 0, not all 0; left out, all are equal. The sign of the result is that of the
-    nearer of the first rotation's two quaternions.
-    Raises InvalidInput, also where rotations of weight > 0 lie a quarter turn or more from their
-    unweighted middle, which leaves more than one mean possible.
+    Args:
+        quaternions: unit quaternions (k, 4), or (k, n, 4) for n means of k rotations each.
+        weights: one for each of the k rotations, >= 0, not all 0; equal by default.
+
+    Returns:
+        A quaternion (4,), or (n, 4), with the sign of the nearer of the first rotation's two
+        quaternions.
+
+    Raises:
+        InvalidInput: if the arguments are malformed, or rotations of weight > 0 lie a quarter turn
+            or more from their unweighted middle, where more than one mean is possible.
+
     Source: Markley et al. 2007, "Averaging quaternions", for the start; Manton 2004, "A
-    globally convergent numerical algorithm for computing the centre of mass on compact Lie groups".
+        globally convergent numerical algorithm for computing the centre of mass on compact Lie
+        groups".
     """
     single = _is_one_column(quaternions)
     shape = ("k", 4) if single else ("k", "n", 4)
@@ -44,14 +51,14 @@ def mean(quaternions: Any, *, weights: Any = None) -> Float64Array:
     return means[0] if single else means
 
 
-def _is_one_column(quaternions: Any) -> bool:
+def _is_one_column(quaternions: ArrayLike) -> bool:
     try:
         return np.ndim(quaternions) == 2
     except ValueError:  # ragged rows, which the check names
         return False
 
 
-def _weights(weights: Any, count: int) -> Float64Array:
+def _weights(weights: ArrayLike | None, count: int) -> Float64Array:
     if weights is None:
         return np.ones(count)
     factors = check.array(weights, "weights", shape=(count,))

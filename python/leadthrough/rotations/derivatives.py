@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from itertools import combinations
 from math import factorial
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
@@ -17,20 +17,33 @@ from leadthrough.rotations.group import timed
 WHOLE_TURN_MARGIN = 1e-6  # rad
 
 
-def left_jacobian(rotation_vectors: Any) -> Float64Array:
-    """Matrices (n, 3, 3) that make angular velocities of the derivatives of vectors (n, 3), rad.
+def left_jacobian(rotation_vectors: ArrayLike) -> Float64Array:
+    """Matrices (n, 3, 3) that turn derivatives of rotation vectors into angular velocities.
 
     omega = J d(phi)/dt for the rotation exp(phi); singular at 2 pi n, n >= 1.
-    Raises InvalidInput. Source: Sola et al. 2018, eq. 145.
+
+    Args:
+        rotation_vectors: phi, rad, (n, 3).
+
+    Raises:
+        InvalidInput: if they are not finite numbers of that shape.
+
+    Source: Sola et al. 2018, eq. 145.
     """
     vectors = check.array(rotation_vectors, "rotation_vectors", shape=("n", 3))
     return np.asarray(_core.so3_left_jacobian(vectors).reshape(-1, 3, 3))
 
 
-def left_jacobian_inverse(rotation_vectors: Any) -> Float64Array:
+def left_jacobian_inverse(rotation_vectors: ArrayLike) -> Float64Array:
     """Inverses (n, 3, 3) of `left_jacobian`: d(phi)/dt = J^-1 omega.
 
-    Raises InvalidInput, also within 1e-6 rad of 2 pi n, n >= 1, where there is no inverse.
+    Args:
+        rotation_vectors: phi, rad, (n, 3).
+
+    Raises:
+        InvalidInput: if they are not finite numbers of that shape, or one is within 1e-6 rad of
+            2 pi n, n >= 1, where there is no inverse.
+
     Source: Sola et al. 2018, eq. 146.
     """
     vectors = check.array(rotation_vectors, "rotation_vectors", shape=("n", 3))
@@ -45,39 +58,58 @@ def left_jacobian_inverse(rotation_vectors: Any) -> Float64Array:
     return np.asarray(_core.so3_left_jacobian_inverse(vectors).reshape(-1, 3, 3))
 
 
-def angular_velocity(times: Any, quaternions: Any) -> Float64Array:
-    """Angular velocities (n, 3) of the rotations (n, 4) at times (n,) s, rad/s, base frame.
+def angular_velocity(times: ArrayLike, quaternions: ArrayLike) -> Float64Array:
+    """Angular velocities (n, 3), rad/s, base frame, of rotations at given times.
 
-    Second order in the steps, which may be uneven, and at the ends too. Any three neighbours must
-    turn less than half a turn; n >= 2.
-    Raises InvalidInput.
+    Second order in the steps, which may be uneven, and at the ends too.
+
+    Args:
+        times: s, (n,), n >= 2.
+        quaternions: unit quaternions (n, 4); any three neighbours turn less than half a turn.
+
+    Raises:
+        InvalidInput: if the arguments are malformed, neighbours turn too far, or steps are too
+            short for finite derivatives.
     """
     return _derivative(*timed(times, quaternions, at_least=2), order=1)
 
 
-def angular_acceleration(times: Any, quaternions: Any) -> Float64Array:
-    """Angular accelerations (n, 3) of the rotations (n, 4) at times (n,) s, rad/s^2, base frame.
+def angular_acceleration(times: ArrayLike, quaternions: ArrayLike) -> Float64Array:
+    """Angular accelerations (n, 3), rad/s^2, base frame, of rotations at given times.
 
-    Second order in the steps, which may be uneven, and at the ends too. Any four neighbours must
-    turn less than half a turn; n >= 3.
-    Raises InvalidInput.
+    Second order in the steps, which may be uneven, and at the ends too.
+
+    Args:
+        times: s, (n,), n >= 3.
+        quaternions: unit quaternions (n, 4); any four neighbours turn less than half a turn.
+
+    Raises:
+        InvalidInput: if the arguments are malformed, neighbours turn too far, or steps are too
+            short for finite derivatives.
     """
     return _derivative(*timed(times, quaternions, at_least=3), order=2)
 
 
-def integrate(times: Any, angular_velocities: Any, start: Any) -> Float64Array:
-    """Rotations (n, 4) at times (n,) s that turn from `start` (4,) by velocities (n, 3), rad/s.
+def integrate(times: ArrayLike, angular_velocities: ArrayLike, start: ArrayLike) -> Float64Array:
+    """Rotations (n, 4) that turn from a start with given angular velocities.
 
-    Base frame: q_(k+1) = exp(omega dt) q_k with omega the mean of the velocities at both ends of
-    the step; second order.
-    Raises InvalidInput.
+    q_(k+1) = exp(omega dt) q_k with omega the mean of the velocities at both ends of the step;
+    second order.
+
+    Args:
+        times: s, (n,).
+        angular_velocities: rad/s in the base frame, (n, 3).
+        start: unit quaternion (4,) at the first time.
+
+    Raises:
+        InvalidInput: if the arguments are malformed, or a turn is not of finite size.
     """
     t = check.times(times, "times")
     velocities = check.array(angular_velocities, "angular_velocities", shape=(len(t), 3))
     first = check.quaternions(start, "start", shape=(4,))
     result = _core.so3_integrate(t, velocities, first)
     if not np.isfinite(result).all():
-        raise InvalidInput("angular_velocities: expected turns of finite size, got infinite ones")
+        raise InvalidInput("angular_velocities: expected finite turns, got infinite ones")
     return result
 
 
@@ -98,13 +130,13 @@ def _derivative(times: Float64Array, quaternions: Float64Array, *, order: int) -
         weights = _weights_at_zero(times[rows] - times[:, None], order)
         result = np.einsum("nw,nwi->ni", weights, vectors.reshape(count, width, 3))
     if not np.isfinite(result).all():
-        raise InvalidInput("times: expected steps that give finite derivatives, got shorter ones")
+        raise InvalidInput("times: expected longer steps; the derivatives are not finite")
     return np.asarray(result)
 
 
-def _check_turns(quaternions: Float64Array, first: Any, width: int) -> None:
+def _check_turns(quaternions: Float64Array, first: NDArray[np.intp], width: int) -> None:
     steps = _core.so3_distance(quaternions[:-1], quaternions[1:])
-    turns = sum(steps[first + i] for i in range(width - 1))
+    turns = np.sum([steps[first + i] for i in range(width - 1)], axis=0)
     if (turns >= np.pi).any():
         i = int(np.argmax(turns >= np.pi))
         raise InvalidInput(

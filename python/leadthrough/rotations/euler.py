@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from scipy.spatial.transform import Rotation
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
@@ -14,13 +12,19 @@ _INTRINSIC = tuple(a + b + c for a in "XYZ" for b in "XYZ" for c in "XYZ" if b n
 CONVENTIONS = (*_INTRINSIC, *(convention.lower() for convention in _INTRINSIC))
 
 
-def from_euler(angles: Any, *, convention: str) -> Float64Array:
-    """Unit quaternions (n, 4) of Euler angles (n, 3), rad.
+def from_euler(angles: ArrayLike, *, convention: str) -> Float64Array:
+    """Unit quaternions (n, 4) of Euler angles.
 
-    convention: three axes in the order of the angles; capital letters ("ZYZ") turn about the moving
-    axes, small ones ("xyz") about the fixed ones.
-    Raises InvalidInput.
+    Args:
+        angles: rad, (n, 3).
+        convention: three axes in the order of the angles; capital letters ("ZYZ") turn about the
+            moving axes, small ones ("xyz") about the fixed ones.
+
+    Raises:
+        InvalidInput: if the angles are not finite numbers of that shape, or the convention is none.
     """
+    from scipy.spatial.transform import Rotation
+
     checked = check.array(angles, "angles", shape=("n", 3))
     axes = check.choice(convention, "convention", CONVENTIONS)
     if len(checked) == 0:
@@ -28,15 +32,26 @@ def from_euler(angles: Any, *, convention: str) -> Float64Array:
     return np.ascontiguousarray(Rotation.from_euler(axes, checked).as_quat()[:, [3, 0, 1, 2]])
 
 
-def to_euler(quaternions: Any, *, convention: str) -> Float64Array:
-    """Euler angles (n, 3), rad, of unit quaternions (n, 4); `convention` as in `from_euler`.
+def to_euler(quaternions: ArrayLike, *, convention: str) -> Float64Array:
+    """Euler angles (n, 3), rad, of rotations.
 
-    The first and third angle lie from -pi to pi; the second from 0 to pi where the first and third
-    axis are the same, else from -pi/2 to pi/2. At the ends of the second angle's range (gimbal
-    lock) only the sum or difference of the others is defined: SciPy then warns (UserWarning) and
-    the third is 0. Angles jump where they wrap and next to gimbal lock.
-    Raises InvalidInput.
+    At the ends of the second angle's range (gimbal lock) only the sum or difference of the others
+    is defined: SciPy then warns (UserWarning) and the third is 0. Angles jump where they wrap and
+    next to gimbal lock.
+
+    Args:
+        quaternions: unit quaternions (n, 4).
+        convention: as in `from_euler`.
+
+    Returns:
+        The first and third angle from -pi to pi; the second from 0 to pi where the first and third
+        axis are the same, else from -pi/2 to pi/2.
+
+    Raises:
+        InvalidInput: if they are not unit quaternions of that shape, or the convention is none.
     """
+    from scipy.spatial.transform import Rotation
+
     q = check.quaternions(quaternions, "quaternions", shape=("n", 4))
     axes = check.choice(convention, "convention", CONVENTIONS)
     if len(q) == 0:

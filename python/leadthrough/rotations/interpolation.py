@@ -1,11 +1,9 @@
-"""Between rotations: slerp, piecewise slerp and squad."""
+"""Interpolation between rotations: slerp, piecewise slerp and squad."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
@@ -14,12 +12,22 @@ from leadthrough.rotations.derivatives import angular_velocity
 from leadthrough.rotations.group import align_signs, pair, timed
 
 
-def slerp(a: Any, b: Any, fractions: Any) -> Float64Array:
-    """Rotations (n, 4) on the shortest turns from a (n, 4) to b (n, 4), at even speed.
+def slerp(a: ArrayLike, b: ArrayLike, fractions: ArrayLike) -> Float64Array:
+    """Rotations (n, 4) on the shortest turns from a to b, at constant speed.
 
-    fractions: (n,), from 0 at a to 1 at b. The result is continuous from a, so at 1 it may be -b.
-    Of the two ways of exactly half a turn, it takes the one to b with the sign as given.
-    Raises InvalidInput. Source: Shoemake 1985, "Animating rotation with quaternion curves".
+    Args:
+        a: unit quaternions (n, 4).
+        b: unit quaternions (n, 4). Of the two ways of exactly half a turn, the result takes the
+            one to b with the sign as given.
+        fractions: how far to turn, (n,), from 0 at a to 1 at b.
+
+    Returns:
+        Quaternions that are continuous from a, so that at 1 they may be -b.
+
+    Raises:
+        InvalidInput: if the arguments are malformed or a fraction lies outside [0, 1].
+
+    Source: Shoemake 1985, "Animating rotation with quaternion curves".
     """
     first, second = pair(a, b)
     parts = check.array(fractions, "fractions", shape=(len(first),))
@@ -30,11 +38,18 @@ def slerp(a: Any, b: Any, fractions: Any) -> Float64Array:
     return _core.so3_slerp(first, second, parts)
 
 
-def interpolate(times: Any, quaternions: Any, at: Any) -> Float64Array:
-    """Rotations (m, 4) at times `at` (m,) s on the shortest turns between samples (n, 4).
+def interpolate(times: ArrayLike, quaternions: ArrayLike, at: ArrayLike) -> Float64Array:
+    """Rotations (m, 4) on the shortest turns between samples.
 
-    times: (n,) s, n >= 2; `at` must lie inside them. Continuous, signs too, with a jump of the
-    angular velocity at every sample. Raises InvalidInput.
+    They are continuous, signs too, with a jump of the angular velocity at every sample.
+
+    Args:
+        times: of the samples, s, (n,), n >= 2.
+        quaternions: the samples, unit quaternions (n, 4).
+        at: times of the result, s, (m,), not before the first sample or after the last.
+
+    Raises:
+        InvalidInput: if the arguments are malformed or a time lies outside the samples'.
     """
     t, samples = timed(times, quaternions, at_least=2)
     q = align_signs(samples)
@@ -42,14 +57,24 @@ def interpolate(times: Any, quaternions: Any, at: Any) -> Float64Array:
     return _core.so3_slerp(q[i], q[i + 1], fractions)
 
 
-def squad(times: Any, quaternions: Any, at: Any) -> Float64Array:
-    """Rotations (m, 4) at times `at` (m,) s on a curve through samples (n, 4), smooth at them.
+def squad(times: ArrayLike, quaternions: ArrayLike, at: ArrayLike) -> Float64Array:
+    """Rotations (m, 4) on a curve through samples with a continuous angular velocity.
 
-    times: (n,) s, n >= 2, uneven or not; `at` must lie inside them. The angular velocity is
-    continuous: at the samples it is `angular_velocity`, so any three neighbours must turn less than
-    half a turn. On even times it is Shoemake's curve. A long step after a short and fast one takes
-    its velocity over and swings far out: there `interpolate` is the safer one.
-    Raises InvalidInput. Source: Shoemake 1987, "Quaternion calculus and fast animation".
+    At the samples the velocity is that of `angular_velocity`. At evenly spaced times it is
+    Shoemake's curve. A long step after a short and fast one starts with the velocity of the short
+    one and swings far out: `interpolate` is safer there.
+
+    Args:
+        times: of the samples, s, (n,), n >= 2, evenly spaced or not.
+        quaternions: the samples, unit quaternions (n, 4); any three neighbours turn less than half
+            a turn.
+        at: times of the result, s, (m,), not before the first sample or after the last.
+
+    Raises:
+        InvalidInput: if the arguments are malformed, a time lies outside the samples', or steps are
+            too uneven.
+
+    Source: Shoemake 1987, "Quaternion calculus and fast animation".
     """
     t, samples = timed(times, quaternions, at_least=2)
     q = align_signs(samples)
@@ -65,7 +90,16 @@ def squad_controls(times: Float64Array, q: Float64Array) -> tuple[Float64Array, 
 
     With d the turn of the chord and h omega that of the velocity, both in the base frame, squad
     leaves a sample with d + 2 log(leaving q^-1) and arrives with d - 2 log(arriving q^-1).
-    Raises InvalidInput.
+
+    Args:
+        times: s, (n,).
+        q: unit quaternions (n, 4), continuous in sign.
+
+    Returns:
+        The rotation beside the start and the one beside the end of every step, (n - 1, 4) each.
+
+    Raises:
+        InvalidInput: if neighbours turn too far or steps are too uneven.
     """
     velocities = angular_velocity(times, q)
     turns = _core.so3_log(_core.so3_compose(q[1:], q[:-1] * [1.0, -1.0, -1.0, -1.0]))
@@ -74,11 +108,11 @@ def squad_controls(times: Float64Array, q: Float64Array) -> tuple[Float64Array, 
         outwards = _core.so3_exp(0.5 * (steps * velocities[:-1] - turns))
         inwards = _core.so3_exp(0.5 * (turns - steps * velocities[1:]))
     if not (np.isfinite(outwards).all() and np.isfinite(inwards).all()):
-        raise InvalidInput("times: expected steps of similar length, got some far too uneven")
+        raise InvalidInput("times: expected steps of similar length, got steps that are too uneven")
     return _core.so3_compose(outwards, q[:-1]), _core.so3_compose(inwards, q[1:])
 
 
-def _places(times: Float64Array, at: Any) -> tuple[NDArray[np.intp], Float64Array]:
+def _places(times: Float64Array, at: ArrayLike) -> tuple[NDArray[np.intp], Float64Array]:
     """The interval that each time lies in, and the fraction of it that has passed."""
     asked = check.array(at, "at", shape=("m",))
     outside = (asked < times[0]) | (asked > times[-1])

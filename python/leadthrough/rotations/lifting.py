@@ -2,29 +2,37 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import NoContinuousLogarithm
 
 
-def lift(quaternions: Any, *, anchor: Literal["start", "goal"] = "start") -> Float64Array:
-    """Rotation vectors (n, 3) of a motion (n, 4), rad, continuous and of any length.
+def lift(quaternions: ArrayLike, *, anchor: Literal["start", "goal"] = "start") -> Float64Array:
+    """Rotation vectors (n, 3) of a motion, rad, continuous and of any length.
 
-    The vector at the anchor, the first row or the last, is at most pi long; every other one
-    continues its neighbour, along the shortest turn between the two rows. Neighbours must lie less
-    than half a turn apart.
-    On the spheres of whole turns, ||phi|| = 2 pi n with n >= 1, all vectors are the identity: a
-    motion about a fixed axis passes them, and so does one whose axis turns only as the vector's
-    does. Any other one, noise among them, comes past beside them, where the vector swings about
-    while the tool hardly turns. There no continuous logarithm exists that says anything about the
-    motion: a step of more than ten times the angle turned raises NoContinuousLogarithm, with the
-    row as `index`.
-    Raises InvalidInput, NoContinuousLogarithm. Source: Lauretti et al. 2023, eq. 9, with
-    v_k = v_(k-1) (1 - 2 k pi / ||v_(k-1) phi||) and v_0 = 1.
+    On the spheres of whole turns, ||phi|| = 2 pi n with n >= 1, every vector is the identity: a
+    motion about a fixed axis passes through them, and so does one whose axis turns only as the
+    vector's does. Any other motion, a noisy one included, passes beside them, where the vector
+    swings about while the tool hardly turns. No continuous logarithm that tells anything about the
+    motion exists there.
+
+    Args:
+        quaternions: unit quaternions (n, 4), neighbours less than half a turn apart.
+        anchor: the row, first or last, whose vector is at most pi long; every other vector
+            continues its neighbour's along the shortest turn between the two rows.
+
+    Raises:
+        InvalidInput: if they are not unit quaternions of that shape.
+        NoContinuousLogarithm: if neighbours are half a turn apart, or the vector steps by more than
+            ten times the angle turned; with the row as `index`.
+
+    Source: Lauretti et al. 2023, eq. 9, with v_k = v_(k-1) (1 - 2 k pi / ||v_(k-1) phi||) and
+        v_0 = 1.
     """
     q = check.quaternions(quaternions, "quaternions", shape=("n", 4))
     backward = check.choice(anchor, "anchor", ("start", "goal")) == "goal"

@@ -2,32 +2,44 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
-# As far as a recording's rounding takes a matrix; more than this is not a rotation.
+# A recording's rounding takes a matrix this far off; beyond, it is not a rotation.
 ROTATION_TOLERANCE = 1e-2
 
 # Newton's iteration squares the error: 1e-2, 1e-4, 1e-8, below rounding.
 NEWTON_STEPS = 3
 
 
-def to_matrix(quaternions: Any) -> Float64Array:
-    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4). Raises InvalidInput."""
+def to_matrix(quaternions: ArrayLike) -> Float64Array:
+    """Rotation matrices (n, 3, 3).
+
+    Args:
+        quaternions: unit quaternions (n, 4).
+
+    Raises:
+        InvalidInput: if they are not unit quaternions of that shape.
+    """
     q = check.quaternions(quaternions, "quaternions", shape=("n", 4))
     return np.asarray(_core.so3_to_matrix(q).reshape(-1, 3, 3))
 
 
-def from_matrix(matrices: Any) -> Float64Array:
-    """Unit quaternions (n, 4), w >= 0, of the rotations nearest to matrices (n, 3, 3).
+def from_matrix(matrices: ArrayLike) -> Float64Array:
+    """Unit quaternions (n, 4), w >= 0, of the rotations nearest to matrices.
 
-    Raises InvalidInput where M^T M is off the identity by more than 0.01, or the determinant is
-    negative (a reflection). Source: Higham 1986, "Computing the polar decomposition" (Newton).
+    Args:
+        matrices: (n, 3, 3).
+
+    Raises:
+        InvalidInput: if M^T M is off the identity by more than 0.01, or the determinant is
+            negative (a reflection).
+
+    Source: Higham 1986, "Computing the polar decomposition" (Newton).
     """
     m = check.array(matrices, "matrices", shape=("n", 3, 3))
     _check_rotations(m)
