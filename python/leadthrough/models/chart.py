@@ -32,8 +32,6 @@ from leadthrough.motion import (
 
 # Phases of the reference orientation.
 NODES = np.linspace(0.0, 1.0, 201)
-# Of each motion that a mixture is fitted to, so that all count the same and the work is bounded.
-SAMPLES = 200
 # Columns that vary less than this share of the widest are as good as constant.
 _LEAST_SHARE = 1e-3
 # Where all positions, or all orientations, stay: a millimetre, a milliradian.
@@ -184,22 +182,6 @@ def scales(columns: Sequence[Float64Array], chart: Chart) -> Float64Array:
     return np.asarray(np.maximum(reach, _LEAST_SHARE * wide))
 
 
-def timed_columns(
-    motions: Sequence[Motion],
-    phases: Sequence[Float64Array],
-    chart: Chart,
-    duration: float,
-) -> list[Float64Array]:
-    """Of every motion (200, 1 + d): the time, s, stretched to a duration, and the columns."""
-    even = np.linspace(0.0, 1.0, SAMPLES)
-    result = []
-    for i, (motion, at) in enumerate(zip(motions, phases, strict=True)):
-        columns = chart.columns(motion, at, f"demonstrations[{i}]")
-        values = [np.interp(even, at, column) for column in columns.T]
-        result.append(np.column_stack([even * duration, *values]))
-    return result
-
-
 def _reference(motions: Sequence[PoseTrajectory], phases: Sequence[Float64Array]) -> Float64Array:
     """The mean orientations of motions whose samples stand at phases, at the nodes (201, 4)."""
     return mean_orientations(
@@ -216,6 +198,17 @@ def mean_orientations(layers: Sequence[Float64Array]) -> Float64Array:
         return rotations.align_signs(rotations.mean(np.stack(layers)))
     except InvalidInput:  # of which the mean is not unique
         return rotations.align_signs(layers[0])
+
+
+def carried(before: Float64Array, after: Float64Array) -> Float64Array:
+    """Matrices (n, 3, 3) that carry small deviations from one tangent space to another.
+
+    Args:
+        before: rotation vectors (n, 3) of orientations from one reference.
+        after: rotation vectors (n, 3) of the same orientations from another reference.
+    """
+    # log(exp(d) exp(v)) = d + J_r(d)^-1 v + ..., with J_r(d) = J_l(-d); Sola et al. 2018, eq. 151.
+    return np.asarray(rotations.left_jacobian_inverse(-after) @ rotations.left_jacobian(-before))
 
 
 def _described(motion: Motion) -> str:

@@ -9,17 +9,16 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
 from leadthrough import check
 from leadthrough.errors import InvalidInput
 from leadthrough.models import archive
-from leadthrough.models.chart import SAMPLES, Chart, chart_of, timed_columns
-from leadthrough.models.demonstrated import Demonstrations, motions_of
+from leadthrough.models.chart import Chart
+from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.mixtures.fitting import choose_components, fit_mixture
 from leadthrough.models.mixtures.gmr_skill import GMRSkill
 from leadthrough.models.mixtures.mixture import Mixture
-from leadthrough.motion import MotionT, normalised_times
+from leadthrough.models.mixtures.samples import SAMPLES, sampled
+from leadthrough.motion import MotionT
 
 
 @dataclass(frozen=True)
@@ -44,19 +43,15 @@ class GMR:
         Each is taken at 200 even shares of its time. Raises InvalidInput; FitError for one that
         does not move.
         """
-        motions = motions_of(demonstrations)
-        phases = [normalised_times(motion.times) for motion in motions]
-        chart = chart_of(motions, phases)
-        duration = float(np.median([motion.duration for motion in motions]))
-        samples = timed_columns(motions, phases, chart, duration)
-        points = np.concatenate(samples)
+        shown = sampled(demonstrations)
         if self.components is None:
-            fit = choose_components(points, seed=self.seed)
+            fit = choose_components(shown.points, seed=self.seed)
         else:
-            fit = fit_mixture(points, self.components, seed=self.seed)
-        ends = np.mean([each[[0, -1], 1:] for each in samples], axis=0)
+            fit = fit_mixture(shown.points, self.components, seed=self.seed)
         model = replace(self, components=len(fit.mixture.weights))
-        return GMRSkill(model, chart, fit.mixture, duration, ends, len(motions))
+        return GMRSkill(
+            model, shown.chart, fit.mixture, shown.duration, shown.ends, len(shown.motions)
+        )
 
 
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> GMRSkill:

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.models.chart import NODES, Chart, mean_orientations
+from leadthrough.models.chart import NODES, Chart, carried, mean_orientations
 from leadthrough.motion import Motion, MotionT, PoseTrajectory
 
 # Largest entry of axes.T @ axes - identity that passes for rounding.
@@ -143,10 +143,7 @@ def placed(frame: Frame, own: Chart, common: Chart, means: Float64Array, duratio
     drift = (tangent(after) - tangent(before)) / (duration * (after - before))[:, None]
     maps = np.zeros((count, 6, 6))
     maps[:, :3, :3] = frame.axes
-    # log(exp(d) exp(v)) = d + J_r(d)^-1 v + ..., with J_r(d) = J_l(-d); Sola et al. 2018, eq. 151.
-    maps[:, 3:, 3:] = rotations.left_jacobian_inverse(-here) @ rotations.left_jacobian(
-        -means[:, 3:]
-    )
+    maps[:, 3:, 3:] = carried(means[:, 3:], here)
     return Placed(np.hstack([moved, here]), maps, np.hstack([np.zeros((count, 3)), drift]))
 
 

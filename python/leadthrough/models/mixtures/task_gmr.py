@@ -18,17 +18,18 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
-from leadthrough.models.chart import SAMPLES, Chart, chart_of, timed_columns
-from leadthrough.models.demonstrated import Demonstrations, motions_of
+from leadthrough.models.chart import Chart, chart_of
+from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.mixtures.em import Blocks, fit_blocks
 from leadthrough.models.mixtures.fitting import standard
 from leadthrough.models.mixtures.gmr import GMR
 from leadthrough.models.mixtures.gmr_skill import MOST_COMPONENTS, GMRSkill
 from leadthrough.models.mixtures.mixture import Mixture
+from leadthrough.models.mixtures.samples import SAMPLES, sampled, timed_columns
 from leadthrough.models.mixtures.task_frames import Frame, Placed, checked, common_chart, placed
 from leadthrough.models.parameters import Parameter, whole_number
 from leadthrough.models.place import Place
-from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, normalised_times
+from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory
 from leadthrough.shapes import Shape
 
 
@@ -58,25 +59,23 @@ class TaskGMR:
         and at its goal, for poses with the tool's axes there. Raises InvalidInput; FitError for a
         demonstration that does not move.
         """
-        motions = motions_of(demonstrations)
-        phases = [normalised_times(motion.times) for motion in motions]
-        chart = chart_of(motions, phases)
-        duration = float(np.median([motion.duration for motion in motions]))
-        samples = timed_columns(motions, phases, chart, duration)
+        shown = sampled(demonstrations)
         seen_from = (
-            [(_at(motion, 0), _at(motion, -1)) for motion in motions]
+            [(_at(motion, 0), _at(motion, -1)) for motion in shown.motions]
             if frames is None
-            else checked(frames, len(motions), chart)
+            else checked(frames, len(shown.motions), shown.chart)
         )
         charts, seen = [], []
         for own in zip(*seen_from, strict=True):
-            local = [frame.local(motion) for frame, motion in zip(own, motions, strict=True)]
-            charts.append(chart_of(local, phases))
-            seen.append(np.concatenate(timed_columns(local, phases, charts[-1], duration)))
+            local = [frame.local(motion) for frame, motion in zip(own, shown.motions, strict=True)]
+            charts.append(chart_of(local, shown.phases))
+            rows = timed_columns(local, shown.phases, charts[-1], shown.duration)
+            seen.append(np.concatenate(rows))
         components = _fitted(seen, self.components, self.seed)
-        ends = np.mean([each[[0, -1], 1:] for each in samples], axis=0)
         at_ends = frames is None
-        return TaskGMRSkill(self, chart, tuple(charts), components, duration, ends, at_ends)
+        return TaskGMRSkill(
+            self, shown.chart, tuple(charts), components, shown.duration, shown.ends, at_ends
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from leadthrough.check import Float64Array
-from leadthrough.models.chart import timed_columns
 from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.mixtures.em import Blocks, Steps, sums_of
 from leadthrough.models.mixtures.mixture import Mixture
+from leadthrough.models.mixtures.samples import timed_columns
 from leadthrough.motion import Motion, normalised_times
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.models.chart import NODES, Chart
+from leadthrough.models.chart import NODES, Chart, carried
 from leadthrough.models.promp.alike import check_alike
 from leadthrough.models.promp.gaussian import Gaussian, product
 from leadthrough.models.promp.skill import ProMPSkill
@@ -116,11 +116,9 @@ def _about(skill: ProMPSkill, chart: Chart) -> ProMPSkill:
             "skills: expected orientations near each other, at most a right angle apart, "
             f"got {farthest:.3g} rad"
         )
-    # log(exp(d) exp(v)) = d + J_r(d)^-1 v + ..., with J_r(d) = J_l(-d); Sola et al. 2018, eq. 151.
-    turning = rotations.left_jacobian_inverse(-here) @ rotations.left_jacobian(-own)
     fit = np.linalg.pinv(rows)
     change = np.eye(6 * count)
-    blocks = np.einsum("iu,uab,uj->aibj", fit, turning, rows)
+    blocks = np.einsum("iu,uab,uj->aibj", fit, carried(own, here), rows)
     change[3 * count :, 3 * count :] = blocks.reshape(3 * count, 3 * count)
     mean = skill.weights.mean.copy()
     mean[3 * count :] = (fit @ here).T.ravel()
