@@ -1,4 +1,4 @@
-"""Command line: parse, call, print."""
+"""The command line: each command parses, calls the library and prints."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from leadthrough.cli.view import view
 __all__ = ["app", "main"]
 
 _ENDINGS = (
-    "Exit codes: 0 done; 1 done, and the answer is no (a limit or an obstacle in the way, no path, "
-    "no posture, a study with failures); 2 wrong input or usage."
+    "Exit codes: 0 success; 1 the answer is no (a limit exceeded, a collision, no path, no joint "
+    "positions that reach the goal, a study with failures); 2 wrong input or usage."
 )
 
 app = typer.Typer(
@@ -33,13 +33,11 @@ for command in (demo, info, clean, learn, plan, retime, check, view, experiment)
 
 @app.callback()
 def leadthrough(
-    debug: Annotated[
-        bool, typer.Option("--debug", help="Show the traceback of an error as well.")
-    ] = False,
+    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
 ) -> None:
     """Hand-guided demonstrations in, executable robot-arm motion out."""
 
 
 def main() -> None:
-    """Entry point."""
+    """Runs the command line and exits the process with the command's exit code."""
     app()

@@ -1,4 +1,4 @@
-"""A motion in, a verdict out."""
+"""`leadthrough check`: a motion in, a verdict out."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ def check(
     base: options.BaseLink = None,
     tip: options.TipLink = None,
     obstacle: options.Obstacles = None,
-    margin: Annotated[float, typer.Option(help="m to keep from obstacles.")] = 0.0,
+    margin: Annotated[float, typer.Option(help="Clearance to keep from obstacles, in m.")] = 0.0,
     as_json: options.AsJson = False,
 ) -> None:
-    """Check a motion of joints against the arm's limits, obstacles and the arm itself.
+    """Check a joint motion against the arm's limits and for collisions, also with itself.
 
-    Ends with code 1 where a limit is exceeded or something is hit.
+    Exits with code 1 if a limit is exceeded or there is a collision.
 
     leadthrough check timed.json --robot panda --obstacle box:0.1,0.1,0.4@0.5,0.2,0.2
     """
@@ -53,7 +53,7 @@ def check(
 def _peak(peak: Any, as_json: bool) -> Any:
     if as_json:
         return peak and {"ratio": peak.ratio, "joint": peak.joint, "time": peak.time}
-    return "not checked: the limits are not known" if peak is None else str(peak)
+    return "not checked, the limit is not known" if peak is None else str(peak)
 
 
 def _approach(clearance: Any, as_json: bool) -> Any:
@@ -64,4 +64,4 @@ def _approach(clearance: Any, as_json: bool) -> Any:
             "bodies": nearest.bodies,
             "time": nearest.time,
         }
-    return "nothing to hit" if nearest is None else str(nearest)
+    return "nothing to collide with" if nearest is None else str(nearest)

@@ -1,4 +1,4 @@
-"""Recordings with faults in, motions to learn from out."""
+"""`leadthrough clean`: recordings with faults in, motions to learn from out."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ from leadthrough.cli import options
 
 
 def clean(
-    file: Annotated[Path, typer.Argument(help="Recordings; `leadthrough info` tells them.")],
+    file: Annotated[
+        Path,
+        typer.Argument(help="Recording file, in any format that `leadthrough info` reads."),
+    ],
     out: options.Output,
     column: options.Columns = None,
     rate: options.Rate = None,
@@ -19,28 +22,34 @@ def clean(
     quaternions: options.Quaternions = None,
     topic: options.Topic = None,
     longest_gap: Annotated[
-        float, typer.Option(help="s without a sample that are let pass; more is an error.")
+        float,
+        typer.Option(help="Longest time without samples to accept, in s; more is an error."),
     ] = 0.5,
     longest_pause: Annotated[
-        float | None, typer.Option(help="s that are left of a pause; by default all.")
+        float | None,
+        typer.Option(help="Shorten longer pauses to this, in s; by default pauses are kept."),
     ] = None,
-    new_rate: Annotated[float | None, typer.Option(help="Hz to sample anew at.")] = None,
+    new_rate: Annotated[float | None, typer.Option(help="Resample at this rate, in Hz.")] = None,
     smoothing: Annotated[
-        float | None, typer.Option(help="s, a window; joints get their velocities with it.")
+        float | None,
+        typer.Option(help="Smoothing window, in s; also adds velocities to joint motions."),
     ] = None,
     as_json: options.AsJson = False,
 ) -> None:
-    """Leave out a recording's faults and say what they were.
+    """Remove faulty samples from recordings and report what was removed.
 
-    Of several recordings in a file each goes to a file of its own, with its number.
+    If the file holds several recordings, each is written to its own numbered file.
 
     leadthrough clean day.csv --longest-pause 0.3 --smoothing 0.2 -o clean.csv
     """
     import json
 
-    from leadthrough import io, preprocess
-    from leadthrough.cli import parse
+    from leadthrough import check, io, preprocess
+    from leadthrough.cli import parse, reading
 
+    reading.check_output(out)
+    if new_rate is not None:
+        check.number(new_rate, "--new-rate", above=0.0)
     recordings = io.read_recordings(
         file,
         columns=parse.columns(column or []),

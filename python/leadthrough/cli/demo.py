@@ -1,4 +1,4 @@
-"""The demonstration of the whole way, from handwriting to a robot."""
+"""`leadthrough demo`: the whole pipeline, from handwriting to a robot."""
 
 from __future__ import annotations
 
@@ -14,10 +14,14 @@ from rich.table import Table
 def demo(
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("leadthrough-demo"),
     motion: Annotated[
-        list[str] | None, typer.Option(help="A motion of the LASA set; may be repeated.")
+        list[str] | None,
+        typer.Option(
+            help="Motion of the LASA handwriting set, such as GShape; may be repeated. By default "
+            "eight of them."
+        ),
     ] = None,
 ) -> None:
-    """Learn human handwriting, plan it around a box and write it with a UR3."""
+    """Learn human handwriting, plan it around a box and write it with a UR3 arm."""
     from leadthrough.arm import Arm
     from leadthrough_studies.handwriting import report
     from leadthrough_studies.handwriting.demo import MOTIONS, HandwritingConfig, run
@@ -44,6 +48,6 @@ def demo(
     console = Console()
     console.print(table)
     console.print(f"Figures, errors.csv and the joint trajectories: {out}/")
-    console.print(f"All of it to look at, in a browser: {out / 'report.html'}")
+    console.print(f"Report to open in a browser: {out / 'report.html'}")
     if not all(result.limits.ok and result.clearance.ok for result in results):
         raise typer.Exit(1)

@@ -1,8 +1,10 @@
-"""Errors as a command line tells them: one line, and a code that scripts can ask for."""
+"""Errors on the command line: one line in the words of the command line, and an exit code."""
 
 from __future__ import annotations
 
+import re
 import sys
+from collections.abc import Iterable
 from typing import Any
 
 import typer
@@ -17,12 +19,12 @@ from leadthrough.errors import (
     NoPath,
 )
 
-# The question was understood, and there is no such motion.
+# The input was right, and there is no such motion.
 _NO = (FitError, IkFailure, LimitsInfeasible, NoContinuousLogarithm, NoPath)
 
 
 class Commands(TyperGroup):
-    """Commands whose expected errors are one line on stderr, and a traceback only with --debug."""
+    """Commands whose expected errors are one line on stderr, with a traceback only for --debug."""
 
     def invoke(self, ctx: typer.Context) -> Any:  # type: ignore[override]
         try:
@@ -32,5 +34,29 @@ class Commands(TyperGroup):
         except (LeadthroughError, OSError) as error:
             if ctx.params.get("debug"):
                 raise
-            print(f"leadthrough: {error}", file=sys.stderr)
+            command = self.get_command(ctx, ctx.invoked_subcommand or "")
+            text = _in_options(str(error), command.params if command else ())
+            print(f"leadthrough: {text}", file=sys.stderr)
             raise typer.Exit(1 if isinstance(error, _NO) else 2) from None
+
+
+def _in_options(message: str, parameters: Iterable[Any]) -> str:
+    """The message with the command's options where the library names its arguments.
+
+    "rate: needed" becomes "--rate: needed", angles='degrees' becomes --angles degrees, and
+    columns['joints'] becomes --column joints.
+    """
+    options: dict[str, str] = {
+        name: parameter.opts[0]
+        for parameter in parameters
+        if parameter.param_type_name == "option"
+        for name in (parameter.name, f"{parameter.name}s")
+    }
+    argument = rf"\b(?P<name>{'|'.join(options) or '(?!)'})"
+
+    def option(found: re.Match[str]) -> str:
+        value = f" {found['value']}" if found["value"] else ""
+        return options[found["name"]] + value
+
+    message = re.sub(rf"(?:^|(?<=: )){argument}(?P<value>)(?=: |\[\d+\]: )", option, message)
+    return re.sub(rf"{argument}(?:\['|=')(?P<value>\w+)'\]?", option, message)

@@ -1,4 +1,4 @@
-"""Studies from the command line."""
+"""`leadthrough experiment`: studies from the command line."""
 
 from __future__ import annotations
 
@@ -12,13 +12,17 @@ from leadthrough.cli.tables import table
 
 
 def experiment(
-    name: Annotated[str | None, typer.Argument(help="A study; left out, lists them.")] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="A small part of the study.")] = False,
-    out: Annotated[Path | None, typer.Option(help="Folder for the results.")] = None,
-    seed: Annotated[int, typer.Option(help="Of whatever is drawn at random.")] = 0,
-    jobs: Annotated[int, typer.Option(help="Processes.")] = 1,
+    name: Annotated[
+        str | None, typer.Argument(help="Name of the study; leave it out to list all studies.")
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Run a small part of the study.")] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the results; by default leadthrough-NAME.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Seed of the random number generator.")] = 0,
+    jobs: Annotated[int, typer.Option(help="Number of parallel processes.")] = 1,
 ) -> None:
-    """Run a study; what its folder already holds is not computed again."""
+    """Run a study; results that are already in its folder are not computed again."""
     from leadthrough import check
     from leadthrough_studies import study
     from leadthrough_studies.catalogue import STUDIES

@@ -1,4 +1,4 @@
-"""What files hold."""
+"""`leadthrough info`: what files contain."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from leadthrough.cli import options
 
 def info(
     files: Annotated[
-        list[Path], typer.Argument(help="Recordings, motions, skills, bags, data sets, URDFs.")
+        list[Path],
+        typer.Argument(help="Recordings, motions, skills, ROS bags, data sets or URDFs."),
     ],
     column: options.Columns = None,
     rate: options.Rate = None,
@@ -24,7 +25,7 @@ def info(
     tip: options.TipLink = None,
     as_json: options.AsJson = False,
 ) -> None:
-    """Tell what files hold, and what is wrong with it.
+    """Show what files contain, and report faults in recordings.
 
     leadthrough info day.csv --rate 50
 

@@ -1,4 +1,4 @@
-"""Recordings in, a skill out."""
+"""`leadthrough learn`: recordings in, a skill out."""
 
 from __future__ import annotations
 
@@ -16,18 +16,21 @@ _USUAL = {"PoseTrajectory": "pose-dmp", "Trajectory": "dmp", "JointTrajectory": 
 
 
 def learn(
-    files: Annotated[list[Path], typer.Argument(help="Recordings; `leadthrough info` tells them.")],
-    out: Annotated[Path, typer.Option("--out", "-o", help="The skill, an .npz.")],
+    files: Annotated[
+        list[Path],
+        typer.Argument(help="Recording files, in any format that `leadthrough info` reads."),
+    ],
+    out: Annotated[Path, typer.Option("--out", "-o", help="Skill file to write, an .npz.")],
     model: Annotated[
         str | None,
         typer.Option(
-            help="dmp, pose-dmp, promp, gmr, fast-marching, rhythmic-dmp or rhythmic-pose-dmp; by "
-            "default pose-dmp for poses, else dmp."
+            help="Model to fit: dmp, pose-dmp, promp, gmr, fast-marching, rhythmic-dmp or "
+            "rhythmic-pose-dmp; by default pose-dmp for poses, otherwise dmp."
         ),
     ] = None,
     parameter: Annotated[
         list[str] | None,
-        typer.Option("--set", help="A parameter of the model, such as weights=80."),
+        typer.Option("--set", help="Parameter of the model, such as weights=80; may be repeated."),
     ] = None,
     robot: options.MaybeRobotName = None,
     limits: options.LimitsFile = None,
@@ -35,14 +38,17 @@ def learn(
     tip: options.TipLink = None,
     clean: Annotated[
         bool,
-        typer.Option("--clean", help="Leave faulty samples out, and say on stderr what was done."),
+        typer.Option("--clean", help="Remove faulty samples first; stderr tells which."),
     ] = False,
     cut: Annotated[
-        bool, typer.Option("--cut", help="Cut recordings into motions at their pauses.")
+        bool, typer.Option("--cut", help="Split recordings into motions at pauses.")
     ] = False,
-    motion: Annotated[
+    number: Annotated[
         list[int] | None,
-        typer.Option(help="Which motion of all to learn, from 1 on; may be repeated."),
+        typer.Option(
+            "--motion",
+            help="Number of the motion to learn, counted from 1; may be repeated. By default all.",
+        ),
     ] = None,
     column: options.Columns = None,
     rate: options.Rate = None,
@@ -51,7 +57,7 @@ def learn(
     topic: options.Topic = None,
     as_json: options.AsJson = False,
 ) -> None:
-    """Learn a skill from recordings; with --robot, joints are learned as poses of its tip.
+    """Learn a skill from recordings; with --robot, joints are learned as poses of the tip.
 
     leadthrough learn shown/*.csv --robot panda -o pour.npz
 
@@ -72,7 +78,7 @@ def learn(
     )
     if cut:
         demonstrations = reading.cut(demonstrations)
-    demonstrations = _chosen(demonstrations, motion)
+    demonstrations = _chosen(demonstrations, number)
     robots.refuse_without(robot, limits=limits, base=base, tip=tip)
     if robot is not None:
         demonstrations = _as_poses(demonstrations, robot, limits, base, tip)
@@ -100,14 +106,17 @@ def _model(name: str, parameters: dict[str, Any]) -> Any:
     kind: Any = known[check.choice(name, "--model", known)]
     for key in parameters:
         check.choice(key, "--set", kind.__dataclass_fields__)
-    return kind(**parameters)
+    try:
+        return kind(**parameters)
+    except InvalidInput as error:
+        raise InvalidInput(f"--set {error}") from None
 
 
 def _chosen(demonstrations: list[Any], numbers: list[int] | None) -> list[Any]:
     count = len(demonstrations)
     for number in numbers or ():
         if not 1 <= number <= count:
-            raise InvalidInput(f"--motion: expected 1 to {count}, got {number}")
+            raise InvalidInput(f"--motion: expected a number from 1 to {count}, got {number}")
     return [demonstrations[number - 1] for number in numbers or range(1, count + 1)]
 
 

@@ -1,4 +1,7 @@
-"""Options that several commands share."""
+"""Options that several commands share.
+
+A parameter is named as the library names the argument, so that errors can name the option.
+"""
 
 from __future__ import annotations
 
@@ -7,41 +10,72 @@ from typing import Annotated
 
 import typer
 
-MotionFile = Annotated[Path, typer.Argument(help="A motion, in any format that can be read.")]
-RobotName = Annotated[str, typer.Option(help="panda, tiago, ur3, or the path of a URDF.")]
-MaybeRobotName = Annotated[
-    str | None, typer.Option("--robot", help="panda, tiago, ur3, or the path of a URDF.")
+_ROBOT = "Robot: panda, tiago, ur3, or the path of a URDF."
+MotionFile = Annotated[
+    Path, typer.Argument(help="Motion file, in any format that `leadthrough info` reads.")
 ]
+RobotName = Annotated[str, typer.Option("--robot", help=_ROBOT)]
+MaybeRobotName = Annotated[str | None, typer.Option("--robot", help=_ROBOT)]
 LimitsFile = Annotated[
-    Path | None, typer.Option(help="TOML with what the URDF lacks: acceleration and jerk limits.")
+    Path | None,
+    typer.Option(help="TOML file with the limits that a URDF cannot hold: acceleration and jerk."),
 ]
-BaseLink = Annotated[str | None, typer.Option(help="The arm's first link; by default the root.")]
-TipLink = Annotated[str | None, typer.Option(help="The arm's last link; by default the only end.")]
+BaseLink = Annotated[
+    str | None, typer.Option(help="First link of the arm; by default the root link of the URDF.")
+]
+TipLink = Annotated[
+    str | None, typer.Option(help="Last link of the arm; needed if the URDF has several end links.")
+]
 Obstacles = Annotated[
     list[str] | None,
     typer.Option(
         "--obstacle",
-        help="box:SX,SY,SZ@X,Y,Z, sphere:R@X,Y,Z or capsule:R,L@X,Y,Z, in m in the arm's base "
-        "frame; /W,X,Y,Z behind turns it. May be repeated.",
+        help="Obstacle in the arm's base frame, in m: box:SX,SY,SZ@X,Y,Z, sphere:R@X,Y,Z or "
+        "capsule:R,L@X,Y,Z; append the quaternion /W,X,Y,Z to turn it. May be repeated.",
     ),
 ]
 Output = Annotated[
-    Path, typer.Option("--out", "-o", help="Where to; the suffix says the format, as in `info`.")
+    Path,
+    typer.Option(
+        "--out",
+        "-o",
+        help="Output file; its suffix sets the format: .csv, .npz, .json, .yaml, .mcap, .db3 or "
+        ".script.",
+    ),
 ]
 FormatName = Annotated[
-    str | None, typer.Option("--format", help="The format, where the suffix does not say it.")
+    str | None,
+    typer.Option(
+        "--format",
+        help="Output format, if not set by the suffix of --out: csv, npz, json, yaml, rosbag, "
+        "urscript or franka.",
+    ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 Columns = Annotated[
     list[str] | None,
     typer.Option(
-        help="Which columns to read: time=t, positions=x,y,z, orientations=qw,qx,qy,qz or "
-        "joints=q1,q2; may be repeated. By default found by their names."
+        help="Columns to read: time=t, positions=x,y,z, orientations=qw,qx,qy,qz or joints=q1,q2; "
+        "may be repeated. By default found by their names."
     ),
 ]
-Rate = Annotated[float | None, typer.Option(help="Hz, for recordings without a time.")]
-Angles = Annotated[str | None, typer.Option(help="Unit of joints: radians or degrees.")]
-Quaternions = Annotated[
-    str | None, typer.Option(help="Order of quaternions that have no names: wxyz or xyzw.")
+Rate = Annotated[
+    float | None,
+    typer.Option(help="Sampling rate of recordings without a time column, in Hz."),
 ]
-Topic = Annotated[str | None, typer.Option(help="Of a ROS bag, where several fit.")]
+Angles = Annotated[
+    str | None,
+    typer.Option(
+        help="Unit of joint angles if the column names do not tell it: radians (the default) or "
+        "degrees."
+    ),
+]
+Quaternions = Annotated[
+    str | None,
+    typer.Option(
+        help="Order of quaternion components if the column names do not tell it: wxyz or xyzw."
+    ),
+]
+Topic = Annotated[
+    str | None, typer.Option(help="Topic of a ROS bag; needed if several hold motions.")
+]

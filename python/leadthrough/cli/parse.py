@@ -1,4 +1,4 @@
-"""Numbers, shapes and poses from the words of a command line."""
+"""Numbers, shapes and poses from the text of command-line options."""
 
 from __future__ import annotations
 
@@ -17,7 +17,11 @@ _SHAPES = {"box": 3, "sphere": 1, "capsule": 2}
 
 
 def numbers(text: str, name: str) -> Float64Array:
-    """Numbers with commas between them. Raises InvalidInput."""
+    """Numbers separated by commas.
+
+    Raises:
+        InvalidInput: if a part is no number; the message begins with `name`.
+    """
     try:
         return np.array([float(part) for part in text.split(",")])
     except ValueError:
@@ -25,38 +29,57 @@ def numbers(text: str, name: str) -> Float64Array:
 
 
 def obstacle(text: str) -> Shape:
-    """A shape such as box:0.1,0.1,0.2@0.4,0,0.1. Raises InvalidInput."""
+    """A shape such as box:0.1,0.1,0.2@0.4,0,0.1.
+
+    Raises:
+        InvalidInput: for another form, or numbers that make no shape.
+    """
+    try:
+        return _shape(text)
+    except InvalidInput as error:
+        raise InvalidInput(f"--obstacle {text}: {error}") from None
+
+
+def _shape(text: str) -> Shape:
     kind, _, rest = text.partition(":")
     size_text, _, place = rest.partition("@")
     if kind not in _SHAPES or not size_text or not place:
-        raise InvalidInput(
-            "--obstacle: expected box:SX,SY,SZ@X,Y,Z, sphere:R@X,Y,Z or capsule:R,L@X,Y,Z, "
-            f"got {text!r}"
-        )
-    size = numbers(size_text, f"--obstacle {text}")
+        raise InvalidInput("expected box:SX,SY,SZ@X,Y,Z, sphere:R@X,Y,Z or capsule:R,L@X,Y,Z")
+    size = numbers(size_text, "size")
     if len(size) != _SHAPES[kind]:
-        raise InvalidInput(f"--obstacle: expected {_SHAPES[kind]} sizes for {kind}, got {text!r}")
-    position, turned = _place(place, f"--obstacle {text}")
+        raise InvalidInput(f"expected {_SHAPES[kind]} sizes for a {kind}, got {len(size)}")
+    position, turned = _place(place, "place")
     turn = () if turned is None else (turned,)
     if kind == "box":
         return Box(size, position, *turn)
     if kind == "capsule":
         return Capsule(float(size[0]), float(size[1]), position, *turn)
     if turned is not None:
-        raise InvalidInput(f"--obstacle: a sphere cannot be turned, got {text!r}")
+        raise InvalidInput("a sphere takes no quaternion")
     return Sphere(size[0], position)
 
 
 def place(text: str, name: str) -> Any:
-    """A point or joints, X,Y,Z, or a pose, X,Y,Z/W,X,Y,Z. Raises InvalidInput."""
+    """A point or joint positions, X,Y,Z, or a pose, X,Y,Z/W,X,Y,Z.
+
+    Raises:
+        InvalidInput: if a part is no number.
+    """
     position, turned = _place(text, name)
     return position if turned is None else (position, turned)
 
 
 def end(text: str, shown: Motion, index: int, name: str) -> Any:
-    """A start or a goal, as by `place`; a pose without an orientation keeps the one shown.
+    """A start or a goal, as by `place`; a pose without an orientation keeps the demonstrated one.
 
-    shown: the skill's own motion, which starts or ends at sample `index`. Raises InvalidInput.
+    Args:
+        text: the option's value.
+        shown: the skill's own motion.
+        index: its first or last sample, 0 or -1.
+        name: the option, for messages.
+
+    Raises:
+        InvalidInput: if a part is no number.
     """
     asked = place(text, name)
     if isinstance(asked, tuple) or not isinstance(shown, PoseTrajectory):
@@ -65,7 +88,11 @@ def end(text: str, shown: Motion, index: int, name: str) -> Any:
 
 
 def moved(text: str, shown: Motion, index: int, name: str) -> Any:
-    """The sample `index` of a motion, moved by an offset. Raises InvalidInput."""
+    """The first or last place of a motion, moved by an offset; arguments as for `end`.
+
+    Raises:
+        InvalidInput: if the offset has another length than the place.
+    """
     offset = numbers(text, name)
     position = shown.positions[index]
     if len(offset) != len(position):
@@ -75,12 +102,20 @@ def moved(text: str, shown: Motion, index: int, name: str) -> Any:
 
 
 def columns(given: Sequence[str]) -> dict[str, list[str]] | None:
-    """What `read_demonstrations` takes, from words such as joints=q1,q2. Raises InvalidInput."""
+    """The `columns` of `read_demonstrations`, from words such as joints=q1,q2.
+
+    Raises:
+        InvalidInput: for another form.
+    """
     return {role: names.split(",") for role, names in _pairs(given, "--column")} or None
 
 
 def parameters(given: Sequence[str]) -> dict[str, Any]:
-    """A model's parameters from words such as weights=80. Raises InvalidInput."""
+    """A model's parameters, from words such as weights=80.
+
+    Raises:
+        InvalidInput: for another form.
+    """
     try:
         return {key: yaml.safe_load(value) for key, value in _pairs(given, "--set")}
     except yaml.YAMLError as error:

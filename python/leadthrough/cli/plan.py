@@ -1,4 +1,4 @@
-"""A skill in, a motion out."""
+"""`leadthrough plan`: a skill in, a motion out."""
 
 from __future__ import annotations
 
@@ -11,19 +11,27 @@ from leadthrough.cli import options
 
 
 def plan(
-    skill: Annotated[Path, typer.Argument(help="A skill, as `leadthrough learn` saves it.")],
+    skill: Annotated[Path, typer.Argument(help="Skill file, as written by `leadthrough learn`.")],
     out: options.Output,
     start: Annotated[
         str | None,
-        typer.Option(help="X,Y,Z, a pose X,Y,Z/W,X,Y,Z, or joints; what is left out is as shown."),
+        typer.Option(
+            help="Start: a point X,Y,Z, a pose X,Y,Z/W,X,Y,Z, or joint positions (m, rad). By "
+            "default, and for an orientation left out, the demonstrated one."
+        ),
     ] = None,
-    goal: Annotated[str | None, typer.Option(help="As --start.")] = None,
+    goal: Annotated[str | None, typer.Option(help="Goal, in the form of --start.")] = None,
     move_start: Annotated[
-        str | None, typer.Option(help="DX,DY,DZ, how far the start is from the one shown.")
+        str | None,
+        typer.Option(help="Offset DX,DY,DZ of the start from the demonstrated one (m, rad)."),
     ] = None,
-    move_goal: Annotated[str | None, typer.Option(help="As --move-start.")] = None,
-    duration: Annotated[float | None, typer.Option(help="s; by default as shown.")] = None,
-    dt: Annotated[float, typer.Option(help="s between samples.")] = 0.01,
+    move_goal: Annotated[
+        str | None, typer.Option(help="Offset of the goal, in the form of --move-start.")
+    ] = None,
+    duration: Annotated[
+        float | None, typer.Option(help="Duration, in s; by default the demonstrated one.")
+    ] = None,
+    dt: Annotated[float, typer.Option(help="Time between samples, in s.")] = 0.01,
     obstacle: options.Obstacles = None,
     robot: options.MaybeRobotName = None,
     limits: options.LimitsFile = None,
@@ -32,24 +40,25 @@ def plan(
     posture: Annotated[
         str | None,
         typer.Option(
-            help="How the arm is to stand meanwhile: joints, rad, or a recording of them, such as "
-            "the demonstration."
+            help="Joint positions (rad) that the arm should keep close to, or a recording of them, "
+            "such as the demonstration."
         ),
     ] = None,
-    file_format: options.FormatName = None,
+    format: options.FormatName = None,
     as_json: options.AsJson = False,
 ) -> None:
-    """Plan a motion with a skill; with --robot, joints that take its tip along it.
+    """Plan a motion with a skill; with --robot, a joint motion whose tip follows it.
 
     leadthrough plan pour.npz --robot panda --move-goal 0.1,0,0 -o motion.json
 
     leadthrough plan reach.npz --goal 0.5,0.1,0.3 --obstacle sphere:0.08@0.4,0,0.3 -o path.csv
     """
-    from leadthrough.cli import parse, tables
+    from leadthrough.cli import parse, reading, tables
     from leadthrough.cli import robot as robots
     from leadthrough.io import write_motion
     from leadthrough.models import load_skill
 
+    reading.check_output(out, format)
     learned = load_skill(skill)
     asked: dict[str, Any] = {
         "start": _end(learned, start, move_start, "start", 0),
@@ -64,7 +73,7 @@ def plan(
         motion = learned.generate(dt=dt, **asked)
         if robot is not None:
             motion = _joints(motion, robot, limits, base, tip, posture)
-    write_motion(motion, out, format=file_format)
+    write_motion(motion, out, format=format)
     found = {
         "motion": str(out),
         "type": type(motion).__name__,
@@ -80,7 +89,7 @@ def _end(learned: Any, given: str | None, moved: str | None, name: str, index: i
     from leadthrough.errors import InvalidInput
 
     if given is not None and moved is not None:
-        raise InvalidInput(f"--{name}: expected it or --move-{name}, got both")
+        raise InvalidInput(f"--{name}: use --{name} or --move-{name}, got both")
     if given is not None:
         return parse.end(given, learned.generate(), index, f"--{name}")
     if moved is not None:
@@ -96,6 +105,7 @@ def _joints(
     tip: str | None,
     posture: str | None,
 ) -> Any:
+    from leadthrough import check
     from leadthrough.cli import parse, reading
     from leadthrough.cli import robot as robots
     from leadthrough.motion import JointTrajectory
@@ -107,7 +117,8 @@ def _joints(
     if posture is None:
         return arm.follow(motion, too_fast="slow")
     if not Path(posture).exists():
-        wished = parse.numbers(posture, "--posture")
+        given = parse.numbers(posture, "--posture")
+        wished = check.array(given, "--posture", shape=(len(arm.joint_names),))
         return arm.follow(motion, seed=wished, posture=wished, too_fast="slow")
     stood = robots.own_joints(arm, reading.one_motion(Path(posture)), posture)
     return arm.follow(motion, posture=stood, too_fast="slow")

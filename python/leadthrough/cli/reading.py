@@ -1,7 +1,8 @@
-"""Recordings and motions from the files that a command line names."""
+"""Recordings and motions from the files that a command line names, and the files to write."""
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,13 +10,20 @@ from typing import Any
 
 from leadthrough import io, preprocess
 from leadthrough.errors import InvalidInput
+from leadthrough.io import formats
 from leadthrough.motion import Demonstration, Motion
 
 
 def cleaned(files: Sequence[Path], **request: Any) -> list[Demonstration]:
-    """The recordings in files without their faults, which stderr tells.
+    """The recordings in files, cleaned; what was removed is reported on stderr.
 
-    request: as `read_demonstrations` takes it. Raises InvalidInput, MissingDependency.
+    Args:
+        files: recordings to read, in this order.
+        request: the keywords of `leadthrough.io.read_recordings`.
+
+    Raises:
+        InvalidInput: if a file cannot be read or cleaned.
+        MissingDependency: if its format needs an extra that is not installed.
     """
     demonstrations = []
     for recording in io.read_recordings(files, **request):
@@ -26,19 +34,40 @@ def cleaned(files: Sequence[Path], **request: Any) -> list[Demonstration]:
 
 
 def cut(recordings: Sequence[Demonstration]) -> list[Demonstration]:
-    """The motions between the recordings' pauses, listed on stderr. Raises InvalidInput."""
+    """The motions between the recordings' pauses, listed on stderr.
+
+    Raises:
+        InvalidInput: if there is no motion.
+    """
     motions = [motion for recording in recordings for motion in preprocess.segment(recording)]
     for number, shown in enumerate(motions, start=1):
         first, last = shown.motion.times[[0, -1]]
         print(f"motion {number}: {shown.name}, {first:.2f} to {last:.2f} s", file=sys.stderr)
     if not motions:
-        raise InvalidInput("--cut: nothing moves in these recordings")
+        raise InvalidInput("--cut: found no motion in these recordings")
     return motions
 
 
 def one_motion(file: Path) -> Motion:
-    """The only motion in a file. Raises InvalidInput, MissingDependency."""
+    """The only motion in a file.
+
+    Raises:
+        InvalidInput: if the file cannot be read or holds more or fewer motions than one.
+        MissingDependency: if its format needs an extra that is not installed.
+    """
     found = io.read_demonstrations(file)
     if len(found) != 1:
-        raise InvalidInput(f"{file}: expected one motion, got {len(found)}")
+        raise InvalidInput(f"{file}: expected a file with one motion, got {len(found)}")
     return found[0].motion
+
+
+def check_output(out: Path, format: str | None = None) -> None:
+    """Refuses a file that no motion can be written to, before anything is computed.
+
+    Raises:
+        InvalidInput: if neither the format nor the file's suffix names one that can be written.
+    """
+    try:
+        formats.to_write(out, format)
+    except InvalidInput as error:
+        raise InvalidInput(re.sub("^path: ", "--out: ", str(error))) from None

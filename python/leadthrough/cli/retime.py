@@ -1,4 +1,4 @@
-"""A motion in, the fastest one along its path out."""
+"""`leadthrough retime`: a motion in, the fastest one along its path out."""
 
 from __future__ import annotations
 
@@ -17,21 +17,23 @@ def retime(
     limits: options.LimitsFile = None,
     base: options.BaseLink = None,
     tip: options.TipLink = None,
-    rate: Annotated[float, typer.Option(help="Samples a second.")] = 1000.0,
+    rate: Annotated[float, typer.Option(help="Sampling rate of the result, in Hz.")] = 1000.0,
     path_tolerance: Annotated[
-        float, typer.Option(help="rad (m), how far the smooth path may lie off the samples.")
+        float,
+        typer.Option(help="Largest distance of the smoothed path from the samples, in rad (m)."),
     ] = 1e-5,
     keep_timing: Annotated[
-        bool, typer.Option("--keep-timing", help="Never faster than the motion is now.")
+        bool,
+        typer.Option("--keep-timing", help="Reach no point of the path earlier than it does now."),
     ] = False,
-    tip_speed: Annotated[float | None, typer.Option(help="m/s, the most of the tip.")] = None,
+    tip_speed: Annotated[float | None, typer.Option(help="Speed limit of the tip, in m/s.")] = None,
     torques: Annotated[
-        bool, typer.Option("--torques", help="Keep the limits of joint torques as well.")
+        bool, typer.Option("--torques", help="Also keep within the joint torque limits.")
     ] = False,
-    file_format: options.FormatName = None,
+    format: options.FormatName = None,
     as_json: options.AsJson = False,
 ) -> None:
-    """Give a motion of joints the fastest time law inside velocity, acceleration and jerk limits.
+    """Run a joint motion as fast as velocity, acceleration and jerk limits allow.
 
     leadthrough retime motion.json --robot panda -o timed.json
 
@@ -42,6 +44,7 @@ def retime(
     from leadthrough.cli import robot as robots
     from leadthrough.io import write_motion
 
+    reading.check_output(out, format)
     arm = robots.load(robot, limits, base, tip)
     path = robots.own_joints(arm, reading.one_motion(motion), str(motion))
     with tables.busy("timing"):
@@ -55,7 +58,7 @@ def retime(
             jacobian=None if tip_speed is None else arm.jacobian,
             inverse_dynamics=arm.inverse_dynamics if torques else None,
         )
-    write_motion(timed, out, format=file_format)
+    write_motion(timed, out, format=format)
     bindings = timing.binding_limits(timed, arm.limits)
     found = {
         "motion": str(out),
@@ -68,7 +71,7 @@ def retime(
 
 
 def _shares(bindings: Sequence[Any]) -> list[str]:
-    """What limits the motion, what does so longest first."""
+    """What limits the motion and in which fraction of its time, the largest first."""
     total = sum(each.end - each.start for each in bindings)
     lengths: dict[str, float] = {}
     for each in bindings:

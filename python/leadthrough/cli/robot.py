@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -14,41 +15,60 @@ from leadthrough.motion import JointTrajectory, Motion
 def load(
     name: str, limits: Path | None = None, base: str | None = None, tip: str | None = None
 ) -> Arm:
-    """A robot that comes with the package, by its name, or that of a URDF's path.
+    """The arm of a bundled robot, by its name, or of a URDF, by its path.
 
-    Raises InvalidInput, InvalidRobot.
+    Raises:
+        InvalidInput: for an unknown name, or options that only go with a URDF.
+        InvalidRobot: if the URDF describes no arm.
     """
-    if "/" in name or name.lower().endswith((".urdf", ".xml")):
-        return Arm.from_urdf(Path(name), base=base, tip=tip, limits=limits)
-    if limits or base or tip:
+    is_path = "/" in name or name.lower().endswith((".urdf", ".xml"))
+    if not is_path and (limits or base or tip):
         raise InvalidInput(
-            f"--robot: expected a URDF's path beside --limits, --base and --tip, got {name!r}"
+            "--limits, --base and --tip: only used with a URDF; give its path as --robot, "
+            f"got --robot {name}"
         )
-    return Arm.load(name)
+    try:
+        if is_path:
+            return Arm.from_urdf(Path(name), base=base, tip=tip, limits=limits)
+        return Arm.load(name)
+    except InvalidInput as error:
+        raise InvalidInput(re.sub("^(name|path_or_xml): ", "--robot: ", str(error))) from None
 
 
 def refuse_without(name: str | None, **given: object) -> None:
-    """Raises InvalidInput for options that are given and need a robot, where there is none."""
+    """Refuses options that need a robot if there is none.
+
+    Raises:
+        InvalidInput: if `name` is None and an option is given.
+    """
     for option, value in given.items():
         if name is None and value is not None:
-            raise InvalidInput(f"--{option}: expected --robot beside it, got {value}")
+            raise InvalidInput(
+                f"--{option}: only used with --robot; add --robot or leave it out, got {value}"
+            )
 
 
 def own_joints(arm: Arm, motion: Motion, name: str) -> JointTrajectory:
-    """The arm's joints of a motion; if none of its joints has a name of the arm's, by their order.
+    """The arm's joints of a motion, by their names; by their order if no name is the arm's.
 
-    Raises InvalidInput.
+    Args:
+        arm: the arm that is to move.
+        motion: a joint motion of the arm, perhaps with other joints besides.
+        name: what to call the motion in messages, such as its file.
+
+    Raises:
+        InvalidInput: if it is no joint motion or lacks a joint of the arm.
     """
     if not isinstance(motion, JointTrajectory):
         raise InvalidInput(
-            f"{name}: expected joints, got a {type(motion).__name__}; "
-            "`leadthrough plan` with --robot follows a skill's poses"
+            f"{name}: expected a joint motion, got a {type(motion).__name__}; "
+            "`leadthrough plan --robot` makes joint motions of a skill's poses"
         )
     recorded = motion.joint_names
     strangers = not set(recorded) & set(arm.joint_names)
     if recorded and strangers and len(recorded) == len(arm.joint_names):
         print(
-            f"{name}: taking {', '.join(recorded)} for {', '.join(arm.joint_names)}",
+            f"{name}: using joints {', '.join(recorded)} as {', '.join(arm.joint_names)}",
             file=sys.stderr,
         )
         motion = replace(motion, joint_names=arm.joint_names)

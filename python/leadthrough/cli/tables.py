@@ -1,4 +1,4 @@
-"""What a command found, as text for people or as JSON for machines."""
+"""Results of a command, as text for people or as JSON for machines."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rich.table import Table
 
 
 def table(rows: list[dict[str, Any]]) -> Table:
-    """The rows; as columns where that is narrower."""
+    """A table of the rows; transposed if that is narrower."""
     # Words break where there is no room for a column; names with underscores do not.
     names = [name.replace("_", " ") for name in rows[0]] if rows else []
     lines = [names, *(list(row.values()) for row in rows)]
@@ -26,7 +26,7 @@ def table(rows: list[dict[str, Any]]) -> Table:
 
 
 def facts(found: Mapping[str, Any], *, as_json: bool) -> None:
-    """Prints what was found, a name and its value a line, or as one JSON object."""
+    """Prints a name and its value per line, or all as one JSON object."""
     if as_json:
         print(json.dumps(found, allow_nan=False))
         return
@@ -37,7 +37,7 @@ def facts(found: Mapping[str, Any], *, as_json: bool) -> None:
 
 
 def busy(what: str) -> AbstractContextManager[Any]:
-    """Says what is going on meanwhile, on a terminal's stderr."""
+    """Shows on a terminal's stderr what is going on while the block runs."""
     return Console(stderr=True).status(what)
 
 

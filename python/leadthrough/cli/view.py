@@ -1,4 +1,4 @@
-"""Something to look at: live in a browser, or as a file."""
+"""`leadthrough view`: an arm and its motion, live in a browser or as an HTML file."""
 
 from __future__ import annotations
 
@@ -12,26 +12,34 @@ from leadthrough.cli import options
 
 def view(
     motion: Annotated[
-        Path | None, typer.Argument(help="The motion to show: joints, or poses to follow.")
+        Path | None,
+        typer.Argument(help="Motion to show: of the joints, or poses that the tip follows."),
     ] = None,
     robot: options.RobotName = "panda",
     limits: options.LimitsFile = None,
     base: options.BaseLink = None,
     tip: options.TipLink = None,
     demonstrations: Annotated[
-        list[Path] | None, typer.Option(help="A recording; may be repeated.")
+        list[Path] | None, typer.Option(help="Recording to draw; may be repeated.")
     ] = None,
-    skill: Annotated[Path | None, typer.Option(help="A skill, whose goal may be dragged.")] = None,
+    skill: Annotated[
+        Path | None,
+        typer.Option(help="Skill file; in the live page its goal and obstacles can be dragged."),
+    ] = None,
     goal: Annotated[
-        str | None, typer.Option(help="Of the skill: X,Y,Z in m; /W,X,Y,Z behind turns it.")
+        str | None,
+        typer.Option(help="Goal of the skill: X,Y,Z in m, or a pose X,Y,Z/W,X,Y,Z."),
     ] = None,
     obstacle: options.Obstacles = None,
     column: options.Columns = None,
     rate: options.Rate = None,
-    html: Annotated[Path | None, typer.Option(help="Write a page to this file instead.")] = None,
-    port: Annotated[int, typer.Option(help="Of the live page; 0 takes a free one.")] = 0,
+    html: Annotated[
+        Path | None,
+        typer.Option(help="Write the page to this HTML file instead of opening a browser."),
+    ] = None,
+    port: Annotated[int, typer.Option(help="Port of the live page; 0 picks a free one.")] = 0,
 ) -> None:
-    """Show an arm on its way, live in a browser or as a file that opens without a server.
+    """Show an arm and its motion, live in a browser or as an HTML file that needs no server.
 
     leadthrough view motion.csv --robot ur3 --html motion.html
 
