@@ -16,7 +16,7 @@ from leadthrough.models.place import Place
 from leadthrough.motion import Motion, MotionT_co
 from leadthrough.shapes import Shape
 
-__all__ = ["Conditioned", "Distributed", "Model", "Place", "Skill"]
+__all__ = ["Conditioned", "Distributed", "Generator", "Model", "Place", "Previewed", "Skill"]
 
 
 class Model(Protocol):
@@ -31,24 +31,8 @@ class Model(Protocol):
         """
 
 
-class Skill(Protocol[MotionT_co]):
-    """A fitted model: frozen, safe to share between threads.
-
-    What it generates is of the type of motion that was shown: a `Skill[JointTrajectory]` generates
-    joint trajectories.
-    """
-
-    @property
-    def model(self) -> Model:
-        """The settings that it was fitted with, all of them."""
-
-    @property
-    def supports(self) -> frozenset[str]:
-        """Parts of a query that it honours, of "start", "goal", "duration", "obstacles"."""
-
-    @property
-    def kind(self) -> str:
-        """The name of this kind of skill in files."""
+class Generator(Protocol[MotionT_co]):
+    """What answers queries with motions."""
 
     def generate(
         self,
@@ -73,6 +57,26 @@ class Skill(Protocol[MotionT_co]):
             UnsupportedQuery: for a part that it does not support.
             NoPath: where obstacles leave no way.
         """
+
+
+class Skill(Generator[MotionT_co], Protocol[MotionT_co]):
+    """A fitted model: frozen, safe to share between threads.
+
+    What it generates is of the type of motion that was shown: a `Skill[JointTrajectory]` generates
+    joint trajectories.
+    """
+
+    @property
+    def model(self) -> Model:
+        """The settings that it was fitted with, all of them."""
+
+    @property
+    def supports(self) -> frozenset[str]:
+        """Parts of a query that it honours, of "start", "goal", "duration", "obstacles"."""
+
+    @property
+    def kind(self) -> str:
+        """The name of this kind of skill in files."""
 
     def parameters(
         self, demonstrations: Demonstrations[Motion] = ()
@@ -109,6 +113,14 @@ class Distributed(Protocol):
 
     def distribution(self, times: ArrayLike) -> tuple[Float64Array, Float64Array]:
         """Mean (n, d) and covariance (n, d, d) of the columns at times (n,), s."""
+
+
+@runtime_checkable
+class Previewed(Protocol):
+    """A skill with quick, coarse answers for a goal and obstacles that are dragged."""
+
+    def preview(self) -> Generator:
+        """What gives them; it keeps from one answer to the next what helps the next one."""
 
 
 @runtime_checkable

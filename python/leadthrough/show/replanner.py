@@ -8,30 +8,19 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-
 from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LeadthroughError
-from leadthrough.models import FastMarchingSkill
-from leadthrough.models.marching.live_map import LiveMap
 from leadthrough.models.parameters import Parameter
-from leadthrough.models.protocol import Conditioned
-from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
+from leadthrough.models.protocol import Conditioned, Generator, Previewed, Skill
+from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
 from leadthrough.shapes import Shape, Sphere, check_shapes
 from leadthrough.show.scene import tip_path
 
 # Sampling of a preview and of a plan, s.
 _PREVIEW_STEP = 0.04
 _STEP = 0.01
-# Cells of a preview's map: of one that is kept, and of one that is made anew for every answer.
-_KEPT_CELLS = 1_000_000
-_COARSE_CELLS = 40_000
-# Room around demonstrations, goal and obstacles, as a share of their extent: what a path may need,
-# and in which things may be dragged before the map has to be made anew.
-_ROOM_TO_PASS = 0.25
-_ROOM_TO_DRAG = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +52,7 @@ class Replanner:
     def __init__(
         self,
         arm: Arm,
-        skill: Any,
+        skill: Skill,
         *,
         goal: Any = None,
         obstacles: Iterable[Shape] = (),
@@ -72,7 +61,7 @@ class Replanner:
         self.arm = arm
         self.obstacles = list(check_shapes(obstacles))
         self._demonstrations = tuple(demonstrations)
-        self.skill = skill
+        self.skill: Skill = skill
         self.duration: float | None = None
         usual = skill.generate(dt=_STEP)
         if not isinstance(usual, JointTrajectory) and usual.positions.shape[1] != 3:
@@ -116,10 +105,9 @@ class Replanner:
     def set_parameter(self, index: int, value: float) -> None:
         """Another value of `parameters[index]`. Raises InvalidInput, FitError."""
         self.skill = self.parameters[index].apply(value)
-        for name in ("_live", "_coarse"):
-            self.__dict__.pop(name, None)
+        self.__dict__.pop("_quick", None)  # it answers with the old value
 
-    def asked_skill(self) -> Any:
+    def asked_skill(self) -> Skill:
         """The skill, conditioned on the goal where it can be: its spread ends there.
 
         Raises InvalidInput for a goal of joints out of reach.
@@ -149,22 +137,15 @@ class Replanner:
             trouble = str(error)
         return Answer(path, joints, trouble, verdict, time.perf_counter() - begin)
 
-    def _motion(self, dt: float, *, preview: bool) -> Any:
+    def _motion(self, dt: float, *, preview: bool) -> Motion:
         query: dict[str, Any] = {"dt": dt}
         if self.duration is not None:
             query["duration"] = self.duration
         if self.has_goal and self._asked:
             query["goal"] = self._goal()
-        if not isinstance(self.skill, FastMarchingSkill) or not preview:
-            if "obstacles" in self.skill.supports:
-                query["obstacles"] = tuple(self.obstacles)
-            return self.skill.generate(**query)
-        if self.skill.model.method != "map":
-            return self._coarse.generate(**query, obstacles=tuple(self.obstacles))
-        if not self._live.grid.contains(self.goal_position[None])[0]:
-            del self._live
-        found = self._live.route(self._start, self.goal_position, self.obstacles)
-        return self.skill.in_time(found, **query)
+        if "obstacles" in self.skill.supports:
+            query["obstacles"] = tuple(self.obstacles)
+        return (self._quick if preview else self.skill).generate(**query)
 
     def _followed(self, motion: Trajectory | PoseTrajectory | JointTrajectory) -> JointTrajectory:
         if isinstance(motion, JointTrajectory):
@@ -182,11 +163,11 @@ class Replanner:
                 pass
         return self.arm.follow(motion)
 
-    def _usual_goal(self, usual: Any) -> tuple[Float64Array, Float64Array | None]:
+    def _usual_goal(self, usual: Motion) -> tuple[Float64Array, Float64Array | None]:
         if self._is_of_joints:
             self._last_joints = usual.positions[-1]
             return self.arm.forward_kinematics(usual.positions[-1])
-        turned = usual.orientations[-1] if self._is_of_poses else None
+        turned = usual.orientations[-1] if isinstance(usual, PoseTrajectory) else None
         return usual.positions[-1].copy(), turned
 
     def _goal(self) -> Any:
@@ -203,23 +184,5 @@ class Replanner:
         return found.q
 
     @cached_property
-    def _live(self) -> LiveMap:
-        made: LiveMap = self.skill.live_map(self._workspace(_ROOM_TO_DRAG), cells=_KEPT_CELLS)
-        return made
-
-    @cached_property
-    def _coarse(self) -> FastMarchingSkill:
-        lower, upper = self._workspace(_ROOM_TO_PASS)
-        edge = float((np.prod(upper - lower) / _COARSE_CELLS) ** (1.0 / 3.0))
-        coarse: FastMarchingSkill = replace(
-            self.skill, model=replace(self.skill.model, resolution=edge)
-        )
-        return coarse
-
-    def _workspace(self, share: float) -> tuple[Float64Array, Float64Array]:
-        shown = [each.path for each in (*self.skill.shown, *self.skill.learned)]
-        around = [shape.position[None] for shape in self.obstacles]
-        points = np.concatenate([*shown, *around, self.goal_position[None]])
-        lower, upper = points.min(axis=0), points.max(axis=0)
-        room = share * float((upper - lower).max())
-        return lower - room, upper + room
+    def _quick(self) -> Generator:
+        return self.skill.preview() if isinstance(self.skill, Previewed) else self.skill

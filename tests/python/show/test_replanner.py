@@ -51,7 +51,7 @@ def test_preview_takes_less_than_a_tenth_of_a_second(name, skills, panda):
     planner = Replanner(panda, skills[name], obstacles=[BOX])
     planner.preview()
     if name == "map":
-        assert 0.9e6 < np.prod(planner._live.grid.shape) < 1.2e6  # a workspace of 100^3
+        assert 0.9e6 < np.prod(planner._quick.live_map.grid.shape) < 1.2e6  # a workspace of 100^3
     taken = []
     for shift in np.linspace(0.0, 0.08, 7):
         planner.move_obstacle(0, (0.55, shift, 0.15))
@@ -98,9 +98,8 @@ def test_goal_in_an_obstacle_is_trouble(skills, panda):
 def test_goal_dragged_out_of_the_map_makes_a_larger_one(skills, panda):
     planner = Replanner(panda, skills["map"])
     planner.preview()
-    edge = (
-        planner._live.grid.origin[1] + planner._live.grid.shape[1] * planner._live.grid.spacing[1]
-    )
+    grid = planner._quick.live_map.grid
+    edge = grid.origin[1] + grid.shape[1] * grid.spacing[1]
     planner.move_goal((0.3, edge + 0.02, 0.4))
     answer = planner.preview()
     assert np.allclose(answer.path[-1], planner.goal_position)

@@ -22,6 +22,7 @@ from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.marching import orientation, route
 from leadthrough.models.marching.live_map import LiveMap
 from leadthrough.models.marching.policy import Policy
+from leadthrough.models.marching.preview import Preview
 from leadthrough.models.marching.route import Query, Route, Scales
 from leadthrough.models.marching.shown import Shown, keep
 from leadthrough.models.marching.time_law import TIMINGS, timed, usual_duration
@@ -207,9 +208,20 @@ class FastMarchingSkill(Generic[MotionT_co]):
         shapes in the demonstrations' frame; a drawing of two dimensions lies in the plane z = 0.
         The motion starts and ends at rest. Raises InvalidInput, NoPath.
         """
-        first, last = self._pose(start, "start")[0], self._pose(goal, "goal")[0]
+        first, last = self.ends_of(start, goal)
         found = self.plan(start=first, goal=last, obstacles=obstacles)
         return self.in_time(found, start=start, goal=goal, duration=duration, dt=dt)
+
+    def ends_of(self, start: Place | None, goal: Place | None) -> Float64Array:
+        """Positions (2, d) of the start and goal of a query, by default as `generate` takes them.
+
+        Raises InvalidInput.
+        """
+        first = self._end(self._pose(start, "start")[0], "start", 0)
+        last = self._end(self._pose(goal, "goal")[0], "goal", -1)
+        if len(first) != len(last):
+            raise InvalidInput(f"goal: expected shape {first.shape}, got {last.shape}")
+        return np.stack([first, last])
 
     def in_time(
         self,
@@ -248,9 +260,8 @@ class FastMarchingSkill(Generic[MotionT_co]):
         Raises InvalidInput, NoPath.
         """
         shapes = check_shapes(obstacles)
-        query = Query(self._end(start, "start", 0), self._end(goal, "goal", -1), shapes)
-        if len(query.start) != len(query.goal):
-            raise InvalidInput(f"goal: expected shape {query.start.shape}, got {query.goal.shape}")
+        first, last = self.ends_of(start, goal)
+        query = Query(first, last, shapes)
         method = self.model.method
         if not self._all or method == "map" or (method == "auto" and not self._is_near(query)):
             return route.through_map(self._all, query, self._scales(_MAP_RADIUS, query))
@@ -271,6 +282,10 @@ class FastMarchingSkill(Generic[MotionT_co]):
         space = (tuple(corners[0]), tuple(corners[1]))
         model = replace(self.model, method="map", workspace=space, resolution=edge)
         return LiveMap(self._all, replace(self, model=model)._map_scales)
+
+    def preview(self) -> Preview[MotionT_co]:
+        """Answers in tens of milliseconds, coarser where it has to be, while things are dragged."""
+        return Preview(self)
 
     def policy(self, position: ArrayLike) -> Float64Array:
         """The velocity (d,) that leads from a position (d,) to the demonstrations' goal.
