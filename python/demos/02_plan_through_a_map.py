@@ -1,4 +1,4 @@
-"""March a wave through a map with walls and descend it to the quickest path.
+"""March a wave through a map with walls and follow its gradient along the fastest path.
 
 Writes map.png: python python/demos/02_plan_through_a_map.py [FOLDER]
 """
@@ -21,12 +21,12 @@ walls = [
 blocked = lt.planning.occupied(grid, walls)
 start, goal = (0.1, 0.1), (0.9, 0.9)
 
-# Fast marching alone hugs the walls; slow cells beside them (FM2) keep the path away.
+# Plain fast marching hugs the walls. Slow cells near walls (FM2) keep the path away from them.
 clearance = np.minimum(lt.planning.distance_transform(blocked, spacing=grid.spacing), 0.1)
 figure = Figure(figsize=(9, 4.5), layout="constrained")
 for axes, title, speed in zip(
     figure.subplots(1, 2),
-    ("shortest path", "safe path: slow beside walls"),
+    ("shortest path", "safe path: slow near walls"),
     (np.where(blocked, 0.0, 1.0), clearance / clearance.max()),
     strict=True,
 ):

@@ -1,4 +1,4 @@
-"""Inverse kinematics on the Panda: many single poses, then a circle without a jump.
+"""Inverse kinematics of the Panda: many single poses, then a circle without jumps.
 
 Writes circle.png: python python/demos/03_follow_a_circle.py [FOLDER]
 """
@@ -20,18 +20,17 @@ targets = arm.forward_kinematics(rng.uniform(arm.limits.lower, arm.limits.upper,
 began = time.process_time()
 answers = arm.inverse_kinematics_batch(*targets)
 microseconds = (time.process_time() - began) / len(answers.q) * 1e6
-print(f"{answers.success.mean():.2%} of 2000 random poses solved, {microseconds:.0f} us each")
+print(f"{answers.success.mean():.2%} of 2000 random poses solved, {microseconds:.0f} us per pose")
 
 times = np.linspace(0.0, 2.0, 801)
-phase = times / 2.0
-angle = 2.0 * np.pi * (10 * phase**3 - 15 * phase**4 + 6 * phase**5)  # from rest to rest
+angle = 2.0 * np.pi * lt.trajectories.minimum_jerk_rise(times / 2.0)  # from rest to rest
 circle = np.column_stack([np.full(801, 0.45), 0.15 * np.cos(angle), 0.45 + 0.15 * np.sin(angle)])
 downwards = np.tile([0.0, 1.0, 0.0, 0.0], (801, 1))
 asked = lt.PoseTrajectory(times, circle, downwards)
 joints = lt.scale_to_limits(lt.differentiate(arm.follow(asked)), arm.limits)
 
 reached, _ = arm.forward_kinematics(joints.positions)
-print(f"tool off by at most {np.abs(reached - circle).max():.1e} m")
+print(f"tool error at most {np.abs(reached - circle).max():.1e} m")
 print(f"slowed from {asked.duration:.2f} s to {joints.duration:.2f} s")
 plot.joint_figure(joints, arm.limits).savefig(folder / "circle.png", dpi=110)
 print(f"wrote {folder / 'circle.png'}")

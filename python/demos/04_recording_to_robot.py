@@ -1,4 +1,4 @@
-"""A recording of joint angles in a CSV file becomes a trajectory that a UR3 may run.
+"""Turn a CSV recording of joint angles into a trajectory that a UR3 can execute.
 
 Writes recording.json and recording.png: python python/demos/04_recording_to_robot.py [FOLDER]
 """
@@ -15,16 +15,16 @@ from leadthrough.show import plot
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("ur3")
 
-# Stands for the file that a robot's own recorder writes: a header, 100 Hz, a brisk hand.
+# Stands in for a file from the robot's own recorder: a header, 100 Hz, guided quickly by hand.
 phase = np.linspace(0.0, 1.0, 121)
-swing = 10 * phase**3 - 15 * phase**4 + 6 * phase**5
+swing = lt.trajectories.minimum_jerk_rise(phase)
 q = np.array([0.0, -1.6, 1.9, -1.9, -1.6, 0.0]) + np.outer(swing, [1.2, 0.3, -0.4, 0.5, 0.6, 2.0])
 recording = folder / "recording.csv"
 header = ",".join(["time", *arm.joint_names])
 np.savetxt(recording, np.column_stack([1.2 * phase, q]), delimiter=",", header=header, comments="")
 
 (demonstration,) = lt.read_demonstrations(recording)
-gripped = lt.Event(0.6, "gripper closed")  # half way; it stays there when the arm slows down
+gripped = lt.Event(0.6, "gripper closed")  # half way; keeps its place when the arm slows down
 asked = lt.differentiate(replace(demonstration.motion, events=[gripped]))
 before = lt.check_limits(asked, arm.limits)
 joints = lt.scale_to_limits(asked, arm.limits)

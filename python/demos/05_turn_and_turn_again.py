@@ -1,4 +1,4 @@
-"""A tool turns twice about a slowly moving axis: the logarithm jumps, the lifted one does not.
+"""Turn a tool twice about a slowly moving axis: the logarithm jumps, the lifted one does not.
 
 Writes turns.png: python python/demos/05_turn_and_turn_again.py [FOLDER]
 """
@@ -14,8 +14,7 @@ import leadthrough as lt
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 
 times = np.linspace(0.0, 4.0, 400)
-phase = times / times[-1]
-turned = 4.0 * np.pi * (10 * phase**3 - 15 * phase**4 + 6 * phase**5)  # from rest to rest
+turned = 4.0 * np.pi * lt.trajectories.minimum_jerk_rise(times / times[-1])  # from rest to rest
 lean = turned / 25.0
 axis = np.column_stack([np.sin(lean), np.zeros_like(lean), np.cos(lean)])
 orientations = lt.rotations.exp(turned[:, None] * axis)
@@ -33,5 +32,5 @@ figure.axes[0].legend()
 figure.savefig(folder / "turns.png", dpi=110)
 
 back = lt.rotations.exp(vectors["lift"])
-print(f"exp(lift) off by at most {lt.rotations.distance(back, orientations).max():.0e} rad")
+print(f"exp(lift) differs by at most {lt.rotations.distance(back, orientations).max():.0e} rad")
 print(f"wrote {folder / 'turns.png'}")

@@ -1,4 +1,4 @@
-"""Keep a plan while a box moves across the way: the field of arrival times is repaired, not redone.
+"""Replan while a box moves across the path: the arrival times are repaired, not recomputed.
 
 Writes moving_box.png: python python/demos/06_replan_around_a_moving_box.py [FOLDER]
 """
@@ -33,7 +33,7 @@ for axes, height in zip(figure.subplots(2, 3).flat, np.linspace(0.1, 1.4, 6), st
     axes.set_title(f"{update.kind}, {update.invalidated} cells, {milliseconds:.1f} ms", fontsize=9)
     axes.set_aspect("equal")
 
-# Pushed off its path, an arm asks the field itself: it knows the way from everywhere.
+# If an arm is pushed off its path, the field gives the direction to the goal from any position.
 pushed = np.random.default_rng(1).uniform((0.1, 0.1), (0.9, 1.4), (40, 2))
 axes.quiver(*pushed.T, *lt.planning.direction(field.times, grid, pushed).T, color="w", width=0.004)
 figure.savefig(folder / "moving_box.png", dpi=120)

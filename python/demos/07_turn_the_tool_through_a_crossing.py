@@ -1,4 +1,4 @@
-"""Learn poses along a path that crosses itself, save the skill, and ask for new ends.
+"""Learn poses along a path that crosses itself, save the skill, and generate new ends.
 
 Writes crossing.png: python python/demos/07_turn_the_tool_through_a_crossing.py [FOLDER]
 """
@@ -14,7 +14,7 @@ from leadthrough.show import plot
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 
-# Three hands draw a loop over a table, m; the tool's x axis keeps pointing along the path.
+# Three demonstrations of a loop over a table, in m. The tool's x axis points along the path.
 times = np.linspace(0.0, 4.0, 400)
 turn = 2.5 * np.pi * times / 4.0
 demonstrations = []

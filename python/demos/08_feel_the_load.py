@@ -1,4 +1,4 @@
-"""What a Panda's joints must hold, alone and with a drill, and how well its posture can move.
+"""Joint torques of a Panda, without and with a drill, and how well conditioned its postures are.
 
 Writes load.png: python python/demos/08_feel_the_load.py [FOLDER]
 """
@@ -14,14 +14,14 @@ import leadthrough as lt
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("panda")
 
-# A drill: 2 kg about 10 cm beyond the fingers' tips, its bit 25 cm ahead of them.
+# A drill of 2 kg, 10 cm beyond the fingertips; the tip of its bit is 25 cm in front of them.
 drill = lt.Capsule(0.04, 0.12, (0.0, 0.0, 0.1))
 drilling = arm.with_attached(drill, mass=2.0).with_tool((0.25, 0.0, 0.1))
 print(drilling.describe())
 
-# Reaching out, from the chest until the elbow is almost straight.
+# Reach out from near the base until the elbow is almost straight.
 phase = np.linspace(0.0, 1.0, 201)
-swing = 10 * phase**3 - 15 * phase**4 + 6 * phase**5
+swing = lt.trajectories.minimum_jerk_rise(phase)
 near, far = (
     np.array([0.0, -1.0, 0.0, -2.7, 0.0, 1.7, 0.8]),
     np.array([0.0, 1.2, 0.0, -0.2, 0, 1.5, 0.8]),
@@ -33,7 +33,10 @@ moves = (motion.positions, motion.velocities, motion.accelerations)
 figure = Figure(figsize=(10, 6), layout="constrained")
 (alone, loaded), (posture, volume) = figure.subplots(2, 2, sharex=True)
 loaded.sharey(alone)
-for axes, robot, title in ((alone, arm, "alone"), (loaded, drilling, "with a drill of 2 kg")):
+for axes, robot, title in (
+    (alone, arm, "without a load"),
+    (loaded, drilling, "with a drill of 2 kg"),
+):
     torques = 100 * robot.inverse_dynamics(*moves) / arm.limits.effort
     axes.plot(motion.times, torques, label=[f"joint {i + 1}" for i in range(7)])
     axes.plot(motion.times, 100 * robot.gravity_torques(moves[0]) / arm.limits.effort, "k:", lw=1)
@@ -43,8 +46,8 @@ for axes, robot, title in ((alone, arm, "alone"), (loaded, drilling, "with a dri
     for axes_, value in ((posture, robot.condition_number), (volume, robot.manipulability)):
         axes_.semilogy(motion.times, value(moves[0]), label=title)
 alone.legend(fontsize=8)
-posture.set_title("condition number (0.3 m a rad)", fontsize=10)
-volume.set_title("manipulability: no tool changes it", fontsize=10)
+posture.set_title("condition number (0.3 m per rad)", fontsize=10)
+volume.set_title("manipulability (independent of the tool)", fontsize=10)
 posture.legend(fontsize=8)
 for axes in (posture, volume):
     axes.set_xlabel("time in s")

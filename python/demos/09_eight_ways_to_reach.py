@@ -1,4 +1,4 @@
-"""All postures of a UR3 for one pose, the closest to a reference, and a tool free to spin.
+"""All postures of a UR3 for one pose, the one closest to a reference, and a tool free to spin.
 
 Writes eight_ways.png: python python/demos/09_eight_ways_to_reach.py [FOLDER]
 """
@@ -17,7 +17,7 @@ links = ["upper_arm_link", "forearm_link", "wrist_1_link", "wrist_2_link", "wris
 
 
 def skeleton(q):
-    """Where the links begin, (links + 1, 3) m."""
+    """Origins of the links (links + 1, 3), in m."""
     points = [np.zeros(3)]
     for number, link in enumerate(links):
         part = lt.Arm.from_urdf(arm.document, base=arm.base, tip=link)
@@ -34,7 +34,7 @@ for q in ways.q:
 closest = arm.inverse_kinematics(position, downwards, mode="closest", reference=home)
 print(f"the closest: {np.linalg.norm(closest.q - home):.2f} rad")
 
-# Holes on a circle, drilled from above: the drill's own spin does not matter.
+# Holes on a circle, drilled from above: the rotation about the drill's axis does not matter.
 angles = np.linspace(0.0, 2.0 * np.pi, 60)
 holes = position + 0.08 * np.column_stack([np.cos(angles), np.sin(angles), 0.0 * angles])
 spins = lt.rotations.compose(

@@ -1,4 +1,4 @@
-"""A straight line past a singularity of the Panda: the plain inverse, and what follow does instead.
+"""A straight line past a singularity of the Panda: the plain inverse, compared with follow.
 
 Writes singularity.png: python python/demos/10_through_a_singularity.py [FOLDER]
 """
@@ -16,11 +16,10 @@ arm = lt.Arm.load("panda")
 posture = np.array([0, 0.02, 1.57, -1.8, 0, 1.6, 0.7])  # the shoulder's axes nearly in one plane
 position, orientation = arm.forward_kinematics(posture)
 
-# The line runs through this pose in the direction that asks for the fastest joints.
+# The line passes through this pose in the direction that requires the fastest joints.
 _, _, directions = np.linalg.svd(np.linalg.pinv(arm.jacobian(posture))[:, :3])
 times = np.linspace(0.0, 1.5, 601)
-s = times / 1.5
-along = 0.24 * (10 * s**3 - 15 * s**4 + 6 * s**5) - 0.12  # m, from rest to rest
+along = 0.24 * lt.trajectories.minimum_jerk_rise(times / 1.5) - 0.12  # m, from rest to rest
 line = lt.PoseTrajectory(times, position + np.outer(along, directions[0]), [orientation] * 601)
 
 
@@ -50,7 +49,7 @@ for name, joints in ways.items():
     axes[1].semilogy(joints.times, 1e3 * report.position_error + 1e-6)
     axes[2].semilogy(joints.times, report.condition_number)
 axes[0].axhline(1.0, color="black", linestyle="--", linewidth=0.8)
-for ax, text in zip(axes, ["speed, of limit", "error in mm", "condition"], strict=True):
+for ax, text in zip(axes, ["speed / limit", "error in mm", "condition"], strict=True):
     ax.set_ylabel(text)
 axes[0].legend()
 axes[2].set_xlabel("time in s")

@@ -1,8 +1,8 @@
-"""A Panda draws a line with its tool; its elbow makes way for a ball, its posture comes last.
+"""A Panda moves its tool along a line, keeps its elbow off a ball, and its posture comes last.
 
-The tool's pose stands above the elbow's task, and that above the posture: each moves only in what
-those above leave free. Writes the elbow's distance and the tasks' residuals by priority.
-Run: python python/demos/11_first_things_first.py [FOLDER]
+The tool's pose has priority over the elbow's distance, and that over the posture. Each task moves
+the arm only in the null space of those above it.
+Writes first_things_first.png: python python/demos/11_first_things_first.py [FOLDER]
 """
 
 import sys
@@ -19,14 +19,14 @@ arm = lt.Arm.load("panda")
 start = np.array([0.0, -0.3, 0.0, -2.0, 0.0, 1.7, 0.8])
 position, orientation = arm.forward_kinematics(start)
 
-# A ball in the elbow's way; the elbow is a ball of 8 cm itself.
+# A ball in the elbow's way; the elbow itself counts as a sphere of radius 8 cm.
 ball = lt.Sphere(0.06, (0.13, 0.04, 0.64))
 elbow = ObstacleTask(ball, 0.08, margin=0.08, link="panda_link4")
 posture = PostureTask(start, gain=2.0)
 
 
 def tool(time):
-    """24 cm down and up again in four seconds, at a speed that the task is told of."""
+    """A task that moves 24 cm down and up again in 4 s; its twist is the velocity feed-forward."""
     phase = 0.5 * np.pi * time
     place = position - np.array([0.0, 0.0, 0.12 * (1.0 - np.cos(phase))])
     twist = (0.0, 0.0, -0.06 * np.pi * np.sin(phase), 0.0, 0.0, 0.0)
@@ -44,7 +44,7 @@ runs = {True: run(elbow, posture), False: run(posture)}
 upper_arm = lt.Arm.from_urdf(arm.document, base=arm.base, tip="panda_link4")
 figure = Figure(figsize=(9, 6), layout="constrained")
 above, below = figure.subplots(2, 1, sharex=True)
-for there, label in ((True, "with the elbow's task"), (False, "without")):
+for there, label in ((True, "with the elbow task"), (False, "without the elbow task")):
     motion = runs[there].trajectory
     elbows, _ = upper_arm.forward_kinematics(motion.positions[:, :4])
     above.plot(motion.times, 100 * (ball.distance(elbows) - 0.08), label=label)
@@ -52,7 +52,7 @@ above.set_ylabel("elbow to ball, cm")
 names = ["1 joint limits", "2 tool's pose", "3 elbow off the ball", "4 posture"]
 for name, miss in zip(names, runs[True].miss.T, strict=True):
     below.semilogy(motion.times, np.maximum(miss, 1e-17), label=name)
-below.set(xlabel="time, s", ylabel="missed, m/s, rad/s")
+below.set(xlabel="time, s", ylabel="residual, m/s or rad/s")
 above.legend(), below.legend(ncols=2)
 figure.savefig(folder / "first_things_first.png", dpi=120)
 worst = runs[True].error[:, 1].max()

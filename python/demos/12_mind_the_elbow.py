@@ -1,4 +1,4 @@
-"""A tool that is clear while the elbow is not: the whole arm checked along a motion.
+"""Check the whole arm along a motion: the tool is clear of a shelf, but the elbow is not.
 
 Writes elbow.png: python python/demos/12_mind_the_elbow.py [FOLDER]
 """
@@ -14,10 +14,9 @@ import leadthrough as lt
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("panda")
 
-# The hand goes from right to left before the arm, pointing down.
+# The hand points down and moves from one side to the other in front of the arm.
 times = np.linspace(0.0, 3.0, 301)
-phase = times / 3.0
-side = 0.35 - 0.7 * (10 * phase**3 - 15 * phase**4 + 6 * phase**5)  # from rest to rest
+side = 0.35 - 0.7 * lt.trajectories.minimum_jerk_rise(times / 3.0)  # from rest to rest
 line = np.column_stack([np.full(301, 0.45), side, np.full(301, 0.35)])
 asked = lt.PoseTrajectory(times, line, np.tile([0.0, 1.0, 0.0, 0.0], (301, 1)))
 seed = [0.6, -0.5, 0.0, -2.4, 0.0, 2.0, 1.4]

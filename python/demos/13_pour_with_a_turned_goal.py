@@ -1,4 +1,4 @@
-"""A pour, shown once: to a glass that stands elsewhere and is tilted, past a bottle in the way.
+"""A pour, demonstrated once, to a glass that stands elsewhere and is tilted, around a bottle.
 
 Writes pour.png: python python/demos/13_pour_with_a_turned_goal.py [FOLDER]
 """
@@ -17,9 +17,8 @@ folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 # A hand carries a jug to a glass and tips it by 130 degrees while it swings about the wrist.
 times = np.linspace(0.0, 4.0, 401)
 u = times / 4.0
-carried = u**3 * (10 - 15 * u + 6 * u**2)
-v = np.clip((u - 0.4) / 0.6, 0.0, 1.0)
-tipped = np.radians(130.0) * v**3 * (10 - 15 * v + 6 * v**2)
+carried = lt.trajectories.minimum_jerk_rise(u)
+tipped = np.radians(130.0) * lt.trajectories.minimum_jerk_rise(np.clip((u - 0.4) / 0.6, 0.0, 1.0))
 positions = np.column_stack([0.4 * carried, 0.1 * np.sin(np.pi * carried), 0.3 + 0.05 * carried])
 swung = lt.rotations.exp(np.outer(carried, [0.0, 0.0, 1.2]))
 orientations = lt.rotations.compose(swung, lt.rotations.exp(np.outer(tipped, [0.0, 1.0, 0.0])))
@@ -48,7 +47,7 @@ above.set(title="from above", xlabel="x [m]", ylabel="y [m]", aspect="equal")
 for motion, colour in ((shown, "0.6"), (made, "tab:blue")):
     speeds = lt.rotations.angular_velocity(motion.times, motion.orientations)
     turning.plot(motion.times, np.degrees(np.linalg.norm(speeds, axis=1)), color=colour)
-turning.set(title="the jug turns without a spin", xlabel="time [s]", ylabel="degrees a second")
+turning.set(title="the jug turns without a spin", xlabel="time [s]", ylabel="degrees per second")
 above.legend()
 figure.savefig(folder / "pour.png", dpi=120)
 print(f"wrote {folder / 'pour.png'}")

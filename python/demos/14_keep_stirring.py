@@ -1,4 +1,4 @@
-"""Stirring, shown for a few rounds, goes on: slower, wider, and into a pot that is moved.
+"""Stirring, demonstrated for a few rounds, continues: slower, wider, and in a pot that moves.
 
 Writes stirring.png: python python/demos/14_keep_stirring.py [FOLDER]
 """
@@ -13,7 +13,7 @@ import leadthrough as lt
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 
-# Four rounds of 1.5 s by a hand that trembles; the spoon leans outwards all the way round.
+# Four rounds of 1.5 s by a hand with tremor; the spoon always leans outwards.
 rng = np.random.default_rng(3)
 times = np.linspace(0.0, 6.0, 601)
 w = 2.0 * np.pi * times / 1.5
@@ -36,12 +36,12 @@ for tick in range(8000):
     rows.append(state.pose)
 path = np.array(rows)
 speeds = np.degrees(lt.rotations.distance(path[:-1, 3:], path[1:, 3:])) / 0.001
-print(f"{state.phase:.1f} rounds; the spoon turns at {speeds.max():.0f} degrees a second at most")
+print(f"{state.phase:.1f} rounds; the spoon turns at {speeds.max():.0f} degrees per second at most")
 
 figure = Figure(figsize=(10, 4), layout="constrained")
 above, over_time = figure.subplots(1, 2)
-above.plot(*positions[:, :2].T, color="0.6", label="four rounds shown")
-above.plot(*path[:, :2].T, color="tab:blue", lw=1, label="kept up, pot moved")
+above.plot(*positions[:, :2].T, color="0.6", label="four demonstrated rounds")
+above.plot(*path[:, :2].T, color="tab:blue", lw=1, label="continued, pot moved")
 above.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
 above.legend(loc="upper center", bbox_to_anchor=(0.5, 1.35))
 over_time.plot(np.arange(8000) / 1000.0, path[:, :3], label=["x", "y", "z"])

@@ -1,4 +1,4 @@
-"""Seven drawings of one motion become a distribution; via points narrow it down.
+"""Learn a distribution from seven drawings of one motion, and condition it on via points.
 
 Writes family.png: python python/demos/15_a_family_of_motions.py [FOLDER]
 """
@@ -37,7 +37,7 @@ probability.draw_basis(functions, skill.basis)
 functions.set_title("basis functions", fontsize=10)
 probability.draw_band(bands, times, *skill.distribution(times), 1)
 probability.draw_samples(bands, skill.sample(10, seed=1), 1)
-bands.set_title("y in mm as shown: mean, two deviations, samples", fontsize=10)
+bands.set_title("y in mm: mean, two standard deviations, samples", fontsize=10)
 probability.draw_band(conditioned, times, *narrowed.distribution(times), 1, label="conditioned")
 mean = limited.distribution(times)[0][:, 1]
 conditioned.plot(times, mean, color="tab:red", label="kept below 46 mm")

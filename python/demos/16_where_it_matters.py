@@ -1,4 +1,4 @@
-"""What demonstrations agree on: a mixture, the covariance along the motion, and a stiffness.
+"""Where demonstrations agree: a mixture, the covariance along the motion, and a stiffness.
 
 Writes where.png: python python/demos/16_where_it_matters.py [FOLDER]
 """

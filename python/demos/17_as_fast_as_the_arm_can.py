@@ -1,4 +1,4 @@
-"""A circle that was shown at leisure, as fast as a Panda's joints can take its tool along it.
+"""A circle, demonstrated slowly, made as fast as the joints of a Panda allow.
 
 Writes fastest.json and fastest.png:
 python python/demos/17_as_fast_as_the_arm_can.py [FOLDER]
@@ -16,11 +16,11 @@ from leadthrough.timing import binding_limits
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("panda")
 
-# Six seconds once around, starting and ending at rest.
-share = np.linspace(0.0, 1.0, 301)
-angle = 2.0 * np.pi * (10 * share**3 - 15 * share**4 + 6 * share**5)
+# One round in six seconds, starting and ending at rest.
+phase = np.linspace(0.0, 1.0, 301)
+angle = 2.0 * np.pi * lt.trajectories.minimum_jerk_rise(phase)
 tip = np.column_stack([0.45 + 0.12 * np.cos(angle), 0.12 * np.sin(angle), np.full(301, 0.4)])
-poses = lt.PoseTrajectory(6.0 * share, tip, [(0, 1, 0, 0)] * 301)
+poses = lt.PoseTrajectory(6.0 * phase, tip, [(0, 1, 0, 0)] * 301)
 shown = arm.follow(poses)
 
 slowed = lt.scale_to_limits(shown, arm.limits)
@@ -30,7 +30,7 @@ for name, motion in {"fastest": fastest, "tip at 0.25 m/s at most": gentle}.item
     report = lt.check_limits(motion, arm.limits)
     rates = [f"{getattr(report, k).ratio:.1%}" for k in ("velocity", "acceleration", "jerk")]
     print(f"{name}: {motion.duration:.3f} s; velocity, acceleration, jerk at most {rates}")
-print(f"shown in {shown.duration:.2f} s, slowed evenly {slowed.duration:.2f} s")
+print(f"shown in {shown.duration:.2f} s, scaled to the limits {slowed.duration:.2f} s")
 for binding in binding_limits(fastest, arm.limits)[:8]:
     print(f"{binding.start:.3f} to {binding.end:.3f} s: {binding.kind} of {binding.joint}")
 

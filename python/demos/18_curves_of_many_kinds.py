@@ -1,4 +1,4 @@
-"""Seven ways through or near the same six points, and a pose that turns as it goes.
+"""Seven curves through or near the same six points, and a curve of poses.
 
 Writes curves.png: python python/demos/18_curves_of_many_kinds.py [FOLDER]
 """
@@ -41,7 +41,7 @@ turns = rotations.exp(np.column_stack([points, np.linspace(0.0, 3.0, 6)]) * 0.4)
 for name, rotating in {
     "slerp": tr.Slerp(times, turns),
     "squad": tr.Squad(times, turns),
-    "twice continuous": tr.RotationSpline(times, turns),
+    "C2 spline": tr.RotationSpline(times, turns),
 }.items():
     speeds = np.linalg.norm(rotating.evaluate(fine, 1), axis=1)
     right.plot(fine, speeds, label=name)

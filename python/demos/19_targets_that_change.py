@@ -1,4 +1,4 @@
-"""Seven joints that are sent elsewhere before they arrive: each by itself, together, and straight.
+"""Seven joints get a new target on the way: independently, synchronised, and on a straight line.
 
 Writes targets.png: python python/demos/19_targets_that_change.py [FOLDER]
 """
@@ -24,9 +24,9 @@ made = tr.JerkFilter(
     acceleration_down=0.6 * limits.acceleration,
 )  # fmt: skip
 steps = {
-    "each by itself": made.step,
-    "together": made.step_together,
-    "straight": tr.StraightFilter(made).step,
+    "independently": made.step,
+    "synchronised": made.step_together,
+    "on a straight line": tr.StraightFilter(made).step,
 }
 
 figure = Figure(figsize=(11.0, 4.0), layout="constrained")

@@ -1,4 +1,4 @@
-"""A ROS 2 bag of a guided UR3 is cleaned, timed anew, checked and written for three controllers.
+"""Clean a ROS 2 bag of a guided UR3, retime it, check it, and write it for three controllers.
 
 Writes guided.mcap, arm.json, arm.yaml, arm.script and cleaned.png (needs the extra `ros`):
 python python/demos/21_from_a_bag_to_the_controller.py [FOLDER]
@@ -16,10 +16,10 @@ from leadthrough.io import rosbag_writer
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("ur3")
 
-# Stands for `ros2 bag record`: a trembling hand that rests midway, two faulty samples, a gap.
+# Stands in for `ros2 bag record`: tremor, a pause midway, two faulty samples, a gap.
 times = np.arange(0.0, 6.0, 0.008)
-share = np.interp(times, [0.0, 0.4, 2.0, 4.0, 5.6, 6.0], [0.0, 0.0, 0.5, 0.5, 1.0, 1.0])
-way = 10 * share**3 - 15 * share**4 + 6 * share**5
+progress = np.interp(times, [0.0, 0.4, 2.0, 4.0, 5.6, 6.0], [0.0, 0.0, 0.5, 0.5, 1.0, 1.0])
+way = lt.trajectories.minimum_jerk_rise(progress)
 q = np.array([0.0, -1.6, 1.9, -1.9, -1.6, 0.0]) + np.outer(way, [1.2, 0.3, -0.4, 0.5, 0.6, 2.0])
 q += np.random.default_rng(3).normal(scale=3e-4, size=q.shape)
 q[[150, 151], 2] += 1.5
@@ -40,7 +40,7 @@ for suffix in ("json", "yaml", "script"):
 
 figure, axes = plt.subplots(2, 1, figsize=(8, 6), layout="constrained")
 axes[0].plot(recording.times, recording.positions, ".", markersize=2)
-axes[0].set(title="recorded: trembling, a leap, a gap, a rest", ylabel="joints, rad")
+axes[0].set(title="recorded: tremor, a spike, a gap, a pause", ylabel="joints, rad")
 axes[1].plot(joints.times, joints.positions)
 axes[1].axvline(joints.events[0].time, color="0.5", linestyle=":", label=joints.events[0].name)
 axes[1].set(title="for the controller", xlabel="time, s", ylabel="joints, rad")

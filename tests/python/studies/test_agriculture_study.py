@@ -60,7 +60,7 @@ def outcome(tmp_path_factory, recordings_folder):
         ("harvesting",), (0, 1), between=False, recordings=str(recordings_folder)
     )
     out = tmp_path_factory.mktemp("agriculture")
-    return run(STUDY, config, out=out, jobs=1), out
+    return run(STUDY, config, out=out), out
 
 
 @pytest.fixture(scope="module")

@@ -22,7 +22,7 @@ BELL = 16.0 * U**2 * (1.0 - U) ** 2
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
     out = tmp_path_factory.mktemp("human")
-    return run(STUDY, CONFIG, out=out, jobs=1), out
+    return run(STUDY, CONFIG, out=out), out
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,7 @@ NUMBERS = pytest.mark.parametrize("number", APPROACHES)
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
     out = tmp_path_factory.mktemp("singularity")
-    return run(STUDY, CONFIG, out=out, jobs=1), out
+    return run(STUDY, CONFIG, out=out), out
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from leadthrough_studies.trajectories.study import TrajectoriesConfig
 def outcome(tmp_path_factory):
     out = tmp_path_factory.mktemp("trajectories")
     config = TrajectoriesConfig(nodes=(9, 33), splines=2)
-    return run(STUDIES["trajectories"], config, out=out, jobs=1), out
+    return run(STUDIES["trajectories"], config, out=out), out
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from leadthrough_studies.ur3.study import STUDY, Setting, Ur3Config, experiment
 
 COARSE = Setting(resolution=0.025)
 CONFIG = Ur3Config(
-    paces=("slow", "fast"), setting=COARSE, saturations=(0.25, 1.0), areas_of_influence=(0.05,)
+    paces=("slow", "fast"), setting=COARSE, saturations=(1.0,), areas_of_influence=(0.05,)
 )
 
 
