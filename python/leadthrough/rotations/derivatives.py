@@ -109,7 +109,7 @@ def integrate(times: ArrayLike, angular_velocities: ArrayLike, start: ArrayLike)
     first = check.quaternions(start, "start", shape=(4,))
     result = _core.so3_integrate(t, velocities, first)
     if not np.isfinite(result).all():
-        raise InvalidInput("angular_velocities: expected finite turns, got infinite ones")
+        raise InvalidInput("angular_velocities: expected turns of finite size, got infinite ones")
     return result
 
 
