@@ -10,7 +10,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import leadthrough as lt
-from leadthrough.show import plot, probability
+import probability
+from leadthrough.show import plot
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 

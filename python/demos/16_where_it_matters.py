@@ -10,9 +10,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import leadthrough as lt
+import probability
 from leadthrough.models import kmeans, stiffness_profile
 from leadthrough.models.mixtures.fitting import trace_mixture
-from leadthrough.show import plot, probability
+from leadthrough.show import plot
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 

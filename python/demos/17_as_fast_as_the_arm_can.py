@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 import leadthrough as lt
-from leadthrough.show.limits_plot import limits_figure
+from leadthrough.show.plot import limits_figure
 from leadthrough.timing import binding_limits
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
@@ -21,7 +21,7 @@ phase = np.linspace(0.0, 1.0, 301)
 angle = 2.0 * np.pi * lt.trajectories.minimum_jerk_rise(phase)
 tip = np.column_stack([0.45 + 0.12 * np.cos(angle), 0.12 * np.sin(angle), np.full(301, 0.4)])
 poses = lt.PoseTrajectory(6.0 * phase, tip, [(0, 1, 0, 0)] * 301)
-shown = arm.follow(poses, too_fast="exceed_limits")
+shown = arm.follow(poses)
 
 slowed = lt.scale_to_limits(shown, arm.limits)
 fastest = lt.retime(shown, arm.limits)

@@ -36,8 +36,7 @@ if "--live" in sys.argv:
     sys.exit()
 
 planned = skill.generate(obstacles=[with_room])
-followed = arm.follow(planned, too_fast="exceed_limits")  # slowed down in the next line
-joints = lt.scale_to_limits(lt.differentiate(followed), arm.limits)
+joints = lt.scale_to_limits(lt.differentiate(arm.follow(planned)), arm.limits)
 print(f"{joints.duration:.2f} s; {arm.check(joints, [box])}")
 view(
     arm,

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-DEMOS = sorted((ROOT / "python" / "demos").glob("*.py"))
+DEMOS = sorted((ROOT / "python" / "demos").glob("[0-9]*.py"))
 
 # Each script runs in a process of its own, forked from one that has imported what others wrote:
 # nothing of leadthrough is there before the script imports it.
@@ -30,6 +30,7 @@ def run_here(script, folder):
     os.environ["MPLBACKEND"] = "agg"
     os.chdir(folder)
     sys.argv = [str(script), str(folder)]
+    sys.path.insert(0, str(script.parent))
     warnings.simplefilter("error")
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):

@@ -1,4 +1,4 @@
-"""A path of the tip as the core takes it, and the joints along it as the core returns them."""
+"""A path of the tip and the joints that follow it, sample by sample: what the core takes, gives."""
 
 from __future__ import annotations
 
@@ -15,14 +15,9 @@ from leadthrough.motion import PoseTrajectory, Trajectory
 
 @dataclass(frozen=True, eq=False)
 class TipPath:
-    """A path of the tip, sample by sample.
+    """times: (n,) s. positions: (n, 3) m. orientations: (n, 4) w, x, y, z, or no rows: free.
 
-    Attributes:
-        times: (n,) s.
-        positions: (n, 3) m.
-        orientations: (n, 4) w, x, y, z, or no rows where they are free.
-        postures: (n, joints) towards which a redundant arm moves in its null space; not finite for
-            joints that may stand anywhere.
+    postures: (n, joints) where a redundant arm moves itself; not finite for joints without a wish.
     """
 
     times: Float64Array
@@ -32,11 +27,7 @@ class TipPath:
 
     @staticmethod
     def of(motion: Any) -> TipPath:
-        """The path of poses, or of points in 3-D.
-
-        Raises:
-            InvalidInput: if the motion is something else.
-        """
+        """The path of poses, or of points in 3-D. Raises InvalidInput."""
         if isinstance(motion, PoseTrajectory):
             return TipPath(motion.times, motion.positions, motion.orientations)
         if isinstance(motion, Trajectory) and motion.positions.shape[1] == 3:
@@ -51,7 +42,7 @@ class TipPath:
 
     @property
     def dimension(self) -> int:
-        """Dimension of the task at a sample: 6 with orientations, 3 without."""
+        """Of the task at a sample: 6 with orientations, 3 without."""
         return 6 if len(self.orientations) else 3
 
     def only(self, samples: Any) -> TipPath:
@@ -61,24 +52,16 @@ class TipPath:
         return TipPath(self.times[samples], self.positions[samples], orientations, postures)
 
     def pull(self, rate: float) -> tuple[Float64Array, Float64Array]:
-        """The postures, and the fractions (n,) of the way there that each sample moves.
-
-        Args:
-            rate: in 1/s.
-        """
-        fractions = np.minimum(rate * np.diff(self.times, prepend=self.times[0]), 1.0)
-        return self.postures, fractions
+        """The postures and (n,) the part of the way there that is gone at each sample, at 1/s."""
+        shares = np.minimum(rate * np.diff(self.times, prepend=self.times[0]), 1.0)
+        return self.postures, shares
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Joints up to and including the first sample that was missed.
+    """Joints up to the first sample that was missed, with it.
 
-    Attributes:
-        q: (k, joints).
-        position_errors: (k,) m.
-        orientation_errors: (k,) rad.
-        reached: number of samples that were not missed.
+    reached: how many samples were not missed.
     """
 
     q: Float64Array

@@ -1,4 +1,4 @@
-"""Figures with matplotlib, without a display: each function draws into axes or a figure given."""
+"""Figures with matplotlib, drawn without a display into given axes or a new figure."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from matplotlib.patches import Rectangle
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array
 from leadthrough.models.marching.model import FastMarchingSkill
-from leadthrough.motion import JointTrajectory, Trajectory
+from leadthrough.motion import JointTrajectory
 from leadthrough.shapes import Box
 from leadthrough.show import palette, style
 
-Style = dict[str, Any]
+Style = dict[str, Any]  # keyword arguments of matplotlib, each of its own type
 
 DEMONSTRATION: Style = {"color": palette.DEMONSTRATION, "linewidth": 0.8}
 HELD_OUT: Style = {"color": palette.BLACK, "linewidth": 1.0, "linestyle": (0, (4, 2))}
@@ -28,7 +28,12 @@ OBSTACLE: Style = {"facecolor": palette.OBSTACLE, "edgecolor": "none"}
 
 
 def draw_velocity_map(axes: Axes, skill: FastMarchingSkill) -> None:
-    """The velocity map of a skill of two dimensions, bright where it is fast."""
+    """Draws the velocity map of a two-dimensional skill; the brighter, the faster.
+
+    Args:
+        axes: where to draw; gets an equal aspect.
+        skill: fitted to two-dimensional demonstrations.
+    """
     lower = skill.grid.origin - 0.5 * skill.grid.spacing
     upper = lower + skill.grid.spacing * np.array(skill.grid.shape)
     axes.imshow(
@@ -44,39 +49,49 @@ def draw_velocity_map(axes: Axes, skill: FastMarchingSkill) -> None:
 
 
 def draw_paths(axes: Axes, paths: Sequence[Float64Array], style: Style, *, label: str) -> None:
-    """The first two coordinates of paths (n, d) in one style, with one entry in the legend."""
+    """Draws the first two coordinates of paths in one style.
+
+    Args:
+        axes: where to draw.
+        paths: points (n, d) of each path.
+        style: keyword arguments of `Axes.plot`, such as `PATH`.
+        label: the one entry of all paths in the legend.
+    """
     for i, path in enumerate(paths):
         axes.plot(path[:, 0], path[:, 1], **style, label=label if i == 0 else None)
 
 
 def draw_box(axes: Axes, box: Box) -> None:
-    """The footprint of a box whose edges are parallel to the axes."""
+    """Draws the footprint of a box whose edges are parallel to the axes.
+
+    Args:
+        axes: where to draw.
+        box: seen along z; its orientation is not used.
+    """
     corner = box.position[:2] - 0.5 * box.size[:2]
     axes.add_patch(Rectangle((corner[0], corner[1]), box.size[0], box.size[1], **OBSTACLE))
 
 
-def draw_speed(axes: Axes, motion: Trajectory, style: Style, *, label: str) -> None:
-    """Speed along a motion over time."""
-    speed = np.linalg.norm(np.gradient(motion.positions, motion.times, axis=0), axis=1)
-    axes.plot(motion.times, speed, **style, label=label)
-    axes.set_xlabel("time in s")
-
-
 @style.applied()
 def joint_figure(trajectory: JointTrajectory, limits: JointLimits) -> Figure:
-    """Positions and velocities of all joints over time, with their limits dashed."""
+    """Positions and velocities of all joints over time, with dashed limits.
+
+    Args:
+        trajectory: its own velocities are drawn, or else differences of its positions.
+        limits: of the same joints.
+    """
     joints = trajectory.positions.shape[1]
     figure = Figure(figsize=(9.0, 1.3 * joints + 0.8), layout="constrained")
     grid = figure.subplots(joints, 2, sharex=True, squeeze=False)
     velocities = trajectory.velocities
     if velocities is None:
         velocities = np.gradient(trajectory.positions, trajectory.times, axis=0)
-    for j, (left, right) in enumerate(grid):
+    for j, ((left, right), name) in enumerate(zip(grid, _names(trajectory), strict=True)):
         left.plot(trajectory.times, trajectory.positions[:, j], **PATH)
         right.plot(trajectory.times, velocities[:, j], **PATH)
         _draw_limits(left, limits.lower[j], limits.upper[j])
         _draw_limits(right, -limits.velocity[j], limits.velocity[j])
-        left.set_ylabel(trajectory.joint_names[j] if trajectory.joint_names else f"joint {j + 1}")
+        left.set_ylabel(name)
         left.yaxis.label.set_fontsize(8)
     grid[0, 0].set_title("position in rad, limits dashed")
     grid[0, 1].set_title("velocity in rad/s, limits dashed")
@@ -85,7 +100,53 @@ def joint_figure(trajectory: JointTrajectory, limits: JointLimits) -> Figure:
     return figure
 
 
+@style.applied()
+def limits_figure(trajectory: JointTrajectory, limits: JointLimits) -> Figure:
+    """Position and its three derivatives of all joints over time, as fractions of the limits.
+
+    Derivatives are differences of the samples: what is drawn is what a controller sees.
+
+    Args:
+        trajectory: only its times and positions are used.
+        limits: of the same joints; the fraction of an unknown limit is drawn as zero.
+    """
+    figure = Figure(figsize=(9.0, 7.5), layout="constrained")
+    panels = figure.subplots(4, 1, sharex=True)
+    middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * (limits.upper - limits.lower)
+    _draw_fractions(panels[0], trajectory.times, (trajectory.positions - middle) / half, "position")
+    rates = (limits.velocity, limits.acceleration, limits.jerk)
+    names = ("velocity", "acceleration", "jerk")
+    for order, (axes, limit, name) in enumerate(zip(panels[1:], rates, names, strict=True), 1):
+        times, values = _differences(trajectory, order)
+        _draw_fractions(axes, times, values / (np.inf if limit is None else limit), name)
+    lines = panels[0].lines[: len(middle)]
+    panels[0].legend(lines, _names(trajectory), fontsize=7, ncols=4, loc="upper right")
+    panels[-1].set_xlabel("time in s")
+    return figure
+
+
+def _names(trajectory: JointTrajectory) -> Sequence[str]:
+    count = trajectory.positions.shape[1]
+    return trajectory.joint_names or [f"joint {j + 1}" for j in range(count)]
+
+
 def _draw_limits(axes: Axes, lower: float, upper: float) -> None:
     for limit in (lower, upper):
         if np.isfinite(limit):
             axes.axhline(limit, **LIMIT)
+
+
+def _draw_fractions(axes: Axes, times: Float64Array, fractions: Float64Array, name: str) -> None:
+    axes.plot(times, fractions, linewidth=1.0)
+    _draw_limits(axes, -1.0, 1.0)
+    axes.set_ylabel(f"{name}\nof its limit")
+    axes.set_ylim(-1.15, 1.15)
+
+
+def _differences(trajectory: JointTrajectory, order: int) -> tuple[Float64Array, Float64Array]:
+    """Times and values (n - order, joints) of a derivative, by differences between samples."""
+    times, values = trajectory.times, trajectory.positions
+    for _ in range(order):
+        values = np.diff(values, axis=0) / np.diff(times)[:, None]
+        times = 0.5 * (times[1:] + times[:-1])
+    return times, values

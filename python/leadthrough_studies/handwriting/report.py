@@ -14,7 +14,7 @@ from leadthrough import io
 from leadthrough.arm import Arm, JointLimits
 from leadthrough.io import joint_trajectory
 from leadthrough.io.atomic import replacing
-from leadthrough.motion import Demonstration
+from leadthrough.motion import Demonstration, Trajectory
 from leadthrough.shapes import Box
 from leadthrough.show import page, plot, style
 from leadthrough.show.scene import Scene, arm_scene
@@ -122,8 +122,8 @@ def _learning_figure(result: Handwriting) -> Figure:
     _draw_motion(left, result)
     left.set_title(f"{result.name} on the table, m")
     left.legend(fontsize=7)
-    plot.draw_speed(right, result.held_out, plot.HELD_OUT, label="held-out demonstration")
-    plot.draw_speed(right, result.reproduction, plot.PATH, label="reproduced from its start")
+    _draw_speed(right, result.held_out, plot.HELD_OUT, label="held-out demonstration")
+    _draw_speed(right, result.reproduction, plot.PATH, label="reproduced from its start")
     right.set_title("speed on the table, m/s")
     right.legend(fontsize=7)
     return figure
@@ -153,3 +153,9 @@ def _draw_motion(axes: Axes, result: Handwriting) -> None:
     plot.draw_paths(axes, [result.reproduction.positions], plot.PATH, label="reproduction")
     plot.draw_paths(axes, [result.detour.positions], plot.DETOUR, label="around the box")
     plot.draw_box(axes, result.box)
+
+
+def _draw_speed(axes: Axes, motion: Trajectory, style: plot.Style, *, label: str) -> None:
+    speed = np.linalg.norm(np.gradient(motion.positions, motion.times, axis=0), axis=1)
+    axes.plot(motion.times, speed, **style, label=label)
+    axes.set_xlabel("time in s")

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from leadthrough.show.limits_plot import draw_phase_plane
 from leadthrough_studies.study import Report, Row, selected
 
 
@@ -86,6 +85,9 @@ def _plane_figure(rows: list[Row]) -> Figure:
     for axes, law in zip(figure.subplots(1, len(laws), squeeze=False).ravel(), laws, strict=True):
         for row in selected(rows, law=law):
             states = np.array(row["states"])
-            draw_phase_plane(axes, states[:, 0], states[:, 1])
+            axes.plot(states[:, 0], states[:, 1], linewidth=1.0)
+            axes.plot(0.0, 0.0, "ko", markersize=4)
         axes.set_title(law)
+        axes.set_xlabel("position")
+        axes.set_ylabel("velocity")
     return figure

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import leadthrough as lt
-from leadthrough.show import limits_plot, palette, plot
+from leadthrough.show import palette, plot
 from leadthrough_studies import study
 
 
@@ -31,7 +31,7 @@ def has_the_style(figure):
     )
 
 
-@pytest.mark.parametrize("draw", [plot.joint_figure, limits_plot.limits_figure])
+@pytest.mark.parametrize("draw", [plot.joint_figure, plot.limits_figure])
 def test_figure_has_the_style_and_leaves_the_users_own(draw, joints, panda):
     before = dict(mpl.rcParams)
     assert has_the_style(draw(joints, panda.limits))

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Generic
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,7 +19,7 @@ from leadthrough.errors import InvalidInput
 from leadthrough.models.promp import observation
 from leadthrough.models.promp.alike import check_alike
 from leadthrough.models.promp.skill import ProMPSkill
-from leadthrough.motion import Motion, MotionT, MotionT_co
+from leadthrough.motion import Motion
 
 # More samples add nothing: neighbours are not independent.
 _MOST_SAMPLES = 50
@@ -35,7 +34,7 @@ _PACE_SPREAD = 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Inference(Generic[MotionT_co]):
+class Inference:
     """What the beginning of a motion tells; entry i is about skill i.
 
     Attributes:
@@ -48,7 +47,7 @@ class Inference(Generic[MotionT_co]):
     probabilities: Float64Array
     durations: Float64Array
     phases: Float64Array
-    skills: tuple[ProMPSkill[MotionT_co], ...]
+    skills: tuple[ProMPSkill, ...]
 
     @property
     def best(self) -> int:
@@ -57,8 +56,8 @@ class Inference(Generic[MotionT_co]):
 
 
 def infer(
-    observed: Motion, skills: Sequence[ProMPSkill[MotionT]], *, prior: ArrayLike | None = None
-) -> Inference[MotionT]:
+    observed: Motion, skills: Sequence[ProMPSkill], *, prior: ArrayLike | None = None
+) -> Inference:
     """Probability, duration and continuation of a motion under each of several skills.
 
     The probabilities treat the skills' distributions as known: with a dozen demonstrations per
@@ -92,12 +91,10 @@ def infer(
     )
 
 
-class _Pace(Generic[MotionT_co]):
+class _Pace:
     """The most likely duration of a partly observed motion under a skill."""
 
-    def __init__(
-        self, observed: Motion, skill: ProMPSkill[MotionT_co], noise: Float64Array
-    ) -> None:
+    def __init__(self, observed: Motion, skill: ProMPSkill, noise: Float64Array) -> None:
         chosen = np.unique(np.linspace(0, len(observed.times) - 1, _MOST_SAMPLES).round())
         self._rows = chosen.astype(int)
         self._observed, self._skill = observed, skill
@@ -111,7 +108,7 @@ class _Pace(Generic[MotionT_co]):
         best = float(scores.max())
         self.evidence = best + float(np.log((np.exp(scores - best) * steps).sum()))
 
-    def conditioned(self) -> ProMPSkill[MotionT_co]:
+    def conditioned(self) -> ProMPSkill:
         """The skill conditioned on the observed part, with the most likely duration."""
         phases, values = self._seen(self.duration)
         return observation.along(self._skill, phases, values).lasting(self.duration)

@@ -1,4 +1,4 @@
-"""Figures of distributions: bands, samples, components, basis functions, steps of clustering."""
+"""Drawings of distributions for demos 15 and 16: bands, samples, mixtures, basis functions."""
 
 from __future__ import annotations
 
