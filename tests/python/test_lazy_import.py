@@ -41,7 +41,7 @@ def test_the_view_is_there_right_after_the_import():
     assert "leadthrough.show.viewing" in modules_after("import leadthrough as lt; lt.show.view")
 
 
-@pytest.mark.parametrize("package", [lt, lt.models, lt.show], ids=lambda each: each.__name__)
+@pytest.mark.parametrize("package", [lt, lt.io, lt.models, lt.show], ids=lambda each: each.__name__)
 def test_every_public_name_is_listed_and_loads(package):
     assert set(package.__all__) <= set(dir(package))
     for name in package.__all__:

@@ -10,6 +10,8 @@ from typing import Annotated
 
 import typer
 
+from leadthrough.io.headers import AngleUnit, QuaternionOrder
+
 _ROBOT = "Robot: panda, tiago, ur3, or the path of a URDF."
 MotionFile = Annotated[
     Path, typer.Argument(help="Motion file, in any format that `leadthrough info` reads.")
@@ -64,14 +66,14 @@ Rate = Annotated[
     typer.Option(help="Sampling rate of recordings without a time column, in Hz."),
 ]
 Angles = Annotated[
-    str | None,
+    AngleUnit | None,
     typer.Option(
         help="Unit of joint angles if the column names do not tell it: radians (the default) or "
         "degrees."
     ),
 ]
 Quaternions = Annotated[
-    str | None,
+    QuaternionOrder | None,
     typer.Option(
         help="Order of quaternion components if the column names do not tell it: wxyz or xyzw."
     ),

@@ -1,8 +1,8 @@
-"""Reads text tables: one sample a row, split at commas, semicolons or tabs, named by a header.
+"""Text tables: one sample per row, cells split at commas, semicolons or tabs, named by a header.
 
-The header is the first row; it may follow or be a row that begins with `#`. Such rows are
-comments everywhere else, but for `# event,<time in s>,"<name>"`. A byte order mark and empty rows
-are skipped.
+The header is the first row that is no comment; where that row is numbers, it is the last comment
+before it. Comments begin with `#` and are skipped, except `# event,<time in s>,"<name>"`; so are
+empty rows and a byte order mark.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from __future__ import annotations
 import csv
 import json
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -21,8 +21,8 @@ from leadthrough.errors import InvalidInput
 from leadthrough.events import Event, Events
 from leadthrough.io import bounds
 from leadthrough.io.atomic import StrPath, replacing
-from leadthrough.io.headers import Columns
-from leadthrough.io.joint_names import checked_joint_names
+from leadthrough.io.joint_columns import checked_joint_names, joint_columns, quantities
+from leadthrough.io.table import Table
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 
 _DELIMITERS = ",;\t"
@@ -31,27 +31,25 @@ _EVENT = "# event,"
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """A row's cells and its line in the file, from 1."""
+    """The cells of a row and its line in the file, counted from 1."""
 
     line: int
     cells: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class CsvTable:
+class CsvTable(Table):
     """The cells of a text table; only columns that are asked for need to be numbers."""
 
-    names: tuple[str, ...]
+    header: tuple[str, ...]
     rows: tuple[Row, ...]
-    roles: Mapping[str, Columns] = field(default_factory=dict)
-    label: str | None = None
-    rate: float | None = None
-    quaternions: str | None = None
-    angles: str | None = None
-    events: Events = ()
+
+    @property
+    def names(self) -> Sequence[str]:
+        return self.header
 
     def numbers(self, name: str) -> Float64Array:
-        column = self.names.index(name)
+        column = self.header.index(name)
         return np.array([_number(row, column, name) for row in self.rows])
 
     def place(self, row: int) -> str:
@@ -59,7 +57,11 @@ class CsvTable:
 
 
 def table(path: Path) -> CsvTable:
-    """The table in a file. Raises InvalidInput."""
+    """The table in a file.
+
+    Raises:
+        InvalidInput: if there is no header, or rows are of different lengths.
+    """
     lines = bounds.text(path).split("\n")
     header, start = _header(lines)
     delimiter = max(_DELIMITERS, key=header.count)
@@ -79,30 +81,49 @@ def table(path: Path) -> CsvTable:
                 f"got {len(row.cells)}"
             )
     if not rows:
-        raise InvalidInput("expected samples below the header, got none")
+        raise InvalidInput("expected rows of samples below the header, got none")
     return CsvTable(names, tuple(rows), events=_events(lines))
 
 
 def write(motion: Motion, path: StrPath) -> None:
-    """Writes one row a sample, to the last digit, with columns that reading finds by their names.
+    """Writes one row per sample, to the last digit, with columns that reading finds by their names.
 
-    `time` in s; `x`, `y`, `z` in m and `qw`, `qx`, `qy`, `qz`; or a joint's name for its position
-    and, where the trajectory has them, `<name>_velocity` and `<name>_acceleration`. Comments tell
-    the events.
-    Raises InvalidInput for joints without different, printable names, points of more than three
-    numbers and a path that cannot be written.
+    These are `time` in s; `x`, `y`, `z` in m and `qw`, `qx`, `qy`, `qz`; or a joint's name for its
+    position and, where the trajectory has them, `<name>_velocity` and `<name>_acceleration`.
+    Events become comments.
+
+    Args:
+        motion: points of two or three coordinates, poses or joints with names.
+        path: file to write.
+
+    Raises:
+        InvalidInput: if the points have other dimensions, the joints have no different, printable
+            names, or the path cannot be written.
     """
-    names, parts = _columns(motion)
+    columns = _columns(motion)
+    rows = np.column_stack([motion.times, *columns.values()])
+    write_rows(path, ["time", *columns], rows, motion.events)
+
+
+def write_rows(
+    path: StrPath, header: Iterable[str], rows: Float64Array, events: Events = ()
+) -> None:
+    """Writes a table to the last digit, and a comment for each event.
+
+    Args:
+        path: file to write.
+        header: names of k columns.
+        rows: numbers (n, k).
+        events: on the clock of the time column.
+
+    Raises:
+        InvalidInput: if the path cannot be written.
+    """
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["time", *names])
-        writer.writerows(np.column_stack([motion.times, *parts]).tolist())
-        file.writelines(event_rows(motion.events))
-
-
-def event_rows(events: Events) -> list[str]:
-    """A comment for each event, with the name as JSON writes it."""
-    return [f"{_EVENT}{event.time!r},{json.dumps(event.name)}\n" for event in events]
+        writer.writerow(header)
+        writer.writerows(rows.tolist())
+        file.writelines(f"{_EVENT}{each.time!r},{json.dumps(each.name)}\n" for each in events)
 
 
 def _events(lines: Sequence[str]) -> Events:
@@ -119,26 +140,22 @@ def _events(lines: Sequence[str]) -> Events:
     return tuple(found)
 
 
-def _columns(motion: Motion) -> tuple[list[str], list[Float64Array]]:
-    if not isinstance(motion, JointTrajectory):
-        width = motion.positions.shape[1]
-        if width not in (2, 3):
-            raise InvalidInput(f"motion: expected points of two or three numbers, got {width}")
-        if isinstance(motion, PoseTrajectory):
-            return [*"xyz", "qw", "qx", "qy", "qz"], [motion.positions, motion.orientations]
-        return list("xyz"[:width]), [motion.positions]
-    joints = checked_joint_names(motion)
-    names, parts = list(joints), [motion.positions]
-    for quantity in ("velocity", "acceleration"):
-        values = motion.velocities if quantity == "velocity" else motion.accelerations
-        if values is not None:
-            names += [f"{joint}_{quantity}" for joint in joints]
-            parts.append(values)
-    return names, parts
+def _columns(motion: Motion) -> dict[str, Float64Array]:
+    if isinstance(motion, JointTrajectory):
+        return joint_columns(checked_joint_names(motion), quantities(motion))
+    width = motion.positions.shape[1]
+    if width not in (2, 3):
+        raise InvalidInput(
+            f"motion: expected points of two or three coordinates, got {width}; .npz takes any"
+        )
+    columns = dict(zip("xyz", motion.positions.T, strict=False))
+    if isinstance(motion, PoseTrajectory):
+        columns |= dict(zip(("qw", "qx", "qy", "qz"), motion.orientations.T, strict=True))
+    return columns
 
 
 def _header(lines: Sequence[str]) -> tuple[str, int]:
-    """The row of names and its line, from 1."""
+    """The row of names and its line, counted from 1."""
     comment: tuple[str, int] | None = None
     for number, line in enumerate(lines, 1):
         if line.startswith("#"):
@@ -151,7 +168,7 @@ def _header(lines: Sequence[str]) -> tuple[str, int]:
                 raise InvalidInput(f"line {number}: expected a header of column names, got numbers")
             return comment
     if comment is None:
-        raise InvalidInput("expected a table with a header, got an empty file")
+        raise InvalidInput("expected a table with a header, got a file without rows")
     return comment
 
 
@@ -179,7 +196,7 @@ def _number(row: Row, column: int, name: str) -> float:
     if not cell:
         return float("nan")
     try:
-        # Python takes 1_000 for a number; no recorder writes it.
+        # Python reads 1_000 as a number; no recorder writes it.
         return float("one" if "_" in cell else cell)
     except ValueError:
         raise InvalidInput(

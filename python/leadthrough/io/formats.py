@@ -25,14 +25,21 @@ from leadthrough.io.request import Request
 from leadthrough.io.table import Table
 
 Read = Callable[[Path, Request], Sequence[Table]]
-Write = Callable[[Any, StrPath], None]  # checks what it is given
+Write = Callable[[Any, StrPath], None]  # Any: each checks whether it can write the motion
 
 
 @dataclass(frozen=True)
 class Format:
-    """name: as `write_motion` takes it. title: for people. suffixes: with their dot, lower case.
+    """One format, to read, to write or both.
 
-    marker: what lies in a folder of this format. extra: what has to be installed for it.
+    Attributes:
+        name: as `write_motion` takes it.
+        title: for messages and lists.
+        suffixes: of its files, with their dot, in lower case.
+        read: returns the tables in a file.
+        write: writes a motion to a file.
+        marker: file that tells a folder of this format.
+        extra: of leadthrough, which the format needs.
     """
 
     name: str
@@ -42,6 +49,21 @@ class Format:
     write: Write | None = None
     marker: str | None = None
     extra: str | None = None
+
+    def tables(self, path: Path, request: Request) -> Sequence[Table]:
+        """The tables in a file or folder.
+
+        Args:
+            path: of the file or folder.
+            request: what the user says about it.
+
+        Raises:
+            InvalidInput: if it cannot be read; without the file's name.
+            MissingDependency: if the extra is not installed.
+            OSError: if the file system refuses.
+        """
+        assert self.read is not None
+        return self.read(path, request)
 
 
 def _one(read: Callable[[Path], Table]) -> Read:
@@ -94,12 +116,19 @@ FORMATS = (
 
 
 def of_file(path: Path) -> Format:
-    """The format of a file or folder that is there. Raises InvalidInput."""
+    """The format of a file or folder to read.
+
+    Args:
+        path: of the file or folder.
+
+    Raises:
+        InvalidInput: if there is none, or its format is unknown.
+    """
     if path.is_dir():
         for found in FORMATS:
             if found.marker is not None and (path / found.marker).is_file():
                 return found
-        raise InvalidInput("expected a file, a ROS 2 bag or a LeRobot data set, got a folder")
+        raise InvalidInput("expected a file, a ROS 2 bag or a LeRobot data set, got another folder")
     if not path.is_file():
         raise InvalidInput("no such file")
     readable = [each for each in FORMATS if each.read is not None]
@@ -110,7 +139,15 @@ def of_file(path: Path) -> Format:
 
 
 def to_write(path: StrPath, name: str | None) -> Format:
-    """The format to write, by its name or else by the suffix of a path. Raises InvalidInput."""
+    """The format to write.
+
+    Args:
+        path: file to write, whose suffix decides where no name is given.
+        name: of the format, or None.
+
+    Raises:
+        InvalidInput: if no format has this name, or this suffix.
+    """
     writable = [each for each in FORMATS if each.write is not None]
     suffix = Path(path).suffix.lower()
     for each in writable:
@@ -118,7 +155,7 @@ def to_write(path: StrPath, name: str | None) -> Format:
             return each
     if name is None:
         raise InvalidInput(
-            f"path: expected {_suffixes(writable)}, or say the format; got {suffix!r}"
+            f"path: expected {_suffixes(writable)}, got {suffix!r}; change it or set format"
         )
     names = ", ".join(repr(each.name) for each in writable)
     raise InvalidInput(f"format: expected one of {names}, got {name!r}")

@@ -1,17 +1,18 @@
-"""Finds what a recording's columns hold by their names, upper or lower case.
+"""Finds what a recording's columns hold by their names, in upper or lower case.
 
-time: `time`, `times`, `t`, `timestamp`, `stamp`.
-positions: `x`, `y` and, where there is one, `z`, alone or after `p`, `pos`, `position` or
-`translation` (`px`, `pos_x`, `position.x`, `current_pos_x`).
-orientations: `w`, `x`, `y`, `z` after `q`, `quat`, `quaternion`, `orientation`, `rotation` or
-`rot` (`qw`, `orientation_w`, `current_orientation_w`).
-joints: `joint`, `j`, `q` or `q_d` with a number (`joint_1`, `panda_joint1`, `q0`, `q[0]`), in the
-order of the numbers, which start at 0 or 1 and leave none out; or names that end in `_joint`
-(`shoulder_pan_joint`), in the order of the file. `<joint>_velocity` or `d<joint>` and
-`<joint>_acceleration` or `dd<joint>` go with them.
-Arrays that hold a whole part at once: `positions`, `position`, `pos`; `orientations`,
-`orientation`, `quaternions`, `quaternion`, which may say their order (`orientations_wxyz`,
-`quaternion_xyzw`); `joints`, `joint_positions`, with `velocities` and `accelerations`.
+- Time: `time`, `times`, `t`, `timestamp`, `stamp`.
+- Positions: `x`, `y` and, where there is one, `z`, alone or after `p`, `pos`, `position` or
+  `translation` (`px`, `pos_x`, `position.x`, `current_pos_x`).
+- Orientations: `w`, `x`, `y`, `z` after `q`, `quat`, `quaternion`, `orientation`, `rotation` or
+  `rot` (`qw`, `orientation_w`, `current_orientation_w`).
+- Joints: `joint`, `j`, `q` or `q_d` with a number (`joint_1`, `panda_joint1`, `q0`, `q[0]`), in the
+  order of the numbers, which start at 0 or 1 without a gap; or names that end in `_joint`
+  (`shoulder_pan_joint`), in the order of the file. Their derivatives are `<joint>_velocity` or
+  `d<joint>`, and `<joint>_acceleration` or `dd<joint>`.
+- Arrays that hold all components at once: `positions`, `position`, `pos`; `orientations`,
+  `orientation`, `quaternions`, `quaternion`, which may state their order (`orientations_wxyz`,
+  `quaternion_xyzw`); `joints`, `joint_positions`, with `velocities` and `accelerations`.
+
 A name may end in its unit (`time_ns`, `joint_1_deg`, `x [mm]`, `t (ms)`); without one the unit is
 that of SI.
 """
@@ -21,8 +22,14 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
+from typing import Literal
 
 Columns = tuple[str, ...]
+AngleUnit = Literal["radians", "degrees"]
+QuaternionOrder = Literal["wxyz", "xyzw"]
+
+# What the name of a joint's column adds to the joint's own name.
+JOINT_SUFFIXES = {"positions": "", "velocities": "_velocity", "accelerations": "_acceleration"}
 
 _TIME = {"time", "times", "t", "timestamp", "stamp"}
 _POSITION = {"p", "pos", "position", "translation"}
@@ -32,7 +39,7 @@ _WHOLE = {
     "orientations": {"orientations", "orientation", "quaternions", "quaternion"},
     "joints": {"joints", "joint_positions"},
 }
-_DERIVATIVES = {"velocities": ("_velocity", "d"), "accelerations": ("_acceleration", "dd")}
+_PREFIXES = {"velocities": "d", "accelerations": "dd"}
 _ORDERED = re.compile(r"(?P<name>.*?)[_.\-/ ]?(?P<order>wxyz|xyzw)", re.IGNORECASE)
 _COMPONENT = re.compile(r"(?P<part>.*?)[_.\-/ ]?(?P<axis>[wxyz])")
 _NUMBERED_JOINT = re.compile(
@@ -51,7 +58,15 @@ _UNITS: dict[str, dict[str, float]] = {
 
 
 def unit(name: str, role: str) -> tuple[str, float | None]:
-    """A column's name without its unit, and that unit in SI; None where the name has none."""
+    """A column's name without its unit, and the factor from that unit to SI.
+
+    Args:
+        name: of the column.
+        role: "time", "positions" or "joints"; no other column's name states its unit.
+
+    Returns:
+        The plain name and the factor, which is None where the name states no unit.
+    """
     match = _WITH_UNIT.fullmatch(name)
     if match is None:
         return name, None
@@ -65,7 +80,7 @@ def is_whole(name: str) -> bool:
 
 
 def quaternion_order(names: Columns) -> str | None:
-    """The order of a quaternion's components that names of columns state, such as "xyzw"."""
+    """The order of a quaternion's components, such as "xyzw", if the columns' names state it."""
     if len(names) == 1:
         match = _ORDERED.fullmatch(names[0])
         return match["order"].lower() if match else None
@@ -74,7 +89,7 @@ def quaternion_order(names: Columns) -> str | None:
 
 
 def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
-    """Every choice of columns that fits each of time, positions, orientations and joints."""
+    """Every choice of columns for each of time, positions, orientations and joints."""
     found: dict[str, list[Columns]] = {
         "time": [(name,) for name in names if unit(name, "time")[0].lower() in _TIME],
         **{
@@ -95,8 +110,8 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
 def derivatives(names: Sequence[str], joints: Columns) -> dict[str, Columns]:
     """The columns of the joints' velocities and accelerations, where all joints have them."""
     found: dict[str, Columns] = {}
-    for role, (suffix, prefix) in _DERIVATIVES.items():
-        choices = [tuple(joint + suffix for joint in joints)]
+    for role, prefix in _PREFIXES.items():
+        choices = [tuple(joint + JOINT_SUFFIXES[role] for joint in joints)]
         choices.append(tuple(prefix + joint for joint in joints))
         if len(joints) == 1 and is_whole(joints[0]):
             choices.append((role,))

@@ -2,29 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Protocol
 
 import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io.headers import Columns
+from leadthrough.io.joint_columns import joint_columns
 from leadthrough.io.table import ArrayTable
 
 
-def table(times: Float64Array, states: Sequence[Any], wanted: Columns | None) -> ArrayTable:
-    """The joints wanted, or all if every message has the same ones, in the first one's order.
+class JointState(Protocol):
+    """A sensor_msgs/JointState."""
 
-    times: (n,) s. states: n messages with `name`, `position` and `velocity`. Joints that come in
-    different messages are read at the first one's times, between the others' samples.
-    Raises InvalidInput.
+    name: Sequence[str]
+    position: Sequence[float]
+    velocity: Sequence[float]
+
+
+def table(times: Float64Array, states: Sequence[JointState], wanted: Columns | None) -> ArrayTable:
+    """The positions of joints, and their velocities where every message has them.
+
+    Joints that come in different messages are interpolated to the times of the first joint.
+
+    Args:
+        times: of the messages, (n,) s.
+        states: the messages, n.
+        wanted: names of the joints; by default all, in the first message's order, if every
+            message has the same ones.
+
+    Raises:
+        InvalidInput: if messages have different joints and none are named, if there is no joint of
+            a name, or if the joints were never recorded at the same time.
     """
     groups = {frozenset(state.name): tuple(state.name) for state in states if state.name}
     if wanted is None and len(groups) != 1:
         listed = " | ".join(", ".join(group) for group in groups.values()) or "none"
         raise InvalidInput(
-            f"columns: messages name different joints, {listed}; "
+            f"columns: the messages have different joints, {listed}; "
             "name the ones to read in columns['joints']"
         )
     joints = wanted or next(iter(groups.values()))
@@ -32,13 +49,18 @@ def table(times: Float64Array, states: Sequence[Any], wanted: Columns | None) ->
     together = [i for i, state in enumerate(states) if set(joints) <= set(state.name)]
     if not together:
         return _merged(times, states, joints)
-    positions = _matrix([states[i] for i in together], joints, "position")
-    columns = {"time": times[together]} | dict(zip(joints, positions.T, strict=True))
-    if all(len(states[i].velocity) == len(states[i].name) for i in together):
-        velocities = _matrix([states[i] for i in together], joints, "velocity")
+    whole = [states[i] for i in together]
+    values = {"positions": _matrix(whole, joints, "position")}
+    if all(len(state.velocity) == len(state.name) for state in whole):
+        velocities = _matrix(whole, joints, "velocity")
         if np.isfinite(velocities).all():
-            columns |= {f"{name}_velocity": velocities[:, i] for i, name in enumerate(joints)}
-    return ArrayTable(columns, roles={"time": ("time",), "joints": joints}, angles="radians")
+            values["velocities"] = velocities
+    return _table(times[together], joints, joint_columns(joints, values))
+
+
+def _table(times: Float64Array, joints: Columns, columns: Mapping[str, Float64Array]) -> ArrayTable:
+    roles = {"time": ("time",), "joints": joints}
+    return ArrayTable({"time": times, **columns}, roles=roles, angles="radians")
 
 
 def _check_known(joints: Columns, groups: dict[frozenset[str], Columns]) -> None:
@@ -49,17 +71,20 @@ def _check_known(joints: Columns, groups: dict[frozenset[str], Columns]) -> None
         raise InvalidInput(f"columns['joints']: no joint {missing[0]!r}; there are {listed}")
 
 
-def _matrix(states: Sequence[Any], joints: Columns, field: str) -> Float64Array:
+def _matrix(states: Sequence[JointState], joints: Columns, field: str) -> Float64Array:
     rows = []
     for state in states:
         values = getattr(state, field)
         if len(values) != len(state.name):
-            raise InvalidInput(f"expected a {field} for each of {state.name}, got {len(values)}")
+            raise InvalidInput(
+                f"{field}: expected {len(state.name)} numbers, one for each of "
+                f"{', '.join(state.name)}, got {len(values)}"
+            )
         rows.append([values[state.name.index(joint)] for joint in joints])
     return np.array(rows, dtype=np.float64)
 
 
-def _merged(times: Float64Array, states: Sequence[Any], joints: Columns) -> ArrayTable:
+def _merged(times: Float64Array, states: Sequence[JointState], joints: Columns) -> ArrayTable:
     series = []
     for joint in joints:
         rows = [i for i, state in enumerate(states) if joint in state.name]
@@ -70,8 +95,9 @@ def _merged(times: Float64Array, states: Sequence[Any], joints: Columns) -> Arra
     clock = series[0][0]
     clock = clock[(clock >= first) & (clock <= last)]
     if len(clock) == 0:
-        raise InvalidInput(f"expected joints that move at the same time, got {', '.join(joints)}")
+        raise InvalidInput(
+            f"columns['joints']: {', '.join(joints)} were not recorded at the same time; "
+            "read them one by one"
+        )
     columns = {joint: np.interp(clock, *own) for joint, own in zip(joints, series, strict=True)}
-    return ArrayTable(
-        {"time": clock, **columns}, roles={"time": ("time",), "joints": joints}, angles="radians"
-    )
+    return _table(clock, joints, columns)

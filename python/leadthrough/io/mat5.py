@@ -11,16 +11,18 @@ import struct
 import zlib
 from collections.abc import Iterator
 from itertools import islice
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leadthrough.errors import InvalidInput
 from leadthrough.io import bounds
 
 # An array of numbers, a structure as a dict, a cell array or an array of structures as a list, in
-# MATLAB's order of elements; None for what is neither: text, complex, sparse, objects.
-Value = Any
+# MATLAB's order of elements; None for anything else: text, complex, sparse, objects.
+# Any: of whatever number type the file has.
+Value: TypeAlias = "NDArray[Any] | dict[str, Value] | list[Value] | None"
 Elements = Iterator[tuple[int, memoryview]]
 
 _HEADER_SIZE = 128
@@ -30,28 +32,33 @@ _COMPLEX = 0x0800
 _NUMBER_TYPES = {
     1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"
 }  # fmt: skip
-_DEEPEST = 32  # cells in cells; no recording nests so deep
+_DEEPEST = 32  # levels of cells within cells; no recording nests so deep
 
 _DAMAGE = (ValueError, KeyError, IndexError, StopIteration, MemoryError, struct.error, zlib.error)
 
 
 def variables(content: bytes) -> dict[str, Value]:
-    """The variables in a file's bytes, by name. Raises InvalidInput."""
+    """The variables of a file, by name.
+
+    Args:
+        content: all bytes of the file.
+
+    Raises:
+        InvalidInput: if it is no MATLAB file of versions 5 to 7.2, or damaged.
+    """
     order = {b"IM": "<", b"MI": ">"}.get(content[126:_HEADER_SIZE])
     if order is None:
         raise InvalidInput("expected a MATLAB file of version 5 to 7.2, got something else")
     if struct.unpack_from(order + "H", content, 124)[0] != 0x0100:
         raise InvalidInput("expected MATLAB 7.2 or older; save with -v7")
     found = {}
-    try:
+    with bounds.reading("MATLAB file", damage=_DAMAGE):
         for kind, data in _elements(memoryview(content)[_HEADER_SIZE:], order):
             if kind == _COMPRESSED:
                 kind, data = next(_elements(memoryview(_inflated(data)), order))  # noqa: PLW2901
             if kind == _MATRIX:
                 name, value = _matrix(data, order, 0)
                 found[name] = value
-    except _DAMAGE as error:
-        raise InvalidInput(f"a damaged MATLAB file ({error})") from None
     return found
 
 
@@ -64,7 +71,10 @@ def _inflated(data: memoryview) -> bytes:
 
 
 def _elements(data: memoryview, order: str) -> Elements:
-    """Kind and content of each element; one of up to four bytes shares its first word with both."""
+    """Kind and content of each element.
+
+    An element of up to four bytes has its kind, size and content in eight bytes together.
+    """
     at = 0
     while at < len(data):
         (word,) = struct.unpack_from(order + "I", data, at)
@@ -105,11 +115,11 @@ def _matrix(data: memoryview, order: str, depth: int) -> tuple[str, Value]:
 def _matrices(parts: Elements, count: int, order: str, depth: int) -> list[Value]:
     values = [_matrix(data, order, depth + 1)[1] for _, data in islice(parts, count)]
     if len(values) != count:
-        raise ValueError(f"{count} elements announced, {len(values)} there")
+        raise ValueError(f"{count} elements announced, {len(values)} found")
     return values
 
 
-def _structures(parts: Elements, count: int, order: str, depth: int) -> list[dict[str, Value]]:
+def _structures(parts: Elements, count: int, order: str, depth: int) -> list[Value]:
     width = int(_numbers(next(parts), order)[0])
     text = bytes(next(parts)[1])
     if width <= 0:
@@ -125,6 +135,6 @@ def _structures(parts: Elements, count: int, order: str, depth: int) -> list[dic
     ]
 
 
-def _numbers(element: tuple[int, memoryview], order: str) -> Any:
+def _numbers(element: tuple[int, memoryview], order: str) -> NDArray[Any]:
     kind, data = element
     return np.frombuffer(bytes(data), order + _NUMBER_TYPES[kind]) if len(data) else np.zeros(0)

@@ -8,8 +8,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from leadthrough import optional
 from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, MissingDependency
+from leadthrough.errors import InvalidInput
+from leadthrough.io import bounds
 
 _Mesh = tuple[Float64Array, NDArray[np.int64]]
 
@@ -18,42 +20,55 @@ _STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("at
 
 
 def read_vertices(path: Path) -> Float64Array:
-    """All vertices (n, 3) of a mesh, repeated ones as well, in the file's unit.
+    """All vertices (n, 3) of a mesh, repeated ones included, in the file's unit.
 
-    Raises InvalidInput, MissingDependency.
+    Args:
+        path: mesh file.
+
+    Raises:
+        InvalidInput: if the file cannot be read.
+        MissingDependency: if its format needs the extra `mesh`.
     """
     return _read(path)[0]
 
 
 def read_triangles(path: Path) -> tuple[Float64Array, NDArray[np.int64]]:
-    """Vertices (n, 3) of a mesh, in the file's unit, and the indices (m, 3) of its triangles.
+    """Vertices (n, 3) of a mesh, in the file's unit, and vertex indices (m, 3) of its triangles.
 
-    Polygons are fans of triangles. Raises InvalidInput, MissingDependency.
+    A polygon becomes a fan of triangles.
+
+    Args:
+        path: mesh file.
+
+    Raises:
+        InvalidInput: if the file cannot be read or has no valid triangles.
+        MissingDependency: if its format needs the extra `mesh`.
     """
     vertices, faces = _read(path)
     if len(faces) == 0 or faces.min() < 0 or faces.max() >= len(vertices):
-        raise InvalidInput(f"{path}: expected a mesh of triangles between its own vertices")
+        raise InvalidInput(f"{path}: expected triangles between the mesh's own vertices")
     return vertices, faces
 
 
 def _read(path: Path) -> _Mesh:
     try:
-        match path.suffix.lower():
-            case ".stl":
-                mesh = _stl(path.read_bytes())
-            case ".obj":
-                mesh = _obj(path.read_bytes())
-            case _:
-                mesh = _through_coal(path)
-    except (OSError, ValueError) as error:
-        raise InvalidInput(f"{path}: not a mesh that can be read: {error}") from None
+        with bounds.reading("mesh", damage=(OSError, ValueError, RuntimeError)):
+            match path.suffix.lower():
+                case ".stl":
+                    mesh = _stl(path.read_bytes())
+                case ".obj":
+                    mesh = _obj(path.read_bytes())
+                case _:
+                    mesh = _through_coal(path)
+    except InvalidInput as error:
+        raise InvalidInput(f"{path}: {error}") from None
     if len(mesh[0]) == 0 or not np.isfinite(mesh[0]).all():
         raise InvalidInput(f"{path}: expected a mesh of finite vertices")
     return mesh
 
 
 def _stl(content: bytes) -> _Mesh:
-    # A binary file may begin with "solid" like a text: its length tells.
+    # A binary file may begin with "solid" like a text; its length tells which it is.
     triangles = int.from_bytes(content[_STL_HEADER - 4 : _STL_HEADER], "little")
     if len(content) != _STL_HEADER + triangles * _STL_TRIANGLE.itemsize:
         vertices = _after_word(content, b"vertex")
@@ -84,13 +99,7 @@ def _after_word(content: bytes, word: bytes) -> Float64Array:
 
 
 def _through_coal(path: Path) -> _Mesh:
-    try:
-        import coal  # noqa: PLC0415
-    except ImportError:
-        raise MissingDependency("coal", extra="mesh") from None
-    try:
-        mesh = coal.MeshLoader().load(str(path), np.ones(3))
-    except (RuntimeError, ValueError) as error:
-        raise ValueError(error) from None
+    coal = optional.load("coal", extra="mesh")
+    mesh = coal.MeshLoader().load(str(path), np.ones(3))
     faces = [[mesh.tri_indices(i)[k] for k in range(3)] for i in range(mesh.num_tris)]
     return np.array(mesh.vertices()), np.array(faces, dtype=np.int64).reshape(-1, 3)

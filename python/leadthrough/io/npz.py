@@ -1,6 +1,6 @@
-"""NumPy's .npz archives, never with pickle: one motion a file, one row a sample.
+"""NumPy's .npz archives, never with pickle: one motion per file, one row per sample.
 
-`write` uses the names that reading finds: `times`, `positions` and `orientations_wxyz`, or `joints`
+`write` uses names that reading finds: `times`, `positions` and `orientations_wxyz`, or `joints`
 with `joint_names`, `velocities` and `accelerations`; `event_times` and `event_names`.
 """
 
@@ -24,12 +24,13 @@ from leadthrough.events import Event, Events
 from leadthrough.io import bounds
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.io.headers import Columns
+from leadthrough.io.joint_columns import joint_columns, quantities
 from leadthrough.io.table import ArrayTable
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 
-# What NumPy and zipfile let through on archives that are cut off, encrypted, pickled or altered,
-# and on a single array that was renamed to .npz (TypeError).
-_UNREADABLE = (
+# Errors of NumPy and zipfile for archives that are cut off, encrypted, pickled or altered, and for
+# a single array that was renamed to .npz (TypeError).
+_DAMAGE = (
     ValueError,
     TypeError,
     KeyError,
@@ -45,42 +46,65 @@ _UNREADABLE = (
 
 
 def table(path: Path) -> ArrayTable:
-    """The arrays of an archive as columns. Raises InvalidInput."""
+    """The arrays of an archive as columns.
+
+    Raises:
+        InvalidInput: if the archive is damaged, or `joint_names` does not fit its joints.
+    """
     found = arrays(path)
     joints, names = found.get("joints"), found.get("joint_names")
     if joints is None or names is None:
         return ArrayTable(found, events=_events(found))
     labels = [str(name) for name in names.ravel()]
     if joints.ndim != 2 or len(labels) != joints.shape[1] or len(set(labels)) != len(labels):
-        raise InvalidInput("joint_names: expected a different name for each column of joints")
+        raise InvalidInput("joint_names: expected one name, each only once, per column of joints")
     return _named(found, tuple(labels))
 
 
 def arrays(path: Path) -> dict[str, NDArray[Any]]:
-    """The arrays of an archive by name. Raises InvalidInput."""
-    try:
-        with warnings.catch_warnings():  # NumPy warns of headers as Python 2 wrote them
-            warnings.simplefilter("ignore", UserWarning)
-            _check_claims(path)
-            # NumPy leaves a file open that it opened itself and could not read.
-            with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-                return {name: archive[name] for name in archive.files}
-    except _UNREADABLE as error:
-        raise InvalidInput(f"not a readable .npz archive of plain arrays ({error})") from None
+    """The arrays of an archive, by name.
+
+    Args:
+        path: of the archive.
+
+    Raises:
+        InvalidInput: if the archive is damaged, has arrays of objects or claims too many numbers.
+    """
+    with (
+        bounds.reading(".npz archive of plain arrays", damage=_DAMAGE),
+        warnings.catch_warnings(),  # NumPy warns of headers as Python 2 wrote them
+    ):
+        warnings.simplefilter("ignore", UserWarning)
+        _check_claims(path)
+        # NumPy leaves a file open that it opened itself and could not read.
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
+            return {name: archive[name] for name in archive.files}
 
 
 def write(motion: Motion, path: StrPath) -> None:
-    """Writes a motion to the last bit. Raises InvalidInput."""
+    """Writes a motion to the last bit.
+
+    Args:
+        motion: points, poses or joints.
+        path: file to write.
+
+    Raises:
+        InvalidInput: if it is no motion, or the path cannot be written.
+    """
     if not isinstance(motion, Motion):
         raise InvalidInput(f"motion: expected a motion, got {type(motion).__name__}")
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        np.savez(file, allow_pickle=False, **_content(motion))
+
+
+def _content(motion: Motion) -> dict[str, Any]:
     content: dict[str, Any] = {"times": motion.times}
     if isinstance(motion, JointTrajectory):
-        content["joints"] = motion.positions
+        values = quantities(motion)
+        content["joints"] = values.pop("positions")
         if motion.joint_names:
             content["joint_names"] = np.array(motion.joint_names)
-        for name in ("velocities", "accelerations"):
-            if getattr(motion, name) is not None:
-                content[name] = getattr(motion, name)
+        content |= values
     else:
         content["positions"] = motion.positions
     if isinstance(motion, PoseTrajectory):
@@ -88,18 +112,24 @@ def write(motion: Motion, path: StrPath) -> None:
     if motion.events:
         content["event_times"] = np.array([event.time for event in motion.events])
         content["event_names"] = np.array([event.name for event in motion.events])
-    with replacing(path) as temporary, temporary.open("wb") as file:
-        np.savez(file, allow_pickle=False, **content)
+    return content
 
 
 def _named(found: Mapping[str, NDArray[Any]], names: Columns) -> ArrayTable:
-    """The table with a column a joint."""
-    whole = {"joints": "", "velocities": "_velocity", "accelerations": "_acceleration"}
-    columns = {name: array for name, array in found.items() if name not in whole}
-    for part, suffix in whole.items():
-        if part in found and found[part].shape == found["joints"].shape:
-            columns |= {name + suffix: found[part][:, i] for i, name in enumerate(names)}
-    return ArrayTable(columns, roles={"joints": names}, angles="radians", events=_events(found))
+    """The table with a column for each joint."""
+    whole = {"joints": "positions", "velocities": "velocities", "accelerations": "accelerations"}
+    others = {name: array for name, array in found.items() if name not in whole}
+    fitting = {
+        quantity: found[name]
+        for name, quantity in whole.items()
+        if name in found and found[name].shape == found["joints"].shape
+    }
+    return ArrayTable(
+        others | joint_columns(names, fitting),
+        roles={"joints": names},
+        angles="radians",
+        events=_events(found),
+    )
 
 
 def _events(found: Mapping[str, NDArray[Any]]) -> Events:
@@ -108,12 +138,14 @@ def _events(found: Mapping[str, NDArray[Any]]) -> Events:
     times = check.array(found["event_times"], "event_times", shape=("n",))
     names = [str(name) for name in found["event_names"].ravel()]
     if len(names) != len(times):
-        raise InvalidInput(f"event_names: expected {len(times)}, as event_times, got {len(names)}")
+        raise InvalidInput(
+            f"event_names: expected {len(times)} names, one per event_times, got {len(names)}"
+        )
     return tuple(Event(time, name) for time, name in zip(times.tolist(), names, strict=True))
 
 
 def _check_claims(path: Path) -> None:
-    """Refuses archives whose parts claim more than there is, before any memory is taken."""
+    """Refuses archives whose arrays claim too many numbers, before any memory is taken."""
     with zipfile.ZipFile(path) as archive:
         members = archive.infolist()
         bounds.check_claim(sum(member.file_size for member in members), "the archive")
@@ -124,7 +156,7 @@ def _check_claims(path: Path) -> None:
 
 
 def _claimed(file: Any) -> int:
-    """Bytes that the header of an array claims."""
+    """Bytes that an array takes according to its header."""
     version = np.lib.format.read_magic(file)
     read = {
         (1, 0): np.lib.format.read_array_header_1_0,

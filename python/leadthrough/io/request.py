@@ -1,18 +1,18 @@
-"""What a user says about a file, checked; all of it may be left out."""
+"""What a user says about a file, checked; all of it is optional."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import get_args
 
 from leadthrough import check
 from leadthrough.errors import InvalidInput
-from leadthrough.io.headers import Columns
+from leadthrough.io.headers import AngleUnit, Columns, QuaternionOrder
 
 ROLES = ("time", "positions", "orientations", "joints")
-ORDERS = ("wxyz", "xyzw")
-ANGLES = ("radians", "degrees")
+ORDERS: tuple[QuaternionOrder, ...] = get_args(QuaternionOrder)
+ANGLES: tuple[AngleUnit, ...] = get_args(AngleUnit)
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,18 +21,36 @@ class Request:
 
     columns: Mapping[str, Columns] = field(default_factory=dict)
     rate: float | None = None
-    angles: str | None = None
-    quaternions: str | None = None
+    angles: AngleUnit | None = None
+    quaternions: QuaternionOrder | None = None
     topic: str | None = None
     frames: tuple[str, str] | None = None
 
 
 def checked(
-    *, columns: Any, rate: Any, angles: Any, quaternions: Any, topic: Any, frames: Any
+    columns: object = None,
+    *,
+    rate: object = None,
+    angles: object = None,
+    quaternions: object = None,
+    topic: object = None,
+    frames: object = None,
 ) -> Request:
-    """The request that the arguments make. Raises InvalidInput."""
+    """The request that the arguments of `leadthrough.io.read_recordings` make.
+
+    Args:
+        columns: which columns to read, by role.
+        rate: Hz.
+        angles: unit of the joints.
+        quaternions: order of their components.
+        topic: of a bag.
+        frames: a transform's frame and child frame.
+
+    Raises:
+        InvalidInput: if one of them is wrong.
+    """
     if topic is not None and not isinstance(topic, str):
-        raise InvalidInput(f"topic: expected a name, got {topic!r}")
+        raise InvalidInput(f"topic: expected a topic's name, got {topic!r}")
     return Request(
         _columns(columns),
         None if rate is None else check.number(rate, "rate", above=0.0),
@@ -43,7 +61,7 @@ def checked(
     )
 
 
-def _columns(columns: Any) -> dict[str, Columns]:
+def _columns(columns: object) -> dict[str, Columns]:
     if columns is None:
         return {}
     if not isinstance(columns, Mapping):
@@ -52,27 +70,30 @@ def _columns(columns: Any) -> dict[str, Columns]:
         check.choice(role, "columns", ROLES)
     named = {role: _names(columns[role], f"columns[{role!r}]") for role in columns}
     if "joints" in named and ("positions" in named or "orientations" in named):
-        raise InvalidInput("columns: expected poses or joints, got both")
+        raise InvalidInput("columns: expected either poses or joints, got both")
     if len(named.get("time", ("t",))) != 1:
         raise InvalidInput(f"columns['time']: expected one name, got {len(named['time'])}")
     return named
 
 
-def _names(value: Any, name: str) -> Columns:
+def _names(value: object, name: str) -> Columns:
     names = (value,) if isinstance(value, str) else value
     if not isinstance(names, Sequence) or not all(isinstance(item, str) for item in names):
-        raise InvalidInput(f"{name}: expected column names, got {value!r}")
+        raise InvalidInput(f"{name}: expected names of columns, got {value!r}")
     if not names or len(set(names)) != len(names):
-        raise InvalidInput(f"{name}: expected different names, at least one, got {value!r}")
+        raise InvalidInput(f"{name}: expected at least one name, each only once, got {value!r}")
     return tuple(names)
 
 
-def _frames(value: Any) -> tuple[str, str] | None:
+def _frames(value: object) -> tuple[str, str] | None:
     if value is None:
         return None
-    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 2:
-        raise InvalidInput(f"frames: expected the names of a frame and of its child, got {value!r}")
-    parent, child = value
-    if not isinstance(parent, str) or not isinstance(child, str):
-        raise InvalidInput(f"frames: expected two names, got {value!r}")
-    return parent, child
+    if (
+        isinstance(value, Sequence)
+        and not isinstance(value, str)
+        and len(value) == 2
+        and all(isinstance(name, str) for name in value)
+    ):
+        parent, child = value
+        return parent, child
+    raise InvalidInput(f"frames: expected the names of a frame and its child frame, got {value!r}")

@@ -1,6 +1,6 @@
 """Demonstrations of robomimic and robosuite: HDF5 with a group `data/demo_<i>` for each.
 
-A column is an array of `obs` of one or two axes; `robot0_joint_pos` are the joints,
+The columns are the arrays of `obs` with one or two axes: `robot0_joint_pos` are the joints,
 `robot0_eef_pos` and `robot0_eef_quat` (x, y, z, w) the poses. The rate is the control frequency
 in `env_args`, where there is one. Needs the extra `hdf5`.
 """
@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough.errors import InvalidInput, MissingDependency
+from leadthrough import optional
+from leadthrough.errors import InvalidInput
 from leadthrough.io import bounds
 from leadthrough.io.table import ArrayTable
 
@@ -22,34 +23,25 @@ _ROLES = {
     "positions": "robot0_eef_pos",
     "orientations": "robot0_eef_quat",
 }
-_WIDEST = 256  # numbers a sample; more is a picture
 
 
 def tables(path: Path) -> list[ArrayTable]:
-    """One table a demonstration, in the order of their numbers.
+    """One table per demonstration, in the order of their numbers.
 
-    Raises InvalidInput, MissingDependency.
+    Raises:
+        InvalidInput: if the file is damaged, or not as robomimic writes it.
+        MissingDependency: if h5py is not installed.
     """
-    try:
-        import h5py  # noqa: PLC0415
-    except ImportError:
-        raise MissingDependency("h5py", extra="hdf5") from None
-    try:
-        with h5py.File(path, "r") as file:
-            return _tables(file)
-    except InvalidInput:
-        raise
-    # A damaged file makes h5py raise whatever the damage leads to.
-    except Exception as error:
-        what = " ".join(str(error).split())[:200]
-        raise InvalidInput(f"not a readable robomimic HDF5 file ({what})") from None
+    h5py = optional.load("h5py", extra="hdf5")
+    with bounds.reading("robomimic HDF5 file"), h5py.File(path, "r") as file:
+        return _tables(file)
 
 
 def _tables(file: Any) -> list[ArrayTable]:
     data = file.get("data")
     names = [] if data is None else [name for name in data if str(name).startswith("demo_")]
     if not names:
-        raise InvalidInput("expected groups data/demo_<i>, as robomimic has them, got none")
+        raise InvalidInput("expected groups data/demo_<i>, as robomimic writes them, got none")
     rate = _control_rate(data.attrs.get("env_args"))
     claimed = 0
     found = []
@@ -59,7 +51,11 @@ def _tables(file: Any) -> list[ArrayTable]:
         bounds.check_claim(claimed, "the arrays of obs")
         arrays = {own: np.asarray(each[()]) for own, each in sets.items()}
         roles = {role: (own,) for role, own in _ROLES.items() if own in arrays}
-        found.append(ArrayTable(arrays, roles, name, rate, "xyzw", "radians"))
+        found.append(
+            ArrayTable(
+                arrays, roles=roles, label=name, rate=rate, quaternions="xyzw", angles="radians"
+            )
+        )
     return found
 
 
@@ -67,10 +63,10 @@ def _sets(group: Any) -> dict[str, Any]:
     return {
         name: each
         for name, each in group.items()
-        if isinstance(name, str)  # h5py hands on damaged names as bytes
+        if isinstance(name, str)  # h5py returns damaged names as bytes
         and hasattr(each, "dtype")
         and each.dtype.kind in "fiu"
-        and (each.ndim == 1 or (each.ndim == 2 and each.shape[1] <= _WIDEST))
+        and (each.ndim == 1 or (each.ndim == 2 and each.shape[1] <= bounds.WIDEST))
     }
 
 
@@ -80,7 +76,7 @@ def _number(name: str) -> tuple[int, str]:
 
 
 def _control_rate(arguments: Any) -> float | None:
-    """Hz, from the environment's arguments, where they have it."""
+    """Hz, if the environment's arguments have it."""
     try:
         rate = json.loads(arguments)["env_kwargs"]["control_freq"]
     except (ValueError, TypeError, KeyError, RecursionError):

@@ -1,8 +1,8 @@
 """ROS bags, by rosbags (extra `ros`) and without ROS: ROS 1, and ROS 2 with SQLite or MCAP.
 
-Read are JointState, JointTrajectory, PoseStamped and, where frames are named, transforms. Times are
-those of the messages' headers, or of the bag where these are zero, from the first message on.
-Text on `/events` becomes events.
+JointState, JointTrajectory, PoseStamped and, for named frames, transforms are read. Times are those
+of the messages' headers, or of the bag where these are zero, counted from the first message. Text
+messages on `/events` become events.
 """
 
 from __future__ import annotations
@@ -16,16 +16,20 @@ from typing import Any
 
 import numpy as np
 
+from leadthrough import optional
 from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, LeadthroughError, MissingDependency
+from leadthrough.errors import InvalidInput
 from leadthrough.events import Event, Events
-from leadthrough.io import bounds, joint_states, joint_trajectory
+from leadthrough.io import bounds, joint_states, joint_trajectory, stamps
+from leadthrough.io.headers import JOINT_SUFFIXES
 from leadthrough.io.request import Request
+from leadthrough.io.stamps import NANOSECONDS
 from leadthrough.io.table import ArrayTable
 
-EVENTS_TOPIC = "/events"  # a String for each
+EVENTS_TOPIC = "/events"  # one String message per event
 
-Messages = list[tuple[int, Any]]  # the bag's time in ns, and what came
+# The bag's time in ns and the message. Any: classes that rosbags makes at run time.
+Messages = list[tuple[int, Any]]
 
 _JOINTS = "sensor_msgs/msg/JointState"
 _TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
@@ -39,59 +43,75 @@ _MCAP_RECORD = struct.Struct("<BQ")
 _MCAP_CHUNK_KIND = 6
 _MCAP_CHUNK = struct.Struct("<16xQ")
 _MOST_MESSAGES = 2_000_000
-_NANOSECONDS = 1_000_000_000
 
 
 def tables(path: Path, request: Request) -> list[ArrayTable]:
-    """The motion of the topic asked for, or of the only one that fits.
+    """The motions on the topic asked for, or on the only one that fits.
 
-    Raises InvalidInput, MissingDependency.
+    Args:
+        path: a bag's file or folder.
+        request: what the user says about it.
+
+    Raises:
+        InvalidInput: if the bag cannot be read, or no topic or several fit.
+        MissingDependency: if rosbags is not installed.
     """
     with _opened(path) as bag:
         topic, kind = _chosen(bag, request)
         messages = _messages(bag, topic)
         if not messages:
-            raise InvalidInput(f"topic: {topic!r} has no messages")
+            raise InvalidInput(f"topic: {topic} has no messages")
         found = _TABLES[kind](messages, request)
         return [replace(table, events=_events(bag, messages[0][0], table)) for table in found]
 
 
 def topics(path: Path) -> dict[str, str]:
-    """The type of each topic's messages. Raises InvalidInput, MissingDependency."""
+    """The type of the messages of each topic.
+
+    Args:
+        path: a bag's file or folder.
+
+    Raises:
+        InvalidInput: if the bag cannot be read.
+        MissingDependency: if rosbags is not installed.
+    """
     with _opened(path) as bag:
-        return {name: str(info.msgtype) for name, info in bag.topics.items()}
+        return _kinds(bag)
 
 
 def motions(topics: Mapping[str, str]) -> list[str]:
-    """Those of the topics that can be read without naming frames."""
+    """The topics that have motions and need no named frames.
+
+    Args:
+        topics: the type of the messages of each, as `topics` returns it.
+    """
     return [name for name, kind in topics.items() if kind in _MOTIONS]
 
 
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
-    try:
-        from rosbags.highlevel import AnyReader  # noqa: PLC0415
-        from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
-    except ImportError:
-        raise MissingDependency("rosbags", extra="ros") from None
-    # Bags of SQLite up to ROS 2 Humble don't say what their messages look like.
-    store = get_typestore(Stores.ROS2_HUMBLE)
-    try:
+    highlevel = optional.load("rosbags.highlevel", extra="ros")
+    store = humble_types()
+    with bounds.reading("ROS bag"):
         for file in path.glob("*.mcap") if path.is_dir() else [path]:
             if file.suffix.lower() == ".mcap":
                 _check_chunks(file)
-        with AnyReader([path], default_typestore=store) as bag:
+        with highlevel.AnyReader([path], default_typestore=store) as bag:
             yield bag
-    except LeadthroughError:
-        raise
-    # A damaged bag makes its readers raise whatever the damage leads to.
-    except Exception as error:
-        what = " ".join(str(error).split())[:200] or type(error).__name__
-        raise InvalidInput(f"not a readable ROS bag ({what})") from None
+
+
+def humble_types() -> Any:  # Any: rosbags is optional
+    """The message types of ROS 2 Humble; older SQLite bags don't carry their own.
+
+    Raises:
+        MissingDependency: if rosbags is not installed.
+    """
+    typesys = optional.load("rosbags.typesys", extra="ros")
+    return typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
 
 
 def _check_chunks(path: Path) -> None:
-    """Refuses an MCAP file with a chunk that claims to inflate beyond all bounds."""
+    """Refuses an MCAP file with a chunk that claims to inflate beyond the bounds."""
     size = path.stat().st_size
     at = _MCAP_MAGIC
     with path.open("rb") as file:
@@ -106,18 +126,33 @@ def _check_chunks(path: Path) -> None:
 
 def _chosen(bag: Any, request: Request) -> tuple[str, str]:
     """The topic to read and the type of its messages."""
-    topics = {name: str(info.msgtype) for name, info in bag.topics.items()}
-    listed = ", ".join(f"{name} ({kind.split('/')[-1]})" for name, kind in topics.items()) or "none"
+    topics = _kinds(bag)
     if request.topic is not None:
         kind = topics.get(request.topic, "")
         if kind not in _TABLES:
-            raise InvalidInput(f"topic: expected one of motions, got {request.topic!r}: {listed}")
+            what = f"{request.topic} has no motion" if kind else f"there is no {request.topic}"
+            raise InvalidInput(f"topic: {what}; topics with motions: {_listed(topics)}")
         return request.topic, kind
     fitting = {name: kind for name, kind in topics.items() if kind in _wanted(request)}
-    if len(fitting) != 1:
-        found = "none fits" if not fitting else "several fit"
-        raise InvalidInput(f"topic: {found}, name one (transforms need frames): {listed}")
-    return next(iter(fitting.items()))
+    if len(fitting) == 1:
+        return next(iter(fitting.items()))
+    what = "several topics fit" if fitting else "no topic fits"
+    raise InvalidInput(f"topic: {what}; name one, topics with motions: {_listed(topics)}")
+
+
+def _kinds(bag: Any) -> dict[str, str]:
+    return {name: str(info.msgtype) for name, info in bag.topics.items()}
+
+
+def _listed(topics: Mapping[str, str]) -> str:
+    return (
+        ", ".join(
+            f"{name} ({kind.split('/')[-1]}{', needs frames' if kind in _TRANSFORMS else ''})"
+            for name, kind in topics.items()
+            if kind in _TABLES
+        )
+        or "none"
+    )
 
 
 def _wanted(request: Request) -> Sequence[str]:
@@ -134,18 +169,21 @@ def _messages(bag: Any, topic: str) -> Messages:
     for connection, time, data in bag.messages(connections=connections):
         found.append((time, bag.deserialize(data, connection.msgtype)))
         if len(found) > _MOST_MESSAGES:
-            raise InvalidInput(f"topic: {topic!r} has more than {_MOST_MESSAGES:,} messages")
+            raise InvalidInput(
+                f"topic: expected at most {_MOST_MESSAGES:,} messages, {topic} has more; "
+                "cut the bag"
+            )
     return found
 
 
 def _events(bag: Any, start: int, table: ArrayTable) -> Events:
-    """What came on `/events`; the table's first sample came at start, ns on the bag's clock."""
+    """The events on the table's clock; its first sample came at `start`, ns on the bag's clock."""
     info = bag.topics.get(EVENTS_TOPIC)
     if info is None or info.msgtype != _TEXT:
         return ()
     first = float(table.numbers(table.roles["time"][0])[0])
     return tuple(
-        Event(first + (time - start) / _NANOSECONDS, message.data)
+        Event(first + (time - start) / NANOSECONDS, message.data)
         for time, message in _messages(bag, EVENTS_TOPIC)
     )
 
@@ -170,19 +208,14 @@ def _trajectories(messages: Messages, _: Request) -> list[ArrayTable]:
 
 def _point(point: Any) -> dict[str, Any]:
     due = point.time_from_start
-    return {
-        "time_from_start": {"sec": due.sec, "nanosec": due.nanosec},
-        **{
-            part: getattr(point, part).tolist()
-            for part in ("positions", "velocities", "accelerations")
-        },
-    }
+    values = {quantity: getattr(point, quantity).tolist() for quantity in JOINT_SUFFIXES}
+    return {"time_from_start": {"sec": due.sec, "nanosec": due.nanosec}, **values}
 
 
 def _poses(messages: Messages, _: Request) -> list[ArrayTable]:
     frames = {message.header.frame_id for _, message in messages}
     if len(frames) > 1:
-        raise InvalidInput(f"expected poses in one frame, got {', '.join(sorted(frames))}")
+        raise InvalidInput(f"topic: expected poses in one frame, got {', '.join(sorted(frames))}")
     times = _times([(time, message.header.stamp) for time, message in messages])
     return [_pose_table(times, [(m.pose.position, m.pose.orientation) for _, m in messages])]
 
@@ -209,11 +242,11 @@ def _pose_table(times: Float64Array, poses: list[tuple[Any, Any]]) -> ArrayTable
     return ArrayTable(arrays, roles={"time": ("time",)})
 
 
-def _times(stamps: list[tuple[int, Any]]) -> Float64Array:
-    """Seconds (n,) from the first of the headers' stamps, or of the bag's times."""
-    headers = [int(stamp.sec) * _NANOSECONDS + int(stamp.nanosec) for _, stamp in stamps]
-    chosen = headers if any(headers) else [time for time, _ in stamps]
-    return np.array([time - chosen[0] for time in chosen], dtype=np.float64) / _NANOSECONDS
+def _times(stamped: list[tuple[int, Any]]) -> Float64Array:
+    """Seconds (n,) since the first of the headers' stamps, or of the bag's times."""
+    headers = [stamps.nanoseconds(stamp.sec, stamp.nanosec) for _, stamp in stamped]
+    chosen = headers if any(headers) else [time for time, _ in stamped]
+    return np.array([time - chosen[0] for time in chosen], dtype=np.float64) / NANOSECONDS
 
 
 _TABLES: dict[str, Callable[[Messages, Request], list[ArrayTable]]] = {

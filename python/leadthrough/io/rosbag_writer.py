@@ -1,7 +1,7 @@
 """Motions as ROS 2 bags, by rosbags (extra `ros`) and without ROS.
 
-A path that ends in .mcap or .db3 becomes one file, which `ros2 bag play` takes as it is; any other
-becomes a bag's folder. The bag begins at time 0, where the motion begins. Events are a String each,
+A path that ends in .mcap or .db3 becomes one file, which `ros2 bag play` plays as it is; any other
+becomes a bag's folder. The bag's time 0 is the motion's start. Each event becomes a String message
 on `/events`.
 """
 
@@ -16,26 +16,39 @@ from typing import Any
 
 import numpy as np
 
+from leadthrough import optional
 from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, MissingDependency
-from leadthrough.io import joint_trajectory
+from leadthrough.errors import InvalidInput
+from leadthrough.io import joint_trajectory, stamps
 from leadthrough.io.atomic import StrPath, making_folder, replacing
-from leadthrough.io.joint_names import checked_joint_names
-from leadthrough.io.rosbag import EVENTS_TOPIC
+from leadthrough.io.joint_columns import checked_joint_names
+from leadthrough.io.rosbag import EVENTS_TOPIC, humble_types
+from leadthrough.io.stamps import NANOSECONDS
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 
-_NANOSECONDS = 1_000_000_000
 _NONE = np.zeros(0)
 
 
 def write(motion: Motion, path: StrPath) -> None:
-    """Writes joints by `write_joint_trajectory`, poses by `write_poses`. Raises as they do."""
+    """Writes joints by `write_joint_trajectory`, poses by `write_poses`.
+
+    Args:
+        motion: joints or poses.
+        path: file or folder to write.
+
+    Raises:
+        InvalidInput: as by these functions, or if the motion is one of points.
+        MissingDependency: if rosbags is not installed.
+    """
     if isinstance(motion, JointTrajectory):
         write_joint_trajectory(motion, path)
     elif isinstance(motion, PoseTrajectory):
         write_poses(motion, path)
     else:
-        raise InvalidInput(f"motion: expected joints or poses, got {type(motion).__name__}")
+        raise InvalidInput(
+            "motion: expected joints or poses, which ROS bags can hold, "
+            f"got {type(motion).__name__}"
+        )
 
 
 def write_joint_trajectory(
@@ -44,10 +57,16 @@ def write_joint_trajectory(
     *,
     topic: str = "/joint_trajectory_controller/joint_trajectory",
 ) -> None:
-    """Writes one JointTrajectory, which moves the arm when the bag is played.
+    """Writes a single JointTrajectory message, which moves the arm when the bag is played.
 
-    Raises InvalidInput as `joint_trajectory.message` does, and for a path that cannot be written;
-    MissingDependency.
+    Args:
+        trajectory: as for `joint_trajectory.message`.
+        path: file or folder to write.
+        topic: on which the controller listens.
+
+    Raises:
+        InvalidInput: as by `joint_trajectory.message`, or if the path cannot be written.
+        MissingDependency: if rosbags is not installed.
     """
     content = joint_trajectory.message(trajectory)
     with _bag(path) as bag:
@@ -77,10 +96,17 @@ def write_joint_trajectory(
 def write_joint_states(
     trajectory: JointTrajectory, path: StrPath, *, topic: str = "/joint_states"
 ) -> None:
-    """Writes a JointState for each sample, with velocities where there are some.
+    """Writes a JointState message for each sample, with velocities where there are some.
 
-    Raises InvalidInput for joints without different, printable names and a path that cannot be
-    written; MissingDependency.
+    Args:
+        trajectory: motion of joints with names.
+        path: file or folder to write.
+        topic: of the messages.
+
+    Raises:
+        InvalidInput: if the joints have no different, printable names, or the path cannot be
+            written.
+        MissingDependency: if rosbags is not installed.
     """
     names = list(checked_joint_names(trajectory))
     speeds = trajectory.velocities
@@ -106,9 +132,17 @@ def write_joint_states(
 def write_poses(
     motion: PoseTrajectory, path: StrPath, *, topic: str = "/pose", frame: str = "base_link"
 ) -> None:
-    """Writes a PoseStamped for each sample, in a frame.
+    """Writes a PoseStamped message for each sample.
 
-    Raises InvalidInput for another motion and a path that cannot be written; MissingDependency.
+    Args:
+        motion: poses.
+        path: file or folder to write.
+        topic: of the messages.
+        frame: in which the poses are given.
+
+    Raises:
+        InvalidInput: if the motion is none of poses, or the path cannot be written.
+        MissingDependency: if rosbags is not installed.
     """
     if not isinstance(motion, PoseTrajectory):
         raise InvalidInput(f"motion: expected a PoseTrajectory, got {type(motion).__name__}")
@@ -132,7 +166,7 @@ def write_poses(
 
 @dataclass(frozen=True, eq=False)
 class _Bag:
-    """A bag that is being written, and the types of its messages."""
+    """A bag that is being written, and its message types. Any: rosbags is optional."""
 
     writer: Any
     types: Any
@@ -141,15 +175,14 @@ class _Bag:
         return self.types.types[kind](**fields)
 
     def header(self, time: int, frame: str = "") -> Any:
-        sec, nanosec = divmod(time, _NANOSECONDS)
-        stamp = self.make("builtin_interfaces/msg/Time", sec=sec, nanosec=nanosec)
+        stamp = self.make("builtin_interfaces/msg/Time", **stamps.stamp(time))
         return self.make("std_msgs/msg/Header", stamp=stamp, frame_id=frame)
 
     def write_events(self, motion: Motion) -> None:
-        """Writes what happens, each at its time from the motion's start."""
+        """Writes each event at its time from the motion's start."""
         messages = [
             (
-                round((event.time - float(motion.times[0])) * _NANOSECONDS),
+                round((event.time - float(motion.times[0])) * NANOSECONDS),
                 self.make("std_msgs/msg/String", data=event.name),
             )
             for event in motion.events
@@ -166,26 +199,25 @@ class _Bag:
 
 @contextmanager
 def _bag(path: StrPath) -> Iterator[_Bag]:
-    try:
-        from rosbags.rosbag2 import StoragePlugin, Writer  # noqa: PLC0415
-        from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
-    except ImportError:
-        raise MissingDependency("rosbags", extra="ros") from None
+    rosbag2 = optional.load("rosbags.rosbag2", extra="ros")
+    types = humble_types()
     suffix = Path(path).suffix.lower()
     if suffix == ".bag":
-        raise InvalidInput("path: expected .mcap, .db3 or a folder's name, got .bag, as of ROS 1")
-    plugin = StoragePlugin.MCAP if suffix == ".mcap" else StoragePlugin.SQLITE3
-    types = get_typestore(Stores.ROS2_HUMBLE)
+        raise InvalidInput(
+            "path: expected .mcap, .db3 or the name of a folder, got .bag, which is ROS 1"
+        )
+    storage = rosbag2.StoragePlugin
+    plugin = storage.MCAP if suffix == ".mcap" else storage.SQLITE3
     with (
         _folder_or_file(path, suffix) as folder,
-        Writer(folder, version=8, storage_plugin=plugin) as writer,
+        rosbag2.Writer(folder, version=8, storage_plugin=plugin) as writer,
     ):
         yield _Bag(writer, types)
 
 
 @contextmanager
 def _folder_or_file(path: StrPath, suffix: str) -> Iterator[Path]:
-    """A folder to write the bag to; what becomes of it is what the path asks for."""
+    """A folder to write the bag to; it, or the one file in it, becomes what the path names."""
     if suffix not in (".mcap", ".db3"):
         with making_folder(path) as folder:
             yield folder
@@ -201,7 +233,9 @@ def _folder_or_file(path: StrPath, suffix: str) -> Iterator[Path]:
 
 
 def _nanoseconds(times: Float64Array) -> list[int]:
-    stamps = [round(time * _NANOSECONDS) for time in (times - times[0]).tolist()]
-    if stamps[-1] >= 2**31 * _NANOSECONDS:
-        raise InvalidInput("motion: expected a duration below 2**31 s")
-    return stamps
+    due = [round(time * NANOSECONDS) for time in (times - times[0]).tolist()]
+    if due[-1] >= 2**31 * NANOSECONDS:
+        raise InvalidInput(
+            f"motion: expected a duration below 2**31 s, got {times[-1] - times[0]:.6g} s"
+        )
+    return due

@@ -1,80 +1,70 @@
-"""A recording as named columns, as every reader hands it on."""
+"""A recording as named columns: what every reader returns."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
 
 import numpy as np
 
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.events import Events
-from leadthrough.io.headers import Columns
+from leadthrough.io.headers import AngleUnit, Columns, QuaternionOrder
 
 
-class Table(Protocol):
-    """What a reader returns: columns that become numbers when they are asked for."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Table(ABC):
+    """Columns that become numbers when they are asked for.
 
-    @property
-    def names(self) -> Sequence[str]:
-        """The columns."""
-        ...
+    Attributes:
+        roles: what the format itself says of its columns, whatever their names.
+        label: the recording's own name, where the format gives it one.
+        rate: Hz, where the format states it and there is no time column.
+        quaternions: order of four numbers in one column, where the format fixes it.
+        angles: unit of the joints, where the format fixes it.
+        events: on the table's clock.
+    """
 
-    @property
-    def roles(self) -> Mapping[str, Columns]:
-        """What the format itself says of its columns, whatever their names."""
-        ...
-
-    @property
-    def label(self) -> str | None:
-        """The recording's own name, where the format gives it one."""
-        ...
-
-    @property
-    def rate(self) -> float | None:
-        """Hz, where the format states it and there is no time column."""
-        ...
-
-    @property
-    def quaternions(self) -> str | None:
-        """The order of four numbers in one column, "wxyz" or "xyzw", where the format fixes it."""
-        ...
-
-    @property
-    def angles(self) -> str | None:
-        """The unit of joints, "radians" or "degrees", where the format fixes it."""
-        ...
-
-    @property
-    def events(self) -> Events:
-        """What happened meanwhile, on the table's clock."""
-        ...
-
-    def numbers(self, name: str) -> Float64Array:
-        """The column (n,), or several columns at once (n, k); NaN where there is no number.
-
-        Raises InvalidInput.
-        """
-        ...
-
-    def place(self, row: int) -> str:
-        """Where a sample stands in the file, for messages."""
-        ...
-
-
-@dataclass(frozen=True, eq=False)
-class ArrayTable:
-    """Columns that are arrays already, one row a sample."""
-
-    arrays: Mapping[str, Any]
     roles: Mapping[str, Columns] = field(default_factory=dict)
     label: str | None = None
     rate: float | None = None
-    quaternions: str | None = None
-    angles: str | None = None
+    quaternions: QuaternionOrder | None = None
+    angles: AngleUnit | None = None
     events: Events = ()
+
+    @property
+    @abstractmethod
+    def names(self) -> Sequence[str]:
+        """The names of the columns."""
+
+    @abstractmethod
+    def numbers(self, name: str) -> Float64Array:
+        """A column (n,), or (n, k) where it holds k numbers per sample; NaN where one is missing.
+
+        Args:
+            name: of the column.
+
+        Raises:
+            InvalidInput: if the column holds something other than numbers.
+        """
+
+    @abstractmethod
+    def place(self, row: int) -> str:
+        """Where a sample stands in the file, for messages."""
+
+
+@dataclass(frozen=True, eq=False)
+class ArrayTable(Table):
+    """Columns that are arrays already.
+
+    Attributes:
+        arrays: a column per name, one row per sample; what is not numeric is refused when asked
+            for.
+    """
+
+    arrays: Mapping[str, object]
 
     @property
     def names(self) -> Sequence[str]:

@@ -11,8 +11,8 @@ from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath, replacing
-from leadthrough.io.joint_names import checked_joint_names
-from leadthrough.io.sampling import at_rate
+from leadthrough.io.joint_columns import checked_joint_names
+from leadthrough.io.rate import at_rate
 from leadthrough.motion import JointTrajectory
 
 JOINTS = (
@@ -36,18 +36,27 @@ def write(
 ) -> None:
     """Writes a program: movej to the first configuration, servoj along the rest, stopj.
 
-    rate: Hz, 125 for the UR3, UR5 and UR10, up to 500 for their e-Series; the motion is sampled at
-    it, and events become lines of the log where they are due. lookahead: s, 0.03 to 0.2, and gain:
-    100 to 2000, of servoj. name: the program's. Joints are put in the arm's order by their names,
-    which end in `JOINTS`.
-    Raises InvalidInput for other joints, motions without velocities or that do not start and end
-    at rest, and a path that cannot be written.
+    Events become messages in the controller's log, at the samples where they are due.
+
+    Args:
+        trajectory: motion with velocities that starts and ends at rest. Its joints are put in the
+            arm's order by their names, which end in `JOINTS`.
+        path: file to write.
+        rate: Hz at which the motion is sampled: 125 for the UR3, UR5 and UR10, up to 500 for
+            their e-Series.
+        lookahead: of servoj, 0.03 to 0.2 s.
+        gain: of servoj, 100 to 2000.
+        name: of the program; ASCII letters, digits and underscores.
+
+    Raises:
+        InvalidInput: if an argument is out of bounds, the joints are others, velocities are
+            missing, the motion does not start and end at rest, or the path cannot be written.
     """
     hertz = check.number(rate, "rate", at_least=1.0, at_most=500.0)
     ahead = check.number(lookahead, "lookahead", at_least=0.03, at_most=0.2)
     stiffness = check.number(gain, "gain", at_least=100.0, at_most=2000.0)
     if not isinstance(name, str) or not name.isidentifier() or not name.isascii():
-        raise InvalidInput(f"name: expected letters, digits and underscores, got {name!r}")
+        raise InvalidInput(f"name: expected ASCII letters, digits and underscores, got {name!r}")
     order = _order(checked_joint_names(trajectory))
     times, positions, _ = at_rate(trajectory, hertz)
     ending = f"0, 0, {1.0 / hertz!r}, {ahead!r}, {stiffness!r})"
@@ -63,7 +72,7 @@ def write(
 
 
 def _steps(trajectory: JointTrajectory, times: Float64Array, moves: list[str]) -> list[str]:
-    """The moves after the first, each after the events that come before it."""
+    """The moves after the first, each preceded by the messages of events due before it."""
     due = [
         (int(np.searchsorted(times, event.time - trajectory.times[0])), event.name)
         for event in trajectory.events
@@ -85,7 +94,7 @@ def _order(names: tuple[str, ...]) -> list[int]:
     found = [[i for i, name in enumerate(names) if name.endswith(joint)] for joint in JOINTS]
     if len(names) != len(JOINTS) or any(len(each) != 1 for each in found):
         raise InvalidInput(
-            f"trajectory: expected the joints of a UR arm, {', '.join(JOINTS)}, "
+            f"trajectory: expected the joints of a UR arm, {', '.join(JOINTS)}; "
             f"got {', '.join(names)}"
         )
     return [each[0] for each in found]

@@ -12,7 +12,7 @@ from leadthrough.arm import Arm
 from leadthrough.errors import InvalidInput
 from leadthrough.io import formats, rosbag
 from leadthrough.io.atomic import StrPath
-from leadthrough.io.recording import recording
+from leadthrough.io.columns import recording
 from leadthrough.io.request import Request
 from leadthrough.models import archive
 from leadthrough.preprocess.summary import RecordingSummary, summarize

@@ -70,7 +70,7 @@ def test_joints_are_ordered_by_their_numbers(write):
 
 
 def test_joints_with_a_number_left_out_are_not_guessed(write):
-    with pytest.raises(InvalidInput, match="neither positions nor joints"):
+    with pytest.raises(InvalidInput, match="no names of positions or joints found"):
         read(write("t,joint_1,joint_3\n0,1,2\n"))
 
 
@@ -103,9 +103,9 @@ def test_several_positions_need_a_choice(write):
 def test_a_rate_stands_in_for_time(write):
     path = write("x,y\n1,2\n3,4\n5,6\n")
     assert np.array_equal(read(path, rate=20).times, [0, 0.05, 0.1])
-    with pytest.raises(InvalidInput, match="rate: needed where there is no time"):
+    with pytest.raises(InvalidInput, match="rate: the file has no time column"):
         read(path)
-    with pytest.raises(InvalidInput, match="rate: there is a time column, 't'"):
+    with pytest.raises(InvalidInput, match="rate: the file has a time column, 't'"):
         read(write("t,x,y\n0,1,2\n"), rate=20)
 
 
@@ -135,10 +135,10 @@ def test_dialects_are_understood(write, text):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "got an empty file"),
-        ("\n\n", "got an empty file"),
-        ("t,x,y\n", "expected samples below the header"),
-        ("# t,x,y\n", "expected samples below the header"),
+        ("", "got a file without rows"),
+        ("\n\n", "got a file without rows"),
+        ("t,x,y\n", "expected rows of samples below the header"),
+        ("# t,x,y\n", "expected rows of samples below the header"),
         ("0,1,2\n1,3,4\n", "line 1: expected a header"),
         ("t,x,y\n0,1,2\n1,3\n", "line 3: expected 3 cells, as in the header, got 2"),
         ("t,x,y\n0,1,2,3\n", "line 2: expected 3 cells, as in the header, got 4"),
@@ -152,9 +152,9 @@ def test_dialects_are_understood(write, text):
         ("t,x,y,x\n0,1,2,3\n", "line 1: expected different column names, got 'x' twice"),
         (
             "t,a,b\n0,1,2\n",
-            "neither positions nor joints by their names; name them, there are t, a",
+            "no names of positions or joints found; name the columns to read, there are t, a",
         ),
-        (f"t,q{'1' * 5000}\n0,1\n", "neither positions nor joints"),
+        (f"t,q{'1' * 5000}\n0,1\n", "no names of positions or joints found"),
         ("t,time,x,y\n0,0,1,2\n", "columns: time: several fit, t | time"),
         ('t,x,y\n0,"1,2\n', "line 2: "),
         (b"t,x,y\n0,1,\xff\n", "expected UTF-8 text"),
@@ -184,12 +184,15 @@ def test_any_text_is_read_or_refused(tmp_path_factory, text):
     [
         ({"velocity": ["x"]}, "columns: expected one of 'time', 'positions'"),
         ({"positions": ["x", "u"]}, r"columns\['positions'\]: no column 'u'; there are t, x"),
-        ({"positions": []}, r"columns\['positions'\]: expected different names, at least one"),
-        ({"positions": ["x", "x"]}, r"columns\['positions'\]: expected different names"),
-        ({"positions": 3}, r"columns\['positions'\]: expected column names"),
-        ({"positions": [1, 2]}, r"columns\['positions'\]: expected column names"),
+        ({"positions": []}, r"columns\['positions'\]: expected at least one name, each only"),
+        (
+            {"positions": ["x", "x"]},
+            r"columns\['positions'\]: expected at least one name, each only",
+        ),
+        ({"positions": 3}, r"columns\['positions'\]: expected names of columns"),
+        ({"positions": [1, 2]}, r"columns\['positions'\]: expected names of columns"),
         ({"time": ["t", "x"]}, r"columns\['time'\]: expected one name, got 2"),
-        ({"positions": ["x"], "joints": ["y"]}, "expected poses or joints, got both"),
+        ({"positions": ["x"], "joints": ["y"]}, "expected either poses or joints, got both"),
         ({"positions": ["x", "y", "z"], "orientations": ["qw"]}, "orientations: expected shape"),
         (["x", "y"], "columns: expected a mapping, got list"),
     ],

@@ -71,7 +71,7 @@ def test_json_rounds_a_rest_that_is_almost_one(tmp_path):
 @pytest.mark.parametrize(
     ("trajectory", "message"),
     [
-        (replace(FULL, joint_names=()), "expected joint_names, got none"),
+        (replace(FULL, joint_names=()), "expected joint_names, which the robot needs, got none"),
         (replace(FULL, joint_names=("a", "a")), "expected different, printable joint_names"),
         (replace(FULL, joint_names=("a", "")), "expected different, printable joint_names"),
         (replace(FULL, joint_names=("a", "b\n")), "expected different, printable joint_names"),

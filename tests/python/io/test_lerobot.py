@@ -75,7 +75,7 @@ def test_other_tables_are_refused(tmp_path):
     with pytest.raises(InvalidInput, match="not a readable Parquet file"):
         lt.read_demonstrations(tmp_path / "text.parquet")
     describe(tmp_path, None)
-    with pytest.raises(InvalidInput, match=r"expected data/\*\*/\*.parquet"):
+    with pytest.raises(InvalidInput, match=r"expected files data/\*\*/\*.parquet"):
         lt.read_demonstrations(tmp_path)
 
 

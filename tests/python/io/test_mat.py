@@ -62,8 +62,8 @@ def test_fields_can_be_mapped(save):
     ("variables", "message"),
     [
         ({"a": {"pos": POINTS}, "b": {"pos": POINTS}}, "structures in one variable, got them in a"),
-        ({"demos": {"force": POINTS}}, "neither positions nor joints"),
-        ({"demos": {"pos": POINTS}}, "rate: needed"),
+        ({"demos": {"force": POINTS}}, "no names of positions or joints found"),
+        ({"demos": {"pos": POINTS}}, "rate: the file has no time column"),
         ({"demos": {"pos": POINTS, "t": TIMES[:3]}}, "t: expected one time for each of 5 samples"),
         ({"demos": {"pos": POINTS * np.nan, "t": TIMES}}, "'pos': expected a finite"),
         ({"demos": {"pos": "text", "t": TIMES}}, "pos: expected numbers"),
@@ -71,7 +71,7 @@ def test_fields_can_be_mapped(save):
             {"demos": {"pos": np.zeros((0, 0)), "t": TIMES}},
             "t: expected one time for each of 0 samples",
         ),
-        ({}, "neither positions nor joints"),
+        ({}, "no names of positions or joints found"),
     ],
 )
 def test_what_makes_no_motion_is_refused(save, variables, message):

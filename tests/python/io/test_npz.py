@@ -46,8 +46,8 @@ def test_other_names_can_be_mapped(save):
 @pytest.mark.parametrize(
     ("arrays", "message"),
     [
-        ({"times": TIMES}, "neither positions nor joints"),
-        ({"positions": np.zeros((3, 2))}, "rate: needed"),
+        ({"times": TIMES}, "no names of positions or joints found"),
+        ({"positions": np.zeros((3, 2))}, "rate: the file has no time column"),
         ({"times": TIMES, "positions": np.zeros((2, 2))}, "times: expected one time for each of 2"),
         ({"times": TIMES, "positions": np.full((3, 2), np.inf)}, "'positions': expected a finite"),
         ({"times": TIMES, "positions": np.zeros((3, 2, 2))}, "positions: expected shape"),

@@ -51,7 +51,7 @@ def test_the_rate_is_asked_for_where_the_file_does_not_say(dataset):
     for attribute in ("no json", json.dumps({"env_kwargs": {"control_freq": -1}}), 3):
         with h5py.File(dataset, "a") as file:
             file["data"].attrs["env_args"] = attribute
-        with pytest.raises(InvalidInput, match="rate: needed"):
+        with pytest.raises(InvalidInput, match="rate: the file has no time column"):
             lt.read_demonstrations(dataset, columns=JOINTS)
 
 

@@ -143,7 +143,7 @@ def test_transforms_are_chosen_by_their_frames(record):
     assert np.array_equal(motion.positions[:, 0], range(5))
     with pytest.raises(InvalidInput, match=r"one of \('base', 'tool'\), \('map', 'base'\)"):
         read(path, frames=("base", "nothing"))
-    with pytest.raises(InvalidInput, match=r"none fits, name one .*: /tf \(TFMessage\)"):
+    with pytest.raises(InvalidInput, match=r"no topic fits; .*: /tf \(TFMessage, needs frames\)"):
         read(path)
 
 
@@ -154,7 +154,7 @@ def test_of_several_topics_one_has_to_be_named(record):
         read(path)
     assert type(read(path, topic="/tool")) is lt.PoseTrajectory
     assert type(read(path, columns={"joints": ["a"]})) is lt.JointTrajectory
-    with pytest.raises(InvalidInput, match="expected one of motions, got '/nothing'"):
+    with pytest.raises(InvalidInput, match="no /nothing; topics with motions: /joint_states"):
         read(path, topic="/nothing")
 
 
@@ -201,6 +201,8 @@ def test_a_bag_that_moves_the_arm_has_one_trajectory(tmp_path, ur_motion):
         assert np.array_equal(getattr(back, name), getattr(ur_motion, name))
     assert [event.name for event in back.events] == [event.name for event in ur_motion.events]
     np.testing.assert_allclose([event.time for event in back.events], [0.26, 0.91])
+    with pytest.raises(InvalidInput, match="/events has no motion; topics with motions: /joint_tr"):
+        read(tmp_path / "arm.mcap", topic="/events")
 
 
 def test_a_bag_is_whole_or_not_there(tmp_path, ur_motion, poses):
@@ -209,7 +211,7 @@ def test_a_bag_is_whole_or_not_there(tmp_path, ur_motion, poses):
     (standing / "precious").touch()
     with pytest.raises(InvalidInput, match="cannot be written"):
         rosbag_writer.write_joint_states(ur_motion, standing)
-    with pytest.raises(InvalidInput, match=r"got .bag, as of ROS 1"):
+    with pytest.raises(InvalidInput, match=r"got .bag, which is ROS 1"):
         rosbag_writer.write_poses(poses, tmp_path / "old.bag")
     with pytest.raises(InvalidInput, match="expected joints or poses"):
         lt.write_motion(lt.Trajectory([0, 1], [[0, 0], [1, 1]]), tmp_path / "points.mcap")

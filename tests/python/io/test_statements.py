@@ -77,7 +77,7 @@ def test_a_spike_is_not_taken_for_degrees(table):
 def test_four_numbers_in_one_array_need_an_order(archive, order):
     stored = np.tile([TURN["wxyz".index(axis)] for axis in order], (2, 1))
     path = archive(orientations=stored)
-    with pytest.raises(InvalidInput, match="nothing says the order of orientations; say quaternio"):
+    with pytest.raises(InvalidInput, match="in orientations is not stated; set quaternio"):
         read(path)
     np.testing.assert_allclose(read(path, quaternions=order).orientations, [TURN] * 2)
     path = archive(**{f"orientations_{order}": stored})
@@ -95,7 +95,7 @@ def test_names_of_components_tell_the_order_however_they_are_listed(table):
 def test_names_that_tell_no_component_need_an_order(table):
     path = table("t,x,y,z,r0,r1,r2,r3", (0, 0, 0, 0, 0.6, 0, 0, 0.8))
     columns = {"orientations": ["r0", "r1", "r2", "r3"]}
-    with pytest.raises(InvalidInput, match="nothing says the order of r0, r1, r2, r3"):
+    with pytest.raises(InvalidInput, match="order of the numbers in r0, r1, r2, r3 is not stated"):
         read(path, columns=columns)
     motion = read(path, columns=columns, quaternions="xyzw")
     np.testing.assert_allclose(motion.orientations, [TURN])
@@ -106,9 +106,9 @@ def test_names_that_tell_no_component_need_an_order(table):
     [
         ({"angles": "grad"}, "angles: expected one of 'radians', 'degrees'"),
         ({"quaternions": "wzyx"}, "quaternions: expected one of 'wxyz', 'xyzw'"),
-        ({"topic": 3}, "topic: expected a name"),
+        ({"topic": 3}, "topic: expected a topic's name"),
         ({"frames": "base"}, "frames: expected the names"),
-        ({"frames": (1, 2)}, "frames: expected two names"),
+        ({"frames": (1, 2)}, "frames: expected the names of a frame"),
     ],
 )
 def test_statements_that_say_nothing_are_refused(table, options, message):

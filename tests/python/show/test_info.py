@@ -51,10 +51,10 @@ def test_what_is_missing_to_read_a_file_is_said(tmp_path):
     path.write_text("x,y,joint_1\n1,2,3\n4,5,6\n")
     found = describe(path)
     assert found.facts["columns"] == ["x", "y", "joint_1"]
-    assert "both poses and joints are there" in found.problem
+    assert "the file has both poses and joints" in found.problem
     assert f"! {found.problem}" in str(found)
     found = describe(path, request=Request(columns={"joints": ("joint_1",)}))
-    assert "rate: needed" in found.problem
+    assert "rate: the file has no time column" in found.problem
     found = describe(path, request=Request(columns={"joints": ("joint_1",)}, rate=10.0))
     assert (found.problem, found.recordings[0].joints) == (None, ("joint_1",))
 

@@ -1,0 +1,18 @@
+from . import formats, franka, headers, joint_trajectory, lasa, rosbag_writer, urscript
+from .reading import read_demonstrations, read_recordings
+from .recording import Recording
+from .writing import write_motion
+
+__all__ = [
+    "Recording",
+    "formats",
+    "franka",
+    "headers",
+    "joint_trajectory",
+    "lasa",
+    "read_demonstrations",
+    "read_recordings",
+    "rosbag_writer",
+    "urscript",
+    "write_motion",
+]

@@ -1,0 +1,203 @@
+"""Chooses the columns of a table and makes them a recording: the same for every format."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.io import headers
+from leadthrough.io.headers import AngleUnit, Columns
+from leadthrough.io.recording import Recording
+from leadthrough.io.request import Request
+from leadthrough.io.table import Table
+
+# No arm stays more than two turns from zero for half of a recording; degrees do.
+_FARTHEST_ANGLE = 4.0 * math.pi
+_DEGREE = math.pi / 180.0
+
+
+def recording(table: Table, request: Request, *, name: str = "") -> Recording:
+    """The recording in a table, from the columns asked for or else found by their names.
+
+    Args:
+        table: as a reader returns it.
+        request: what the user says about the file.
+        name: of the recording.
+
+    Raises:
+        InvalidInput: if columns are missing, ambiguous or not numeric.
+    """
+    chosen = _chosen(table, request.columns)
+    _check_there(table, chosen)
+    angles = request.angles or table.angles
+    data = {
+        role: _stacked(table, names, role, angles)
+        for role, names in chosen.items()
+        if role != "time"
+    }
+    times = _times(table, chosen.get("time"), request.rate, len(next(iter(data.values()))))
+    if "joints" in data:
+        _check_angles(chosen["joints"], data["joints"], angles)
+        return Recording(
+            times,
+            data["joints"],
+            joint_names=_joint_names(chosen["joints"], data["joints"]),
+            velocities=data.get("velocities"),
+            accelerations=data.get("accelerations"),
+            events=table.events,
+            name=name,
+        )
+    turned = data.get("orientations")
+    if turned is not None:
+        if turned.shape[1] != 4:
+            raise InvalidInput(f"orientations: expected shape (n, 4), got {turned.shape}")
+        order = _order(table, chosen["orientations"], request)
+        turned = turned[:, [order.index(axis) for axis in "wxyz"]]
+    return Recording(times, data["positions"], turned, events=table.events, name=name)
+
+
+def check_complete(table: Table, request: Request) -> None:
+    """Refuses a table with a missing number, and says where it is.
+
+    Args:
+        table: as a reader returns it.
+        request: what the user says about the file; only columns that it needs count.
+
+    Raises:
+        InvalidInput: for the first cell without a finite number.
+    """
+    for names in _chosen(table, request.columns).values():
+        for name in names:
+            values = table.numbers(name)
+            wrong = np.argwhere(~np.isfinite(values))
+            if len(wrong):
+                raise InvalidInput(
+                    f"{table.place(int(wrong[0, 0]))}, column {name!r}: expected a finite number, "
+                    f"got {values[tuple(wrong[0])]}; `leadthrough clean` leaves such samples out, "
+                    "as do io.read_recordings and preprocess.clean"
+                )
+
+
+def _check_there(table: Table, chosen: Mapping[str, Columns]) -> None:
+    for role, names in chosen.items():
+        for column in names:
+            if column not in table.names:
+                raise InvalidInput(
+                    f"columns[{role!r}]: no column {column!r}; there are {_listed(table.names)}"
+                )
+
+
+def _chosen(table: Table, named: Mapping[str, Columns]) -> dict[str, Columns]:
+    names = table.names
+    found = headers.candidates(names) | {role: [own] for role, own in table.roles.items()}
+    chosen = dict(named)
+    if not chosen.keys() & {"positions", "orientations", "joints"}:
+        chosen |= _only_motion(names, found)
+    elif "orientations" in chosen and "positions" not in chosen:
+        chosen["positions"] = _only(found["positions"], "positions")
+    if "time" not in chosen and found["time"]:
+        chosen["time"] = _only(found["time"], "time")
+    joints = chosen.get("joints", ())
+    if all(headers.unit(name, "joints")[1] is None for name in joints):
+        chosen |= headers.derivatives(names, joints) if joints else {}
+    return chosen
+
+
+def _only_motion(names: Sequence[str], found: Mapping[str, list[Columns]]) -> dict[str, Columns]:
+    if found["positions"] and found["joints"]:
+        raise InvalidInput(
+            "columns: the file has both poses and joints; name the ones to read, positions "
+            f"({_choices(found['positions'])}) or joints ({_choices(found['joints'])})"
+        )
+    if not found["positions"] and not found["joints"]:
+        raise InvalidInput(
+            "columns: no names of positions or joints found; "
+            f"name the columns to read, there are {_listed(names)}"
+        )
+    wanted = ["joints"] if found["joints"] else ["positions", "orientations"]
+    return {role: _only(found[role], role) for role in wanted if found[role]}
+
+
+def _only(found: Sequence[Columns], role: str) -> Columns:
+    if len(found) == 1:
+        return found[0]
+    what = f"several fit, {_choices(found)}" if found else "none found by their names"
+    raise InvalidInput(f"columns: {role}: {what}; name the right ones in columns[{role!r}]")
+
+
+def _stacked(table: Table, names: Columns, role: str, angles: AngleUnit | None) -> Float64Array:
+    parts = [table.numbers(name) * _factor(name, role, angles) for name in names]
+    for name, part in zip(names, parts, strict=True):
+        if len(part) != len(parts[0]):
+            raise InvalidInput(
+                f"{name}: expected as many samples as {names[0]}, {len(parts[0])}, got {len(part)}"
+            )
+    return np.column_stack(parts)
+
+
+def _factor(name: str, role: str, angles: AngleUnit | None) -> float:
+    stated = headers.unit(name, role)[1]
+    if stated is not None:
+        return stated
+    is_angle = role in ("joints", "velocities", "accelerations")
+    return _DEGREE if is_angle and angles == "degrees" else 1.0
+
+
+def _times(table: Table, time: Columns | None, asked: float | None, count: int) -> Float64Array:
+    if time is None:
+        rate = asked or table.rate
+        if rate is None:
+            raise InvalidInput("rate: the file has no time column; give the rate in Hz")
+        return np.arange(count) / rate
+    if asked is not None:
+        raise InvalidInput(f"rate: the file has a time column, {time[0]!r}; leave rate out")
+    times = table.numbers(time[0]) * (headers.unit(time[0], "time")[1] or 1.0)
+    if times.shape != (count,):
+        raise InvalidInput(
+            f"{time[0]}: expected one time for each of {count} samples, got shape {times.shape}"
+        )
+    return times
+
+
+def _joint_names(columns: Columns, positions: Float64Array) -> tuple[str, ...]:
+    if len(columns) != positions.shape[1] or headers.is_whole(columns[0]):
+        return ()
+    return tuple(headers.unit(name, "joints")[0] for name in columns)
+
+
+def _check_angles(columns: Columns, positions: Float64Array, angles: AngleUnit | None) -> None:
+    stated = [headers.unit(name, "joints")[1] is not None for name in columns]
+    if angles is not None or all(stated) or len(positions) == 0:
+        return
+    # NaN is greater than nothing: a joint counts where half of its samples are far away.
+    far = np.count_nonzero(np.abs(positions) > _FARTHEST_ANGLE, axis=0) > 0.5 * len(positions)
+    if far.any():
+        seen = float(np.nanmax(np.abs(positions[:, far])))
+        raise InvalidInput(
+            f"angles: joints reach {seen:.6g}, more than two turns in radians; set "
+            "angles='degrees' or angles='radians'"
+        )
+
+
+def _order(table: Table, columns: Columns, request: Request) -> str:
+    order: str | None = headers.quaternion_order(columns) or request.quaternions
+    if order is None and len(columns) == 1:
+        order = table.quaternions
+    if order is None:
+        raise InvalidInput(
+            f"quaternions: the order of the numbers in {', '.join(columns)} is not stated; set "
+            "quaternions='wxyz' or quaternions='xyzw'"
+        )
+    return order
+
+
+def _choices(found: Sequence[Columns]) -> str:
+    return " | ".join(", ".join(names) for names in found)
+
+
+def _listed(names: Sequence[str], most: int = 40) -> str:
+    return (", ".join(names[:most]) or "none") + (", ..." if len(names) > most else "")

@@ -1,0 +1,161 @@
+"""Reads recordings and demonstrations from files of any format."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from leadthrough.errors import InvalidInput
+from leadthrough.io import formats
+from leadthrough.io.atomic import StrPath
+from leadthrough.io.columns import check_complete, recording
+from leadthrough.io.headers import AngleUnit, QuaternionOrder
+from leadthrough.io.recording import Recording
+from leadthrough.io.request import Request, checked
+from leadthrough.io.table import Table
+from leadthrough.motion import Demonstration, Motion
+
+
+def read_demonstrations(
+    paths: StrPath | Sequence[StrPath],
+    *,
+    columns: Mapping[str, str | Sequence[str]] | None = None,
+    rate: float | None = None,
+    angles: AngleUnit | None = None,
+    quaternions: QuaternionOrder | None = None,
+    topic: str | None = None,
+    frames: Sequence[str] | None = None,
+) -> list[Demonstration]:
+    """The demonstrations in one or several files, in their order; files with faults are refused.
+
+    Formats are text tables (.csv, .tsv, .txt), .npz, .mat, ROS 2 JointTrajectory (.json, .yaml),
+    ROS bags (.bag, .mcap, .db3 or a folder; extra `ros`), robomimic (.hdf5; extra `hdf5`) and
+    LeRobot (.parquet or a folder; extra `lerobot`). A demonstration is named as in the file, or
+    else after it, with [i] where the file has several.
+
+    Joints make a JointTrajectory, positions and orientations a PoseTrajectory, positions alone a
+    Trajectory. A motion and a time (s) that `columns` does not name are found by the names in the
+    file, which `leadthrough.io.headers` lists.
+
+    Args:
+        paths: one file or folder, or several.
+        columns: which columns, arrays or fields to read, any of {"time": name, "positions":
+            [names], "orientations": [names], "joints": [names]}.
+        rate: Hz, > 0, for files without time; their first sample is then at 0 s.
+        angles: unit of joints whose names don't state it, by default radians. Joints that stay
+            beyond two turns are refused until it is set.
+        quaternions: order of four numbers whose names don't state it.
+        topic: topic of a bag, where several have motions.
+        frames: frame and child frame of a transform in a bag.
+
+    Raises:
+        InvalidInput: if a file cannot be read or has faults; the message says which and where.
+        MissingDependency: if the format needs an extra.
+    """
+    request = checked(
+        columns=columns,
+        rate=rate,
+        angles=angles,
+        quaternions=quaternions,
+        topic=topic,
+        frames=frames,
+    )
+    return [
+        Demonstration(_faultless(path, found, table, request), name=found.name)
+        for path in _paths(paths)
+        for table, found in _recordings(path, request)
+    ]
+
+
+def read_recordings(
+    paths: StrPath | Sequence[StrPath],
+    *,
+    columns: Mapping[str, str | Sequence[str]] | None = None,
+    rate: float | None = None,
+    angles: AngleUnit | None = None,
+    quaternions: QuaternionOrder | None = None,
+    topic: str | None = None,
+    frames: Sequence[str] | None = None,
+) -> list[Recording]:
+    """The recordings in one or several files, with missing numbers and faulty times as they are.
+
+    `leadthrough.preprocess.clean` makes demonstrations of them. Formats, names and columns are as
+    for `read_demonstrations`.
+
+    Args:
+        paths: one file or folder, or several.
+        columns: which columns, arrays or fields to read, by role.
+        rate: Hz, > 0, for files without time.
+        angles: unit of joints whose names don't state it.
+        quaternions: order of four numbers whose names don't state it.
+        topic: topic of a bag, where several have motions.
+        frames: frame and child frame of a transform in a bag.
+
+    Raises:
+        InvalidInput: if a file cannot be read; the message says which and where.
+        MissingDependency: if the format needs an extra.
+    """
+    request = checked(
+        columns=columns,
+        rate=rate,
+        angles=angles,
+        quaternions=quaternions,
+        topic=topic,
+        frames=frames,
+    )
+    return [found for path in _paths(paths) for _, found in _recordings(path, request)]
+
+
+@contextmanager
+def blaming(path: Path) -> Iterator[None]:
+    """Puts a file's name before the errors that reading it leads to.
+
+    Raises:
+        InvalidInput: in place of an InvalidInput or OSError.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise InvalidInput(f"{path}: cannot be read ({error.strerror})") from None
+    except InvalidInput as error:
+        raise InvalidInput(f"{path}: {error}") from None
+
+
+def names_of(path: Path, tables: Sequence[Table]) -> list[str]:
+    """The recordings' names: their own, or the file's, with [i] where it has several."""
+    several = len(tables) > 1
+    return [
+        table.label or (f"{path.stem}[{i}]" if several else path.stem)
+        for i, table in enumerate(tables)
+    ]
+
+
+def _paths(paths: StrPath | Sequence[StrPath]) -> list[Path]:
+    several = [paths] if isinstance(paths, str | os.PathLike) else paths
+    if not isinstance(several, Sequence) or not all(
+        isinstance(path, str | os.PathLike) for path in several
+    ):
+        raise InvalidInput(f"paths: expected a path or a sequence of paths, got {paths!r}")
+    if not several:
+        raise InvalidInput("paths: expected at least one path, got none")
+    return [Path(path) for path in several]
+
+
+def _recordings(path: Path, request: Request) -> list[tuple[Table, Recording]]:
+    with blaming(path):
+        tables = formats.of_file(path).tables(path, request)
+        return [
+            (table, recording(table, request, name=name))
+            for table, name in zip(tables, names_of(path, tables), strict=True)
+        ]
+
+
+def _faultless(path: Path, found: Recording, table: Table, request: Request) -> Motion:
+    with blaming(path):
+        try:
+            return found.motion()
+        except InvalidInput:
+            check_complete(table, request)  # knows the place in the file
+            raise
