@@ -45,7 +45,7 @@ axes = figure.subplots(3, 1, sharex=True)
 for name, joints in ways.items():
     report = arm.path_report(joints, line, position_tolerance=1e-3, orientation_tolerance=5e-3)
     print(f"{name}: {report.summary()}\n")
-    axes[0].semilogy(joints.times, report.velocity_share, label=name)
+    axes[0].semilogy(joints.times, report.velocity_ratio, label=name)
     axes[1].semilogy(joints.times, 1e3 * report.position_error + 1e-6)
     axes[2].semilogy(joints.times, report.condition_number)
 axes[0].axhline(1.0, color="black", linestyle="--", linewidth=0.8)

@@ -36,7 +36,8 @@ if "--live" in sys.argv:
     sys.exit()
 
 planned = skill.generate(obstacles=[with_room])
-joints = lt.scale_to_limits(lt.differentiate(arm.follow(planned)), arm.limits)
+followed = arm.follow(planned, too_fast="exceed_limits")  # slowed down in the next line
+joints = lt.scale_to_limits(lt.differentiate(followed), arm.limits)
 print(f"{joints.duration:.2f} s; {arm.check(joints, [box])}")
 view(
     arm,

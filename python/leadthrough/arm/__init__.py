@@ -1,7 +1,7 @@
 """The arm: from a URDF to kinematics, inverse kinematics and joint trajectories along a path."""
 
 from leadthrough.arm.arm import Arm
-from leadthrough.arm.collision import Approach, Clearance, CollisionPairs, CollisionReport
+from leadthrough.arm.collision_report import Approach, Clearance, CollisionPairs, CollisionReport
 from leadthrough.arm.differential import DifferentialIk, JointState
 from leadthrough.arm.limits import JointLimits, read_limits
 from leadthrough.arm.path_report import PathReport
@@ -16,6 +16,7 @@ from leadthrough.arm.tasks import (
     PositionTask,
     PostureTask,
 )
+from leadthrough.arm.yang import DampedLeastSquares
 
 __all__ = [
     "Approach",
@@ -23,6 +24,7 @@ __all__ = [
     "Clearance",
     "CollisionPairs",
     "CollisionReport",
+    "DampedLeastSquares",
     "DifferentialIk",
     "DirectionTask",
     "ElbowTask",

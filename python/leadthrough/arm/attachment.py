@@ -1,4 +1,4 @@
-"""What an arm's tip link carries: a tool, which moves the tip, loads, and the shapes of objects."""
+"""What an arm's tip link carries: a tool, which moves the tip, loads and the shapes of objects."""
 
 from __future__ import annotations
 
@@ -6,66 +6,93 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.shapes import Box, Capsule, Shape, Sphere
 
-# What a tensor that someone measured or printed may be off by, of its largest moment.
+# The error that a measured or printed tensor may have, as a fraction of its largest moment.
 _INERTIA_TOLERANCE = 1e-6
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Load:
-    """A rigid body: mass in kg, its centre (3,) in m, inertia (3, 3) about it in kg m^2."""
+    """A rigid body.
+
+    Attributes:
+        mass: in kg, >= 0.
+        center: centre of mass (3,) in m.
+        inertia: tensor (3, 3) about the centre of mass in kg m^2.
+
+    Raises:
+        InvalidInput: if one has another shape, or no body has such an inertia.
+    """
 
     mass: float
     center: Float64Array
     inertia: Float64Array
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "mass", check.number(self.mass, "mass", at_least=0.0))
-        object.__setattr__(self, "center", check.frozen(self.center, "center", shape=(3,)))
-        object.__setattr__(self, "inertia", _inertia(self.inertia))
+    def __init__(self, mass: float, center: ArrayLike, inertia: ArrayLike) -> None:
+        object.__setattr__(self, "mass", check.number(mass, "mass", at_least=0.0))
+        object.__setattr__(self, "center", check.frozen(center, "center", shape=(3,)))
+        object.__setattr__(self, "inertia", _inertia(inertia))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Attachment:
     """All that is fixed to a link, in that link's frame.
 
-    position (3,) m, orientation (4,) w, x, y, z: of the tip. loads, shapes: what is carried.
+    Attributes:
+        position: of the tip, (3,) in m.
+        orientation: of the tip, (4,) w, x, y, z.
+        loads: the rigid bodies carried.
+        shapes: the shapes of the objects held.
     """
 
-    position: Float64Array = (0.0, 0.0, 0.0)  # type: ignore[assignment]
-    orientation: Float64Array = (1.0, 0.0, 0.0, 0.0)  # type: ignore[assignment]
-    loads: tuple[Load, ...] = ()
-    shapes: tuple[Shape, ...] = ()
+    position: Float64Array
+    orientation: Float64Array
+    loads: tuple[Load, ...]
+    shapes: tuple[Shape, ...]
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "position", check.frozen(self.position, "position", shape=(3,)))
-        orientation = check.quaternions(self.orientation, "orientation", shape=(4,))
-        orientation.setflags(write=False)
-        object.__setattr__(self, "orientation", orientation)
+    def __init__(
+        self,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        orientation: ArrayLike = (1.0, 0.0, 0.0, 0.0),
+        loads: tuple[Load, ...] = (),
+        shapes: tuple[Shape, ...] = (),
+    ) -> None:
+        object.__setattr__(self, "position", check.frozen(position, "position", shape=(3,)))
+        unit = check.quaternions(orientation, "orientation", shape=(4,))
+        unit.setflags(write=False)
+        object.__setattr__(self, "orientation", unit)
+        object.__setattr__(self, "loads", loads)
+        object.__setattr__(self, "shapes", shapes)
 
-    def with_tool(self, position: Any, orientation: Any) -> Attachment:
-        """With the tip at a pose given in the frame of the tip. Raises InvalidInput."""
+    def with_tool(self, position: ArrayLike, orientation: ArrayLike) -> Attachment:
+        """The attachment with the tip at a pose given in the frame of the present tip.
+
+        Raises:
+            InvalidInput: if one has another shape, or the orientation is no unit quaternion.
+        """
         where = check.array(position, "position", shape=(3,))
         turn = check.quaternions(orientation, "orientation", shape=(4,))
         return replace(self, position=self._in_link(where), orientation=self._turned(turn))
 
     def with_load(self, load: Load) -> Attachment:
-        """With a load given in the frame of the tip."""
+        """The attachment with another load, given in the frame of the tip."""
         turn = self._rotation()
         moments = turn @ load.inertia @ turn.T
         return replace(
             self, loads=(*self.loads, Load(load.mass, self._in_link(load.center), moments))
         )
 
-    def with_shape(self, shape: Any, mass: Any) -> Attachment:
-        """With an object whose pose is given in the frame of the tip, and of uniform density.
+    def with_shape(self, shape: Shape, mass: float) -> Attachment:
+        """The attachment with an object of uniform density, given in the frame of the tip.
 
-        Raises InvalidInput.
+        Raises:
+            InvalidInput: if the shape is something else, or the mass is negative.
         """
         if not isinstance(shape, Shape):
             raise InvalidInput(f"shape: expected a Box, Sphere or Capsule, got {shape!r}")
@@ -77,7 +104,7 @@ class Attachment:
         return replace(carried, shapes=(*self.shapes, replace(shape, **pose)))
 
     def applied_to(self, chain: _core.Chain) -> _core.Chain:
-        """A chain that ends in the link, with its loads and its tip moved."""
+        """A chain that ends in the link, with the loads added and the tip moved."""
         for load in self.loads:
             chain = chain.with_load(load.mass, load.center, load.inertia)
         return chain.with_tool(self.position, self.orientation)
@@ -96,7 +123,7 @@ def _matrix(orientation: Float64Array) -> Float64Array:
     return np.asarray(rotations.to_matrix(orientation[None])[0])
 
 
-def _inertia(value: Any) -> Float64Array:
+def _inertia(value: ArrayLike) -> Float64Array:
     """A tensor that a body can have: symmetric, no moment above the sum of the other two."""
     inertia = check.frozen(value, "inertia", shape=(3, 3))
     slack = _INERTIA_TOLERANCE * float(np.abs(inertia).max())
@@ -105,8 +132,8 @@ def _inertia(value: Any) -> Float64Array:
     moments = np.linalg.eigvalsh(inertia)
     if moments[0] < -slack or moments[0] + moments[1] < moments[2] - slack:
         raise InvalidInput(
-            "inertia: expected principal moments of a body, none negative or above the sum of the "
-            f"others, got {moments.tolist()}"
+            "inertia: expected principal moments of a body, none negative and none above the sum "
+            f"of the other two, got {moments.tolist()}"
         )
     return inertia
 
@@ -128,7 +155,7 @@ def _box_moments(box: Box) -> Float64Array:
 def _capsule_moments(capsule: Capsule) -> Float64Array:
     """Principal moments (3,) of a cylinder with half balls, for a mass of one."""
     r, length = capsule.radius, capsule.length
-    cylinder = length / (length + 4.0 / 3.0 * r)  # its share of the volume
+    cylinder = length / (length + 4.0 / 3.0 * r)  # its fraction of the volume
     balls = 1.0 - cylinder
     along = cylinder * r**2 / 2.0 + balls * 0.4 * r**2
     across = cylinder * (length**2 / 12.0 + r**2 / 4.0) + balls * (

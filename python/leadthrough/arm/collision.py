@@ -8,12 +8,16 @@ never come near each other or that always touch are left out; see `Arm.collision
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import overload
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
+from leadthrough.arm.collision_report import Approach, Clearance, CollisionPairs, CollisionReport
+from leadthrough.arm.definition import ArmDefinition
+from leadthrough.arm.joint_rows import joint_rows
 from leadthrough.arm.meshes import hull_vertices
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, InvalidRobot
@@ -30,198 +34,193 @@ _MOST_STEPS = 1e6
 _Found = tuple[float, int, int, float, Float64Array, Float64Array]
 
 
-@dataclass(frozen=True, eq=False)
-class Approach:
-    """Two bodies where they are nearest.
+class ArmCollision(ArmDefinition):
+    """The methods of an `Arm` that tell what it touches."""
 
-    sample: index of a sample; with a fraction, between it and the next. time: s; None where the
-    motion has no times. bodies: links by name, "attached", or "obstacle" with its index.
-    distance: m, below zero the depth. points: (2, 3) on the two bodies, m, in the base frame.
-    """
+    @overload
+    def distance(
+        self, q: Sequence[float], obstacles: Iterable[Shape], *, threads: int = 1
+    ) -> float: ...
+    @overload
+    def distance(
+        self, q: Sequence[Sequence[float]], obstacles: Iterable[Shape], *, threads: int = 1
+    ) -> Float64Array: ...
+    @overload
+    def distance(
+        self, q: ArrayLike, obstacles: Iterable[Shape], *, threads: int = 1
+    ) -> float | Float64Array: ...
+    def distance(
+        self, q: ArrayLike, obstacles: Iterable[Shape], *, threads: int = 1
+    ) -> float | Float64Array:
+        """Smallest distance in m between obstacles and what moves of the arm.
 
-    sample: float
-    time: float | None
-    bodies: tuple[str, str]
-    distance: float
-    points: Float64Array
+        Where they overlap it is the depth of the overlap, negative; without obstacles it is
+        infinite.
 
-    def __str__(self) -> str:
-        a, b = self.bodies
-        when = f"sample {self.sample:g}" if self.time is None else f"{self.time:.3f} s"
-        return f"{1e3 * self.distance:.1f} mm, {a} and {b} at {when}"
+        Args:
+            q: configuration (joints,) or a batch (m, joints).
+            obstacles: shapes in the base frame.
+            threads: number of threads, 1 to 256; does not change the answer.
 
+        Returns:
+            A number, or (m,) for a batch.
 
-@dataclass(frozen=True, eq=False)
-class Clearance:
-    """How near the arm comes to one kind of thing: obstacles, or itself.
+        Raises:
+            InvalidInput: if q has another shape or is not finite, or an obstacle is no shape.
+            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
+            MissingDependency: if a mesh's format needs a package that is not installed.
+        """
+        return self._nearest(q, self._against(obstacles), threads)
 
-    first: where something comes nearer than `margin` for the first time, or None. closest: the
-    nearest approach of the whole motion, between samples as well; None where nothing is checked.
-    distances: (m,) at the samples, m, infinite where nothing is checked.
-    """
+    @overload
+    def self_distance(self, q: Sequence[float], *, threads: int = 1) -> float: ...
+    @overload
+    def self_distance(self, q: Sequence[Sequence[float]], *, threads: int = 1) -> Float64Array: ...
+    @overload
+    def self_distance(self, q: ArrayLike, *, threads: int = 1) -> float | Float64Array: ...
+    def self_distance(self, q: ArrayLike, *, threads: int = 1) -> float | Float64Array:
+        """Smallest distance in m between parts of the arm, or of the robot; see `distance`.
 
-    first: Approach | None
-    closest: Approach | None
-    distances: Float64Array
-    margin: float
+        `collision_pairs` tells which parts are compared.
+
+        Args:
+            q: configuration (joints,) or a batch (m, joints).
+            threads: number of threads, 1 to 256; does not change the answer.
+
+        Returns:
+            A number, or (m,) for a batch.
+
+        Raises:
+            InvalidInput: if q has another shape or is not finite.
+            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
+            MissingDependency: if a mesh's format needs a package that is not installed.
+        """
+        return self._nearest(q, _core.itself(self._collision), threads)
+
+    def check(
+        self,
+        trajectory: JointTrajectory | ArrayLike,
+        obstacles: Iterable[Shape] = (),
+        *,
+        margin: float = 0.0,
+        self_margin: float = 0.0,
+        tolerance: float = 1e-3,
+        threads: int = 1,
+    ) -> CollisionReport:
+        """Whether the whole arm keeps clear of obstacles and of itself, between samples as well.
+
+        Between samples the joints move straight, all in proportion. A hit is reported, never
+        raised.
+
+        Args:
+            trajectory: joints, or configurations (m, joints), m > 0.
+            obstacles: shapes in the base frame.
+            margin: distance to keep from obstacles in m, >= 0.
+            self_margin: distance to keep between parts of the arm in m, >= 0.
+            tolerance: in m, >= 1e-6; a hit between samples that is deeper than this isn't missed.
+            threads: number of threads, 1 to 256; does not change the answer.
+
+        Raises:
+            InvalidInput: if the joints are not the arm's, an obstacle is no shape, a number is out
+                of its range, or two samples are too far apart to be checked to the tolerance.
+            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
+            MissingDependency: if a mesh's format needs a package that is not installed.
+
+        Source: Mirtich 1996.
+        """
+        q, times = _configurations(trajectory, self.joint_names)
+        scenes = (self._against(obstacles), _core.itself(self._collision))
+        exact = check.number(tolerance, "tolerance", at_least=_FINEST_TOLERANCE)
+        margins = (
+            check.number(margin, "margin", at_least=0.0),
+            check.number(self_margin, "self_margin", at_least=0.0),
+        )
+        count = check.integer(threads, "threads", at_least=1, at_most=256)
+        _require_short_steps(scenes, q, exact)
+        from_obstacles, from_itself = (
+            _clearance(scene, least, times, _core.check_motion(scene, q, least, exact, count))
+            for scene, least in zip(scenes, margins, strict=True)
+        )
+        return CollisionReport(from_obstacles, from_itself, tolerance=exact)
 
     @property
-    def minimum_distance(self) -> float:
-        """The distance of the closest approach, m, infinite where nothing is checked."""
-        return np.inf if self.closest is None else self.closest.distance
+    def collision_pairs(self) -> CollisionPairs:
+        """Which bodies are checked against each other, and why others are not.
+
+        Raises:
+            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
+            MissingDependency: if a mesh's format needs a package that is not installed.
+        """
+        model = self._collision
+        return CollisionPairs(tuple(model.pairs), {(a, b): why for a, b, why in model.left_out})
+
+    @cached_property
+    def _collision(self) -> _core.CollisionModel:
+        """The shapes of the robot and the pairs worth a check; some 10 ms to choose them."""
+        meshes = [hull_vertices(*mesh, self.mesh_folders) for mesh in self._robot.meshes]
+        model = _core.CollisionModel(
+            self._robot, self._chain, self.base, self.tip, meshes, _rows(self.attached)
+        )
+        if not model.bodies:
+            raise InvalidRobot("robot", "no link has collision geometry, so nothing can be checked")
+        return model
+
+    def _against(self, obstacles: Iterable[Shape]) -> _core.CollisionScene:
+        return _core.against(self._collision, _rows(check_shapes(obstacles)))
+
+    def _nearest(
+        self, q: ArrayLike, scene: _core.CollisionScene, threads: int
+    ) -> float | Float64Array:
+        batch, (rows,) = joint_rows(self._chain, q=q)
+        count = check.integer(threads, "threads", at_least=1, at_most=256)
+        found = _core.nearest_bodies(scene, rows, count)[0]
+        return found if batch else float(found[0])
 
 
-@dataclass(frozen=True, eq=False)
-class CollisionReport:
-    """What a check found; a motion that hits something is a finding, not an error.
-
-    obstacles, itself: the two kinds of clearance; parts of an arm are near each other by design.
-    tolerance: m; what is nearer than the closest approach, or a hit before the first, is so by
-    less than that.
-    """
-
-    obstacles: Clearance
-    itself: Clearance
-    tolerance: float
-
-    @property
-    def ok(self) -> bool:
-        """Whether nothing comes nearer than its margin; what touches does not."""
-        return self.first is None
-
-    @property
-    def first(self) -> Approach | None:
-        """The first hit."""
-        hits = [hit for hit in (self.obstacles.first, self.itself.first) if hit is not None]
-        return min(hits, key=lambda hit: hit.sample, default=None)
-
-    @property
-    def closest(self) -> Approach | None:
-        """The nearest approach of both kinds; None where nothing is checked."""
-        both = (self.obstacles, self.itself)
-        return min(both, key=lambda clearance: clearance.minimum_distance).closest
-
-    @property
-    def minimum_distance(self) -> float:
-        """Its distance, m."""
-        return min(self.obstacles.minimum_distance, self.itself.minimum_distance)
-
-    @property
-    def distances(self) -> Float64Array:
-        """The smaller distance (m,) of both kinds at the samples, m."""
-        return np.minimum(self.obstacles.distances, self.itself.distances)
-
-    def __str__(self) -> str:
-        if self.closest is None:
-            return "clear: there is nothing to hit"
-        if self.first is None:
-            return f"clear by {self.closest}"
-        return f"hit: {self.first}; nearest: {self.closest}"
-
-
-@dataclass(frozen=True, eq=False)
-class CollisionPairs:
-    """Which bodies of an arm are checked against each other, and why the others are not.
-
-    checked: pairs of names. left_out: reason by pair; "adjacent", neighbours along the chain;
-    "never", not within 5 cm in 4000 configurations spread over the joints' ranges; "always",
-    touching in all of them.
-    """
-
-    checked: tuple[tuple[str, str], ...]
-    left_out: dict[tuple[str, str], str]
-
-
-def collision_model(
-    robot: _core.Robot,
-    chain: _core.Chain,
-    *,
-    base: str,
-    tip: str,
-    attached: Sequence[Shape] = (),
-    mesh_folders: Sequence[str] = (),
-) -> _core.CollisionModel:
-    """The shapes of a robot and the pairs worth a check; takes some 10 ms to choose them.
-
-    attached: in the frame of the tip link. mesh_folders: where the files of meshes are looked for.
-    Raises InvalidRobot, MissingDependency.
-    """
-    meshes = [hull_vertices(*mesh, mesh_folders) for mesh in robot.meshes]
-    model = _core.CollisionModel(robot, chain, base, tip, meshes, _rows(attached))
-    if not model.bodies:
-        raise InvalidRobot("robot", "no link has collision geometry, so nothing can be checked")
-    return model
-
-
-def pairs(model: _core.CollisionModel) -> CollisionPairs:
-    """See `Arm.collision_pairs`."""
-    return CollisionPairs(tuple(model.pairs), {(a, b): why for a, b, why in model.left_out})
-
-
-def distances(scene: _core.CollisionScene, q: Float64Array, *, threads: int = 1) -> Float64Array:
-    """Smallest distance (m,) in a scene of each configuration (m, joints). Raises InvalidInput."""
-    count = check.integer(threads, "threads", at_least=1, at_most=256)
-    return _core.nearest_bodies(scene, q, count)[0]
-
-
-def against(model: _core.CollisionModel, obstacles: Iterable[Shape]) -> _core.CollisionScene:
-    """The arm among obstacles. Raises InvalidInput."""
-    return _core.against(model, _rows(check_shapes(obstacles)))
-
-
-def check_motion(
-    model: _core.CollisionModel,
-    q: Float64Array,
-    obstacles: Iterable[Shape],
-    *,
-    times: Float64Array | None = None,
-    margin: float = 0.0,
-    self_margin: float = 0.0,
-    tolerance: float = 1e-3,
-    threads: int = 1,
-) -> CollisionReport:
-    """See `Arm.check`. q: (m, joints), m > 0. times: (m,) s. Source: Mirtich 1996."""
+def _configurations(
+    trajectory: JointTrajectory | ArrayLike, joint_names: tuple[str, ...]
+) -> tuple[Float64Array, Float64Array | None]:
+    """Checked configurations (m, joints), m > 0, and their times where they have some."""
+    times = None
+    values: ArrayLike
+    if isinstance(trajectory, JointTrajectory):
+        if trajectory.joint_names and trajectory.joint_names != joint_names:
+            raise InvalidInput(
+                f"trajectory: expected the joints {joint_names}, got {trajectory.joint_names}"
+            )
+        values, times = trajectory.positions, trajectory.times
+    else:
+        values = trajectory
+    q = check.array(values, "trajectory", shape=("m", len(joint_names)))
     if len(q) == 0:
         raise InvalidInput("trajectory: expected at least one configuration, got none")
-    exact = check.number(tolerance, "tolerance", at_least=_FINEST_TOLERANCE)
-    count = check.integer(threads, "threads", at_least=1, at_most=256)
-    scenes = (against(model, obstacles), _core.itself(model))
+    return q, times
+
+
+def _require_short_steps(
+    scenes: Iterable[_core.CollisionScene], q: Float64Array, tolerance: float
+) -> None:
     step = max(_core.longest_step(scene, q) for scene in scenes)
-    if not step <= exact * _MOST_STEPS:
+    if not step <= tolerance * _MOST_STEPS:
         raise InvalidInput(
             f"trajectory: between two samples the arm may move by {step:.3g} m, too far to be "
-            f"checked to {exact:g} m; take smaller steps or a larger tolerance"
+            f"checked to {tolerance:g} m; take smaller steps or a larger tolerance"
         )
 
-    def clearance(scene: _core.CollisionScene, wanted: float, name: str) -> Clearance:
-        least = check.number(wanted, name, at_least=0.0)
-        found, closest, first = _core.check_motion(scene, q, least, exact, count)
-        return Clearance(
-            first=_approach(scene, times, first),
-            closest=_approach(scene, times, closest),
-            distances=found,
-            margin=least,
-        )
 
-    return CollisionReport(
-        clearance(scenes[0], margin, "margin"),
-        clearance(scenes[1], self_margin, "self_margin"),
-        tolerance=exact,
+def _clearance(
+    scene: _core.CollisionScene,
+    margin: float,
+    times: Float64Array | None,
+    found: tuple[Float64Array, _Found | None, _Found | None],
+) -> Clearance:
+    distances, closest, first = found
+    return Clearance(
+        first=_approach(scene, times, first),
+        closest=_approach(scene, times, closest),
+        distances=distances,
+        margin=margin,
     )
-
-
-def configurations(trajectory: Any, joint_names: tuple[str, ...]) -> Any:
-    """Joint positions of a trajectory, and its times or None; arrays pass as they are.
-
-    Raises InvalidInput where its joints are others than the arm's.
-    """
-    if not isinstance(trajectory, JointTrajectory):
-        return trajectory, None
-    if trajectory.joint_names and trajectory.joint_names != joint_names:
-        raise InvalidInput(
-            f"trajectory: expected the joints {joint_names}, got {trajectory.joint_names}"
-        )
-    return trajectory.positions, trajectory.times
 
 
 def _approach(
@@ -235,7 +234,7 @@ def _approach(
 
 
 def _rows(shapes: Sequence[Shape]) -> Float64Array:
-    """A row a shape, as the core takes them: kind, three sizes, position, orientation."""
+    """One row per shape, as the core takes them: kind, three sizes, position, orientation."""
     rows = np.zeros((len(shapes), _COLUMNS))
     for row, shape in zip(rows, shapes, strict=True):
         if isinstance(shape, Sphere):

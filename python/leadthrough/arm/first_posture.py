@@ -1,9 +1,9 @@
 """The posture to start a path in.
 
-A path that is followed without a jump stays in the family of postures that it was begun in, and
-most families end somewhere: at a joint's limit, or at a singularity. So several are followed
-ahead along a thinned path, and the one is preferred that gets furthest, then the one whose joints
-move slowly and stay away from their limits.
+A path that is followed without a jump stays in the family of postures in which it began, and most
+families end somewhere: at a joint limit or at a singularity. So several postures are followed ahead
+along a thinned path. The one that gets furthest is preferred, then the one whose joints move slowly
+and stay away from their limits.
 """
 
 from __future__ import annotations
@@ -18,31 +18,39 @@ from leadthrough.arm.options import ik_options
 from leadthrough.arm.tracks import TipPath, solve_sample
 from leadthrough.check import Float64Array
 
-# Seeds for the first sample. An arm with a wrist has up to eight postures, and each more in which
-# a joint has turned once around; a redundant arm has a curve of them.
+# Seeds for the first sample. An arm with a wrist has up to eight postures, and more in which
+# a joint has made a whole turn; a redundant arm has a curve of them.
 _SEEDS = 48
-# The first of them also lead to the point of their curve that is nearest to the middle.
+# The first of them also lead to the point of their curve nearest to the middle of the ranges.
 _CENTRED_SEEDS = 16
-# Starts to return at most.
+# The most starts to return.
 _STARTS = 24
-# Two postures nearer than this in every joint are one, rad or m.
+# Two postures that differ by less than this in every joint are the same, rad or m.
 _SAME_POSTURE = 1e-2
-# Samples to look ahead over.
+# Samples of the thinned path.
 _LOOK_AHEAD = 40
-# A joint that comes this near to a limit, as a share of its range, costs as much as double speed.
+# A joint this near to a limit, as a fraction of its range, costs as much as double speed.
 _NEAR_A_LIMIT = 0.05
 
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """q: (joints,) at the first sample. midrange: rate of the pull from there."""
+    """A posture to start in.
+
+    Attributes:
+        q: (joints,) at the first sample.
+        midrange: rate in 1/s of the motion towards the wished postures from there.
+    """
 
     q: Float64Array
     midrange: float
 
 
 def seeded(chain: _core.Chain, path: TipPath, seed: Float64Array, midrange: float) -> list[Start]:
-    """The starts next to `seed`; without the pull as well, in case that it leads astray."""
+    """The starts next to `seed`, with and without the pull towards the wished postures.
+
+    Without it as well, because the pull may lead into a family of postures that ends early.
+    """
     (q,), *_ = solve_sample(chain, path, 0, seed[None], ik_options())
     return [Start(q, rate) for rate in _rates(midrange)]
 
@@ -57,8 +65,14 @@ def first_postures(
 ) -> list[Start]:
     """Starts for the path, the most promising first; at least one.
 
-    Where no posture reaches the first sample, it is the closest found. velocity: limits, rad/s
-    (m/s). midrange: rate of the pull, 1/s. tracking: of the core's TrackOptions.
+    Where no posture reaches the first sample, it is the closest one found.
+
+    Args:
+        chain: the arm.
+        path: the path to follow.
+        velocity: limits (joints,) in rad/s (m/s).
+        midrange: rate of the pull towards the wished postures, 1/s.
+        tracking: tolerance, iterations and largest step of the core's TrackOptions.
     """
     postures, reached = _solutions(chain, path)
     starts = [Start(q, rate) for q in postures for rate in _rates(midrange)]
@@ -110,7 +124,7 @@ def _distinct(q: Float64Array) -> Float64Array:
 def _cost(
     chain: _core.Chain, q: Float64Array, times: Float64Array, velocity: Float64Array
 ) -> float:
-    """The largest joint speed as a share of its limit, more where joints come near limits."""
+    """The largest joint speed over its limit, higher where joints come near position limits."""
     limit = np.where(np.isfinite(velocity) & (velocity > 0), velocity, 1.0)
     speeds = np.abs(np.diff(q, axis=0)) / np.diff(times[: len(q)])[:, None] / limit
     margin = margins(chain.lower, chain.upper, q).min()
@@ -118,8 +132,8 @@ def _cost(
 
 
 def margins(lower: Float64Array, upper: Float64Array, q: Float64Array) -> Float64Array:
-    """(n,) the least distance of a joint to a limit as a share of its range; 0.5 at most."""
+    """The least distance (n,) of a joint to a limit as a fraction of its range; 0.5 at most."""
     bounded = np.isfinite(lower) & np.isfinite(upper) & (lower < upper)
     lower, upper, q = lower[bounded], upper[bounded], q[:, bounded]
-    shares = np.minimum(q - lower, upper - q) / (upper - lower)
-    return np.asarray(shares.min(axis=1, initial=0.5))
+    fractions = np.minimum(q - lower, upper - q) / (upper - lower)
+    return np.asarray(fractions.min(axis=1, initial=0.5))

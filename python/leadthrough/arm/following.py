@@ -1,258 +1,140 @@
-"""Joint trajectories along a motion of the tip.
-
-The path is solved sample after sample, each from the one before, so the arm never jumps to
-another posture. Where its limits of velocity and acceleration do not allow the motion's pace, as
-beside a singularity, something has to give: the limits, the times or the path.
-"""
+"""From motions of the tip to joint trajectories, and back."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from numpy.typing import ArrayLike
 
-import numpy as np
-
-from leadthrough import _core, check, events
-from leadthrough.arm.first_posture import Start, first_postures, seeded
-from leadthrough.arm.limits import JointLimits
-from leadthrough.arm.options import ik_options, tolerance
-from leadthrough.arm.results import STATUSES
-from leadthrough.arm.tracks import TipPath, Track, solve_sample
-from leadthrough.check import Float64Array
-from leadthrough.errors import IkFailure, InvalidInput, LimitsInfeasible
-from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory, normalised_times
-
-_SAMPLE_ITERATIONS = 60
-# Damping to try where the arm may leave the path, m^2: from none to (0.1 m)^2, by which a joint's
-# step shortens to a half where it moves the tip 0.1 m a rad.
-_DAMPINGS = (0.0, 1e-5, 1e-4, 1e-3, 1e-2)
-_WHAT_GIVES = ("keep", "slow", "deviate", "raise")
+from leadthrough.arm import follower, recorded
+from leadthrough.arm.definition import ArmDefinition
+from leadthrough.arm.follower import TooFast
+from leadthrough.arm.path_report import PathReport, path_report
+from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
 
 
-def follow(
-    chain: _core.Chain,
-    motion: Trajectory | PoseTrajectory,
-    *,
-    limits: JointLimits,
-    seed: Float64Array | None = None,
-    too_fast: str = "keep",
-    deviation: tuple[float, float] | None = None,
-    max_step: float = 0.5,
-    posture: Any = None,
-    midrange: float = 1.0,
-    position_tolerance: float = 1e-5,
-    orientation_tolerance: float = 1e-5,
-) -> JointTrajectory:
-    """Joint positions and velocities that take the tip along `motion`, one sample for each of its.
+class ArmFollowing(ArmDefinition):
+    """The methods of an `Arm` that take its tip along a motion."""
 
-    motion: poses, or points in 3-D that leave the orientation free.
-    seed: (joints,), where the search for the first sample's posture starts; without it several
-        are followed ahead, and the best is kept.
-    too_fast: what gives where velocity and acceleration limits cannot keep the motion's pace.
-        "keep": the limits; path and times are kept, for a time law to slow the motion down.
-        "slow": the times; just there the motion is stretched, the path is kept.
-        "deviate": the path; the tip falls behind by at most `deviation` and returns, on time.
-        "raise": nothing, IkFailure with the status "too_fast".
-        But for "keep" the arm starts and ends at rest, and an acceleration limit that is not known
-        does not count. Between samples the joints move straight.
-    deviation: m and rad, the most the tip may be away from a sample; with "deviate" only.
-    max_step: the most a joint moves between two samples, rad or m; it makes the answer a path.
-    posture: (joints,), or a JointTrajectory, taken at equal shares of the time: where a redundant
-        arm moves itself, say as it stood while the motion was shown; by default towards the middle
-        of its ranges. Where a trajectory begins, the first posture is searched for, without a seed.
-    midrange: rate, 1/s, at which it does.
-    position_tolerance, orientation_tolerance: m and rad, what counts as reached; all but samples
-        beside a singularity come ten times closer.
-    The velocities are the positions' differences in time (second order); accelerations are left
-    to the time law. Events keep their samples.
-    Raises InvalidInput; LimitsInfeasible where a joint moves that must not; IkFailure with the
-    first sample that no posture reached, its status one of IkResult's, "too_fast", or "jump" where
-    the pose can be reached but not from the sample before.
-    Source: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for the slowing.
-    """
-    tip = TipPath.of(motion)
-    path = replace(tip, postures=_postures(chain, posture, tip.times))
-    if seed is None and isinstance(posture, JointTrajectory):
-        seed = path.postures[0]
-    allowed = (position_tolerance, orientation_tolerance)
-    follower = _Follower(
-        chain=chain,
-        path=path,
-        limits=limits,
-        tolerance=tolerance(*allowed),
-        allowed=allowed,
-        max_step=check.number(max_step, "max_step", above=0.0),
-    )
-    gives = check.choice(too_fast, "too_fast", _WHAT_GIVES)
-    stated = _deviation(deviation, gives, allowed)
-    rate = check.number(midrange, "midrange", at_least=0.0)
-    track = _best(follower, _starts(follower, seed, rate), gives, stated)
-    if track.reached < len(path):
-        raise _failure(follower, track, gives)
-    times = _slowed(chain, path.times, track.q, limits) if gives == "slow" else path.times
-    velocities = _velocities(times, track.q)
-    if gives != "keep":
-        velocities[[0, -1]] = 0.0
-    happening = events.moved(motion.events, path.times, times)
-    names = tuple(chain.joint_names)
-    return JointTrajectory(times, track.q, velocities, None, names, happening)
+    def follow(
+        self,
+        motion: Trajectory | PoseTrajectory,
+        *,
+        seed: ArrayLike | None = None,
+        too_fast: TooFast = "slow",
+        deviation: tuple[float, float] | None = None,
+        max_step: float = 0.5,
+        posture: JointTrajectory | ArrayLike | None = None,
+        midrange: float = 1.0,
+        position_tolerance: float = 1e-5,
+        orientation_tolerance: float = 1e-5,
+    ) -> JointTrajectory:
+        """Joint positions and velocities that take the tip along a motion without a jump.
 
+        There is one sample for each of the motion's, with its events. Velocities are the time
+        differences of the positions (second order). Accelerations are left to the time law.
 
-@dataclass(frozen=True, eq=False)
-class _Follower:
-    chain: _core.Chain
-    path: TipPath
-    limits: JointLimits
-    tolerance: _core.IkTolerance
-    allowed: tuple[float, float]
-    max_step: float
+        Args:
+            motion: poses, or points in 3-D that leave the orientation free.
+            seed: configuration (joints,) where the search for the first sample's posture starts.
+                Without it several postures are followed ahead, and the best one is kept.
+            too_fast: what to do where the arm's velocity and acceleration limits are too low for
+                the motion's pace, as beside a singularity.
+                "slow": stretch the times just there; the path is kept.
+                "deviate": let the tip fall behind by at most `deviation` and catch up; the times
+                are kept.
+                "raise": raise IkFailure with the status "too_fast".
+                "exceed_limits": keep path and times and exceed the limits, for a time law such as
+                `retime` or `scale_to_limits` to slow the motion down.
+                Except with "exceed_limits" the arm starts and ends at rest, and acceleration
+                limits that are not known don't count. Between samples the joints move straight.
+            deviation: the most that the tip may be away from a sample, (m, rad); only with
+                "deviate", where it is required.
+            max_step: the most that a joint may move between two samples, rad or m, > 0; a larger
+                step is a jump.
+            posture: the configuration (joints,) towards which a redundant arm moves in its null
+                space; or a JointTrajectory, for example of the joints while the motion was
+                demonstrated, taken at the same fraction of its duration. By default the middle of
+                the joints' ranges. Without a seed the search starts where a trajectory begins.
+            midrange: rate in 1/s, >= 0, of the motion towards `posture`.
+            position_tolerance: error in m that counts as reached, > 0. All samples but those
+                beside a singularity come ten times closer.
+            orientation_tolerance: error in rad that counts as reached, > 0; the same holds.
 
-    def along(self, start: Start) -> Track:
-        """The path, whatever speed that takes."""
-        return self._track(start, self.path)
+        Raises:
+            InvalidInput: if an argument is out of its range, or the motion isn't of poses or
+                points in 3-D.
+            IkFailure: if a sample is not reached. It carries the first such sample's index and a
+                status: one of IkResult's; "jump" where the pose can be reached, but not from the
+                sample before; or "too_fast".
+            LimitsInfeasible: if a joint has to move whose limits are zero; with "slow" only.
 
-    def in_time(self, start: Start, damping: float, deviation: tuple[float, float]) -> Track:
-        """The path at its own pace, inside the limits."""
-        first = self._track(start, self.path.only(slice(1)))
-        options = _core.PursuitOptions(
-            self.limits.velocity, acceleration(self.limits), damping, tolerance(*deviation)
+        Source: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for the slowing.
+        """
+        return follower.follow(
+            self._chain,
+            motion,
+            limits=self.limits,
+            seed=None if seed is None else self._joints(seed, "seed"),
+            too_fast=too_fast,
+            deviation=deviation,
+            max_step=max_step,
+            posture=posture,
+            midrange=midrange,
+            position_tolerance=position_tolerance,
+            orientation_tolerance=orientation_tolerance,
         )
-        columns = _core.pursue(
-            self.chain,
-            self.path.times,
-            self.path.positions,
-            self.path.orientations,
-            first.q[0],
-            *self.path.pull(start.midrange),
-            options,
+
+    def path_report(
+        self,
+        trajectory: JointTrajectory,
+        motion: Trajectory | PoseTrajectory,
+        *,
+        position_tolerance: float = 1e-4,
+        orientation_tolerance: float = 1e-3,
+    ) -> PathReport:
+        """How each sample of joints keeps to the motion's sample and to the arm's limits.
+
+        A violation is reported, never raised. The times of the two may differ.
+
+        Args:
+            trajectory: the joints, one sample for each of the motion's.
+            motion: the poses, or points in 3-D, that the tip was to follow.
+            position_tolerance: the largest error in m for the verdict `ok`, > 0.
+            orientation_tolerance: the largest error in rad for the verdict `ok`, > 0.
+
+        Raises:
+            InvalidInput: if an argument has another type or number of samples, or a tolerance is
+                not positive.
+        """
+        return path_report(
+            self._chain,
+            self.limits,
+            trajectory,
+            motion,
+            position_tolerance=position_tolerance,
+            orientation_tolerance=orientation_tolerance,
         )
-        return Track.of(columns, deviation)
 
-    def deviating(self, start: Start, deviation: tuple[float, float]) -> Track:
-        """The track that stays nearest to the path, of several dampings."""
-        tracks = []
-        for damping in _DAMPINGS:
-            tracks.append(self.in_time(start, damping, deviation))
-            if _distance(tracks[-1], self.allowed) <= 1.0:
-                break
-        return min(tracks, key=lambda track: _rank(track, deviation))
+    def joints_of(self, trajectory: JointTrajectory) -> JointTrajectory:
+        """The arm's own joints of a recording, found by name and in the arm's order.
 
-    def _track(self, start: Start, path: TipPath) -> Track:
-        options = _core.TrackOptions(self.tolerance, _SAMPLE_ITERATIONS, self.max_step)
-        pull = path.pull(start.midrange)
-        columns = _core.track(
-            self.chain, path.positions, path.orientations, start.q, *pull, options
-        )
-        return Track.of(columns, self.allowed)
+        Args:
+            trajectory: may have other joints as well, such as a gripper's. Without names it has
+                just the arm's joints, in the arm's order.
 
+        Raises:
+            InvalidInput: if one of the arm's joints is missing.
+        """
+        return recorded.joints_of(trajectory, self.joint_names)
 
-def _postures(chain: _core.Chain, posture: Any, times: Float64Array) -> Float64Array:
-    """Where the arm is to stand at each of the times, (n, joints)."""
-    joints = len(chain.joint_names)
-    if not isinstance(posture, JointTrajectory):
-        if posture is None:
-            with np.errstate(invalid="ignore"):  # without limits there is no middle
-                wished = 0.5 * chain.lower + 0.5 * chain.upper
-        else:
-            wished = check.array(posture, "posture", shape=(joints,))
-        return np.repeat(wished[None], len(times), axis=0)
-    names = posture.joint_names
-    if posture.positions.shape[1] != joints or names not in ((), tuple(chain.joint_names)):
-        what = list(names) or posture.positions.shape[1]
-        raise InvalidInput(f"posture: expected the joints {list(chain.joint_names)}, got {what}")
-    at = posture.times[0] + normalised_times(times) * posture.duration
-    return np.column_stack([np.interp(at, posture.times, column) for column in posture.positions.T])
+    def poses(self, trajectory: JointTrajectory) -> PoseTrajectory:
+        """The poses that the tip goes through, with the recording's times and events.
 
+        `follow` is the way back.
 
-def acceleration(limits: JointLimits) -> Float64Array:
-    """The acceleration limits, infinite where they are not known."""
-    if limits.acceleration is None:
-        return np.full(len(limits.joint_names), np.inf)
-    return limits.acceleration
+        Args:
+            trajectory: the joints, as `joints_of` takes them.
 
-
-def _deviation(deviation: Any, gives: str, allowed: tuple[float, float]) -> tuple[float, float]:
-    if gives != "deviate":
-        if deviation is not None:
-            raise InvalidInput('deviation: expected None but with too_fast="deviate"')
-        return allowed
-    if deviation is None:
-        raise InvalidInput("deviation: expected the most the tip may be away, (m, rad), got None")
-    position, orientation = check.array(deviation, "deviation", shape=(2,))
-    return (
-        check.number(position, "deviation in m", above=0.0),
-        check.number(orientation, "deviation in rad", above=0.0),
-    )
-
-
-def _starts(follower: _Follower, seed: Float64Array | None, midrange: float) -> list[Start]:
-    rate = midrange if len(follower.chain.joint_names) > follower.path.dimension else 0.0
-    if seed is not None:
-        return seeded(follower.chain, follower.path, seed, rate)
-    return first_postures(
-        follower.chain,
-        follower.path,
-        velocity=follower.limits.velocity,
-        midrange=rate,
-        tracking=(follower.tolerance, _SAMPLE_ITERATIONS, follower.max_step),
-    )
-
-
-def _best(
-    follower: _Follower, starts: list[Start], gives: str, deviation: tuple[float, float]
-) -> Track:
-    """The track of the first start that reaches the end with nothing given up, else the best."""
-    best: Track | None = None
-    for start in starts:
-        if gives in ("keep", "slow"):
-            track = follower.along(start)
-        elif gives == "raise":
-            track = follower.in_time(start, 0.0, deviation)
-        else:
-            track = follower.deviating(start, deviation)
-        if best is None or _rank(track, deviation) < _rank(best, deviation):
-            best = track
-        if best.reached == len(follower.path) and _distance(best, follower.allowed) <= 1.0:
-            break
-    assert best is not None
-    return best
-
-
-def _rank(track: Track, unit: tuple[float, float]) -> tuple[int, float]:
-    return -track.reached, _distance(track, unit)
-
-
-def _distance(track: Track, unit: tuple[float, float]) -> float:
-    return float(
-        max(track.position_errors.max() / unit[0], track.orientation_errors.max() / unit[1])
-    )
-
-
-def _slowed(
-    chain: _core.Chain, times: Float64Array, q: Float64Array, limits: JointLimits
-) -> Float64Array:
-    slowed, stuck = _core.slow_down(times, q, limits.velocity, acceleration(limits))
-    if stuck >= 0:
-        joint = chain.joint_names[stuck]
-        raise LimitsInfeasible(f"{joint} has to move, and its limits do not let it", joint=joint)
-    return slowed
-
-
-def _velocities(times: Float64Array, q: Float64Array) -> Float64Array:
-    if len(times) == 1:
-        return np.zeros_like(q)
-    return np.asarray(np.gradient(q, times, axis=0, edge_order=2 if len(times) > 2 else 1))
-
-
-def _failure(follower: _Follower, track: Track, gives: str) -> IkFailure:
-    i, chain, path = track.reached, follower.chain, follower.path
-    residual = (float(track.position_errors[i]), float(track.orientation_errors[i]))
-    _, status, _ = solve_sample(chain, path, i, track.q[i : i + 1], ik_options())
-    on_the_way = "jump" if gives in ("keep", "slow") else "too_fast"
-    reason = STATUSES[status[0]] if status[0] else on_the_way
-    hint = " (reachable, but not from the sample before)" if reason == on_the_way else ""
-    message = (
-        f"sample {i} at {path.times[i]:.6g} s: {reason}{hint}, "
-        f"{residual[0]:.3g} m and {residual[1]:.3g} rad away"
-    )
-    return IkFailure(message, index=i, status=reason, residual=residual, q=track.q[i].copy())
+        Raises:
+            InvalidInput: if one of the arm's joints is missing.
+        """
+        return recorded.poses(self._chain, trajectory)

@@ -16,21 +16,29 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
 
-# A share above 1 by less is rounding of the samples.
+# A ratio above 1 by less is rounding of the samples.
 _ROUNDING = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class PathReport:
-    """What happens at each sample of a path; every array is (n,).
+    """How joints keep to a path of the tip and to the arm's limits; every array is (n,).
 
-    position_error: m. orientation_error: rad, 0 where none was asked for. condition_number: of
-    the Jacobian with rotations weighted 0.3 m a rad, as by `Arm.condition_number`. margin: the
-    least distance of a joint to a position limit as a share of its range, 0.5 in the middle,
-    negative outside. velocity_share, acceleration_share: the largest use of a joint's limit around
-    the sample, by differences of the samples, the arm at rest before the first and after the last;
-    the second is None where the arm's limits state no acceleration.
-    position_tolerance, orientation_tolerance: m and rad, what `ok` allows.
+    The ratios are differences of the samples around each sample over the limit, the largest of all
+    joints; the arm is at rest before the first sample and after the last.
+
+    Attributes:
+        times: of the samples in s.
+        position_error: in m.
+        orientation_error: in rad, 0 where no orientation was asked for.
+        condition_number: of the Jacobian with rotations weighted 0.3 m per rad, as by
+            `Arm.condition_number`.
+        margin: the least distance of a joint to a position limit as a fraction of its range: 0.5 in
+            the middle, negative outside.
+        velocity_ratio: velocity over its limit.
+        acceleration_ratio: acceleration over its limit; None if the arm has no such limits.
+        position_tolerance: the largest position error in m that `ok` allows.
+        orientation_tolerance: the largest orientation error in rad that `ok` allows.
     """
 
     times: Float64Array
@@ -38,33 +46,33 @@ class PathReport:
     orientation_error: Float64Array
     condition_number: Float64Array
     margin: Float64Array
-    velocity_share: Float64Array
-    acceleration_share: Float64Array | None
+    velocity_ratio: Float64Array
+    acceleration_ratio: Float64Array | None
     position_tolerance: float
     orientation_tolerance: float
 
     @property
     def ok(self) -> bool:
         """Whether the tip is on the path within the tolerances and the limits are kept."""
-        shares = [self.velocity_share, self.acceleration_share]
+        ratios = [self.velocity_ratio, self.acceleration_ratio]
         return bool(
             self.position_error.max() <= self.position_tolerance
             and self.orientation_error.max() <= self.orientation_tolerance
             and self.margin.min() >= 0.0
-            and all(share is None or share.max() <= 1.0 + _ROUNDING for share in shares)
+            and all(ratio is None or ratio.max() <= 1.0 + _ROUNDING for ratio in ratios)
         )
 
     def summary(self) -> str:
-        """The worst of each, and when it happens, one a line."""
+        """The worst value of each quantity and its time, one per line."""
         rows = [
             ("position error", self.position_error, "m", np.argmax),
             ("orientation error", self.orientation_error, "rad", np.argmax),
             ("condition number", self.condition_number, "", np.argmax),
             ("margin to limits", self.margin, "of the range", np.argmin),
-            ("velocity", self.velocity_share, "of the limit", np.argmax),
+            ("velocity", self.velocity_ratio, "of the limit", np.argmax),
         ]
-        if self.acceleration_share is not None:
-            rows.append(("acceleration", self.acceleration_share, "of the limit", np.argmax))
+        if self.acceleration_ratio is not None:
+            rows.append(("acceleration", self.acceleration_ratio, "of the limit", np.argmax))
         lines = [f"{len(self.times)} samples, {'ok' if self.ok else 'not ok'}"]
         for name, values, unit, worst in rows:
             i = int(worst(values))
@@ -78,8 +86,8 @@ def path_report(
     trajectory: JointTrajectory,
     motion: Trajectory | PoseTrajectory,
     *,
-    position_tolerance: float = 1e-4,
-    orientation_tolerance: float = 1e-3,
+    position_tolerance: float,
+    orientation_tolerance: float,
 ) -> PathReport:
     """See `Arm.path_report`."""
     path = TipPath.of(motion)
@@ -94,17 +102,22 @@ def path_report(
         times=times,
         position_error=_read_only(np.linalg.norm(positions - path.positions, axis=1)),
         orientation_error=_read_only(turned),
-        condition_number=_read_only(kinematics.condition_number(chain, q)),
+        condition_number=_read_only(_condition_number(chain, q)),
         margin=_read_only(margins(limits.lower, limits.upper, q)),
-        velocity_share=_read_only(_velocity_share(times, q, limits.velocity)),
-        acceleration_share=None
+        velocity_ratio=_read_only(_velocity_ratio(times, q, limits.velocity)),
+        acceleration_ratio=None
         if stated is None
-        else _read_only(_acceleration_share(times, q, stated)),
+        else _read_only(_acceleration_ratio(times, q, stated)),
         position_tolerance=check.number(position_tolerance, "position_tolerance", above=0.0),
         orientation_tolerance=check.number(
             orientation_tolerance, "orientation_tolerance", above=0.0
         ),
     )
+
+
+def _condition_number(chain: _core.Chain, q: Float64Array) -> Float64Array:
+    jacobians = kinematics.jacobian(chain, q)
+    return kinematics.condition_number(jacobians, kinematics.ROTATION_WEIGHT)
 
 
 def _read_only(values: Any) -> Float64Array:
@@ -120,30 +133,30 @@ def _joints(trajectory: Any, path: TipPath, limits: JointLimits) -> Float64Array
     expected = (len(path), len(limits.joint_names))
     if trajectory.positions.shape != expected:
         raise InvalidInput(
-            f"trajectory: expected a sample for each of the motion's, {expected}, "
+            f"trajectory: expected one sample for each of the motion's, shape {expected}, "
             f"got {trajectory.positions.shape}"
         )
     return trajectory.positions
 
 
-def _velocity_share(times: Float64Array, q: Float64Array, limit: Float64Array) -> Float64Array:
-    """The larger of the two intervals beside each sample."""
-    between = _share(np.diff(q, axis=0) / np.diff(times)[:, None], limit)
+def _velocity_ratio(times: Float64Array, q: Float64Array, limit: Float64Array) -> Float64Array:
+    """The larger ratio of the two intervals beside each sample."""
+    between = _ratio(np.diff(q, axis=0) / np.diff(times)[:, None], limit)
     padded = np.concatenate([[0.0], between, [0.0]])
     return np.asarray(np.maximum(padded[:-1], padded[1:]))
 
 
-def _acceleration_share(times: Float64Array, q: Float64Array, limit: Float64Array) -> Float64Array:
+def _acceleration_ratio(times: Float64Array, q: Float64Array, limit: Float64Array) -> Float64Array:
     if len(times) == 1:
         return np.zeros(1)
     steps = np.diff(times)
     velocities = np.pad(np.diff(q, axis=0) / steps[:, None], ((1, 1), (0, 0)))
     steps = np.pad(steps, 1, mode="edge")
-    return _share(2.0 * np.diff(velocities, axis=0) / (steps[1:] + steps[:-1])[:, None], limit)
+    return _ratio(2.0 * np.diff(velocities, axis=0) / (steps[1:] + steps[:-1])[:, None], limit)
 
 
-def _share(rates: Float64Array, limit: Float64Array) -> Float64Array:
+def _ratio(rates: Float64Array, limit: Float64Array) -> Float64Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         # 0 / 0 is a joint at rest that must rest.
-        shares = np.where(rates == 0.0, 0.0, np.abs(rates) / limit)
-    return np.asarray(shares.max(axis=1, initial=0.0))
+        ratios = np.where(rates == 0.0, 0.0, np.abs(rates) / limit)
+    return np.asarray(ratios.max(axis=1, initial=0.0))

@@ -1,4 +1,4 @@
-"""A path of the tip and the joints that follow it, sample by sample: what the core takes, gives."""
+"""A path of the tip as the core takes it, and the joints along it as the core returns them."""
 
 from __future__ import annotations
 
@@ -15,9 +15,14 @@ from leadthrough.motion import PoseTrajectory, Trajectory
 
 @dataclass(frozen=True, eq=False)
 class TipPath:
-    """times: (n,) s. positions: (n, 3) m. orientations: (n, 4) w, x, y, z, or no rows: free.
+    """A path of the tip, sample by sample.
 
-    postures: (n, joints) where a redundant arm moves itself; not finite for joints without a wish.
+    Attributes:
+        times: (n,) s.
+        positions: (n, 3) m.
+        orientations: (n, 4) w, x, y, z, or no rows where they are free.
+        postures: (n, joints) towards which a redundant arm moves in its null space; not finite for
+            joints that may stand anywhere.
     """
 
     times: Float64Array
@@ -27,7 +32,11 @@ class TipPath:
 
     @staticmethod
     def of(motion: Any) -> TipPath:
-        """The path of poses, or of points in 3-D. Raises InvalidInput."""
+        """The path of poses, or of points in 3-D.
+
+        Raises:
+            InvalidInput: if the motion is something else.
+        """
         if isinstance(motion, PoseTrajectory):
             return TipPath(motion.times, motion.positions, motion.orientations)
         if isinstance(motion, Trajectory) and motion.positions.shape[1] == 3:
@@ -42,7 +51,7 @@ class TipPath:
 
     @property
     def dimension(self) -> int:
-        """Of the task at a sample: 6 with orientations, 3 without."""
+        """Dimension of the task at a sample: 6 with orientations, 3 without."""
         return 6 if len(self.orientations) else 3
 
     def only(self, samples: Any) -> TipPath:
@@ -52,16 +61,24 @@ class TipPath:
         return TipPath(self.times[samples], self.positions[samples], orientations, postures)
 
     def pull(self, rate: float) -> tuple[Float64Array, Float64Array]:
-        """The postures and (n,) the part of the way there that is gone at each sample, at 1/s."""
-        shares = np.minimum(rate * np.diff(self.times, prepend=self.times[0]), 1.0)
-        return self.postures, shares
+        """The postures, and the fractions (n,) of the way there that each sample moves.
+
+        Args:
+            rate: in 1/s.
+        """
+        fractions = np.minimum(rate * np.diff(self.times, prepend=self.times[0]), 1.0)
+        return self.postures, fractions
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Joints up to the first sample that was missed, with it.
+    """Joints up to and including the first sample that was missed.
 
-    reached: how many samples were not missed.
+    Attributes:
+        q: (k, joints).
+        position_errors: (k,) m.
+        orientation_errors: (k,) rad.
+        reached: number of samples that were not missed.
     """
 
     q: Float64Array

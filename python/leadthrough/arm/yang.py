@@ -16,35 +16,33 @@ and 0 below: it starts smoothly and ends at `damping` in the singularity.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
-from leadthrough.arm.options import tolerance
-from leadthrough.arm.results import Columns
+from leadthrough.arm.definition import ArmDefinition
 from leadthrough.arm.tracks import TipPath
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
 
-if TYPE_CHECKING:
-    from leadthrough.arm.arm import Arm
-
 
 @dataclass(frozen=True)
 class DampedLeastSquares:
-    """The numbers of the method.
+    """The settings of the method.
 
-    damping: lambda in the singularity, m a rad, >= 0; 0 is the plain pseudo-inverse (2).
-    alpha: of equation 5, added to lambda^2 everywhere, >= 0.
-    condition_threshold: kappa from which on lambda grows, >= 1. kappa is dimensionless only with
-        the rotation rows of J in metres: they count `rotation_weight` m a rad, > 0, and so do the
-        task and the damping. 0.3 m is about an arm's reach from its wrist: the Panda's kappa is
-        then 4.5 in its ready posture and 11 in the middle of random ones. With a weight of 1, where
-        the paper weighs nothing, these are 8.2 and 18, and its thresholds of 8 and 10 are low.
-    nullspace_gain: share of the way to the middle of the joints' ranges, 1/s, >= 0.
-    Raises InvalidInput.
+    Attributes:
+        damping: lambda at the singularity in m per rad, >= 0; 0 is the plain pseudo-inverse (2).
+        alpha: of equation 5, added to lambda^2 everywhere, >= 0.
+        condition_threshold: condition number kappa above which lambda grows, >= 1. kappa is
+            dimensionless only with the rotation rows of J in metres, see `rotation_weight`; with
+            0.3 m per rad the Panda's kappa is 4.5 in its ready posture and 11 in the middle of
+            random ones. With a weight of 1, where the paper weighs nothing, these are 8.2 and 18,
+            and its thresholds of 8 and 10 are low.
+        nullspace_gain: rate at which the joints approach the middle of their ranges, 1/s, >= 0.
+        rotation_weight: weight of rotations in J, in the task and in the damping, in m per rad,
+            > 0. 0.3 m is about an arm's reach from its wrist.
     """
 
     damping: float = 0.1
@@ -60,7 +58,8 @@ class DampedLeastSquares:
         check.number(self.nullspace_gain, "nullspace_gain", at_least=0.0)
         check.number(self.rotation_weight, "rotation_weight", above=0.0)
 
-    def _core(self) -> _core.YangOptions:
+    def compiled(self) -> _core.YangOptions:
+        """The settings as the core takes them."""
         return _core.YangOptions(
             self.damping,
             self.alpha,
@@ -72,10 +71,14 @@ class DampedLeastSquares:
 
 @dataclass(frozen=True, eq=False)
 class DampedPath:
-    """Joints along a motion, and for each sample the step that led there.
+    """Joints along a motion, and what the step that led to each sample was like.
 
-    condition, damping: (n,) kappa and lambda (m a rad) where the step began. position_error,
-    orientation_error: (n,) m and rad, of the tool after the step.
+    Attributes:
+        joints: the joints, with the motion's times and events.
+        condition: condition number kappa (n,) where each step began.
+        damping: lambda (n,) in m per rad where each step began.
+        position_error: (n,) in m, of the tip after each step.
+        orientation_error: (n,) in rad, of the tip after each step.
     """
 
     joints: JointTrajectory
@@ -86,17 +89,26 @@ class DampedPath:
 
 
 def follow_path(
-    arm: Arm,
+    arm: ArmDefinition,
     motion: Trajectory | PoseTrajectory,
     *,
-    start: Float64Array,
+    start: ArrayLike,
     settings: DampedLeastSquares | None = None,
 ) -> DampedPath:
-    """One step a sample along a motion; what a step leaves is part of the next one's task.
+    """One step per sample along a motion; the error that a step leaves joins the next one's task.
 
-    motion: poses, or points in 3-D that leave the orientation free. start: (joints,), where the
-    first step, which lasts as long as the second, begins. The joints are clamped to their limits,
-    of which the paper says nothing. Raises InvalidInput.
+    The joints are clamped to their limits, of which the paper says nothing.
+
+    Args:
+        arm: the arm, an `Arm`.
+        motion: poses, or points in 3-D that leave the orientation free.
+        start: configuration (joints,) where the first step begins; it lasts as long as the second.
+        settings: those of the method; by default `DampedLeastSquares()`.
+
+    Raises:
+        InvalidInput: if an argument has another type or shape.
+
+    Source: Yang, Liu and Pears, equations 3 to 7.
     """
     chain, path = arm._chain, TipPath.of(motion)
     q, *columns = _core.yang_path(
@@ -105,7 +117,7 @@ def follow_path(
         path.orientations,
         check.array(start, "start", shape=(len(chain.joint_names),)),
         _steps(path.times),
-        _settings(settings)._core(),
+        checked_settings(settings).compiled(),
     )
     joints = JointTrajectory(
         path.times, q, joint_names=tuple(chain.joint_names), events=motion.events
@@ -113,40 +125,20 @@ def follow_path(
     return DampedPath(joints, *columns)
 
 
-def solve(
-    chain: _core.Chain,
-    positions: Float64Array,
-    orientations: Float64Array,
-    seeds: Float64Array,
-    *,
-    threads: int,
-    position_tolerance: float = 1e-6,
-    orientation_tolerance: float = 1e-6,
-    max_iterations: int = 2000,
-    settings: DampedLeastSquares | None = None,
-) -> Columns:
-    """Steps of one second each from the seeds to poses, checked arrays; no restarts."""
-    return _core.solve_yang(
-        chain,
-        positions,
-        orientations,
-        seeds,
-        tolerance(position_tolerance, orientation_tolerance),
-        check.integer(max_iterations, "max_iterations", at_least=1, at_most=10**9),
-        _settings(settings)._core(),
-        threads,
-    )
-
-
 def _steps(times: Float64Array) -> Float64Array:
-    """(n,) s, to each sample."""
+    """Intervals (n,) in s that lead to each sample."""
     if len(times) == 1:
         return np.ones(1)
     steps = np.diff(times)
     return np.concatenate([steps[:1], steps])
 
 
-def _settings(value: DampedLeastSquares | None) -> DampedLeastSquares:
+def checked_settings(value: DampedLeastSquares | None) -> DampedLeastSquares:
+    """The settings, or the defaults.
+
+    Raises:
+        InvalidInput: if they are something else.
+    """
     if value is None:
         return DampedLeastSquares()
     if not isinstance(value, DampedLeastSquares):

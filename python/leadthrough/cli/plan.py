@@ -115,10 +115,10 @@ def _joints(
     if isinstance(motion, JointTrajectory):
         return differentiate(arm.joints_of(motion))
     if posture is None:
-        return arm.follow(motion, too_fast="slow")
+        return arm.follow(motion)
     if not Path(posture).exists():
         given = parse.numbers(posture, "--posture")
         wished = check.array(given, "--posture", shape=(len(arm.joint_names),))
-        return arm.follow(motion, seed=wished, posture=wished, too_fast="slow")
+        return arm.follow(motion, seed=wished, posture=wished)
     stood = robots.own_joints(arm, reading.one_motion(Path(posture)), posture)
-    return arm.follow(motion, posture=stood, too_fast="slow")
+    return arm.follow(motion, posture=stood)

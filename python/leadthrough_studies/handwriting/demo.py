@@ -83,7 +83,7 @@ def run(name: str, arm: Arm, config: HandwritingConfig) -> Handwriting:
     box = _box_in_the_way(reproduction.positions, config)
     detour = skill.generate(start=start, obstacles=[box])
     poses = _hurried(_with_pen(detour, config), config)
-    asked = differentiate(arm.follow(poses, seed=config.posture))
+    asked = differentiate(arm.follow(poses, seed=config.posture, too_fast="exceed_limits"))
     joints = scale_to_limits(asked, arm.limits)
     return Handwriting(
         name=name,

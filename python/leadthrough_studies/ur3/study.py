@@ -205,7 +205,7 @@ def _clearance(motion: Trajectory, shape: Shape) -> float:
 def _on_the_arm(motion: Trajectory, base: Float64Array, obstacles: list[Shape]) -> Row:
     """Errors of the tip when the joints take whole steps only, and what the whole arm meets."""
     arm = Arm.load("ur3")
-    joints = arm.follow(Trajectory(motion.times, motion.positions - base))
+    joints = arm.follow(Trajectory(motion.times, motion.positions - base), too_fast="exceed_limits")
     steps = np.round(np.rad2deg(joints.positions) / _JOINT_STEP) * _JOINT_STEP
     reached, _ = arm.forward_kinematics(np.deg2rad(steps))
     errors = np.linalg.norm(reached + base - motion.positions, axis=1)

@@ -2,6 +2,7 @@
 
 import threading
 import time
+from functools import partial
 
 import numpy as np
 import pytest
@@ -76,11 +77,14 @@ def test_iterations_are_a_budget(arm, posture):
     assert result.iterations < 1 + 800  # the descent to the closest configuration is bounded
 
 
-@pytest.mark.parametrize("options", [{"mode": "closest"}, {"free": ("rz",)}, {"method": "yang"}])
+@pytest.mark.parametrize("options", [{"mode": "closest"}, {"free": ("rz",)}, "damped"])
 def test_threads_do_not_change_a_bit_in_any_mode(arm, random_configurations, options):
     targets = arm.forward_kinematics(random_configurations(arm, 20, 7))
-    one = arm.inverse_kinematics_batch(*targets, max_iterations=300, **options)
-    many = arm.inverse_kinematics_batch(*targets, max_iterations=300, threads=3, **options)
+    if options == "damped":
+        solve = partial(arm.damped_inverse_kinematics_batch, *targets, max_iterations=300)
+    else:
+        solve = partial(arm.inverse_kinematics_batch, *targets, max_iterations=300, **options)
+    one, many = solve(), solve(threads=3)
     np.testing.assert_array_equal(one.q, many.q)
     np.testing.assert_array_equal(one.iterations, many.iterations)
 
@@ -144,7 +148,7 @@ def test_huge_targets_end_with_a_verdict_in_every_mode(arm, axes, size):
     for result in (
         arm.inverse_kinematics(*target, **axes),
         arm.inverse_kinematics(*target, mode="closest", **axes),
-        arm.inverse_kinematics(*target, method="yang", max_iterations=20),
+        arm.damped_inverse_kinematics(*target, max_iterations=20),
     ):
         assert result.status == "unreachable"
         assert np.isfinite(result.q).all()
@@ -162,9 +166,33 @@ def test_huge_targets_end_with_a_verdict_in_every_mode(arm, axes, size):
         {"posture": np.zeros(6), "mode": "closest"},
         {"max_cpu_seconds": 0.0},
         {"max_cpu_seconds": np.nan},
-        {"method": "newton"},
     ],
 )
-def test_bad_options_are_refused(options):
-    with pytest.raises(InvalidInput):
+def test_bad_options_are_refused_by_name(options):
+    with pytest.raises(InvalidInput, match="|".join(options)):
         UR3.inverse_kinematics([0.3, 0.0, 0.3], [0, 1, 0, 0], **options)
+
+
+@pytest.mark.parametrize(
+    "method",
+    [
+        "inverse_kinematics",
+        "inverse_kinematics_batch",
+        "inverse_kinematics_all",
+        "damped_inverse_kinematics",
+        "damped_inverse_kinematics_batch",
+        "follow",
+        "check",
+        "path_report",
+    ],
+)
+def test_a_wrong_keyword_names_the_method_and_the_argument(method):
+    with pytest.raises(TypeError, match=rf"\b{method}\(\).*'speed'"):
+        getattr(UR3, method)([[0.3, 0.0, 0.3]], speed=1.0)
+
+
+def test_options_seen_before_are_checked_as_if_they_were_new():
+    UR3.inverse_kinematics([0.3, 0.0, 0.3], max_restarts=100)
+    for equal in (100.0, np.float64(100.0), True):
+        with pytest.raises(InvalidInput, match="max_restarts"):
+            UR3.inverse_kinematics([0.3, 0.0, 0.3], max_restarts=equal)

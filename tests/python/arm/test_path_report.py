@@ -24,8 +24,8 @@ def test_a_trajectory_on_its_own_poses_has_no_error():
 
 def test_shares_are_those_of_check_limits():
     report, judged = ARM.path_report(JOINTS, MOTION), lt.check_limits(JOINTS, ARM.limits)
-    np.testing.assert_allclose(report.velocity_share.max(), judged.velocity.ratio)
-    np.testing.assert_allclose(report.acceleration_share.max(), judged.acceleration.ratio)
+    np.testing.assert_allclose(report.velocity_ratio.max(), judged.velocity.ratio)
+    np.testing.assert_allclose(report.acceleration_ratio.max(), judged.acceleration.ratio)
     lower, upper = ARM.limits.lower[:5], ARM.limits.upper[:5]  # the last joint turns freely
     margin = np.minimum(Q[:, :5] - lower, upper - Q[:, :5]) / (upper - lower)
     np.testing.assert_allclose(report.margin, margin.min(axis=1))
@@ -57,13 +57,13 @@ def test_points_ask_for_no_orientation_and_unknown_accelerations_for_none():
     limits = dataclasses.replace(ARM.limits, acceleration=None)
     arm = lt.Arm(ARM.document, ARM.base, ARM.tip, limits)
     report = arm.path_report(JOINTS, lt.Trajectory(TIMES, MOTION.positions))
-    assert report.acceleration_share is None
+    assert report.acceleration_ratio is None
     assert (report.orientation_error == 0.0).all()
     assert "acceleration" not in report.summary()
     one = arm.path_report(
         lt.JointTrajectory([0.0], Q[:1]), lt.Trajectory([0.0], MOTION.positions[:1])
     )
-    assert one.velocity_share.shape == (1,)
+    assert one.velocity_ratio.shape == (1,)
     assert one.ok
 
 

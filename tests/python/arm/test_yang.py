@@ -79,19 +79,17 @@ def test_poses_nearby_are_reached_by_steps_alone():
     rng = np.random.default_rng(1)
     q = np.array([0.1, -1.2, 1.4, -1.7, -1.5, 0.3]) + rng.uniform(-0.2, 0.2, (50, 6))
     targets = UR3.forward_kinematics(q)
-    batch = UR3.inverse_kinematics_batch(
+    batch = UR3.damped_inverse_kinematics_batch(
         *targets,
         seeds=[0.1, -1.2, 1.4, -1.7, -1.5, 0.3],
-        method="yang",
         settings=DampedLeastSquares(condition_threshold=100.0),
     )
     assert batch.success.all()
     np.testing.assert_allclose(UR3.forward_kinematics(batch.q)[0], targets[0], atol=1e-5)
-    one = UR3.inverse_kinematics(
+    one = UR3.damped_inverse_kinematics(
         targets[0][0],
         targets[1][0],
         seed=[0.1, -1.2, 1.4, -1.7, -1.5, 0.3],
-        method="yang",
         settings=DampedLeastSquares(condition_threshold=100.0),
     )
     np.testing.assert_array_equal(one.q, batch.q[0])
@@ -100,7 +98,7 @@ def test_poses_nearby_are_reached_by_steps_alone():
 
 def test_positions_alone_are_reached_too():
     position, _ = PANDA.forward_kinematics(READY)
-    result = PANDA.inverse_kinematics(position, method="yang", max_iterations=500)
+    result = PANDA.damped_inverse_kinematics(position, max_iterations=500)
     assert result.success
     assert result.orientation_error == 0.0
 
@@ -130,4 +128,4 @@ def test_bad_motions_and_starts_are_refused():
     with pytest.raises(InvalidInput):
         follow_path(PANDA, outwards(0.1), start=READY, settings=0.1)
     with pytest.raises(InvalidInput):
-        PANDA.inverse_kinematics([0.3, 0.0, 0.3], method="yang", settings={"damping": 0.1})
+        PANDA.damped_inverse_kinematics([0.3, 0.0, 0.3], settings={"damping": 0.1})

@@ -137,7 +137,7 @@ def test_segments_have_those_of_their_time():
     assert second.events == (lt.Event(5.0, "c"),)
 
 
-@pytest.mark.parametrize("too_fast", ["keep", "slow"])
+@pytest.mark.parametrize("too_fast", ["exceed_limits", "slow"])
 def test_followed_motions_keep_them(too_fast):
     position, turned = ARM.forward_kinematics(START)
     way = position + np.outer(S, [0.05, 0.1, 0.0])

@@ -18,7 +18,7 @@ from leadthrough.models.chart import NODES, Chart, carried
 from leadthrough.models.promp.alike import check_alike
 from leadthrough.models.promp.gaussian import Gaussian, product
 from leadthrough.models.promp.skill import ProMPSkill
-from leadthrough.motion import normalised_times
+from leadthrough.motion import MotionT, normalised_times
 
 # Standard deviation added where a skill has none, as a fraction of the motion's reach: the
 # covariance is inverted.
@@ -27,12 +27,14 @@ _LEAST_DEVIATION = 1e-7
 _FARTHEST = 0.5 * np.pi
 
 
-def combine(skills: Sequence[ProMPSkill], *, activations: ArrayLike | None = None) -> ProMPSkill:
+def combine(
+    skills: Sequence[ProMPSkill[MotionT]], *, activations: ArrayLike | None = None
+) -> ProMPSkill[MotionT]:
     """The motions that all skills find likely at once: the product of their distributions.
 
     Args:
-        skills: k skills of the same motion type, with equal bases. Orientations of poses must lie
-            within a right angle of each other.
+        skills: k skills of the same type of motion, with equal bases. Orientations of poses must
+            lie within a right angle of each other.
         activations: powers (k,) of the factors, > 0; by default all 1.
 
     Returns:
@@ -63,8 +65,8 @@ def blend(
     """Mean and covariance of a motion that passes from one skill to the next.
 
     Args:
-        skills: k skills of the same motion type. Each runs over the whole motion, whatever its own
-            duration. Orientations of poses must lie within a right angle of each other.
+        skills: k skills of the same type of motion. Each runs over the whole motion, whatever its
+            own duration. Orientations of poses must lie within a right angle of each other.
         times: times (n,) of the whole motion, s, increasing.
         activations: activation (n, k) of each skill at each time, >= 0, not all 0 at any time.
 
@@ -102,7 +104,7 @@ def _powers(activations: ArrayLike, count: int) -> Float64Array:
     return powers
 
 
-def _about(skill: ProMPSkill, chart: Chart) -> ProMPSkill:
+def _about(skill: ProMPSkill[MotionT], chart: Chart[MotionT]) -> ProMPSkill[MotionT]:
     """The skill about another chart's reference orientation, to first order in its spread."""
     if skill.chart.kind != "poses" or skill.chart is chart:
         return skill

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Generic
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +20,7 @@ from leadthrough.errors import InvalidInput
 from leadthrough.models.promp import observation
 from leadthrough.models.promp.alike import check_alike
 from leadthrough.models.promp.skill import ProMPSkill
-from leadthrough.motion import Motion
+from leadthrough.motion import Motion, MotionT, MotionT_co
 
 # More samples add nothing: neighbours are not independent.
 _MOST_SAMPLES = 50
@@ -34,7 +35,7 @@ _PACE_SPREAD = 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Inference:
+class Inference(Generic[MotionT_co]):
     """What the beginning of a motion tells; entry i is about skill i.
 
     Attributes:
@@ -47,7 +48,7 @@ class Inference:
     probabilities: Float64Array
     durations: Float64Array
     phases: Float64Array
-    skills: tuple[ProMPSkill, ...]
+    skills: tuple[ProMPSkill[MotionT_co], ...]
 
     @property
     def best(self) -> int:
@@ -56,8 +57,8 @@ class Inference:
 
 
 def infer(
-    observed: Motion, skills: Sequence[ProMPSkill], *, prior: ArrayLike | None = None
-) -> Inference:
+    observed: Motion, skills: Sequence[ProMPSkill[MotionT]], *, prior: ArrayLike | None = None
+) -> Inference[MotionT]:
     """Probability, duration and continuation of a motion under each of several skills.
 
     The probabilities treat the skills' distributions as known: with a dozen demonstrations per
@@ -91,10 +92,12 @@ def infer(
     )
 
 
-class _Pace:
+class _Pace(Generic[MotionT_co]):
     """The most likely duration of a partly observed motion under a skill."""
 
-    def __init__(self, observed: Motion, skill: ProMPSkill, noise: Float64Array) -> None:
+    def __init__(
+        self, observed: Motion, skill: ProMPSkill[MotionT_co], noise: Float64Array
+    ) -> None:
         chosen = np.unique(np.linspace(0, len(observed.times) - 1, _MOST_SAMPLES).round())
         self._rows = chosen.astype(int)
         self._observed, self._skill = observed, skill
@@ -108,7 +111,7 @@ class _Pace:
         best = float(scores.max())
         self.evidence = best + float(np.log((np.exp(scores - best) * steps).sum()))
 
-    def conditioned(self) -> ProMPSkill:
+    def conditioned(self) -> ProMPSkill[MotionT_co]:
         """The skill conditioned on the observed part, with the most likely duration."""
         phases, values = self._seen(self.duration)
         return observation.along(self._skill, phases, values).lasting(self.duration)

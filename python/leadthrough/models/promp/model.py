@@ -1,7 +1,9 @@
-"""Probabilistic movement primitives: a distribution over motions.
+"""Probabilistic movement primitives: normal distributions over motions.
 
-A motion is basis functions over its phase times weights, and the weights are normally distributed
-over the demonstrations. Source: Paraschos et al. 2013, "Probabilistic movement primitives".
+A motion is a weighted sum of basis functions of its phase; over the demonstrations, the weights are
+normally distributed.
+
+Source: Paraschos et al. 2013, "Probabilistic movement primitives".
 """
 
 from __future__ import annotations
@@ -29,7 +31,7 @@ from leadthrough.motion import Motion, MotionT, normalised_times
 
 ESTIMATORS = ("least_squares", "em")
 
-# A curve fitted to less of the phase than this is free to do anything in the rest.
+# A curve fitted to a smaller part of the phases than this is free to do anything in the rest.
 _LEAST_COVERED = 0.9
 
 
@@ -37,13 +39,20 @@ _LEAST_COVERED = 0.9
 class ProMP:
     """A probabilistic movement primitive of points, joints or poses.
 
-    weights: basis functions a column, >= 4. basis: "gaussian"; "bspline"; "rhythmic", for motions
-    of one period that end where they began. width: of the bells, standard deviations in spacings
-    of their centres, 0.3 to 3: velocities ripple with narrow ones, from 0.6 down, and wide ones are
-    hard to tell from each other. estimator: "least_squares", quick, exact at both ends
-    of every demonstration; "em", which weighs noisy samples against each other and takes
-    demonstrations that show only a part of the motion. regularization: of the least-squares
-    curves, > 0, what a wiggle costs beside an error.
+    Attributes:
+        weights: number of basis functions per column, 4 to 10,000.
+        basis: "gaussian", "bspline", or "rhythmic" for motions of one period that end where they
+            began.
+        width: standard deviation of the Gaussian and rhythmic functions, in spacings of their
+            centres, 0.3 to 3. Velocities ripple with narrow functions, from 0.6 down; wide ones
+            are hard to tell from each other.
+        estimator: "least_squares", which is quick and exact at both ends of every demonstration,
+            or "em", which weighs noisy samples against each other and takes demonstrations of only
+            a part of the motion.
+        regularization: cost of a wiggle of a least-squares curve relative to that of an error, > 0.
+
+    Raises:
+        InvalidInput: if a setting is out of range.
     """
 
     weights: int = 20
@@ -67,16 +76,22 @@ class ProMP:
     ) -> ProMPSkill[MotionT]:
         """A skill from demonstrations, all of points, of the same joints, or of poses.
 
-        phases: (n,) increasing in [0, 1] for each demonstration, where its samples stand in the
-        motion (rhythmic: in periods); by default the share of its time. A demonstration of a part
-        covers a part of [0, 1], which needs the estimator "em". Raises InvalidInput; FitError for
-        a demonstration that does not move, or that is too short for its part.
+        Args:
+            demonstrations: one or more demonstrations, or motions, of one type.
+            phases: for each demonstration, the phases (n,) of its samples, increasing in [0, 1];
+                of rhythmic motions in periods. By default its normalised times. A demonstration
+                of a part of the motion covers a part of [0, 1], which needs estimator="em".
+
+        Raises:
+            InvalidInput: if the demonstrations differ in type or the phases do not fit them.
+            FitError: if there is no demonstration, one does not move, one shows too small a part
+                for its estimator, or none shows some part of the motion.
         """
         motions = motions_of(demonstrations)
         at = (
             [normalised_times(motion.times) for motion in motions]
             if phases is None
-            else _phases(phases, motions, rhythmic=self.basis == "rhythmic")
+            else _checked_phases(phases, motions, rhythmic=self.basis == "rhythmic")
         )
         chart = chart_of(motions, at)
         columns = [
@@ -95,8 +110,19 @@ class ProMP:
         return ProMPSkill(self, basis, chart, fit.weights, fit.noise, scale, duration)
 
 
+# Any: settings are whatever JSON holds.
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> ProMPSkill:
-    """The skill that `ProMPSkill.to_archive` took apart. Raises KeyError, TypeError, ValueError."""
+    """The skill that `ProMPSkill.to_archive` took apart.
+
+    Args:
+        settings: its plain values.
+        arrays: its arrays by name.
+
+    Raises:
+        KeyError: if a value or an array is missing.
+        TypeError: if a value has the wrong type.
+        ValueError: if a value or an array is out of range.
+    """
     model = _model_of(settings)
     basis, chart = _basis_of(model), Chart.from_archive(settings, arrays)
     size = chart.width * basis.count
@@ -126,11 +152,14 @@ def _basis_of(model: ProMP) -> Basis:
     return Basis(model.basis, model.weights, float(model.width))
 
 
-def _phases(
+def _checked_phases(
     phases: Sequence[ArrayLike], motions: Sequence[Motion], *, rhythmic: bool
 ) -> list[Float64Array]:
     if not isinstance(phases, Sequence) or len(phases) != len(motions):
-        raise InvalidInput(f"phases: expected a sequence of {len(motions)} arrays")
+        got = len(phases) if isinstance(phases, Sequence) else type(phases).__name__
+        raise InvalidInput(
+            f"phases: expected one array per demonstration, {len(motions)}, got {got}"
+        )
     checked = []
     for i, (given, motion) in enumerate(zip(phases, motions, strict=True)):
         name = f"phases[{i}]"
@@ -147,6 +176,6 @@ def _refuse_parts(phases: Sequence[Float64Array]) -> None:
     for i, u in enumerate(phases):
         if u[-1] - u[0] < _LEAST_COVERED:
             raise FitError(
-                f"demonstrations[{i}]: covers the phases {u[0]:.3g} to {u[-1]:.3g} only; "
-                'fit with estimator="em", which takes parts of a motion'
+                f"demonstrations[{i}]: covers only the phases {u[0]:.3g} to {u[-1]:.3g}; "
+                'set estimator="em", which takes parts of a motion'
             )

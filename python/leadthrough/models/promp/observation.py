@@ -1,25 +1,82 @@
-"""What an observation says about the weights of a ProMP."""
+"""The weights of a ProMP after observing columns, or noisy samples, of its motion."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.models.chart import Chart
 from leadthrough.models.promp.gaussian import Gaussian
+from leadthrough.motion import MotionT
 
 if TYPE_CHECKING:
-    from leadthrough.models.promp.skill import ProMPSkill, Task
+    from leadthrough.models.promp.skill import ProMPSkill
 
-# Standard deviations, in shares of the scale, of which a Cholesky root loses nothing that matters.
+# Standard deviations, as fractions of the scale, of which a Cholesky root loses nothing that
+# matters.
 _SURELY_UNCERTAIN = 1e-5
-_MOST_STEPS = 50
-# A task's value counts as reached within this share of the length of the value's change.
-_REACHED = 1e-9
+
+
+def of_values(
+    skill: ProMPSkill[MotionT],
+    phases: Float64Array,
+    values: Float64Array,
+    covariance: ArrayLike | None = None,
+    *,
+    columns: NDArray[np.int64] | None = None,
+    order: int = 0,
+    name: str,
+) -> ProMPSkill[MotionT]:
+    """The skill after observing values at one or several phases.
+
+    Args:
+        skill: the skill before.
+        phases: phases (m,) of the observations.
+        values: observed values (m, p).
+        covariance: covariance (p, p) of the values at each phase, or None if they are exact.
+        columns: indices of the p observed columns; by default the first ones.
+        order: what the values are: 0 positions, 1 velocities, 2 accelerations.
+        name: argument that an error about the values names.
+
+    Raises:
+        InvalidInput: if the covariance is wrong or the skill rules the values out.
+    """
+    chosen = skill.chart.every[: values.shape[1]] if columns is None else columns
+    noise = noise_of(covariance, len(chosen))
+    rows, scale = skill.basis(phases, order), skill.scale[chosen]
+    if order > 0:
+        pace = skill.duration**-order
+        rows, scale = rows * pace, scale * pace
+    return skill.with_weights(
+        of_columns(skill.weights, rows, chosen, values, noise, scale=scale, name=name)
+    )
+
+
+def chosen(columns: Sequence[int] | None, chart: Chart) -> NDArray[np.int64]:
+    """A user's choice of columns.
+
+    Args:
+        columns: indices of different columns; None for all.
+        chart: what the columns are.
+
+    Raises:
+        InvalidInput: if there is none, one is out of range or one is given twice.
+    """
+    if columns is None:
+        return chart.every
+    most = chart.width - 1
+    result = [check.integer(each, "columns", at_least=0, at_most=most) for each in columns]
+    if not result or len(set(result)) != len(result):
+        raise InvalidInput(
+            f"columns: expected at least one of 0 to {most}, each once, got {list(columns)}"
+        )
+    return np.array(result)
 
 
 def of_columns(
@@ -32,10 +89,19 @@ def of_columns(
     scale: Float64Array,
     name: str,
 ) -> Gaussian:
-    """The weights given the values (m, p) of p columns where the basis has rows (m, k).
+    """The weights after observing some columns at one or several phases.
 
-    noise: (p, p) of the values at each, or None: exactly. scale: (p,) what counts as large.
-    Raises InvalidInput, about the argument `name`, where the distribution rules the values out.
+    Args:
+        weights: distribution of the weights (d k,), one column after the other.
+        rows: values (m, k) of the basis functions at the m phases.
+        columns: indices of the p observed columns.
+        values: observed values (m, p).
+        noise: covariance (p, p) of the values at each phase, or None if they are exact.
+        scale: magnitude (p,) of each column that counts as large.
+        name: argument that the error names.
+
+    Raises:
+        InvalidInput: if the distribution rules the values out.
     """
     certain, mean, covariance = _core.condition_weights(
         weights.mean,
@@ -49,7 +115,7 @@ def of_columns(
     )
     if not certain:
         return Gaussian(mean, covariance)
-    # Step by step only where something is known already: it takes the directions apart.
+    # The slower way, which takes the directions apart, only where some are certain already.
     picked = np.eye(len(weights.mean) // rows.shape[1])[columns]
     return weights.observe(
         np.concatenate([np.kron(picked, row) for row in rows]),
@@ -60,57 +126,52 @@ def of_columns(
     )
 
 
-def through(
-    skill: ProMPSkill,
-    rows: Float64Array,
-    value: Any,
-    task: Task,
-    noise: Float64Array | None,
-) -> Gaussian:
-    """The weights given a task's value at the columns rows @ weights, by Gauss-Newton steps.
+def noise_of(covariance: ArrayLike | None, size: int) -> Float64Array | None:
+    """A user's covariance (size, size) of an observation, or None for an exact one.
 
-    Every step linearises the task at the last mean and starts again from the prior, so that it
-    ends at the most likely motion (Bell and Cathey 1993, "The iterated Kalman filter update as a
-    Gauss-Newton method").
+    Args:
+        covariance: covariance (size, size), or None.
+        size: number of values observed at once.
+
+    Raises:
+        InvalidInput: if the matrix has another shape or is not symmetric and positive
+            semi-definite.
     """
-    wanted = check.array(value, "value", shape=("p",))
-    q = rows @ skill.weights.mean
-    for _ in range(_MOST_STEPS):
-        reached, jacobian = _evaluated(task, q, len(wanted))
-        scale = np.linalg.norm(jacobian * skill.scale, axis=1)
-        scale = np.maximum(scale, 1e-6 * float(scale.max()))
-        if not scale.max() > 0.0:
-            raise InvalidInput("task: expected a Jacobian that is not zero")
-        linear = wanted - reached + jacobian @ q
-        weights = skill.weights.observe(jacobian @ rows, linear, noise, scale=scale, name="value")
-        step = rows @ weights.mean - q
-        q = q + step
-        if np.abs(step / skill.scale).max() < _REACHED:
-            return weights
-    raise InvalidInput(
-        f"value: expected one that the motion can reach, got {wanted}, nearest {reached}"
-    )
+    if covariance is None:
+        return None
+    result = check.array(covariance, "covariance", shape=(size, size))
+    if not _core.is_covariance(result):
+        raise InvalidInput("covariance: expected a symmetric positive semi-definite matrix")
+    return result
 
 
 def log_density(skill: ProMPSkill, phases: Float64Array, values: Float64Array) -> float:
-    """Of the values (n, d) of noisy samples at phases (n,), by the matrix inversion lemma."""
-    seen = _Seen(skill, phases, values)
+    """Log density of noisy samples with values (n, d) at phases (n,) under a skill."""
+    evidence = _Evidence(skill, phases, values)
     log_noise = len(values) * float(np.log(2.0 * np.pi * skill.noise).sum())
-    log_volume = 2.0 * float(np.log(np.diag(seen.lower)).sum())
-    squared = float((seen.residual**2 / skill.noise).sum() - seen.white @ seen.white)
+    log_volume = 2.0 * float(np.log(np.diag(evidence.lower)).sum())
+    squared = float((evidence.residual**2 / skill.noise).sum() - evidence.white @ evidence.white)
     return -0.5 * (squared + log_noise + log_volume)
 
 
-def along(skill: ProMPSkill, phases: Float64Array, values: Float64Array) -> ProMPSkill:
-    """The skill given the values (n, d) of noisy samples at phases (n,)."""
-    seen = _Seen(skill, phases, values)
-    shrunk = np.linalg.solve(seen.lower, skill.weights.root.T)
-    mean = skill.weights.mean + shrunk.T @ seen.white
+def along(
+    skill: ProMPSkill[MotionT], phases: Float64Array, values: Float64Array
+) -> ProMPSkill[MotionT]:
+    """The skill after observing noisy samples with values (n, d) at phases (n,)."""
+    evidence = _Evidence(skill, phases, values)
+    shrunk = np.linalg.solve(evidence.lower, skill.weights.root.T)
+    mean = skill.weights.mean + shrunk.T @ evidence.white
     return skill.with_weights(Gaussian(mean, shrunk.T @ shrunk))
 
 
-class _Seen:
-    """What noisy samples say about the weights, in coordinates where these are white before."""
+class _Evidence:
+    """Noisy samples, by the matrix inversion lemma in coordinates z with weights = mean + root z.
+
+    Attributes:
+        residual: deviations (n, d) of the samples from the mean motion.
+        lower: Cholesky factor (d k, d k) of the precision of z after the observation.
+        white: lower^T times the mean (d k,) of z after the observation.
+    """
 
     def __init__(self, skill: ProMPSkill, phases: Float64Array, values: Float64Array) -> None:
         size, count = values.shape[1], skill.basis.count
@@ -124,19 +185,3 @@ class _Seen:
         self.lower = np.linalg.cholesky(inner)
         seen = reached.T @ (self.residual / np.sqrt(skill.noise)).T.ravel()
         self.white = np.linalg.solve(self.lower, seen)
-
-
-def _evaluated(task: Task, q: Float64Array, size: int) -> tuple[Float64Array, Float64Array]:
-    reached, jacobian = task(q)
-    return (
-        check.array(reached, "task's value", shape=(size,)),
-        check.array(jacobian, "task's Jacobian", shape=(size, len(q))),
-    )
-
-
-def noise_of(value: Any, size: int) -> Float64Array:
-    """A user's covariance (size, size) of what was observed. Raises InvalidInput."""
-    result = check.array(value, "covariance", shape=(size, size))
-    if not _core.is_covariance(result):
-        raise InvalidInput("covariance: expected a symmetric positive semi-definite matrix")
-    return result

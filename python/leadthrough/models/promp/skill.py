@@ -1,8 +1,8 @@
-"""A fitted probabilistic movement primitive: asked for motions, conditioned, sampled."""
+"""A fitted probabilistic movement primitive: generated, conditioned, sampled."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, cast
 
@@ -18,9 +18,11 @@ from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.parameters import Parameter, whole_number
 from leadthrough.models.place import Place
-from leadthrough.models.promp import limits, observation
+from leadthrough.models.promp import limits, observation, task_space
 from leadthrough.models.promp.basis import Basis
+from leadthrough.models.promp.clock import phases_at
 from leadthrough.models.promp.gaussian import Gaussian
+from leadthrough.models.promp.task_space import TaskMap
 from leadthrough.models.sampling import even_times
 from leadthrough.motion import Motion, MotionT_co, normalised_times
 from leadthrough.shapes import Shape
@@ -28,28 +30,23 @@ from leadthrough.shapes import Shape
 if TYPE_CHECKING:
     from leadthrough.models.promp.model import ProMP
 
-# A time may be so many shares of the duration off either end by rounding.
-_ULPS = 1e-9
-
-_LEAST_WEIGHTS, _MOST_WEIGHTS = 5, 40  # worth trying
-
-Task = Callable[[Float64Array], tuple[Any, Any]]
+_LEAST_WEIGHTS, _MOST_WEIGHTS = 5, 40  # the range worth trying on a slider
 
 
 @dataclass(frozen=True, eq=False)
 class ProMPSkill(Generic[MotionT_co]):
-    """What was learned; made by `ProMP.fit`.
+    """A normal distribution of motions; made by `ProMP.fit`.
 
     Attributes:
         model: the settings that it was fitted with.
-        basis: functions of the phase.
+        basis: the k basis functions of the phase.
         chart: what the d columns are: the coordinates of points, the joints, or for poses the
             position and a rotation vector from a reference orientation.
-        weights: distribution of the weights of the columns, one column after the other.
-        noise: (d,) variances of the demonstrations about their curves.
-        scale: (d,) reach of the motion.
-        duration: s.
-        bounds: lower and upper limits (d,), or None.
+        weights: distribution of the weights (d k,), one column after the other.
+        noise: variances (d,) of the demonstrations about their curves.
+        scale: reach (d,) of the motion.
+        duration: duration of the motion, s.
+        bounds: lower and upper limits (d,) each, or None.
     """
 
     model: ProMP
@@ -59,7 +56,7 @@ class ProMPSkill(Generic[MotionT_co]):
     noise: Float64Array
     scale: Float64Array
     duration: float
-    bounds: tuple[Float64Array, Float64Array] | None = None
+    bounds: limits.Bounds | None = None
 
     kind: ClassVar[str] = "promp"
 
@@ -72,12 +69,20 @@ class ProMPSkill(Generic[MotionT_co]):
     def distribution(
         self, times: ArrayLike, *, order: int = 0
     ) -> tuple[Float64Array, Float64Array]:
-        """Mean (n, d) and covariance (n, d, d) at times (n,), s, in [0, duration].
+        """Mean and covariance of the columns, without the noise of the demonstrations.
 
-        order: 0 positions, 1 velocities, 2 accelerations. Without the noise of the demonstrations.
-        Raises InvalidInput.
+        Args:
+            times: times (n,), s, in [0, duration]; of a rhythmic motion any.
+            order: 0 for positions, 1 for velocities, 2 for accelerations.
+
+        Returns:
+            Mean (n, d) and covariance (n, d, d).
+
+        Raises:
+            InvalidInput: if a time lies outside the motion or the order is not 0, 1 or 2.
         """
-        rows = self._rows(times, order)
+        check.integer(order, "order", at_least=0, at_most=2)
+        rows = self.basis(self._phases(times, "times"), order) * self.duration**-order
         size, count = self.chart.width, self.basis.count
         blocks = self.weights.covariance.reshape(size, count, size, count).transpose(1, 3, 0, 2)
         pairs = (rows[:, :, None] * rows[:, None, :]).reshape(len(rows), -1)
@@ -94,23 +99,38 @@ class ProMPSkill(Generic[MotionT_co]):
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
     ) -> MotionT_co:
-        """The mean motion, conditioned on start and goal where given; of the type that was shown.
+        """The mean motion, conditioned on a start and a goal where given.
 
-        start, goal: (d,), for poses (position (3,), orientation (4,)) or the position alone.
-        duration: s, > 0. dt: s, upper bound of the sampling step. Joints come with velocities and
-        accelerations. Raises InvalidInput; UnsupportedQuery for obstacles.
+        Args:
+            start: columns (d,) at the start; for poses (position (3,), orientation (4,) as
+                w, x, y, z) or the position alone. By default the mean.
+            goal: the same at the end; a rhythmic motion has none.
+            duration: duration, s, > 0; by default the demonstrations' median.
+            dt: largest time between samples, s, > 0.
+            obstacles: must be empty.
+
+        Returns:
+            A motion of the type that was demonstrated; joints with velocities and accelerations.
+
+        Raises:
+            InvalidInput: if an argument is wrong, or if the motion is fixed to something else at
+                its start or its goal.
+            UnsupportedQuery: for obstacles, or a goal of a rhythmic motion.
         """
         if len(obstacles) > 0:
-            raise UnsupportedQuery("obstacles: this model cannot avoid them; see FastMarching")
+            raise UnsupportedQuery(
+                "obstacles: a ProMP cannot avoid them; leave them out or use FastMarching"
+            )
+        if goal is not None and self.basis.is_rhythmic:
+            raise UnsupportedQuery(
+                "goal: a rhythmic motion has none, it ends where it starts; leave it out"
+            )
         check.number(dt, "dt", above=0.0)
         skill = self if duration is None else self.lasting(duration)
-        given = {"start": (start, 0.0), "goal": (goal, 1.0)}
-        if goal is not None and self.basis.is_rhythmic:
-            raise UnsupportedQuery("goal: a rhythmic motion has none, it ends where it starts")
-        for name, (value, phase) in given.items():
-            if value is not None:
-                wanted = self.chart.target(value, name, phase)
-                skill = skill._observed(name, np.array([phase]), wanted[None])
+        for name, place, phase in (("start", start, 0.0), ("goal", goal, 1.0)):
+            if place is not None:
+                wanted = self.chart.target(place, name, phase)[None]
+                skill = observation.of_values(skill, np.array([phase]), wanted, name=name)
         return skill._motion(skill.weights.mean, even_times(skill.duration, dt))
 
     def condition(
@@ -122,84 +142,141 @@ class ProMPSkill(Generic[MotionT_co]):
         order: int = 0,
         columns: Sequence[int] | None = None,
     ) -> ProMPSkill[MotionT_co]:
-        """A skill that passes a via point, or several; call it again for more.
+        """A skill whose motions pass one or several via points; call it again for more.
 
-        time: s, in [0, duration]. position: (d,), for poses as in `generate`. For several via
-        points (m,) and (m, d). covariance: (p, p) of the values observed at each, by default none:
-        the motion passes exactly. order: 1 to give velocities instead, 2 accelerations. columns:
-        the p ones that are observed, by default all that a position has. Raises InvalidInput, also
-        where the motion is already fixed at this time to something else.
+        Args:
+            time: time of the via point, s, in [0, duration]; (m,) for several.
+            position: the values (p,) there, for poses as in `generate`; (m, p) for several.
+            covariance: covariance (p, p) of the values at each via point; by default the motion
+                passes through them exactly.
+            order: what the values are: 0 positions, 1 velocities, 2 accelerations.
+            columns: indices of the p columns that the values are for; by default all d, for poses
+                as many as the position has.
+
+        Raises:
+            InvalidInput: if an argument is wrong, if several via points are given for poses, or if
+                the motion is already fixed to something else at that time.
         """
         check.integer(order, "order", at_least=0, at_most=2)
         several = isinstance(time, list | tuple) or getattr(time, "ndim", 0) > 0
-        phases = self._phases(time if several else [time], "time")
+        phases = self._phases(time if several else [cast(float, time)], "time")
         if columns is None and order == 0 and self.chart.kind == "poses":
             if several:
-                raise InvalidInput("time: expected one time for a pose, call again for more")
-            value = self.chart.target(position, "position", float(phases[0]))
-            return self._observed("position", phases, value[None], covariance)
-        chosen = self.chart.every if columns is None else self._columns(columns)
-        shape = (len(phases), len(chosen)) if several else (len(chosen),)
-        values = check.array(position, "position", shape=shape).reshape(-1, len(chosen))
-        return self._observed("position", phases, values, covariance, columns=chosen, order=order)
+                raise InvalidInput("time: expected one time for a pose; call again for more")
+            chosen = None
+            values = self.chart.target(position, "position", float(phases[0]))[None]
+        else:
+            chosen = observation.chosen(columns, self.chart)
+            shape = (len(phases), len(chosen)) if several else (len(chosen),)
+            values = check.array(position, "position", shape=shape).reshape(-1, len(chosen))
+        return observation.of_values(
+            self, phases, values, covariance, columns=chosen, order=order, name="position"
+        )
 
     def condition_task(
-        self, time: float, value: ArrayLike, task: Task, *, covariance: ArrayLike | None = None
+        self,
+        time: float,
+        value: ArrayLike,
+        task: TaskMap,
+        *,
+        covariance: ArrayLike | None = None,
     ) -> ProMPSkill[MotionT_co]:
-        """A skill that passes a via point in a task space, such as a tool's position.
+        """A skill whose motions pass a via point in a task space, such as a tool's position.
 
-        time: s. value: (p,). task: takes the columns (d,), gives their value (p,) in the task
-        space and its Jacobian (p, d); for joints an arm's kinematics. covariance: (p, p), by
-        default the motion passes exactly. Raises InvalidInput, also where the mean motion cannot
-        be brought there. Source: Gomez-Gonzalez et al. 2020, section IV-D, iterated.
+        Args:
+            time: time of the via point, s, in [0, duration].
+            value: value (p,) in the task space.
+            task: takes columns (d,), returns their value (p,) in the task space and its Jacobian
+                (p, d); for joints an arm's kinematics.
+            covariance: covariance (p, p) of the value; by default the mean motion passes exactly.
+
+        Raises:
+            InvalidInput: if an argument is wrong or the mean motion cannot reach the value.
+
+        Source: Gomez-Gonzalez et al. 2020, "Adaptation and robust learning of probabilistic
+        movement primitives", section IV-D, iterated.
         """
-        (phase,) = self._phases([time], "time")
-        rows = self._selection(self.basis(np.array([phase])), range(self.chart.width))
-        noise = None if covariance is None else observation.noise_of(covariance, np.size(value))
-        return self.with_weights(observation.through(self, rows, value, task, noise))
+        rows = np.asarray(
+            np.kron(np.eye(self.chart.width), self.basis(self._phases([time], "time")))
+        )
+        noise = observation.noise_of(covariance, np.size(value))
+        return self.with_weights(task_space.through(self, rows, value, task, noise))
 
     def lasting(self, duration: float) -> ProMPSkill[MotionT_co]:
-        """The same motion in another duration, s, > 0. Raises InvalidInput."""
+        """The same motion at another speed.
+
+        Args:
+            duration: new duration, s, > 0.
+
+        Raises:
+            InvalidInput: if the duration is not positive.
+        """
         return replace(self, duration=check.number(duration, "duration", above=0.0))
 
     def within(self, lower: ArrayLike, upper: ArrayLike) -> ProMPSkill[MotionT_co]:
-        """A skill whose mean and samples keep limits (d,), infinite ones allowed.
+        """A skill whose mean and samples keep limits.
 
-        They are moved the least that the covariance allows: along what varies, so that via points
-        stay. Raises InvalidInput where these lie outside.
+        They are moved as little as the covariance allows, and only where it is not zero, so that
+        via points stay.
+
+        Args:
+            lower: lower limits (d,), -inf where there is none.
+            upper: upper limits (d,), > lower, inf where there is none.
+
+        Raises:
+            InvalidInput: if the limits are wrong, or if via points lie outside them.
         """
         bounds = limits.checked(lower, upper, self.chart.width)
         return replace(self, bounds=bounds).with_weights(self.weights)
 
     def sample(self, count: int, *, seed: int, dt: float = 0.01) -> list[MotionT_co]:
-        """Random motions, as many as count. Raises InvalidInput."""
+        """Random motions, inside the limits.
+
+        Args:
+            count: number of motions, >= 1.
+            seed: seed of the random number generator, >= 0.
+            dt: largest time between samples, s, > 0.
+
+        Raises:
+            InvalidInput: if an argument is out of range.
+        """
         check.number(dt, "dt", above=0.0)
         times = even_times(self.duration, dt)
         return [self._motion(weights, times) for weights in self.sample_weights(count, seed=seed)]
 
     def sample_weights(self, count: int, *, seed: int) -> Float64Array:
-        """Random weight vectors (count, d k), inside the limits. Raises InvalidInput."""
+        """Random weight vectors, inside the limits.
+
+        Args:
+            count: number of vectors, >= 1.
+            seed: seed of the random number generator, >= 0.
+
+        Returns:
+            Weights (count, d k), one column after the other.
+
+        Raises:
+            InvalidInput: if an argument is out of range.
+        """
         size = check.integer(count, "count", at_least=1)
         rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
         normal = rng.standard_normal((size, len(self.weights.mean)))
         drawn = self.weights.mean + normal @ self.weights.root.T
         if self.bounds is None:
             return drawn
-        return np.stack(
-            [
-                limits.moved_inside(
-                    Gaussian(weights, self.weights.covariance), self.basis, self.bounds, self.scale
-                )
-                for weights in drawn
-            ]
-        )
+        spread = self.weights.covariance
+        return np.stack([self._inside(Gaussian(weights, spread)) for weights in drawn])
 
     def log_likelihood(self, trajectory: Motion) -> float:
-        """The logarithm of the density of a motion, its samples noisy as the demonstrations'.
+        """Log density of a motion whose samples are as noisy as the demonstrations'.
 
-        It may last differently: its time counts as a share. Raises InvalidInput.
+        Args:
+            trajectory: a motion of the type that was demonstrated, at least two samples. Its
+                duration does not matter: it is compared over normalised time.
+
+        Raises:
+            InvalidInput: if the motion has another type or fewer than two samples.
         """
-        if not hasattr(trajectory, "positions") or len(trajectory.times) < 2:
+        if not isinstance(trajectory, Motion) or len(trajectory.times) < 2:
             raise InvalidInput("trajectory: expected a motion of at least two samples")
         phases = normalised_times(trajectory.times)
         values = self.chart.columns(trajectory, phases, "trajectory")
@@ -208,9 +285,12 @@ class ProMPSkill(Generic[MotionT_co]):
     def parameters(
         self, demonstrations: Demonstrations[Motion] = ()
     ) -> Sequence[Parameter[MotionT_co]]:
-        """Its number of weights, where there are demonstrations to fit again.
+        """The number of weights, if there are demonstrations to fit again.
 
         The skill fitted again has the same settings, duration and limits, but no via points.
+
+        Args:
+            demonstrations: the demonstrations that the skill was fitted to.
         """
         if len(demonstrations) == 0:
             return []
@@ -226,11 +306,19 @@ class ProMPSkill(Generic[MotionT_co]):
         ]
 
     def save(self, path: StrPath) -> None:
-        """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""
+        """Writes the skill to a .npz file that `load_skill` reads.
+
+        Args:
+            path: file to write.
+
+        Raises:
+            InvalidInput: if the file cannot be written.
+        """
         archive.write(path, self.kind, *self.to_archive())
 
+    # Any: settings are whatever JSON holds.
     def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
-        """Settings and arrays that `from_archive` puts together again."""
+        """Settings and arrays that `model.from_archive` turns into the skill again."""
         settings = {
             "model": asdict(self.model),
             "duration": self.duration,
@@ -248,61 +336,28 @@ class ProMPSkill(Generic[MotionT_co]):
         return settings, arrays
 
     def with_weights(self, weights: Gaussian) -> ProMPSkill[MotionT_co]:
-        """Itself with other weights, moved inside the limits."""
+        """The skill with another distribution of the weights, moved inside the limits."""
         if self.bounds is not None:
-            mean = limits.moved_inside(weights, self.basis, self.bounds, self.scale)
-            weights = Gaussian(mean, weights.covariance)
-        return replace(self, weights=weights)
-
-    def _observed(
-        self,
-        name: str,
-        phases: Float64Array,
-        values: Float64Array,
-        covariance: Any = None,
-        *,
-        columns: Any = None,
-        order: int = 0,
-    ) -> ProMPSkill[MotionT_co]:
-        chosen = self.chart.every[: values.shape[1]] if columns is None else columns
-        noise = None if covariance is None else observation.noise_of(covariance, len(chosen))
-        rows, scale = self.basis(phases, order), self.scale[chosen]
-        if order > 0:
-            pace = self.duration**-order
-            rows, scale = rows * pace, scale * pace
-        weights = observation.of_columns(
-            self.weights, rows, chosen, values, noise, scale=scale, name=name
+            weights = Gaussian(self._inside(weights), weights.covariance)
+        # Spelled out, as `replace` takes longer and controllers condition in a loop.
+        return ProMPSkill(
+            self.model,
+            self.basis,
+            self.chart,
+            weights,
+            self.noise,
+            self.scale,
+            self.duration,
+            self.bounds,
         )
-        return self.with_weights(weights)
 
-    def _selection(self, row: Float64Array, columns: Sequence[int]) -> Float64Array:
-        return np.asarray(np.kron(np.eye(self.chart.width)[list(columns)], row))
+    def _inside(self, weights: Gaussian) -> Float64Array:
+        assert self.bounds is not None
+        return limits.moved_inside(weights, self.basis, self.bounds, self.scale)
 
-    def _rows(self, times: Any, order: int) -> Float64Array:
-        check.integer(order, "order", at_least=0, at_most=2)
-        return self.basis(self._phases(times, "times"), order) * self.duration**-order
-
-    def _phases(self, times: Any, name: str) -> Float64Array:
-        given = check.array(times, name, shape=("n",)) / self.duration
-        if self.basis.is_rhythmic:
-            return given
-        first, last = _extent(given)
-        # A grid of times up to the duration may end an ulp beyond it.
-        if first < -_ULPS or last > 1.0 + _ULPS:
-            raise InvalidInput(
-                f"{name}: expected times in [0, {self.duration:.6g}] s, "
-                f"got {first * self.duration:.6g} to {last * self.duration:.6g} s"
-            )
-        return given if first >= 0.0 and last <= 1.0 else np.clip(given, 0.0, 1.0)
-
-    def _columns(self, columns: Sequence[int]) -> Any:
-        width = self.chart.width
-        chosen = [
-            check.integer(column, "columns", at_least=0, at_most=width - 1) for column in columns
-        ]
-        if not chosen or len(set(chosen)) != len(chosen):
-            raise InvalidInput(f"columns: expected different ones below {width}, got {columns}")
-        return np.array(chosen)
+    def _phases(self, times: ArrayLike, name: str) -> Float64Array:
+        repeats = self.basis.is_rhythmic
+        return phases_at(times, name, duration=self.duration, repeats=repeats)
 
     def _motion(self, weights: Float64Array, times: Float64Array) -> MotionT_co:
         phases = times / self.duration
@@ -310,10 +365,3 @@ class ProMPSkill(Generic[MotionT_co]):
         orders = (0, 1, 2) if self.chart.kind == "joints" else (0,)
         values = (self.basis(phases, order) @ curves * self.duration**-order for order in orders)
         return self.chart.motion(times, phases, *values)
-
-
-def _extent(values: Float64Array) -> tuple[float, float]:
-    """Least and largest; where there are none, in the middle of [0, 1]."""
-    if len(values) == 1:  # the quick way: via points come one at a time
-        return float(values[0]), float(values[0])
-    return (float(values.min()), float(values.max())) if len(values) > 0 else (0.5, 0.5)

@@ -1,0 +1,70 @@
+"""What defines an arm: a chain of joints of a URDF, with its limits and what the tip carries."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from leadthrough import _core, check
+from leadthrough.arm import holding
+from leadthrough.arm.attachment import Attachment
+from leadthrough.arm.limits import JointLimits
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.shapes import Shape
+
+
+@dataclass(frozen=True, eq=False)
+class ArmDefinition:
+    """The fields of an `Arm`, from which each group of its methods derives.
+
+    The groups are one file each: kinematics, dynamics, inverse kinematics, following, collision.
+    """
+
+    document: str = field(repr=False)
+    base: str
+    tip: str
+    limits: JointLimits = field(repr=False)
+    held: Mapping[str, float] = field(default_factory=dict, repr=False)
+    attachment: Attachment = field(default_factory=Attachment, repr=False)
+    mesh_folders: tuple[str, ...] = field(default=(), repr=False)
+    _robot: _core.Robot = field(init=False, repr=False)
+    _chain: _core.Chain = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "held", holding.checked(self.held))
+        robot = _core.Robot(self.document).hold(list(self.held.items()))
+        chain = _core.Chain(robot, self.base, self.tip)
+        if list(self.joint_names) != chain.joint_names:
+            raise InvalidInput(
+                f"limits: expected the joints {chain.joint_names}, got {list(self.joint_names)}"
+            )
+        bounded = chain.with_bounds(self.limits.lower, self.limits.upper)
+        object.__setattr__(self, "_robot", robot)
+        object.__setattr__(self, "_chain", self.attachment.applied_to(bounded))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        stated = (self.document, self.base, self.tip, self.limits)
+        return type(self), (*stated, dict(self.held), self.attachment, self.mesh_folders)
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints to command, from base to tip; without those held or mimicking another."""
+        return self.limits.joint_names
+
+    @property
+    def tool(self) -> tuple[Float64Array, Float64Array]:
+        """Position (3,) in m and orientation (4,) w, x, y, z of the tip in the frame of `tip`."""
+        return self.attachment.position, self.attachment.orientation
+
+    @property
+    def attached(self) -> tuple[Shape, ...]:
+        """The shapes of the objects that the arm holds, in the frame of link `tip`."""
+        return self.attachment.shapes
+
+    def _joints(self, value: ArrayLike, name: str) -> Float64Array:
+        """One checked configuration (joints,)."""
+        return check.array(value, name, shape=(len(self.joint_names),))

@@ -1,0 +1,254 @@
+"""Joint trajectories along a motion of the tip.
+
+The path is solved sample after sample, each from the one before, so the arm never jumps to
+another posture. Where its velocity and acceleration limits are too low for the motion's pace, as
+beside a singularity, one of three must yield: the limits, the times or the path.
+
+Sources: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for the slowing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leadthrough import _core, check, events
+from leadthrough.arm.first_posture import Start, first_postures, seeded
+from leadthrough.arm.limits import JointLimits
+from leadthrough.arm.options import ik_options, tolerance
+from leadthrough.arm.results import STATUSES
+from leadthrough.arm.tracks import TipPath, Track, solve_sample
+from leadthrough.check import Float64Array
+from leadthrough.errors import IkFailure, InvalidInput, LimitsInfeasible
+from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory, normalised_times
+
+_SAMPLE_ITERATIONS = 60
+# Damping to try where the arm may leave the path, m^2 per rad^2: from none to (0.1 m per rad)^2,
+# which halves the step of a joint that moves the tip by 0.1 m per rad.
+_DAMPINGS = (0.0, 1e-5, 1e-4, 1e-3, 1e-2)
+_HINTS = {
+    "jump": " (the pose can be reached, but not from the sample before)",
+    "too_fast": " (the arm's limits are too low for the motion's pace; slow the motion down)",
+}
+
+TooFast = Literal["slow", "deviate", "raise", "exceed_limits"]
+
+
+def follow(
+    chain: _core.Chain,
+    motion: Trajectory | PoseTrajectory,
+    *,
+    limits: JointLimits,
+    seed: Float64Array | None,
+    too_fast: TooFast,
+    deviation: tuple[float, float] | None,
+    max_step: float,
+    posture: JointTrajectory | ArrayLike | None,
+    midrange: float,
+    position_tolerance: float,
+    orientation_tolerance: float,
+) -> JointTrajectory:
+    """See `Arm.follow`."""
+    tip = TipPath.of(motion)
+    path = replace(tip, postures=_postures(chain, posture, tip.times))
+    if seed is None and isinstance(posture, JointTrajectory):
+        seed = path.postures[0]
+    allowed = (position_tolerance, orientation_tolerance)
+    follower = _Follower(
+        chain=chain,
+        path=path,
+        limits=limits,
+        tolerance=tolerance(*allowed),
+        allowed=allowed,
+        max_step=check.number(max_step, "max_step", above=0.0),
+    )
+    check.choice(too_fast, "too_fast", get_args(TooFast))
+    stated = _deviation(deviation, too_fast, allowed)
+    rate = check.number(midrange, "midrange", at_least=0.0)
+    track = _best(follower, _starts(follower, seed, rate), too_fast, stated)
+    if track.reached < len(path):
+        raise _failure(follower, track, too_fast)
+    times = _slowed(chain, path.times, track.q, limits) if too_fast == "slow" else path.times
+    velocities = _velocities(times, track.q)
+    if too_fast != "exceed_limits":
+        velocities[[0, -1]] = 0.0
+    happening = events.moved(motion.events, path.times, times)
+    names = tuple(chain.joint_names)
+    return JointTrajectory(times, track.q, velocities, None, names, happening)
+
+
+@dataclass(frozen=True, eq=False)
+class _Follower:
+    chain: _core.Chain
+    path: TipPath
+    limits: JointLimits
+    tolerance: _core.IkTolerance
+    allowed: tuple[float, float]
+    max_step: float
+
+    def along(self, start: Start) -> Track:
+        """The track along the path, at whatever speed that takes."""
+        return self._track(start, self.path)
+
+    def in_time(self, start: Start, damping: float, deviation: tuple[float, float]) -> Track:
+        """The track along the path at the path's own pace, inside the limits."""
+        first = self._track(start, self.path.only(slice(1)))
+        options = _core.PursuitOptions(
+            self.limits.velocity, acceleration(self.limits), damping, tolerance(*deviation)
+        )
+        columns = _core.pursue(
+            self.chain,
+            self.path.times,
+            self.path.positions,
+            self.path.orientations,
+            first.q[0],
+            *self.path.pull(start.midrange),
+            options,
+        )
+        return Track.of(columns, deviation)
+
+    def deviating(self, start: Start, deviation: tuple[float, float]) -> Track:
+        """Of the tracks with several dampings, the one that stays nearest to the path."""
+        tracks = []
+        for damping in _DAMPINGS:
+            tracks.append(self.in_time(start, damping, deviation))
+            if _distance(tracks[-1], self.allowed) <= 1.0:
+                break
+        return min(tracks, key=lambda track: _rank(track, deviation))
+
+    def _track(self, start: Start, path: TipPath) -> Track:
+        options = _core.TrackOptions(self.tolerance, _SAMPLE_ITERATIONS, self.max_step)
+        pull = path.pull(start.midrange)
+        columns = _core.track(
+            self.chain, path.positions, path.orientations, start.q, *pull, options
+        )
+        return Track.of(columns, self.allowed)
+
+
+def _postures(
+    chain: _core.Chain, posture: JointTrajectory | ArrayLike | None, times: Float64Array
+) -> Float64Array:
+    """The configuration (n, joints) that the arm should keep close to at each of the times."""
+    joints = len(chain.joint_names)
+    if not isinstance(posture, JointTrajectory):
+        if posture is None:
+            with np.errstate(invalid="ignore"):  # without limits there is no middle
+                wished = 0.5 * chain.lower + 0.5 * chain.upper
+        else:
+            wished = check.array(posture, "posture", shape=(joints,))
+        return np.repeat(wished[None], len(times), axis=0)
+    names = posture.joint_names
+    if posture.positions.shape[1] != joints or names not in ((), tuple(chain.joint_names)):
+        what = list(names) or posture.positions.shape[1]
+        raise InvalidInput(
+            f"posture: expected the joints {list(chain.joint_names)}, got {what}; "
+            "`Arm.joints_of` picks the arm's joints of a recording"
+        )
+    at = posture.times[0] + normalised_times(times) * posture.duration
+    return np.column_stack([np.interp(at, posture.times, column) for column in posture.positions.T])
+
+
+def acceleration(limits: JointLimits) -> Float64Array:
+    """The acceleration limits, infinite where they are not known."""
+    if limits.acceleration is None:
+        return np.full(len(limits.joint_names), np.inf)
+    return limits.acceleration
+
+
+def _deviation(
+    deviation: Any, too_fast: TooFast, allowed: tuple[float, float]
+) -> tuple[float, float]:
+    """The most that the tip may be away from a sample, m and rad."""
+    if too_fast != "deviate":
+        if deviation is not None:
+            raise InvalidInput(
+                "deviation: only used with too_fast='deviate'; remove it or set too_fast='deviate'"
+            )
+        return allowed
+    if deviation is None:
+        raise InvalidInput(
+            "deviation: expected the most that the tip may be away from the path, (m, rad), "
+            "got None"
+        )
+    position, orientation = check.array(deviation, "deviation", shape=(2,))
+    return (
+        check.number(position, "deviation in m", above=0.0),
+        check.number(orientation, "deviation in rad", above=0.0),
+    )
+
+
+def _starts(follower: _Follower, seed: Float64Array | None, midrange: float) -> list[Start]:
+    rate = midrange if len(follower.chain.joint_names) > follower.path.dimension else 0.0
+    if seed is not None:
+        return seeded(follower.chain, follower.path, seed, rate)
+    return first_postures(
+        follower.chain,
+        follower.path,
+        velocity=follower.limits.velocity,
+        midrange=rate,
+        tracking=(follower.tolerance, _SAMPLE_ITERATIONS, follower.max_step),
+    )
+
+
+def _best(
+    follower: _Follower, starts: list[Start], too_fast: TooFast, deviation: tuple[float, float]
+) -> Track:
+    """The first track that reaches the end and stays on the path, else the best one."""
+    best: Track | None = None
+    for start in starts:
+        if too_fast in ("exceed_limits", "slow"):
+            track = follower.along(start)
+        elif too_fast == "raise":
+            track = follower.in_time(start, 0.0, deviation)
+        else:
+            track = follower.deviating(start, deviation)
+        if best is None or _rank(track, deviation) < _rank(best, deviation):
+            best = track
+        if best.reached == len(follower.path) and _distance(best, follower.allowed) <= 1.0:
+            break
+    assert best is not None
+    return best
+
+
+def _rank(track: Track, unit: tuple[float, float]) -> tuple[int, float]:
+    return -track.reached, _distance(track, unit)
+
+
+def _distance(track: Track, unit: tuple[float, float]) -> float:
+    return float(
+        max(track.position_errors.max() / unit[0], track.orientation_errors.max() / unit[1])
+    )
+
+
+def _slowed(
+    chain: _core.Chain, times: Float64Array, q: Float64Array, limits: JointLimits
+) -> Float64Array:
+    slowed, stuck = _core.slow_down(times, q, limits.velocity, acceleration(limits))
+    if stuck >= 0:
+        joint = chain.joint_names[stuck]
+        raise LimitsInfeasible(
+            f"{joint} has to move, but its velocity or acceleration limit is 0", joint=joint
+        )
+    return slowed
+
+
+def _velocities(times: Float64Array, q: Float64Array) -> Float64Array:
+    if len(times) == 1:
+        return np.zeros_like(q)
+    return np.asarray(np.gradient(q, times, axis=0, edge_order=2 if len(times) > 2 else 1))
+
+
+def _failure(follower: _Follower, track: Track, too_fast: TooFast) -> IkFailure:
+    i, chain, path = track.reached, follower.chain, follower.path
+    residual = (float(track.position_errors[i]), float(track.orientation_errors[i]))
+    _, status, _ = solve_sample(chain, path, i, track.q[i : i + 1], ik_options())
+    on_the_way = "jump" if too_fast in ("exceed_limits", "slow") else "too_fast"
+    reason = STATUSES[status[0]] if status[0] else on_the_way
+    message = (
+        f"sample {i} at {path.times[i]:.6g} s: {reason}{_HINTS.get(reason, '')}, "
+        f"{residual[0]:.3g} m and {residual[1]:.3g} rad away"
+    )
+    return IkFailure(message, index=i, status=reason, residual=residual, q=track.q[i].copy())

@@ -1,0 +1,41 @@
+"""Times of a ProMP as phases of its motion."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leadthrough import check
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+
+# A time may lie this fraction of the duration outside the motion, by rounding: evenly spaced times
+# up to the duration may end an ulp beyond it.
+_ROUNDING = 1e-9
+
+
+def phases_at(times: ArrayLike, name: str, *, duration: float, repeats: bool) -> Float64Array:
+    """Phases (n,) at times of a motion.
+
+    Args:
+        times: times (n,), s, in [0, duration]; any if the motion repeats.
+        name: argument that the error names.
+        duration: duration of the motion, s.
+        repeats: whether the motion is rhythmic.
+
+    Raises:
+        InvalidInput: if times is not a finite (n,) array or a time lies outside the motion.
+    """
+    phases = check.array(times, name, shape=("n",)) / duration
+    if repeats or len(phases) == 0:
+        return phases
+    if len(phases) == 1:  # the quick way: via points come one at a time
+        first = last = float(phases[0])
+    else:
+        first, last = float(phases.min()), float(phases.max())
+    if first < -_ROUNDING or last > 1.0 + _ROUNDING:
+        raise InvalidInput(
+            f"{name}: expected times in [0, {duration:.6g}] s, "
+            f"got {first * duration:.6g} to {last * duration:.6g} s"
+        )
+    return phases if first >= 0.0 and last <= 1.0 else np.clip(phases, 0.0, 1.0)
