@@ -1,4 +1,4 @@
-"""Plans through space: grids, arrival times, distances and the quickest paths through them."""
+"""Planning in space: grids, arrival times, distances and the quickest paths."""
 
 from leadthrough.planning.arrival import arrival_times, arrival_times_batch
 from leadthrough.planning.arrival_field import ArrivalField, FieldUpdate

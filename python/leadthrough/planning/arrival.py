@@ -7,15 +7,17 @@ order: Sethian 1999, "Fast marching methods".
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from leadthrough import _core, check
+from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.planning.grid import spacings
 from leadthrough.planning.march_input import (
+    FloatArray,
     check_range,
     flat_indices,
     precision_of,
@@ -30,26 +32,69 @@ _SOURCE_RADIUS = {1: 0.0, 2: 8.0}
 _LARGEST_RADIUS = 50.0
 
 
-def arrival_times(
-    speed: Any,
-    sources: Any,
+@overload  # no type is both float32 and float64
+def arrival_times(  # type: ignore[overload-overlap]
+    speed: ArrayLike,
+    sources: ArrayLike,
     *,
-    spacing: Any = 1.0,
+    spacing: ArrayLike = ...,
+    order: int = ...,
+    dtype: type[np.float32],
+    stop: ArrayLike | None = ...,
+    source_radius: float | None = ...,
+) -> NDArray[np.float32]: ...
+@overload
+def arrival_times(
+    speed: ArrayLike,
+    sources: ArrayLike,
+    *,
+    spacing: ArrayLike = ...,
+    order: int = ...,
+    dtype: type[np.float64] = ...,
+    stop: ArrayLike | None = ...,
+    source_radius: float | None = ...,
+) -> Float64Array: ...
+@overload
+def arrival_times(
+    speed: ArrayLike,
+    sources: ArrayLike,
+    *,
+    spacing: ArrayLike = ...,
+    order: int = ...,
+    dtype: DTypeLike,
+    stop: ArrayLike | None = ...,
+    source_radius: float | None = ...,
+) -> FloatArray: ...
+def arrival_times(
+    speed: ArrayLike,
+    sources: ArrayLike,
+    *,
+    spacing: ArrayLike = 1.0,
     order: int = 1,
     dtype: DTypeLike = np.float64,
-    stop: Any = None,
+    stop: ArrayLike | None = None,
     source_radius: float | None = None,
-) -> NDArray[Any]:
-    """Time at which a front that leaves the sources at time 0 reaches each cell; inf if never.
+) -> FloatArray:
+    """Times at which a front that leaves the sources at time 0 reaches each cell; inf if never.
 
-    speed: 2-D or 3-D, length per time, >= 0; 0 is a wall, and the slowest other speed must be above
-    1e-15 of the fastest. sources: (d,) or (k, d) cells' indices. spacing: (d,) or one number, the
-    length between neighbouring cells. order: 1 or 2. dtype: float32 or float64 of times and
-    arithmetic. stop: (d,) a cell; cells that the front reaches later stay inf, which saves time.
-    source_radius: cells (of the smallest spacing), 0 to 50; within it times are exact distances
-    over the source's speed, as far as no cell of another speed comes near and at most half way to
-    the next source. By default 0 at order 1 and 8 at order 2.
-    Returns an array of the shape of `speed`. Raises InvalidInput.
+    Args:
+        speed: 2-D or 3-D map of speeds, length per time, >= 0; 0 is a wall, and the slowest other
+            speed must be above 1e-15 times the fastest.
+        sources: indices of cells, (d,) or (k, d).
+        spacing: distance between neighbouring cells, > 0, (d,) or one number.
+        order: of the scheme, 1 or 2.
+        dtype: float32 or float64, of times and arithmetic.
+        stop: index of a cell (d,); cells that the front reaches later stay inf, which saves time.
+        source_radius: in cells (of the smallest spacing), 0 to 50; within it times are exact
+            distances over the source's speed, as far as no cell of another speed comes near and at
+            most half way to the next source. By default 0 at order 1 and 8 at order 2.
+
+    Returns:
+        Times of the map's shape.
+
+    Raises:
+        InvalidInput: if an argument is malformed, a source lies in a wall, or the speeds' range is
+            too wide for the dtype.
     """
     precision = precision_of(dtype)
     check.integer(order, "order", at_least=1, at_most=2)
@@ -63,34 +108,65 @@ def arrival_times(
     return march(np.ascontiguousarray(field, precision), steps.tolist(), cells, order, radius, last)
 
 
-def _entries(values: Any, name: str) -> list[Any]:
-    entries = list(values) if np.iterable(values) and not isinstance(values, str) else []
-    if not entries:
-        raise InvalidInput(f"{name}: expected a sequence with one entry a problem, got {values!r}")
-    return entries
-
-
-def _radius(source_radius: float | None, order: int) -> float:
-    if source_radius is None:
-        return _SOURCE_RADIUS[order]
-    return check.number(source_radius, "source_radius", at_least=0.0, at_most=_LARGEST_RADIUS)
-
-
-def arrival_times_batch(
-    speeds: Sequence[Any],
-    sources: Sequence[Any],
+@overload  # no type is both float32 and float64
+def arrival_times_batch(  # type: ignore[overload-overlap]
+    speeds: Sequence[ArrayLike],
+    sources: Sequence[ArrayLike],
     *,
-    spacing: Any = 1.0,
+    spacing: ArrayLike = ...,
+    order: int = ...,
+    dtype: type[np.float32],
+    source_radius: float | None = ...,
+    threads: int = ...,
+) -> list[NDArray[np.float32]]: ...
+@overload
+def arrival_times_batch(
+    speeds: Sequence[ArrayLike],
+    sources: Sequence[ArrayLike],
+    *,
+    spacing: ArrayLike = ...,
+    order: int = ...,
+    dtype: type[np.float64] = ...,
+    source_radius: float | None = ...,
+    threads: int = ...,
+) -> list[Float64Array]: ...
+@overload
+def arrival_times_batch(
+    speeds: Sequence[ArrayLike],
+    sources: Sequence[ArrayLike],
+    *,
+    spacing: ArrayLike = ...,
+    order: int = ...,
+    dtype: DTypeLike,
+    source_radius: float | None = ...,
+    threads: int = ...,
+) -> list[NDArray[np.float32]] | list[Float64Array]: ...
+def arrival_times_batch(
+    speeds: Sequence[ArrayLike],
+    sources: Sequence[ArrayLike],
+    *,
+    spacing: ArrayLike = 1.0,
     order: int = 1,
     dtype: DTypeLike = np.float64,
     source_radius: float | None = None,
     threads: int = 1,
-) -> list[NDArray[Any]]:
-    """The times of several problems, as `arrival_times` gives them one by one, on several threads.
+) -> list[NDArray[np.float32]] | list[Float64Array]:
+    """The times of several problems, as `arrival_times` computes them one by one.
 
-    speeds: maps of one shape. sources: one entry a problem. A single map serves all sources, a
-    single entry of sources all maps. threads: at least 1; the result's bits do not depend on it.
-    The rest as in `arrival_times`. Raises InvalidInput.
+    Args:
+        speeds: maps of one shape; a single map serves all sources.
+        sources: one entry per problem; a single entry serves all maps.
+        spacing: as in `arrival_times`.
+        order: as in `arrival_times`.
+        dtype: as in `arrival_times`.
+        source_radius: as in `arrival_times`.
+        threads: at least 1; the bits of the result do not depend on it.
+
+    Returns:
+        Times of the maps' shape, one array per problem.
+
+    Raises:
+        InvalidInput: as in `arrival_times`, and if there are not as many maps as sources.
     """
     precision = precision_of(dtype)
     check.integer(order, "order", at_least=1, at_most=2)
@@ -98,29 +174,43 @@ def arrival_times_batch(
     radius = _radius(source_radius, order)
     maps = [speed_map(speed) for speed in _entries(speeds, "speeds")]
     starts = _entries(sources, "sources")
-    count = max(len(maps), len(starts))
-    if {len(maps), len(starts)} - {1, count}:
-        raise InvalidInput(
-            "sources: expected as many entries as speeds, or a single one of either, "
-            f"got {len(starts)} for {len(maps)}"
-        )
-    shapes = {field.shape for field in maps}
-    if len(shapes) > 1:
-        raise InvalidInput(f"speeds: expected maps of one shape, got {sorted(shapes)}")
+    count = _count(len(maps), len(starts))
+    _check_shapes({field.shape for field in maps})
     steps = spacings(spacing, maps[0].ndim)
     for field in maps:
         check_range(*range_of(field), cells=field.size, spacing=steps, dtype=precision)
     arrays = [np.ascontiguousarray(field, precision) for field in maps]
-    pairs = [
-        (k % len(maps), source_cells(starts[k % len(starts)], maps[k % len(maps)]))
-        for k in range(count)
-    ]
+    fields = [k % len(maps) for k in range(count)]
+    cells = [source_cells(starts[k % len(starts)], maps[fields[k]]) for k in range(count)]
     march = _core.march_batch_float32 if precision == np.float32 else _core.march_batch_float64
-    return march(
-        [arrays[k] for k, _ in pairs],
-        steps.tolist(),
-        [cells for _, cells in pairs],
-        order,
-        radius,
-        threads,
-    )
+    return march([arrays[k] for k in fields], steps.tolist(), cells, order, radius, threads)
+
+
+# Any: maps and sources pass through here alike; each is checked where it is used.
+def _entries(values: Sequence[Any], name: str) -> list[Any]:
+    entries = list(values) if np.iterable(values) and not isinstance(values, str) else []
+    if not entries:
+        raise InvalidInput(f"{name}: expected a sequence, one entry per problem, got {values!r}")
+    return entries
+
+
+def _count(maps: int, sources: int) -> int:
+    """How many problems so many maps and sources make."""
+    count = max(maps, sources)
+    if {maps, sources} - {1, count}:
+        raise InvalidInput(
+            "sources: expected as many entries as speeds, or a single one of either, "
+            f"got {sources} for {maps}"
+        )
+    return count
+
+
+def _check_shapes(shapes: set[tuple[int, ...]]) -> None:
+    if len(shapes) > 1:
+        raise InvalidInput(f"speeds: expected maps of one shape, got {sorted(shapes)}")
+
+
+def _radius(source_radius: float | None, order: int) -> float:
+    if source_radius is None:
+        return _SOURCE_RADIUS[order]
+    return check.number(source_radius, "source_radius", at_least=0.0, at_most=_LARGEST_RADIUS)

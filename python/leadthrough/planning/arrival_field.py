@@ -1,7 +1,9 @@
-"""A field of arrival times that is kept while obstacles appear, move and vanish.
+"""A field of arrival times that is kept up to date while obstacles appear, move and vanish.
 
-What has changed is invalidated, cell by cell down the wave, and marched anew from its border; where
-that would be more work than a full march, that is done. Source of the march: Sethian 1996.
+Cells whose times have changed are invalidated, one by one down the wave, and marched again from
+their border; where that would be more work than a full march, a full march is done.
+
+Source of the march: Sethian 1996.
 """
 
 from __future__ import annotations
@@ -9,15 +11,17 @@ from __future__ import annotations
 import math
 import threading
 from dataclasses import dataclass
-from typing import Any
+from typing import Literal, cast
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike
 
 from leadthrough import _core
 from leadthrough.errors import InvalidInput
 from leadthrough.planning.grid import Grid, bounds_of
 from leadthrough.planning.march_input import (
+    FloatArray,
+    Numbers,
     check_range,
     finite_speeds,
     precision_of,
@@ -27,34 +31,44 @@ from leadthrough.planning.march_input import (
     speed_map,
 )
 
+Kind = Literal["none", "repair", "full_march"]
+
 
 @dataclass(frozen=True)
 class FieldUpdate:
     """What an update did.
 
-    kind: "none" (no speed changed), "repair" or "full_march". invalidated: cells whose times had
-    rested on speeds that fell; those found until a full march proved cheaper.
+    Attributes:
+        kind: "none" if no speed changed, "repair" or "full_march".
+        invalidated: number of cells whose times depended on speeds that fell; with a full march,
+            of those found until it proved cheaper.
     """
 
-    kind: str
+    kind: Kind
     invalidated: int
 
 
 class ArrivalField:
     """Arrival times of first order from sources, kept up to date with a speed map that changes.
 
-    Of first order, since only there each time is a function of its neighbours' times alone: at
+    First order, because only there each time is a function of its neighbours' times alone: at
     second order it also depends on the sequence of the march.
 
-    speed: of grid.shape, as for `arrival_times`. grid: its spacing counts. sources: points (d,) or
-    (k, d) in cells of speed > 0. dtype: float32 or float64 of times and arithmetic.
     `update` and `update_part` change the object in place, at a cost in proportion to what changes;
-    arrays it has handed out stay as they are. It may be used from several threads, one at a time.
-    Raises InvalidInput.
+    arrays that it has returned stay as they are. Several threads may use it; they take turns.
+
+    Args:
+        speed: of grid.shape, as for `arrival_times`.
+        grid: of the map.
+        sources: points (d,) or (k, d) in cells of speed > 0.
+        dtype: float32 or float64, of times and arithmetic.
+
+    Raises:
+        InvalidInput: if the map does not fit the grid, or a source lies outside it or in a wall.
     """
 
     def __init__(
-        self, speed: Any, grid: Grid, sources: Any, *, dtype: DTypeLike = np.float64
+        self, speed: ArrayLike, grid: Grid, sources: ArrayLike, *, dtype: DTypeLike = np.float64
     ) -> None:
         self._precision = precision_of(dtype)
         field = speed_map(speed)
@@ -71,8 +85,10 @@ class ArrivalField:
         self._speed = np.array(field, self._precision, order="C")
         single = self._precision == np.float32
         make = _core.ArrivalFieldFloat32 if single else _core.ArrivalFieldFloat64
-        self._field: Any = make(self._speed, grid.spacing.tolist(), self._sources)
-        self._times: NDArray[Any] | None = None
+        self._field: _core.ArrivalFieldFloat32 | _core.ArrivalFieldFloat64 = make(
+            self._speed, grid.spacing.tolist(), self._sources
+        )
+        self._times: FloatArray | None = None
         self._lock = threading.RLock()
 
     @property
@@ -81,16 +97,16 @@ class ArrivalField:
         return self._grid
 
     @property
-    def speed(self) -> NDArray[Any]:
+    def speed(self) -> FloatArray:
         """A copy of the speed map as it is now, of grid.shape."""
         with self._lock:
             return self._speed.copy()
 
     @property
-    def times(self) -> NDArray[Any]:
+    def times(self) -> FloatArray:
         """Arrival times as they are now, of grid.shape, read-only; inf where the front never comes.
 
-        A new array after each update, 4 ms for 150^3 cells of float32.
+        After each update this is a new array, which takes 4 ms for 150^3 cells of float32.
         """
         with self._lock:
             if self._times is None:
@@ -98,8 +114,16 @@ class ArrivalField:
                 self._times.setflags(write=False)
             return self._times
 
-    def update(self, speed: Any) -> FieldUpdate:
-        """Replaces the whole speed map; the changed part is found first. Raises InvalidInput."""
+    def update(self, speed: ArrayLike) -> FieldUpdate:
+        """Replaces the whole speed map; the changed part is found first.
+
+        Args:
+            speed: of grid.shape, as for `arrival_times`.
+
+        Raises:
+            InvalidInput: if the map is malformed or puts a source in a wall; nothing is changed
+                then.
+        """
         field = regular(speed, "speed")
         if field.shape != self._grid.shape or field.dtype.kind not in "fiu":
             raise InvalidInput(
@@ -110,11 +134,16 @@ class ArrivalField:
             part = bounds_of(np.asarray(field, self._precision) != self._speed)
             return FieldUpdate("none", 0) if part is None else self.update_part(part, field[part])
 
-    def update_part(self, part: tuple[slice, ...], speed: Any) -> FieldUpdate:
-        """Replaces the speeds of a box of cells, without a look at the others.
+    def update_part(self, part: tuple[slice, ...], speed: ArrayLike) -> FieldUpdate:
+        """Replaces the speeds of a box of cells, without looking at the others.
 
-        part: (d,) slices of the map, without steps. speed: of the part's shape, or a number.
-        Raises InvalidInput, also where a source would lie in a wall; nothing is changed then.
+        Args:
+            part: slices of the map (d,), without steps.
+            speed: of the part's shape, or one number.
+
+        Raises:
+            InvalidInput: if an argument is malformed or puts a source in a wall; nothing is
+                changed then.
         """
         low, shape = self._box(part)
         values = finite_speeds(np.broadcast_to(_fitting(speed, shape), shape))
@@ -124,9 +153,10 @@ class ArrivalField:
             new = np.ascontiguousarray(values, self._precision)
             self._speed[tuple(slice(a, a + n) for a, n in zip(low, shape, strict=True))] = new
             self._times = None
-            return FieldUpdate(*self._field.update(low, new))
+            kind, invalidated = self._field.update(low, new)
+            return FieldUpdate(cast(Kind, kind), invalidated)
 
-    def _box(self, part: Any) -> tuple[list[int], tuple[int, ...]]:
+    def _box(self, part: tuple[slice, ...]) -> tuple[list[int], tuple[int, ...]]:
         d = self._grid.dimensions
         if not isinstance(part, tuple) or len(part) != d:
             raise InvalidInput(f"part: expected a tuple of {d} slices, got {part!r}")
@@ -144,8 +174,8 @@ class ArrivalField:
             shape.append(stop - start)
         return low, tuple(shape)
 
-    def _check_range(self, new: NDArray[Any]) -> None:
-        """Remembers the fastest speed there ever was: the field counts in units of it."""
+    def _check_range(self, new: Numbers) -> None:
+        """Checks and remembers the fastest speed so far: the field counts in units of it."""
         slowest, fastest = range_of(new)
         if 0.0 < self._fastest < fastest:
             slowest = min(slowest, range_of(self._speed)[0])
@@ -159,7 +189,7 @@ class ArrivalField:
         )
         self._fastest = highest
 
-    def _check_sources(self, low: list[int], new: NDArray[Any]) -> None:
+    def _check_sources(self, low: list[int], new: Numbers) -> None:
         cells = np.stack(np.unravel_index(self._sources, self._grid.shape), axis=-1) - low
         inside = cells[((cells >= 0) & (cells < new.shape)).all(axis=1)]
         walled = inside[new[tuple(inside.T)] == 0.0]
@@ -168,7 +198,7 @@ class ArrivalField:
             raise InvalidInput(f"speed: expected speed > 0 at the sources, got a wall at {point}")
 
 
-def _fitting(speed: Any, shape: tuple[int, ...]) -> NDArray[Any]:
+def _fitting(speed: ArrayLike, shape: tuple[int, ...]) -> Numbers:
     values = regular(speed, "speed")
     if values.dtype.kind not in "fiu" or values.shape not in ((), shape):
         raise InvalidInput(

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath
 from leadthrough.planning.grid import Grid
+from leadthrough.planning.march_input import FloatArray
 
 _REASONS = {
     "start_outside": "the start lies outside the grid",
@@ -20,14 +19,26 @@ _REASONS = {
 }
 
 
-def descend(arrival: Any, grid: Grid, start: Any, goal: Any, *, step: float = 0.5) -> Float64Array:
-    """The quickest path (n, d) from start to goal, in the grid's unit; both ends are exact.
+def descend(
+    arrival: ArrayLike, grid: Grid, start: ArrayLike, goal: ArrayLike, *, step: float = 0.5
+) -> Float64Array:
+    """The quickest path from start to goal, points (n, d); both ends are exact.
 
-    arrival: times of shape grid.shape, from `arrival_times` with the goal's cell as source, inf in
-    walls. start, goal: (d,). step: longest step in cells (of the smallest spacing), below 1.
     No segment enters a cell of infinite arrival (a point's cell is the nearest one), and arrival
-    falls along the path: on it where it is smooth, from cell to cell around narrow corners.
-    Raises InvalidInput; NoPath with reason "start_outside", "start_unreached" or "other_source".
+    falls along the path: at every point where it is smooth, from cell to cell around narrow
+    corners.
+
+    Args:
+        arrival: times of grid.shape, from `arrival_times` with the goal's cell as source; inf in
+            walls.
+        grid: of the arrival times.
+        start: point (d,), in the grid's unit.
+        goal: point (d,), in the grid's unit.
+        step: longest step in cells (of the smallest spacing), below 1.
+
+    Raises:
+        InvalidInput: if an argument is malformed, or the goal does not lie in a source's cell.
+        NoPath: with reason "start_outside", "start_unreached" or "other_source".
     """
     times = _times(arrival, grid)
     length = check.number(step, "step", at_least=1e-3, below=1.0)
@@ -46,14 +57,22 @@ def descend(arrival: Any, grid: Grid, start: Any, goal: Any, *, step: float = 0.
     return path
 
 
-def direction(arrival: Any, grid: Grid, positions: Any) -> Float64Array:
-    """Where the descents through positions (n, d) go next, unit vectors (n, d); 0 at a source.
+def direction(arrival: ArrayLike, grid: Grid, positions: ArrayLike) -> Float64Array:
+    """Unit vectors (n, d) along which descents from given positions go next; 0 at a source.
 
-    arrival: as for `descend`; contiguous floats are not copied, so that a controller may ask in
-    every cycle. A step that way of half a cell or less (of the smallest spacing) enters no wall;
-    in a source's cell the vector points to its centre. A position in a wall, walled off
-    or outside the grid has none: NoPath with reason "start_unreached" or
-    "start_outside". Raises InvalidInput.
+    A step of half a cell or less (of the smallest spacing) in that direction enters no wall; in a
+    source's cell the vector points to its centre.
+
+    Args:
+        arrival: as for `descend`; contiguous floats are not copied, so that a controller may ask
+            in every cycle.
+        grid: of the arrival times.
+        positions: points (n, d), in the grid's unit.
+
+    Raises:
+        InvalidInput: if an argument is malformed.
+        NoPath: if a position lies in a wall or is walled off, with reason "start_unreached", or
+            lies outside the grid, with reason "start_outside".
     """
     points = check.array(positions, "positions", shape=("n", grid.dimensions))
     times = _floats(arrival, grid)
@@ -70,18 +89,20 @@ def direction(arrival: Any, grid: Grid, positions: Any) -> Float64Array:
     return vectors
 
 
-def _times(arrival: Any, grid: Grid) -> NDArray[Any]:
+def _times(arrival: ArrayLike, grid: Grid) -> FloatArray:
     times = _floats(arrival, grid)
     if not times.min() >= 0.0:
         raise InvalidInput(f"arrival: expected times >= 0, got {times.min()}")
     return times
 
 
-def _floats(arrival: Any, grid: Grid) -> NDArray[Any]:
+def _floats(arrival: ArrayLike, grid: Grid) -> FloatArray:
     raw = np.asarray(arrival)
     if raw.dtype.kind != "f" or raw.shape != grid.shape:
         raise InvalidInput(
             f"arrival: expected floats of the grid's shape {grid.shape}, "
             f"got {raw.shape} of {raw.dtype}"
         )
-    return np.ascontiguousarray(raw, np.float32 if raw.dtype == np.float32 else np.float64)
+    if raw.dtype == np.float32:
+        return np.ascontiguousarray(raw, np.float32)
+    return np.ascontiguousarray(raw, np.float64)

@@ -5,9 +5,8 @@ Source: Felzenszwalb and Huttenlocher 2012, "Distance transforms of sampled func
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import _core
 from leadthrough.check import Float64Array
@@ -15,11 +14,18 @@ from leadthrough.errors import InvalidInput
 from leadthrough.planning.grid import MOST_CELLS, spacings
 
 
-def distance_transform(mask: Any, *, spacing: Any = 1.0) -> Float64Array:
+def distance_transform(mask: ArrayLike, *, spacing: ArrayLike = 1.0) -> Float64Array:
     """Distance of every cell to the nearest True cell, centre to centre; inf if there is none.
 
-    mask: 2-D or 3-D booleans. spacing: (d,) or one number, > 0, the length between neighbouring
-    cells. Returns an array of the shape of `mask`. Raises InvalidInput.
+    Args:
+        mask: 2-D or 3-D booleans.
+        spacing: distance between neighbouring cells, > 0, (d,) or one number.
+
+    Returns:
+        Distances in the unit of the spacing, of the mask's shape.
+
+    Raises:
+        InvalidInput: if the mask is not such an array or a spacing is not > 0.
     """
     cells = np.ascontiguousarray(mask)
     if cells.dtype != np.bool_ or cells.ndim not in (2, 3) or not 0 < cells.size <= MOST_CELLS:

@@ -1,16 +1,16 @@
-"""FM2: paths that keep clear of obstacles, since the wave runs slowly beside them.
+"""FM2: paths that keep clear of obstacles, because the wave runs slowly beside them.
 
 Source: Prados et al. 2023, Appl. Sci. 13:2028, section 2, Figs. 4 and 5. The distance to the
-obstacles is the exact Euclidean one where the paper marches a wave from them.
+obstacles is the exact Euclidean one, where the paper marches a wave from them.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
 from leadthrough.check import Float64Array
@@ -20,19 +20,24 @@ from leadthrough.planning.descent import descend
 from leadthrough.planning.distance import distance_transform
 from leadthrough.planning.grid import Grid
 
+Reason = Literal[
+    "", "start_outside", "goal_outside", "start_in_wall", "goal_in_wall", "goal_enclosed"
+]
+
 
 @dataclass(frozen=True, eq=False)
 class Plan:
     """A path, or why there is none.
 
-    path: (n, d) from start to goal, empty if there is none. arrival_time: the wave's at the start,
-    inf if there is no path. reason: "" or "start_outside", "goal_outside", "start_in_wall",
-    "goal_in_wall" or "goal_enclosed" (walls separate it from the start).
+    Attributes:
+        path: points (n, d) from start to goal; none if there is no path.
+        arrival_time: when the wave arrives at the start; inf if there is no path.
+        reason: "" if there is a path; "goal_enclosed" means that walls separate goal and start.
     """
 
     path: Float64Array
     arrival_time: float
-    reason: str
+    reason: Reason
 
     @property
     def found(self) -> bool:
@@ -42,21 +47,34 @@ class Plan:
 
 def fm2_speed(
     grid: Grid,
-    walls: Any,
+    walls: ArrayLike,
     *,
     saturation: float | None = None,
     area_of_influence: float | None = None,
 ) -> Float64Array:
-    """Speeds from 0 in walls, growing with the distance to them, to 1 from a distance on.
+    """Speeds that grow from 0 in walls to 1 at some distance from them.
 
-    walls: booleans of grid.shape, from `occupied`, `occupied_by_points` or a map. One of:
-    area_of_influence: that distance, in the grid's unit, > 0; saturation: it as a share, 0 to 1, of
-    the largest distance to a wall that any cell has: 0 is FM alone, the shortest path.
-    Returns an array of grid.shape. Raises InvalidInput.
+    Exactly one of `saturation` and `area_of_influence` sets that distance.
+
+    Args:
+        grid: of the map.
+        walls: booleans of grid.shape, from `occupied`, `occupied_by_points` or a map.
+        saturation: the distance as a fraction, 0 to 1, of the largest distance of any cell to a
+            wall; 0 is FM alone, the shortest path.
+        area_of_influence: the distance in the grid's unit, > 0.
+
+    Returns:
+        Speeds of grid.shape.
+
+    Raises:
+        InvalidInput: if the walls do not fit the grid, or not exactly one distance is given.
     """
     blocked = _walls(walls, grid)
     if (saturation is None) == (area_of_influence is None):
-        raise InvalidInput("saturation: expected either it or area_of_influence, not both")
+        given = "none" if saturation is None else "both"
+        raise InvalidInput(
+            f"saturation: expected either it or area_of_influence, not both; got {given}"
+        )
     if saturation is not None:
         check.number(saturation, "saturation", at_least=0.0, at_most=1.0)
     if area_of_influence is not None:
@@ -70,16 +88,35 @@ def fm2_speed(
     return np.asarray(np.minimum(distance / reach, 1.0))
 
 
-def plan(speed: Any, grid: Grid, start: Any, goal: Any) -> Plan:
-    """The quickest path from start to goal, (d,) each; `plan_many` for a single start."""
+def plan(speed: ArrayLike, grid: Grid, start: ArrayLike, goal: ArrayLike) -> Plan:
+    """The quickest path from a start to a goal.
+
+    Args:
+        speed: as in `plan_many`.
+        grid: of the map.
+        start: point (d,).
+        goal: point (d,).
+
+    Raises:
+        InvalidInput: as in `plan_many`.
+    """
     return plan_many(speed, grid, check.array(start, "start", shape=("d",))[None], goal)[0]
 
 
-def plan_many(speed: Any, grid: Grid, starts: Any, goal: Any) -> list[Plan]:
-    """The quickest paths from starts (k, d) to the goal (d,), on one field of arrival times.
+def plan_many(speed: ArrayLike, grid: Grid, starts: ArrayLike, goal: ArrayLike) -> list[Plan]:
+    """The quickest paths from several starts to one goal, on one field of arrival times.
 
-    speed: of grid.shape, 0 in walls: from `fm2_speed`, or any map. A start or goal that admits no
-    path gives a plan with the reason; other input raises InvalidInput.
+    Args:
+        speed: of grid.shape, 0 in walls, from `fm2_speed` or any map.
+        grid: of the map.
+        starts: points (k, d).
+        goal: point (d,).
+
+    Returns:
+        A plan for each start; one without a path says why.
+
+    Raises:
+        InvalidInput: if the map does not fit the grid, or points are malformed.
     """
     points = check.array(starts, "starts", shape=("k", grid.dimensions))
     end = check.array(goal, "goal", shape=(grid.dimensions,))
@@ -95,7 +132,7 @@ def plan_many(speed: Any, grid: Grid, starts: Any, goal: Any) -> list[Plan]:
     return [_descended(arrival, field, grid, point, end) for point in points]
 
 
-def _walls(walls: Any, grid: Grid) -> NDArray[np.bool_]:
+def _walls(walls: ArrayLike, grid: Grid) -> NDArray[np.bool_]:
     blocked = np.asarray(walls)
     if blocked.dtype != np.bool_ or blocked.shape != grid.shape:
         raise InvalidInput(
@@ -105,7 +142,7 @@ def _walls(walls: Any, grid: Grid) -> NDArray[np.bool_]:
     return blocked
 
 
-def _no_path(grid: Grid, reason: str) -> Plan:
+def _no_path(grid: Grid, reason: Reason) -> Plan:
     return Plan(np.empty((0, grid.dimensions)), np.inf, reason)
 
 

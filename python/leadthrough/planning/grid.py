@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
 from leadthrough.check import Float64Array
@@ -15,38 +15,47 @@ from leadthrough.errors import InvalidInput
 
 CellArray = NDArray[np.int64]
 
-# A march over this many cells takes some 10 s and 5 GB; a finer grid is a slip of the resolution.
+# A march over this many cells takes some 10 s and 5 GB; a finer one is a mistake in the spacing.
 MOST_CELLS = 200_000_000
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Grid:
     """Cells about the points origin + index * spacing, in C order.
 
-    origin: (d,) centre of the first cell, in the unit of the points; d is 2 or 3.
-    spacing: (d,) distance between neighbours' centres, > 0; a number holds for every axis.
-    shape: (d,) cells along every axis, at most 2e8 in all.
-    Raises InvalidInput.
+    Attributes:
+        origin: centre of the first cell (d,), in the unit of the points; d is 2 or 3.
+        spacing: distance between neighbours' centres, (d,), > 0; one number holds for every axis.
+        shape: number of cells along every axis, (d,), at most 2e8 in all.
+
+    Raises:
+        InvalidInput: if one of them is malformed or out of its range.
     """
 
     origin: Float64Array
     spacing: Float64Array
     shape: tuple[int, ...]
 
-    def __post_init__(self) -> None:
-        origin = check.frozen(self.origin, "origin", shape=("d",))
-        if len(origin) not in (2, 3):
-            raise InvalidInput(f"origin: expected 2 or 3 numbers, got {len(origin)}")
-        object.__setattr__(self, "origin", origin)
-        object.__setattr__(self, "spacing", spacings(self.spacing, len(origin)))
-        object.__setattr__(self, "shape", _shape(self.shape, len(origin)))
+    def __init__(self, origin: ArrayLike, spacing: ArrayLike, shape: Iterable[int]) -> None:
+        first = check.frozen(origin, "origin", shape=("d",))
+        if len(first) not in (2, 3):
+            raise InvalidInput(f"origin: expected 2 or 3 numbers, got {len(first)}")
+        steps = spacings(spacing, len(first))
+        vars(self).update(origin=first, spacing=steps, shape=_shape(shape, len(first)))
 
     @classmethod
-    def covering(cls, points: Any, *, margin: float, spacing: Any) -> Grid:
-        """The smallest grid whose cells' centres reach `margin` beyond points (n, d) on all sides.
+    def covering(cls, points: ArrayLike, *, margin: float, spacing: ArrayLike) -> Grid:
+        """The smallest grid whose cells' centres reach beyond points by a margin on all sides.
 
         Centres lie on whole multiples of the spacing, so that grids of one spacing coincide.
-        Raises InvalidInput.
+
+        Args:
+            points: what to cover, (n, d).
+            margin: in the points' unit, >= 0.
+            spacing: distance between neighbours' centres, > 0, (d,) or one number.
+
+        Raises:
+            InvalidInput: if an argument is malformed or the grid would have too many cells.
         """
         p = check.array(points, "points", shape=("n", "d"))
         if len(p) == 0 or p.shape[1] not in (2, 3):
@@ -77,28 +86,50 @@ class Grid:
         ]
         return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
 
-    def coordinates(self, points: Any) -> Float64Array:
-        """Continuous indices (n, d) of points (n, d): whole numbers at cells' centres.
+    def coordinates(self, points: ArrayLike) -> Float64Array:
+        """Continuous indices (n, d) of points: whole numbers at cells' centres.
 
-        Raises InvalidInput.
+        Args:
+            points: (n, d).
+
+        Raises:
+            InvalidInput: if they are not finite points of the grid's dimension.
         """
         p = check.array(points, "points", shape=("n", self.dimensions))
         return np.asarray((p - self.origin) / self.spacing)
 
-    def points_at(self, coordinates: Any) -> Float64Array:
-        """Points (n, d) at continuous indices (n, d). Raises InvalidInput."""
+    def points_at(self, coordinates: ArrayLike) -> Float64Array:
+        """Points (n, d) at continuous indices.
+
+        Args:
+            coordinates: (n, d), whole numbers at cells' centres.
+
+        Raises:
+            InvalidInput: if they are not finite numbers of that shape.
+        """
         c = check.array(coordinates, "coordinates", shape=("n", self.dimensions))
         return np.asarray(self.origin + c * self.spacing)
 
-    def contains(self, points: Any) -> NDArray[np.bool_]:
-        """Whether each of points (n, d) lies in a cell of the grid, (n,). Raises InvalidInput."""
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Whether each point lies in a cell of the grid, (n,).
+
+        Args:
+            points: (n, d).
+
+        Raises:
+            InvalidInput: if they are not finite points of the grid's dimension.
+        """
         nearest = np.floor(self.coordinates(points) + 0.5)
         return np.asarray(((nearest >= 0) & (nearest < self.shape)).all(axis=1))
 
-    def cells_of(self, points: Any) -> CellArray:
-        """Indices (n, d) of the cells that points (n, d) lie in.
+    def cells_of(self, points: ArrayLike) -> CellArray:
+        """Indices (n, d) of the cells that points lie in.
 
-        Raises InvalidInput, also for a point outside the grid: ask `contains` first.
+        Args:
+            points: (n, d).
+
+        Raises:
+            InvalidInput: if they are malformed or one lies outside the grid; ask `contains` first.
         """
         inside = self.contains(points)
         if not inside.all():
@@ -110,8 +141,8 @@ class Grid:
         return np.floor(self.coordinates(points) + 0.5).astype(np.int64)
 
 
-def spacings(spacing: Any, dimensions: int) -> Float64Array:
-    """A read-only (dimensions,) copy of a spacing, given once or for every axis."""
+def spacings(spacing: ArrayLike, dimensions: int) -> Float64Array:
+    """A spacing for every axis, (dimensions,), read-only; one number holds for all axes."""
     raw = check.array(spacing, "spacing", shape=("d",)) if np.ndim(spacing) else None
     steps = np.full(dimensions, check.number(spacing, "spacing")) if raw is None else raw.copy()
     if steps.shape != (dimensions,):
@@ -122,7 +153,7 @@ def spacings(spacing: Any, dimensions: int) -> Float64Array:
     return steps
 
 
-def _shape(shape: Any, dimensions: int) -> tuple[int, ...]:
+def _shape(shape: Iterable[int], dimensions: int) -> tuple[int, ...]:
     if not np.iterable(shape) or isinstance(shape, str):
         raise InvalidInput(f"shape: expected {dimensions} integers, got {shape!r}")
     counts = tuple(check.integer(count, "shape", at_least=1) for count in shape)

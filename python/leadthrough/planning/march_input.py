@@ -1,15 +1,20 @@
-"""What a march takes: speeds, sources and a precision, checked."""
+"""The input of a march, checked: speeds, sources and a precision."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.planning.grid import MOST_CELLS
+
+FloatArray = NDArray[np.float32] | NDArray[np.float64]
+# Any: numbers of every type may come in, and which precision they get is known only then.
+Numbers = NDArray[Any]
+Precision = np.dtype[Any]
 
 # Beyond this ratio squares of times leave the range of float32.
 MOST_SPEED_RATIO = 1e15
@@ -18,8 +23,8 @@ MOST_SPEED_RATIO = 1e15
 _HEADROOM = 4.0
 
 
-def precision_of(dtype: DTypeLike) -> np.dtype[Any]:
-    """float32 or float64, in which a march computes. Raises InvalidInput."""
+def precision_of(dtype: DTypeLike) -> Precision:
+    """The type in which a march computes, float32 or float64; raises InvalidInput for others."""
     try:
         precision = np.dtype(dtype)
     except TypeError:
@@ -29,16 +34,16 @@ def precision_of(dtype: DTypeLike) -> np.dtype[Any]:
     return precision
 
 
-def regular(value: Any, name: str) -> NDArray[Any]:
-    """`value` as an array of whatever kind. Raises InvalidInput for ragged rows."""
+def regular(value: ArrayLike, name: str) -> Numbers:
+    """`value` as an array of its own type; raises InvalidInput for ragged rows."""
     try:
         return np.asarray(value)
     except ValueError:
         raise InvalidInput(f"{name}: expected a regular array, got ragged rows") from None
 
 
-def speed_map(speed: Any) -> NDArray[Any]:
-    """`speed` as a 2-D or 3-D array of finite numbers >= 0. Raises InvalidInput."""
+def speed_map(speed: ArrayLike) -> Numbers:
+    """`speed` as a 2-D or 3-D array of finite numbers >= 0; raises InvalidInput for others."""
     field = regular(speed, "speed")
     if field.dtype.kind not in "fiu" or field.ndim not in (2, 3) or field.size == 0:
         raise InvalidInput(
@@ -50,15 +55,15 @@ def speed_map(speed: Any) -> NDArray[Any]:
     return finite_speeds(field)
 
 
-def finite_speeds(field: NDArray[Any]) -> NDArray[Any]:
-    """`field` if its numbers are finite and >= 0. Raises InvalidInput."""
+def finite_speeds(field: Numbers) -> Numbers:
+    """`field` if its numbers are finite and >= 0; raises InvalidInput otherwise."""
     if not (field.min() >= 0 and field.max() < np.inf):
         at = tuple(int(i) for i in np.argwhere(~((field >= 0) & (field < np.inf)))[0])
         raise InvalidInput(f"speed: expected finite numbers >= 0, got {field[at]} at {at}")
     return field
 
 
-def range_of(speed: NDArray[Any]) -> tuple[float, float]:
+def range_of(speed: Numbers) -> tuple[float, float]:
     """The slowest speed above 0, inf if there is none, and the fastest."""
     least = float(speed.min())
     slowest = least if least > 0.0 else float(np.where(speed > 0, speed, np.inf).min())
@@ -66,13 +71,13 @@ def range_of(speed: NDArray[Any]) -> tuple[float, float]:
 
 
 def check_range(
-    slowest: float, fastest: float, *, cells: int, spacing: Float64Array, dtype: np.dtype[Any]
+    slowest: float, fastest: float, *, cells: int, spacing: Float64Array, dtype: Precision
 ) -> None:
-    """Raises InvalidInput where the times could not be told apart or leave the range of dtype."""
+    """Raises InvalidInput if times could not be told apart or would leave the range of dtype."""
     if slowest < fastest / MOST_SPEED_RATIO:
         raise InvalidInput(
-            f"speed: expected 0 or at least {1 / MOST_SPEED_RATIO:.0e} of the fastest, {fastest}, "
-            f"got {slowest}; make such cells walls or raise them"
+            f"speed: expected 0 or at least {1 / MOST_SPEED_RATIO:.0e} times the fastest, "
+            f"{fastest}, got {slowest}; make such cells walls (0) or faster"
         )
     limits = np.finfo(dtype)
     with np.errstate(over="ignore"):
@@ -85,8 +90,8 @@ def check_range(
         )
 
 
-def source_cells(sources: Any, speed: NDArray[Any]) -> NDArray[np.int64]:
-    """Flat indices (k,) of free cells of the map. Raises InvalidInput."""
+def source_cells(sources: ArrayLike, speed: Numbers) -> NDArray[np.int64]:
+    """Flat indices (k,) of sources in free cells; raises InvalidInput for one in a wall."""
     cells = flat_indices(sources, "sources", speed.shape)
     walls = speed.ravel()[cells] == 0.0
     if walls.any():
@@ -97,8 +102,8 @@ def source_cells(sources: Any, speed: NDArray[Any]) -> NDArray[np.int64]:
     return cells
 
 
-def flat_indices(indices: Any, name: str, shape: tuple[int, ...]) -> NDArray[np.int64]:
-    """Flat indices (k,) of cells given as (d,) or (k, d), k > 0. Raises InvalidInput."""
+def flat_indices(indices: ArrayLike, name: str, shape: tuple[int, ...]) -> NDArray[np.int64]:
+    """Flat indices (k,) of cells given as (d,) or (k, d), k > 0; raises InvalidInput for others."""
     cells = regular(indices, name)
     dimensions = len(shape)
     if cells.dtype.kind not in "iu" or cells.ndim not in (1, 2) or cells.shape[-1] != dimensions:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import _core
 from leadthrough.errors import InvalidInput
@@ -13,15 +11,25 @@ from leadthrough.planning.grid import spacings
 from leadthrough.planning.march_input import flat_indices, regular
 
 
-def nearest_sources(arrival: Any, sources: Any, *, spacing: Any = 1.0) -> NDArray[np.int32]:
-    """The number of the source from which the front reached each cell; -1 where none did.
+def nearest_sources(
+    arrival: ArrayLike, sources: ArrayLike, *, spacing: ArrayLike = 1.0
+) -> NDArray[np.int32]:
+    """The index of the source from which the front reached each cell; -1 where none did.
 
-    arrival: 2-D or 3-D times >= 0, from `arrival_times` with the same sources, (k, d), and the same
-    spacing. Where two fronts meet, the border is right to about a cell; of sources in one cell the
-    first counts. Returns an array of the shape of `arrival`. Raises InvalidInput.
+    The index is carried down the characteristics: each cell takes a mean of its earlier
+    neighbours' fractions of the sources, by the weights of the differentiated upwind equation.
+    Where two fronts meet, the border is right to about a cell.
 
-    The number is carried down the characteristics: each cell takes a mean of its earlier
-    neighbours' shares of the sources, by the weights of the differentiated upwind equation.
+    Args:
+        arrival: 2-D or 3-D times >= 0, from `arrival_times` with the same sources and spacing.
+        sources: indices of cells (k, d); of sources in one cell the first counts.
+        spacing: distance between neighbouring cells, > 0, (d,) or one number.
+
+    Returns:
+        Indices of the shape of `arrival`.
+
+    Raises:
+        InvalidInput: if the times, sources or spacing are not of this kind.
     """
     raw = regular(arrival, "arrival")
     if raw.dtype.kind != "f" or raw.ndim not in (2, 3) or raw.size == 0 or not raw.min() >= 0.0:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array
@@ -17,33 +15,47 @@ from leadthrough.shapes import Box, Capsule, Shape, Sphere, check_shapes
 
 
 def occupied(grid: Grid, obstacles: Iterable[Shape], *, margin: float = 0.0) -> NDArray[np.bool_]:
-    """Which cells have their centre in an obstacle or closer to it than `margin`, grid.shape.
+    """Which cells have their centre in an obstacle or closer to it than a margin, grid.shape.
 
-    margin: in the grid's unit, >= 0. A 2-D grid is the plane z = 0. Raises InvalidInput.
+    Args:
+        grid: the cells; a 2-D grid is the plane z = 0.
+        obstacles: boxes, spheres and capsules.
+        margin: in the grid's unit, >= 0.
+
+    Raises:
+        InvalidInput: if an obstacle is no shape, or the margin is negative.
     """
     room = check.number(margin, "margin", at_least=0.0)
     result = np.zeros(grid.shape, dtype=np.bool_)
     for obstacle in check_shapes(obstacles):
         near = _neighbourhood(grid, obstacle, room)
         if all(part.stop > part.start for part in near):
-            result[near] |= _distances(grid, near, obstacle) <= room
+            result[near] |= _distances_of_cells(grid, near, obstacle) <= room
     return result
 
 
-def occupied_by_points(grid: Grid, points: Any, *, radius: float) -> NDArray[np.bool_]:
-    """Which cells have their centre within `radius` of a point of a cloud, grid.shape.
+def occupied_by_points(grid: Grid, points: ArrayLike, *, radius: float) -> NDArray[np.bool_]:
+    """Which cells have their centre within a radius of a point of a cloud, grid.shape.
 
-    points: (n, d), in the grid's unit; those outside the grid count as far as they reach into it.
-    radius: > 0, same unit; below half a cell's diagonal a point may lie between all centres.
-    Raises InvalidInput.
+    Args:
+        grid: the cells.
+        points: (n, d), in the grid's unit; those outside the grid count as far as they reach into
+            it.
+        radius: in the grid's unit, > 0; below half a cell's diagonal a point may lie between all
+            centres.
+
+    Raises:
+        InvalidInput: if the points do not have the grid's dimension, or the radius is not > 0.
     """
+    from scipy.spatial import cKDTree
+
     cloud = check.array(points, "points", shape=("n", grid.dimensions))
     reach = check.number(radius, "radius", above=0.0)
     if len(cloud) == 0:
         return np.zeros(grid.shape, dtype=np.bool_)
-    # A point and the centre of its cell are apart by half a diagonal at most: only cells as near
-    # the sphere around that centre have to be asked for. What a point outside reaches lies also in
-    # the reach of the nearest point of the grid.
+    # A point is half a diagonal at most from the centre of its cell: only cells that near the
+    # sphere around that centre have to be searched. What a point outside the grid reaches is also
+    # in reach of the grid's point nearest to it.
     slack = 0.5 * float(np.linalg.norm(grid.spacing))
     last = grid.origin + grid.spacing * (np.array(grid.shape) - 1)
     result = _distance_to_cells(grid, cloud[grid.contains(cloud)]) <= reach - slack
@@ -61,7 +73,7 @@ def _distance_to_cells(grid: Grid, points: Float64Array) -> Float64Array:
 
 
 def _neighbourhood(grid: Grid, obstacle: Shape, room: float) -> tuple[slice, ...]:
-    """The cells that the box about the obstacle, with room on all sides, reaches."""
+    """The cells that the obstacle's bounding box reaches, with room on all sides."""
     d = grid.dimensions
     reach = _half_extents(obstacle)[:d] + room
     offset = (obstacle.position[:d] - grid.origin) / grid.spacing
@@ -71,7 +83,7 @@ def _neighbourhood(grid: Grid, obstacle: Shape, room: float) -> tuple[slice, ...
 
 
 def _half_extents(obstacle: Shape) -> Float64Array:
-    """Half edges (3,) of the box parallel to the axes that holds the obstacle, m."""
+    """Half the edges (3,), m, of the obstacle's bounding box parallel to the axes."""
     if isinstance(obstacle, Sphere):
         return np.full(3, obstacle.radius)
     turned = np.abs(rotations.to_matrix(obstacle.orientation[None])[0])
@@ -89,7 +101,8 @@ def bounding_radius(obstacle: Shape) -> float:
     return obstacle.radius
 
 
-def _distances(grid: Grid, near: tuple[slice, ...], obstacle: Shape) -> NDArray[np.float64]:
+def _distances_of_cells(grid: Grid, near: tuple[slice, ...], obstacle: Shape) -> Float64Array:
+    """Distances of the centres of a box of cells to an obstacle."""
     axes = [
         start + step * np.arange(part.start, part.stop)
         for start, step, part in zip(grid.origin, grid.spacing, near, strict=True)

@@ -1,18 +1,16 @@
-"""Speed maps: where the wave runs fast, a path likes to go.
+"""Speed maps: paths prefer to go where the wave runs fast.
 
 Source: Prados et al. 2023, Appl. Sci. 13:2028, Algorithm 1 and eq. 7. Distances are exact Euclidean
-ones where the paper marches a wave at unit speed; both are the distance to the tube's border.
+ones, where the paper marches a wave at unit speed; both are the distance to the tube's border.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d
-from scipy.spatial import cKDTree
 
 from leadthrough.check import Float64Array
 from leadthrough.planning.distance import distance_transform
@@ -21,16 +19,21 @@ from leadthrough.planning.obstacles import occupied
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.shapes import Shape
 
+Speeds = TypeVar("Speeds", NDArray[np.float32], NDArray[np.float64])
+
 _ROUNDING = 1e-9
 
 
 def experience_map(
     grid: Grid, paths: Sequence[Float64Array], *, area_of_influence: float, saturation: float
 ) -> Float64Array:
-    """Speed from saturation, off the paths, to 1, deepest in the tube around them.
+    """Speeds of grid.shape: 1 deepest in the tube around the paths, the saturation outside it.
 
-    grid covers the paths. paths: each (n, d), in the grid's unit. area_of_influence: radius of
-    the tube, same unit. saturation: in (0, 1]. Returns an array of the grid's shape.
+    Args:
+        grid: covers the paths.
+        paths: each (n, d), in the grid's unit.
+        area_of_influence: radius of the tube, in the grid's unit.
+        saturation: in (0, 1].
     """
     labelled = np.zeros(grid.shape, dtype=bool)
     for path in paths:
@@ -53,11 +56,19 @@ def tube_map(
     area_of_influence: float,
     saturation: float,
 ) -> Float64Array:
-    """Speed that falls linearly from weight_j on path j to the saturation one radius away from it.
+    """Speeds of grid.shape that fall linearly from weight_j on path j to the saturation outside it.
 
-    Where tubes overlap the faster one counts. paths: each (n, d), inside the grid. weights: in
-    [0, 1]. area_of_influence: radius, in the grid's unit. Returns an array of the grid's shape.
+    Where tubes overlap, the faster one counts.
+
+    Args:
+        grid: covers the paths.
+        paths: each (n, d), in the grid's unit.
+        weights: of each path, in [0, 1].
+        area_of_influence: radius of the tubes, in the grid's unit.
+        saturation: in (0, 1].
     """
+    from scipy.spatial import cKDTree
+
     speed = np.full(grid.shape, saturation)
     for path, weight in zip(paths, weights, strict=True):
         dense = _dense(path, grid)
@@ -70,14 +81,20 @@ def tube_map(
 
 
 def add_obstacles(
-    speed: NDArray[Any], grid: Grid, obstacles: Sequence[Shape], *, area_of_influence: float
-) -> NDArray[Any]:
+    speed: Speeds, grid: Grid, obstacles: Sequence[Shape], *, area_of_influence: float
+) -> Speeds:
     """The speed map with walls (speed 0) at the obstacles and slower cells beside them.
 
     The speed grows from 0 at an obstacle to its own value one area of influence away, so that a
     path keeps that distance wherever there is room. The paper's eq. 7 takes the smaller of both
     maps, and only below the saturation: that leaves a step in the speed, whose corners the path
     would follow.
+
+    Args:
+        speed: the map without obstacles, of grid.shape.
+        grid: of the map.
+        obstacles: in the grid's unit.
+        area_of_influence: in the grid's unit.
     """
     # A path may pass a free cell's corner, half a diagonal from the centre that was tested.
     walls = occupied(grid, obstacles, margin=0.5 * float(np.linalg.norm(grid.spacing)))
@@ -91,7 +108,9 @@ def add_obstacles(
 
 
 def _cells_near(grid: Grid, points: Float64Array, radius: float) -> CellArray:
-    """Cells (m, d) in the cubes of half edge `radius` around points (n, d)."""
+    """Indices (m, d) of the cells in cubes of half edge `radius` around points (n, d)."""
+    from scipy.ndimage import maximum_filter1d
+
     reach = np.ceil(radius / grid.spacing).astype(np.int64)
     occupied_cells = np.unique(grid.cells_of(points), axis=0)
     low = np.maximum(occupied_cells.min(axis=0) - reach, 0)
@@ -104,7 +123,7 @@ def _cells_near(grid: Grid, points: Float64Array, radius: float) -> CellArray:
 
 
 def _around(cells: NDArray[np.bool_], grid: Grid, radius: float) -> tuple[slice, ...]:
-    """The box of cells that holds all True ones, at least one, and what is as near as `radius`."""
+    """The box of cells that holds all True ones, of which there are some, and a radius around."""
     part = bounds_of(cells)
     assert part is not None
     reach = np.ceil(radius / grid.spacing).astype(np.int64)
@@ -115,7 +134,7 @@ def _around(cells: NDArray[np.bool_], grid: Grid, radius: float) -> tuple[slice,
 
 
 def _dense(path: Float64Array, grid: Grid) -> Float64Array:
-    """The path sampled finely enough to label every cell it crosses but for clipped corners."""
+    """The path sampled finely enough to label every cell it crosses, except clipped corners."""
     if len(path) < 2:
         return path
     steps = int(np.ceil(2.0 * arc_length(path)[-1] / np.min(grid.spacing))) + 1
