@@ -23,8 +23,8 @@ from sklearn.mixture import GaussianMixture
 import leadthrough as lt
 from leadthrough.models import ProMPSkill
 from leadthrough.models.mixtures.em import Steps
+from leadthrough.models.mixtures.ends import shifted
 from leadthrough.models.mixtures.fitting import fit_mixture
-from leadthrough.models.mixtures.gmr_skill import shifted
 from leadthrough.models.mixtures.kmeans import kmeans
 from leadthrough.motion import normalised_times
 from leadthrough.preprocess.resample import arc_length

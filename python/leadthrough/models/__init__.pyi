@@ -15,7 +15,8 @@ from .mixtures.kmeans import kmeans
 from .mixtures.mixture import Mixture
 from .mixtures.stiffness import stiffness_profile
 from .mixtures.task_frames import Frame
-from .mixtures.task_gmr import TaskGMR, TaskGMRSkill
+from .mixtures.task_gmr import TaskGMR
+from .mixtures.task_gmr_skill import TaskGMRSkill
 from .parameters import Parameter
 from .promp.combination import blend, combine
 from .promp.inference import infer

@@ -12,9 +12,9 @@ from leadthrough.models.dmp.discrete import DMPSkill
 from leadthrough.models.dmp.pose import PoseDMPSkill
 from leadthrough.models.dmp.rhythmic import RhythmicDMPSkill, RhythmicPoseDMPSkill
 from leadthrough.models.marching.model import FastMarchingSkill
-from leadthrough.models.mixtures import gmr
+from leadthrough.models.mixtures import gmr, task_gmr
 from leadthrough.models.mixtures.gmr_skill import GMRSkill
-from leadthrough.models.mixtures.task_gmr import TaskGMRSkill
+from leadthrough.models.mixtures.task_gmr_skill import TaskGMRSkill
 from leadthrough.models.promp import model as promp
 from leadthrough.models.promp.skill import ProMPSkill
 from leadthrough.models.protocol import Skill
@@ -27,7 +27,7 @@ _KINDS: dict[str, Callable[[dict[str, Any], archive.Arrays], Skill]] = {
     ProMPSkill.kind: promp.from_archive,
     RhythmicDMPSkill.kind: RhythmicDMPSkill.from_archive,
     RhythmicPoseDMPSkill.kind: RhythmicPoseDMPSkill.from_archive,
-    TaskGMRSkill.kind: TaskGMRSkill.from_archive,
+    TaskGMRSkill.kind: task_gmr.from_archive,
 }
 
 

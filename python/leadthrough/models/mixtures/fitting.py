@@ -55,7 +55,7 @@ def fit_mixture(points: ArrayLike, components: int, *, seed: int = 0) -> Fitted:
         FitError: if there are fewer points than components.
     """
     data, count = _checked(points, components, seed)
-    middle, scale = standard(data)
+    middle, scale = column_moments(data)
     scaled = (data - middle) / scale
     blocks, history = fit_blocks([scaled], scaled, count, seed)
     volume = float(np.log(scale).sum())
@@ -113,7 +113,7 @@ def trace_mixture(
     """
     data, count = _checked(points, components, seed)
     rounds = check.integer(iterations, "iterations", at_least=0)
-    middle, scale = standard(data)
+    middle, scale = column_moments(data)
     scaled = (data - middle) / scale
     steps = Steps([scaled])
     labels = clustered(scaled, seeds(scaled, count, np.random.default_rng(seed))).labels
@@ -130,7 +130,7 @@ def bic(fit: Fitted, samples: int) -> float:
     return free * float(np.log(samples)) - 2.0 * samples * fit.log_likelihood
 
 
-def standard(data: Float64Array) -> tuple[Float64Array, Float64Array]:
+def column_moments(data: Float64Array) -> tuple[Float64Array, Float64Array]:
     """Means and standard deviations (d,) of columns; deviation 1 where all values are the same."""
     scale = data.std(axis=0)
     middle = data.mean(axis=0)

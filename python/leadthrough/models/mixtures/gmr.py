@@ -25,8 +25,13 @@ from leadthrough.motion import MotionT
 class GMR:
     """Gaussian mixture regression of points, joints or poses over time.
 
-    components: of the mixture, >= 1; None: 1 to 15, those with the least Bayesian information
-    criterion. seed: of the draws that start EM.
+    Attributes:
+        components: number of components, 1 to 200; None for the number from 1 to 15 with the least
+            Bayesian information criterion.
+        seed: seed of the random number generator that starts EM, >= 0.
+
+    Raises:
+        InvalidInput: if a setting is out of range.
     """
 
     components: int | None = 8
@@ -38,30 +43,46 @@ class GMR:
         check.integer(self.seed, "seed", at_least=0)
 
     def fit(self, demonstrations: Demonstrations[MotionT]) -> GMRSkill[MotionT]:
-        """A skill from demonstrations, all of points, of the same joints, or of poses.
+        """A skill from demonstrations, each resampled at 200 evenly spaced times.
 
-        Each is taken at 200 even shares of its time. Raises InvalidInput; FitError for one that
-        does not move.
+        Args:
+            demonstrations: one or more demonstrations, or motions: all of points, all of the same
+                joints or all of poses.
+
+        Raises:
+            InvalidInput: if the demonstrations differ in type.
+            FitError: if there is none, or one does not move.
         """
         shown = sampled(demonstrations)
         if self.components is None:
             fit = choose_components(shown.points, seed=self.seed)
         else:
             fit = fit_mixture(shown.points, self.components, seed=self.seed)
-        model = replace(self, components=len(fit.mixture.weights))
+        model = replace(self, components=fit.mixture.count)
         return GMRSkill(
             model, shown.chart, fit.mixture, shown.duration, shown.ends, len(shown.motions)
         )
 
 
+# Any: settings are whatever JSON holds.
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> GMRSkill:
-    """The skill that `GMRSkill.to_archive` took apart. Raises KeyError, TypeError, ValueError."""
+    """The skill that `GMRSkill.to_archive` took apart.
+
+    Args:
+        settings: its plain values.
+        arrays: its arrays by name.
+
+    Raises:
+        KeyError: if a value or an array is missing.
+        TypeError: if a value has the wrong type.
+        ValueError: if a value or an array is out of range.
+    """
     chart = Chart.from_archive(settings, arrays)
     mixture = Mixture(arrays["weights"], arrays["means"], arrays["covariances"])
     if mixture.size != chart.width + 1:
         raise InvalidInput(f"means: expected {chart.width + 1} columns, got {mixture.size}")
     # A file of version 0.1 has no model; its mixture tells the number of components.
-    model = GMR(**settings.get("model", {"components": len(mixture.weights)}))
+    model = GMR(**settings.get("model", {"components": mixture.count}))
     ends = check.frozen(arrays["ends"], "ends", shape=(2, chart.width))
     duration = check.number(settings["duration"], "duration", above=0.0)
     return GMRSkill(model, chart, mixture, duration, ends, int(settings["shown"]))

@@ -1,4 +1,4 @@
-"""A fitted Gaussian mixture regression: asked for motions, updated, turned into stiffness."""
+"""A fitted Gaussian mixture regression: generated, regressed, updated."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.mixtures.ends import shifted, wanted_ends
 from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.update import learned
 from leadthrough.models.parameters import Parameter, whole_number
@@ -28,20 +29,20 @@ from leadthrough.shapes import Shape
 if TYPE_CHECKING:
     from leadthrough.models.mixtures.gmr import GMR
 
-MOST_COMPONENTS = 20  # worth trying
+MOST_COMPONENTS = 20  # worth trying on a slider
 
 
 @dataclass(frozen=True, eq=False)
 class GMRSkill(Generic[MotionT_co]):
-    """What was learned; made by `GMR.fit`.
+    """A mixture over time and the columns of a motion; made by `GMR.fit`.
 
     Attributes:
-        model: the settings that it was fitted with, with the number of components that was found.
+        model: the settings that it was fitted with; `components` is the number that was found.
         chart: what the d columns are: the coordinates of points, the joints, or for poses the
             position and a rotation vector from a reference orientation.
-        mixture: over the time, s, and the d columns.
-        duration: s.
-        ends: (2, d) mean start and goal of the demonstrations.
+        mixture: mixture of 1 + d columns, the time first, s.
+        duration: duration of the motion, s.
+        ends: mean start and goal (2, d) of the demonstrations.
         shown: number of demonstrations.
     """
 
@@ -56,15 +57,30 @@ class GMRSkill(Generic[MotionT_co]):
     supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration"})
 
     def regress(self, times: ArrayLike) -> tuple[Float64Array, Float64Array]:
-        """Mean (n, d) and covariance (n, d, d) of the columns at times (n,), s, of the motion.
+        """Mean and covariance of the columns.
 
-        Beyond [0, duration] they are what the outer components say. Raises InvalidInput.
+        Args:
+            times: times (n,) of the motion, s. Outside [0, duration] the first and last components
+                are extrapolated.
+
+        Returns:
+            Mean (n, d) and covariance (n, d, d).
+
+        Raises:
+            InvalidInput: if times is not a finite (n,) array.
         """
         given = check.array(times, "times", shape=("n",))
         return self.mixture.regress(given[:, None], inputs=[0])
 
     def distribution(self, times: ArrayLike) -> tuple[Float64Array, Float64Array]:
-        """As `regress`, by the name that it has in every skill that knows a spread."""
+        """Mean (n, d) and covariance (n, d, d) of the columns: `regress`, as other skills name it.
+
+        Args:
+            times: times (n,) of the motion, s.
+
+        Raises:
+            InvalidInput: if times is not a finite (n,) array.
+        """
         return self.regress(times)
 
     def generate(
@@ -76,41 +92,65 @@ class GMRSkill(Generic[MotionT_co]):
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
     ) -> MotionT_co:
-        """The mean motion, shifted to start and goal; of the type that was shown.
+        """The mean motion, moved to a start and a goal where given.
 
-        start, goal: (d,), for poses (position (3,), orientation (4,)) or the position alone, by
-        default the demonstrations' means; the offsets at both ends fade over the way.
-        duration: s, > 0. dt: s, upper bound of the sampling step. Raises InvalidInput;
-        UnsupportedQuery for obstacles.
+        The offsets at both ends fade along the path.
+
+        Args:
+            start: columns (d,) at the start; for poses (position (3,), orientation (4,) as
+                w, x, y, z) or the position alone. By default the demonstrations' mean.
+            goal: the same at the end.
+            duration: duration, s, > 0; by default the demonstrations' median.
+            dt: largest time between samples, s, > 0.
+            obstacles: must be empty.
+
+        Returns:
+            A motion of the type that was demonstrated.
+
+        Raises:
+            InvalidInput: if an argument is wrong.
+            UnsupportedQuery: for obstacles.
         """
         if len(obstacles) > 0:
-            raise UnsupportedQuery("obstacles: this model cannot avoid them; see FastMarching")
+            raise UnsupportedQuery(
+                "obstacles: a GMR cannot avoid them; leave them out or use FastMarching"
+            )
         check.number(dt, "dt", above=0.0)
         total = self.duration if duration is None else duration
         times = even_times(check.number(total, "duration", above=0.0), dt)
         phases = normalised_times(times)
         columns, _ = self.regress(phases * self.duration)
-        way = arc_length(columns[:, : self.chart.size])
-        shares = way / way[-1] if way[-1] > 0.0 else phases
-        columns = shifted(columns, shares, self._ends(start, goal))
+        length = arc_length(columns[:, : self.chart.size])
+        covered = length / length[-1] if length[-1] > 0.0 else phases
+        columns = shifted(columns, covered, wanted_ends(self.chart, self.ends, start, goal))
         return self.chart.motion(times, phases, columns)
 
     def updated(self, demonstrations: Demonstrations[Motion]) -> GMRSkill[MotionT_co]:
-        """A skill that has learned further demonstrations, without the ones learned before.
+        """A skill that has learned further demonstrations; the earlier ones are not needed.
 
-        The components are adapted, not added to. Raises InvalidInput for motions of another type;
-        FitError as `GMR.fit`.
+        The components are adapted; their number stays.
+
+        Args:
+            demonstrations: one or more demonstrations of the skill's type of motion.
+
+        Raises:
+            InvalidInput: if the demonstrations are of another type.
+            FitError: if there is none, or one does not move.
         """
         mixture, ends, shown = learned(self, demonstrations)
         return replace(self, mixture=mixture, ends=ends, shown=shown)
 
     def component_orientations(self) -> Float64Array:
-        """The components' mean orientations (k, 4), w, x, y, z; only of poses.
+        """Mean orientations (k, 4) of the components of a skill of poses, w, x, y, z.
 
-        Raises UnsupportedQuery for another type of motion.
+        Raises:
+            UnsupportedQuery: if the skill is not of poses.
         """
         if self.chart.kind != "poses":
-            raise UnsupportedQuery(f"orientations: a skill of {self.chart.kind} has none")
+            raise UnsupportedQuery(
+                "component_orientations: expected a skill of poses, this is one of "
+                f"{self.chart.kind}"
+            )
         phases = np.clip(self.mixture.means[:, 0] / self.duration, 0.0, 1.0)
         order = np.argsort(phases, kind="stable")
         turned = self.chart.orientations(self.mixture.means[order, 4:], phases[order])
@@ -121,7 +161,11 @@ class GMRSkill(Generic[MotionT_co]):
     def parameters(
         self, demonstrations: Demonstrations[Motion] = ()
     ) -> Sequence[Parameter[MotionT_co]]:
-        """Its number of components, where there are demonstrations to fit again."""
+        """The number of components, if there are demonstrations to fit again.
+
+        Args:
+            demonstrations: the demonstrations that the skill was fitted to.
+        """
         if len(demonstrations) == 0:
             return []
 
@@ -129,15 +173,23 @@ class GMRSkill(Generic[MotionT_co]):
             made = replace(self.model, components=components).fit(demonstrations)
             return cast(GMRSkill[MotionT_co], made)
 
-        count = len(self.mixture.weights)
+        count = self.mixture.count
         return [whole_number("components", count, least=1, most=MOST_COMPONENTS, apply=fitted)]
 
     def save(self, path: StrPath) -> None:
-        """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""
+        """Writes the skill to a .npz file that `load_skill` reads.
+
+        Args:
+            path: file to write.
+
+        Raises:
+            InvalidInput: if the file cannot be written.
+        """
         archive.write(path, self.kind, *self.to_archive())
 
+    # Any: settings are whatever JSON holds.
     def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
-        """Settings and arrays that `from_archive` puts together again."""
+        """Settings and arrays that `gmr.from_archive` turns into the skill again."""
         settings = {
             "model": asdict(self.model),
             "duration": self.duration,
@@ -152,17 +204,3 @@ class GMRSkill(Generic[MotionT_co]):
             **self.chart.arrays(),
         }
         return settings, arrays
-
-    def _ends(self, start: Place | None, goal: Place | None) -> Float64Array:
-        wanted = self.ends.copy()
-        for row, (value, name) in enumerate(((start, "start"), (goal, "goal"))):
-            if value is not None:
-                given = self.chart.target(value, name, float(row))
-                wanted[row, : len(given)] = given
-        return wanted
-
-
-def shifted(columns: Float64Array, shares: Float64Array, ends: Float64Array) -> Float64Array:
-    """Columns (n, d) moved to the ends (2, d); the offsets fade with shares (n,) of the way."""
-    offsets = ends - columns[[0, -1]]
-    return np.asarray(columns + np.outer(1.0 - shares, offsets[0]) + np.outer(shares, offsets[1]))

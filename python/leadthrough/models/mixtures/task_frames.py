@@ -72,6 +72,18 @@ class Frame:
         given = check.array(orientation, "orientation", shape=(4,))
         return Frame(position, rotations.to_matrix(given[None])[0])
 
+    @staticmethod
+    def of_sample(motion: Motion, row: int) -> Frame:
+        """The frame at a sample of a motion; of poses with the tool's axes there.
+
+        Args:
+            motion: a motion in the base frame.
+            row: index of the sample.
+        """
+        if isinstance(motion, PoseTrajectory):
+            return Frame.of_pose(motion.positions[row], motion.orientations[row])
+        return Frame(motion.positions[row])
+
     def local(self, motion: Motion) -> Motion:
         """A motion given in the base frame, seen from this one; without events and derivatives."""
         positions = np.asarray((motion.positions - self.origin) @ self.axes)
@@ -147,7 +159,9 @@ def placed(frame: Frame, own: Chart, common: Chart, means: Float64Array, duratio
     return Placed(np.hstack([moved, here]), maps, np.hstack([np.zeros((count, 3)), drift]))
 
 
-def checked(frames: Sequence[Sequence[Frame]], count: int, chart: Chart) -> list[tuple[Frame, ...]]:
+def checked_frames(
+    frames: Sequence[Sequence[Frame]], count: int, chart: Chart
+) -> list[tuple[Frame, ...]]:
     """The frames of each of several demonstrations.
 
     Args:

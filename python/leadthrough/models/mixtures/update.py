@@ -1,7 +1,9 @@
 """A Gaussian mixture that learns further demonstrations without the old ones.
 
-The old mixture stands for the sums of the points that it was fitted to. Source: Calinon and
-Billard 2007, "Incremental learning of gestures by imitation in a humanoid robot", direct method.
+The old mixture stands for the sums of the points that it was fitted to.
+
+Source: Calinon and Billard 2007, "Incremental learning of gestures by imitation in a humanoid
+robot", direct method.
 """
 
 from __future__ import annotations
@@ -26,7 +28,19 @@ _MOST_ITERATIONS = 200
 def learned(
     skill: GMRSkill, demonstrations: Demonstrations[Motion]
 ) -> tuple[Mixture, Float64Array, int]:
-    """Mixture, mean ends (2, d) and number of demonstrations, with further ones."""
+    """What a skill becomes with further demonstrations.
+
+    Args:
+        skill: the skill before.
+        demonstrations: one or more demonstrations of the skill's type of motion.
+
+    Returns:
+        The mixture, the mean start and goal (2, d), and the number of demonstrations.
+
+    Raises:
+        InvalidInput: if the demonstrations are of another type.
+        FitError: if there is none, or one does not move.
+    """
     motions = motions_of(demonstrations)
     phases = [normalised_times(motion.times) for motion in motions]
     samples = timed_columns(motions, phases, skill.chart, skill.duration)
@@ -38,8 +52,8 @@ def learned(
 
 
 def _adapted(mixture: Mixture, points: Float64Array, before: float) -> Mixture:
-    """The mixture of points (n, d) and of those, as many as `before`, that it stands for."""
-    middle, scale = _extent(mixture)
+    """The mixture of new points (n, d) and of the `before` old ones that it stands for."""
+    middle, scale = _moments(mixture)
     old = Blocks(
         mixture.weights,
         ((mixture.means - middle) / scale,),
@@ -52,8 +66,8 @@ def _adapted(mixture: Mixture, points: Float64Array, before: float) -> Mixture:
     )
 
 
-def _extent(mixture: Mixture) -> tuple[Float64Array, Float64Array]:
-    """Mean and standard deviation (d,) of the points that a mixture stands for."""
+def _moments(mixture: Mixture) -> tuple[Float64Array, Float64Array]:
+    """Means and standard deviations (d,) of the points that a mixture stands for."""
     middle = mixture.weights @ mixture.means
     variances = np.einsum("kii->ki", mixture.covariances) + (mixture.means - middle) ** 2
     return middle, np.sqrt(mixture.weights @ variances)
