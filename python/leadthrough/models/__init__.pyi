@@ -7,7 +7,8 @@ from .dmp.rhythmic import (
     RhythmicPoseDMPSkill,
 )
 from .library import SkillLibrary
-from .marching.model import FastMarching, FastMarchingSkill
+from .marching.model import FastMarching
+from .marching.skill import FastMarchingSkill
 from .mixtures.fitting import choose_components, fit_mixture
 from .mixtures.gmr import GMR
 from .mixtures.gmr_skill import GMRSkill

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,15 +23,50 @@ VERSION = 1
 Arrays = Mapping[str, NDArray[Any]]
 
 
+class Archived(ABC):
+    """What can be written to a file as settings and arrays."""
+
+    kind: ClassVar[str]
+
+    @abstractmethod
+    def to_archive(self) -> tuple[dict[str, Any], Arrays]:
+        """Settings, plain values only, and arrays of numbers that make it up."""
+
+    def save(self, path: StrPath) -> None:
+        """Writes the skill to a .npz file that `load_skill` reads.
+
+        Args:
+            path: the file; one that exists is replaced in one go.
+
+        Raises:
+            InvalidInput: if the file cannot be written.
+        """
+        write(path, self.kind, *self.to_archive())
+
+
 def write(path: StrPath, kind: str, settings: Mapping[str, Any], arrays: Arrays) -> None:
-    """Writes a skill. settings: plain values. arrays: numbers only. Raises InvalidInput."""
+    """Writes a skill to a file.
+
+    Args:
+        path: the file.
+        kind: the name that files have for this kind of skill.
+        settings: plain values by name, as JSON knows them.
+        arrays: arrays of numbers by name.
+
+    Raises:
+        InvalidInput: if the file cannot be written.
+    """
     head = {"format": FORMAT, "version": VERSION, "kind": kind, "settings": dict(settings)}
     with replacing(path) as temporary, temporary.open("wb") as file:
         np.savez(file, allow_pickle=False, head=np.array(json.dumps(head)), **dict(arrays))
 
 
 def read(path: StrPath) -> tuple[str, dict[str, Any], dict[str, NDArray[Any]]]:
-    """Kind, settings and arrays of a skill in a file. Raises InvalidInput."""
+    """Kind, settings and arrays of a skill in a file.
+
+    Raises:
+        InvalidInput: if it is no skill, is damaged, or of a newer format version.
+    """
     try:
         arrays = npz.arrays(Path(path))
         head = json.loads(str(arrays.pop("head")))
@@ -47,6 +83,11 @@ def read(path: StrPath) -> tuple[str, dict[str, Any], dict[str, NDArray[Any]]]:
 
 
 def quaternions(arrays: Arrays, name: str, *, shape: Sequence[int | str]) -> Float64Array:
-    """Unit quaternions of a file, as they were to the bit. Raises KeyError, InvalidInput."""
+    """Unit quaternions of a file, as they were to the bit.
+
+    Raises:
+        KeyError: if the file has none of this name.
+        InvalidInput: if they are of another shape or not of unit length.
+    """
     check.quaternions(arrays[name], name, shape=shape)
     return check.frozen(arrays[name], name, shape=shape)

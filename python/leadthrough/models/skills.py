@@ -11,7 +11,8 @@ from leadthrough.models import archive
 from leadthrough.models.dmp.discrete import DMPSkill
 from leadthrough.models.dmp.pose import PoseDMPSkill
 from leadthrough.models.dmp.rhythmic import RhythmicDMPSkill, RhythmicPoseDMPSkill
-from leadthrough.models.marching.model import FastMarchingSkill
+from leadthrough.models.marching import model as marching
+from leadthrough.models.marching.skill import FastMarchingSkill
 from leadthrough.models.mixtures import gmr, task_gmr
 from leadthrough.models.mixtures.gmr_skill import GMRSkill
 from leadthrough.models.mixtures.task_gmr_skill import TaskGMRSkill
@@ -21,7 +22,7 @@ from leadthrough.models.protocol import Skill
 
 _KINDS: dict[str, Callable[[dict[str, Any], archive.Arrays], Skill]] = {
     DMPSkill.kind: DMPSkill.from_archive,
-    FastMarchingSkill.kind: FastMarchingSkill.from_archive,
+    FastMarchingSkill.kind: marching.from_archive,
     GMRSkill.kind: gmr.from_archive,
     PoseDMPSkill.kind: PoseDMPSkill.from_archive,
     ProMPSkill.kind: promp.from_archive,

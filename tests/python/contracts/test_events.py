@@ -77,7 +77,7 @@ def test_fast_marching_keeps_them_backwards_and_in_what_it_learns_itself():
     assert [event.name for event in back.events] == ["opened", "closed"]
     np.testing.assert_allclose(at(back, back.events[1].time), at(points(), 1.3), atol=0.01)
     line = np.linspace([0.0, 0.2, 0.0], [0.3, 0.2, 0.0], 50)
-    assert skill.with_experience(line).learned[0].events == skill.shown[0].events
+    assert skill.with_experience(line).learned[0].events == skill.demonstrated[0].events
 
 
 @pytest.mark.parametrize("model", [lt.RhythmicDMP(period=2.0), lt.RhythmicPoseDMP(period=2.0)])

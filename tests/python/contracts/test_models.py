@@ -165,7 +165,7 @@ def test_fit_leaves_model_and_demonstrations_alone_and_returns_a_frozen_skill(mo
     for demonstration, values in zip(shown, before, strict=True):
         np.testing.assert_array_equal(rows(demonstration.motion), values)
     with pytest.raises(AttributeError):
-        skill.shown = ()
+        skill.model = ()
 
 
 def test_generated_motion_is_of_the_type_shown_and_like_it(skill, shown):

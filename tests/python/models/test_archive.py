@@ -37,7 +37,7 @@ def test_learned_paths_and_orientations_are_kept(tmp_path):
     skill.save(tmp_path / "skill.npz")
     loaded = lt.load_skill(tmp_path / "skill.npz")
     assert loaded.model == skill.model
-    assert (len(loaded.shown), len(loaded.learned)) == (1, 1)
+    assert (len(loaded.demonstrated), len(loaded.learned)) == (1, 1)
     assert loaded.generate().orientations.tobytes() == skill.generate().orientations.tobytes()
 
 

@@ -35,9 +35,9 @@ from leadthrough.models.dmp.query import (
 from leadthrough.models.dmp.refit import weights_of
 from leadthrough.models.dmp.regression import REGRESSIONS, fit
 from leadthrough.models.dmp.springs import FORMS, Springs
+from leadthrough.models.even_times import even_phases
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.place import Place
-from leadthrough.models.sampling import even_phases
 from leadthrough.motion import JointTrajectory, Motion, MotionT, MotionT_co, Trajectory, computed
 from leadthrough.shapes import Shape
 

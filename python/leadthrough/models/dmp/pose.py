@@ -36,9 +36,9 @@ from leadthrough.models.dmp.refit import weights_of
 from leadthrough.models.dmp.regression import REGRESSIONS, fit
 from leadthrough.models.dmp.springs import Ends, Springs
 from leadthrough.models.dmp.turning import REPRESENTATIONS, Turning
+from leadthrough.models.even_times import even_phases
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.place import Place
-from leadthrough.models.sampling import even_phases
 from leadthrough.motion import Motion, PoseTrajectory, computed
 from leadthrough.shapes import Shape
 

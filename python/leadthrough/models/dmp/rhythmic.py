@@ -23,8 +23,8 @@ from leadthrough.models.dmp.refit import weights_of
 from leadthrough.models.dmp.regression import fit_rhythm
 from leadthrough.models.dmp.springs import RHYTHMIC, Ends, Springs
 from leadthrough.models.dmp.turning import Turning, learn_closed
+from leadthrough.models.even_times import even_times
 from leadthrough.models.parameters import Parameter
-from leadthrough.models.sampling import even_times
 from leadthrough.motion import (
     JointTrajectory,
     Motion,

@@ -15,8 +15,9 @@ from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.marching import route
-from leadthrough.models.marching.route import Route, Scales
-from leadthrough.models.marching.shown import Shown
+from leadthrough.models.marching.experience import Experience
+from leadthrough.models.marching.route import Route
+from leadthrough.models.marching.scales import Scales
 from leadthrough.planning.grid import Grid
 from leadthrough.planning.speed_map import add_obstacles, experience_map
 from leadthrough.shapes import Shape, check_shapes
@@ -30,7 +31,7 @@ class LiveMap:
     Raises InvalidInput for a demonstration outside the workspace.
     """
 
-    def __init__(self, shown: Sequence[Shown], scales: Scales) -> None:
+    def __init__(self, shown: Sequence[Experience], scales: Scales) -> None:
         paths = [each.path for each in shown]
         self._shown = tuple(shown)
         self._grid, self._scales = route.grid_over(paths, (), scales)

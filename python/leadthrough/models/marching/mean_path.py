@@ -7,7 +7,7 @@ on human handwriting.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,26 +16,39 @@ from leadthrough.check import Float64Array
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 
 _SAMPLES = 1000
-_TURNED_SHARE = 1.0 / 3.0
+_TURNED_FRACTION = 1.0 / 3.0
 # Turning by more than 154 degrees or scaling by more than 5 says little about the new motion.
 _LEAST_COSINE = -0.9
 _SCALES = (0.2, 5.0)
-# Demonstrations farther apart than this share of their length are different ways of doing a task.
+# Demonstrations farther apart than this fraction of their length do the task in different ways.
 _SAME_WAY = 0.1
+# A mean path is trusted where a demonstration's ends are nearer to start and goal than this
+# fraction of the distance between these, or, for motions that return, of its own length. Farther
+# off the demonstrations say little about the way, and bending them to it gives detours.
+_NEAR_OF_DISTANCE = 0.5
+_NEAR_OF_LENGTH = 0.1
 
 
 @dataclass(frozen=True, eq=False)
 class MeanPath:
-    """A predicted path (n, d), even in arc length per demonstration, and each one's weight (k,)."""
+    """A predicted path.
+
+    Attributes:
+        path: (n, d), the mean of demonstrations that are evenly spaced in arc length.
+        weights: (k,) of the demonstrations; 0 for those that do the task in another way.
+    """
 
     path: Float64Array
     weights: Float64Array
 
 
 def predict(paths: Sequence[Float64Array], start: Float64Array, goal: Float64Array) -> MeanPath:
-    """The weighted mean of the demonstrations carried to start and goal, (d,) each.
+    """The weighted mean of the demonstrations, each carried to a new start and goal.
 
-    paths: each (n, d), at least one.
+    Args:
+        paths: of the demonstrations, each (n, d), at least one.
+        start: (d,).
+        goal: (d,).
     """
     curves = np.stack([by_arc_length(path, _SAMPLES) for path in paths])
     shifted = np.stack([_shifted(curve, start, goal) for curve in curves])
@@ -45,6 +58,24 @@ def predict(paths: Sequence[Float64Array], start: Float64Array, goal: Float64Arr
         [_carried(curve, moved, start, goal) for curve, moved in zip(curves, shifted, strict=True)]
     )
     return MeanPath(np.einsum("j,jnd->nd", weights, carried), weights)
+
+
+def is_trusted(paths: Iterable[Float64Array], start: Float64Array, goal: Float64Array) -> bool:
+    """Whether a demonstration's ends lie near enough to start and goal to predict the way.
+
+    Args:
+        paths: each (n, d).
+        start: (d,).
+        goal: (d,).
+    """
+    distance = float(np.linalg.norm(goal - start))
+    ends = np.stack([start, goal])
+    for path in paths:
+        gaps = np.linalg.norm(path[[0, -1]] - ends, axis=1)
+        length = float(arc_length(path)[-1])
+        if gaps.max() <= max(_NEAR_OF_DISTANCE * distance, _NEAR_OF_LENGTH * length):
+            return True
+    return False
 
 
 def _shifted(curve: Float64Array, start: Float64Array, goal: Float64Array) -> Float64Array:
@@ -59,7 +90,7 @@ def _carried(
     turned = _turned(curve, start, goal)
     if turned is None:
         return shifted
-    return np.asarray((1.0 - _TURNED_SHARE) * shifted + _TURNED_SHARE * turned)
+    return np.asarray((1.0 - _TURNED_FRACTION) * shifted + _TURNED_FRACTION * turned)
 
 
 def _turned(curve: Float64Array, start: Float64Array, goal: Float64Array) -> Float64Array | None:

@@ -15,7 +15,7 @@ from leadthrough.motion import MotionT_co
 from leadthrough.shapes import Shape
 
 if TYPE_CHECKING:
-    from leadthrough.models.marching.model import FastMarchingSkill
+    from leadthrough.models.marching.skill import FastMarchingSkill
 
 # Cells of a map that is kept, and of one that is made anew for every answer.
 _KEPT_CELLS = 1_000_000
@@ -54,10 +54,9 @@ class Preview(Generic[MotionT_co]):
     ) -> MotionT_co:
         """A motion as by `FastMarchingSkill.generate`, which documents arguments and errors."""
         skill = self._skill
-        ends = skill.ends_of(start, goal)
+        ends = skill.query(start=start, goal=goal).ends
         if skill.model.method == "map":
-            map_ = self._map_around(ends, obstacles)
-            found = map_.route(ends[0], ends[1], obstacles)
+            found = self._map_around(ends, obstacles).route(ends[0], ends[1], obstacles)
             return skill.in_time(found, start=start, goal=goal, duration=duration, dt=dt)
         if self._coarse is None:
             lower, upper = self._workspace(ends, obstacles, _ROOM_TO_PASS)

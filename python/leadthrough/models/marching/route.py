@@ -20,8 +20,10 @@ from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath
 from leadthrough.models.marching import mean_path
+from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.pieces import cut_at_short_cuts
-from leadthrough.models.marching.shown import Shown
+from leadthrough.models.marching.query import Query
+from leadthrough.models.marching.scales import Scales
 from leadthrough.planning.arrival import arrival_times
 from leadthrough.planning.descent import descend
 from leadthrough.planning.grid import Grid
@@ -47,38 +49,6 @@ _PUSHED = 1.25
 _START_WIDTH = 0.25
 
 
-@dataclass(frozen=True)
-class Scales:
-    """Lengths and speeds of the maps.
-
-    radius: of the tubes. clearance: distance from obstacles below which they slow the wave down.
-    saturation: speed outside them, in (0, 1]. resolution: edge of a cell;
-    None: a fifth of the radius, or up to half of it in a large space. growth: how much wider than
-    the radius the tubes may become there. workspace: corners of the grid; None: as needed.
-    """
-
-    radius: float
-    clearance: float
-    saturation: float
-    resolution: float | None
-    growth: float = 1.0
-    workspace: tuple[tuple[float, ...], tuple[float, ...]] | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Query:
-    """start, goal: (d,). obstacles: shapes in the same frame."""
-
-    start: Float64Array
-    goal: Float64Array
-    obstacles: tuple[Shape, ...] = ()
-
-    @property
-    def ends(self) -> Float64Array:
-        """(2, d) start and goal."""
-        return np.stack([self.start, self.goal])
-
-
 @dataclass(frozen=True, eq=False)
 class Route:
     """A path and how it was found.
@@ -89,12 +59,12 @@ class Route:
 
     path: Float64Array
     speed: Float64Array
-    used: tuple[Shown, ...]
+    used: tuple[Experience, ...]
     weights: Float64Array
     method: str
 
 
-def through_map(shown: Sequence[Shown], query: Query, scales: Scales) -> Route:
+def through_map(shown: Sequence[Experience], query: Query, scales: Scales) -> Route:
     """The quickest path in the map of all demonstrations. Raises NoPath."""
     paths = [each.path for each in shown]
     grid, scales = grid_over([*paths, query.ends], query.obstacles, scales)
@@ -107,7 +77,7 @@ def through_map(shown: Sequence[Shown], query: Query, scales: Scales) -> Route:
     return route_along(path, grid, speed, used=used, weights=np.ones(len(used)), method="map")
 
 
-def from_start(shown: Sequence[Shown], query: Query, scales: Scales) -> Route:
+def from_start(shown: Sequence[Experience], query: Query, scales: Scales) -> Route:
     """The quickest path where those demonstrations count that start near. Raises NoPath."""
     used = tuple(each.facing(query.start, query.goal) for each in shown)
     weights = _nearness(np.stack([each.path[0] for each in used]), query.start)
@@ -121,7 +91,7 @@ def from_start(shown: Sequence[Shown], query: Query, scales: Scales) -> Route:
     return route_along(path, grid, speed, used=used, weights=weights, method="start")
 
 
-def along_mean(shown: Sequence[Shown], query: Query, scales: Scales) -> Route:
+def along_mean(shown: Sequence[Experience], query: Query, scales: Scales) -> Route:
     """The quickest path in the tube around the demonstrations' mean path. Raises NoPath."""
     faced = [each.facing(query.start, query.goal) for each in shown]
     mean = mean_path.predict([each.path for each in faced], query.start, query.goal)
@@ -142,7 +112,7 @@ def along_mean(shown: Sequence[Shown], query: Query, scales: Scales) -> Route:
 
 
 def field_to(
-    shown: Sequence[Shown], goal: Float64Array, obstacles: Sequence[Shape], scales: Scales
+    shown: Sequence[Experience], goal: Float64Array, obstacles: Sequence[Shape], scales: Scales
 ) -> tuple[Grid, Float64Array]:
     """The grid and the arrival times of a wave from a goal through the map of all demonstrations.
 
@@ -303,7 +273,7 @@ def route_along(
     grid: Grid,
     speed: NDArray[Any],
     *,
-    used: tuple[Shown, ...],
+    used: tuple[Experience, ...],
     weights: Float64Array,
     method: str,
 ) -> Route:

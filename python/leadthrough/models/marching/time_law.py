@@ -11,9 +11,9 @@ from leadthrough import events
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models import phase
+from leadthrough.models.even_times import even_times
+from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.route import Route
-from leadthrough.models.marching.shown import Shown
-from leadthrough.models.sampling import even_times
 from leadthrough.motion import Trajectory
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 
@@ -47,7 +47,7 @@ def timed(
     return Trajectory(times, curve(shares), events.moved(happening, shares, times)), shares
 
 
-def usual_duration(used: Sequence[Shown], weights: Float64Array, length: float) -> float:
+def usual_duration(used: Sequence[Experience], weights: Float64Array, length: float) -> float:
     """The weighted median of the demonstrations' durations, s, each adapted to a path's length.
 
     Longer paths take longer, but less than in proportion, as in human movements.

@@ -16,12 +16,12 @@ from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.even_times import even_times
 from leadthrough.models.mixtures.ends import shifted, wanted_ends
 from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.update import learned
 from leadthrough.models.parameters import Parameter, whole_number
 from leadthrough.models.place import Place
-from leadthrough.models.sampling import even_times
 from leadthrough.motion import Motion, MotionT_co, normalised_times
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Shape

@@ -16,6 +16,7 @@ from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.even_times import even_times
 from leadthrough.models.parameters import Parameter, whole_number
 from leadthrough.models.place import Place
 from leadthrough.models.promp import limits, observation, task_space
@@ -23,7 +24,6 @@ from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.clock import phases_at
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.task_space import TaskMap
-from leadthrough.models.sampling import even_times
 from leadthrough.motion import Motion, MotionT_co, normalised_times
 from leadthrough.shapes import Shape
 

@@ -1,4 +1,4 @@
-"""Even times at which a motion is sampled."""
+"""Evenly spaced times at which a motion is sampled."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
-# A motion of more samples is a slip of the unit of dt or of the duration.
+# More samples than this come from a wrong unit of dt or of the duration.
 MOST_SAMPLES = 10_000_000
 # A duration of n steps of dt has n steps, whatever the quotient rounds to.
 _ROUNDING = 1e-9
@@ -19,17 +19,25 @@ _SHORTEST = sys.float_info.min  # s
 
 
 def even_times(duration: float, dt: float) -> Float64Array:
-    """Times (n,) from 0 to `duration`, at most `dt` apart, both s. Raises InvalidInput."""
+    """Evenly spaced times (n,) from 0 to a duration, s.
+
+    Args:
+        duration: s, > 0.
+        dt: s, > 0, upper bound of the step.
+
+    Raises:
+        InvalidInput: if there would be too many samples, or steps too short for floats.
+    """
     return duration * even_phases(duration, dt)
 
 
 def even_phases(duration: float, dt: float) -> Float64Array:
-    """Those times as shares (n,) of the duration, from 0 to 1. Raises InvalidInput."""
+    """Those times as fractions (n,) of the duration, from 0 to 1; arguments as in `even_times`."""
     if not duration / dt <= MOST_SAMPLES:
         raise InvalidInput(
             f"dt: expected at most {MOST_SAMPLES:.0e} samples in {duration:.6g} s, got {dt} s"
         )
     steps = max(math.ceil(duration / dt - _ROUNDING), 1)
     if duration / steps < _SHORTEST:
-        raise InvalidInput(f"duration: expected one that floats can divide, got {duration} s")
+        raise InvalidInput(f"duration: expected at least {_SHORTEST:.3g} s a step, got {duration}")
     return np.arange(steps + 1) / steps

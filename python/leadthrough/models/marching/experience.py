@@ -1,4 +1,4 @@
-"""What a path-planning model keeps of a demonstration."""
+"""What Fast Marching Learning keeps of a demonstration: its path, its timing and its turning."""
 
 from __future__ import annotations
 
@@ -19,11 +19,15 @@ from leadthrough.preprocess.resample import arc_length
 
 
 @dataclass(frozen=True, eq=False)
-class Shown:
-    """A demonstrated, or auto-learned, path.
+class Experience:
+    """A path that was demonstrated, or learned since, and how it was run through.
 
-    path: (n, d). duration: s. progress: (1001,) share of the path at even normalised times.
-    orientations: (n, 4) w, x, y, z along the path, or None. events: at shares of the path.
+    Attributes:
+        path: (n, d) in the demonstrations' unit.
+        duration: s.
+        progress: (1001,) fraction of the path covered, at evenly spaced times.
+        orientations: (n, 4) w, x, y, z along the path, or None.
+        events: at fractions of the path, 0 to 1.
     """
 
     path: Float64Array
@@ -37,21 +41,16 @@ class Shown:
         """Arc length, in the path's unit."""
         return float(arc_length(self.path)[-1])
 
-    def facing(self, start: Float64Array, goal: Float64Array) -> Shown:
+    def facing(self, start: Float64Array, goal: Float64Array) -> Experience:
         """Itself, or reversed where that brings its ends nearer to start and goal, (d,) each."""
         gaps = [
             np.linalg.norm(first - start) + np.linalg.norm(last - goal)
             for first, last in ((self.path[0], self.path[-1]), (self.path[-1], self.path[0]))
         ]
-        if gaps[0] <= gaps[1]:
-            return self
-        turned = None if self.orientations is None else self.orientations[::-1].copy()
-        happened = tuple(Event(1.0 - each.time, each.name) for each in reversed(self.events))
-        progress = 1.0 - self.progress[::-1]
-        return Shown(self.path[::-1].copy(), self.duration, progress, turned, happened)
+        return self if gaps[0] <= gaps[1] else self._reversed()
 
     def arrays(self) -> dict[str, Float64Array]:
-        """Its parts by name, for a file."""
+        """Its arrays by name, for a file."""
         parts = {
             "path": self.path,
             "duration": np.array(self.duration),
@@ -62,20 +61,39 @@ class Shown:
         return parts
 
     @staticmethod
-    def from_arrays(arrays: Mapping[str, Any], index: int) -> Shown:
-        """The one whose `arrays` stand under <name>_<index>. Raises KeyError, InvalidInput."""
+    def from_arrays(
+        arrays: Mapping[str, Any], index: int, *, happening: tuple[Event, ...]
+    ) -> Experience:
+        """The one of which a file has the `arrays` under <name>_<index>.
+
+        Args:
+            arrays: all arrays of the file.
+            index: number of the path in the file.
+            happening: its events.
+
+        Raises:
+            KeyError: if an array is missing.
+            InvalidInput: if one has another shape than it should.
+        """
         path = check.frozen(arrays[f"path_{index}"], "path", shape=("n", "d"))
         turned = arrays.get(f"orientations_{index}")
-        return Shown(
+        return Experience(
             path,
             check.number(arrays[f"duration_{index}"], "duration", above=0.0),
             check.frozen(arrays[f"progress_{index}"], "progress", shape=(SAMPLES,)),
             None if turned is None else check.quaternions(turned, "path", shape=(len(path), 4)),
+            happening,
         )
 
+    def _reversed(self) -> Experience:
+        turned = None if self.orientations is None else self.orientations[::-1].copy()
+        happened = tuple(Event(1.0 - each.time, each.name) for each in reversed(self.events))
+        progress = 1.0 - self.progress[::-1]
+        return Experience(self.path[::-1].copy(), self.duration, progress, turned, happened)
 
-def keep(demonstrations: Demonstrations[MotionT]) -> tuple[Shown, ...]:
-    """What to keep of demonstrations: all points in two or three dimensions, or all poses.
+
+def experience_of(demonstrations: Demonstrations[MotionT]) -> tuple[Experience, ...]:
+    """What to keep of demonstrations: all of points in two or three dimensions, or all of poses.
 
     Raises:
         InvalidInput: for other motions.
@@ -89,13 +107,16 @@ def keep(demonstrations: Demonstrations[MotionT]) -> tuple[Shown, ...]:
                 f"demonstrations[{i}]: expected points in two or three dimensions, got {width}"
             )
         if arc_length(motion.positions)[-1] == 0.0:
-            raise FitError(f"demonstrations[{i}]: turns but does not move; a path needs positions")
-    return tuple(_kept(motion) for motion in motions)
+            raise FitError(
+                f"demonstrations[{i}]: turns but does not move, and a path needs positions that "
+                "differ; use PoseDMP, ProMP or GMR"
+            )
+    return tuple(_experience(motion) for motion in motions)
 
 
-def _kept(motion: Trajectory | PoseTrajectory) -> Shown:
+def _experience(motion: Trajectory | PoseTrajectory) -> Experience:
     covered = arc_length(motion.positions)
-    return Shown(
+    return Experience(
         motion.positions,
         motion.duration,
         progress_of(motion.times, motion.positions),

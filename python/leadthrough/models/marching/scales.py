@@ -1,0 +1,61 @@
+"""The lengths of the speed maps, from a model's settings and the size of its demonstrations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from leadthrough.models.marching.model import FastMarching
+
+# Radii in fractions of the demonstrations' mean length, so that the unit of the data does not
+# matter. The map of all demonstrations wants tubes that overlap, a tube around one path a thin one.
+MAP_RADIUS = 0.02
+TUBE_RADIUS = 0.01
+# In three dimensions thin tubes need more cells than they are worth.
+_GROWTH = 3.0
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Lengths and speeds of a map; lengths in the demonstrations' unit.
+
+    Attributes:
+        radius: of the tubes.
+        clearance: distance from obstacles below which they slow the wave down.
+        saturation: speed outside the tubes, in (0, 1].
+        resolution: edge of a cell; None: a fifth of the radius, or up to half of it in a large
+            space.
+        growth: how much wider than the radius the tubes may become there.
+        workspace: corners of the grid; None: as much as is needed.
+    """
+
+    radius: float
+    clearance: float
+    saturation: float
+    resolution: float | None
+    growth: float = 1.0
+    workspace: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+
+
+def scales_of(model: FastMarching, lengths: Sequence[float], fraction: float) -> Scales:
+    """The scales of a model's map.
+
+    Args:
+        model: the settings.
+        lengths: of the demonstrations' paths, at least one.
+        fraction: of their mean, which is the radius where the model sets none.
+    """
+    given = model.area_of_influence
+    length = float(np.mean(lengths))
+    return Scales(
+        radius=given or fraction * length,
+        clearance=given or MAP_RADIUS * length,
+        saturation=model.saturation,
+        resolution=model.resolution,
+        growth=1.0 if given else _GROWTH,
+        workspace=model.workspace,
+    )

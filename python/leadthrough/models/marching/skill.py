@@ -1,0 +1,388 @@
+"""A skill of Fast Marching Learning: asked for paths and motions, and taught further ones.
+
+Source: Prados et al. 2023, Appl. Sci. 13:2028, eqs. 6 and 7.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leadthrough import check, events
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.models.archive import Archived, Arrays
+from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.marching import mean_path, orientation, route
+from leadthrough.models.marching.dragged import parameters_of
+from leadthrough.models.marching.experience import Experience
+from leadthrough.models.marching.live_map import LiveMap
+from leadthrough.models.marching.policy import Policy
+from leadthrough.models.marching.preview import Preview
+from leadthrough.models.marching.query import Query, query_of, split
+from leadthrough.models.marching.route import Route
+from leadthrough.models.marching.scales import MAP_RADIUS, TUBE_RADIUS, Scales, scales_of
+from leadthrough.models.marching.teaching import added, mean_speed
+from leadthrough.models.marching.time_law import timed
+from leadthrough.models.parameters import Parameter
+from leadthrough.models.place import Place
+from leadthrough.motion import Motion, MotionT_co, PoseTrajectory, Trajectory
+from leadthrough.planning.grid import Grid
+from leadthrough.planning.speed_map import experience_map
+from leadthrough.shapes import Shape, check_shapes
+
+if TYPE_CHECKING:
+    from leadthrough.models.marching.model import FastMarching
+
+
+@dataclass(frozen=True, eq=False)
+class FastMarchingSkill(Archived, Generic[MotionT_co]):
+    """What was learned; made by `FastMarching.fit`.
+
+    Attributes:
+        model: the settings that it was fitted with.
+        demonstrated: the demonstrations.
+        learned: paths that were added since, by `with_experience` or `auto_learn`.
+    """
+
+    model: FastMarching
+    demonstrated: tuple[Experience, ...]
+    learned: tuple[Experience, ...] = ()
+
+    kind: ClassVar[str] = "fast_marching"
+    supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration", "obstacles"})
+
+    @property
+    def experience(self) -> tuple[Float64Array, ...]:
+        """All paths, (n, d) each, first the demonstrated, then the auto-learned ones."""
+        return tuple(each.path for each in self._all)
+
+    @property
+    def area_of_influence(self) -> float:
+        """Radius of the tubes in the velocity map."""
+        return self._map_scales.radius
+
+    @property
+    def grid(self) -> Grid:
+        """The cells of the velocity map."""
+        return self._map[0]
+
+    @property
+    def velocity_map(self) -> Float64Array:
+        """Speeds in [saturation, 1] over `grid`, from the raw experience: Algorithm 1's F."""
+        return self._map[1]
+
+    def kappa(self, path: ArrayLike) -> float:
+        """Mean of the velocity map along a path: 1 deep in the experience.
+
+        It is taken evenly over the path's length, so that pauses do not count, and never lies below
+        the saturation, which holds outside the map.
+
+        Args:
+            path: (n, d), n >= 1.
+
+        Raises:
+            InvalidInput: if the path is empty or has another number of columns.
+
+        Source: Prados et al. 2023, eq. 6.
+        """
+        given = check.array(path, "path", shape=("n", self._dimensions()))
+        if len(given) == 0:
+            raise InvalidInput("path: expected at least one point, got none")
+        return mean_speed(given, self.grid, self.velocity_map, self.model.saturation)
+
+    def with_experience(
+        self, path: ArrayLike, *, duration: float | None = None
+    ) -> FastMarchingSkill[MotionT_co]:
+        """A new skill that has also learned a path; its timing is the demonstrations'.
+
+        Args:
+            path: (n, d), at least two different points.
+            duration: s, > 0; by default the demonstrations', adapted to the path's length.
+
+        Raises:
+            InvalidInput: if the path does not move, or an argument is of another shape or range.
+        """
+        points = check.frozen(path, "path", shape=("n", self._dimensions()))
+        if len(points) < 2 or not np.ptp(points, axis=0).any():
+            raise InvalidInput("path: expected at least two different points")
+        if duration is not None:
+            check.number(duration, "duration", above=0.0)
+        found = added(points, self._all, duration=duration)
+        return replace(self, learned=(*self.learned, found))
+
+    def auto_learn(
+        self, motion: Trajectory | PoseTrajectory, *, threshold: float = 0.6
+    ) -> FastMarchingSkill[MotionT_co]:
+        """The skill with a motion's path added, if its kappa is below the threshold.
+
+        Otherwise the skill itself: the motion shows nothing new.
+
+        Args:
+            motion: such as one that the skill has generated.
+            threshold: of `kappa`.
+
+        Raises:
+            InvalidInput: if the motion is of another type, or does not move.
+        """
+        check.number(threshold, "threshold")
+        if not isinstance(motion, Trajectory | PoseTrajectory):
+            got = type(motion).__name__
+            raise InvalidInput(f"motion: expected a Trajectory or a PoseTrajectory, got {got}")
+        if self.kappa(motion.positions) >= threshold:
+            return self
+        return self.with_experience(motion.positions, duration=motion.duration)
+
+    def generate(
+        self,
+        *,
+        start: Place | None = None,
+        goal: Place | None = None,
+        duration: float | None = None,
+        dt: float = 0.01,
+        obstacles: Sequence[Shape] = (),
+    ) -> MotionT_co:
+        """A motion of the type that was shown, around obstacles; it starts and ends at rest.
+
+        Args:
+            start: (d,), by default the centroid of the demonstrations' starts; for poses also
+                (position (3,), orientation (4,)), by default turned as demonstrated.
+            goal: as start, by default the centroid of the demonstrations' goals.
+            duration: s, > 0; by default the demonstrations', adapted to the path's length.
+            dt: s, > 0, upper bound of the sampling step.
+            obstacles: shapes in the demonstrations' frame; a drawing of two dimensions lies in the
+                plane z = 0.
+
+        Raises:
+            InvalidInput: if an argument is of another shape or range.
+            NoPath: where start or goal lies in an obstacle, or obstacles separate them.
+        """
+        found = self.plan(start=start, goal=goal, obstacles=obstacles)
+        return self.in_time(found, start=start, goal=goal, duration=duration, dt=dt)
+
+    def in_time(
+        self,
+        found: Route,
+        *,
+        start: Place | None = None,
+        goal: Place | None = None,
+        duration: float | None = None,
+        dt: float = 0.01,
+    ) -> MotionT_co:
+        """The motion along a route, as by `generate`.
+
+        Args:
+            found: the route, from `plan` or a live map.
+            start: the query's; only its orientation counts here.
+            goal: the query's; only its orientation counts here.
+            duration: s, > 0; by default the demonstrations', adapted to the path's length.
+            dt: s, > 0, upper bound of the sampling step.
+
+        Raises:
+            InvalidInput: if an argument is of another shape or range.
+        """
+        check.number(dt, "dt", above=0.0)
+        wanted = None if duration is None else check.number(duration, "duration", above=0.0)
+        turns = [
+            split(self.demonstrated, value, name)[1]
+            for value, name in ((start, "start"), (goal, "goal"))
+        ]
+        motion, covered = timed(found, timing=self.model.timing, duration=wanted, dt=dt)
+        made: Trajectory | PoseTrajectory = motion
+        if self._has_orientations:
+            turned = orientation.along(
+                found.used, found.weights, start=turns[0], goal=turns[1], fractions=covered
+            )
+            made = PoseTrajectory(motion.times, motion.positions, turned, motion.events)
+        return cast(MotionT_co, made)  # poses where poses were shown
+
+    def plan(
+        self,
+        *,
+        start: Place | None = None,
+        goal: Place | None = None,
+        obstacles: Sequence[Shape] = (),
+    ) -> Route:
+        """The path of `generate`, without a time law, and how it was found.
+
+        Args:
+            start: as in `generate`.
+            goal: as in `generate`.
+            obstacles: as in `generate`.
+
+        Raises:
+            InvalidInput: as `generate`.
+            NoPath: as `generate`.
+        """
+        query = self.query(start=start, goal=goal, obstacles=obstacles)
+        method = self.model.method
+        if (
+            not self._all
+            or method == "map"
+            or (method == "auto" and not _is_near(self._all, query))
+        ):
+            return route.through_map(self._all, query, self._scales(MAP_RADIUS, query))
+        find = route.from_start if method == "start" else route.along_mean
+        return find(self._all, query, self._scales(TUBE_RADIUS, query))
+
+    def query(
+        self,
+        *,
+        start: Place | None = None,
+        goal: Place | None = None,
+        obstacles: Sequence[Shape] = (),
+    ) -> Query:
+        """Positions and obstacles as `plan` takes them, with what is left out.
+
+        Args:
+            start: as in `generate`.
+            goal: as in `generate`.
+            obstacles: as in `generate`.
+
+        Raises:
+            InvalidInput: as `generate`.
+        """
+        return query_of(self.demonstrated, start, goal, check_shapes(obstacles))
+
+    def live_map(self, workspace: ArrayLike, *, cells: int = 1_000_000) -> LiveMap:
+        """Routes to goals and around obstacles that keep moving, in tens of milliseconds each.
+
+        The routes are those of the method "map"; `in_time` makes motions of them.
+
+        Args:
+            workspace: (lower, upper) corners (d,) each, around the demonstrations and all that
+                moves.
+            cells: into about how many it is divided, at least 1000.
+
+        Raises:
+            InvalidInput: if the corners leave a demonstration outside, or an argument is of another
+                shape or range.
+        """
+        corners = check.array(workspace, "workspace", shape=(2, self._dimensions()))
+        count = check.integer(cells, "cells", at_least=1000)
+        lengths = np.maximum(corners[1] - corners[0], 0.0)
+        edge = float((lengths.prod() / count) ** (1.0 / len(lengths)))
+        space = (tuple(corners[0]), tuple(corners[1]))
+        model = replace(self.model, method="map", workspace=space, resolution=edge)
+        return LiveMap(self._all, replace(self, model=model)._map_scales)
+
+    def preview(self) -> Preview[MotionT_co]:
+        """Quick answers, coarser where they have to be, while goal and obstacles are dragged."""
+        return Preview(self)
+
+    def policy(self, position: ArrayLike) -> Float64Array:
+        """The velocity that leads from a position to the demonstrations' goal, without planning.
+
+        After a push the tool joins the demonstrated way anew.
+
+        Args:
+            position: (d,).
+
+        Returns:
+            Velocity (d,), in the unit of the data per second.
+
+        Raises:
+            InvalidInput: if the position is of another shape.
+            NoPath: far outside the demonstrations.
+        """
+        return self._policy(position)
+
+    def policy_to(
+        self, goal: ArrayLike | None = None, *, obstacles: Sequence[Shape] = ()
+    ) -> Policy:
+        """A policy for a goal, among obstacles; what it needs is computed here, once.
+
+        It goes by the map of all demonstrations, at their mean speed, slower near the goal. Where
+        they cross themselves it takes the short cut: a place does not tell how far the task is.
+
+        Args:
+            goal: (d,), by default the centroid of the demonstrations' goals.
+            obstacles: as in `generate`.
+
+        Raises:
+            InvalidInput: if the goal is of another shape, or outside a workspace that was set.
+            NoPath: for a goal in an obstacle.
+        """
+        self._dimensions()
+        asked = self.query(goal=goal, obstacles=obstacles)
+        scales = self._map_scales
+        grid, arrival = route.field_to(self._all, asked.goal, asked.obstacles, scales)
+        pace = float(np.mean([each.length / each.duration for each in self._all]))
+        return Policy(grid, arrival, asked.goal, pace, scales.radius)
+
+    def parameters(
+        self,
+        demonstrations: Demonstrations[Motion] = (),  # noqa: ARG002 (no fit is needed)
+    ) -> Sequence[Parameter[MotionT_co]]:
+        """Its saturation and, where there is a map, the radius of its tubes.
+
+        Args:
+            demonstrations: not needed, as nothing is fitted again.
+        """
+        return parameters_of(self)
+
+    def to_archive(self) -> tuple[dict[str, Any], Arrays]:
+        """Settings and arrays that `from_archive` of `model` puts together again."""
+        settings = {
+            **asdict(self.model),
+            "shown": len(self.demonstrated),
+            "learned": len(self.learned),
+            "events": [events.to_plain(each.events) for each in self._all],
+        }
+        arrays = {
+            f"{name}_{i}": value
+            for i, each in enumerate(self._all)
+            for name, value in each.arrays().items()
+        }
+        return settings, arrays
+
+    @property
+    def _all(self) -> tuple[Experience, ...]:
+        return self.demonstrated + self.learned
+
+    @cached_property
+    def _policy(self) -> Policy:
+        return self.policy_to()
+
+    @cached_property
+    def _map(self) -> tuple[Grid, Float64Array]:
+        self._dimensions()
+        grid, scales = route.grid_over(self.experience, (), self._map_scales)
+        speed = experience_map(
+            grid,
+            self.experience,
+            area_of_influence=scales.radius,
+            saturation=scales.saturation,
+        )
+        speed.setflags(write=False)
+        return grid, speed
+
+    @property
+    def _map_scales(self) -> Scales:
+        self._dimensions()
+        return self._scales(MAP_RADIUS, None)
+
+    def _scales(self, fraction: float, query: Query | None) -> Scales:
+        lengths = [each.length for each in self.demonstrated]
+        if not lengths and query is not None:
+            lengths = [float(np.linalg.norm(query.goal - query.start)) or 1.0]
+        return scales_of(self.model, lengths, fraction)
+
+    def _dimensions(self) -> int:
+        if not self._all:
+            raise InvalidInput("skill: was fitted to no demonstration and has no map")
+        return int(self._all[0].path.shape[1])
+
+    @property
+    def _has_orientations(self) -> bool:
+        return bool(self._all) and self._all[0].orientations is not None
+
+
+def _is_near(known: Sequence[Experience], query: Query) -> bool:
+    faced = (each.facing(query.start, query.goal).path for each in known)
+    return mean_path.is_trusted(faced, query.start, query.goal)
