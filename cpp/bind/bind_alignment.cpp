@@ -1,7 +1,7 @@
 #include <pybind11/eigen.h>
 
-#include "leadthrough/alignment.hpp"
-#include "parts.hpp"
+#include "bind/parts.hpp"
+#include "learn/alignment.hpp"
 
 namespace py = pybind11;
 

@@ -3,10 +3,10 @@
 
 #include <map>
 
-#include "leadthrough/ik.hpp"
-#include "leadthrough/so3.hpp"
-#include "leadthrough/urdf.hpp"
-#include "parts.hpp"
+#include "arm/urdf.hpp"
+#include "bind/parts.hpp"
+#include "ik/solve.hpp"
+#include "rotation/so3.hpp"
 
 namespace py = pybind11;
 

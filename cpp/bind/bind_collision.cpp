@@ -4,9 +4,9 @@
 #include <array>
 #include <utility>
 
-#include "leadthrough/collision.hpp"
-#include "leadthrough/so3.hpp"
-#include "parts.hpp"
+#include "bind/parts.hpp"
+#include "collision/check.hpp"
+#include "rotation/so3.hpp"
 
 namespace py = pybind11;
 

@@ -1,13 +1,14 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <array>
 #include <memory>
 #include <optional>
 
-#include "leadthrough/avoidance.hpp"
-#include "leadthrough/dmp.hpp"
-#include "leadthrough/turning.hpp"
-#include "parts.hpp"
+#include "bind/parts.hpp"
+#include "dmp/avoidance.hpp"
+#include "dmp/primitive.hpp"
+#include "dmp/turning.hpp"
 
 namespace py = pybind11;
 
@@ -21,7 +22,6 @@ using dmp::Course;
 using dmp::Curve;
 using dmp::Forces;
 using dmp::Offsets;
-using dmp::Rows;
 using dmp::Turn;
 using dmp::Vector;
 using VectorIn = Eigen::Ref<const Vector>;
@@ -58,7 +58,7 @@ struct PoseState : PointState {
 };
 
 Canonical canonical_of(bool rhythmic) {
-  return rhythmic ? Canonical::Rhythmic : Canonical::Discrete;
+  return rhythmic ? Canonical::kRhythmic : Canonical::kDiscrete;
 }
 
 std::shared_ptr<Forces> make_forces(const RowsIn& nodes, const VectorIn& fade, double rate,
@@ -82,7 +82,7 @@ std::shared_ptr<Curve> make_curve(const Eigen::Ref<const so3::Quaternions>& cont
   require(controls.rows() >= 4 && steps.rows() == controls.rows() - 1);
   require(speeds.size() >= 2 && covered.size() == speeds.size());
   return std::make_shared<Curve>(Curve{controls, steps, speeds, covered,
-                                       zyz ? Chart::Zyz : Chart::RotationVector,
+                                       zyz ? Chart::kZyz : Chart::kRotationVector,
                                        canonical_of(rhythmic)});
 }
 
@@ -151,6 +151,12 @@ std::optional<State> tick(const State& before, const Forces& forces, double dt) 
   return coast(before, forces, dt);
 }
 
+ShapeKind kind_of(int form) {
+  constexpr std::array<ShapeKind, 3> kKinds{ShapeKind::kBox, ShapeKind::kSphere,
+                                            ShapeKind::kCapsule};
+  return kKinds.at(static_cast<std::size_t>(form));
+}
+
 std::shared_ptr<dmp::Surroundings> make_surroundings(const std::vector<int>& forms,
                                                      const RowsIn& positions,
                                                      const RowsIn& orientations,
@@ -166,8 +172,10 @@ std::shared_ptr<dmp::Surroundings> make_surroundings(const std::vector<int>& for
   result->lower = lower;
   result->upper = upper;
   for (Eigen::Index i = 0; i < count; ++i)
-    result->obstacles.push_back({static_cast<dmp::Form>(forms[static_cast<std::size_t>(i)]),
-                                 positions.row(i), orientations.row(i), sizes.row(i), margins[i]});
+    result->obstacles.push_back(
+        {make_shape(kind_of(forms[static_cast<std::size_t>(i)]), sizes.row(i),
+                    so3::to_matrix(orientations.row(i)), positions.row(i)),
+         margins[i]});
   return result;
 }
 

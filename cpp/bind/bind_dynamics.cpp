@@ -1,7 +1,7 @@
 #include <pybind11/eigen.h>
 
-#include "leadthrough/dynamics.hpp"
-#include "parts.hpp"
+#include "arm/dynamics.hpp"
+#include "bind/parts.hpp"
 
 namespace py = pybind11;
 

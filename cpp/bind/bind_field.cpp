@@ -6,12 +6,12 @@
 #include <string>
 #include <utility>
 
-#include "leadthrough/arrival_field.hpp"
-#include "leadthrough/descent.hpp"
-#include "leadthrough/distance.hpp"
-#include "leadthrough/eikonal.hpp"
-#include "leadthrough/nearest_source.hpp"
-#include "parts.hpp"
+#include "bind/parts.hpp"
+#include "field/arrival_field.hpp"
+#include "field/descent.hpp"
+#include "field/distance_transform.hpp"
+#include "field/eikonal.hpp"
+#include "field/nearest_source.hpp"
 
 namespace py = pybind11;
 

@@ -1,7 +1,7 @@
 #include <pybind11/numpy.h>
 
-#include "leadthrough/finite.hpp"
-#include "parts.hpp"
+#include "base/finite.hpp"
+#include "bind/parts.hpp"
 
 namespace py = pybind11;
 

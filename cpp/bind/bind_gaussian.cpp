@@ -1,8 +1,8 @@
 #include <pybind11/eigen.h>
 
-#include "leadthrough/bells.hpp"
-#include "leadthrough/gaussian.hpp"
-#include "parts.hpp"
+#include "bind/parts.hpp"
+#include "learn/bells.hpp"
+#include "learn/gaussian.hpp"
 
 namespace py = pybind11;
 
@@ -11,11 +11,9 @@ namespace leadthrough {
 void bind_gaussian(py::module_& module) {
   module.def(
       "condition_weights",
-      [](const Eigen::Ref<const Eigen::VectorXd>& mean,
-         const Eigen::Ref<const RowMajorMatrix>& covariance,
-         const Eigen::Ref<const RowMajorMatrix>& basis, const Eigen::Ref<const Columns>& columns,
-         const Eigen::Ref<const RowMajorMatrix>& values,
-         const Eigen::Ref<const RowMajorMatrix>& noise,
+      [](const Eigen::Ref<const Eigen::VectorXd>& mean, const Eigen::Ref<const Rows>& covariance,
+         const Eigen::Ref<const Rows>& basis, const Eigen::Ref<const Columns>& columns,
+         const Eigen::Ref<const Rows>& values, const Eigen::Ref<const Rows>& noise,
          const Eigen::Ref<const Eigen::VectorXd>& scale, double least) {
         require(mean.size() % basis.cols() == 0 && covariance.rows() == mean.size() &&
                 covariance.cols() == mean.size() && values.rows() == basis.rows() &&
@@ -34,7 +32,7 @@ void bind_gaussian(py::module_& module) {
       py::arg("scale").noconvert(), py::arg("least"));
   module.def(
       "is_covariance",
-      [](const Eigen::Ref<const RowMajorMatrix>& matrix) {
+      [](const Eigen::Ref<const Rows>& matrix) {
         require(matrix.rows() == matrix.cols() && matrix.rows() > 0);
         const py::gil_scoped_release release;
         return is_covariance(matrix);

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-#include "leadthrough/ik.hpp"
-#include "leadthrough/so3.hpp"
-#include "leadthrough/yang.hpp"
-#include "parts.hpp"
+#include "bind/parts.hpp"
+#include "ik/solve.hpp"
+#include "ik/yang.hpp"
+#include "rotation/so3.hpp"
 
 namespace py = pybind11;
 

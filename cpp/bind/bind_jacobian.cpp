@@ -1,7 +1,7 @@
 #include <pybind11/eigen.h>
 
-#include "leadthrough/jacobian.hpp"
-#include "parts.hpp"
+#include "arm/jacobian.hpp"
+#include "bind/parts.hpp"
 
 namespace py = pybind11;
 

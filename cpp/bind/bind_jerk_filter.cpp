@@ -1,7 +1,7 @@
 #include <pybind11/eigen.h>
 
-#include "leadthrough/jerk_filter.hpp"
-#include "parts.hpp"
+#include "bind/parts.hpp"
+#include "time/jerk_filter.hpp"
 
 namespace py = pybind11;
 

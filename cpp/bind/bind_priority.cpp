@@ -1,10 +1,10 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
-#include "leadthrough/arm_tasks.hpp"
-#include "leadthrough/differential_ik.hpp"
-#include "leadthrough/so3.hpp"
-#include "parts.hpp"
+#include "bind/parts.hpp"
+#include "ik/arm_tasks.hpp"
+#include "ik/differential_ik.hpp"
+#include "rotation/so3.hpp"
 
 namespace py = pybind11;
 
@@ -143,22 +143,22 @@ void bind_shapes(py::module_& module) {
       "box_shape",
       [](const Eigen::Vector3d& size, const Eigen::Vector3d& position,
          const Eigen::Vector4d& orientation) {
-        return Shape{ShapeKind::kBox, so3::to_matrix(orientation), position, 0.5 * size, 0.0};
+        return make_shape(ShapeKind::kBox, size, so3::to_matrix(orientation), position);
       },
       py::arg("size"), py::arg("position"), py::arg("orientation"));
   module.def(
       "sphere_shape",
       [](double radius, const Eigen::Vector3d& position) {
-        return Shape{ShapeKind::kSphere, Eigen::Matrix3d::Identity(), position,
-                     Eigen::Vector3d::Zero(), radius};
+        return make_shape(ShapeKind::kSphere, {radius, 0.0, 0.0}, Eigen::Matrix3d::Identity(),
+                          position);
       },
       py::arg("radius"), py::arg("position"));
   module.def(
       "capsule_shape",
       [](double radius, double length, const Eigen::Vector3d& position,
          const Eigen::Vector4d& orientation) {
-        return Shape{ShapeKind::kCapsule, so3::to_matrix(orientation), position,
-                     0.5 * length * Eigen::Vector3d::UnitZ(), radius};
+        return make_shape(ShapeKind::kCapsule, {radius, length, 0.0}, so3::to_matrix(orientation),
+                          position);
       },
       py::arg("radius"), py::arg("length"), py::arg("position"), py::arg("orientation"));
 }

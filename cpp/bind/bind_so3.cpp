@@ -1,9 +1,9 @@
 #include <pybind11/eigen.h>
 
-#include "leadthrough/so3.hpp"
-#include "leadthrough/so3_curve.hpp"
-#include "leadthrough/so3_mean.hpp"
-#include "parts.hpp"
+#include "bind/parts.hpp"
+#include "rotation/curve.hpp"
+#include "rotation/mean.hpp"
+#include "rotation/so3.hpp"
 
 namespace py = pybind11;
 

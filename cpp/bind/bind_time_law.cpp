@@ -1,7 +1,7 @@
 #include <pybind11/eigen.h>
 
-#include "leadthrough/time_law.hpp"
-#include "parts.hpp"
+#include "bind/parts.hpp"
+#include "time/time_law.hpp"
 
 namespace py = pybind11;
 

@@ -1,8 +1,8 @@
 #include <pybind11/eigen.h>
 
-#include "leadthrough/slowing.hpp"
-#include "leadthrough/tracking.hpp"
-#include "parts.hpp"
+#include "bind/parts.hpp"
+#include "ik/tracking.hpp"
+#include "time/slowing.hpp"
 
 namespace py = pybind11;
 

@@ -1,4 +1,4 @@
-#include "parts.hpp"
+#include "bind/parts.hpp"
 
 PYBIND11_MODULE(_core, module) {
   module.doc() = "Numeric kernels of leadthrough; arguments are checked by the Python layer above.";

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <optional>
+
+#include "arm/urdf.hpp"
+#include "arm/xml_scan.hpp"
+
+namespace leadthrough::urdf {
+
+// What is wrong with a URDF document's elements and their references, or nothing.
+std::optional<Error> check_structure(const xml::Elements& elements);
+
+}  // namespace leadthrough::urdf

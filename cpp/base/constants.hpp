@@ -1,0 +1,11 @@
+#pragma once
+
+#include <limits>
+
+namespace leadthrough {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kTurn = 2.0 * kPi;  // rad
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+}  // namespace leadthrough

@@ -1,0 +1,122 @@
+#pragma once
+
+// Collision of a whole arm: every shape of every link, against obstacles and against each other,
+// at single configurations and along a motion without a gap between its samples.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/constants.hpp"
+#include "collision/convex_distance.hpp"
+
+namespace leadthrough {
+
+// A link, a thing that is attached to the tip, or an obstacle. joints: how many of the chain's
+// joints move it; none move the base, what is fixed to it, and obstacles.
+struct Body {
+  std::string name;
+  int joints;
+};
+
+// T_frame_shape: in the frame that moves with the body's last joint; the base for 0 joints.
+struct BodyShape {
+  Convex convex;
+  Pose T_frame_shape;
+  int body;
+  double radius;  // of a ball about the shape's origin that holds it, m
+};
+
+// Shapes that are checked against each other; more joints move b than a.
+struct ShapePair {
+  int a, b;
+};
+
+// Bodies that are not checked against each other, and why.
+enum class LeftOut { kAdjacent, kAlways, kNever };
+struct BodyPair {
+  int a, b;
+  LeftOut why;
+};
+
+struct CollisionModel {
+  Chain chain;
+  std::vector<Body> bodies;
+  std::vector<BodyShape> shapes;
+  std::vector<ShapePair> pairs;
+  std::vector<BodyPair> left_out;
+};
+
+// Pairs are judged at configurations spread evenly inside the limits: those that never come as near
+// as `margin` and those that always touch are left out, as are links next to each other.
+struct PairOptions {
+  int samples = 4000;
+  double margin = 0.05;  // m
+};
+
+// Shapes with their poses.
+using PlacedShapes = std::vector<std::pair<Convex, Pose>>;
+
+// The model of the robot that `chain` is the arm of, from the links `base` to `tip`. Joints outside
+// the chain stay at zero or at the limit next to it. hulls: the vertices of all meshes, in the
+// order of links and their collisions; attached: in the frame of the tip link.
+CollisionModel make_collision_model(const urdf::Robot& robot, const Chain& chain,
+                                    const std::string& base, const std::string& tip,
+                                    const std::vector<Eigen::Matrix3Xd>& hulls,
+                                    const PlacedShapes& attached, const PairOptions& options = {});
+
+// What is checked: the arm's own pairs, or all that moves on it against obstacles. Obstacles are
+// bodies like the arm's own, in their order after them, named "obstacle 0" and so on.
+struct CollisionScene {
+  Chain chain;
+  std::vector<std::string> names;  // of the bodies
+  std::vector<BodyShape> shapes;
+  std::vector<int> joints;  // that move each shape
+  std::vector<ShapePair> pairs;
+};
+CollisionScene itself(const CollisionModel& model);
+CollisionScene against(const CollisionModel& model, const PlacedShapes& obstacles);
+
+// Two bodies where they are nearest; distance is infinite where nothing is checked. Points in the
+// base frame.
+struct Nearest {
+  double distance = kInfinity;
+  int a = -1;
+  int b = -1;
+  Eigen::Vector3d on_a = Eigen::Vector3d::Zero();
+  Eigen::Vector3d on_b = Eigen::Vector3d::Zero();
+};
+
+// One answer a row of q; the same for any number of threads.
+std::vector<Nearest> nearest_batch(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
+                                   int threads);
+
+// sample: index of a row of q, with the fraction of the way to the next.
+struct Approach {
+  Nearest nearest;
+  double sample = 0.0;
+};
+
+struct MotionOptions {
+  double margin = 0.0;      // m; what comes nearer is a hit, what touches is none
+  double tolerance = 1e-3;  // m
+  int threads = 1;
+};
+
+// closest: nothing in the whole motion comes nearer by more than the tolerance. first: the first
+// hit, with none deeper than the tolerance before.
+struct MotionReport {
+  std::vector<Nearest> samples;
+  Approach closest;
+  std::optional<Approach> first;
+};
+
+// Between rows the joints move straight and in proportion.
+MotionReport check_motion(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
+                          const MotionOptions& options = {});
+
+// A bound on the way of any point of the arm between two rows, m; the work of check_motion grows
+// with its ratio to the tolerance.
+double longest_step(const CollisionScene& scene, const Eigen::Ref<const Rows>& q);
+
+}  // namespace leadthrough

@@ -1,0 +1,198 @@
+#include "collision/convex_distance.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/constants.hpp"
+#include "collision/minkowski.hpp"
+
+namespace leadthrough {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using minkowski::Difference;
+using minkowski::Simplex;
+using minkowski::Vertex;
+
+constexpr double kTolerance = 1e-10;  // m, between the distance found and the one proven
+// Nearer cores are treated as overlapping, m: their direction would be lost in rounding.
+constexpr double kTouching = 1e-7;
+constexpr int kMaxIterations = 100;
+
+// normal: unit, from a to b; distance: of the cores, below zero where they overlap.
+struct Nearest {
+  double distance;
+  Vector3d normal, on_a, on_b;
+};
+
+bool is_segment(const Convex& body) {
+  return body.core == Core::kPoint || body.core == Core::kSegment;
+}
+
+Nearest between(const Vector3d& on_a, const Vector3d& on_b) {
+  const Vector3d way = on_b - on_a;
+  const double distance = way.norm();
+  return {distance, way / distance, on_a, on_b};
+}
+
+Vector3d perpendicular_to(const Vector3d& direction) {
+  Eigen::Index thin = 0;
+  direction.cwiseAbs().minCoeff(&thin);
+  return direction.cross(Vector3d::Unit(thin)).normalized();
+}
+
+// Segments that cross: any direction across both, or across the longer one if they are parallel.
+Vector3d direction_across(const Vector3d& a, const Vector3d& b) {
+  const Vector3d across = a.cross(b);
+  if (across.norm() > 1e-12 * a.norm() * b.norm()) return across.normalized();
+  const Vector3d& longer = a.squaredNorm() > b.squaredNorm() ? a : b;
+  return longer.isZero() ? Vector3d(Vector3d::UnitX()) : perpendicular_to(longer.normalized());
+}
+
+// From the middle of a to that of b; half: from a middle to an end. Ericson 2005, section 5.1.9.
+Nearest between_segments(const Vector3d& half_a, const Vector3d& middle_b, const Vector3d& half_b) {
+  const auto inside = [](double share) { return std::min(std::max(share, -1.0), 1.0); };
+  const double aa = half_a.squaredNorm();
+  const double bb = half_b.squaredNorm();
+  const double ab = half_a.dot(half_b);
+  const double a_way = half_a.dot(middle_b);
+  const double b_way = half_b.dot(middle_b);
+  const double denominator = aa * bb - ab * ab;
+  double s = denominator > 1e-16 * aa * bb ? inside((a_way * bb - b_way * ab) / denominator) : 0.0;
+  const double t = bb > 0.0 ? inside((ab * s - b_way) / bb) : 0.0;
+  s = aa > 0.0 ? inside((ab * t + a_way) / aa) : 0.0;
+  Nearest found = between(s * half_a, middle_b + t * half_b);
+  if (found.distance < 1e-12) found.normal = direction_across(half_a, half_b);
+  return found;
+}
+
+// The squared distance of a point on the segment to the box is convex and piecewise quadratic:
+// its derivative is searched for a change of sign, piece by piece.
+double nearest_share(const Vector3d& middle, const Vector3d& half, const Vector3d& box) {
+  const auto slope = [&](double t) {
+    const Vector3d p = middle + t * half;
+    return half.dot(p - p.cwiseMax(-box).cwiseMin(box));
+  };
+  double low = -1.0;
+  double high = 1.0;
+  double slope_low = slope(low);
+  double slope_high = slope(high);
+  if (slope_low >= 0.0) return low;
+  if (slope_high <= 0.0) return high;
+  for (int i = 0; i < 3; ++i) {
+    for (const double side : {-box[i], box[i]}) {
+      const double t = half[i] != 0.0 ? (side - middle[i]) / half[i] : low;
+      if (!(t > low && t < high)) continue;
+      const double at = slope(t);
+      if (at == 0.0) return t;
+      (at < 0.0 ? low : high) = t;
+      (at < 0.0 ? slope_low : slope_high) = at;
+    }
+  }
+  return low - slope_low * (high - low) / (slope_high - slope_low);
+}
+
+Nearest overlapping(const Difference& difference) {
+  const minkowski::Depth found = minkowski::penetration(difference);
+  return {-found.depth, found.normal, found.on_a, found.on_b};
+}
+
+Nearest box_to_segment(const Difference& difference) {
+  const Vector3d half_b = difference.b.half.z() * difference.R_a_b.col(2);
+  const Vector3d& box = difference.a.half;
+  const Vector3d on_b = difference.p_a_b + nearest_share(difference.p_a_b, half_b, box) * half_b;
+  const Nearest found = between(on_b.cwiseMax(-box).cwiseMin(box), on_b);
+  return found.distance < kTouching ? overlapping(difference) : found;
+}
+
+// Gilbert, Johnson and Keerthi 1988. `nearest` is a point of a - b, `proven` a distance that a
+// plane across it keeps.
+Nearest iterate(const Difference& difference, double cutoff) {
+  Simplex simplex;
+  Vector3d nearest = -difference.p_a_b;
+  if (nearest.squaredNorm() < kTouching * kTouching) nearest = Vector3d::UnitX();
+  double length = nearest.norm();
+  double proven = -kInfinity;
+  for (int i = 0; i < kMaxIterations; ++i) {
+    const Vertex vertex = difference.farthest(-nearest);
+    proven = std::max(proven, nearest.dot(vertex.point) / length);
+    if (proven >= cutoff) return {proven, -nearest / length, vertex.on_a, vertex.on_b};
+    if (i > 0 && (length - proven <= kTolerance || simplex.has(vertex.point))) break;
+    const Simplex before = simplex;
+    simplex.add(vertex);
+    nearest = simplex.reduce();
+    const double shorter = nearest.norm();
+    if (simplex.size == 4 || shorter < kTouching) return overlapping(difference);
+    if (i > 0 && shorter >= length) {  // rounding
+      simplex = before;
+      break;
+    }
+    length = shorter;
+  }
+  return between(minkowski::blend(simplex, simplex.weights, &Vertex::on_a),
+                 minkowski::blend(simplex, simplex.weights, &Vertex::on_b));
+}
+
+Nearest swapped(const Nearest& nearest, const Difference& from) {
+  const auto back = [&](const Vector3d& p) -> Vector3d { return from.R_a_b * p + from.p_a_b; };
+  return {nearest.distance, -(from.R_a_b * nearest.normal), back(nearest.on_b), back(nearest.on_a)};
+}
+
+Nearest between_cores(const Difference& difference, double cutoff) {
+  const Convex& a = difference.a;
+  const Convex& b = difference.b;
+  if (is_segment(a) && is_segment(b))
+    return between_segments(a.half.z() * Vector3d::UnitZ(), difference.p_a_b,
+                            b.half.z() * difference.R_a_b.col(2));
+  if (a.core == Core::kBox && is_segment(b)) return box_to_segment(difference);
+  if (is_segment(a) && b.core == Core::kBox) {
+    const Matrix3d back = difference.R_a_b.transpose();
+    return swapped(box_to_segment({b, a, back, -(back * difference.p_a_b)}), difference);
+  }
+  return iterate(difference, cutoff);
+}
+
+}  // namespace
+
+Convex sphere(double radius) { return {Core::kPoint, Vector3d::Zero(), radius, nullptr}; }
+
+Convex capsule(double radius, double length) {
+  return {Core::kSegment, {0.0, 0.0, 0.5 * length}, radius, nullptr};
+}
+
+Convex box(const Vector3d& size) { return {Core::kBox, 0.5 * size, 0.0, nullptr}; }
+
+Convex cylinder(double radius, double length) {
+  return {Core::kCylinder, {radius, radius, 0.5 * length}, 0.0, nullptr};
+}
+
+Convex hull(Eigen::Matrix3Xd vertices) {
+  const Vector3d half = vertices.cwiseAbs().rowwise().maxCoeff();
+  return {Core::kHull, half, 0.0, std::make_shared<const Eigen::Matrix3Xd>(std::move(vertices))};
+}
+
+double bounding_radius(const Convex& body) {
+  if (body.core == Core::kHull) return body.vertices->colwise().norm().maxCoeff();
+  if (body.core == Core::kCylinder) return std::hypot(body.half.x(), body.half.z());
+  return body.half.norm() + body.rounding;
+}
+
+Separation separation(const Convex& a, const Pose& T_base_a, const Convex& b, const Pose& T_base_b,
+                      double cutoff) {
+  const Matrix3d R_a_base = T_base_a.rotation.transpose();
+  const Difference difference{a, b, R_a_base * T_base_b.rotation,
+                              R_a_base * (T_base_b.position - T_base_a.position)};
+  const double rounding = a.rounding + b.rounding;
+  const Nearest cores = between_cores(difference, cutoff + rounding);
+  const auto to_base = [&](const Vector3d& p) -> Vector3d {
+    return T_base_a.rotation * p + T_base_a.position;
+  };
+  return {cores.distance - rounding, to_base(cores.on_a + a.rounding * cores.normal),
+          to_base(cores.on_b - b.rounding * cores.normal)};
+}
+
+}  // namespace leadthrough

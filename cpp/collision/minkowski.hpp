@@ -1,0 +1,102 @@
+#pragma once
+
+// The Minkowski difference of two cores, seen through its support points.
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "collision/convex_distance.hpp"
+
+namespace leadthrough::minkowski {
+
+using Eigen::Vector3d;
+
+// The core's point that lies farthest along a direction, in its own frame.
+inline Vector3d support(const Convex& body, const Vector3d& along) {
+  switch (body.core) {
+    case Core::kPoint:
+      return Vector3d::Zero();
+    case Core::kSegment:
+      return {0.0, 0.0, std::copysign(body.half.z(), along.z())};
+    case Core::kBox:
+      return {std::copysign(body.half.x(), along.x()), std::copysign(body.half.y(), along.y()),
+              std::copysign(body.half.z(), along.z())};
+    case Core::kCylinder: {
+      const double length = std::sqrt(along.x() * along.x() + along.y() * along.y());
+      // Along the axis the whole rim is farthest; any of its points will do.
+      const double scale = length > 0.0 ? body.half.x() / length : 0.0;
+      const double x = length > 0.0 ? scale * along.x() : body.half.x();
+      return {x, scale * along.y(), std::copysign(body.half.z(), along.z())};
+    }
+    case Core::kHull:
+      break;
+  }
+  const Eigen::Matrix3Xd& vertices = *body.vertices;
+  Eigen::Index farthest = 0;
+  double most = along.dot(vertices.col(0));
+  for (Eigen::Index i = 1; i < vertices.cols(); ++i) {
+    const double reach = along.dot(vertices.col(i));
+    if (reach <= most) continue;
+    most = reach;
+    farthest = i;
+  }
+  return vertices.col(farthest);
+}
+
+// A point of the difference, and the points of a and b that it is made of.
+struct Vertex {
+  Vector3d point;
+  Vector3d on_a, on_b;
+};
+
+// a minus b, in the frame of a.
+struct Difference {
+  const Convex& a;
+  const Convex& b;
+  Eigen::Matrix3d R_a_b;
+  Vector3d p_a_b;
+
+  Vertex farthest(const Vector3d& along) const {
+    const Vector3d on_a = support(a, along);
+    const Vector3d on_b = R_a_b * support(b, -(R_a_b.transpose() * along)) + p_a_b;
+    return {on_a - on_b, on_a, on_b};
+  }
+};
+
+using Weights = std::array<double, 4>;
+
+// At most four vertices.
+struct Simplex {
+  std::array<Vertex, 4> vertices;
+  Weights weights{};  // of the point nearest to the origin
+  int size = 0;
+
+  void add(const Vertex& vertex) { vertices[static_cast<std::size_t>(size++)] = vertex; }
+  bool has(const Vector3d& point) const;
+  // Finds the weights, drops the vertices that have none and returns the nearest point.
+  Vector3d reduce();
+};
+
+// The parts of a simplex; corners are indices of its vertices.
+Weights nearest_on_triangle(const Simplex& simplex, int i, int j, int k);
+
+// The sum of the vertices' points of one of the two bodies, or of the difference.
+inline Vector3d blend(const Simplex& simplex, const Weights& weights, Vector3d Vertex::* which) {
+  Vector3d sum = Vector3d::Zero();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(simplex.size); ++i)
+    sum += weights[i] * (simplex.vertices[i].*which);
+  return sum;
+}
+
+// The shallowest direction of a difference with a volume: the points of a beyond it are the least
+// deep in b. depth: below zero where the origin is outside.
+struct Depth {
+  double depth;
+  Vector3d normal;  // unit, from a into b
+  Vector3d on_a, on_b;
+};
+Depth penetration(const Difference& difference);
+
+}  // namespace leadthrough::minkowski

@@ -1,0 +1,42 @@
+#pragma once
+
+// Coupling terms that keep a primitive's motion out of obstacles and inside limits.
+//
+// Three act together: a steering term turns the velocity away from an obstacle's middle early
+// (after Hoffmann et al. 2009 and Pastor et al. 2009); a barrier adds the least acceleration that
+// keeps h'' + 2 rate h' + rate^2 h >= 0 for every distance h, so that none falls below 0 by more
+// than finite steps leave (Ames et al. 2019, "Control barrier functions"; here of second order);
+// and a motion that presses on an obstacle is led round it, by the shortest way out beside the line
+// from start to goal. All is per unit of phase.
+
+#include <vector>
+
+#include "collision/signed_distance.hpp"
+#include "dmp/primitive.hpp"
+
+namespace leadthrough::dmp {
+
+struct Obstacle {
+  Shape shape;
+  double margin;  // distance to keep, > 0
+};
+
+struct Surroundings {
+  std::vector<Obstacle> obstacles;  // about the first two or three channels
+  double reach;                     // distance at which steering has faded to 1 / e
+  Vector lower, upper;              // (channels), or empty
+};
+
+struct Passage {
+  Rollout rollout;
+  double last_push;  // the last phase at which steering or a barrier mattered, or the first one
+};
+
+// Moves the state on by `span` > 0 of phase. Returns whether something was in the way.
+bool advance_around(const Forces& forces, const Course& course, const Surroundings& surroundings,
+                    const Vector& push, double span, State& state);
+
+Passage rollout_around(const Forces& forces, const Course& course, const Surroundings& surroundings,
+                       State state, const Eigen::Ref<const Vector>& phases);
+
+}  // namespace leadthrough::dmp

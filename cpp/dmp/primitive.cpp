@@ -1,0 +1,216 @@
+#include "dmp/primitive.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <type_traits>
+
+namespace leadthrough::dmp {
+
+namespace {
+
+// As near as this a place is at a node, as a share of an interval: rounding.
+constexpr double kAtNode = 1e-9;
+
+// Calls work with a number of channels. The six of a pose are known when compiling: their loops
+// unroll.
+template <typename Work>
+void with_channels(Eigen::Index channels, const Work& work) {
+  if (channels == 6)
+    work(std::integral_constant<Eigen::Index, 6>{});
+  else
+    work(channels);
+}
+
+// Of a number that is not negative and far below 2^63; quicker than std::floor.
+double floored(double x) { return static_cast<double>(static_cast<std::int64_t>(x)); }
+
+// Phase since the break before it, and the coefficients that hold there.
+double place_in_piece(const Course& course, double phase, const double** coefficients) {
+  const double* first = course.breaks.data() + 1;
+  const Eigen::Index pieces = course.breaks.size() - 1;
+  const Eigen::Index piece = std::upper_bound(first, first + pieces - 1, phase) - first;
+  *coefficients = course.coefficients.data() + 6 * piece * course.coefficients.cols();
+  return std::min(phase, 1.0) - course.breaks[piece];
+}
+
+// Writes a state plus `sign` times r and dr/du to another, which may be the same.
+template <typename Channels>
+void add_reference(Channels channels, const Course& course, double phase, double sign,
+                   const State& from, State& to) {
+  const double* c = nullptr;
+  const double s = place_in_piece(course, phase, &c);
+  const double slope_sign = phase < 1.0 ? sign : 0.0;
+  for (Eigen::Index i = 0; i < channels; ++i) {
+    double value = c[5 * channels + i];
+    double slope = 0.0;
+    for (Eigen::Index power = 4; power >= 0; --power) {
+      slope = slope * s + value;
+      value = value * s + c[power * channels + i];
+    }
+    to.value[i] = from.value[i] + sign * value;
+    to.slope[i] = from.slope[i] + slope_sign * slope;
+  }
+}
+
+// What a stretch of phase over which the force is a straight line makes of an error, linearly: of
+// its value and slope, and of the force and its slope at the beginning.
+struct Stretch {
+  Stretch(double rate, double length) {
+    const double x = rate * length;
+    const double decay = std::exp(-x);
+    const double compliance = 1.0 / (rate * rate);
+    const double settled = 1.0 - decay * (1.0 + x);
+    value_of_value = decay * (1.0 + x);
+    value_of_slope = slope_of_force = decay * length;
+    value_of_force = slope_of_rise = compliance * settled;
+    value_of_rise = compliance * (x * (1.0 - decay) - 2.0 * settled) / rate;
+    slope_of_value = -decay * rate * x;
+    slope_of_slope = decay * (1.0 - x);
+  }
+
+  double value_of_value, value_of_slope, value_of_force, value_of_rise;
+  double slope_of_value, slope_of_slope, slope_of_force, slope_of_rise;
+};
+
+void follow(const Stretch& t, double force, double rise, double& error, double& slope) {
+  const double before = error;
+  error = t.value_of_value * before + t.value_of_slope * slope + t.value_of_force * force +
+          t.value_of_rise * rise;
+  slope = t.slope_of_value * before + t.slope_of_slope * slope + t.slope_of_force * force +
+          t.slope_of_rise * rise;
+}
+
+// Moves errors on. What does not change from step to step is computed once.
+template <typename Channels>
+class Motion {
+ public:
+  Motion(Channels channels, const Forces& forces, const Course& course, const Vector& push)
+      : channels_(channels),
+        forces_(forces),
+        course_(course),
+        push_(push),
+        count_(forces.nodes.rows() - 1),
+        intervals_(static_cast<double>(count_)),
+        whole_interval_(stretch(1.0)) {}
+
+  // From one phase to a later one.
+  void advance(double from, double to, State& error) const {
+    const bool ends = forces_.canonical == Canonical::kDiscrete;
+    const double target = at_node(intervals_ * to);
+    double place = at_node(intervals_ * from);
+    while (place < target) {
+      const double node = floored(place);
+      const bool free = ends && node >= intervals_;
+      const double next = free ? target : std::min(node + 1.0, target);
+      const Stretch& current = next - place == 1.0 ? whole_interval_ : stretch(next - place);
+      if (free)
+        fade_out(current, error);
+      else
+        follow_forces(current, node, place - node, error);
+      place = next;
+    }
+  }
+
+ private:
+  static double at_node(double place) {
+    const double nearest = floored(place + 0.5);
+    return std::abs(place - nearest) < kAtNode ? nearest : place;
+  }
+
+  Stretch stretch(double intervals) const { return {forces_.rate, intervals / intervals_}; }
+
+  void fade_out(const Stretch& current, State& error) const {
+    for (Eigen::Index i = 0; i < channels_; ++i)
+      follow(current, push_[i], 0.0, error.value[i], error.slope[i]);
+  }
+
+  // `share` of the interval after the node has passed already.
+  void follow_forces(const Stretch& current, double node, double share, State& error) const {
+    const auto passed = static_cast<Eigen::Index>(node);
+    const Eigen::Index row = passed < count_ ? passed : passed % count_;
+    const double* left = forces_.nodes.data() + row * channels_;
+    const double* right = left + channels_;
+    const double fade = forces_.fade[row];
+    const double fade_rise = forces_.fade[row + 1] - fade;
+    const double* gain = course_.gain.data();
+    const double* drive = course_.drive.data();
+    const double* push = push_.data();
+    double* value = error.value.data();
+    double* slope = error.slope.data();
+    for (Eigen::Index i = 0; i < channels_; ++i) {
+      const double at_node = gain[i] * left[i] + drive[i] * fade;
+      const double rise = gain[i] * (right[i] - left[i]) + drive[i] * fade_rise;
+      follow(current, at_node + share * rise + push[i], intervals_ * rise, value[i], slope[i]);
+    }
+  }
+
+  Channels channels_;
+  const Forces& forces_;
+  const Course& course_;
+  const Vector& push_;
+  Eigen::Index count_;
+  double intervals_;
+  Stretch whole_interval_;
+};
+
+}  // namespace
+
+void advance(const Forces& forces, const Course& course, const Vector& push, double span,
+             State& state) {
+  with_channels(state.value.size(), [&](auto channels) {
+    add_reference(channels, course, state.phase, -1.0, state, state);
+    Motion(channels, forces, course, push).advance(state.phase, state.phase + span, state);
+    state.phase += span;
+    add_reference(channels, course, state.phase, 1.0, state, state);
+  });
+}
+
+void acceleration(const Forces& forces, const Course& course, const State& state, Vector& result) {
+  const double* c = nullptr;
+  const double s = place_in_piece(course, state.phase, &c);
+  const Eigen::Index channels = course.coefficients.cols();
+  const bool moves = state.phase < 1.0;
+  const auto intervals = static_cast<double>(forces.nodes.rows() - 1);
+  const bool forced = moves || forces.canonical == Canonical::kRhythmic;
+  const double turn = moves ? 0.0 : std::floor(state.phase);
+  const double place = forced ? intervals * (state.phase - turn) : 0.0;
+  const auto node = std::min(static_cast<Eigen::Index>(place), forces.nodes.rows() - 2);
+  const double share = place - static_cast<double>(node);
+  const double fade = (1.0 - share) * forces.fade[node] + share * forces.fade[node + 1];
+  for (Eigen::Index i = 0; i < channels; ++i) {
+    double r = 0.0, slope = 0.0, half_bend = 0.0;
+    for (Eigen::Index power = 5; power >= 0; --power) {
+      half_bend = half_bend * s + slope;
+      slope = slope * s + r;
+      r = r * s + c[power * channels + i];
+    }
+    const double learned =
+        (1.0 - share) * forces.nodes(node, i) + share * forces.nodes(node + 1, i);
+    const double force = forced ? course.gain[i] * learned + course.drive[i] * fade : 0.0;
+    const double error_slope = state.slope[i] - (moves ? slope : 0.0);
+    result[i] = (moves ? 2.0 * half_bend : 0.0) + force -
+                forces.rate * (2.0 * error_slope + forces.rate * (state.value[i] - r));
+  }
+}
+
+Rollout rollout(const Forces& forces, const Course& course, State state,
+                const Eigen::Ref<const Vector>& phases) {
+  const Eigen::Index count = phases.size();
+  const Vector no_push = Vector::Zero(state.value.size());
+  Rollout result{Rows(count, state.value.size()), Rows(count, state.value.size())};
+  with_channels(state.value.size(), [&](auto channels) {
+    const Motion motion(channels, forces, course, no_push);
+    State error = state;
+    add_reference(channels, course, phases[0], -1.0, state, error);
+    for (Eigen::Index n = 0; n < count; ++n) {
+      if (n > 0) motion.advance(phases[n - 1], phases[n], error);
+      add_reference(channels, course, phases[n], 1.0, error, state);
+      result.values.row(n) = state.value;
+      result.slopes.row(n) = state.slope;
+    }
+  });
+  return result;
+}
+
+}  // namespace leadthrough::dmp

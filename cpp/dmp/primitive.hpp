@@ -1,0 +1,56 @@
+#pragma once
+
+// Dynamic movement primitives: a critically damped spring pulls to a reference r that leads from
+// start to goal, and a learned force f shapes the way. Everything runs over the phase u, which is
+// time by duration:
+//
+//   y = r(u) + e,   e'' = -2 rate e' - rate^2 e + f(u) + push
+//
+// f is piecewise linear over even phases, and every step is the exact solution: stable, and the
+// same motion, however long the steps are. Ijspeert et al. 2013, eq. 2.1.
+
+#include "base/matrix.hpp"
+
+namespace leadthrough::dmp {
+
+using Vector = Eigen::VectorXd;
+
+enum class Canonical { kDiscrete, kRhythmic };  // beyond phase 1 there is no force, or it repeats
+
+// What was learned. At least one interval.
+struct Forces {
+  Rows nodes;   // (intervals + 1, channels), at even phases from 0 to 1
+  Vector fade;  // (intervals + 1), what `Course::drive` multiplies
+  double rate;  // of the spring, per unit of phase
+  Canonical canonical;
+};
+
+// What a query makes of it.
+struct Course {
+  Vector breaks;      // (pieces + 1), from 0 to 1; beyond 1 the reference rests
+  Rows coefficients;  // (6 pieces, channels), of the powers 0 to 5 of u - breaks[piece]
+  Vector gain;        // (channels), multiplies the learned force
+  Vector drive;       // (channels), multiplies the fade, which is added to the force
+};
+
+struct State {
+  Vector value, slope;  // (channels): y and dy/du
+  double phase;
+};
+
+struct Rollout {
+  Rows values, slopes;  // (n, channels)
+};
+
+// Moves the state on by `span` > 0 of phase, under an extra force that stays the same meanwhile.
+void advance(const Forces& forces, const Course& course, const Vector& push, double span,
+             State& state);
+
+// d2y/du2 without a push.
+void acceleration(const Forces& forces, const Course& course, const State& state, Vector& result);
+
+// The motion at increasing phases, from a state at the first of them on.
+Rollout rollout(const Forces& forces, const Course& course, State state,
+                const Eigen::Ref<const Vector>& phases);
+
+}  // namespace leadthrough::dmp

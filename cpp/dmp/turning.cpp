@@ -1,0 +1,242 @@
+#include "dmp/turning.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "base/constants.hpp"
+#include "rotation/curve.hpp"
+
+namespace leadthrough::dmp {
+
+namespace {
+
+using so3::Quaternion;
+using so3::Vector3;
+
+// Of the two shortest ways to an offset of half a turn within this, a rule takes one.
+constexpr double kHalfTurn = 1e-9;  // rad
+
+// Of cos(x) and sin(x) / x, in powers of x^2; exact to rounding below this square of half an angle.
+constexpr double kSeriesSquare = 0.07;  // rad^2
+constexpr double kCosine[] = {1.0,           -1.0 / 2.0,       1.0 / 24.0,       -1.0 / 720.0,
+                              1.0 / 40320.0, -1.0 / 3628800.0, 1.0 / 479001600.0};
+constexpr double kSinc[] = {1.0,           -1.0 / 6.0,     1.0 / 120.0,
+                            -1.0 / 5040.0, 1.0 / 362880.0, -1.0 / 39916800.0};
+
+template <std::size_t size>
+double polynomial(const double (&coefficients)[size], double x) {
+  double result = coefficients[size - 1];
+  for (std::size_t power = size - 1; power-- > 0;) result = result * x + coefficients[power];
+  return result;
+}
+
+// so3::exp without a root, sine and cosine: the curve's steps and the coordinates are short.
+Quaternion short_exp(const Vector3& vector) {
+  const double h = 0.25 * vector.squaredNorm();
+  if (!(h < kSeriesSquare)) return so3::exp(vector);
+  const double scale = 0.5 * polynomial(kSinc, h);
+  return {polynomial(kCosine, h), scale * vector[0], scale * vector[1], scale * vector[2]};
+}
+
+Vector3 rotate(const Quaternion& q, const Vector3& v) {
+  const Vector3 u = q.tail<3>();
+  const Vector3 twice = 2.0 * u.cross(v);
+  return v + q[0] * twice + u.cross(twice);
+}
+
+// A product of rotations, built from the left. `rate` is a factor's own angular velocity, in the
+// base frame of that factor.
+struct Still {
+  Quaternion orientation{1.0, 0.0, 0.0, 0.0};
+
+  template <typename Rate>
+  void times(const Quaternion& factor, const Rate&) {
+    orientation = so3::compose(orientation, factor);
+  }
+};
+
+struct Moving {
+  Turn turn{Quaternion(1.0, 0.0, 0.0, 0.0), Vector3::Zero()};
+
+  template <typename Rate>
+  void times(const Quaternion& factor, const Rate& rate) {
+    turn.velocity += rotate(turn.orientation, rate());
+    turn.orientation = so3::compose(turn.orientation, factor);
+  }
+};
+
+// A share that has passed, and how fast it does.
+struct Progress {
+  double share, speed;
+};
+
+Progress minimum_jerk(double phase) {
+  const double u = std::clamp(phase, 0.0, 1.0);
+  const double rest = 1.0 - u;
+  return {u * u * u * (10.0 + u * (6.0 * u - 15.0)), 30.0 * u * u * rest * rest};
+}
+
+template <typename Product>
+void turn_by_offsets(const Offsets& offsets, double phase, Product& product) {
+  const Vector3 difference = offsets.goal - offsets.start;
+  if (difference.isZero(0.0) && offsets.start.isZero(0.0)) return;
+  const Progress s = minimum_jerk(phase);
+  const Vector3 vector = offsets.start + s.share * difference;
+  product.times(so3::exp(vector),
+                [&]() -> Vector3 { return so3::left_jacobian(vector) * (s.speed * difference); });
+}
+
+// The place on the curve. Beyond phase 1 it stands, or runs on.
+Progress place_on(const Curve& curve, double phase) {
+  const Eigen::Index intervals = curve.speeds.size() - 1;
+  const auto count = static_cast<double>(intervals);
+  const bool ends = curve.canonical == Canonical::kDiscrete;
+  if (ends && phase >= 1.0) return {curve.covered[intervals], 0.0};
+  const double at = count * (phase - (ends ? 0.0 : std::floor(phase)));
+  const auto node = std::clamp<Eigen::Index>(static_cast<Eigen::Index>(at), 0, intervals - 1);
+  const double share = at - static_cast<double>(node);
+  const double left = curve.speeds[node];
+  const double rise = curve.speeds[node + 1] - left;
+  return {curve.covered[node] + share * (left + 0.5 * share * rise) / count, left + share * rise};
+}
+
+template <typename Product>
+void turn_along(const Curve& curve, double phase, Product& product) {
+  const Eigen::Index intervals = curve.controls.rows() - 3;
+  const Progress place = place_on(curve, phase);
+  const auto i = std::clamp<Eigen::Index>(static_cast<Eigen::Index>(place.share), 0, intervals - 1);
+  const double s = place.share - static_cast<double>(i);
+  const double r = 1.0 - s;
+  // The cumulative basis and its derivative.
+  const double shares[] = {1.0 - r * r * r / 6.0, (1.0 + s * (3.0 + s * (3.0 - 2.0 * s))) / 6.0,
+                           s * s * s / 6.0};
+  const double rises[] = {0.5 * r * r, 0.5 + s * r, 0.5 * s * s};
+  product.times(curve.controls.row(i), []() -> Vector3 { return Vector3::Zero(); });
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const Vector3 step = curve.steps.row(i + k);
+    product.times(short_exp(shares[k] * step),
+                  [&]() -> Vector3 { return place.speed * rises[k] * step; });
+  }
+}
+
+template <typename Product>
+void turn_by_coordinates(Chart chart, const Vector3& value, const Vector3& slope,
+                         Product& product) {
+  if (chart == Chart::kRotationVector) {
+    product.times(short_exp(value), [&]() -> Vector3 { return so3::left_jacobian(value) * slope; });
+    return;
+  }
+  const Eigen::Index axes[] = {2, 1, 2};
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const Vector3 axis = Vector3::Unit(axes[k]);
+    product.times(so3::exp(value[k] * axis), [&]() -> Vector3 { return slope[k] * axis; });
+  }
+}
+
+template <typename Product>
+Product reference(const Curve& curve, const Offsets& offsets, double phase) {
+  Product product;
+  turn_by_offsets(offsets, phase, product);
+  turn_along(curve, phase, product);
+  return product;
+}
+
+// All logarithms of a rotation lie 2 pi apart on one line.
+Vector3 nearest_log(const Quaternion& q, const Vector3& near) {
+  const Vector3 vector = so3::log(q);
+  if (near.isZero(0.0)) return vector;
+  const double angle = vector.norm();
+  const Vector3 axis = angle > 0.0 ? Vector3(vector / angle) : Vector3(near.stableNormalized());
+  return axis * (angle + kTurn * std::round((axis.dot(near) - angle) / (kTurn)));
+}
+
+Vector3 nearest_angles(const Quaternion& q, const Vector3& near) {
+  const double together = std::atan2(q[3], q[0]);  // (first + third) / 2
+  const double apart = std::atan2(-q[1], q[2]);    // (first - third) / 2
+  const double second = 2.0 * std::atan2(std::hypot(q[1], q[2]), std::hypot(q[0], q[3]));
+  Vector3 angles(together + apart, second, together - apart);
+  for (const Eigen::Index k : {0, 2})
+    angles[k] += kTurn * std::round((near[k] - angles[k]) / (kTurn));
+  return angles;
+}
+
+so3::Matrix3 zyz_jacobian(const Vector3& angles) {
+  so3::Matrix3 columns;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    Moving product;
+    turn_by_coordinates(Chart::kZyz, angles, Vector3::Unit(k), product);
+    columns.col(k) = product.turn.velocity;
+  }
+  return columns;
+}
+
+// Of the coordinates, for an angular velocity of E(value) in its own base frame. Next to gimbal
+// lock the least-squares solution.
+Vector3 slope_of(Chart chart, const Vector3& value, const Vector3& velocity) {
+  if (chart == Chart::kRotationVector) return so3::left_jacobian_inverse(value) * velocity;
+  return zyz_jacobian(value).completeOrthogonalDecomposition().solve(velocity);
+}
+
+}  // namespace
+
+Vector3 offset_between(const Quaternion& wanted, const Quaternion& shown, const Vector3& near) {
+  Quaternion turn = so3::compose(wanted, so3::inverse(shown));
+  if (std::abs(turn[0]) < 0.5 * kHalfTurn) {
+    const Vector3 axis = turn.tail<3>();
+    const double leading = std::abs(axis[0]) > kHalfTurn   ? axis[0]
+                           : std::abs(axis[1]) > kHalfTurn ? axis[1]
+                                                           : axis[2];
+    if (leading < 0.0) turn = -turn;
+    turn[0] = std::abs(turn[0]);
+  }
+  return nearest_log(turn, near);
+}
+
+Turn turn_at(const Curve& curve, const Offsets& offsets, double phase, const Vector3& value,
+             const Vector3& slope) {
+  Moving product = reference<Moving>(curve, offsets, phase);
+  turn_by_coordinates(curve.chart, value, slope, product);
+  return product.turn;
+}
+
+Coordinates coordinates_of(const Curve& curve, const Offsets& offsets, double phase,
+                           const Turn& turn, const Vector3& near) {
+  const Turn base = reference<Moving>(curve, offsets, phase).turn;
+  const Quaternion back = so3::inverse(base.orientation);
+  const Quaternion relative = so3::compose(back, turn.orientation);
+  const Vector3 value = curve.chart == Chart::kRotationVector ? nearest_log(relative, near)
+                                                              : nearest_angles(relative, near);
+  return {value, slope_of(curve.chart, value, rotate(back, turn.velocity - base.velocity))};
+}
+
+Vector3 coordinate_push(const Curve& curve, const Offsets& offsets, double phase,
+                        const Vector3& value, const Vector3& angular) {
+  const Quaternion base = reference<Still>(curve, offsets, phase).orientation;
+  return slope_of(curve.chart, value, rotate(so3::inverse(base), angular));
+}
+
+Quaternion orientation_at(const Curve& curve, const Offsets& offsets, double phase,
+                          const Vector3& value) {
+  Still product = reference<Still>(curve, offsets, phase);
+  turn_by_coordinates(curve.chart, value, Vector3::Zero(), product);
+  // Rounding has left it so near to unit length that one step of Newton's makes it that.
+  const double excess = product.orientation.squaredNorm() - 1.0;
+  return product.orientation * (1.0 - 0.5 * excess);
+}
+
+so3::Quaternions orientations_at(const Curve& curve, const Offsets& offsets,
+                                 const Eigen::Ref<const Vector>& phases,
+                                 const Eigen::Ref<const Rows>& values) {
+  so3::Quaternions result(phases.size(), 4);
+  Quaternion previous = Quaternion::Zero();
+  for (Eigen::Index n = 0; n < phases.size(); ++n) {
+    const Vector3 value = values.row(n).tail<3>();
+    const Quaternion q = orientation_at(curve, offsets, phases[n], value);
+    previous = q.dot(previous) < 0.0 ? Quaternion(-q) : q;
+    result.row(n) = previous;
+  }
+  return result;
+}
+
+}  // namespace leadthrough::dmp

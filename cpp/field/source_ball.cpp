@@ -1,0 +1,90 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "field/eikonal.hpp"
+
+namespace leadthrough {
+
+namespace {
+
+struct Offset {
+  std::array<Index, 3> cells;
+  double distance;
+};
+
+// All that are not farther than `radius`, the nearest first.
+std::vector<Offset> offsets_within(const Grid& grid, double radius) {
+  std::array<Index, 3> reach{};
+  for (int axis = 0; axis < 3; ++axis)
+    reach[axis] = std::min(static_cast<Index>(radius / grid.spacing[axis]), grid.shape[axis] - 1);
+  std::vector<Offset> offsets;
+  for (Index x = -reach[0]; x <= reach[0]; ++x) {
+    for (Index y = -reach[1]; y <= reach[1]; ++y) {
+      for (Index z = -reach[2]; z <= reach[2]; ++z) {
+        const double distance = std::hypot(static_cast<double>(x) * grid.spacing[0],
+                                           static_cast<double>(y) * grid.spacing[1],
+                                           static_cast<double>(z) * grid.spacing[2]);
+        if (distance > 0.0 && distance <= radius) offsets.push_back({{x, y, z}, distance});
+      }
+    }
+  }
+  std::stable_sort(offsets.begin(), offsets.end(),
+                   [](const Offset& a, const Offset& b) { return a.distance < b.distance; });
+  return offsets;
+}
+
+constexpr Index kOutside = -1;
+
+Index moved(const Grid& grid, Index cell, const std::array<Index, 3>& by) {
+  const auto strides = grid.strides();
+  Index result = cell;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Index at = cell / strides[axis] % grid.shape[axis] + by[axis];
+    if (at < 0 || at >= grid.shape[axis]) return kOutside;
+    result += by[axis] * strides[axis];
+  }
+  return result;
+}
+
+}  // namespace
+
+template <typename Real>
+std::vector<Source> with_balls(const Grid& grid, const Real* speed,
+                               const std::vector<Source>& sources, double radius) {
+  const double smallest = *std::min_element(grid.spacing.begin(), grid.spacing.end());
+  const std::vector<Offset> offsets = offsets_within(grid, radius * smallest);
+  std::vector<bool> is_source(static_cast<std::size_t>(grid.size()), false);
+  for (const Source& source : sources) is_source[source.cell] = true;
+
+  std::vector<Source> result;
+  for (std::size_t n = 0; n < sources.size(); ++n) {
+    const Source& source = sources[n];
+    const Real own = speed[source.cell];
+    double border = radius * smallest * 2.0;  // the ball ends before it
+    for (const Offset& offset : offsets) {
+      if (offset.distance >= border) break;
+      const Index cell = moved(grid, source.cell, offset.cells);
+      if (cell == kOutside) continue;
+      if (speed[cell] != own) border = offset.distance;
+      if (is_source[cell]) border = std::min(border, 0.5 * offset.distance);
+    }
+    const Index ball = static_cast<Index>(n);
+    result.push_back({source.cell, source.time, ball});
+    for (const Offset& offset : offsets) {
+      if (offset.distance >= border) break;
+      const Index cell = moved(grid, source.cell, offset.cells);
+      if (cell != kOutside)
+        result.push_back({cell, source.time + offset.distance / static_cast<double>(own), ball});
+    }
+  }
+  return result;
+}
+
+template std::vector<Source> with_balls(const Grid&, const float*, const std::vector<Source>&,
+                                        double);
+template std::vector<Source> with_balls(const Grid&, const double*, const std::vector<Source>&,
+                                        double);
+
+}  // namespace leadthrough

@@ -1,0 +1,180 @@
+#pragma once
+
+// Targets that ask for some axes only, or for each axis with a tolerance and a weight of its own.
+// The axes are those of the target's frame. Rows of axes left free are not there at all, so that
+// no matrix becomes singular on their account.
+//
+// Rotations are measured by what remains to be turned: the rotation vector where all three axes
+// are asked for; with one free axis the swing, the shortest turn that brings the tool's axis onto
+// the target's, whatever the spin about it; with two free axes the twist about the third.
+
+#include <type_traits>
+
+#include "ik/task.hpp"
+
+namespace leadthrough {
+
+template <int M>
+struct AxisTarget {
+  AxisTarget(const IkTarget& target, const IkAxes& axes)
+      : position(target.position), frame(target.rotation.value_or(Eigen::Matrix3d::Identity())) {
+    for (int row = 0, k = 0; k < (target.rotation ? 6 : 3); ++k) {
+      if (axes.free[static_cast<std::size_t>(k)]) continue;
+      (k < 3 ? translations : rotations) += 1;
+      axis[static_cast<std::size_t>(row)] = k % 3;
+      scale[row] = axes.weight[k] * (k < 3 ? 1.0 : kOrientationWeight);
+      tolerance[row++] = axes.tolerance[k];
+    }
+    for (int k = 0; rotations == 2 && k < 3; ++k)
+      if (axes.free[static_cast<std::size_t>(3 + k)]) lone_axis = k;
+    if (rotations == 1) lone_axis = axis[M - 1];
+  }
+
+  Eigen::Vector3d position;
+  Eigen::Matrix3d frame;  // its columns are the axes
+  int translations = 0, rotations = 0;
+  std::array<int, M> axis{};  // of each row, 0 to 2
+  TaskVector<M> scale;        // weights, rotations in m a rad
+  TaskVector<M> tolerance;
+  int lone_axis = 0;  // the free one of two rotations, the asked one of a single rotation
+};
+
+// The axes asked for keep the tip at least this far from `point`, however it turns, m.
+inline double distance_from(const Eigen::Vector3d& point, const IkTarget& target) {
+  return (target.position - point).norm();
+}
+
+template <int M>
+double distance_from(const Eigen::Vector3d& point, const AxisTarget<M>& target) {
+  const Eigen::Vector3d away = target.frame.transpose() * (target.position - point);
+  double squared = 0.0;
+  for (int row = 0; row < target.translations; ++row) {
+    const double along = std::abs(away[target.axis[static_cast<std::size_t>(row)]]);
+    const double kept = std::isfinite(target.tolerance[row]) ? target.tolerance[row] : 0.0;
+    squared += std::pow(std::max(along - kept, 0.0), 2);
+  }
+  return std::sqrt(squared);
+}
+
+// What remains to be turned, in the target's frame, and its rate: a tip that turns at w, also in
+// the target's frame, changes `error` by -rate w. Rows of free axes hold nothing of use.
+struct Turn {
+  Eigen::Vector3d error = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d rate = Eigen::Matrix3d::Zero();
+};
+
+// turned: the tip's rotation seen from the target, in these three.
+inline Turn whole_turn(const Eigen::Matrix3d& turned) {
+  const Eigen::Vector3d v = rotation_vector(turned.transpose());
+  const double angle = v.norm();
+  // The coefficient of the squared term; below a millirad its series is exact.
+  const double second = angle < 1e-3
+                            ? 1.0 / 12.0 + angle * angle / 720.0
+                            : (1.0 - 0.5 * angle / std::tan(0.5 * angle)) / (angle * angle);
+  Eigen::Matrix3d cross;
+  cross << 0.0, -v[2], v[1], v[2], 0.0, -v[0], -v[1], v[0], 0.0;
+  return {v, Eigen::Matrix3d::Identity() + 0.5 * cross + second * cross * cross};
+}
+
+// The shortest turn that brings the tool's axis k onto the target's.
+inline Turn swing(const Eigen::Matrix3d& turned, int k) {
+  const int i = (k + 1) % 3, j = (k + 2) % 3;
+  const double x = turned(i, k), y = turned(j, k), cosine = turned(k, k);
+  const double sine = std::hypot(x, y);
+  const double angle = std::atan2(sine, cosine);
+  Turn turn;
+  // Where the axes point against each other every direction is as short, and the rate unbounded.
+  constexpr double kNoDirection = 1e-12;
+  constexpr double kSteepest = -10.0;
+  const bool straight = sine < kNoDirection;
+  const double dx = straight ? 1.0 : x / sine, dy = straight ? 0.0 : y / sine;
+  const double across =
+      straight ? (cosine > 0.0 ? 1.0 : kSteepest) : std::max(angle * cosine / sine, kSteepest);
+  turn.error[i] = angle * dy;
+  turn.error[j] = -angle * dx;
+  turn.rate(i, i) = dy * dy + across * dx * dx;
+  turn.rate(j, j) = dx * dx + across * dy * dy;
+  turn.rate(i, j) = turn.rate(j, i) = (across - 1.0) * dx * dy;
+  turn.rate(i, k) = -angle * dx;
+  turn.rate(j, k) = -angle * dy;
+  return turn;
+}
+
+// The angle about axis k in "turned = swing twist", Dobrowolski 2015.
+inline Turn twist(const Eigen::Matrix3d& turned, int k) {
+  const int i = (k + 1) % 3, j = (k + 2) % 3;
+  const so3::Quaternion q = so3::from_matrix(turned);
+  const double w = q[0], vi = q[1 + i], vj = q[1 + j], vk = q[1 + k];
+  // At a swing of half a turn the twist is undefined.
+  constexpr double kUndefined = 1e-6;
+  const double squared = std::max(w * w + vk * vk, kUndefined);
+  Turn turn;
+  turn.error[k] = w < 0.0 ? -2.0 * std::atan2(-vk, -w) : -2.0 * std::atan2(vk, w);
+  turn.rate(k, i) = (w * vj + vk * vi) / squared;
+  turn.rate(k, j) = (vk * vj - w * vi) / squared;
+  turn.rate(k, k) = 1.0;
+  return turn;
+}
+
+template <int M>
+void evaluate(const Chain& chain, const AxisTarget<M>& target, const double* q, Task<M>& task) {
+  Kinematics kinematics;
+  forward_kinematics(chain, q, kinematics);
+  const Eigen::Vector3d offset =
+      target.frame.transpose() * (target.position - kinematics.T_base_tip.position);
+  Turn turn;
+  if (target.rotations > 0) {
+    const Eigen::Matrix3d turned = target.frame.transpose() * kinematics.T_base_tip.rotation;
+    turn = target.rotations == 3   ? whole_turn(turned)
+           : target.rotations == 2 ? swing(turned, target.lone_axis)
+                                   : twist(turned, target.lone_axis);
+  }
+  const Eigen::Matrix3d rate = turn.rate * target.frame.transpose();
+  double position = 0.0, orientation = 0.0;
+  task.in_axes = true;
+  for (int row = 0; row < M; ++row) {
+    const int k = target.axis[static_cast<std::size_t>(row)];
+    const bool translation = row < target.translations;
+    const double error = translation ? offset[k] : turn.error[k];
+    (translation ? position : orientation) += error * error;
+    task.in_axes = task.in_axes && std::abs(error) <= target.tolerance[row];
+    task.error[row] = target.scale[row] * error;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(chain.joints()); ++i) {
+      const Vector6& column = kinematics.jacobian[i];
+      const double speed = translation ? target.frame.col(k).dot(column.template head<3>())
+                                       : rate.row(k).dot(column.template tail<3>());
+      task.columns[i][row] = target.scale[row] * speed;
+    }
+  }
+  task.position_error = std::sqrt(position);
+  task.orientation_error = std::sqrt(orientation);
+}
+
+template <int M>
+using Dimension = std::integral_constant<int, M>;
+
+// Calls visit(Dimension<M>, target) with the target in the form that the axes ask for; at least
+// one must be asked for.
+template <typename Visit>
+auto visit_target(const IkTarget& target, const std::optional<IkAxes>& axes, Visit visit) {
+  if (!axes) return target.rotation ? visit(Dimension<6>(), target) : visit(Dimension<3>(), target);
+  const auto as = [&](auto dimension) {
+    return visit(dimension, AxisTarget<decltype(dimension)::value>(target, *axes));
+  };
+  switch (axes->asked(target.rotation.has_value())) {
+    case 1:
+      return as(Dimension<1>());
+    case 2:
+      return as(Dimension<2>());
+    case 3:
+      return as(Dimension<3>());
+    case 4:
+      return as(Dimension<4>());
+    case 5:
+      return as(Dimension<5>());
+    default:
+      return as(Dimension<6>());
+  }
+}
+
+}  // namespace leadthrough

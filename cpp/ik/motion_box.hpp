@@ -1,0 +1,36 @@
+#pragma once
+
+// What joints may do in the next sampling interval, so that their position, velocity and
+// acceleration limits can hold in every interval after it as well.
+// After Flacco, De Luca and Khatib 2015, "Control of redundant robots under hard joint constraints:
+// saturation in the null space", eq. (4), with the braking distance of a sampled motion.
+
+#include "arm/chain.hpp"
+
+namespace leadthrough {
+
+struct MotionBox {
+  JointVector lower, upper;
+};
+
+// Infinite where there is none.
+struct MotionLimits {
+  JointVector lower, upper;  // rad or m
+  JointVector velocity, acceleration;
+};
+
+// The largest speed, held for one interval `dt` and then lowered by acceleration * dt in each, that
+// comes to rest within `distance` >= 0.
+double braking_speed(double distance, double acceleration, double dt);
+
+// Velocities for the next interval: q moves by dt times them. A joint outside its limits may not
+// move further out. Where qd is nullptr the present velocity is not known and accelerations
+// are bounded only by the way left to brake; where qd is too fast to stop in time, braking at the
+// acceleration limit is all that is left.
+MotionBox velocity_box(const MotionLimits& limits, const double* q, const double* qd, double dt);
+
+// Accelerations for the next interval: qd grows by dt times them, q by dt times the new qd.
+MotionBox acceleration_box(const MotionLimits& limits, const double* q, const double* qd,
+                           double dt);
+
+}  // namespace leadthrough

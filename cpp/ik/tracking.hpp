@@ -1,0 +1,63 @@
+#pragma once
+
+// Inverse kinematics along a path: every sample starts from the one before and may move each
+// joint by a bounded step, so that the arm never jumps. The step is a regularised least-squares
+// problem in a box, solved by an active set, and is taken only when the error falls.
+
+#include "ik/solve.hpp"
+
+namespace leadthrough {
+
+struct TrackOptions {
+  // What counts as reached; most samples come far closer.
+  IkTolerance tolerance{1e-5, 1e-5};
+  int max_iterations = 60;  // a sample
+  double max_step = 0.5;    // the most a joint moves between two samples, rad or m
+};
+
+// Up to the first sample that was missed, with it.
+struct Track {
+  Rows q;  // one row a sample, inside the limits
+  Eigen::VectorXd position_errors;
+  Eigen::VectorXd orientation_errors;
+
+  void keep(Eigen::Index samples);
+};
+
+// Where a redundant arm goes in the null space, one row a sample. postures: joints without a wish
+// are not finite. shares: of the way there, taken from the sample before.
+struct Pull {
+  Eigen::Ref<const Rows> postures;
+  Eigen::Ref<const Eigen::VectorXd> shares;
+};
+
+// The path alone, no time. positions: one row a sample; orientations (w, x, y, z) may have no
+// rows. start: the configuration before the first sample.
+Track track(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
+            const Eigen::Ref<const Rows4>& orientations,
+            const Eigen::Ref<const Eigen::VectorXd>& start, const Pull& pull,
+            const TrackOptions& options = {});
+
+// A path as the arm is to follow it at its own times, s.
+struct TimedPath {
+  Eigen::Ref<const Eigen::VectorXd> times;
+  Eigen::Ref<const Rows3> positions;
+  Eigen::Ref<const Rows4> orientations;
+};
+
+struct PursuitOptions {
+  Eigen::VectorXd velocity, acceleration;  // limits of each joint, infinite where there is none
+  // Squared length, m^2, that weighs a joint's step (rad at 1 m) against the tip's error: the more,
+  // the earlier the arm leaves the path beside a singularity, and the more gently.
+  double damping = 0.0;
+  IkTolerance deviation{1e-5, 1e-5};  // further away a sample is missed
+};
+
+// The path at its own times with joints that keep their velocity and acceleration limits and can
+// always brake before their position limits; where that cannot be met the tip falls behind and
+// catches up. The arm is at rest at `start` at the first time, and again at the last.
+Track pursue(const Chain& chain, const TimedPath& path,
+             const Eigen::Ref<const Eigen::VectorXd>& start, const Pull& pull,
+             const PursuitOptions& options);
+
+}  // namespace leadthrough

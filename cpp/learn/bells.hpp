@@ -1,0 +1,15 @@
+#pragma once
+
+// Bell-shaped functions over a phase, divided by their sum.
+
+#include "base/matrix.hpp"
+
+namespace leadthrough {
+
+// exp(-sharpness (u - c)^2 / 2) about each centre, or with period 1 exp(sharpness (cos 2 pi (u - c)
+// - 1)), over their sum: a row a phase. order: of the derivative by the phase, 0 to 2.
+Rows normalised_bells(const Eigen::Ref<const Eigen::VectorXd>& phases,
+                      const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
+                      bool periodic, int order);
+
+}  // namespace leadthrough

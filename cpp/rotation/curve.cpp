@@ -1,0 +1,130 @@
+#include "rotation/curve.hpp"
+
+#include <cmath>
+
+#include "base/constants.hpp"
+
+namespace leadthrough::so3 {
+
+namespace {
+
+// Closer than this to a whole turn, rounding decides the axis: the one before it is kept.
+constexpr double kWholeTurn = 1e-11;  // sine of half the angle
+
+// Beside a sphere of whole turns a vector moves further than its rotation, without bound: by
+// (angle / 2) / sin(angle / 2) at most. Past this factor it says little about the motion.
+constexpr double kMaxGain = 10.0;
+
+// What rounding may turn the axis by, next to kWholeTurn.
+constexpr double kAxisNoise = 1e-4;  // rad
+
+// Two rotations this close to half a turn apart have no shortest turn between them.
+constexpr double kHalfTurnMargin = 1e-6;  // rad
+
+// All logarithms of q in the double cover lie 4 pi apart on one line: the one nearest to
+// `previous`. Those between them are of -q, which no short turn reaches.
+Vector3 nearest_log(const Quaternion& q, const Vector3& previous) {
+  const Vector3 vector = q.tail<3>();
+  const double sine = vector.norm();
+  if (sine < kWholeTurn) {
+    const double length = previous.norm();
+    const double base = q[0] < 0.0 ? kTurn : 0.0;
+    const double angle = base + 2.0 * kTurn * std::round((length - base) / (2.0 * kTurn));
+    return angle == 0.0 ? Vector3(2.0 * vector) : Vector3(previous * (angle / length));
+  }
+  const Vector3 axis = vector / sine;
+  const double angle = 2.0 * std::atan2(sine, q[0]);
+  return axis * (angle + 2.0 * kTurn * std::round((axis.dot(previous) - angle) / (2.0 * kTurn)));
+}
+
+bool continues(const Vector3& previous, const Vector3& vector, double turn) {
+  const double noise = kAxisNoise * vector.norm();
+  return turn <= kPi - kHalfTurnMargin && (vector - previous).norm() <= kMaxGain * turn + noise;
+}
+
+Matrix3 skew(const Vector3& v) {
+  Matrix3 m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+// The matrix that scales what is across the axis and turns it about the axis by a right angle.
+Matrix3 about_axis(const Vector3& axis, double across, double turned) {
+  return across * Matrix3::Identity() + (1.0 - across) * axis * axis.transpose() +
+         turned * skew(axis);
+}
+
+template <typename Jacobian>
+Matrices rows_of(const Eigen::Ref<const Vectors>& rotation_vectors, Jacobian jacobian) {
+  Matrices result(rotation_vectors.rows(), 9);
+  for (Eigen::Index i = 0; i < rotation_vectors.rows(); ++i) {
+    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> m =
+        jacobian(Vector3(rotation_vectors.row(i)));
+    result.row(i) = Eigen::Map<const Eigen::Matrix<double, 1, 9>>(m.data());
+  }
+  return result;
+}
+
+}  // namespace
+
+Lifted lift(const Eigen::Ref<const Quaternions>& quaternions) {
+  Lifted result{Vectors(quaternions.rows(), 3), kNowhere};
+  if (quaternions.rows() == 0) return result;
+  Quaternion before = quaternions.row(0);
+  if (before[0] < 0.0) before = -before;
+  Vector3 previous = log(before);
+  result.vectors.row(0) = previous;
+  for (Eigen::Index i = 1; i < quaternions.rows(); ++i) {
+    Quaternion q = quaternions.row(i);
+    if (q.dot(before) < 0.0) q = -q;
+    const Vector3 vector = nearest_log(q, previous);
+    if (!continues(previous, vector, distance(before, q))) {
+      result.broken = i;
+      return result;
+    }
+    result.vectors.row(i) = vector;
+    before = q;
+    previous = vector;
+  }
+  return result;
+}
+
+Matrix3 left_jacobian(const Vector3& rotation_vector) {
+  const Vector3 vector = 0.5 * rotation_vector;
+  const double half = vector.stableNorm();
+  if (half == 0.0) return Matrix3::Identity();
+  const double sine = std::sin(half);
+  return about_axis(vector / half, sine * std::cos(half) / half, sine * sine / half);
+}
+
+Matrix3 left_jacobian_inverse(const Vector3& rotation_vector) {
+  const Vector3 vector = 0.5 * rotation_vector;
+  const double half = vector.stableNorm();
+  if (half == 0.0) return Matrix3::Identity();
+  return about_axis(vector / half, half * std::cos(half) / std::sin(half), -half);
+}
+
+Matrices left_jacobian_batch(const Eigen::Ref<const Vectors>& rotation_vectors) {
+  return rows_of(rotation_vectors, &left_jacobian);
+}
+
+Matrices left_jacobian_inverse_batch(const Eigen::Ref<const Vectors>& rotation_vectors) {
+  return rows_of(rotation_vectors, &left_jacobian_inverse);
+}
+
+Quaternions integrate(const Eigen::Ref<const Eigen::VectorXd>& times,
+                      const Eigen::Ref<const Vectors>& angular_velocities,
+                      const Eigen::Ref<const Quaternion>& start) {
+  Quaternions result(times.size(), 4);
+  if (times.size() == 0) return result;
+  Quaternion q = start;
+  result.row(0) = q;
+  for (Eigen::Index i = 1; i < times.size(); ++i) {
+    const Vector3 sum = angular_velocities.row(i - 1) + angular_velocities.row(i);
+    q = compose(exp(0.5 * (times[i] - times[i - 1]) * sum), q).normalized();
+    result.row(i) = q;
+  }
+  return result;
+}
+
+}  // namespace leadthrough::so3

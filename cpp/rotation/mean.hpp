@@ -1,0 +1,21 @@
+#pragma once
+
+// Weighted means of rotations: the one that makes the weighted sum of squared distances least
+// (Karcher mean), blind to the quaternions' signs.
+
+#include "rotation/so3.hpp"
+
+namespace leadthrough::so3 {
+
+struct Means {
+  Quaternions means;      // one a column of the layers, in the hemisphere of the first layer
+  Eigen::VectorXd reach;  // largest distance from the rotations' unweighted middle, rad
+};
+
+// `layers` holds as many blocks of rows as there are weights, all > 0; row i of every block goes
+// into mean i. A reach below pi / 2 proves that the mean is the only one (Afsari 2011, "Riemannian
+// L^p center of mass"); beyond it, the mean is one of several candidates.
+Means mean_batch(const Eigen::Ref<const Quaternions>& layers,
+                 const Eigen::Ref<const Eigen::VectorXd>& weights);
+
+}  // namespace leadthrough::so3

@@ -1,0 +1,32 @@
+#pragma once
+
+// A path's points for the time law, over a parameter that grows with the motion: where the path's
+// own parameter runs through a stretch without moving much, this one hardly grows.
+
+#include "time/polynomial_path.hpp"
+
+namespace leadthrough {
+
+struct PathGrid {
+  Eigen::VectorXd scale;          // (joints,) see make_path_grid
+  Eigen::VectorXd length;         // (n,) from 0
+  Eigen::VectorXd s;              // (n,) the path's parameter there
+  Eigen::VectorXd slope, bend;    // (n,) first and second derivative of s by length
+  Rows positions, first, second;  // (n, joints) with derivatives by length
+
+  Eigen::Index points() const { return length.size(); }
+  double end() const { return length[points() - 1]; }
+};
+
+// `points` points, closer to each other where the path turns. scale: for each joint, what counts
+// as one unit of motion: the fastest that it could be, 0 for a joint that does not count. The path
+// must move.
+PathGrid make_path_grid(const PolynomialPath& path, const Eigen::Ref<const Eigen::VectorXd>& scale,
+                        Eigen::Index points);
+
+// s at a length: the quintic through s, slope and bend of the points on both sides, so that the
+// second derivative is continuous. Beyond the ends s continues in a straight line. `cell` is
+// where the search starts and what it found.
+double parameter_at(const PathGrid& grid, double length, Eigen::Index& cell);
+
+}  // namespace leadthrough

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "base/matrix.hpp"
+
+namespace leadthrough {
+
+// What bounds the motion along a path at the points of a grid over its parameter s. With the
+// squared speed x = (ds/dt)^2 and the acceleration u = d2s/dt2 every row j says
+// lower <= gain * u + bend * x <= upper. Joint accelerations read so with gain = dq/ds and
+// bend = d2q/ds2, joint torques with what the dynamics make of them.
+struct SpeedBounds {
+  Eigen::VectorXd grid;     // (n,) increasing
+  Eigen::VectorXd fastest;  // (n,) the largest x, finite, where velocities bind
+  Rows gain, bend;          // (n, rows)
+  Rows lower, upper;        // (n, rows) lower <= 0 <= upper lets the motion rest anywhere
+};
+
+enum class SpeedStatus { kOk, kNoMotion, kStartTooFast, kEndTooFast };
+
+// The fastest motion: squared speeds at the grid's points, linear in s between them.
+struct SpeedProfile {
+  SpeedStatus status = SpeedStatus::kOk;
+  Eigen::Index failed_at = -1;  // point of the grid where no motion is possible
+  Eigen::VectorXd squared;      // (n,)
+};
+
+// Time-optimal squared speeds with x_start and x_end at the ends. A row holds at both ends of
+// every cell, with the cell's own u (Pham & Pham 2018, the interpolation scheme).
+void fastest_profile(const SpeedBounds& bounds, double x_start, double x_end,
+                     SpeedProfile& profile);
+
+}  // namespace leadthrough

@@ -1,0 +1,341 @@
+// The time-optimal profile of the reachability pass has jumps in its acceleration. The length that
+// it covers by time is averaged over two windows, which bounds the jerk: an acceleration that
+// jumps by c becomes a ramp of slope c / width. Averaging moves the motion by a little against its
+// path, so that a limit may be exceeded here and there; the profile is then held back, there and
+// nowhere else, and computed again.
+
+#include "time/time_law.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "base/constants.hpp"
+#include "time/differences.hpp"
+
+namespace leadthrough {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+// The length grows at most so many times faster than joints can make it grow: it is what holds a
+// motion back where its joints rest.
+constexpr double kFastestIdle = 2.0;
+// The search for the profile looks at as many samples in the smaller window; the end, at all.
+constexpr int kSamplesAWindow = 6;
+// An excess is answered by this much more: the search ends sooner, for some 1e-4 of the duration.
+constexpr double kAmply = 1.0005;
+// Points of the grid over which a hold fades out.
+constexpr Index kFade = 8;
+constexpr int kMostCoarseRounds = 8, kRoundsOfPush = 4, kMostLocalRounds = 16, kMostRounds = 60;
+// Excess of a limit that long strides leave to all samples.
+constexpr double kCoarseExcess = 1e-3;
+// Differences at 1 kHz carry rounding of 1e-9 of usual limits.
+constexpr double kRounding = 5e-7;
+
+struct Windows {
+  Index first, second;  // samples; their sum is even
+  Index reach() const { return (first + second) / 2 - 1; }
+};
+
+class TimeLawSearch {
+ public:
+  TimeLawSearch(const PolynomialPath& path, const PathGrid& grid, const RateLimits& limits,
+                const PathBounds& extra, const TimeLawOptions& options)
+      : path_(path),
+        grid_(grid),
+        limits_(limits),
+        extra_(extra),
+        options_(options),
+        speed_share_(VectorXd::Ones(grid.points())),
+        push_share_(VectorXd::Ones(grid.points())) {
+    choose_windows();
+    prepare_bounds();
+  }
+
+  TimeLaw run() {
+    TimeLaw law;
+    if (search(law)) {
+      if (!rests_at_end()) smooth_.push_back(grid_.end());
+      law.length = Eigen::Map<const VectorXd>(smooth_.data(), static_cast<Index>(smooth_.size()));
+      law.duration = duration_;
+    }
+    law.rounds = rounds_;
+    return law;
+  }
+
+ private:
+  bool rests_at_start() const { return options_.start_speed == 0.0; }
+  bool rests_at_end() const { return options_.end_speed == 0.0; }
+
+  // As long as the joints need from rest to full acceleration, or to full speed if that is less.
+  void choose_windows() {
+    double width = 0.0;
+    for (Index j = 0; j < path_.joints(); ++j) {
+      const double jerk = limits_.jerk[j];
+      if (jerk > 0.0 && grid_.scale[j] > 0.0)
+        width = std::max(
+            width, std::min(limits_.acceleration[j] / jerk, std::sqrt(grid_.scale[j] / jerk)));
+    }
+    const double second = 0.5 * width / options_.period;
+    stride_ = std::max<Index>(1, static_cast<Index>(second / kSamplesAWindow));
+    const double coarse = options_.period * static_cast<double>(stride_);
+    windows_.first = std::max<Index>(1, static_cast<Index>(std::ceil(width / coarse - 1e-6)));
+    windows_.second =
+        std::max<Index>(1, static_cast<Index>(std::ceil(0.5 * width / coarse - 1e-6)));
+    windows_.second += (windows_.first + windows_.second) % 2;
+  }
+
+  void prepare_bounds() {
+    const Index points = grid_.points(), joints = path_.joints();
+    const Index rows = joints + extra_.gain.cols() + 1;
+    bounds_.grid = grid_.length;
+    bounds_.fastest.resize(points);
+    for (Rows* table : {&bounds_.gain, &bounds_.bend, &bounds_.lower, &bounds_.upper})
+      table->resize(points, rows);
+    bounds_.gain << grid_.first, extra_.gain, VectorXd::Ones(points);
+    bounds_.bend << grid_.second, extra_.bend, VectorXd::Zero(points);
+    bounds_.lower.rightCols(rows - joints) << extra_.lower, VectorXd::Constant(points, -kInfinity);
+    bounds_.upper.rightCols(rows - joints) << extra_.upper, VectorXd::Constant(points, kInfinity);
+    hold_ends();
+
+    const double idle = kFastestIdle * kFastestIdle * static_cast<double>(joints);
+    fastest_ = extra_.fastest.cwiseMin(idle);
+    for (Index i = 0; i < points; ++i)
+      for (Index j = 0; j < joints; ++j) {
+        const double slope = std::abs(grid_.first(i, j));
+        if (limits_.velocity[j] == 0.0) continue;  // does not move
+        const double speed = limits_.velocity[j] / slope;
+        fastest_[i] = std::min(fastest_[i], speed * speed);
+      }
+  }
+
+  // Averaging keeps a motion of constant speed: with a speed given, an end is passed at it for as
+  // long as the windows reach.
+  void hold_ends() {
+    const double time = options_.period * static_cast<double>(stride_ * (windows_.reach() + 1));
+    const Index row = bounds_.gain.cols() - 1;
+    for (Index i = 0; i < grid_.points(); ++i) {
+      const bool start = grid_.length[i] < options_.start_speed * time;
+      const bool end = grid_.end() - grid_.length[i] < options_.end_speed * time;
+      if (start || end) bounds_.lower(i, row) = bounds_.upper(i, row) = 0.0;
+    }
+  }
+
+  // Profile, samples and their ratios, `stride` periods apart.
+  bool round(Index stride, TimeLaw& law) {
+    ++rounds_;
+    const Index joints = path_.joints();
+    bounds_.fastest = fastest_.cwiseProduct(speed_share_.cwiseAbs2()) * (slowness_ * slowness_);
+    for (Index i = 0; i < grid_.points(); ++i) {
+      const double share = push_share_[i] * slowness_ * slowness_;
+      for (Index j = 0; j < joints; ++j) {
+        const double a =
+            limits_.acceleration[j] > 0.0 ? share * limits_.acceleration[j] : kInfinity;
+        bounds_.lower(i, j) = -a;
+        bounds_.upper(i, j) = a;
+      }
+    }
+    const double start = options_.start_speed, end = options_.end_speed;
+    fastest_profile(bounds_, start * start, end * end, profile_);
+    if (profile_.status != SpeedStatus::kOk) return fail(law, profile_.status);
+    const double period = options_.period * static_cast<double>(stride);
+    if (!sample(period, windows_.first * (stride_ / stride), windows_.second * (stride_ / stride)))
+      return fail(law, TimeLawStatus::kTooLong, grid_.points() - 1);
+    if (rounds_ == 1) law.optimum = times_.back();
+    measure_differences(path_, grid_, limits_, smooth_, period, {rests_at_start(), rests_at_end()},
+                        ratios_);
+    return true;
+  }
+
+  bool fail(TimeLaw& law, SpeedStatus status) {
+    constexpr std::array<TimeLawStatus, 4> meaning{TimeLawStatus::kOk, TimeLawStatus::kNoMotion,
+                                                   TimeLawStatus::kStartTooFast,
+                                                   TimeLawStatus::kEndTooFast};
+    return fail(law, meaning[static_cast<std::size_t>(status)], profile_.failed_at);
+  }
+
+  static bool fail(TimeLaw& law, TimeLawStatus status, Index at) {
+    law.status = status;
+    law.failed_at = at;
+    return false;
+  }
+
+  // Holds the profile back where samples exceed a limit: those of long strides until little is
+  // left, then all of them until none does.
+  bool search(TimeLaw& law) {
+    Index stride = stride_;
+    for (int k = 0; k < kMostRounds; ++k) {
+      if (!round(stride, law)) return false;
+      if (stride == 1 && excess() <= 1.0 + kRounding) return true;
+      if (k == 0 && cap_by_jerk()) continue;
+      const bool near = excess() <= 1.0 + kCoarseExcess || k + 1 >= kMostCoarseRounds;
+      if (stride > 1 && near) {
+        stride = 1;
+      } else if (k < kMostLocalRounds) {
+        hold_back((stride_ / stride) * windows_.reach() + 1, k >= kRoundsOfPush);
+      } else {
+        slowness_ /= excess() * (1.0 + kRounding);
+      }
+    }
+    return fail(law, TimeLawStatus::kNotSettled, -1);
+  }
+
+  // The factor on time that the worst ratio asks for.
+  double excess() const {
+    return std::max(
+        {ratios_.largest[0], std::sqrt(ratios_.largest[1]), std::cbrt(ratios_.largest[2])});
+  }
+
+  // At a steady speed v of the length a joint's jerk is q''' v^3. Whether the profile was faster
+  // than that allows: on short and twisty paths it is, and holding it back alone ends far too slow.
+  bool cap_by_jerk() {
+    if (!rests_at_start() || !rests_at_end()) return false;  // which may be faster
+    bool faster = false;
+    for (Index i = 1; i + 1 < grid_.points(); ++i) {
+      const double span = grid_.length[i + 1] - grid_.length[i - 1];
+      for (Index j = 0; j < path_.joints(); ++j) {
+        const double third = std::abs(grid_.second(i + 1, j) - grid_.second(i - 1, j)) / span;
+        if (!(limits_.jerk[j] > 0.0 && third > 0.0)) continue;  // does not move, or straight on
+        const double speed = std::cbrt(limits_.jerk[j] / third);
+        faster = faster || profile_.squared[i] > speed * speed;
+        fastest_[i] = std::min(fastest_[i], speed * speed);
+      }
+    }
+    return faster;
+  }
+
+  // Every excess counts for the samples that its windows reach. Less acceleration cures it, or
+  // less speed where that did not.
+  void hold_back(Index reach, bool slow_down) {
+    VectorXd speed = VectorXd::Ones(grid_.points()), push = speed;
+    for (std::size_t order = 1; order <= 3; ++order) {
+      VectorXd& share = order == 1 ? speed : push;
+      const auto& each = ratios_.each[order - 1];
+      for (std::size_t k = 0; k < each.size(); ++k)
+        if (each[k] > 1.0) raise(share, kAmply * each[k], static_cast<Index>(k), reach);
+    }
+    speed_share_ = speed_share_.cwiseQuotient(speed);
+    push_share_ = push_share_.cwiseQuotient(push);
+    if (!slow_down) return;
+    for (Index i = 0; i < grid_.points(); ++i)
+      if (push[i] > 1.0) fastest_[i] = std::min(fastest_[i], profile_.squared[i] / push[i]);
+  }
+
+  void raise(VectorXd& share, double ratio, Index sample, Index reach) const {
+    const Index last = static_cast<Index>(smooth_.size()) - 1;
+    const auto at = [&](Index k) {
+      return smooth_[static_cast<std::size_t>(std::clamp<Index>(k, 0, last))];
+    };
+    const double* begin = grid_.length.data();
+    const double* end = begin + grid_.points();
+    const Index low = std::lower_bound(begin, end, at(sample - reach)) - begin;
+    const Index high = std::upper_bound(begin, end, at(sample + reach)) - begin;
+    // Fading out on both sides: an edge would be a jump of the acceleration itself.
+    for (Index i = std::max<Index>(low - kFade, 0); i < std::min(high + kFade, grid_.points());
+         ++i) {
+      const double outside = static_cast<double>(std::max({low - i, i - high, Index{0}}));
+      const double part = 1.0 - outside / static_cast<double>(kFade);
+      share[i] = std::max(share[i], 1.0 + (ratio - 1.0) * part);
+    }
+  }
+
+  // The profile's length by time, averaged.
+  bool sample(double period, Index first, Index second) {
+    const VectorXd& x = profile_.squared;
+    times_.resize(static_cast<std::size_t>(grid_.points()));
+    times_[0] = 0.0;
+    for (Index i = 0; i + 1 < grid_.points(); ++i) {
+      const double pace = std::sqrt(x[i]) + std::sqrt(x[i + 1]);
+      times_[static_cast<std::size_t>(i + 1)] =
+          times_[static_cast<std::size_t>(i)] +
+          2.0 * (grid_.length[i + 1] - grid_.length[i]) / pace;
+    }
+    const double total = times_.back(), steps = total / period;
+    if (!(steps * static_cast<double>(stride_) < options_.longest)) return false;
+
+    // Raw sample k is of the time (k - reach) * period where the motion moves at its start, and
+    // twice as much earlier where it rests: there it begins before, to be at rest.
+    const Index reach = (first + second) / 2 - 1;
+    const Index before = rests_at_start() ? 2 * reach : reach;
+    const Index inner = rests_at_end() ? static_cast<Index>(std::ceil(steps - 1e-9))
+                                       : static_cast<Index>(std::floor(steps - 0.5));
+    const Index after = rests_at_end() ? 2 * reach : reach;
+    raw_.resize(static_cast<std::size_t>(before + inner + after + 1));
+    Index cell = 0;
+    for (Index k = 0; k <= before + inner + after; ++k)
+      raw_[static_cast<std::size_t>(k)] = length_at(static_cast<double>(k - before) * period, cell);
+    average(raw_, first);
+    average(raw_, second);
+    smooth_.swap(raw_);
+    duration_ = static_cast<double>(smooth_.size() - 1) * period;
+    if (!rests_at_end())
+      duration_ = total + (rests_at_start() ? static_cast<double>(reach) * period : 0.0);
+    return true;
+  }
+
+  double length_at(double time, Index& cell) const {
+    if (time <= 0.0) return options_.start_speed * time;
+    if (time >= times_.back()) return grid_.end() + options_.end_speed * (time - times_.back());
+    while (times_[static_cast<std::size_t>(cell + 1)] <= time) ++cell;
+    const double t0 = times_[static_cast<std::size_t>(cell)];
+    const double t1 = times_[static_cast<std::size_t>(cell + 1)];
+    const double v0 = std::sqrt(profile_.squared[cell]);
+    const double v1 = std::sqrt(profile_.squared[cell + 1]), t = time - t0;
+    return grid_.length[cell] + t * (v0 + 0.5 * t * (v1 - v0) / (t1 - t0));
+  }
+
+  // Means of `width` neighbours, in place; as many fewer values.
+  static void average(std::vector<double>& values, Index width) {
+    const auto window = static_cast<std::size_t>(width);
+    const double share = 1.0 / static_cast<double>(width);
+    double sum = 0.0;
+    for (std::size_t k = 0; k + 1 < window; ++k) sum += values[k];
+    for (std::size_t k = 0; k + window <= values.size(); ++k) {
+      sum += values[k + window - 1];
+      const double oldest = values[k];
+      values[k] = sum * share;
+      sum -= oldest;
+    }
+    values.resize(values.size() - window + 1);
+  }
+
+  const PolynomialPath& path_;
+  const PathGrid& grid_;
+  const RateLimits& limits_;
+  const PathBounds& extra_;
+  const TimeLawOptions options_;
+  Windows windows_{};
+  Index stride_ = 1;
+  SpeedBounds bounds_;
+  VectorXd fastest_, speed_share_, push_share_;
+  double slowness_ = 1.0, duration_ = 0.0;
+  int rounds_ = 0;
+  SpeedProfile profile_;
+  DifferenceRatios ratios_;
+  std::vector<double> times_, raw_, smooth_;
+};
+
+}  // namespace
+
+TimeLaw make_time_law(const PolynomialPath& path, const PathGrid& grid, const RateLimits& limits,
+                      const PathBounds& bounds, const TimeLawOptions& options) {
+  return TimeLawSearch(path, grid, limits, bounds, options).run();
+}
+
+Rows positions_at(const PolynomialPath& path, const PathGrid& grid,
+                  const Eigen::Ref<const Eigen::VectorXd>& lengths) {
+  Rows q(lengths.size(), path.joints());
+  Index cell = 0, piece = 0;
+  for (Index k = 0; k < lengths.size(); ++k) {
+    const double s = parameter_at(grid, lengths[k], cell);
+    piece = path.piece_of(s, piece);
+    path.position(s, piece, q.data() + k * path.joints());
+  }
+  return q;
+}
+
+}  // namespace leadthrough

@@ -1,0 +1,48 @@
+#pragma once
+
+// The fastest motion along a path inside velocity, acceleration and jerk limits.
+
+#include "time/path_grid.hpp"
+#include "time/reachability.hpp"
+
+namespace leadthrough {
+
+// One value a joint; infinite where there is none. Zero is for joints that do not move.
+struct RateLimits {
+  Eigen::VectorXd velocity, acceleration, jerk;
+};
+
+// Further bounds at the points of the grid, by length and its derivatives in time; see SpeedBounds.
+struct PathBounds {
+  Eigen::VectorXd fastest;        // (points,) largest squared speed; may be infinite
+  Rows gain, bend, lower, upper;  // (points, rows)
+};
+
+struct TimeLawOptions {
+  double period = 1e-3;  // s, of the samples
+  // Speeds of the length at the ends; with 0 the motion starts and ends at rest.
+  double start_speed = 0.0, end_speed = 0.0;
+  double longest = 1e7;  // samples
+};
+
+enum class TimeLawStatus { kOk, kNoMotion, kStartTooFast, kEndTooFast, kTooLong, kNotSettled };
+
+struct TimeLaw {
+  TimeLawStatus status = TimeLawStatus::kOk;
+  Eigen::Index failed_at = -1;  // point of the grid
+  Eigen::VectorXd length;       // at the times k * period, the last one at `duration`
+  double duration = 0.0;        // a multiple of the period where the motion ends at rest
+  double optimum = 0.0;         // what it would be without jerk limits
+  int rounds = 0;               // reachability passes
+};
+
+// Differences of the samples' positions keep the limits, those over the ends included where the
+// motion rests there.
+TimeLaw make_time_law(const PolynomialPath& path, const PathGrid& grid, const RateLimits& limits,
+                      const PathBounds& bounds, const TimeLawOptions& options = {});
+
+// Positions at lengths.
+Rows positions_at(const PolynomialPath& path, const PathGrid& grid,
+                  const Eigen::Ref<const Eigen::VectorXd>& lengths);
+
+}  // namespace leadthrough

@@ -1,0 +1,114 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/constants.hpp"
+#include "dmp/turning.hpp"
+
+namespace leadthrough::dmp {
+namespace {
+
+using so3::Quaternion;
+using so3::Vector3;
+
+// Two turns about an axis that changes, at even speed, in intervals of 30 degrees.
+Curve winding(Chart chart, Canonical canonical = Canonical::kDiscrete) {
+  constexpr Eigen::Index kIntervals = 24;
+  Curve curve{so3::Quaternions(kIntervals + 3, 4),
+              so3::Vectors(kIntervals + 2, 3),
+              Vector::Constant(11, kIntervals),
+              Vector::LinSpaced(11, 0.0, kIntervals),
+              chart,
+              canonical};
+  Quaternion q(1.0, 0.0, 0.0, 0.0);
+  for (Eigen::Index i = 0; i < kIntervals + 3; ++i) {
+    curve.controls.row(i) = q;
+    const double lean = 0.1 * static_cast<double>(i);
+    const Vector3 step = kPi / 6.0 * Vector3(std::sin(lean), 0.0, std::cos(lean));
+    if (i < kIntervals + 2) curve.steps.row(i) = step;
+    q = so3::compose(q, so3::exp(step));
+  }
+  return curve;
+}
+
+const Offsets kOffsets{Vector3(0.3, -0.2, 0.9), Vector3(-0.5, 1.0, 0.1)};
+const Vector3 kValue(0.3, 0.5, -0.2);
+const Vector3 kSlope(1.0, -2.0, 0.5);
+
+TEST(Turning, VelocityIsTheDerivativeOfTheOrientation) {
+  for (const Chart chart : {Chart::kRotationVector, Chart::kZyz}) {
+    const Curve curve = winding(chart);
+    for (const double phase : {0.01, 0.37, 0.5, 0.93}) {
+      constexpr double kStep = 1e-6;
+      const Turn turn = turn_at(curve, kOffsets, phase, kValue, kSlope);
+      const Quaternion before =
+          orientation_at(curve, kOffsets, phase - kStep, kValue - kStep * kSlope);
+      const Quaternion after =
+          orientation_at(curve, kOffsets, phase + kStep, kValue + kStep * kSlope);
+      const Vector3 rate = so3::log(so3::compose(after, so3::inverse(before))) / (2.0 * kStep);
+      EXPECT_LT((rate - turn.velocity).norm(), 1e-4) << phase;
+    }
+  }
+}
+
+TEST(Turning, CurveIsSmoothWhereItsPiecesJoin) {
+  const Curve curve = winding(Chart::kRotationVector);
+  const Vector3 zero = Vector3::Zero();
+  for (int piece = 1; piece < 24; ++piece) {
+    const double join = piece / 24.0;
+    const auto velocity = [&](double phase) {
+      return turn_at(curve, kOffsets, phase, zero, zero).velocity;
+    };
+    constexpr double kStep = 1e-5;
+    EXPECT_LT((velocity(join + 1e-9) - velocity(join - 1e-9)).norm(), 1e-5);
+    const Vector3 left = (velocity(join - 1e-9) - velocity(join - kStep)) / kStep;
+    const Vector3 right = (velocity(join + kStep) - velocity(join + 1e-9)) / kStep;
+    EXPECT_LT((left - right).norm(), 0.5);  // of accelerations in the hundreds
+  }
+}
+
+TEST(Turning, CoordinatesComeBack) {
+  for (const Chart chart : {Chart::kRotationVector, Chart::kZyz}) {
+    const Curve curve = winding(chart);
+    const Turn turn = turn_at(curve, kOffsets, 0.4, kValue, kSlope);
+    const Coordinates back = coordinates_of(curve, kOffsets, 0.4, turn, kValue);
+    EXPECT_LT((back.value - kValue).norm(), 1e-9);
+    EXPECT_LT((back.slope - kSlope).norm(), 1e-8);
+  }
+}
+
+TEST(Turning, NearestCoordinatesCountTurns) {
+  const Curve curve = winding(Chart::kRotationVector);
+  const Vector3 long_way = kValue * (1.0 + 4.0 * kPi / kValue.norm());
+  const Turn turn = turn_at(curve, kOffsets, 0.4, kValue, kSlope);
+  const Coordinates back = coordinates_of(curve, kOffsets, 0.4, turn, long_way);
+  EXPECT_LT((back.value - long_way).norm(), 1e-9);
+}
+
+TEST(Turning, ShortAndLongCoordinatesAgreeWithTheExponential) {
+  const Curve curve = winding(Chart::kRotationVector);
+  const Offsets none{Vector3::Zero(), Vector3::Zero()};
+  const Quaternion base = orientation_at(curve, none, 0.2, Vector3::Zero());
+  for (const double angle : {0.0, 1e-9, 0.1, 0.529, 0.5291, 0.53, 2.0, 9.0}) {
+    const Vector3 vector = angle * Vector3(2.0, -1.0, 2.0) / 3.0;
+    const Quaternion q = orientation_at(curve, none, 0.2, vector);
+    EXPECT_LT(so3::distance(q, so3::compose(base, so3::exp(vector))), 1e-15) << angle;
+  }
+}
+
+TEST(Turning, StandsAfterTheEndOrGoesRoundAgain) {
+  const Vector3 zero = Vector3::Zero();
+  const Curve once = winding(Chart::kRotationVector);
+  const Turn end = turn_at(once, kOffsets, 1.0, zero, zero);
+  const Turn later = turn_at(once, kOffsets, 7.5, zero, zero);
+  EXPECT_EQ(end.orientation, later.orientation);
+  EXPECT_EQ(later.velocity, zero);
+  const Curve round = winding(Chart::kRotationVector, Canonical::kRhythmic);
+  const Offsets same{kOffsets.goal, kOffsets.goal};
+  EXPECT_LT(so3::distance(orientation_at(round, same, 0.25, zero),
+                          orientation_at(round, same, 3.25, zero)),
+            1e-12);
+}
+
+}  // namespace
+}  // namespace leadthrough::dmp

@@ -1,0 +1,119 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "arm/robots.hpp"
+#include "base/allocations.hpp"
+#include "ik/differential_ik.hpp"
+#include "rotation/so3.hpp"
+
+using namespace leadthrough;
+
+namespace {
+
+DifferentialIk crooked_solver() {
+  const auto robot = std::get<urdf::Robot>(urdf::parse(test::crooked_arm()));
+  DifferentialIk solver;
+  solver.chain = std::get<Chain>(make_chain(robot, "l0", "l9"));
+  const int n = solver.chain.joints();
+  solver.limits = {solver.chain.lower, solver.chain.upper, JointVector::Constant(n, 1.5),
+                   JointVector::Constant(n, 8.0)};
+  solver.posture = middle(solver.chain);
+  return solver;
+}
+
+IkTarget pose_at(const Chain& chain, const JointVector& q) {
+  const Pose pose = forward_kinematics(chain, q.data());
+  return {pose.position, pose.rotation};
+}
+
+// Runs to rest and checks every step against the limits.
+DifferentialStep run(const DifferentialIk& solver, const IkTarget& target, const JointVector& start,
+                     int steps) {
+  const int n = solver.chain.joints();
+  DifferentialStep now{start, JointVector::Zero(n)};
+  for (int k = 0; k < steps; ++k) {
+    const DifferentialStep next =
+        differential_step(solver, target, Vector6::Zero(), now.q.data(), now.qd.data());
+    const JointVector change = (next.qd - now.qd) / solver.dt;
+    EXPECT_TRUE((next.q.array() >= solver.limits.lower.array()).all());
+    EXPECT_TRUE((next.q.array() <= solver.limits.upper.array()).all());
+    EXPECT_TRUE((next.qd.array().abs() <= solver.limits.velocity.array() + 1e-12).all());
+    EXPECT_TRUE((change.array().abs() <= solver.limits.acceleration.array() + 1e-9).all());
+    EXPECT_LT((next.q - now.q - solver.dt * next.qd).cwiseAbs().maxCoeff(), 1e-12);
+    now = next;
+  }
+  return now;
+}
+
+}  // namespace
+
+TEST(DifferentialIk, ReachesTargetsInsideTheLimits) {
+  const DifferentialIk solver = crooked_solver();
+  std::mt19937 generator(1);
+  std::uniform_real_distribution<double> uniform(-0.6, 0.6);
+  for (int repeat = 0; repeat < 20; ++repeat) {
+    JointVector start = JointVector::Constant(7, 0.3), goal = start;
+    start[0] = goal[0] = 0.17;
+    for (Eigen::Index i = 1; i < 7; ++i) goal[i] += uniform(generator);
+    const IkTarget target = pose_at(solver.chain, goal);
+    const DifferentialStep end = run(solver, target, start, 4000);
+    EXPECT_LT(end.position_error, 1e-6) << repeat;
+    EXPECT_LT(end.orientation_error, 1e-6) << repeat;
+  }
+}
+
+TEST(DifferentialIk, UnreachableTargetsBringTheArmToRest) {
+  const DifferentialIk solver = crooked_solver();
+  const IkTarget far{Eigen::Vector3d(4.0, 1.0, 0.5), Eigen::Matrix3d::Identity()};
+  const DifferentialStep end = run(solver, far, JointVector::Constant(7, 0.2), 8000);
+  EXPECT_TRUE(end.q.allFinite());
+  EXPECT_LT(end.qd.cwiseAbs().maxCoeff(), 0.1);
+}
+
+TEST(DifferentialIk, AMotionTooFastToStopBrakesAtTheLimit) {
+  const DifferentialIk solver = crooked_solver();
+  JointVector q = JointVector::Constant(7, 0.3), qd = JointVector::Zero(7);
+  q[1] = solver.limits.upper[1] - 1e-3;
+  qd[1] = 1.0;
+  const IkTarget target = pose_at(solver.chain, JointVector::Constant(7, 0.3));
+  const DifferentialStep next =
+      differential_step(solver, target, Vector6::Zero(), q.data(), qd.data());
+  EXPECT_NEAR(next.qd[1], 1.0 - solver.dt * solver.limits.acceleration[1], 1e-12);
+}
+
+TEST(DifferentialIk, StepsDoNotAllocate) {
+  const DifferentialIk solver = crooked_solver();
+  const JointVector q = JointVector::Constant(7, 0.1), qd = JointVector::Constant(7, 0.2);
+  IkTarget target = pose_at(solver.chain, JointVector::Constant(7, 0.3));
+  const std::size_t before = test::allocations();
+  for (int k = 0; k < 10; ++k)
+    differential_step(solver, target, Vector6::Zero(), q.data(), qd.data());
+  target.rotation.reset();
+  differential_step(solver, target, Vector6::Zero(), q.data(), qd.data());
+  EXPECT_EQ(test::allocations(), before);
+}
+
+TEST(DifferentialIk, TheCounterSeesAllocations) {
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  const std::size_t before = test::allocations();
+  void* volatile memory = std::malloc(8);
+  std::free(memory);
+  EXPECT_GT(test::allocations(), before);
+#endif
+}
+
+TEST(DifferentialIk, ThreadsShareASolverAndGetTheSameBits) {
+  const DifferentialIk solver = crooked_solver();
+  const IkTarget target = pose_at(solver.chain, JointVector::Constant(7, 0.3));
+  const auto end = [&] { return run(solver, target, JointVector::Constant(7, 0.1), 300).q; };
+  const JointVector alone = end();
+  std::vector<JointVector> ends(4);
+  std::vector<std::thread> threads;
+  for (JointVector& each : ends) threads.emplace_back([&end, &each] { each = end(); });
+  for (std::thread& thread : threads) thread.join();
+  for (const JointVector& each : ends) EXPECT_EQ(each, alone);
+}

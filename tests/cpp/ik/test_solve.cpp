@@ -1,0 +1,137 @@
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "arm/robots.hpp"
+#include "ik/solve.hpp"
+#include "rotation/so3.hpp"
+
+using namespace leadthrough;
+
+namespace {
+
+Chain crooked_chain() {
+  const auto robot = std::get<urdf::Robot>(urdf::parse(test::crooked_arm()));
+  return std::get<Chain>(make_chain(robot, "l0", "l9"));
+}
+
+Rows random_configurations(const Chain& chain, int count, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  Rows q(count, chain.joints());
+  for (Eigen::Index i = 0; i < q.rows(); ++i)
+    for (Eigen::Index k = 0; k < q.cols(); ++k) {
+      const double lower = std::max(chain.lower[k], -3.0), upper = std::min(chain.upper[k], 3.0);
+      q(i, k) = lower + uniform(generator) * (upper - lower);
+    }
+  return q;
+}
+
+bool inside(const Chain& chain, const JointVector& q) {
+  return (q.array() >= chain.lower.array()).all() && (q.array() <= chain.upper.array()).all();
+}
+
+}  // namespace
+
+TEST(Ik, ReachesEveryReachableTargetInsideTheLimits) {
+  const Chain chain = crooked_chain();
+  const Poses targets = forward_kinematics_batch(chain, random_configurations(chain, 300, 1));
+  const Rows seeds = random_configurations(chain, 300, 2);
+  for (const double midrange : {0.0, 1.0}) {
+    IkOptions options;
+    options.midrange = midrange;
+    const auto results =
+        solve_ik_batch(chain, targets.positions, targets.orientations, seeds, options, 1);
+    for (Eigen::Index i = 0; i < 300; ++i) {
+      const IkResult& result = results[static_cast<std::size_t>(i)];
+      ASSERT_EQ(result.status, IkStatus::kConverged) << i;
+      EXPECT_TRUE(inside(chain, result.q));
+      const Pose pose = forward_kinematics(chain, result.q.data());
+      EXPECT_LE((pose.position - targets.positions.row(i).transpose()).norm(), 1.001e-6);
+      EXPECT_LE(so3::distance(so3::from_matrix(pose.rotation), targets.orientations.row(i)),
+                1.001e-6);
+    }
+  }
+}
+
+TEST(Ik, PositionsAloneAreReachedToo) {
+  const Chain chain = crooked_chain();
+  const Poses targets = forward_kinematics_batch(chain, random_configurations(chain, 100, 3));
+  const auto results = solve_ik_batch(chain, targets.positions, Rows4(0, 4),
+                                      random_configurations(chain, 100, 4), {}, 1);
+  for (const IkResult& result : results) EXPECT_EQ(result.status, IkStatus::kConverged);
+}
+
+TEST(Ik, ThreadsDoNotChangeTheBits) {
+  const Chain chain = crooked_chain();
+  const Poses targets = forward_kinematics_batch(chain, random_configurations(chain, 64, 5));
+  const Rows seeds = random_configurations(chain, 64, 6);
+  const auto one = solve_ik_batch(chain, targets.positions, targets.orientations, seeds, {}, 1);
+  const auto many = solve_ik_batch(chain, targets.positions, targets.orientations, seeds, {}, 4);
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].q, many[i].q);
+    EXPECT_EQ(one[i].iterations, many[i].iterations);
+  }
+}
+
+TEST(Ik, ATargetBeyondTheArmIsUnreachable) {
+  const Chain chain = crooked_chain();
+  const IkTarget target{Eigen::Vector3d(10.0, 0.0, 0.0), std::nullopt};
+  const IkResult result = solve_ik(chain, target, middle(chain));
+  EXPECT_EQ(result.status, IkStatus::kUnreachable);
+  EXPECT_TRUE(inside(chain, result.q));
+  EXPECT_GT(result.position_error, 8.0);
+}
+
+TEST(Ik, ASeedOutsideTheLimitsIsMovedInside) {
+  const Chain chain = crooked_chain();
+  const Rows q = random_configurations(chain, 1, 7);
+  const Pose pose = forward_kinematics(chain, q.data());
+  const Eigen::VectorXd seed = Eigen::VectorXd::Constant(chain.joints(), 100.0);
+  const IkResult result = solve_ik(chain, {pose.position, pose.rotation}, seed);
+  EXPECT_EQ(result.status, IkStatus::kConverged);
+  EXPECT_TRUE(inside(chain, result.q));
+}
+
+TEST(Ik, TheClosestSolutionIsNeverFartherThanTheFirst) {
+  const Chain chain = crooked_chain();
+  const Poses targets = forward_kinematics_batch(chain, random_configurations(chain, 30, 8));
+  const Rows seeds = random_configurations(chain, 30, 9);
+  IkOptions closest;
+  closest.mode = IkMode::kClosest;
+  const auto first = solve_ik_batch(chain, targets.positions, targets.orientations, seeds, {}, 1);
+  const auto nearest =
+      solve_ik_batch(chain, targets.positions, targets.orientations, seeds, closest, 1);
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const JointVector seed = seeds.row(static_cast<Eigen::Index>(i));
+    ASSERT_EQ(nearest[i].status, IkStatus::kConverged);
+    EXPECT_LE((nearest[i].q - seed).norm(), (first[i].q - seed).norm() + 1e-9);
+  }
+}
+
+TEST(Ik, LimitsThatBarTheWayAreNamed) {
+  Chain chain = crooked_chain();
+  const Eigen::VectorXd q = middle(chain);
+  JointVector lifted = middle(chain);
+  lifted[0] = 0.35;
+  const Pose pose = forward_kinematics(chain, lifted.data());
+  for (int i = 1; i < chain.joints(); ++i) chain.lower[i] = chain.upper[i] = q[i];
+  chain.upper[0] = 0.2;
+  const IkResult result = solve_ik(chain, {pose.position, pose.rotation}, q);
+  EXPECT_EQ(result.status, IkStatus::kLimits);
+  EXPECT_TRUE(result.limiting[0]);
+  EXPECT_DOUBLE_EQ(result.q[0], 0.2);
+  EXPECT_NEAR(result.position_error, 0.15, 1e-9);
+}
+
+TEST(Ik, ATinyCpuBudgetEndsTheSearch) {
+  const Chain chain = crooked_chain();
+  const IkTarget target{Eigen::Vector3d(0.1, 0.1, 0.5), Eigen::Matrix3d::Identity()};
+  IkOptions options;
+  options.mode = IkMode::kClosest;
+  options.max_iterations = options.max_restarts = 1000000000;
+  options.max_cpu_seconds = 1e-3;
+  const IkResult result = solve_ik(chain, target, middle(chain), options);
+  EXPECT_TRUE(inside(chain, result.q));
+  EXPECT_LT(result.iterations, 1000000);
+}

@@ -1,0 +1,118 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "arm/robots.hpp"
+#include "ik/tracking.hpp"
+
+using namespace leadthrough;
+
+namespace {
+
+Chain crooked_chain() {
+  const auto robot = std::get<urdf::Robot>(urdf::parse(test::crooked_arm()));
+  return std::get<Chain>(make_chain(robot, "l0", "l9"));
+}
+
+// Poses of a smooth motion of the joints.
+Rows smooth_motion(const Chain& chain, int samples) {
+  Rows q(samples, chain.joints());
+  for (int k = 0; k < samples; ++k)
+    for (int i = 0; i < chain.joints(); ++i)
+      q(k, i) = 0.17 + 0.15 * std::sin(0.5 * i + 3.0 * k / samples);
+  return q;
+}
+
+Rows to_middle(const Chain& chain, Eigen::Index samples) {
+  return middle(chain).transpose().replicate(samples, 1);
+}
+
+Rows steps_of(const Rows& q) { return q.bottomRows(q.rows() - 1) - q.topRows(q.rows() - 1); }
+
+}  // namespace
+
+TEST(Tracking, FollowsASmoothPathWithoutAJump) {
+  const Chain chain = crooked_chain();
+  const Rows q = smooth_motion(chain, 400);
+  const Poses path = forward_kinematics_batch(chain, q);
+  const Eigen::VectorXd start = q.row(0);
+  for (const double midrange : {0.0, 0.01}) {
+    const Track track = leadthrough::track(
+        chain, path.positions, path.orientations, start,
+        {to_middle(chain, q.rows()), Eigen::VectorXd::Constant(q.rows(), midrange)});
+    ASSERT_EQ(track.q.rows(), q.rows());
+    EXPECT_LE(track.position_errors.maxCoeff(), 1e-6);
+    EXPECT_LE(track.orientation_errors.maxCoeff(), 1e-6);
+    EXPECT_LE(steps_of(track.q).cwiseAbs().maxCoeff(), 0.05);
+  }
+}
+
+// The crooked arm has a joint to spare: it stands as it was shown to, and not as it did at first.
+TEST(Tracking, ARedundantArmComesToThePostureThatItIsShown) {
+  const Chain chain = crooked_chain();
+  ASSERT_GT(chain.joints(), 6);
+  const Rows q = smooth_motion(chain, 400);
+  const Poses path = forward_kinematics_batch(chain, q);
+  const auto pulled = [&](double share) {
+    return track(chain, path.positions, path.orientations, middle(chain),
+                 {q, Eigen::VectorXd::Constant(q.rows(), share)});
+  };
+  const auto distance = [&](const Track& track) { return (track.q - q).row(399).norm(); };
+  const Track near = pulled(0.1);
+  const Track free = pulled(0.0);
+  ASSERT_EQ(near.q.rows(), q.rows());
+  EXPECT_LE(near.position_errors.maxCoeff(), 1e-5);
+  EXPECT_LE(distance(near), 1e-2);
+  EXPECT_GT(distance(free), 10.0 * distance(near));
+}
+
+TEST(Tracking, EndsWithTheSampleThatItsStepsDoNotReach) {
+  const Chain chain = crooked_chain();
+  const Rows q = smooth_motion(chain, 40);
+  const Poses path = forward_kinematics_batch(chain, q);
+  TrackOptions options;
+  options.max_step = 5e-3;
+  const Track track = leadthrough::track(
+      chain, path.positions, path.orientations, Eigen::VectorXd(q.row(0)),
+      {to_middle(chain, q.rows()), Eigen::VectorXd::Constant(q.rows(), 0.1)}, options);
+  ASSERT_LT(track.q.rows(), q.rows());
+  ASSERT_GT(track.q.rows(), 1);
+  EXPECT_LE(steps_of(track.q).cwiseAbs().maxCoeff(), options.max_step * (1.0 + 1e-12));
+  const Eigen::Index last = track.q.rows() - 1;
+  EXPECT_GT(track.position_errors[last] + track.orientation_errors[last], 1e-5);
+}
+
+// However wild the path, the joints keep their limits, and the arm comes to rest in time.
+TEST(Tracking, PursuitNeverLeavesTheLimits) {
+  const Chain chain = crooked_chain();
+  const int samples = 300;
+  Rows wild(samples, chain.joints());
+  Eigen::VectorXd times(samples);
+  for (int k = 0; k < samples; ++k) {
+    times[k] = 0.01 * k + 0.004 * std::sin(0.9 * k);  // uneven
+    for (int i = 0; i < chain.joints(); ++i)
+      wild(k, i) = 3.0 * std::sin(0.02 * (i + 1) * k) * (k % 50 < 3 ? -1.0 : 1.0);
+  }
+  const Poses path = forward_kinematics_batch(chain, wild);
+  const Eigen::VectorXd limit = Eigen::VectorXd::Constant(chain.joints(), 1.5);
+  PursuitOptions options{limit, 4.0 * limit, 0.0, {100.0, 100.0}};
+  const Track track =
+      pursue(chain, {times, path.positions, path.orientations}, middle(chain),
+             {to_middle(chain, samples), Eigen::VectorXd::Constant(samples, 0.01)}, options);
+  ASSERT_EQ(track.q.rows(), samples);
+  Eigen::VectorXd last = Eigen::VectorXd::Zero(chain.joints());
+  double before = times[1] - times[0];
+  for (Eigen::Index k = 0; k < samples; ++k) {
+    EXPECT_TRUE((track.q.row(k).transpose().array() >= chain.lower.array()).all());
+    EXPECT_TRUE((track.q.row(k).transpose().array() <= chain.upper.array()).all());
+    const bool ended = k + 1 == samples;
+    const double duration = ended ? before : times[k + 1] - times[k];
+    Eigen::VectorXd velocity = Eigen::VectorXd::Zero(chain.joints());
+    if (!ended) velocity = (track.q.row(k + 1) - track.q.row(k)).transpose() / duration;
+    EXPECT_LE(velocity.cwiseAbs().maxCoeff(), 1.5 * (1.0 + 1e-9));
+    const Eigen::VectorXd acceleration = (velocity - last) / (0.5 * (before + duration));
+    EXPECT_LE(acceleration.cwiseAbs().maxCoeff(), 6.0 * (1.0 + 1e-9)) << "at sample " << k;
+    last = velocity;
+    before = duration;
+  }
+}
