@@ -3,15 +3,17 @@
 from leadthrough.arm.arm import Arm
 from leadthrough.arm.collision_report import Approach, Clearance, CollisionPairs, CollisionReport
 from leadthrough.arm.differential import DifferentialIk, JointState
+from leadthrough.arm.keeping_tasks import JointLimitTask, ObstacleTask
 from leadthrough.arm.limits import JointLimits, read_limits
 from leadthrough.arm.path_report import PathReport
+from leadthrough.arm.priorities import resolve
 from leadthrough.arm.results import IkBatch, IkResult
-from leadthrough.arm.task_stack import StackRun, StackSolution, TaskReport, TaskStack, resolve
+from leadthrough.arm.stack_report import StackRun, StackSolution, TaskReport
+from leadthrough.arm.task import ArmTask
+from leadthrough.arm.task_stack import TaskStack
 from leadthrough.arm.tasks import (
     DirectionTask,
     ElbowTask,
-    JointLimitTask,
-    ObstacleTask,
     PoseTask,
     PositionTask,
     PostureTask,
@@ -21,6 +23,7 @@ from leadthrough.arm.yang import DampedLeastSquares
 __all__ = [
     "Approach",
     "Arm",
+    "ArmTask",
     "Clearance",
     "CollisionPairs",
     "CollisionReport",

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
-from leadthrough.arm import description, holding, loading, meshes, robots
+from leadthrough.arm import holding, loading, meshes, robots
 from leadthrough.arm.attachment import Load
 from leadthrough.arm.collision import ArmCollision
 from leadthrough.arm.damped_inverse_kinematics import ArmDampedInverseKinematics
@@ -166,4 +166,6 @@ class Arm(
 
     def describe(self) -> str:
         """The robot, its joints with their limits, and what it carries, as text to read."""
+        from leadthrough.arm import description  # its tables take longer to load than the arm
+
         return description.describe(self)

@@ -1,4 +1,4 @@
-"""An arm in words and numbers, for people."""
+"""An arm as text to read."""
 
 from __future__ import annotations
 
@@ -84,8 +84,8 @@ def _carried(arm: Arm) -> Iterator[str]:
     mass = sum(load.mass for load in arm.attachment.loads)
     yield f"load: {mass:.4g} kg"
     shapes = arm._robot.collisions.items()
-    told = ", ".join(f"{link} {count}" for link, count in shapes) or "none"
-    yield textwrap.fill(f"collision shapes by link: {told}", width=100, subsequent_indent="  ")
+    listed = ", ".join(f"{link} {count}" for link, count in shapes) or "none"
+    yield textwrap.fill(f"collision shapes per link: {listed}", width=100, subsequent_indent="  ")
     for shape in arm.attached:
         yield f"holds: {type(shape).__name__} at {_numbers(shape.position)} m in {arm.tip}"
 

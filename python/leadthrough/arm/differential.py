@@ -1,16 +1,17 @@
-"""Closed-loop inverse kinematics for control loops: one step an interval."""
+"""Closed-loop inverse kinematics for control loops: one step per interval."""
 
 from __future__ import annotations
 
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.arm import magnitudes
 from leadthrough.arm.arm import Arm
-from leadthrough.arm.task_stack import accelerations
+from leadthrough.arm.limits import known_acceleration
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
@@ -20,10 +21,14 @@ _STILL = np.zeros(6)
 
 @dataclass(frozen=True, eq=False, slots=True)
 class JointState:
-    """q: (joints,) rad, qd: (joints,) rad/s (m for prismatic joints).
+    """Where the joints are and how they move.
 
-    position_error, orientation_error: m and rad from the target before the step that led here; the
-    second is 0 where no orientation was asked for.
+    Attributes:
+        q: (joints,) in rad (m for prismatic joints).
+        qd: (joints,) in rad/s (m/s).
+        position_error: distance from the target in m before the step that led here.
+        orientation_error: angle from the target in rad before that step; 0 where no orientation was
+            asked for.
     """
 
     q: Float64Array
@@ -32,7 +37,7 @@ class JointState:
     orientation_error: float = 0.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class DifferentialIk:
     """Steps an arm's joints towards a target that may move, inside the limits.
 
@@ -41,48 +46,74 @@ class DifferentialIk:
         while True:
             state = ik.step(state, position, orientation)   # every ik.dt; command state.q
 
-    dt: s, the control loop's interval. gain: 1/s, the rate at which the error decays; less where
-    the joints could not keep to their velocity limits or brake in time, all slowing down together.
-    posture: (joints,), where the null space pulls the joints at posture_gain, 1/s; None is the
-    middle of their ranges. It does not move the tool.
     Positions, velocities and, where they are known, accelerations stay inside the arm's limits in
     every step. Near singularities the step is damped: the joints slow down and do not jump.
-    Raises InvalidInput.
-    Sources: Nakamura and Hanafusa 1986 (damped step); Flacco, De Luca and Khatib 2015 (limits).
+
+    Attributes:
+        arm: the arm.
+        dt: the control loop's interval in s, 1e-6 to 10.
+        gain: rate in 1/s, > 0, at which the error decays. It is lower where the joints could not
+            keep to their velocity limits or brake in time; then all slow down together.
+        posture: configuration (joints,) towards which the joints move in the null space, which
+            leaves the tool in place; by default the middle of their ranges.
+        posture_gain: rate in 1/s, >= 0, of that motion.
+
+    Raises:
+        InvalidInput: if an argument has another shape or is out of its range.
+
+    Source: Nakamura and Hanafusa 1986 (damped step); Flacco, De Luca and Khatib 2015 (limits).
     """
 
     arm: Arm
-    _: KW_ONLY
-    dt: float = 1e-3
-    gain: float = 20.0
-    posture: Float64Array | None = None
-    posture_gain: float = 1.0
-    _solver: _core.DifferentialIk = field(init=False, repr=False)
-    _joints: int = field(init=False, repr=False)
+    dt: float
+    gain: float
+    posture: Float64Array
+    posture_gain: float
+    _solver: _core.DifferentialIk = field(repr=False)
+    _joints: int = field(repr=False)
 
-    def __post_init__(self) -> None:
-        self._set("dt", magnitudes.interval(self.dt))
-        self._set("gain", magnitudes.positive(self.gain, "gain"))
-        rate = magnitudes.not_negative(self.posture_gain, "posture_gain")
-        self._set("posture_gain", rate)
-        chain, joints = self.arm._chain, len(self.arm.joint_names)
-        posture = chain.middle if self.posture is None else self.posture
-        posture = magnitudes.frozen(posture, "posture", shape=(joints,))
-        self._set("posture", posture)
-        self._set("_joints", joints)
-        limits = (self.arm.limits.velocity, accelerations(self.arm))
-        solver = _core.DifferentialIk(chain, *limits, posture, self.dt, self.gain, rate)
-        self._set("_solver", solver)
+    def __init__(
+        self,
+        arm: Arm,
+        *,
+        dt: float = 1e-3,
+        gain: float = 20.0,
+        posture: ArrayLike | None = None,
+        posture_gain: float = 1.0,
+    ) -> None:
+        chain, joints = arm._chain, len(arm.joint_names)
+        interval = magnitudes.interval(dt)
+        rates = (
+            magnitudes.positive(gain, "gain"),
+            magnitudes.not_negative(posture_gain, "posture_gain"),
+        )
+        wished = chain.middle if posture is None else posture
+        wished = magnitudes.frozen(wished, "posture", shape=(joints,))
+        limits = (arm.limits.velocity, known_acceleration(arm.limits))
+        vars(self).update(
+            arm=arm,
+            dt=interval,
+            gain=rates[0],
+            posture=wished,
+            posture_gain=rates[1],
+            _solver=_core.DifferentialIk(chain, *limits, wished, interval, *rates),
+            _joints=joints,
+        )
 
     def __reduce__(self) -> tuple[Any, ...]:
         options = (self.dt, self.gain, self.posture, self.posture_gain)
         return _restored, (self.arm, *options)
 
-    def _set(self, name: str, value: Any) -> None:
-        object.__setattr__(self, name, value)
+    def start(self, q: ArrayLike, qd: ArrayLike | None = None) -> JointState:
+        """The state to start in.
 
-    def start(self, q: Any, qd: Any = None) -> JointState:
-        """The state at q, (joints,), moving at qd, (joints,), or at rest. Raises InvalidInput."""
+        Args:
+            q: configuration (joints,) in rad (m).
+            qd: velocities (joints,) in rad/s (m/s); by default at rest.
+
+        Raises:
+            InvalidInput: if one has another shape, is not finite or too large.
+        """
         still = np.zeros(self._joints) if qd is None else qd
         return JointState(
             magnitudes.values(q, "q", shape=(self._joints,)).copy(),
@@ -90,22 +121,35 @@ class DifferentialIk:
         )
 
     def step(
-        self, state: JointState, position: Any, orientation: Any = None, *, twist: Any = None
+        self,
+        state: JointState,
+        position: ArrayLike,
+        orientation: ArrayLike | None = None,
+        *,
+        twist: ArrayLike | None = None,
     ) -> JointState:
         """The state one interval later.
 
-        position: (3,) m. orientation: (4,) w, x, y, z; None leaves it free. twist: (6,) of the
-        target itself, linear first, base frame, m/s and rad/s. Raises InvalidInput.
+        Args:
+            state: the present state.
+            position: of the target, (3,) in m, base frame.
+            orientation: of the target, (4,) w, x, y, z; None leaves it free.
+            twist: of the target itself, (6,) in m/s and rad/s, linear first, base frame; zero by
+                default.
+
+        Raises:
+            InvalidInput: if an argument has another type or shape, is not finite or too large.
         """
         turned = _FREE if orientation is None else orientation
         moving = _STILL if twist is None else twist
-        try:  # the quick way: arrays as the kernel takes them, which looks at them itself
-            return JointState(*self._solver.step(state.q, state.qd, position, turned, moving))
+        try:  # the quick way: arrays as the kernel takes them, which checks them itself
+            quick = self._solver.step(state.q, state.qd, position, turned, moving)  # type: ignore[arg-type]
+            return JointState(*quick)
         except (AttributeError, TypeError, ValueError):
             return JointState(*self._solver.step(*self._checked(state, position, turned, moving)))
 
     def _checked(
-        self, state: Any, position: Any, orientation: Any, twist: Any
+        self, state: Any, position: ArrayLike, orientation: ArrayLike, twist: ArrayLike
     ) -> tuple[Float64Array, ...]:
         if not isinstance(state, JointState):
             raise InvalidInput(f"state: expected a JointState, got {type(state).__name__}")

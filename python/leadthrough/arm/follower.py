@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, events
 from leadthrough.arm.first_posture import Start, first_postures, seeded
-from leadthrough.arm.limits import JointLimits
+from leadthrough.arm.limits import JointLimits, known_acceleration
 from leadthrough.arm.options import ik_options, tolerance
 from leadthrough.arm.results import STATUSES
 from leadthrough.arm.tracks import TipPath, Track, solve_sample
@@ -97,7 +97,7 @@ class _Follower:
         """The track along the path at the path's own pace, inside the limits."""
         first = self._track(start, self.path.only(slice(1)))
         options = _core.PursuitOptions(
-            self.limits.velocity, acceleration(self.limits), damping, tolerance(*deviation)
+            self.limits.velocity, known_acceleration(self.limits), damping, tolerance(*deviation)
         )
         columns = _core.pursue(
             self.chain,
@@ -149,13 +149,6 @@ def _postures(
         )
     at = posture.times[0] + normalised_times(times) * posture.duration
     return np.column_stack([np.interp(at, posture.times, column) for column in posture.positions.T])
-
-
-def acceleration(limits: JointLimits) -> Float64Array:
-    """The acceleration limits, infinite where they are not known."""
-    if limits.acceleration is None:
-        return np.full(len(limits.joint_names), np.inf)
-    return limits.acceleration
 
 
 def _deviation(
@@ -226,7 +219,7 @@ def _distance(track: Track, unit: tuple[float, float]) -> float:
 def _slowed(
     chain: _core.Chain, times: Float64Array, q: Float64Array, limits: JointLimits
 ) -> Float64Array:
-    slowed, stuck = _core.slow_down(times, q, limits.velocity, acceleration(limits))
+    slowed, stuck = _core.slow_down(times, q, limits.velocity, known_acceleration(limits))
     if stuck >= 0:
         joint = chain.joint_names[stuck]
         raise LimitsInfeasible(

@@ -1,4 +1,4 @@
-"""Joints that are frozen at a value and leave the arm."""
+"""Joints that are frozen at a value and leave the arm's joints."""
 
 from __future__ import annotations
 
@@ -12,9 +12,13 @@ from leadthrough.errors import InvalidInput
 
 
 def checked(values: Any) -> Mapping[str, float]:
-    """Finite values by the joints' names; a read-only copy. Raises InvalidInput."""
+    """A read-only copy of values by the joints' names.
+
+    Raises:
+        InvalidInput: if it is no mapping from names to finite numbers.
+    """
     if not isinstance(values, Mapping):
-        raise InvalidInput(f"hold: expected values by the joints' names, got {values!r}")
+        raise InvalidInput(f"hold: expected a mapping from joints' names to values, got {values!r}")
     for name in values:
         if not isinstance(name, str):
             raise InvalidInput(f"hold: expected a joint's name, got {name!r}")
@@ -24,7 +28,11 @@ def checked(values: Any) -> Mapping[str, float]:
 
 
 def require_inside(values: Mapping[str, float], limits: JointLimits) -> None:
-    """Raises InvalidInput where a value leaves the limits of an arm, or no joint is left."""
+    """Check values against the limits of an arm.
+
+    Raises:
+        InvalidInput: if a value is outside them, or no joint would be left.
+    """
     bounds = zip(limits.joint_names, limits.lower, limits.upper, strict=True)
     for name, lower, upper in bounds:
         if name in values and not lower <= values[name] <= upper:
@@ -33,11 +41,17 @@ def require_inside(values: Mapping[str, float], limits: JointLimits) -> None:
                 f"got {values[name]:.6g}"
             )
     if set(limits.joint_names) <= set(values):
-        raise InvalidInput("hold: expected at least one joint of the arm to be left")
+        raise InvalidInput("hold: expected at least one joint of the arm not to be held")
 
 
 def require_free(values: Collection[str], held: Mapping[str, float]) -> None:
-    """Raises InvalidInput where a joint is held already."""
+    """Check that none of the joints is held already.
+
+    Raises:
+        InvalidInput: if one is.
+    """
     for name in values:
         if name in held:
-            raise InvalidInput(f"hold: {name}: expected a free joint, it is held at {held[name]}")
+            raise InvalidInput(
+                f"hold: {name}: expected a joint that is not held, but it is held at {held[name]}"
+            )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Sequence
 
 from numpy.typing import ArrayLike
 
@@ -25,7 +25,7 @@ class ArmInverseKinematics(ArmDefinition):
         seed: ArrayLike | None = None,
         position_tolerance: ArrayLike = 1e-6,
         orientation_tolerance: ArrayLike = 1e-6,
-        free: Collection[Axis] = (),
+        free: Sequence[Axis] = (),
         weights: ArrayLike | None = None,
         mode: IkMode = "fastest",
         reference: ArrayLike | None = None,
@@ -105,7 +105,7 @@ class ArmInverseKinematics(ArmDefinition):
         threads: int = 1,
         position_tolerance: ArrayLike = 1e-6,
         orientation_tolerance: ArrayLike = 1e-6,
-        free: Collection[Axis] = (),
+        free: Sequence[Axis] = (),
         weights: ArrayLike | None = None,
         mode: IkMode = "fastest",
         reference: ArrayLike | None = None,
@@ -176,7 +176,7 @@ class ArmInverseKinematics(ArmDefinition):
         seed: ArrayLike | None = None,
         position_tolerance: ArrayLike = 1e-6,
         orientation_tolerance: ArrayLike = 1e-6,
-        free: Collection[Axis] = (),
+        free: Sequence[Axis] = (),
         weights: ArrayLike | None = None,
         max_iterations: int = 20_000,
         max_restarts: int = 1000,

@@ -1,25 +1,27 @@
 """Joint limits: what a URDF states, completed by a TOML file.
 
     robot = "ur3"
-    [sources]     # one text a quantity: who states it, or "assumed: ..." and why
-    velocity = "the maker's data sheet"
+    [sources]     # for each quantity who states it, or "assumed: ..." and why
+    velocity = "the manufacturer's data sheet"
     [joints]
     shoulder_pan_joint = { velocity = 3.14, acceleration = 10.0, jerk = 100.0 }
 
-A joint's lower, upper, velocity and effort override the URDF's, and what joints that mimic it leave
-of its range as well; a URDF has no acceleration or jerk.
+A joint's lower, upper, velocity and effort override the URDF's, and also the narrower range that
+joints that mimic it may leave it. A URDF has no acceleration or jerk.
 """
 
 from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
@@ -29,38 +31,67 @@ _BOUNDS = ("lower", "upper")
 _RATES = ("velocity", "effort", "acceleration", "jerk")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class JointLimits:
-    """Limits of an arm's joints, one value a joint; infinite where there is none.
+    """Limits of an arm's joints, one value per joint; infinite where there is no limit.
 
-    lower, upper: rad (m for prismatic joints). velocity, acceleration, jerk: rad/s, rad/s^2,
-    rad/s^3 (m). effort: N m (N). acceleration and jerk are None where they are not known.
-    Raises InvalidInput.
+    Attributes:
+        joint_names: names of the joints.
+        lower: (joints,) in rad (m for prismatic joints).
+        upper: (joints,) in rad (m).
+        velocity: (joints,) in rad/s (m/s), >= 0.
+        acceleration: (joints,) in rad/s^2 (m/s^2), >= 0; None if not known.
+        jerk: (joints,) in rad/s^3 (m/s^3), >= 0; None if not known.
+        effort: (joints,) in N m (N), >= 0; None if not known.
+
+    Raises:
+        InvalidInput: if one has another length, is NaN or negative, or lower is above upper.
     """
 
     joint_names: tuple[str, ...]
     lower: Float64Array
     upper: Float64Array
     velocity: Float64Array
-    acceleration: Float64Array | None = None
-    jerk: Float64Array | None = None
-    effort: Float64Array | None = None
+    acceleration: Float64Array | None
+    jerk: Float64Array | None
+    effort: Float64Array | None
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "joint_names", tuple(self.joint_names))
-        for name in _BOUNDS + _RATES:
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, _values(self, name))
+    def __init__(  # noqa: PLR0917  # the fields, in their order
+        self,
+        joint_names: Iterable[str],
+        lower: ArrayLike,
+        upper: ArrayLike,
+        velocity: ArrayLike,
+        acceleration: ArrayLike | None = None,
+        jerk: ArrayLike | None = None,
+        effort: ArrayLike | None = None,
+    ) -> None:
+        names = tuple(joint_names)
+        columns = {
+            "lower": lower,
+            "upper": upper,
+            "velocity": velocity,
+            "acceleration": acceleration,
+            "jerk": jerk,
+            "effort": effort,
+        }
+        vars(self).update(joint_names=names)
+        for key, column in columns.items():
+            vars(self)[key] = None if column is None else _values(names, column, key)
         crossed = self.lower > self.upper
         if crossed.any():
             i = int(np.argmax(crossed))
             raise InvalidInput(
-                f"lower: expected at most upper for {self.joint_names[i]!r}, "
+                f"lower: expected at most upper for {names[i]!r}, "
                 f"got {self.lower[i]} and {self.upper[i]}"
             )
 
     def without(self, names: Collection[str]) -> JointLimits:
-        """The limits of the other joints."""
+        """The limits of the other joints.
+
+        Args:
+            names: of the joints to leave out.
+        """
         kept = [i for i, name in enumerate(self.joint_names) if name not in names]
         columns = {name: getattr(self, name) for name in _BOUNDS + _RATES}
         rest: dict[str, Any] = {
@@ -69,7 +100,7 @@ class JointLimits:
         return JointLimits(tuple(self.joint_names[i] for i in kept), **rest)
 
     def template(self) -> str:
-        """A limits file for `Arm.from_urdf`, to be completed where it has a question mark."""
+        """The text of a limits file for `Arm.from_urdf`, with ? for each value to fill in."""
         lines = [
             "# rad/s, rad/s^2, rad/s^3 (m); bounds and effort override the URDF's.",
             "[joints]",
@@ -84,11 +115,26 @@ class JointLimits:
         return "\n".join(lines) + "\n"
 
 
-def read_limits(path: Any, urdf: JointLimits, *, other_joints: Collection[str] = ()) -> JointLimits:
-    """`urdf` overridden and completed by the TOML file at `path`.
+def known_acceleration(limits: JointLimits) -> Float64Array:
+    """The acceleration limits (joints,), infinite where they are not known."""
+    if limits.acceleration is None:
+        return np.full(len(limits.joint_names), np.inf)
+    return limits.acceleration
 
-    other_joints: joints of the robot outside the arm, that the file may speak of as well.
-    Raises InvalidInput.
+
+def read_limits(
+    path: str | PathLike[str], urdf: JointLimits, *, other_joints: Collection[str] = ()
+) -> JointLimits:
+    """The URDF's limits, overridden and completed by a TOML file.
+
+    Args:
+        path: of the TOML file; `JointLimits.template` shows its form.
+        urdf: the limits that the URDF states.
+        other_joints: names of joints outside the arm that the file may list as well.
+
+    Raises:
+        InvalidInput: if the file cannot be read, names an unknown joint or quantity, or states an
+            acceleration or jerk for some of the arm's joints only.
     """
     document = _load(path)
     joints = _table(document, "joints", path)
@@ -109,26 +155,25 @@ def _toml_number(value: float) -> str:
     return repr(float(value)) if np.isfinite(value) else "?"
 
 
-def _values(limits: JointLimits, name: str) -> Float64Array:
-    count = len(limits.joint_names)
+def _values(names: tuple[str, ...], column: ArrayLike, key: str) -> Float64Array:
+    """A read-only copy (joints,) of one limit; infinite where there is none."""
+    count = len(names)
     try:
-        values = np.array(getattr(limits, name), dtype=np.float64)
+        values = np.array(column, dtype=np.float64)
     except (TypeError, ValueError):
-        raise InvalidInput(f"{name}: expected {count} numbers") from None
+        raise InvalidInput(f"{key}: expected {count} numbers, got {column!r}") from None
     if values.shape != (count,):
-        raise InvalidInput(f"{name}: expected shape ({count},), got {values.shape}")
-    wrong = np.isnan(values) | ((values < 0) & (name in _RATES))
+        raise InvalidInput(f"{key}: expected shape ({count},), got {values.shape}")
+    wrong = np.isnan(values) | ((values < 0) & (key in _RATES))
     if wrong.any():
         i = int(np.argmax(wrong))
-        wanted = "a number that is not negative" if name in _RATES else "a number"
-        raise InvalidInput(
-            f"{name}: expected {wanted} for {limits.joint_names[i]!r}, got {values[i]}"
-        )
+        wanted = "a number >= 0" if key in _RATES else "a number"
+        raise InvalidInput(f"{key}: expected {wanted} for {names[i]!r}, got {values[i]}")
     values.setflags(write=False)
     return values
 
 
-def _load(path: Any) -> dict[str, Any]:
+def _load(path: str | PathLike[str]) -> dict[str, Any]:
     try:
         document = tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, TypeError) as error:
@@ -137,23 +182,25 @@ def _load(path: Any) -> dict[str, Any]:
         raise InvalidInput(f"{path}: not a TOML document: {error}") from None
     unknown = sorted(set(document) - {"robot", "sources", "joints"})
     if unknown:
-        raise InvalidInput(f"{path}: expected robot, [sources] and [joints], got {unknown[0]!r}")
+        raise InvalidInput(
+            f"{path}: expected robot, [sources] and [joints] only, got {unknown[0]!r}"
+        )
     return document
 
 
-def _table(document: Mapping[str, Any], name: str, path: Any) -> dict[str, Any]:
+def _table(document: Mapping[str, Any], name: str, path: str | PathLike[str]) -> dict[str, Any]:
     table = document.get(name, {})
     if not isinstance(table, dict) or not table:
-        raise InvalidInput(f"{path}: expected a table [{name}]")
+        raise InvalidInput(f"{path}: expected a table [{name}], got {table!r}")
     return table
 
 
-def _row(joints: Mapping[str, Any], name: str, path: Any) -> dict[str, float]:
+def _row(joints: Mapping[str, Any], name: str, path: str | PathLike[str]) -> dict[str, float]:
     row = _table(joints, name, path)
     unknown = sorted(set(row) - set(_BOUNDS + _RATES))
     if unknown:
         keys = ", ".join(_BOUNDS + _RATES)
-        raise InvalidInput(f"{path}: {name}: expected {keys}, got {unknown[0]!r}")
+        raise InvalidInput(f"{path}: {name}: expected one of {keys}, got {unknown[0]!r}")
     return {
         key: check.number(value, f"{path}: {name}: {key}", at_least=0.0 if key in _RATES else None)
         for key, value in row.items()
@@ -168,7 +215,9 @@ def _column(
     if not given or stated is None:
         missing = [name for name in urdf.joint_names if name not in given]
         if given and missing:
-            raise InvalidInput(f"{path}: {missing[0]}: expected {key}, as for the other joints")
+            raise InvalidInput(
+                f"{path}: {missing[0]}: expected {key}, as for the other joints, got none"
+            )
         return np.array([given[name] for name in urdf.joint_names]) if given else stated
     return np.array(
         [given.get(name, value) for name, value in zip(urdf.joint_names, stated, strict=True)]

@@ -1,9 +1,10 @@
-"""From a URDF's document to a robot, its ends and the limits of an arm's joints."""
+"""A URDF's document, the ends of an arm in it, and the limits of its joints."""
 
 from __future__ import annotations
 
+from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TypeGuard
 
 from leadthrough import _core
 from leadthrough.arm.limits import JointLimits, read_limits
@@ -13,13 +14,17 @@ from leadthrough.errors import InvalidInput
 _LARGEST_FILE = 2**25
 
 
-def is_document(path_or_xml: Any) -> bool:
-    """Whether this is a document, and no path."""
+def is_document(path_or_xml: str | PathLike[str]) -> TypeGuard[str]:
+    """Whether this is the document itself and not its path."""
     return isinstance(path_or_xml, str) and path_or_xml.lstrip("\ufeff \t\r\n")[:1] == "<"
 
 
-def read(path_or_xml: Any) -> str:
-    """The document itself, or that of the file. Raises InvalidInput."""
+def read(path_or_xml: str | PathLike[str]) -> str:
+    """The document, or the text of the file.
+
+    Raises:
+        InvalidInput: if the file cannot be read or is no UTF-8.
+    """
     try:
         if is_document(path_or_xml):
             return str(path_or_xml.encode("utf-8"), "utf-8")
@@ -30,21 +35,34 @@ def read(path_or_xml: Any) -> str:
 
 
 def only_leaf(robot: _core.Robot) -> str:
-    """The link that the robot ends in. Raises InvalidInput where there are several."""
+    """The link that the robot ends in.
+
+    Raises:
+        InvalidInput: if there are several.
+    """
     if len(robot.leaves) > 1:
-        raise InvalidInput(f"tip: the robot ends in several links; name one of {robot.leaves}")
+        raise InvalidInput(
+            f"tip: expected a link's name, as the robot ends in several links; name one of "
+            f"{robot.leaves}"
+        )
     return robot.leaves[0]
 
 
 def stated_limits(chain: _core.Chain) -> JointLimits:
-    """The limits that the URDF states."""
+    """The limits that the URDF states; it has no acceleration or jerk."""
     return JointLimits(
         tuple(chain.joint_names), chain.lower, chain.upper, chain.velocity, effort=chain.effort
     )
 
 
-def complete(limits: Any, stated: JointLimits, robot: _core.Robot) -> JointLimits:
-    """The limits asked for: those that are stated, or given, or stated and completed by a file."""
+def complete(
+    limits: JointLimits | str | PathLike[str] | None, stated: JointLimits, robot: _core.Robot
+) -> JointLimits:
+    """The limits given, or those that are stated, completed by the file if there is one.
+
+    Raises:
+        InvalidInput: if the file cannot be read or does not fit the robot.
+    """
     if limits is None:
         return stated
     if isinstance(limits, JointLimits):

@@ -1,11 +1,11 @@
-"""Checks of what control loops are given: numbers that an arm can have to do with."""
+"""Checks of what control loops are given: numbers of a size that an arm can deal with."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
@@ -17,8 +17,12 @@ LARGEST = 1e6
 SHORTEST_INTERVAL, LONGEST_INTERVAL = 1e-6, 10.0
 
 
-def values(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
-    """`value` as by `check.array`, of magnitudes up to LARGEST. Raises InvalidInput."""
+def values(value: ArrayLike, name: str, *, shape: Sequence[int | str]) -> Float64Array:
+    """`value` as by `check.array`, of magnitudes up to LARGEST.
+
+    Raises:
+        InvalidInput: if it has another shape, or is larger or not finite.
+    """
     result = check.array(value, name, shape=shape)
     largest = np.abs(result).max(initial=0.0)
     if largest > LARGEST:
@@ -26,21 +30,37 @@ def values(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array
     return result
 
 
-def frozen(value: Any, name: str, *, shape: Sequence[int | str]) -> Float64Array:
-    """A read-only copy of `value`, checked as by `values`."""
+def frozen(value: ArrayLike, name: str, *, shape: Sequence[int | str]) -> Float64Array:
+    """A read-only copy of `value`, checked as by `values`.
+
+    Raises:
+        InvalidInput: as `values` does.
+    """
     return check.frozen(values(value, name, shape=shape), name, shape=shape)
 
 
-def positive(value: Any, name: str) -> float:
-    """`value` as a number above 0, up to LARGEST. Raises InvalidInput."""
+def positive(value: float, name: str) -> float:
+    """`value` as a number above 0, up to LARGEST.
+
+    Raises:
+        InvalidInput: if it is something else.
+    """
     return check.number(value, name, above=0.0, at_most=LARGEST)
 
 
-def not_negative(value: Any, name: str) -> float:
-    """`value` as a number from 0 to LARGEST. Raises InvalidInput."""
+def not_negative(value: float, name: str) -> float:
+    """`value` as a number from 0 to LARGEST.
+
+    Raises:
+        InvalidInput: if it is something else.
+    """
     return check.number(value, name, at_least=0.0, at_most=LARGEST)
 
 
-def interval(value: Any) -> float:
-    """`value` as a control loop's interval dt, s. Raises InvalidInput."""
+def interval(value: float) -> float:
+    """`value` as a control loop's interval dt in s.
+
+    Raises:
+        InvalidInput: if it is not a number from SHORTEST_INTERVAL to LONGEST_INTERVAL.
+    """
     return check.number(value, "dt", at_least=SHORTEST_INTERVAL, at_most=LONGEST_INTERVAL)

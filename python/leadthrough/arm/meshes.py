@@ -1,35 +1,37 @@
 """Mesh collision geometry of a URDF: each mesh counts as its convex hull.
 
-The hull holds the mesh, so that no collision is missed; what a hollow mesh leaves free is not.
+The hull contains the mesh, so no collision is missed, but the free space inside a hollow mesh
+counts as occupied.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from os import PathLike
 from pathlib import Path
-from typing import Any
 from urllib.parse import unquote, urlparse
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from leadthrough.arm.loading import is_document
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, InvalidRobot
-from leadthrough.io.mesh import read_vertices
 
 
-def folders(path_or_xml: Any, mesh_folders: Sequence[Any]) -> tuple[str, ...]:
-    """Where an arm's meshes are looked for: the folders given, then the URDF's own.
+def folders(
+    path_or_xml: str | PathLike[str], mesh_folders: Sequence[str | PathLike[str]]
+) -> tuple[str, ...]:
+    """The folders in which an arm's meshes are looked for: those given, then the URDF's own.
 
-    Raises InvalidInput.
+    Raises:
+        InvalidInput: if `mesh_folders` is no sequence of folders.
     """
     if isinstance(mesh_folders, str | Path) or not isinstance(mesh_folders, Sequence):
         raise InvalidInput(f"mesh_folders: expected a sequence of folders, got {mesh_folders!r}")
     try:
         given = [Path(folder).resolve() for folder in mesh_folders]
     except TypeError as error:
-        raise InvalidInput(f"mesh_folders: {error}") from None
+        raise InvalidInput(f"mesh_folders: expected paths of folders: {error}") from None
     if not is_document(path_or_xml):
         given.append(Path(path_or_xml).resolve().parent)
     return tuple(str(folder) for folder in given)
@@ -38,16 +40,29 @@ def folders(path_or_xml: Any, mesh_folders: Sequence[Any]) -> tuple[str, ...]:
 def hull_vertices(
     link: str, file: str, scale: Float64Array, folders: Sequence[str]
 ) -> Float64Array:
-    """Vertices (n, 3) of the convex hull of a link's mesh, m, in the mesh's frame.
+    """Vertices (n, 3) of the convex hull of a link's mesh in m, in the mesh's frame.
 
-    file: as the URDF has it. folders: see `find_mesh`. Raises InvalidRobot, MissingDependency.
+    Args:
+        link: name of the link.
+        file: the mesh's file name in the URDF.
+        scale: (3,), as in the URDF.
+        folders: where it is looked for, see `find_mesh`.
+
+    Raises:
+        InvalidRobot: if the file is missing, cannot be read, or its mesh is flat.
+        MissingDependency: if its format needs a package that is not installed.
     """
+    # Only robots with meshes need these, and they take long to load.
+    from scipy.spatial import ConvexHull, QhullError
+
+    from leadthrough.io.mesh import read_vertices
+
     where = f"link {link!r}"
     path = find_mesh(file, folders)
     if path is None:
         places = ", ".join(folders) or "none"
         raise InvalidRobot(
-            where, f"mesh {file!r} is not found; looked in mesh_folders ({places}) and above them"
+            where, f"mesh {file!r} was not found in mesh_folders ({places}) or above them"
         )
     try:
         vertices = read_vertices(path) * scale
@@ -59,10 +74,12 @@ def hull_vertices(
 
 
 def find_mesh(file: str, folders: Sequence[str]) -> Path | None:
-    """The file that a URDF's mesh names, or None.
+    """The file that a URDF's mesh names, or None if it is not found.
 
-    A relative name is looked for in `folders`; package://name/rest as name/rest in them and in the
-    folders above them.
+    Args:
+        file: the mesh's file name in the URDF. A relative one is looked for in `folders`;
+            package://name/rest as name/rest in them and in the folders above them.
+        folders: where to look.
     """
     for candidate in _candidates(file, folders):
         if candidate.is_file():

@@ -45,7 +45,7 @@ def ik_options(
     *,
     position_tolerance: ArrayLike = 1e-6,
     orientation_tolerance: ArrayLike = 1e-6,
-    free: Collection[Axis] = (),
+    free: Sequence[Axis] = (),
     weights: ArrayLike | None = None,
     mode: IkMode = "fastest",
     reference: Float64Array | None = None,
@@ -116,7 +116,7 @@ def _tolerance(value: ArrayLike, name: str) -> tuple[float, Float64Array]:
 
 
 def _axes(
-    free: Collection[Axis], bounds: Sequence[float], weights: ArrayLike | None
+    free: Sequence[Axis], bounds: Sequence[float], weights: ArrayLike | None
 ) -> _core.IkAxes | None:
     """None where all axes are asked for alike, which is solved faster."""
     if isinstance(free, str) or not isinstance(free, Collection):

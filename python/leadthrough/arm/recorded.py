@@ -1,4 +1,4 @@
-"""From recorded joints to the arm's own, and to the poses that its tip went through."""
+"""The arm's own joints of a recording, and the poses that its tip went through."""
 
 from __future__ import annotations
 

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 from leadthrough.errors import InvalidInput
 
 
-def find_robot(name: Any) -> Path:
-    """The folder of a robot, with <name>.urdf and limits.toml. Raises InvalidInput."""
+def find_robot(name: str) -> Path:
+    """The folder of a robot, with <name>.urdf and limits.toml.
+
+    Args:
+        name: of the robot, such as "panda".
+
+    Raises:
+        InvalidInput: if there is no such robot.
+    """
     folders = _folders()
     for folder in folders:
         if folder.name == name:
@@ -20,7 +26,7 @@ def find_robot(name: Any) -> Path:
 
 
 def _folders() -> list[Path]:
-    # An editable install has two places: the sources, and what the build put beside the module.
+    # An editable install has two places: the sources, and the folder of the built module.
     package = find_spec("leadthrough")
     places = package.submodule_search_locations if package else None
     return [

@@ -1,146 +1,190 @@
 """Stacks of tasks with strict priorities, in velocities and accelerations.
 
-Two schemes. "siciliano-slotine": from the highest task down, each in the null space of those above
-(Siciliano and Slotine 1991, eqs. 8 to 10). "reverse": from the lowest up, each correcting the
-motion so far while it disturbs the tasks below as little as it can, unilateral tasks by the share
-of their activation (Flacco and De Luca 2014 and 2015). The two agree where no unilateral task is
-partly active. In both the joints' position, velocity and acceleration limits hold at every level:
-where one is met the level's null space takes over, and only then the level itself gives way, as in
-Flacco, De Luca and Khatib 2015, found as the optimum of a strictly convex program (Kanoun, Lamiraux
-and Wieber 2011), so the motion is continuous where a limit or a task becomes active.
+The scheme "siciliano-slotine" goes from the highest task down, each in the null space of those
+above (Siciliano and Slotine 1991, eqs. 8 to 10). "reverse" goes from the lowest up: each corrects
+the motion so far while it disturbs the tasks below as little as it can, unilateral tasks in
+proportion to their activation (Flacco and De Luca 2014 and 2015). The two agree where no unilateral
+task is partly active.
 
-A task is damped where it comes within 2 cm a rad of its singularity, and asks for nothing there in
-the end; its null space stays the exact one, so a lower task never disturbs a higher one.
+In both the joints' position, velocity and acceleration limits hold at every level: where one is met
+the level's null space takes over, and only then the level itself gives way, as in Flacco, De Luca
+and Khatib 2015. That is found as the optimum of a strictly convex program (Kanoun, Lamiraux and
+Wieber 2011), so the motion is continuous where a limit or a task becomes active.
+
+A task is damped within 2 cm per rad of its singularity, and at the singularity asks for nothing;
+its null space stays exact, so a lower task never disturbs a higher one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.arm import magnitudes
 from leadthrough.arm.arm import Arm
-from leadthrough.arm.tasks import JointLimitTask, PostureTask, Task, _Task
+from leadthrough.arm.keeping_tasks import JointLimitTask
+from leadthrough.arm.limits import known_acceleration
+from leadthrough.arm.stack_report import StackRun, StackSolution, TaskReport
+from leadthrough.arm.task import ArmTask
+from leadthrough.arm.tasks import PostureTask
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, InvalidRobot
 from leadthrough.motion import JointTrajectory
 
-SCHEMES = ("siciliano-slotine", "reverse")
+Scheme = Literal["siciliano-slotine", "reverse"]
+SCHEMES: tuple[Scheme, ...] = get_args(Scheme)
 MOST_TASKS = 12  # the core's workspaces
 _UNKNOWN = np.empty(0)
+_MOST_SAMPLES = 1e7
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class TaskReport:
-    """How each task fared, one value a task.
-
-    error: m and rad, rotations counting 0.3 m a rad; of tasks that keep, how far they are violated.
-    miss: by how much the motion differs from what the task asks for, the same per s or s^2.
-    activation: 1, and of tasks that keep 0 to 1. limited: whether a joint limit, or a task above
-    that keeps, stood in its way.
-    """
-
-    error: Float64Array
-    miss: Float64Array
-    activation: Float64Array
-    limited: NDArray[np.bool_]
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class StackSolution:
-    """motion: (joints,) rad/s or rad/s^2 (m for prismatic joints), inside the limits."""
-
-    motion: Float64Array
-    report: TaskReport
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class StackRun:
-    """A closed-loop run. The arrays have one row a sample and one column a task."""
-
-    trajectory: JointTrajectory
-    error: Float64Array
-    miss: Float64Array
-    activation: Float64Array
-    limited: NDArray[np.bool_]
-
-
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class TaskStack:
-    """Tasks in the order of their priority, the highest first, at most 12.
+    """Tasks with strict priorities, solved for the velocities or accelerations of an arm's joints.
 
-    scheme: see the module. rest_damping: 1/s; accelerations that no task asks for slow the joints
-    down at this rate. Raises InvalidInput.
+    Attributes:
+        arm: the arm.
+        tasks: in the order of their priority, the highest first; at most 12.
+        scheme: "siciliano-slotine" goes from the highest task down, each in the null space of those
+            above; "reverse" from the lowest up, each correcting the motion so far. They differ only
+            where a task that keeps a distance is partly active.
+        rest_damping: rate in 1/s, >= 0, at which the joints slow down in directions in which no
+            task asks for an acceleration.
+
+    Raises:
+        InvalidInput: if a task does not fit the arm, or an argument is out of its range.
+
+    Source: Siciliano and Slotine 1991; Flacco and De Luca 2014; Flacco, De Luca and Khatib 2015.
     """
 
     arm: Arm
-    tasks: tuple[Task, ...]
-    scheme: str = "siciliano-slotine"
-    rest_damping: float = 10.0
-    _stack: _core.TaskStack = field(init=False, repr=False)
+    tasks: tuple[ArmTask, ...]
+    scheme: Scheme
+    rest_damping: float
+    _stack: _core.TaskStack = field(repr=False)
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "tasks", _checked(self.tasks, len(self.arm.joint_names)))
-        check.choice(self.scheme, "scheme", SCHEMES)
-        rest = magnitudes.not_negative(self.rest_damping, "rest_damping")
-        compiled = [task.compiled(self._frame) for task in self.tasks]
-        rates = (self.arm.limits.velocity, accelerations(self.arm))
-        reverse = self.scheme == "reverse"
-        stack = _core.TaskStack(self.arm._chain, compiled, *rates, reverse, rest)
-        object.__setattr__(self, "_stack", stack)
+    def __init__(
+        self,
+        arm: Arm,
+        tasks: Sequence[ArmTask],
+        scheme: Scheme = "siciliano-slotine",
+        rest_damping: float = 10.0,
+    ) -> None:
+        check.choice(scheme, "scheme", SCHEMES)
+        rest = magnitudes.not_negative(rest_damping, "rest_damping")
+        checked = _checked(tasks, len(arm.joint_names))
+        vars(self).update(arm=arm, tasks=checked, scheme=scheme, rest_damping=rest)
+        compiled = [task._compiled(self._frame) for task in checked]
+        rates = (arm.limits.velocity, known_acceleration(arm.limits))
+        stack = _core.TaskStack(arm._chain, compiled, *rates, scheme == "reverse", rest)
+        vars(self).update(_stack=stack)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return TaskStack, (self.arm, self.tasks, self.scheme, self.rest_damping)
 
-    def with_tasks(self, tasks: Sequence[Task]) -> TaskStack:
-        """The same stack with other tasks. Raises InvalidInput."""
+    def with_tasks(self, tasks: Sequence[ArmTask]) -> TaskStack:
+        """The same stack with other tasks.
+
+        Args:
+            tasks: in the order of their priority, the highest first; at most 12.
+
+        Raises:
+            InvalidInput: if a task does not fit the arm.
+        """
         return TaskStack(self.arm, tuple(tasks), self.scheme, self.rest_damping)
 
-    def solve(self, q: Any, *, qd: Any = None, dt: float = 1e-3) -> StackSolution:
-        """Velocities for the next dt, s, with a report.
+    def solve(
+        self, q: ArrayLike, *, qd: ArrayLike | None = None, dt: float = 1e-3
+    ) -> StackSolution:
+        """Velocities for the next interval, with a report on each task.
 
-        q, qd: (joints,). Without qd the accelerations that lead to the new velocities are not
-        bounded. A joint outside its limits is not moved further out. Raises InvalidInput.
+        A joint outside its limits is not moved further out.
+
+        Args:
+            q: configuration (joints,) in rad (m).
+            qd: present velocities (joints,) in rad/s (m/s); without them the accelerations that
+                lead to the new velocities are not bounded.
+            dt: the interval in s, 1e-6 to 10.
+
+        Raises:
+            InvalidInput: if an argument has another shape or is out of its range.
         """
         now = self._joints(q, "q")
         before = _UNKNOWN if qd is None else self._joints(qd, "qd")
         return _solution(*self._stack.velocity(now, before, magnitudes.interval(dt)))
 
-    def velocity(self, q: Any, *, qd: Any = None, dt: float = 1e-3) -> Float64Array:
-        """The motion of `solve`."""
+    def velocity(
+        self, q: ArrayLike, *, qd: ArrayLike | None = None, dt: float = 1e-3
+    ) -> Float64Array:
+        """Velocities (joints,) in rad/s (m/s) for the next interval: the motion of `solve`.
+
+        Args:
+            q: configuration (joints,) in rad (m).
+            qd: present velocities (joints,) in rad/s (m/s).
+            dt: the interval in s.
+
+        Raises:
+            InvalidInput: if an argument has another shape or is out of its range.
+        """
         return self.solve(q, qd=qd, dt=dt).motion
 
-    def solve_acceleration(self, q: Any, qd: Any, *, dt: float = 1e-3) -> StackSolution:
-        """Accelerations for the next dt, s, with a report; qd grows by dt times them.
+    def solve_acceleration(self, q: ArrayLike, qd: ArrayLike, *, dt: float = 1e-3) -> StackSolution:
+        """Accelerations for the next interval, with a report on each task.
 
-        q, qd: (joints,). Raises InvalidInput.
+        Args:
+            q: configuration (joints,) in rad (m).
+            qd: present velocities (joints,) in rad/s (m/s), which grow by dt times the answer.
+            dt: the interval in s, 1e-6 to 10.
+
+        Raises:
+            InvalidInput: if an argument has another shape or is out of its range.
         """
         state = (self._joints(q, "q"), self._joints(qd, "qd"))
         return _solution(*self._stack.acceleration(*state, magnitudes.interval(dt)))
 
-    def acceleration(self, q: Any, qd: Any, *, dt: float = 1e-3) -> Float64Array:
-        """The motion of `solve_acceleration`."""
+    def acceleration(self, q: ArrayLike, qd: ArrayLike, *, dt: float = 1e-3) -> Float64Array:
+        """Accelerations (joints,) in rad/s^2 (m/s^2): the motion of `solve_acceleration`.
+
+        Args:
+            q: configuration (joints,) in rad (m).
+            qd: present velocities (joints,) in rad/s (m/s).
+            dt: the interval in s.
+
+        Raises:
+            InvalidInput: if an argument has another shape or is out of its range.
+        """
         return self.solve_acceleration(q, qd, dt=dt).motion
 
     def run(
         self,
-        q: Any,
+        q: ArrayLike,
         *,
         duration: float,
         dt: float = 1e-3,
-        qd: Any = None,
-        tasks: Callable[[float], Sequence[Task]] | None = None,
+        qd: ArrayLike | None = None,
+        tasks: Callable[[float], Sequence[ArmTask]] | None = None,
     ) -> StackRun:
-        """The closed loop from q and qd (at rest if None), one sample every dt.
+        """The joints and reports of the closed loop in velocities, one sample every dt.
 
-        tasks: called with the time, s, gives the tasks of the next interval, as many as there are
-        now; without it they stay. Every interval takes its middle's velocity (third-order error),
-        so that the null space's motion leaves the tool in place. Raises InvalidInput.
+        Every interval uses the velocity of its middle (third-order error), so that motion in the
+        null space leaves the tool in place.
+
+        Args:
+            q: configuration (joints,) in rad (m) to start in.
+            duration: in s, > 0.
+            dt: the interval in s, 1e-6 to 10.
+            qd: velocities (joints,) to start with in rad/s (m/s); by default at rest.
+            tasks: the tasks of the next interval by its time in s, as many as the stack has; by
+                default they stay.
+
+        Raises:
+            InvalidInput: if an argument has another shape or is out of its range, or the number of
+                tasks changes.
         """
         state = self._joints(q, "q"), np.zeros(len(self.arm.joint_names))
         if qd is not None:
@@ -152,14 +196,17 @@ class TaskStack:
             if tasks is not None:
                 stack = self.with_tasks(tasks(k * dt))
                 if len(stack.tasks) != len(self.tasks):
-                    raise InvalidInput(f"tasks: expected {len(self.tasks)}, got {len(stack.tasks)}")
+                    raise InvalidInput(
+                        f"tasks: expected {len(self.tasks)} tasks at {k * dt:.6g} s, as in the "
+                        f"stack, got {len(stack.tasks)}"
+                    )
             q_next, qd_next, report = stack._stack.step(*rows[-1], dt)
             rows.append((q_next, qd_next))
             reports.append(report)
         reports.append(stack._stack.velocity(*rows[-1], dt)[1])
         return _run(self.arm, rows, reports, dt)
 
-    def _joints(self, value: Any, name: str) -> Float64Array:
+    def _joints(self, value: ArrayLike, name: str) -> Float64Array:
         return magnitudes.values(value, name, shape=(len(self.arm.joint_names),))
 
     def _frame(self, link: str | None, point: Float64Array) -> _core.Frame:
@@ -170,74 +217,34 @@ class TaskStack:
         except InvalidRobot as error:
             raise InvalidInput(f"link: expected a link that the arm moves: {error}") from None
         if upper.joint_names != list(self.arm.joint_names[: len(upper.joint_names)]):
-            raise InvalidInput(f"link: {link!r} is moved by joints outside the arm")
+            raise InvalidInput(
+                f"link: expected a link that only the arm's joints move, got {link!r}"
+            )
         return _core.Frame(upper, point)
 
 
-def accelerations(arm: Arm) -> Float64Array:
-    """The arm's acceleration limits, infinite where they are not known."""
-    known = arm.limits.acceleration
-    return np.full(len(arm.joint_names), np.inf) if known is None else known
-
-
-def resolve(
-    jacobians: Sequence[Any],
-    wanted: Sequence[Any],
-    *,
-    lower: Any = None,
-    upper: Any = None,
-    scheme: str = SCHEMES[0],
-) -> Float64Array:
-    """The motion (joints,) that strict priorities give to tasks of one's own.
-
-    jacobians: (rows, joints) each, the highest priority first; at most 12 tasks, 16 rows and 16
-    joints. wanted: (rows,) each. lower, upper: (joints,) bounds of the motion. Raises InvalidInput.
-    """
-    rows = [magnitudes.values(j, "jacobians", shape=("rows", "joints")) for j in jacobians]
-    if not 0 < len(rows) <= MOST_TASKS:
-        raise InvalidInput(f"jacobians: expected 1 to {MOST_TASKS}, got {len(rows)}")
-    joints = rows[0].shape[1]
-    for jacobian in rows:
-        if not 0 < max(jacobian.shape) <= 16 or jacobian.shape[1] != joints:
-            raise InvalidInput(
-                f"jacobians: expected up to 16 rows of {joints} joints, got {jacobian.shape}"
-            )
-    if len(wanted) != len(rows):
-        raise InvalidInput(f"wanted: expected {len(rows)} vectors, got {len(wanted)}")
-    goals = [
-        magnitudes.values(goal, "wanted", shape=(len(jacobian),))
-        for goal, jacobian in zip(wanted, rows, strict=True)
-    ]
-    low, high = _bound(lower, "lower", -np.inf, joints), _bound(upper, "upper", np.inf, joints)
-    if (low > high).any():
-        raise InvalidInput("lower: expected at most upper")
-    reverse = check.choice(scheme, "scheme", SCHEMES) == "reverse"
-    return _core.resolve_stack(rows, goals, low, high, reverse)
-
-
-def _bound(value: Any, name: str, default: float, joints: int) -> Float64Array:
-    if value is None:
-        return np.full(joints, default)
-    return magnitudes.values(value, name, shape=(joints,))
-
-
-def _checked(tasks: Any, joints: int) -> tuple[Task, ...]:
-    if not isinstance(tasks, Sequence) or not all(isinstance(task, _Task) for task in tasks):
+def _checked(tasks: Any, joints: int) -> tuple[ArmTask, ...]:
+    if not isinstance(tasks, Sequence) or not all(isinstance(task, ArmTask) for task in tasks):
         raise InvalidInput(f"tasks: expected a sequence of tasks, got {tasks!r}")
     if not 0 < len(tasks) <= MOST_TASKS:
-        raise InvalidInput(f"tasks: expected 1 to {MOST_TASKS}, got {len(tasks)}")
+        raise InvalidInput(f"tasks: expected 1 to {MOST_TASKS} tasks, got {len(tasks)}")
     if sum(isinstance(task, JointLimitTask) for task in tasks) > 1:
-        raise InvalidInput("tasks: expected one JointLimitTask, got several")
+        raise InvalidInput("tasks: expected at most one JointLimitTask, got several")
     for task in tasks:
         if isinstance(task, PostureTask) and len(task.q) != joints:
-            raise InvalidInput(f"tasks: expected a posture of {joints} joints, got {len(task.q)}")
+            raise InvalidInput(
+                f"tasks: expected a PostureTask of {joints} joints, got one of {len(task.q)}"
+            )
     return tuple(tasks)
 
 
-def _intervals(duration: Any, dt: float) -> int:
+def _intervals(duration: float, dt: float) -> int:
     whole = check.number(duration, "duration", above=0.0) / dt
-    if not whole < 1e7:
-        raise InvalidInput(f"dt: {dt} s would make {whole:.3g} samples of {duration} s")
+    if not whole < _MOST_SAMPLES:
+        raise InvalidInput(
+            f"dt: {duration} s at {dt} s would make {whole:.3g} samples, more than "
+            f"{_MOST_SAMPLES:g}; use a larger dt or a shorter duration"
+        )
     return max(round(whole), 1)
 
 

@@ -19,7 +19,7 @@ def test_every_joint_stands_in_a_line_with_its_limits(name):
         for quantity in ("velocity", "acceleration", "jerk", "effort"):
             value = getattr(arm.limits, quantity)[i]
             assert f"{value:.{4 if value < 1000 else 0}{'g' if value < 1000 else 'f'}}" in line
-    assert "none" not in text.split("collision shapes by link: ")[1]
+    assert "none" not in text.split("collision shapes per link: ")[1]
     assert "\x1b" not in text
     assert max(map(len, text.splitlines())) <= 130
 
