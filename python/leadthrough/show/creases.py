@@ -1,4 +1,4 @@
-"""Normals of a mesh that is smooth but for its creases."""
+"""Vertex normals of a mesh that is smooth except at creases."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from leadthrough.show.solids import Mesh
 
 # Faces that meet at a smaller angle belong to one curved surface.
 _CREASE = np.radians(35.0)
-# Corners of different triangles nearer than this share of the mesh's extent are one point.
+# Corners of different triangles nearer than this fraction of the mesh's extent are one point.
 _WELD = 1e-6
 
 
 def creased(mesh: Mesh) -> tuple[Mesh, Float64Array]:
-    """The mesh with a vertex for each side of each crease, and the vertices' unit normals (n, 3).
+    """The mesh with separate vertices on both sides of each crease, and their unit normals (n, 3).
 
-    A normal is the mean over the faces around it that are turned by less than 35 degrees against
-    each other, weighted by area.
+    A normal is the mean, weighted by area, of the faces around the vertex whose normals differ by
+    less than 35 degrees.
     """
     corners = mesh.vertices[mesh.faces]
     areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -34,14 +34,14 @@ def creased(mesh: Mesh) -> tuple[Mesh, Float64Array]:
 
 
 def _welded(mesh: Mesh) -> NDArray[np.int64]:
-    """The same number for vertices in the same place."""
+    """A number (n,) for each vertex, the same for vertices at the same place."""
     grain = _WELD * max(float(np.ptp(mesh.vertices, axis=0).max()), 1e-9)
     cells = np.round(mesh.vertices / grain).astype(np.int64)
     return np.unique(cells, axis=0, return_inverse=True)[1].ravel()
 
 
 def _around(points: NDArray[np.int64], flat: Float64Array, areas: Float64Array) -> Float64Array:
-    """For each corner the mean normal of the faces at its point that are turned almost like it."""
+    """For each corner, the mean normal of the faces at its point that are turned almost alike."""
     order = np.argsort(points, kind="stable")
     starts = np.searchsorted(points[order], points)
     counts = np.bincount(points)[points]

@@ -1,4 +1,4 @@
-"""What a file holds: recordings and motions, a skill, or a robot."""
+"""What a file contains: recordings or motions, a skill, or a robot."""
 
 from __future__ import annotations
 
@@ -22,10 +22,16 @@ _ROBOTS = (".urdf", ".xml")
 
 @dataclass(frozen=True)
 class FileInfo:
-    """path. format: for people. kind: "recordings", "skill" or "robot". facts: of the whole file.
+    """A summary of one file.
 
-    recordings: one summary for each. text: a robot's description. problem: why a recording could
-    not be read, in words that say what to ask.
+    Attributes:
+        path: the file.
+        format: the name of its format, for people.
+        kind: "recordings", "skill" or "robot".
+        facts: about the whole file, by name, as values that JSON knows.
+        recordings: a summary of each recording.
+        text: a robot's description.
+        problem: why a recording cannot be read and what to do about it; None if all can.
     """
 
     path: str
@@ -37,7 +43,7 @@ class FileInfo:
     problem: str | None = None
 
     def as_dict(self) -> dict[str, Any]:
-        """The fields, as values that JSON knows."""
+        """The fields as values that JSON knows."""
         return {
             "path": self.path,
             "format": self.format,
@@ -50,6 +56,8 @@ class FileInfo:
     def __str__(self) -> str:
         lines = [f"{self.path}: {self.format}, {self.kind}"]
         for name, value in self.facts.items():
+            if value is None or value == []:
+                continue
             text = ", ".join(map(str, value)) if isinstance(value, list | tuple) else str(value)
             lines.append(f"{name.replace('_', ' ')}: {text}")
         lines += [str(each) for each in self.recordings]
@@ -65,11 +73,20 @@ def describe(
     base: str | None = None,
     tip: str | None = None,
 ) -> FileInfo:
-    """What a file holds, as far as it can be read.
+    """A summary of what a file contains, as far as it can be read.
 
-    request: as `leadthrough.io.request.checked` makes it; of a bag without a topic all are told.
-    limits, base, tip: of a URDF, as `Arm.from_urdf` takes them.
-    Raises InvalidInput, InvalidRobot, MissingDependency.
+    Args:
+        path: the file, or the folder of a ROS 2 bag or a data set.
+        request: how to read recordings, from `leadthrough.io.request.checked`. Without a topic, all
+            topics of a bag that have motions are summarised.
+        limits: limits file of a URDF, as for `Arm.from_urdf`.
+        base: first link of a URDF's arm, as for `Arm.from_urdf`.
+        tip: last link of a URDF's arm, as for `Arm.from_urdf`.
+
+    Raises:
+        InvalidInput: if the file cannot be read or is of no known format.
+        InvalidRobot: if a URDF describes no arm.
+        MissingDependency: if its format needs an extra that is not installed.
     """
     if not isinstance(path, str | os.PathLike):
         raise InvalidInput(f"path: expected a path, got {path!r}")

@@ -1,4 +1,4 @@
-"""Where all links of a robot are while its arm moves, those on branches as well."""
+"""Poses of all links of a robot while its arm moves, including links on other branches."""
 
 from __future__ import annotations
 
@@ -12,10 +12,12 @@ from leadthrough.check import Float64Array
 
 
 def link_poses(arm: Arm, q: Float64Array) -> dict[str, tuple[Float64Array, Float64Array]]:
-    """Rotations (n, 3, 3) and positions (n, 3) of each link in the frame of the arm's base link.
+    """Rotations (n, 3, 3) and positions (n, 3), m, of each link in the frame of the arm's base.
 
-    q: (n, joints), rad or m. Joints outside the arm stay where the arm holds them, else at zero
-    or at the limit next to it.
+    Args:
+        arm: the arm; joints of the robot outside it stay where the arm holds them, or else at
+            zero or at the nearest limit.
+        q: joint positions (n, joints), rad or m.
     """
     values = _values(arm, q)
     links = arm._robot.links
@@ -31,7 +33,7 @@ def link_poses(arm: Arm, q: Float64Array) -> dict[str, tuple[Float64Array, Float
 
 
 def _values(arm: Arm, q: Float64Array) -> dict[str, Float64Array]:
-    """A value (n,) for each joint that mimics none."""
+    """Positions (n,) of each joint, by its name; meaningless for joints that mimic another."""
     moved = dict(zip(arm.joint_names, q.T, strict=True))
     values = {}
     for joint in arm._robot.tree:
@@ -43,7 +45,7 @@ def _values(arm: Arm, q: Float64Array) -> dict[str, Float64Array]:
 def _motion(
     joint: _core.Joint, values: Mapping[str, Float64Array]
 ) -> tuple[Float64Array, Float64Array]:
-    """The rotations (n, 3, 3) and shifts (n, 3) of a joint's child against its place at zero."""
+    """Rotations (n, 3, 3) and shifts (n, 3), m, of a joint's child from its pose at zero."""
     value = values[joint.name]
     if joint.mimic is not None:
         value = joint.mimic.multiplier * values[joint.mimic.joint] + joint.mimic.offset

@@ -1,4 +1,4 @@
-"""Scenes in an HTML file that needs no server and no network."""
+"""HTML files of scenes, figures and tables that need no server and no network."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough.check import Float64Array
 from leadthrough.io.atomic import StrPath, replacing
@@ -25,9 +25,16 @@ from leadthrough.show.scene import Scene
 def write_page(
     path: StrPath, title: str, parts: Sequence[str] | str, *, whole: bool = False
 ) -> None:
-    """An HTML file of parts: those made by `scene`, `figure`, `table`, `text` and `heading`.
+    """Writes an HTML file of the given parts, whole or not at all.
 
-    whole: whether the only part, a scene, fills the window. Raises InvalidInput.
+    Args:
+        path: the file to write.
+        title: its title.
+        parts: made by `scene`, `figure`, `table`, `text` and `heading`, in this order.
+        whole: whether the only part, a scene, fills the window.
+
+    Raises:
+        InvalidInput: if the file cannot be written.
     """
     body = "\n".join([parts] if isinstance(parts, str) else parts)
     content = _PAGE.format(
@@ -42,12 +49,12 @@ def write_page(
 
 
 def scene(shown: Scene, caption: str = "") -> str:
-    """A scene to look at from all sides, with its time."""
+    """A scene to look at from all sides and to play, with a caption below."""
     return _SCENE.format(data=_packed(shown), caption=_caption(caption))
 
 
 def figure(drawn: Figure, caption: str = "") -> str:
-    """A figure as a drawing of lines and letters, sharp at every size."""
+    """A figure as vector graphics, sharp at every size, with a caption below."""
     content = io.StringIO()
     with rc_context({"svg.hashsalt": "leadthrough"}):  # the same figure, the same file
         drawn.savefig(content, format="svg", metadata={"Date": None})
@@ -55,8 +62,8 @@ def figure(drawn: Figure, caption: str = "") -> str:
     return f"<figure>{svg[svg.index('<svg') :]}{_caption(caption)}</figure>"
 
 
-def table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
-    """Rows of values below the columns' names."""
+def table(columns: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    """A table of rows of values below the names of its columns."""
     head = "".join(f"<th>{html.escape(name)}</th>" for name in columns)
     lines = ("".join(f"<td>{html.escape(str(value))}</td>" for value in row) for row in rows)
     body = "\n".join(f"<tr>{line}</tr>" for line in lines)
@@ -64,7 +71,7 @@ def table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
 
 
 def text(content: str) -> str:
-    """A paragraph."""
+    """A paragraph of text."""
     return f"<p>{html.escape(content)}</p>"
 
 
@@ -83,9 +90,9 @@ def _resource(name: str) -> str:
 
 def _packed(shown: Scene) -> str:
     """The scene as base64 of deflated bytes: the head's length, the head as JSON, arrays."""
-    arrays: list[NDArray[Any]] = []
+    arrays: list[NDArray[np.generic]] = []
 
-    def kept(values: Any, kind: type[np.generic]) -> int:
+    def kept(values: ArrayLike, kind: type[np.generic]) -> int:
         arrays.append(np.ascontiguousarray(values, dtype=kind).ravel())
         return len(arrays) - 1
 
@@ -96,7 +103,7 @@ def _packed(shown: Scene) -> str:
             {
                 "name": item.name,
                 "layer": item.layer,
-                "colour": [round(share, 4) for share in item.colour],
+                "colour": [round(part, 4) for part in item.colour],
                 "opacity": item.opacity,
                 "link": -1 if item.link is None else item.link,
                 "vertices": kept(_rounded(mesh.vertices), np.float32),
@@ -115,7 +122,7 @@ def _packed(shown: Scene) -> str:
     return _deflated(head, arrays)
 
 
-def _deflated(head: dict[str, Any], arrays: Sequence[NDArray[Any]]) -> str:
+def _deflated(head: dict[str, Any], arrays: Sequence[NDArray[np.generic]]) -> str:
     # Numbers of four bytes have to start at multiples of four.
     parts = [array.tobytes() + bytes(-array.nbytes % 4) for array in arrays]
     offsets = np.cumsum([0, *map(len, parts)])
@@ -130,12 +137,12 @@ def _deflated(head: dict[str, Any], arrays: Sequence[NDArray[Any]]) -> str:
 
 
 def _rounded(values: Float64Array) -> Float64Array:
-    """To 2^-18, 4 um: needles of a fine mesh keep their shape, and it deflates well."""
+    """Rounded to 2^-18 m, 4 um: slivers of a fine mesh keep their shape, and it deflates well."""
     return np.asarray(np.round(values * 2.0**18) / 2.0**18)
 
 
 def _extent(shown: Scene) -> dict[str, Any]:
-    """The ball that the camera shows at first, and the height of the floor."""
+    """The ball that the camera shows at first, and the height of the floor, m."""
     centre, radius = shown.ball()
     lowest = min(
         (float(i.mesh.vertices[:, 2].min()) for i in shown.items if i.link is None), default=0.0

@@ -1,9 +1,13 @@
-"""The colours of what figures and 3D scenes show; told apart by most colour-blind eyes as well.
+"""The colours of figures and 3D scenes; most colour-blind people can tell them apart.
 
 Source: Okabe and Ito 2008, "Color Universal Design".
 """
 
 from __future__ import annotations
+
+from typing import TypeAlias
+
+Colour: TypeAlias = tuple[float, float, float]  # sRGB, each in [0, 1]
 
 BLUE = "#0072b2"
 VERMILION = "#d55e00"
@@ -26,7 +30,7 @@ JOINT = "#7d8fa3"
 TOOL = AMBER
 
 
-def rgb(colour: str) -> tuple[float, float, float]:
-    """Red, green and blue in [0, 1] of "#rrggbb"."""
+def rgb(colour: str) -> Colour:
+    """Red, green and blue of a colour such as "#0072b2"."""
     red, green, blue = (int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
     return red, green, blue

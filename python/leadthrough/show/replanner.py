@@ -1,4 +1,4 @@
-"""Plans anew whenever a goal, an obstacle or a parameter is moved; knows nothing of windows."""
+"""A skill that plans anew whenever its goal, an obstacle or a parameter changes."""
 
 from __future__ import annotations
 
@@ -6,14 +6,16 @@ import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TypedDict
+
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LeadthroughError
 from leadthrough.models.parameters import Parameter
-from leadthrough.models.protocol import Conditioned, Generator, Previewed, Skill
+from leadthrough.models.protocol import Conditioned, Generator, Place, Previewed, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
 from leadthrough.shapes import Shape, Sphere, check_shapes
 from leadthrough.show.scene import tip_path
@@ -25,11 +27,14 @@ _STEP = 0.01
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """A motion that was planned, or why there is none.
+    """A motion that was planned, or the reason why there is none.
 
-    path: (n, 3) m of the tip, None where there is none. joints: None where the arm cannot follow
-    it. trouble: one line, empty where all went well. verdict: what a check of the whole arm says,
-    empty for a preview. seconds: how long it took.
+    Attributes:
+        path: the tip's path (n, 3), m; None if there is none.
+        joints: the motion of the joints; None if the arm cannot follow the path.
+        trouble: what went wrong, in one line; empty if nothing did.
+        verdict: what a collision check of the whole arm says; empty for a preview.
+        seconds: how long it took to compute.
     """
 
     path: Float64Array | None
@@ -39,14 +44,31 @@ class Answer:
     seconds: float
 
 
-class Replanner:
-    """A skill that is asked again and again for an arm among obstacles.
+class _Query(TypedDict, total=False):
+    """The parts of a query that the skill honours."""
 
-    goal: (3,) m or (position (3,), orientation (4,)), by default the skill's own; None for skills
-    that honour none. obstacles: in the arm's base frame; a skill that plans around none is only
-    checked against them. demonstrations: those of the skill, for parameters that need another fit.
+    dt: float
+    duration: float
+    goal: Place
+    obstacles: Sequence[Shape]
+
+
+class Replanner:
+    """A skill that is asked again and again for a motion of an arm among obstacles.
+
     `preview` answers while something is dragged, `plan` when it has come to rest.
-    Raises InvalidInput for skills of motions that the arm cannot follow.
+
+    Args:
+        arm: the arm that is to follow the skill's motions.
+        skill: of points or poses in 3-D, or of the arm's joints.
+        goal: position (3,), m, or (position (3,), orientation (4,) w, x, y, z); by default the
+            skill's own.
+        obstacles: shapes in the arm's base frame. If the skill does not plan around obstacles, its
+            motions are only checked against them.
+        demonstrations: those that the skill was fitted to, for parameters that need a new fit.
+
+    Raises:
+        InvalidInput: if an argument is wrong, or the skill's motions are none for an arm.
     """
 
     def __init__(
@@ -54,7 +76,7 @@ class Replanner:
         arm: Arm,
         skill: Skill,
         *,
-        goal: Any = None,
+        goal: Place | None = None,
         obstacles: Iterable[Shape] = (),
         demonstrations: Sequence[Demonstration] = (),
     ) -> None:
@@ -65,7 +87,10 @@ class Replanner:
         self.duration: float | None = None
         usual = skill.generate(dt=_STEP)
         if not isinstance(usual, JointTrajectory) and usual.positions.shape[1] != 3:
-            raise InvalidInput("skill: expected one of points or poses in space, or of joints")
+            raise InvalidInput(
+                "skill: expected one of points or poses in 3-D, or of joints, "
+                f"got one of points in {usual.positions.shape[1]}-D"
+            )
         self.usual_duration = float(usual.duration)
         self._first: Float64Array | None = None
         self._start = usual.positions[0]
@@ -74,54 +99,85 @@ class Replanner:
         self.goal_position, self.goal_orientation = self._usual_goal(usual)
         self._asked = False
         if goal is not None:
-            self.move_goal(*(goal if isinstance(goal, tuple) and len(goal) == 2 else (goal,)))
+            self.move_goal(*parted(goal))
 
     @property
     def has_goal(self) -> bool:
-        """Whether the skill honours a goal where its motion ends; what goes round has none."""
+        """Whether the skill honours a goal where its motion ends; a rhythm has no end."""
         return "goal" in self.skill.supports and not self.skill.kind.startswith("rhythmic")
 
     @property
     def parameters(self) -> list[Parameter]:
-        """What sliders may change about the skill as it is now."""
+        """The numbers of the present skill that sliders may change."""
         return list(self.skill.parameters(self._demonstrations))
 
-    def move_goal(self, position: Any, orientation: Any = None) -> None:
-        """Another goal: (3,) m and, where not as before, (4,) w, x, y, z. Raises InvalidInput."""
+    def move_goal(self, position: ArrayLike, orientation: ArrayLike | None = None) -> None:
+        """Sets another goal.
+
+        Args:
+            position: (3,), m.
+            orientation: (4,) w, x, y, z; by default as before.
+
+        Raises:
+            InvalidInput: if one of them is malformed.
+        """
         self.goal_position = check.array(position, "goal", shape=(3,)).copy()
         if orientation is not None:
             self.goal_orientation = check.quaternions(orientation, "goal", shape=(4,))
         self._asked = True
 
-    def move_obstacle(self, index: int, position: Any, orientation: Any = None) -> None:
-        """One obstacle's new pose. Raises InvalidInput."""
+    def move_obstacle(
+        self, index: int, position: ArrayLike, orientation: ArrayLike | None = None
+    ) -> None:
+        """Moves one obstacle.
+
+        Args:
+            index: of `obstacles`.
+            position: (3,), m.
+            orientation: (4,) w, x, y, z; by default as before. A sphere ignores it.
+
+        Raises:
+            InvalidInput: if one of them is malformed or there is no such obstacle.
+        """
         count = len(self.obstacles)
         i = check.integer(index, "index", at_least=0, at_most=count - 1)
-        shape = replace(self.obstacles[i], position=position)
+        place = check.array(position, "position", shape=(3,))
+        shape = replace(self.obstacles[i], position=place)
         if orientation is not None and not isinstance(shape, Sphere):
-            shape = replace(shape, orientation=orientation)
+            turned = check.quaternions(orientation, "orientation", shape=(4,))
+            shape = replace(shape, orientation=turned)
         self.obstacles[i] = shape
 
     def set_parameter(self, index: int, value: float) -> None:
-        """Another value of `parameters[index]`. Raises InvalidInput, FitError."""
+        """Sets one of the skill's parameters, with a new fit if it needs one.
+
+        Args:
+            index: of `parameters`.
+            value: between its bounds.
+
+        Raises:
+            InvalidInput: if the model refuses the value.
+            FitError: if the new fit fails.
+        """
         self.skill = self.parameters[index].apply(value)
         self.__dict__.pop("_quick", None)  # it answers with the old value
 
     def asked_skill(self) -> Skill:
-        """The skill, conditioned on the goal where it can be: its spread ends there.
+        """The skill, conditioned on the goal if it can be, so that its uncertainty ends there.
 
-        Raises InvalidInput for a goal of joints out of reach.
+        Raises:
+            InvalidInput: if no joint positions reach the goal of a skill of joints.
         """
         if self.has_goal and self._asked and isinstance(self.skill, Conditioned):
             return self.skill.condition(self.skill.duration, self._goal())
         return self.skill
 
     def preview(self) -> Answer:
-        """An answer in less than a tenth of a second, coarser where it has to be."""
+        """An answer in less than a tenth of a second, coarser if it has to be."""
         return self._answer(_PREVIEW_STEP, preview=True)
 
     def plan(self) -> Answer:
-        """The skill's own answer, and what a check of the whole arm says."""
+        """The skill's own answer, with a collision check of the whole arm."""
         return self._answer(_STEP, preview=False)
 
     def _answer(self, dt: float, *, preview: bool) -> Answer:
@@ -138,7 +194,7 @@ class Replanner:
         return Answer(path, joints, trouble, verdict, time.perf_counter() - begin)
 
     def _motion(self, dt: float, *, preview: bool) -> Motion:
-        query: dict[str, Any] = {"dt": dt}
+        query: _Query = {"dt": dt}
         if self.duration is not None:
             query["duration"] = self.duration
         if self.has_goal and self._asked:
@@ -155,7 +211,7 @@ class Replanner:
         return joints
 
     def _from_the_same_posture(self, motion: Trajectory | PoseTrajectory) -> JointTrajectory:
-        """As before where that goes: an arm that jumps while one drags is hard to look at."""
+        """Starts as before if possible: an arm that jumps while one drags is hard to look at."""
         if self._first is not None:
             try:
                 return self.arm.follow(motion, seed=self._first)
@@ -170,9 +226,13 @@ class Replanner:
         turned = usual.orientations[-1] if isinstance(usual, PoseTrajectory) else None
         return usual.positions[-1].copy(), turned
 
-    def _goal(self) -> Any:
-        """The goal as the skill wants it. Raises InvalidInput for joints out of reach."""
-        if self._is_of_poses:
+    def _goal(self) -> Place:
+        """The goal in the form that the skill takes.
+
+        Raises:
+            InvalidInput: if no joint positions reach it.
+        """
+        if self.goal_orientation is not None and self._is_of_poses:
             return self.goal_position, self.goal_orientation
         if not self._is_of_joints:
             return self.goal_position
@@ -186,3 +246,10 @@ class Replanner:
     @cached_property
     def _quick(self) -> Generator:
         return self.skill.preview() if isinstance(self.skill, Previewed) else self.skill
+
+
+def parted(place: Place) -> tuple[ArrayLike, ArrayLike | None]:
+    """Position and orientation of a goal; the latter None for a position alone."""
+    if isinstance(place, tuple) and len(place) == 2:
+        return place[0], place[1]
+    return place, None

@@ -1,4 +1,4 @@
-"""A scene of an arm that moves: surfaces in layers, and where each of the arm's links is when.
+"""A 3D scene of a moving arm: surfaces in layers, and the poses of the arm's links over time.
 
 It knows no renderer: the HTML page and the live view draw the same scene.
 """
@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import cycle
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.arm import Arm
@@ -21,6 +21,7 @@ from leadthrough.motion import Demonstration, JointTrajectory, Motion
 from leadthrough.shapes import Shape, check_shapes
 from leadthrough.show import palette, solids
 from leadthrough.show.link_poses import link_poses
+from leadthrough.show.palette import Colour
 from leadthrough.show.solids import Mesh
 from leadthrough.show.urdf_geometry import Part, parts_by_link
 
@@ -30,15 +31,15 @@ ARM, DEMONSTRATIONS, PATH, SPREAD, OBSTACLES, GOAL = (
 # Layers whose surfaces have no creases.
 SMOOTH = frozenset({DEMONSTRATIONS, PATH, SPREAD, GOAL})
 
-# Tubes around paths are so thin that drawings of a hand's size stay legible, m.
+# Radius of the tubes around paths, m: thin enough that drawings of a hand's size stay legible.
 _PATH_RADIUS = 0.004
-_PATH_SHARE = 0.01  # of the path's extent
-_DEMONSTRATION_SHARE = 0.5  # of a path's radius
+_PATH_FRACTION = 0.01  # of the path's extent
+_DEMONSTRATION_FRACTION = 0.5  # of a path's radius
 _GOAL_RADIUS = 0.014
 _PATH_POINTS = 200
 _DEMONSTRATION_POINTS = 100
 _SPREAD_POINTS = 80
-# A screen shows no more than 60 pictures a second, and a long motion is looked at in less detail.
+# A screen shows no more than 60 frames per second; a long motion is shown with fewer of them.
 _FRAME_RATE = 60.0
 _MOST_FRAMES = 1200
 # Without any geometry an arm is drawn as rods from joint to joint.
@@ -47,12 +48,21 @@ _ROD_RADIUS = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Item:
-    """One surface. link: index of the link that carries it, None where it stands still."""
+    """One surface.
+
+    Attributes:
+        name: unique in its layer.
+        layer: one of the layers above.
+        mesh: in the frame of its link, or of the arm's base.
+        colour: red, green, blue in [0, 1].
+        opacity: in [0, 1].
+        link: index of the link that carries it; None if it stands still.
+    """
 
     name: str
     layer: str
     mesh: Mesh
-    colour: tuple[float, float, float]
+    colour: Colour
     opacity: float = 1.0
     link: int | None = None
 
@@ -61,8 +71,12 @@ class Item:
 class Scene:
     """Surfaces and the motion of the links that carry some of them.
 
-    links: names. times: (n,) s from 0. positions (n, links, 3) m and orientations (n, links, 4)
-    w, x, y, z of the links in the frame of the arm's base. Between samples they are interpolated.
+    Attributes:
+        links: their names.
+        times: (n,), s, from 0. Between them, poses are interpolated.
+        positions: of the links in the frame of the arm's base, (n, links, 3), m.
+        orientations: of the links in that frame, (n, links, 4), w, x, y, z.
+        items: the surfaces.
     """
 
     links: tuple[str, ...]
@@ -72,14 +86,22 @@ class Scene:
     items: tuple[Item, ...] = field(repr=False)
 
     def with_motion(self, arm: Arm, joints: JointTrajectory) -> Scene:
-        """The same surfaces, the arm moving in another way. Raises InvalidInput."""
+        """The same surfaces with another motion of the arm.
+
+        Args:
+            arm: the arm of this scene.
+            joints: its new motion.
+
+        Raises:
+            InvalidInput: if the motion is of other joints.
+        """
         shown = frames(arm, joints)
         _, positions, orientations = _links(arm, shown.positions)
         times = shown.times - shown.times[0]
         return replace(self, times=times, positions=positions, orientations=orientations)
 
     def ball(self) -> tuple[Float64Array, float]:
-        """Centre (3,) and radius, m, of a ball around all that is shown and its motion."""
+        """Centre (3,) and radius, m, of a ball around all surfaces and their motion."""
         still = [item.mesh.vertices for item in self.items if item.link is None]
         frames = {0, len(self.times) // 2, len(self.times) - 1}
         moving = [self._at(item, frame) for item in self.items for frame in frames]
@@ -88,7 +110,7 @@ class Scene:
         return 0.5 * (lower + upper), max(0.5 * float(np.linalg.norm(upper - lower)), 0.1)
 
     def _at(self, item: Item, frame: int) -> Float64Array:
-        """The corners (8, 3) of the box around a surface in one frame; none if it stands still."""
+        """The corners (8, 3) of the box around a moving surface at one sample."""
         if item.link is None:
             return np.zeros((0, 3))
         reach = np.stack([item.mesh.vertices.min(axis=0), item.mesh.vertices.max(axis=0)])
@@ -102,9 +124,9 @@ class Scene:
         i = int(np.clip(np.searchsorted(self.times, time) - 1, 0, max(last - 1, 0)))
         j = min(i + 1, last)
         span = self.times[j] - self.times[i]
-        share = float(np.clip((time - self.times[i]) / span, 0.0, 1.0)) if span > 0.0 else 0.0
-        position = (1.0 - share) * self.positions[i] + share * self.positions[j]
-        turned = (1.0 - share) * self.orientations[i] + share * self.orientations[j]
+        passed = float(np.clip((time - self.times[i]) / span, 0.0, 1.0)) if span > 0.0 else 0.0
+        position = (1.0 - passed) * self.positions[i] + passed * self.positions[j]
+        turned = (1.0 - passed) * self.orientations[i] + passed * self.orientations[j]
         return position, turned / np.linalg.norm(turned, axis=1, keepdims=True)
 
 
@@ -113,16 +135,24 @@ def arm_scene(
     joints: JointTrajectory | None,
     *,
     demonstrations: Iterable[Demonstration] = (),
-    path: Any = None,
+    path: ArrayLike | None = None,
     skill: Skill | None = None,
     obstacles: Iterable[Shape] = (),
-    goal: Any = None,
+    goal: ArrayLike | None = None,
 ) -> Scene:
-    """The arm along a motion of its joints, with what the motion was made from.
+    """The scene of an arm on a motion of its joints, with what the motion was made from.
 
-    joints: None for an arm that stands in the middle of its ranges. path: (n, 3) m, by default
-    where the tip goes. skill: a ProMP or GMR skill of points or poses, whose distribution is drawn
-    as a tube of two standard deviations. goal: (3,) m. Raises InvalidInput.
+    Args:
+        arm: the arm.
+        joints: its motion; None for an arm that stands still in the middle of its joint ranges.
+        demonstrations: recordings to draw as thin tubes.
+        path: (n, 3), m; by default the path of the tip.
+        skill: if it has a distribution, a tube of two standard deviations about its mean is drawn.
+        obstacles: shapes in the arm's base frame.
+        goal: (3,), m.
+
+    Raises:
+        InvalidInput: if an argument is malformed or the motion is of other joints.
     """
     shown = frames(arm, joints)
     links, positions, orientations = _links(arm, shown.positions)
@@ -140,7 +170,15 @@ def arm_scene(
 
 
 def frames(arm: Arm, joints: JointTrajectory | None) -> JointTrajectory:
-    """The samples of a motion that are worth a picture. Raises InvalidInput for other joints."""
+    """A motion at no more samples than a screen shows.
+
+    Args:
+        arm: the arm that moves.
+        joints: its motion; None for an arm that stands still in the middle of its joint ranges.
+
+    Raises:
+        InvalidInput: if the motion is of other joints.
+    """
     if joints is None:
         return JointTrajectory(np.zeros(1), _middle(arm)[None], joint_names=arm.joint_names)
     if not isinstance(joints, JointTrajectory):
@@ -160,24 +198,25 @@ def frames(arm: Arm, joints: JointTrajectory | None) -> JointTrajectory:
 
 
 def tip_path(arm: Arm, motion: Motion) -> Float64Array:
-    """Where a motion takes the tip, (n, 3); a drawing of two dimensions lies at z = 0.
+    """The tip's path (n, 3) along a motion; a two-dimensional drawing lies at z = 0.
 
-    Raises InvalidInput.
+    Raises:
+        InvalidInput: if the motion has other than two or three dimensions.
     """
     if isinstance(motion, JointTrajectory):
         return arm.forward_kinematics(motion.positions)[0]
     width = motion.positions.shape[1]
     if width not in (2, 3):
-        raise InvalidInput(f"motion: expected two or three dimensions, got {width}")
+        raise InvalidInput(f"motion: expected points in 2-D or 3-D, got {width}-D")
     return np.pad(motion.positions, ((0, 0), (0, 3 - width)))
 
 
 def arm_items(arm: Arm, links: Sequence[str]) -> Iterator[Item]:
-    """The arm's surfaces, links in two colours by turns where the robot names none."""
+    """The arm's surfaces; links without a colour of their own get one of two in turn."""
     parts = parts_by_link(arm.document, arm.mesh_folders) or _rods(arm)
     colours = cycle((palette.rgb(palette.SHELL), palette.rgb(palette.JOINT)))
     for (link, own), usual in zip(parts.items(), colours, strict=False):
-        by_colour: dict[Any, list[Mesh]] = {}
+        by_colour: dict[Colour, list[Mesh]] = {}
         for part in own:
             by_colour.setdefault(part.colour or usual, []).append(part.mesh)
         for i, (colour, meshes) in enumerate(by_colour.items()):
@@ -195,7 +234,7 @@ def demonstration_items(arm: Arm, demonstrations: Iterable[Demonstration]) -> It
             got = type(demonstration).__name__
             raise InvalidInput(f"demonstrations[{i}]: expected a Demonstration, got {got}")
         points = solids.thinned(tip_path(arm, demonstration.motion), _DEMONSTRATION_POINTS)
-        mesh = solids.tube(points, _DEMONSTRATION_SHARE * _radius(points), sides=6)
+        mesh = solids.tube(points, _DEMONSTRATION_FRACTION * _radius(points), sides=6)
         name = demonstration.name or f"demonstration {i + 1}"
         yield Item(name, DEMONSTRATIONS, mesh, palette.rgb(palette.DEMONSTRATION))
 
@@ -207,7 +246,7 @@ def path_item(path: Float64Array) -> Item:
 
 
 def spread_items(arm: Arm, skill: Skill | None) -> Iterator[Item]:
-    """The tube of two standard deviations about a skill's mean path, where it has one."""
+    """The tube of two standard deviations about a skill's mean path, if it has one."""
     distribution = distribution_of(arm, skill)
     if distribution is not None:
         mesh = solids.uncertainty_tube(*distribution)
@@ -215,9 +254,9 @@ def spread_items(arm: Arm, skill: Skill | None) -> Iterator[Item]:
 
 
 def distribution_of(arm: Arm, skill: Skill | None) -> tuple[Float64Array, Float64Array] | None:
-    """Mean (n, 3) and covariance (n, 3, 3) of the tip's position; None where there is none.
+    """Mean (n, 3), m, and covariance (n, 3, 3) of the tip's position; None if there is none.
 
-    That of joints is brought to the tip by the Jacobian, to first order.
+    The covariance of joints is mapped to the tip by the Jacobian, to first order.
     """
     if not isinstance(skill, Distributed):
         return None
@@ -230,7 +269,7 @@ def distribution_of(arm: Arm, skill: Skill | None) -> tuple[Float64Array, Float6
 
 
 def obstacle_item(shape: Shape, index: int) -> Item:
-    """An obstacle where it is."""
+    """An obstacle at its own pose."""
     colour = palette.rgb(palette.OBSTACLE)
     return Item(f"obstacle {index}", OBSTACLES, solids.of_shape(shape), colour, opacity=0.85)
 
@@ -243,7 +282,7 @@ def goal_item(goal: Float64Array) -> Item:
 
 def _radius(path: Float64Array) -> float:
     extent = float(np.ptp(path, axis=0).max())
-    return min(_PATH_RADIUS, _PATH_SHARE * extent) or _PATH_RADIUS
+    return min(_PATH_RADIUS, _PATH_FRACTION * extent) or _PATH_RADIUS
 
 
 def _links(arm: Arm, q: Float64Array) -> tuple[tuple[str, ...], Float64Array, Float64Array]:

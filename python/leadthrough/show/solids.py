@@ -1,4 +1,4 @@
-"""Surfaces as triangles: bodies of revolution, boxes, tubes around paths."""
+"""Triangle meshes of solids: bodies of revolution, boxes and tubes around paths."""
 
 from __future__ import annotations
 
@@ -21,25 +21,30 @@ _UNTURNED = np.eye(3)
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Triangles. vertices: (n, 3) m. faces: (m, 3) indices, anticlockwise seen from outside."""
+    """A surface of triangles.
+
+    Attributes:
+        vertices: (n, 3), m.
+        faces: indices of vertices (m, 3), anticlockwise as seen from outside.
+    """
 
     vertices: Float64Array
     faces: NDArray[np.int64]
 
     def moved(self, position: Float64Array, rotation: Float64Array = _UNTURNED) -> Mesh:
-        """The mesh whose points p are now at rotation p + position, (3, 3) and (3,)."""
+        """The mesh with each point p moved to rotation p + position, (3, 3) and (3,), m."""
         return Mesh(self.vertices @ rotation.T + position, self.faces)
 
 
 def merged(meshes: Sequence[Mesh]) -> Mesh:
-    """All in one; at least one."""
+    """One mesh of all, of which there is at least one."""
     offsets = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
     faces = [mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=True)]
     return Mesh(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(faces))
 
 
 def of_shape(shape: Shape) -> Mesh:
-    """The surface of a shape, in the frame that its pose is given in."""
+    """The surface of a shape at its own pose."""
     if isinstance(shape, Sphere):
         return sphere(shape.radius).moved(shape.position)
     turned = rotations.to_matrix(shape.orientation[None])[0]
@@ -47,7 +52,7 @@ def of_shape(shape: Shape) -> Mesh:
 
 
 def unplaced(shape: Shape) -> Mesh:
-    """The surface of a shape in its own frame."""
+    """The surface of a shape about the origin of its own frame."""
     if isinstance(shape, Box):
         return box(shape.size)
     return (
@@ -56,7 +61,7 @@ def unplaced(shape: Shape) -> Mesh:
 
 
 def box(size: Float64Array) -> Mesh:
-    """A box about the origin; size: (3,) full edges."""
+    """A box about the origin, with full edge lengths (3,), m."""
     signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     faces = [(a, b, c) for a, b, c, _ in quads] + [(a, c, d) for a, _, c, d in quads]
@@ -64,18 +69,18 @@ def box(size: Float64Array) -> Mesh:
 
 
 def cylinder(radius: float, length: float) -> Mesh:
-    """A cylinder about z, with its middle in the origin."""
+    """A cylinder along z, centred at the origin; lengths in m."""
     half = 0.5 * length
     return _turned([(0.0, -half), (radius, -half), (radius, half), (0.0, half)])
 
 
 def sphere(radius: float) -> Mesh:
-    """A ball about the origin."""
+    """A ball centred at the origin; radius in m."""
     return capsule(radius, 0.0)
 
 
 def capsule(radius: float, length: float) -> Mesh:
-    """A capsule about z, with its middle in the origin; length: between the balls' centres."""
+    """A capsule along z, centred at the origin, with the length between its ends' centres, m."""
     angles = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 2 * _ARC_STEPS + 1)
     shift = np.where(angles > 0.0, 0.5 * length, -0.5 * length)
     profile = np.column_stack([radius * np.cos(angles), radius * np.sin(angles) + shift])
@@ -84,7 +89,7 @@ def capsule(radius: float, length: float) -> Mesh:
 
 
 def tube(path: Float64Array, radius: float, *, sides: int = _TUBE_SIDES) -> Mesh:
-    """A round tube around a path (n, 3), closed at both ends."""
+    """A round tube around a path (n, 3), closed at both ends; lengths in m."""
     points = without_repeats(path)
     if len(points) < 2:
         return sphere(radius).moved(points[0])
@@ -95,9 +100,12 @@ def tube(path: Float64Array, radius: float, *, sides: int = _TUBE_SIDES) -> Mesh
 def uncertainty_tube(
     means: Float64Array, covariances: Float64Array, *, deviations: float = 2.0
 ) -> Mesh:
-    """The tube (n, 3) whose sections are what a distribution has across its mean path.
+    """The tube whose cross-sections are the ellipses of a distribution about its mean path.
 
-    covariances: (n, 3, 3). deviations: how many standard deviations the half axes are long.
+    Args:
+        means: the mean path (n, 3), m.
+        covariances: (n, 3, 3), m^2.
+        deviations: length of the ellipses' half axes in standard deviations.
     """
     frames = cross_sections(means)
     across = np.einsum("nik,nkl,njl->nij", frames, covariances, frames)
@@ -108,13 +116,13 @@ def uncertainty_tube(
 
 
 def without_repeats(path: Float64Array) -> Float64Array:
-    """The path (n, 3) without points that repeat the one before."""
+    """The path (n, 3) without points equal to the one before."""
     moves = np.linalg.norm(np.diff(path, axis=0), axis=1) > 1e-9
     return np.asarray(path[np.concatenate([[True], moves])])
 
 
 def thinned(path: Float64Array, count: int) -> Float64Array:
-    """At most `count` points (n, d) of a path, even in its length, with both ends."""
+    """At most `count` points of a path (n, d), evenly spaced along it, with both ends."""
     if len(path) <= count:
         return path
     along = arc_length(path)
@@ -123,10 +131,11 @@ def thinned(path: Float64Array, count: int) -> Float64Array:
 
 
 def cross_sections(path: Float64Array) -> Float64Array:
-    """Two unit vectors (n, 2, 3) across the path (n, 3) at each point that twist the least.
+    """Two unit vectors (n, 2, 3) across the path (n, 3) at each point, with the least twist.
 
-    Each pair is the one before, reflected twice. Source: Wang et al. 2008, "Computation of
-    rotation minimizing frames", table I.
+    Each pair is the one before, reflected twice.
+
+    Source: Wang et al. 2008, "Computation of rotation minimizing frames", table I.
     """
     tangents = np.gradient(path, axis=0)
     lengths = np.linalg.norm(tangents, axis=1, keepdims=True)
@@ -164,7 +173,7 @@ def _circle(count: int) -> Float64Array:
 
 
 def _turned(profile: Sequence[tuple[float, float]] | Float64Array) -> Mesh:
-    """The surface that a line of radii and heights (n, 2), upwards, leaves about z."""
+    """The surface of revolution about z of a profile of radii and heights (n, 2), upwards."""
     radii, heights = np.asarray(profile, dtype=np.float64).T
     circle = _circle(_AROUND)
     rings = np.zeros((len(radii), _AROUND, 3))
@@ -175,7 +184,7 @@ def _turned(profile: Sequence[tuple[float, float]] | Float64Array) -> Mesh:
 
 
 def _swept(path: Float64Array, rings: Float64Array) -> Mesh:
-    """The surface through rings (n, k, 3), given about the points of a path (n, 3)."""
+    """The closed surface through rings (n, k, 3), given relative to the points of a path (n, 3)."""
     count, sides = rings.shape[:2]
     vertices = (path[:, None] + rings).reshape(-1, 3)
     ends = np.arange(sides)
@@ -191,7 +200,7 @@ def _swept(path: Float64Array, rings: Float64Array) -> Mesh:
 
 
 def _rings_joined(count: int, sides: int) -> NDArray[np.int64]:
-    """Two triangles between neighbours of each ring and the next."""
+    """Two triangles for each side between one ring and the next."""
     here = np.arange(sides)
     after = np.roll(here, -1)
     one = np.concatenate(
@@ -204,7 +213,7 @@ def _rings_joined(count: int, sides: int) -> NDArray[np.int64]:
 
 
 def _without_slivers(mesh: Mesh) -> Mesh:
-    """The mesh without triangles that have no area, as at poles."""
+    """The mesh without triangles of no area, as at poles."""
     a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
     areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     return Mesh(mesh.vertices, mesh.faces[areas > 1e-12 * areas.max()])

@@ -1,26 +1,30 @@
-"""Draws a scene into a page of viser."""
+"""Draws a scene on a viser server."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from leadthrough.show import palette
 from leadthrough.show.creases import creased
+from leadthrough.show.palette import Colour
 from leadthrough.show.scene import SMOOTH, Item, Scene
+
+if TYPE_CHECKING:
+    import viser
 
 _GRID_CELL = (232, 235, 239)
 _GRID_SECTION = (205, 211, 218)
 
 
 class Stage:
-    """The nodes of a scene on a server of viser, by layer."""
+    """The nodes of a scene on a viser server, by layer."""
 
-    def __init__(self, server: Any, shown: Scene) -> None:
+    def __init__(self, server: viser.ViserServer, shown: Scene) -> None:
         self._server = server
-        self._nodes: dict[str, list[Any]] = {}
+        self._nodes: dict[str, list[viser.MeshHandle]] = {}
         self._hidden: set[str] = set()
         self._set_up(shown)
         self._links = shown.links
@@ -32,10 +36,10 @@ class Stage:
         self.pose(shown, 0.0)
 
     def draw(self, item: Item, *, under: str | None = None) -> None:
-        """Adds a surface to its link, or to the node `under`."""
+        """Adds a surface below its link, or below the node `under`."""
         if under is None:
             under = "" if item.link is None else f"/arm/{self._links[item.link]}"
-        # The page makes normals of its own, smooth where faces share a vertex.
+        # The browser computes normals itself, smooth where faces share a vertex.
         mesh = item.mesh if item.layer in SMOOTH else creased(item.mesh)[0]
         node = self._server.scene.add_mesh_simple(
             f"{under}/{item.layer}/{item.name}",
@@ -48,7 +52,7 @@ class Stage:
         self._nodes.setdefault(item.layer, []).append(node)
 
     def redraw(self, layer: str, items: Iterable[Item]) -> None:
-        """Puts these surfaces in place of all of a layer."""
+        """Replaces all surfaces of a layer by these."""
         with self._server.atomic():
             for node in self._nodes.pop(layer, []):
                 node.remove()
@@ -56,13 +60,13 @@ class Stage:
                 self.draw(item)
 
     def show(self, layer: str, visible: bool) -> None:
-        """Whether a layer is to be seen."""
+        """Shows or hides a layer."""
         (self._hidden.discard if visible else self._hidden.add)(layer)
         for node in self._nodes.get(layer, []):
             node.visible = visible
 
     def pose(self, shown: Scene, time: float) -> None:
-        """Puts the links where they are at a time, s."""
+        """Moves the links to their poses at a time, s."""
         positions, orientations = shown.poses_at(time)
         with self._server.atomic():
             for frame, position, turned in zip(self._frames, positions, orientations, strict=True):
@@ -88,7 +92,7 @@ class Stage:
         server.initial_camera.fov = 0.7
 
 
-def to_bytes(colour: tuple[float, float, float]) -> tuple[int, int, int]:
-    """A colour of shares in [0, 1] as bytes."""
-    red, green, blue = (round(255.0 * share) for share in colour)
+def to_bytes(colour: Colour) -> tuple[int, int, int]:
+    """A colour as three bytes."""
+    red, green, blue = (round(255.0 * part) for part in colour)
     return red, green, blue

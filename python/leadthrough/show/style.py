@@ -1,6 +1,6 @@
-"""The look of all figures: colours, letters and lines.
+"""The style of all figures: colours, fonts and lines.
 
-Figures are drawn inside `applied`, so that matplotlib's own settings stay as the user has them.
+Figures are drawn inside `applied`, so that the user's matplotlib settings stay as they are.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from matplotlib import rc_context
 from leadthrough.show import palette
 
 _LINE = "#b8c0c9"
-STYLE: Any = {
+STYLE: Any = {  # matplotlib's rcParams: the type of their names is not the same in all its versions
     "axes.axisbelow": True,
     "axes.edgecolor": _LINE,
     "axes.labelcolor": palette.BLACK,
@@ -44,6 +44,6 @@ STYLE: Any = {
 
 @contextmanager
 def applied() -> Iterator[None]:
-    """Figures that are made in this block have the package's style; also a decorator."""
+    """Gives figures made in the block the package's style; also a decorator."""
     with rc_context(STYLE):
         yield

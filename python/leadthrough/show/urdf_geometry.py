@@ -1,4 +1,4 @@
-"""What a robot's links look like: the triangles of their visual or collision geometry."""
+"""The surfaces of a robot's links: triangles of their visual or collision geometry."""
 
 from __future__ import annotations
 
@@ -14,25 +14,28 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, MissingDependency
 from leadthrough.io.mesh import read_triangles
 from leadthrough.show import solids
+from leadthrough.show.palette import Colour
 from leadthrough.show.solids import Mesh
-
-_Colour = tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A surface of a link, in the link's frame. colour: sRGB in [0, 1], or None."""
+    """A surface of a link, in the link's frame; without a colour if the URDF gives it none."""
 
     mesh: Mesh
-    colour: _Colour | None = None
+    colour: Colour | None = None
 
 
 def parts_by_link(document: str, mesh_folders: Sequence[str]) -> dict[str, list[Part]]:
-    """What can be drawn of each link of a URDF, links that look like nothing left out.
+    """The surfaces of each link of a URDF; links without any are left out.
 
-    A link's visual geometry, or its collision geometry where there is none or a mesh of it cannot
-    be read: a view should open all the same. Shapes and meshes that are read without another
-    library come first, since they are small and clean. The document is one that the arm accepted.
+    A link's visual geometry is used, or its collision geometry if there is none or a mesh cannot
+    be read: a view should open all the same. Geometry that is read without another library is
+    preferred, since it is small and clean.
+
+    Args:
+        document: the URDF, as an arm has accepted it.
+        mesh_folders: where to look for meshes.
     """
     robot = ElementTree.fromstring(document)
     colours = {name: colour for name, colour in map(_material, robot.findall("material")) if colour}
@@ -55,7 +58,7 @@ def _needs_library(link: ElementTree.Element, kind: str) -> bool:
 def _parts(
     elements: Sequence[ElementTree.Element],
     mesh_folders: Sequence[str],
-    colours: Mapping[str, _Colour],
+    colours: Mapping[str, Colour],
 ) -> list[Part]:
     try:
         return list(_read(elements, mesh_folders, colours))
@@ -66,7 +69,7 @@ def _parts(
 def _read(
     elements: Sequence[ElementTree.Element],
     mesh_folders: Sequence[str],
-    colours: Mapping[str, _Colour],
+    colours: Mapping[str, Colour],
 ) -> Iterator[Part]:
     for element in elements:
         origin = element.find("origin")
@@ -94,7 +97,7 @@ def _surface(geometry: ElementTree.Element | None, mesh_folders: Sequence[str]) 
                 return solids.sphere(radius)
             case "mesh":
                 return _mesh(shape, mesh_folders)
-    raise InvalidInput("geometry: of no kind that can be drawn")
+    raise InvalidInput("geometry: expected a box, cylinder, capsule, sphere or mesh")
 
 
 def _mesh(element: ElementTree.Element, mesh_folders: Sequence[str]) -> Mesh:
@@ -105,7 +108,7 @@ def _mesh(element: ElementTree.Element, mesh_folders: Sequence[str]) -> Mesh:
     return Mesh(vertices * _numbers(element, "scale", (1.0, 1.0, 1.0)), faces)
 
 
-def _material(element: ElementTree.Element) -> tuple[str, _Colour | None]:
+def _material(element: ElementTree.Element) -> tuple[str, Colour | None]:
     colour = element.find("color")
     if colour is None:
         return element.get("name", ""), None

@@ -1,4 +1,4 @@
-"""A local page with an arm that moves, whose goal and obstacles may be dragged."""
+"""A live page in the browser: a moving arm, with a goal and obstacles that can be dragged."""
 
 from __future__ import annotations
 
@@ -7,18 +7,24 @@ import io
 import threading
 import webbrowser
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import replace
-from typing import Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, TextIO
 
 import numpy as np
 
 from leadthrough import check
+from leadthrough.check import Float64Array
 from leadthrough.errors import LeadthroughError, MissingDependency
 from leadthrough.models.parameters import Parameter
 from leadthrough.show import scene, solids
 from leadthrough.show.replanner import Answer, Replanner
 from leadthrough.show.scene import Scene
 from leadthrough.show.stage import Stage
+
+if TYPE_CHECKING:
+    import viser
 
 _FRAME = 1.0 / 40.0  # s
 # A plan in full is made when nothing has been dragged for this long, s.
@@ -30,9 +36,19 @@ _MOST_SPEED = 2.0
 class LiveView:
     """A page that shows a scene and, with a replanner, plans anew while things are dragged.
 
-    port: of this machine's own address; 0 takes a free one. The page is served until `close`.
-    handles: what viser has for the goal ("goal") and the obstacles ("obstacle 0", ...).
-    Raises InvalidInput, MissingDependency without viser.
+    It is served on 127.0.0.1 until `close`.
+
+    Args:
+        shown: the scene.
+        replanner: what answers when something is dragged; without it nothing can be.
+        port: port of the page; 0 picks a free one.
+
+    Attributes:
+        handles: viser's handles of the goal ("goal") and the obstacles ("obstacle 0", ...).
+
+    Raises:
+        InvalidInput: for an impossible port.
+        MissingDependency: if the extra `view` is not installed.
     """
 
     def __init__(self, shown: Scene, replanner: Replanner | None = None, *, port: int = 0) -> None:
@@ -44,7 +60,7 @@ class LiveView:
             self._stage = Stage(self._server, replace(shown, items=kept))
         else:
             self._stage = Stage(self._server, shown)
-        self.handles: dict[str, Any] = {}
+        self.handles: dict[str, viser.TransformControlsHandle] = {}
         self._answer: Answer | None = None
         self._changes: list[Callable[[], None]] = []
         self._asked, self._closing = threading.Event(), threading.Event()
@@ -63,17 +79,17 @@ class LiveView:
 
     @property
     def url(self) -> str:
-        """The page's address."""
+        """The page's URL."""
         return f"http://127.0.0.1:{self._server.get_port()}"
 
     @property
     def answer(self) -> Answer | None:
-        """The newest plan or preview; None before the first and without a replanner."""
+        """The latest plan or preview; None before the first, and without a replanner."""
         return self._answer
 
     @property
-    def clients(self) -> dict[int, Any]:
-        """The browsers that look at the page, as viser has them."""
+    def clients(self) -> dict[int, viser.ClientHandle]:
+        """The browsers that show the page, as viser's handles by number."""
         return dict(self._server.get_clients())
 
     def open(self) -> None:
@@ -81,7 +97,7 @@ class LiveView:
         webbrowser.open(self.url)
 
     def wait(self) -> None:
-        """Returns when the view has been closed; an interrupt from the keyboard closes it."""
+        """Returns when the view has been closed; Ctrl-C closes it."""
         try:
             while not self._closing.wait(1.0):
                 pass
@@ -89,7 +105,7 @@ class LiveView:
             self.close()
 
     def close(self) -> None:
-        """Ends the page's server."""
+        """Stops the page's server."""
         self._closing.set()
         self._asked.set()
         for thread in self._threads:
@@ -98,7 +114,11 @@ class LiveView:
             self._server.stop()
 
     def request(self, change: Callable[[], None]) -> None:
-        """Makes a change of the replanner before its next plan, and asks for that plan."""
+        """Asks for a new plan, before which a change is made to the replanner.
+
+        Args:
+            change: run on the planning thread; its errors become the answer's trouble.
+        """
         self._changes.append(change)
         self._asked.set()
 
@@ -106,7 +126,8 @@ class LiveView:
         gui = self._server.gui
         with gui.add_folder("Motion"):
             self._playing = gui.add_checkbox("play", True)
-            self._time = gui.add_slider("time, s", 0.0, self._end(), 0.01, 0.0)
+            # Any: mypy takes the handle's `value` for read-only.
+            self._time: Any = gui.add_slider("time, s", 0.0, self._end(), 0.01, 0.0)
             self._speed = gui.add_slider("speed", 0.1, _MOST_SPEED, 0.1, 1.0)
         self._told = gui.add_markdown("")
         self._time.on_update(lambda _: self._stage.pose(self._shown, self._time.value))
@@ -147,13 +168,17 @@ class LiveView:
         for i, shape in enumerate(planner.obstacles):
             name = f"obstacle {i}"
             turned = getattr(shape, "orientation", None)
-            self._handle(
-                name, shape.position, turned, lambda p, q, i=i: planner.move_obstacle(i, p, q)
-            )
+            self._handle(name, shape.position, turned, partial(planner.move_obstacle, i))
             item = replace(scene.obstacle_item(shape, i), mesh=solids.unplaced(shape))
             self._stage.draw(item, under=f"/{name}")
 
-    def _handle(self, name: str, position: Any, turned: Any, move: Callable[..., None]) -> None:
+    def _handle(
+        self,
+        name: str,
+        position: Float64Array,
+        turned: Float64Array | None,
+        move: Callable[[Float64Array, Float64Array | None], None],
+    ) -> None:
         handle = self._server.scene.add_transform_controls(
             f"/{name}",
             scale=_HANDLE,
@@ -163,7 +188,7 @@ class LiveView:
             wxyz=(1.0, 0.0, 0.0, 0.0) if turned is None else turned,
         )
 
-        def moved(_: Any) -> None:
+        def moved(_: object) -> None:
             place = np.array(handle.position)
             turn = None if turned is None else np.array(handle.wxyz)
             self.request(lambda: move(place, turn))
@@ -181,8 +206,8 @@ class LiveView:
                 self._time.value = 0.0 if at > self._end() else at
 
     def _replan(self, planner: Replanner) -> None:
-        """A preview after each change, the newest one only; a plan where all has come to rest."""
-        planner.preview()  # makes what the first drag would wait for
+        """Shows a preview after each change, of the latest only, and a plan once all is at rest."""
+        planner.preview()  # prepares what the first drag would otherwise wait for
         while not self._closing.is_set():
             self._show(planner, planner.plan())
             self._asked.wait()
@@ -217,7 +242,7 @@ class LiveView:
         self._answer = answer
 
 
-def _server(port: int) -> Any:
+def _server(port: int) -> viser.ViserServer:
     try:
         import viser  # noqa: PLC0415
     except ImportError:
@@ -226,6 +251,6 @@ def _server(port: int) -> Any:
         return viser.ViserServer(host="127.0.0.1", port=port, verbose=False)
 
 
-def _silence() -> Any:
-    """What viser prints of itself is no part of ours."""
+def _silence() -> AbstractContextManager[TextIO]:
+    """Keeps viser's own messages off our output."""
     return contextlib.redirect_stdout(io.StringIO())

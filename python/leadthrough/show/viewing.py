@@ -1,17 +1,17 @@
-"""`view`: what there is of a motion, in a page to look at."""
+"""An arm and its motion as a page to look at: an HTML file, or live in a browser."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
 
 from leadthrough.arm import Arm
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath
+from leadthrough.models.protocol import Place, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion
 from leadthrough.shapes import Shape, check_shapes
 from leadthrough.show import page, scene
-from leadthrough.show.replanner import Replanner
+from leadthrough.show.replanner import Replanner, parted
 from leadthrough.show.scene import Scene
 from leadthrough.show.viewer import LiveView
 
@@ -21,22 +21,34 @@ def view(
     motion: Motion | None = None,
     *,
     demonstrations: Iterable[Demonstration] = (),
-    skill: Any = None,
-    goal: Any = None,
+    skill: Skill | None = None,
+    goal: Place | None = None,
     obstacles: Iterable[Shape] = (),
     html: StrPath | None = None,
     title: str = "",
     port: int = 0,
 ) -> None:
-    """Shows an arm on a motion: as an HTML file, or live in a browser until it is interrupted.
+    """Shows an arm and its motion: as an HTML file, or live in a browser until interrupted.
 
-    motion: of the joints, or of the tip, which the arm then follows; without it the skill's own.
-    demonstrations: as they were shown. skill: its uncertainty is drawn as a tube; live, its goal
-    and the obstacles may be dragged, and it plans anew. goal: as for `Replanner`. obstacles: in
-    the arm's base frame. html: a file to write, which needs no server and no network; no page is
-    opened then. title: of that file, by default the robot's name. port: for the
-    live page; 0 takes a free one.
-    Raises InvalidInput, IkFailure; MissingDependency for the live page without the extra `view`.
+    Args:
+        arm: the arm to show.
+        motion: of the joints, or of the tip, which the arm then follows; without it the skill's
+            own motion is planned and shown.
+        demonstrations: recordings to draw; in the live page also for model parameters that need a
+            new fit.
+        skill: its uncertainty is drawn as a tube. In the live page its goal and the obstacles can
+            be dragged, and it plans anew.
+        goal: of the skill: position (3,), m, or (position (3,), orientation (4,) w, x, y, z); by
+            default its own.
+        obstacles: shapes in the arm's base frame.
+        html: file to write instead of opening a browser; it needs no server and no network.
+        title: title of that file, by default the robot's name.
+        port: port of the live page; 0 picks a free one.
+
+    Raises:
+        InvalidInput: if an argument is wrong, or the skill plans no motion that the arm can follow.
+        IkFailure: if the arm cannot follow the motion of the tip.
+        MissingDependency: for the live page, if the extra `view` is not installed.
     """
     shown = list(demonstrations)
     if html is not None:
@@ -58,12 +70,31 @@ def open_view(
     motion: Motion | None = None,
     *,
     demonstrations: Iterable[Demonstration] = (),
-    skill: Any = None,
-    goal: Any = None,
+    skill: Skill | None = None,
+    goal: Place | None = None,
     obstacles: Iterable[Shape] = (),
     port: int = 0,
 ) -> LiveView:
-    """The live page of `view`, served until it is closed. Raises as `view` does."""
+    """The live page of `view`, served in the background until it is closed.
+
+    Args:
+        arm: the arm to show.
+        motion: of the joints, or of the tip, which the arm then follows; without it the skill's
+            own motion is planned and shown.
+        demonstrations: recordings to draw; in the live page also for model parameters that need a
+            new fit.
+        skill: its uncertainty is drawn as a tube. In the live page its goal and the obstacles can
+            be dragged, and it plans anew.
+        goal: of the skill: position (3,), m, or (position (3,), orientation (4,) w, x, y, z); by
+            default its own.
+        obstacles: shapes in the arm's base frame.
+        port: port of the page; 0 picks a free one.
+
+    Raises:
+        InvalidInput: if an argument is wrong, or the skill plans no motion that the arm can follow.
+        IkFailure: if the arm cannot follow the motion of the tip.
+        MissingDependency: if the extra `view` is not installed.
+    """
     shown, shapes = list(demonstrations), check_shapes(obstacles)
     planner = None
     if skill is not None:
@@ -77,19 +108,24 @@ def whole_scene(
     motion: Motion | None,
     *,
     demonstrations: Iterable[Demonstration],
-    skill: Any,
-    goal: Any,
+    skill: Skill | None,
+    goal: Place | None,
     obstacles: Iterable[Shape],
 ) -> Scene:
-    """The scene of `view`, from its arguments. Raises as `view` does."""
+    """The scene of `view`, from its arguments.
+
+    Raises:
+        InvalidInput: if an argument is wrong, or the skill plans no motion that the arm can follow.
+        IkFailure: if the arm cannot follow the motion of the tip.
+    """
     shapes = check_shapes(obstacles)
     if motion is None and skill is not None:
         answer = Replanner(arm, skill, goal=goal, obstacles=shapes).plan()
         if answer.joints is None:
-            raise InvalidInput(f"skill: plans no motion for the arm: {answer.trouble}")
+            raise InvalidInput(f"skill: no motion that the arm can follow: {answer.trouble}")
         motion = answer.joints
     joints = motion if motion is None or isinstance(motion, JointTrajectory) else arm.follow(motion)
-    position = goal[0] if isinstance(goal, tuple) and len(goal) == 2 else goal
+    position = None if goal is None else parted(goal)[0]
     if position is None and skill is not None and joints is not None:
         position = arm.forward_kinematics(joints.positions[-1])[0]
     return scene.arm_scene(

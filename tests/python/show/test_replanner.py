@@ -159,7 +159,7 @@ def test_motion_that_goes_on_for_ever_has_no_goal(panda):
 
 def test_drawing_is_no_motion_of_an_arm(panda):
     drawing = lt.Trajectory([0.0, 1.0, 2.0], [[0.0, 0.0], [1.0, 0.0], [2.0, 1.0]])
-    with pytest.raises(InvalidInput, match="in space"):
+    with pytest.raises(InvalidInput, match="poses in 3-D"):
         Replanner(panda, lt.DMP().fit([lt.Demonstration(drawing)]))
 
 

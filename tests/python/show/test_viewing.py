@@ -70,7 +70,7 @@ def test_motion_of_the_tip_is_followed(panda, shown, tmp_path):
 
 
 def test_skill_that_the_arm_cannot_follow_is_refused(panda, shown, tmp_path):
-    with pytest.raises(InvalidInput, match="plans no motion"):
+    with pytest.raises(InvalidInput, match="no motion that the arm can follow"):
         view(panda, skill=lt.PoseDMP().fit(shown), goal=(3, 0, 0), html=tmp_path / "a.html")
     assert not list(tmp_path.iterdir())
 
