@@ -104,7 +104,7 @@ def trace_mixture(
         seed: seed of the random number generator that starts k-means.
 
     Returns:
-        As many mixtures as iterations, and one.
+        Mixtures, one more than iterations.
 
     Raises:
         InvalidInput: if points is not a finite (n, d) array, components < 1, iterations < 0 or
@@ -143,9 +143,7 @@ def _checked(points: ArrayLike, components: int, seed: int) -> tuple[Float64Arra
     count = check.integer(components, "components", at_least=1)
     check.integer(seed, "seed", at_least=0)
     if count > len(data):
-        raise FitError(
-            f"components: expected at most as many as there are points, {len(data)}, got {count}"
-        )
+        raise FitError(f"components: expected at most one per point, {len(data)}, got {count}")
     return data, count
 
 

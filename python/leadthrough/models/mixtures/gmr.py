@@ -68,14 +68,8 @@ class GMR:
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> GMRSkill:
     """The skill that `GMRSkill.to_archive` took apart.
 
-    Args:
-        settings: its plain values.
-        arrays: its arrays by name.
-
     Raises:
-        KeyError: if a value or an array is missing.
-        TypeError: if a value has the wrong type.
-        ValueError: if a value or an array is out of range.
+        KeyError, TypeError, ValueError: if the file is damaged.
     """
     chart = Chart.from_archive(settings, arrays)
     mixture = Mixture(arrays["weights"], arrays["means"], arrays["covariances"])

@@ -52,7 +52,7 @@ def kmeans(points: ArrayLike, count: int, *, seed: int) -> Clusters:
     size = check.integer(count, "count", at_least=1)
     if size > len(data):
         raise InvalidInput(
-            f"count: expected at most as many clusters as points, {len(data)}, got {size}"
+            f"count: expected at most one cluster per point, {len(data)}, got {size}"
         )
     rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
     return clustered(data, seeds(data, size, rng))

@@ -38,17 +38,16 @@ class Mixture:
     means: Float64Array
     covariances: Float64Array
 
-    def __post_init__(self) -> None:
-        weights = check.frozen(self.weights, "weights", shape=("k",))
-        means = check.frozen(self.means, "means", shape=(len(weights), "d"))
-        size = means.shape[1]
-        covariances = check.frozen(
-            self.covariances, "covariances", shape=(len(weights), size, size)
-        )
-        if not (weights >= 0.0).all() or abs(weights.sum() - 1.0) > _SUM_TOLERANCE:
-            raise InvalidInput(f"weights: expected fractions that sum to 1, got {weights}")
-        for name, value in (("weights", weights), ("means", means), ("covariances", covariances)):
-            object.__setattr__(self, name, value)
+    def __init__(self, weights: ArrayLike, means: ArrayLike, covariances: ArrayLike) -> None:
+        own_weights = check.frozen(weights, "weights", shape=("k",))
+        own_means = check.frozen(means, "means", shape=(len(own_weights), "d"))
+        shape = (*own_means.shape, own_means.shape[1])
+        own_covariances = check.frozen(covariances, "covariances", shape=shape)
+        if not (own_weights >= 0.0).all() or abs(own_weights.sum() - 1.0) > _SUM_TOLERANCE:
+            raise InvalidInput(f"weights: expected fractions that sum to 1, got {own_weights}")
+        object.__setattr__(self, "weights", own_weights)
+        object.__setattr__(self, "means", own_means)
+        object.__setattr__(self, "covariances", own_covariances)
         _ = self._whitening  # a covariance that is not positive definite is refused here
 
     @property

@@ -46,17 +46,17 @@ class Frame:
     axes: Float64Array
 
     def __init__(self, origin: ArrayLike, axes: ArrayLike | None = None) -> None:
-        checked_origin = check.frozen(origin, "origin", shape=("d",))
-        size = len(checked_origin)
+        own_origin = check.frozen(origin, "origin", shape=("d",))
+        size = len(own_origin)
         given = np.eye(size) if axes is None else axes
-        checked_axes = check.frozen(given, "axes", shape=(size, size))
-        off = float(np.abs(checked_axes.T @ checked_axes - np.eye(size)).max())
+        own_axes = check.frozen(given, "axes", shape=(size, size))
+        off = float(np.abs(own_axes.T @ own_axes - np.eye(size)).max())
         if off > _ORTHONORMAL:
             raise InvalidInput(
                 f"axes: expected orthonormal columns, got axes.T @ axes off by {off:.3g}"
             )
-        object.__setattr__(self, "origin", checked_origin)
-        object.__setattr__(self, "axes", checked_axes)
+        object.__setattr__(self, "origin", own_origin)
+        object.__setattr__(self, "axes", own_axes)
 
     @staticmethod
     def of_pose(position: ArrayLike, orientation: ArrayLike) -> Frame:

@@ -89,15 +89,8 @@ class TaskGMR:
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> TaskGMRSkill:
     """The skill that `TaskGMRSkill.to_archive` took apart.
 
-    Args:
-        settings: its plain values.
-        arrays: its arrays by name.
-
     Raises:
-        KeyError: if a value or an array is missing.
-        TypeError: if a value has the wrong type.
-        ValueError: if a value or an array is out of range.
-        IndexError: if there is no frame.
+        KeyError, TypeError, ValueError, IndexError: if the file is damaged.
     """
     mixtures = [
         Mixture(arrays["weights"], arrays[f"means_{i}"], arrays[f"covariances_{i}"])

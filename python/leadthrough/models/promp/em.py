@@ -18,8 +18,8 @@ import numpy as np
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
 from leadthrough.models.promp.basis import Basis
+from leadthrough.models.promp.estimation import LEAST_SPREAD, Fit, Shown
 from leadthrough.models.promp.gaussian import Gaussian
-from leadthrough.models.promp.least_squares import LEAST_SPREAD, Fit
 from leadthrough.models.promp.prior import smooth_prior
 
 # The prior counts as much as this many demonstrations.
@@ -55,34 +55,27 @@ class _Sums:
         return _Sums(rows.T @ rows, rows.T @ values, (values**2).sum(axis=0), len(values))
 
 
-def expectation_maximisation(
-    basis: Basis,
-    phases: Sequence[Float64Array],
-    columns: Sequence[Float64Array],
-    scale: Float64Array,
-) -> Fit:
+def expectation_maximisation(basis: Basis, shown: Shown) -> Fit:
     """The distribution of weights and the noise under which the motions are the most probable.
 
     Args:
         basis: the k basis functions.
-        phases: phases (n,) of each motion.
-        columns: values (n, d) of each motion.
-        scale: reach (d,) of the motions.
+        shown: the demonstrations.
 
     Raises:
-        FitError: if no demonstration shows a part of the motion.
+        FitError: if no demonstration shows some part of the motion.
     """
-    _refuse_gaps(phases, basis)
-    pooled = np.concatenate(columns)
+    _refuse_gaps(shown.phases, basis)
+    pooled, scale = np.concatenate(shown.columns), shown.scale
     middle = pooled.mean(axis=0)
-    shown = [
+    sums = [
         _Sums.of(basis(at), (values - middle) / scale)
-        for at, values in zip(phases, columns, strict=True)
+        for at, values in zip(shown.phases, shown.columns, strict=True)
     ]
     size = len(scale)
-    base = smooth_prior(basis, np.ones(size)) * _spread_of(shown, basis) ** 2
-    first = Gaussian(_common_curve(shown, basis), base)
-    weights, noise, history = _iterated(shown, first, base, _TOLERANCE * len(pooled) * size)
+    base = smooth_prior(basis, np.ones(size)) * _spread_of(sums, basis) ** 2
+    first = Gaussian(_common_curve(sums, basis), base)
+    weights, noise, history = _iterated(sums, first, base, _TOLERANCE * len(pooled) * size)
     floor = smooth_prior(basis, np.full(size, LEAST_SPREAD))
     unit = np.repeat(scale, basis.count)
     mean = weights.mean * unit + np.repeat(middle, basis.count)
@@ -91,43 +84,43 @@ def expectation_maximisation(
 
 
 def _iterated(
-    shown: Sequence[_Sums], weights: Gaussian, base: Float64Array, tolerance: float
+    sums: Sequence[_Sums], weights: Gaussian, base: Float64Array, tolerance: float
 ) -> tuple[Gaussian, Float64Array, tuple[float, ...]]:
     """Weights, noise (d,) and history after EM from `weights` on, with the prior's `base`."""
-    noise = np.full(len(shown[0].values), _FIRST_NOISE)
+    noise = np.full(len(sums[0].values), _FIRST_NOISE)
     history: list[float] = []
     for _ in range(_MOST_ITERATIONS):
-        estimates, likelihood = _expectation(shown, weights, noise)
+        estimates, likelihood = _expectation(sums, weights, noise)
         history.append(likelihood + _log_prior(weights.covariance, base))
         if len(history) > 1 and history[-1] - history[-2] < tolerance:
             break
-        weights, noise = _maximisation(shown, estimates, base)
+        weights, noise = _maximisation(sums, estimates, base)
     return weights, noise, tuple(history)
 
 
-def _common_curve(shown: Sequence[_Sums], basis: Basis) -> Float64Array:
+def _common_curve(sums: Sequence[_Sums], basis: Basis) -> Float64Array:
     """The weights (d k,) of the smooth curve through all demonstrations."""
-    squares = np.sum([each.squares for each in shown], axis=0)
-    products = np.sum([each.products for each in shown], axis=0)
+    squares = np.sum([each.squares for each in sums], axis=0)
+    products = np.sum([each.products for each in sums], axis=0)
     unit = float(np.trace(squares)) / basis.count
     smooth = squares + 1e-4 * unit * basis.roughness + 1e-9 * unit * np.eye(basis.count)
     return np.asarray(np.linalg.solve(smooth, products).T.ravel())
 
 
-def _spread_of(shown: Sequence[_Sums], basis: Basis) -> float:
+def _spread_of(sums: Sequence[_Sums], basis: Basis) -> float:
     """Root mean square distance of the demonstrations from their common curve."""
-    curve = _common_curve(shown, basis).reshape(-1, basis.count)
+    curve = _common_curve(sums, basis).reshape(-1, basis.count)
     squared = sum(
         float(each.values.sum() - 2.0 * (curve.T * each.products).sum())
         + float(np.einsum("dk,kl,dl->", curve, each.squares, curve))
-        for each in shown
+        for each in sums
     )
-    total = sum(each.count for each in shown) * len(curve)
+    total = sum(each.count for each in sums) * len(curve)
     return max(float(np.sqrt(max(squared / total, 0.0))), 0.01)
 
 
 def _expectation(
-    shown: Sequence[_Sums], weights: Gaussian, noise: Float64Array
+    sums: Sequence[_Sums], weights: Gaussian, noise: Float64Array
 ) -> tuple[list[Gaussian], float]:
     """The weights of each demonstration, and the log-likelihood of all."""
     lower = np.linalg.cholesky(weights.covariance)
@@ -137,7 +130,7 @@ def _expectation(
     log_prior = 2.0 * float(np.log(np.diag(lower)).sum())
     known: dict[bytes, tuple[Float64Array, float]] = {}
     estimates, likelihood = [], 0.0
-    for each in shown:
+    for each in sums:
         key = each.squares.tobytes()  # demonstrations at the same phases share their covariance
         if key not in known:
             known[key] = _inverted(precision + np.kron(np.diag(1.0 / noise), each.squares))
@@ -159,7 +152,7 @@ def _inverted(precision: Float64Array) -> tuple[Float64Array, float]:
 
 
 def _maximisation(
-    shown: Sequence[_Sums], estimates: Sequence[Gaussian], base: Float64Array
+    sums: Sequence[_Sums], estimates: Sequence[Gaussian], base: Float64Array
 ) -> tuple[Gaussian, Float64Array]:
     """The distribution of the weights and the noise (d,) that the estimates make most probable."""
     means = np.stack([each.mean for each in estimates])
@@ -167,15 +160,15 @@ def _maximisation(
     centred = means - mean
     total = centred.T @ centred + np.sum([each.covariance for each in estimates], axis=0)
     covariance = (total + _PRIOR_COUNT * base) / (len(means) + _PRIOR_COUNT)
-    size = len(shown[0].values)
+    size = len(sums[0].values)
     squared = np.zeros(size)
-    for each, estimate in zip(shown, estimates, strict=True):
+    for each, estimate in zip(sums, estimates, strict=True):
         curve = estimate.mean.reshape(size, -1)
         blocks = estimate.covariance.reshape(size, -1, size, curve.shape[1])
         second = np.einsum("dkdl->dkl", blocks) + curve[:, :, None] * curve[:, None, :]
         squared += each.values - 2.0 * (curve.T * each.products).sum(axis=0)
         squared += np.einsum("kl,dkl->d", each.squares, second)
-    noise = squared / sum(each.count for each in shown)
+    noise = squared / sum(each.count for each in sums)
     return Gaussian(mean, covariance), np.maximum(noise, _LEAST_NOISE**2)
 
 

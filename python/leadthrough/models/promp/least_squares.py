@@ -10,69 +10,42 @@ estimation", eq. 8.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from leadthrough.check import Float64Array
 from leadthrough.models.promp.basis import Basis
+from leadthrough.models.promp.estimation import LEAST_SPREAD, Fit, Shown
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.prior import shaped_prior, smooth_prior
 
-# The least standard deviation that a motion is believed to have, as a fraction of its reach.
-LEAST_SPREAD = 1e-3
 # One demonstration says nothing about the spread of others: a tenth of its reach is assumed.
 _UNKNOWN_SPREAD = 0.1
 _LEAST_NOISE = 1e-6  # standard deviation as a fraction of the reach
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """What an estimator found.
-
-    Attributes:
-        weights: distribution of the weights (d k,), one column after the other.
-        noise: variances (d,) of the samples about their curves.
-        history: log posterior density at every iteration; empty for least squares.
-    """
-
-    weights: Gaussian
-    noise: Float64Array
-    history: tuple[float, ...] = ()
-
-
-def least_squares(
-    basis: Basis,
-    phases: Sequence[Float64Array],
-    columns: Sequence[Float64Array],
-    scale: Float64Array,
-    regularization: float,
-) -> Fit:
+def least_squares(basis: Basis, shown: Shown, regularization: float) -> Fit:
     """The distribution of the weights of curves fitted to each motion.
 
     Args:
         basis: the k basis functions.
-        phases: phases (n,) of each motion.
-        columns: values (n, d) of each motion.
-        scale: reach (d,) of the motions.
+        shown: the demonstrations.
         regularization: cost of a wiggle relative to that of an error, > 0.
     """
     curves, residuals = [], []
     known: dict[bytes, CurveFit] = {}
-    for at, values in zip(phases, columns, strict=True):
+    for at, values in zip(shown.phases, shown.columns, strict=True):
         key = at.tobytes()
         if key not in known:
             known[key] = CurveFit(basis, at, regularization)
         fit = known[key]
         curves.append(fit.weights(values))
         residuals.append(((values - fit.values @ curves[-1]) ** 2).sum(axis=0))
-    samples = sum(len(at) for at in phases)
+    samples = sum(len(at) for at in shown.phases)
     free = max(samples - len(curves) * basis.count, 1)
-    noise = np.sum(residuals, axis=0) / free + (_LEAST_NOISE * scale) ** 2
+    noise = np.sum(residuals, axis=0) / free + (_LEAST_NOISE * shown.scale) ** 2
     stacked = np.stack([curve.T.ravel() for curve in curves])
-    return Fit(shrunk(stacked, basis, scale), noise)
+    return Fit(shrunk(stacked, basis, shown.scale), noise)
 
 
 class CurveFit:

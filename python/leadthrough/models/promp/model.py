@@ -24,6 +24,7 @@ from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.promp import limits
 from leadthrough.models.promp.basis import KINDS, LEAST, Basis
 from leadthrough.models.promp.em import expectation_maximisation
+from leadthrough.models.promp.estimation import Shown
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.least_squares import least_squares
 from leadthrough.models.promp.skill import ProMPSkill
@@ -98,30 +99,24 @@ class ProMP:
             chart.columns(motion, u, f"demonstrations[{i}]")
             for i, (motion, u) in enumerate(zip(motions, at, strict=True))
         ]
-        scale = scales(columns, chart)
+        shown = Shown(at, columns, scales(columns, chart))
         basis = _basis_of(self)
         if self.estimator == "em":
-            fit = expectation_maximisation(basis, at, columns, scale)
+            fit = expectation_maximisation(basis, shown)
         else:
             _refuse_parts(at)
-            fit = least_squares(basis, at, columns, scale, self.regularization)
+            fit = least_squares(basis, shown, self.regularization)
         whole = [m.duration / float(u[-1] - u[0]) for m, u in zip(motions, at, strict=True)]
         duration = float(np.median(whole))
-        return ProMPSkill(self, basis, chart, fit.weights, fit.noise, scale, duration)
+        return ProMPSkill(self, basis, chart, fit.weights, fit.noise, shown.scale, duration)
 
 
 # Any: settings are whatever JSON holds.
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> ProMPSkill:
     """The skill that `ProMPSkill.to_archive` took apart.
 
-    Args:
-        settings: its plain values.
-        arrays: its arrays by name.
-
     Raises:
-        KeyError: if a value or an array is missing.
-        TypeError: if a value has the wrong type.
-        ValueError: if a value or an array is out of range.
+        KeyError, TypeError, ValueError: if the file is damaged.
     """
     model = _model_of(settings)
     basis, chart = _basis_of(model), Chart.from_archive(settings, arrays)

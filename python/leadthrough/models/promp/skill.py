@@ -150,8 +150,8 @@ class ProMPSkill(Generic[MotionT_co]):
             covariance: covariance (p, p) of the values at each via point; by default the motion
                 passes through them exactly.
             order: what the values are: 0 positions, 1 velocities, 2 accelerations.
-            columns: indices of the p columns that the values are for; by default all d, for poses
-                as many as the position has.
+            columns: indices of the p columns that the values are for; by default all; for poses
+                those of the position or of the position and the orientation.
 
         Raises:
             InvalidInput: if an argument is wrong, if several via points are given for poses, or if

@@ -8,6 +8,7 @@ from leadthrough.errors import FitError
 from leadthrough.models.chart import Chart, scales
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.em import expectation_maximisation
+from leadthrough.models.promp.estimation import Shown
 
 BASIS = Basis("gaussian", 8)
 NOISE = 0.05
@@ -29,7 +30,7 @@ def test_posterior_density_never_falls():
     phases = [u[:40], u[20:], u, u[10:50], u, u]
     columns = [noisy[0][:40], noisy[1][20:], noisy[2], noisy[3][10:50], noisy[4], noisy[5]]
     scale = scales(columns, Chart("points", 2))
-    history = expectation_maximisation(BASIS, phases, columns, scale).history
+    history = expectation_maximisation(BASIS, Shown(phases, columns, scale)).history
     assert len(history) > 3
     assert np.diff(history).min() > -1e-6
 

@@ -1,0 +1,42 @@
+"""What the estimators of a ProMP's weights take and return."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from leadthrough.check import Float64Array
+from leadthrough.models.promp.gaussian import Gaussian
+
+# The least standard deviation that a motion is believed to have, as a fraction of its reach.
+LEAST_SPREAD = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """Demonstrations as columns over phases.
+
+    Attributes:
+        phases: phases (n,) of the samples of each motion.
+        columns: columns (n, d) of the samples of each motion.
+        scale: reach (d,) of the motions.
+    """
+
+    phases: Sequence[Float64Array]
+    columns: Sequence[Float64Array]
+    scale: Float64Array
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """What an estimator found.
+
+    Attributes:
+        weights: distribution of the weights (d k,), one column after the other.
+        noise: variances (d,) of the samples about their curves.
+        history: log posterior density at every iteration; empty for least squares.
+    """
+
+    weights: Gaussian
+    noise: Float64Array
+    history: tuple[float, ...] = ()
