@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Generic
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Generic
 
-from leadthrough.motion import MotionT, MotionT_co
+from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.motion import Motion, MotionT, MotionT_co
 
 if TYPE_CHECKING:
     from leadthrough.models.protocol import Skill
@@ -50,3 +51,32 @@ def whole_number(
         return apply(round(number))
 
     return Parameter(label, value, min(least, value), max(most, value), 1.0, rounded)
+
+
+def fitted_again(
+    skill: Skill[MotionT],
+    setting: str,
+    demonstrations: Demonstrations[Motion],
+    *,
+    least: int,
+    most: int,
+) -> Sequence[Parameter[MotionT]]:
+    """The parameter that fits a skill again with another whole number in its model.
+
+    Args:
+        skill: the fitted skill.
+        setting: name of the number among its model's settings.
+        demonstrations: the demonstrations that it was fitted to; without them there is no
+            parameter.
+        least: the least value worth trying.
+        most: the largest value worth trying.
+    """
+    if len(demonstrations) == 0:
+        return []
+    model: Any = skill.model  # a dataclass with this setting
+
+    def fitted(number: int) -> Skill[MotionT]:
+        again: Skill[MotionT] = replace(model, **{setting: number}).fit(demonstrations)
+        return again
+
+    return [whole_number(setting, getattr(model, setting), least=least, most=most, apply=fitted)]

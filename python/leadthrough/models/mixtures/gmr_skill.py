@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, cast
+from typing import TYPE_CHECKING, Any, ClassVar, Generic
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,15 +12,14 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import UnsupportedQuery
-from leadthrough.io.atomic import StrPath
-from leadthrough.models import archive
+from leadthrough.models.archive import Archived, Arrays
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.even_times import even_times
 from leadthrough.models.mixtures.ends import shifted, wanted_ends
 from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.update import learned
-from leadthrough.models.parameters import Parameter, whole_number
+from leadthrough.models.parameters import Parameter, fitted_again
 from leadthrough.models.place import Place
 from leadthrough.motion import Motion, MotionT_co, normalised_times
 from leadthrough.preprocess.resample import arc_length
@@ -33,7 +32,7 @@ MOST_COMPONENTS = 20  # worth trying on a slider
 
 
 @dataclass(frozen=True, eq=False)
-class GMRSkill(Generic[MotionT_co]):
+class GMRSkill(Archived, Generic[MotionT_co]):
     """A mixture over time and the columns of a motion; made by `GMR.fit`.
 
     Attributes:
@@ -166,29 +165,10 @@ class GMRSkill(Generic[MotionT_co]):
         Args:
             demonstrations: the demonstrations that the skill was fitted to.
         """
-        if len(demonstrations) == 0:
-            return []
-
-        def fitted(components: int) -> GMRSkill[MotionT_co]:
-            made = replace(self.model, components=components).fit(demonstrations)
-            return cast(GMRSkill[MotionT_co], made)
-
-        count = self.mixture.count
-        return [whole_number("components", count, least=1, most=MOST_COMPONENTS, apply=fitted)]
-
-    def save(self, path: StrPath) -> None:
-        """Writes the skill to a .npz file that `load_skill` reads.
-
-        Args:
-            path: file to write.
-
-        Raises:
-            InvalidInput: if the file cannot be written.
-        """
-        archive.write(path, self.kind, *self.to_archive())
+        return fitted_again(self, "components", demonstrations, least=1, most=MOST_COMPONENTS)
 
     # Any: settings are whatever JSON holds.
-    def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
+    def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         """Settings and arrays that `gmr.from_archive` turns into the skill again."""
         settings = {
             "model": asdict(self.model),

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, cast
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Generic
 
 import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
-from leadthrough.io.atomic import StrPath
-from leadthrough.models import archive
+from leadthrough.models.archive import Archived, Arrays
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.mixtures.em import Blocks
@@ -20,7 +19,7 @@ from leadthrough.models.mixtures.gmr import GMR
 from leadthrough.models.mixtures.gmr_skill import MOST_COMPONENTS, GMRSkill
 from leadthrough.models.mixtures.task_frames import Frame, checked_frames, common_chart, placed
 from leadthrough.models.mixtures.task_product import multiplied
-from leadthrough.models.parameters import Parameter, whole_number
+from leadthrough.models.parameters import Parameter, fitted_again
 from leadthrough.models.place import Place
 from leadthrough.motion import Motion, MotionT_co, PoseTrajectory
 from leadthrough.shapes import Shape
@@ -30,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class TaskGMRSkill(Generic[MotionT_co]):
+class TaskGMRSkill(Archived, Generic[MotionT_co]):
     """Components seen from the frames of a task; made by `TaskGMR.fit`.
 
     Attributes:
@@ -133,29 +132,12 @@ class TaskGMRSkill(Generic[MotionT_co]):
         Args:
             demonstrations: the demonstrations that the skill was fitted to.
         """
-        if len(demonstrations) == 0 or not self.at_ends:
+        if not self.at_ends:
             return []
-
-        def fitted(components: int) -> TaskGMRSkill[MotionT_co]:
-            made = replace(self.model, components=components).fit(demonstrations)
-            return cast(TaskGMRSkill[MotionT_co], made)
-
-        count = self.model.components
-        return [whole_number("components", count, least=1, most=MOST_COMPONENTS, apply=fitted)]
-
-    def save(self, path: StrPath) -> None:
-        """Writes the skill to a .npz file that `load_skill` reads.
-
-        Args:
-            path: file to write.
-
-        Raises:
-            InvalidInput: if the file cannot be written.
-        """
-        archive.write(path, self.kind, *self.to_archive())
+        return fitted_again(self, "components", demonstrations, least=1, most=MOST_COMPONENTS)
 
     # Any: settings are whatever JSON holds.
-    def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
+    def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         """Settings and arrays that `task_gmr.from_archive` turns into the skill again."""
         settings = {
             "model": asdict(self.model),

@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
-from leadthrough.io.atomic import StrPath
-from leadthrough.models import archive
+from leadthrough.models.archive import Archived, Arrays
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.even_times import even_times
@@ -34,7 +33,7 @@ _LEAST_WEIGHTS, _MOST_WEIGHTS = 5, 40  # the range worth trying on a slider
 
 
 @dataclass(frozen=True, eq=False)
-class ProMPSkill(Generic[MotionT_co]):
+class ProMPSkill(Archived, Generic[MotionT_co]):
     """A normal distribution of motions; made by `ProMP.fit`.
 
     Attributes:
@@ -305,19 +304,8 @@ class ProMPSkill(Generic[MotionT_co]):
             whole_number("weights", self.basis.count, least=_LEAST_WEIGHTS, most=most, apply=fitted)
         ]
 
-    def save(self, path: StrPath) -> None:
-        """Writes the skill to a .npz file that `load_skill` reads.
-
-        Args:
-            path: file to write.
-
-        Raises:
-            InvalidInput: if the file cannot be written.
-        """
-        archive.write(path, self.kind, *self.to_archive())
-
     # Any: settings are whatever JSON holds.
-    def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
+    def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         """Settings and arrays that `model.from_archive` turns into the skill again."""
         settings = {
             "model": asdict(self.model),
