@@ -1,12 +1,13 @@
 """The studies by name."""
 
-from leadthrough_studies import agriculture, human, lasa, singularity, trajectories, ur3
+from leadthrough_studies import agriculture, human, lasa, robotasks, singularity, trajectories, ur3
 from leadthrough_studies.study import Study
 
 STUDIES: dict[str, Study] = {
     "agriculture": agriculture.STUDY,
     "human": human.STUDY,
     "lasa": lasa.STUDY,
+    "robotasks": robotasks.STUDY,
     "singularity": singularity.STUDY,
     "trajectories": trajectories.STUDY,
     "ur3": ur3.STUDY,
