@@ -7,28 +7,20 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from leadthrough import check, events, rotations
+from leadthrough import check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event, Events
+from leadthrough.events import checked as checked_events
 
 
-@dataclass(frozen=True, eq=False)
-class Trajectory:
-    """Timed points.
-
-    times: (n,) s, strictly increasing. positions: (n, d) m (drawings may use any unit). events:
-    what happens meanwhile, at any times between the first and the last; sorted on entry.
-    """
+class _Timed:
+    """What all motions have."""
 
     times: Float64Array
-    positions: Float64Array
-    events: tuple[Event, ...] = ()
-
-    def __post_init__(self) -> None:
-        _freeze_clock(self)
-        _freeze_rows(self, "positions", len(self.times), "d")
+    events: Events
 
     @property
     def duration(self) -> float:
@@ -36,75 +28,122 @@ class Trajectory:
         return float(self.times[-1] - self.times[0])
 
 
-@dataclass(frozen=True, eq=False)
-class PoseTrajectory:
+@dataclass(frozen=True, eq=False, init=False)
+class Trajectory(_Timed):
+    """Timed points.
+
+    Attributes:
+        times: (n,) s, strictly increasing.
+        positions: (n, d) m; drawings may use any unit.
+        events: at times between the first and the last sample, in their order.
+
+    Raises:
+        InvalidInput: if a shape is wrong, a number is not finite, the times do not increase, or an
+            event is outside of them.
+    """
+
+    times: Float64Array
+    positions: Float64Array
+    events: Events
+
+    def __init__(
+        self, times: ArrayLike, positions: ArrayLike, events: Sequence[Event] = ()
+    ) -> None:
+        clock = check.times(times, "times")
+        vars(self).update(
+            times=clock,
+            positions=_rows(positions, "positions", len(clock), "d"),
+            events=checked_events(events, clock),
+        )
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class PoseTrajectory(_Timed):
     """Timed poses in one frame.
 
-    times: (n,) s, strictly increasing. positions: (n, 3) m. orientations: (n, 4) w, x, y, z;
-    normalised and made sign-continuous on entry. events: as in `Trajectory`.
+    Attributes:
+        times: (n,) s, strictly increasing.
+        positions: (n, 3) m.
+        orientations: (n, 4) w, x, y, z; normalised and made sign-continuous on entry.
+        events: at times between the first and the last sample, in their order.
+
+    Raises:
+        InvalidInput: if a shape is wrong, a number is not finite, a quaternion's length is not 1,
+            the times do not increase, or an event is outside of them.
     """
 
     times: Float64Array
     positions: Float64Array
     orientations: Float64Array
-    events: tuple[Event, ...] = ()
+    events: Events
 
-    def __post_init__(self) -> None:
-        _freeze_clock(self)
-        _freeze_rows(self, "positions", len(self.times), 3)
-        quaternions = check.quaternions(
-            self.orientations, "orientations", shape=(len(self.times), 4)
-        )
+    def __init__(
+        self,
+        times: ArrayLike,
+        positions: ArrayLike,
+        orientations: ArrayLike,
+        events: Sequence[Event] = (),
+    ) -> None:
+        clock = check.times(times, "times")
+        count = len(clock)
+        happening = checked_events(events, clock)
+        points = _rows(positions, "positions", count, 3)
+        quaternions = check.quaternions(orientations, "orientations", shape=(count, 4))
         continuous = rotations.group.aligned(quaternions)
         continuous.setflags(write=False)
-        object.__setattr__(self, "orientations", continuous)
-
-    @property
-    def duration(self) -> float:
-        """Time from the first sample to the last, s."""
-        return float(self.times[-1] - self.times[0])
+        vars(self).update(times=clock, positions=points, orientations=continuous, events=happening)
 
 
-@dataclass(frozen=True, eq=False)
-class JointTrajectory:
-    """Timed joint configurations.
+@dataclass(frozen=True, eq=False, init=False)
+class JointTrajectory(_Timed):
+    """Timed joint configurations; prismatic joints have m where others have rad.
 
-    times: (n,) s, strictly increasing. positions, velocities, accelerations: (n, joints) in rad,
-    rad/s, rad/s^2 (m for prismatic joints); the last two may be None. joint_names: one a column,
-    or empty. events: as in `Trajectory`.
+    Attributes:
+        times: (n,) s, strictly increasing.
+        positions: (n, joints) rad.
+        velocities: (n, joints) rad/s, or None.
+        accelerations: (n, joints) rad/s^2, or None.
+        joint_names: one per column, or none at all.
+        events: at times between the first and the last sample, in their order.
+
+    Raises:
+        InvalidInput: if a shape is wrong, a number is not finite, the names don't fit the columns,
+            the times do not increase, or an event is outside of them.
     """
 
     times: Float64Array
     positions: Float64Array
-    velocities: Float64Array | None = None
-    accelerations: Float64Array | None = None
-    joint_names: tuple[str, ...] = ()
-    events: tuple[Event, ...] = ()
+    velocities: Float64Array | None
+    accelerations: Float64Array | None
+    joint_names: tuple[str, ...]
+    events: Events
 
-    def __post_init__(self) -> None:
-        _freeze_clock(self)
-        _freeze_rows(self, "positions", len(self.times), "joints")
-        joints = self.positions.shape[1]
-        for name in ("velocities", "accelerations"):
-            if getattr(self, name) is not None:
-                _freeze_rows(self, name, len(self.times), joints)
-        names = self.joint_names
-        if isinstance(names, str) or not isinstance(names, Sequence):
-            raise InvalidInput(f"joint_names: expected a sequence of names, got {names!r}")
-        if not all(isinstance(name, str) for name in names):
-            raise InvalidInput(f"joint_names: expected names, got {names!r}")
-        object.__setattr__(self, "joint_names", tuple(names))
-        if self.joint_names and len(self.joint_names) != joints:
-            raise InvalidInput(f"joint_names: expected {joints} names, got {len(self.joint_names)}")
-
-    @property
-    def duration(self) -> float:
-        """Time from the first sample to the last, s."""
-        return float(self.times[-1] - self.times[0])
+    def __init__(  # noqa: PLR0917 (as they were always given: arrays first, then what goes along)
+        self,
+        times: ArrayLike,
+        positions: ArrayLike,
+        velocities: ArrayLike | None = None,
+        accelerations: ArrayLike | None = None,
+        joint_names: Sequence[str] = (),
+        events: Sequence[Event] = (),
+    ) -> None:
+        clock = check.times(times, "times")
+        happening = checked_events(events, clock)
+        angles = _rows(positions, "positions", len(clock), "joints")
+        derivatives = {
+            name: None if rows is None else _rows(rows, name, *angles.shape)
+            for name, rows in (("velocities", velocities), ("accelerations", accelerations))
+        }
+        vars(self).update(
+            times=clock,
+            positions=angles,
+            **derivatives,
+            joint_names=_joint_names(joint_names, angles.shape[1]),
+            events=happening,
+        )
 
 
 Motion = Trajectory | PoseTrajectory | JointTrajectory
-AnyMotion = TypeVar("AnyMotion", Trajectory, PoseTrajectory, JointTrajectory)
 MotionT = TypeVar("MotionT", bound=Motion)
 if TYPE_CHECKING:
     # Type checkers bring typing_extensions. By the default, a plain `Demonstration` is one of any
@@ -117,16 +156,19 @@ else:
 
 
 def normalised_times(times: Float64Array) -> Float64Array:
-    """Fractions (n,) of the duration passed at rising times (n,), from 0 to 1; 0 if n is 1."""
+    """Fractions (n,) of the duration passed at increasing times (n,), from 0 to 1; 0 if n is 1."""
     if len(times) == 1:
         return np.zeros(1)
     return np.asarray((times - times[0]) / (times[-1] - times[0]))
 
 
-def computed(kind: type[AnyMotion], *, events: Events, **arrays: Float64Array) -> AnyMotion:
-    """A motion of arrays just computed, which hold all that its constructor checks or makes true.
+def computed(kind: type[MotionT], *, events: Events, **arrays: Float64Array) -> MotionT:
+    """A motion of arrays just computed, which are not checked or copied and become read-only.
 
-    They are not copied, and become read-only. events: sorted, inside the motion's times.
+    Args:
+        kind: type of the motion.
+        events: inside the motion's times, in their order.
+        arrays: the other fields, by name, as the constructor would make them.
     """
     motion = object.__new__(kind)
     for array in arrays.values():
@@ -135,33 +177,77 @@ def computed(kind: type[AnyMotion], *, events: Events, **arrays: Float64Array) -
     return motion
 
 
+def checked_motion(value: MotionT, name: str) -> MotionT:
+    """`value`, if it is a motion.
+
+    Args:
+        value: the user's motion.
+        name: of the argument, for messages.
+
+    Raises:
+        InvalidInput: if it is anything else.
+    """
+    if not isinstance(value, Motion):
+        raise InvalidInput(
+            f"{name}: expected a Trajectory, PoseTrajectory or JointTrajectory, "
+            f"got {type(value).__name__}"
+        )
+    return value
+
+
 @dataclass(frozen=True, eq=False)
 class Demonstration(Generic[MotionT_co]):
-    """One motion that was shown to the robot, such as a `Demonstration[JointTrajectory]`."""
+    """One motion that was shown to the robot, such as a `Demonstration[JointTrajectory]`.
+
+    Attributes:
+        motion: what was shown.
+        name: for messages and files.
+
+    Raises:
+        InvalidInput: if the motion is none.
+    """
 
     motion: MotionT_co
     name: str = ""
 
     def __post_init__(self) -> None:
-        if not isinstance(self.motion, Trajectory | PoseTrajectory | JointTrajectory):
-            raise InvalidInput(
-                "motion: expected a Trajectory, PoseTrajectory or JointTrajectory, "
-                f"got {type(self.motion).__name__}"
-            )
+        checked_motion(self.motion, "motion")
 
     @property
-    def events(self) -> tuple[Event, ...]:
-        """What happened during the motion."""
+    def events(self) -> Events:
+        """Events of the motion."""
         return self.motion.events
 
 
-def _freeze_clock(motion: Motion) -> None:
-    object.__setattr__(motion, "times", check.times(motion.times, "times"))
-    object.__setattr__(motion, "events", events.checked(motion.events, motion.times))
+def as_demonstration(value: Demonstration[MotionT] | MotionT, name: str) -> Demonstration[MotionT]:
+    """The demonstration; a motion alone becomes one without a name.
+
+    Args:
+        value: the user's demonstration or motion.
+        name: of the argument, for messages.
+
+    Raises:
+        InvalidInput: if it is anything else.
+    """
+    if isinstance(value, Demonstration):
+        return value
+    if isinstance(value, Motion):
+        return Demonstration(value)
+    raise InvalidInput(f"{name}: expected a Demonstration or a motion, got {type(value).__name__}")
 
 
-def _freeze_rows(motion: Motion, name: str, count: int, width: int | str) -> None:
-    rows = check.frozen(getattr(motion, name), name, shape=(count, width))
+def _rows(value: ArrayLike, name: str, count: int, width: int | str) -> Float64Array:
+    rows = check.frozen(value, name, shape=(count, width))
     if rows.shape[1] == 0:
         raise InvalidInput(f"{name}: expected at least one column, got none")
-    object.__setattr__(motion, name, rows)
+    return rows
+
+
+def _joint_names(names: Sequence[str], count: int) -> tuple[str, ...]:
+    if isinstance(names, str) or not isinstance(names, Sequence):
+        raise InvalidInput(f"joint_names: expected a sequence of names, got {names!r}")
+    if not all(isinstance(name, str) for name in names):
+        raise InvalidInput(f"joint_names: expected names as text, got {names!r}")
+    if names and len(names) != count:
+        raise InvalidInput(f"joint_names: expected {count} names, one per column, got {len(names)}")
+    return tuple(names)

@@ -26,7 +26,7 @@ from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.io.headers import Columns
 from leadthrough.io.joint_columns import joint_columns, quantities
 from leadthrough.io.table import ArrayTable
-from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, checked_motion
 
 # Errors of NumPy and zipfile for archives that are cut off, encrypted, pickled or altered, and for
 # a single array that was renamed to .npz (TypeError).
@@ -91,8 +91,7 @@ def write(motion: Motion, path: StrPath) -> None:
     Raises:
         InvalidInput: if it is no motion, or the path cannot be written.
     """
-    if not isinstance(motion, Motion):
-        raise InvalidInput(f"motion: expected a motion, got {type(motion).__name__}")
+    checked_motion(motion, "motion")
     with replacing(path) as temporary, temporary.open("wb") as file:
         np.savez(file, allow_pickle=False, **_content(motion))
 

@@ -7,7 +7,7 @@ import os
 from leadthrough.errors import InvalidInput
 from leadthrough.io import formats
 from leadthrough.io.atomic import StrPath
-from leadthrough.motion import Motion
+from leadthrough.motion import Motion, checked_motion
 
 
 def write_motion(motion: Motion, path: StrPath, *, format: str | None = None) -> None:
@@ -27,11 +27,7 @@ def write_motion(motion: Motion, path: StrPath, *, format: str | None = None) ->
             written.
         MissingDependency: if the format needs an extra.
     """
-    if not isinstance(motion, Motion):
-        raise InvalidInput(
-            "motion: expected a Trajectory, PoseTrajectory or JointTrajectory, "
-            f"got {type(motion).__name__}"
-        )
+    checked_motion(motion, "motion")
     if not isinstance(path, str | os.PathLike):
         raise InvalidInput(f"path: expected a path, got {path!r}")
     write = formats.to_write(path, format).write
