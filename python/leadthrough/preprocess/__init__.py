@@ -1,11 +1,12 @@
-"""Turns recordings into what models learn from."""
+"""Turns recordings into demonstrations that models can learn from."""
 
 from leadthrough.preprocess.align import align_by_arc_length, align_by_time_warping
 from leadthrough.preprocess.clean import clean, cut_at_gaps
 from leadthrough.preprocess.join import join
+from leadthrough.preprocess.rate import sample_evenly
 from leadthrough.preprocess.report import CleaningReport
-from leadthrough.preprocess.sampling import sample_evenly, smooth_by_spline, smooth_motion
 from leadthrough.preprocess.segment import segment
+from leadthrough.preprocess.smooth import smooth_by_spline, smooth_motion
 
 __all__ = [
     "CleaningReport",

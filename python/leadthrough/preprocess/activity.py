@@ -1,4 +1,4 @@
-"""How much a motion moves at each of its samples, and when it rests."""
+"""How fast a motion is at each of its samples, and when it rests."""
 
 from __future__ import annotations
 
@@ -9,14 +9,20 @@ from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.motion import Motion, PoseTrajectory
 
-# A motion that goes on may be slower than one that begins, by this factor.
+# A motion that has begun may become slower than one that begins, by this factor.
 HYSTERESIS = 0.5
 
 
 def activity(motion: Motion, *, speed: float, angular_speed: float, window: float) -> Float64Array:
-    """Speeds (n,) as multiples of `speed` or `angular_speed`, whichever is more, over a window, s.
+    """Mean speeds (n,) in multiples of a threshold; of poses the larger of the two multiples.
 
-    At 1 and above the motion begins, below `HYSTERESIS` it rests.
+    At 1 and above a motion begins, below `HYSTERESIS` it rests.
+
+    Args:
+        motion: of n samples.
+        speed: threshold, m/s, or the unit of the positions per second.
+        angular_speed: threshold of poses, rad/s.
+        window: s, over which speeds are averaged.
     """
     result = _speeds(motion, window) / speed
     if isinstance(motion, PoseTrajectory):
@@ -25,7 +31,7 @@ def activity(motion: Motion, *, speed: float, angular_speed: float, window: floa
 
 
 def runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Where True begins and ends, half open."""
+    """The ranges of True in flags (n,), as indices of the first one and after the last one."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
@@ -33,14 +39,21 @@ def runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
 def rests(
     motion: Motion, *, speed: float, angular_speed: float, pause: float
 ) -> list[tuple[float, float]]:
-    """When the motion rests for `pause` s or more: from and to, s."""
+    """When the motion rests: start and end of each rest, s.
+
+    Args:
+        motion: of any type.
+        speed: below half of which it rests, m/s, or the unit of the positions per second.
+        angular_speed: below half of which poses rest, rad/s.
+        pause: s, shortest rest that counts.
+    """
     still = activity(motion, speed=speed, angular_speed=angular_speed, window=pause) < HYSTERESIS
     found = [(float(motion.times[a]), float(motion.times[b - 1])) for a, b in runs(still)]
     return [(start, end) for start, end in found if end - start >= pause]
 
 
 def _around(times: Float64Array, window: float) -> tuple[Float64Array, Float64Array]:
-    """The ends of the window about each time, inside the recording."""
+    """The start and end of the window around each time, inside the recording."""
     return (
         np.maximum(times - 0.5 * window, times[0]),
         np.minimum(times + 0.5 * window, times[-1]),

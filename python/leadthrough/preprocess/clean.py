@@ -1,11 +1,11 @@
-"""Recordings as they come, faults and all, made into demonstrations to learn from."""
+"""Makes demonstrations of recordings with faults."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,20 +14,51 @@ from leadthrough import check, events, rotations
 from leadthrough.check import UNIT_LENGTH_TOLERANCE, Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io.recording import Recording, recording_of
-from leadthrough.motion import Demonstration, Motion
+from leadthrough.motion import Demonstration, Motion, MotionT
 from leadthrough.preprocess.activity import rests
+from leadthrough.preprocess.rate import sample_evenly
 from leadthrough.preprocess.report import CleaningReport, Span
-from leadthrough.preprocess.sampling import clipped, sample_evenly, smooth_motion
+from leadthrough.preprocess.rows import chosen, rows_of
+from leadthrough.preprocess.smooth import smoothed_over
 from leadthrough.preprocess.spikes import spikes
 
 _GAP = 5.0  # median steps without a sample
 _LARGEST = 1e100  # no recorder measures more; squares of more overflow
-_SHORTEST_QUATERNION = 0.5  # what is shorter was never a rotation
-_FIELDS = ("times", "positions", "orientations", "velocities", "accelerations")
+_SHORTEST_QUATERNION = 0.5  # anything shorter, or longer than its inverse, was never a rotation
+
+
+@overload
+def clean(
+    recording: Recording,
+    *,
+    spike_factor: float | None = ...,
+    longest_gap: float = ...,
+    pause: float = ...,
+    longest_pause: float | None = ...,
+    speed: float = ...,
+    angular_speed: float = ...,
+    rate: float | None = ...,
+    smoothing: float | None = ...,
+) -> tuple[Demonstration, CleaningReport]: ...
+
+
+@overload
+def clean(
+    recording: Demonstration[MotionT] | MotionT,
+    *,
+    spike_factor: float | None = ...,
+    longest_gap: float = ...,
+    pause: float = ...,
+    longest_pause: float | None = ...,
+    speed: float = ...,
+    angular_speed: float = ...,
+    rate: float | None = ...,
+    smoothing: float | None = ...,
+) -> tuple[Demonstration[MotionT], CleaningReport]: ...
 
 
 def clean(
-    recording: Recording | Demonstration,
+    recording: Recording | Demonstration | Motion,
     *,
     spike_factor: float | None = 5.0,
     longest_gap: float = 0.5,
@@ -37,48 +68,52 @@ def clean(
     angular_speed: float = 0.05,
     rate: float | None = None,
     smoothing: float | None = None,
-) -> tuple[Demonstration, CleaningReport]:
-    """A demonstration without a recording's faults, and the report of what was changed.
+) -> tuple[Demonstration[Any], CleaningReport]:  # Any: the overloads tell
+    """A demonstration without a recording's faults, and a report of every change.
 
-    Samples with a missing number and with a quaternion that is no rotation are left out, the others
-    sorted by their times, of which each stays once; quaternions get length 1 and one sign. Nothing
-    is made up: where samples are left out, there are fewer.
-    spike_factor: samples that leap away from their neighbours by so many times what is usual there
-    are left out; None leaves them. longest_gap: s without a sample that are let pass, where these
-    are five usual steps or more; `cut_at_gaps` cuts there. pause: s below `speed` (m/s, or the unit
-    of the positions a second; rad/s of joints) and `angular_speed` (rad/s) that count as a pause.
-    longest_pause: s that are left of one; None leaves all. rate: Hz to sample anew at, by
-    `sample_evenly`. smoothing: s, the window of `smooth_motion`, which needs an even rate: by
-    default that of the median step. All numbers > 0.
-    Raises InvalidInput, also where nothing is left or a gap is too long.
+    Samples with a missing number or a quaternion that is no rotation are left out. The others are
+    sorted by time, and of equal times the first is kept. Quaternions get length 1 and continuous
+    signs. No sample is made up: where some are left out, there are fewer.
+
+    Args:
+        recording: with faults; a demonstration or a motion is cleaned as well.
+        spike_factor: > 0; samples that jump away from their neighbours by more than this multiple
+            of the usual noise there are left out. None keeps them.
+        longest_gap: longest time without a sample, > 0, s; times shorter than five usual steps are
+            no gap. `cut_at_gaps` cuts a recording with longer ones.
+        pause: shortest time of rest that counts as a pause, > 0, s.
+        longest_pause: longer pauses are shortened to this, > 0, s; None keeps them.
+        speed: below half of which the motion rests, > 0, m/s, or the unit of the positions per
+            second; rad/s of joints.
+        angular_speed: below half of which poses rest, > 0, rad/s.
+        rate: of the new samples that `sample_evenly` makes, > 0, Hz; None keeps the samples.
+        smoothing: window of `smooth_motion`, > 0, s, for which the samples are evenly spaced first,
+            without a rate at that of the median step. None does not smooth.
+
+    Raises:
+        InvalidInput: if an argument is out of bounds, no sample is left, or a gap is too long.
     """
-    kept = _checked(recording)
     factor = None if spike_factor is None else check.number(spike_factor, "spike_factor", above=0.0)
-    read = len(kept.times)
-    kept, found = _without_faults(kept, factor)
+    window = None if smoothing is None else check.number(smoothing, "smoothing", above=0.0)
+    raw = _as_recording(recording)
+    kept, found = _without_faults(raw, factor)
     gaps = _gaps(kept.times)
     _check_gaps(gaps, check.number(longest_gap, "longest_gap", above=0.0))
-    motion = replace(kept, events=clipped(kept.events, kept.times)).motion()
-    thresholds = {
-        "speed": check.number(speed, "speed", above=0.0),
-        "angular_speed": check.number(angular_speed, "angular_speed", above=0.0),
-        "pause": check.number(pause, "pause", above=0.0),
-    }
-    pauses = rests(motion, **thresholds)
+    motion = replace(kept, events=events.clipped(kept.events, kept.times)).motion()
+    pauses = rests(
+        motion,
+        speed=check.number(speed, "speed", above=0.0),
+        angular_speed=check.number(angular_speed, "angular_speed", above=0.0),
+        pause=check.number(pause, "pause", above=0.0),
+    )
     left = motion
     if longest_pause is not None:
         longest = check.number(longest_pause, "longest_pause", above=0.0)
         left = _shortened(motion, pauses, longest)
-    result = Demonstration(left, kept.name)
-    hertz = rate
-    if hertz is None and smoothing is not None and len(left.times) > 1:
-        hertz = 1.0 / float(np.median(np.diff(left.times)))
-    if hertz is not None:
-        result = sample_evenly(result, rate=hertz)
-    if smoothing is not None:
-        result = smooth_motion(result, window=check.number(smoothing, "smoothing", above=0.0))
+    hertz = _rate(left, rate, window)
+    result = _resampled(Demonstration(left, kept.name), hertz, window)
     return result, CleaningReport(
-        read=read,
+        read=len(raw.times),
         left=len(result.motion.times),
         **found,
         gaps=tuple(gaps),
@@ -90,17 +125,24 @@ def clean(
 
 
 def cut_at_gaps(
-    recording: Recording | Demonstration, *, longest_gap: float = 0.5
+    recording: Recording | Demonstration | Motion, *, longest_gap: float = 0.5
 ) -> list[Recording]:
-    """The pieces of a recording between gaps longer than `longest_gap` s, in order.
+    """The pieces of a recording between its gaps, in order, named after it and their number.
 
-    Samples without a time are left out, the others sorted. A gap is five usual steps or more.
-    Raises InvalidInput.
+    Samples without a time are left out, the others sorted by time.
+
+    Args:
+        recording: with or without faults.
+        longest_gap: longest time without a sample, > 0, s; times shorter than five usual steps are
+            no gap.
+
+    Raises:
+        InvalidInput: if no sample has a time, or the gap is not positive.
     """
-    whole = _checked(recording)
     longest = check.number(longest_gap, "longest_gap", above=0.0)
-    whole = _rows(whole, np.flatnonzero(np.isfinite(whole.times)))
-    whole = _rows(whole, np.argsort(whole.times, kind="stable"))
+    whole = _as_recording(recording)
+    whole = chosen(whole, np.flatnonzero(np.isfinite(whole.times)))
+    whole = chosen(whole, np.argsort(whole.times, kind="stable"))
     if len(whole.times) == 0:
         raise InvalidInput("recording: expected samples with times, got none")
     starts = [end for start, end in _gaps(whole.times) if end - start > longest]
@@ -112,39 +154,53 @@ def cut_at_gaps(
             events=events.within(whole.events, float(piece.times[0]), float(piece.times[-1])),
             name=f"{whole.name} {i}".strip(),
         )
-        for i, piece in enumerate((_rows(whole, rows) for rows in pieces), start=1)
+        for i, piece in enumerate((chosen(whole, rows) for rows in pieces), start=1)
     ]
 
 
-def _checked(recording: Any) -> Recording:
+def _as_recording(recording: Recording | Demonstration | Motion) -> Recording:
+    if isinstance(recording, Motion):
+        return recording_of(Demonstration(recording))
     if isinstance(recording, Demonstration):
         return recording_of(recording)
     if not isinstance(recording, Recording):
         got = type(recording).__name__
-        raise InvalidInput(f"recording: expected a Recording or a Demonstration, got {got}")
+        raise InvalidInput(
+            f"recording: expected a Recording, a Demonstration or a motion, got {got}"
+        )
     return recording
 
 
-def _rows(recording: Recording, rows: NDArray[Any]) -> Recording:
-    parts = {name: getattr(recording, name) for name in _FIELDS}
-    return replace(
-        recording, **{name: part[rows] for name, part in parts.items() if part is not None}
-    )
+def _rate(motion: Motion, asked: float | None, window: float | None) -> float | None:
+    """Hz to sample at: what is asked for, or what smoothing needs."""
+    if asked is None and window is not None and len(motion.times) > 1:
+        return 1.0 / float(np.median(np.diff(motion.times)))
+    return asked
+
+
+def _resampled(
+    demonstration: Demonstration, rate: float | None, window: float | None
+) -> Demonstration:
+    if rate is not None:
+        demonstration = sample_evenly(demonstration, rate=rate)
+    if window is not None:
+        demonstration = smoothed_over(demonstration, window, "smoothing")
+    return demonstration
 
 
 def _without_faults(recording: Recording, factor: float | None) -> tuple[Recording, dict[str, Any]]:
-    """The good samples in order, and what the report says of the others."""
+    """The good samples in order, and the report's fields about the others."""
     valid = _valid(recording)
-    kept = _rows(recording, np.flatnonzero(valid))
+    kept = chosen(recording, np.flatnonzero(valid))
     if len(kept.times) == 0:
-        raise InvalidInput("recording: expected samples with all their numbers, got none")
+        raise InvalidInput("recording: expected some samples without missing numbers, got none")
     unordered = int(np.count_nonzero(kept.times < np.maximum.accumulate(kept.times)))
-    kept = _rows(kept, np.argsort(kept.times, kind="stable"))
+    kept = chosen(kept, np.argsort(kept.times, kind="stable"))
     fresh = np.diff(kept.times, prepend=-np.inf) > 0.0
-    kept = _rows(kept, np.flatnonzero(fresh))
+    kept = chosen(kept, np.flatnonzero(fresh))
     kept, turned = _with_rotations(kept)
     leaps = _leaps(kept, factor)
-    return _rows(kept, np.flatnonzero(~leaps)), {
+    return chosen(kept, np.flatnonzero(~leaps)), {
         "invalid": tuple(np.flatnonzero(~valid).tolist()),
         "unordered": unordered,
         "repeated": int(np.count_nonzero(~fresh)),
@@ -154,9 +210,8 @@ def _without_faults(recording: Recording, factor: float | None) -> tuple[Recordi
 
 
 def _valid(recording: Recording) -> NDArray[np.bool_]:
-    parts = [getattr(recording, name) for name in _FIELDS]
-    numbers = np.column_stack([part for part in parts if part is not None])
-    valid: NDArray[np.bool_] = (np.abs(numbers) < _LARGEST).all(axis=1)  # which NaN is not
+    numbers = np.column_stack([recording.times, *rows_of(recording).values()])
+    valid = np.asarray((np.abs(numbers) < _LARGEST).all(axis=1))  # false for NaN
     if recording.orientations is not None:
         lengths = np.linalg.norm(np.where(valid[:, None], recording.orientations, 0.0), axis=1)
         valid &= (lengths > _SHORTEST_QUATERNION) & (lengths < 1.0 / _SHORTEST_QUATERNION)
@@ -198,12 +253,12 @@ def _check_gaps(gaps: Sequence[Span], longest: float) -> None:
     for start, end in gaps:
         if end - start > longest:
             raise InvalidInput(
-                f"recording: no sample from {start:.6g} to {end:.6g} s; cut there with "
-                f"preprocess.cut_at_gaps, or allow it by longest_gap, now {longest:g} s"
+                f"recording: no sample from {start:.6g} to {end:.6g} s; cut it there with "
+                f"preprocess.cut_at_gaps, or allow it with longest_gap, now {longest:g} s"
             )
 
 
-def _shortened(motion: Motion, pauses: Sequence[Span], longest: float) -> Motion:
+def _shortened(motion: MotionT, pauses: Sequence[Span], longest: float) -> MotionT:
     """The motion with no more than the first `longest` s of each pause."""
     kept = np.ones(len(motion.times), dtype=bool)
     old, new = [float(motion.times[0])], [float(motion.times[0])]
@@ -219,10 +274,6 @@ def _shortened(motion: Motion, pauses: Sequence[Span], longest: float) -> Motion
     times = np.interp(motion.times[kept], old, new)
     fresh = np.diff(times, prepend=-np.inf) > 0.0
     rows = np.flatnonzero(kept)[fresh]
-    parts = {
-        name: getattr(motion, name)[rows]
-        for name in _FIELDS[1:]
-        if getattr(motion, name, None) is not None
-    }
-    happened = clipped(events.moved(motion.events, old, new), times[fresh])
+    parts: dict[str, Any] = {name: values[rows] for name, values in rows_of(motion).items()}
+    happened = events.clipped(events.moved(motion.events, old, new), times[fresh])
     return replace(motion, times=times[fresh], events=happened, **parts)

@@ -1,4 +1,4 @@
-"""What cleaning found in a recording, and what it changed."""
+"""What `clean` found in a recording and what it changed."""
 
 from __future__ import annotations
 
@@ -12,15 +12,24 @@ _LISTED = 5
 
 @dataclass(frozen=True)
 class CleaningReport:
-    """Times are s on the recording's clock; samples count from 0 in the order of the file.
+    """Faults of a recording and what was done about them.
 
-    read, left: samples before and after. invalid: samples left out because a number was missing,
-    or no rotation. unordered: samples that came before their time. repeated: samples left out
-    because their time was there already. flipped: quaternions whose sign was turned.
-    unnormalised: quaternions off length 1 by more than a recorder's rounding. spikes: times of
-    samples left out because they leap away from their neighbours. gaps, pauses: where nothing was
-    recorded, and where nothing moved. removed: s of pauses taken out. rate: Hz sampled at anew.
-    smoothing: s, the window smoothed over.
+    Times are s on the recording's clock; samples are counted from 0 in the order of the file.
+
+    Attributes:
+        read: number of samples before cleaning.
+        left: number of samples after it.
+        invalid: samples left out because a number was missing or a quaternion was no rotation.
+        unordered: number of samples later in the file than a sample of a later time.
+        repeated: number of samples left out because another one had the same time.
+        flipped: number of quaternions whose sign was changed.
+        unnormalised: number of quaternions whose length was off 1 by more than rounding.
+        spikes: times of samples left out because they jump away from their neighbours.
+        gaps: start and end of the times without samples.
+        pauses: start and end of the times without motion.
+        removed: s of pauses cut out.
+        rate: Hz of the new samples, or None.
+        smoothing: s, window of the smoothing, or None.
     """
 
     read: int
@@ -39,36 +48,37 @@ class CleaningReport:
 
     @property
     def faults(self) -> int:
-        """How many samples were wrong in some way."""
+        """Number of faults, where a sample may have several."""
         counted = (self.unordered, self.repeated, self.flipped, self.unnormalised)
         return len(self.invalid) + len(self.spikes) + sum(counted)
 
-    def as_dict(self) -> dict[str, Any]:
-        """The fields, as values that JSON knows."""
+    def as_dict(self) -> dict[str, Any]:  # Any: numbers and lists of them
+        """The fields, as values that JSON can hold."""
         return asdict(self)
 
     def __str__(self) -> str:
+        missing = _some(self.invalid)
         lines = [f"{self.read} samples read, {self.left} left"]
         lines += [
-            f"{count} {what}"
-            for count, what in (
-                (len(self.invalid), f"without a number, left out: {_some(self.invalid)}"),
-                (self.unordered, "out of order, sorted"),
-                (self.repeated, "at a time that was there already, left out"),
-                (self.flipped, "quaternions of the other sign, turned"),
-                (self.unnormalised, "quaternions of another length, normalised"),
-                (len(self.spikes), f"spikes, left out: {_some(self.spikes)} s"),
-                (len(self.gaps), f"gaps: {_spans(self.gaps)}"),
-                (len(self.pauses), f"pauses: {_spans(self.pauses)}"),
+            f"{count} {noun}{'s' if count > 1 else ''}{what}"
+            for count, noun, what in (
+                (len(self.invalid), "sample", f" with missing numbers, left out: {missing}"),
+                (self.unordered, "sample", " out of order, sorted"),
+                (self.repeated, "sample", " with a repeated time, left out"),
+                (self.flipped, "quaternion", " of opposite sign, flipped"),
+                (self.unnormalised, "quaternion", " not of length 1, normalised"),
+                (len(self.spikes), "spike", f", left out: {_some(self.spikes)} s"),
+                (len(self.gaps), "gap", f": {_spans(self.gaps)}"),
+                (len(self.pauses), "pause", f": {_spans(self.pauses)}"),
             )
             if count
         ]
         if self.removed:
-            lines.append(f"{self.removed:.3g} s of pauses taken out")
+            lines.append(f"{self.removed:.3g} s of pauses cut out")
         if self.rate is not None:
-            lines.append(f"sampled anew at {self.rate:.6g} Hz")
+            lines.append(f"resampled at {self.rate:.6g} Hz")
         if self.smoothing is not None:
-            lines.append(f"smoothed over {self.smoothing:.3g} s")
+            lines.append(f"smoothed with a window of {self.smoothing:.3g} s")
         return "\n".join(lines)
 
 

@@ -1,36 +1,45 @@
-"""Curves by arc length instead of by time."""
+"""Curves sampled by arc length instead of by time."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
 
-def arc_length(points: Any) -> Float64Array:
-    """Length (n,) of the polygon through points (n, d) up to each of them, from 0.
+def arc_length(points: ArrayLike) -> Float64Array:
+    """Lengths (n,) of the polygonal line through points, from the first one to each, from 0 on.
 
-    n: at least 1. Raises InvalidInput.
+    Args:
+        points: (n, d), at least one.
+
+    Raises:
+        InvalidInput: if there is none, one is not finite, or the length overflows.
     """
     curve = check.array(points, "points", shape=("n", "d"))
     if len(curve) == 0:
-        raise InvalidInput("points: expected at least one, got none")
+        raise InvalidInput("points: expected at least one point, got none")
     with np.errstate(over="ignore"):
         lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))])
     if not np.isfinite(lengths[-1]):
-        raise InvalidInput("points: expected a curve of finite length, got an endless one")
+        raise InvalidInput("points: expected a curve of finite length; use a larger unit")
     return lengths
 
 
-def by_arc_length(points: Any, count: int) -> Float64Array:
-    """`count` points (count, d), equally spaced in length along the polygon through points (n, d).
+def by_arc_length(points: ArrayLike, count: int) -> Float64Array:
+    """Points (count, d), evenly spaced in arc length along the polygonal line through others.
 
-    The ends stay; pauses and repeated points do not matter. count: at least 2.
-    Raises InvalidInput.
+    The ends stay; pauses and repeated points do not matter.
+
+    Args:
+        points: (n, d), at least one.
+        count: at least 2.
+
+    Raises:
+        InvalidInput: as by `arc_length`, or if the count is too small.
     """
     lengths = arc_length(points)
     size = check.integer(count, "count", at_least=2)

@@ -4,44 +4,46 @@ from __future__ import annotations
 
 import numpy as np
 
-from leadthrough import check, events
+from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
-from leadthrough.motion import (
-    Demonstration,
-    JointTrajectory,
-    Motion,
-    PoseTrajectory,
-    Trajectory,
-)
+from leadthrough.motion import Demonstration, MotionT, as_demonstration
 from leadthrough.preprocess.activity import HYSTERESIS, activity, runs
+from leadthrough.preprocess.rows import piece_of
 
 
 def segment(
-    demonstration: Demonstration,
+    demonstration: Demonstration[MotionT] | MotionT,
     *,
     speed: float = 0.01,
     angular_speed: float = 0.05,
     pause: float = 0.3,
     shortest: float = 0.5,
-) -> list[Demonstration]:
-    """The motions of a recording, in order; none where nothing moves.
+) -> list[Demonstration[MotionT]]:
+    """The motions in a recording, in order; an empty list where nothing moves.
 
-    A motion begins where the speed exceeds `speed` (m/s, or the unit of the positions a second; of
-    joints the norm over all, rad/s) or `angular_speed` (rad/s, poses only), and ends where both
-    stay below half of them for `pause` s. Speeds are means over `pause`, so that noise and single
-    outliers neither begin nor end a motion. Motions shorter than `shortest` s are left out. Each
-    keeps its recorded times, half a pause before and after and the events meanwhile, and is named
-    after the recording and its number. All arguments > 0. Raises InvalidInput.
+    A motion starts where one of the speeds exceeds its threshold, and ends where both stay below
+    half of theirs for a pause. Speeds are means over the length of a pause, so that noise and
+    single outliers neither start nor end a motion. Each motion keeps its recorded times, half a
+    pause before and after and the events meanwhile, and is named after the recording and its
+    number.
+
+    Args:
+        demonstration: the recording; a motion stands for a demonstration of it.
+        speed: threshold, > 0, m/s, or the unit of the positions per second; of joints the norm over
+            all of them, rad/s.
+        angular_speed: threshold of poses, > 0, rad/s.
+        pause: s, > 0.
+        shortest: s, > 0; shorter motions are left out.
+
+    Raises:
+        InvalidInput: if an argument is of the wrong type or not positive.
     """
-    if not isinstance(demonstration, Demonstration):
-        got = type(demonstration).__name__
-        raise InvalidInput(f"demonstration: expected a Demonstration, got {got}")
+    shown = as_demonstration(demonstration, "demonstration")
     check.number(speed, "speed", above=0.0)
     check.number(angular_speed, "angular_speed", above=0.0)
     window = check.number(pause, "pause", above=0.0)
     least = check.number(shortest, "shortest", above=0.0)
-    motion = demonstration.motion
+    motion = shown.motion
     moving = activity(motion, speed=speed, angular_speed=angular_speed, window=window)
     pieces = [
         piece
@@ -49,13 +51,13 @@ def segment(
         if motion.times[piece.stop - 1] - motion.times[piece.start] >= least
     ]
     return [
-        Demonstration(_cut(motion, piece), name=f"{demonstration.name} {number}".strip())
+        Demonstration(piece_of(motion, piece), name=f"{shown.name} {number}".strip())
         for number, piece in enumerate(pieces, start=1)
     ]
 
 
 def _pieces(times: Float64Array, moving: Float64Array, pause: float) -> list[slice]:
-    """Runs of samples that move, with half a pause around them, where one moves enough."""
+    """The samples of each motion, with half a pause before and after."""
     found: list[list[int]] = []
     for start, stop in runs(moving >= HYSTERESIS):
         if found and times[start] - times[found[-1][1] - 1] < pause:
@@ -70,18 +72,3 @@ def _pieces(times: Float64Array, moving: Float64Array, pause: float) -> list[sli
         for start, stop in found
         if (moving[start:stop] >= 1.0).any()
     ]
-
-
-def _cut(motion: Motion, piece: slice) -> Motion:
-    times, positions = motion.times[piece], motion.positions[piece]
-    happened = events.within(motion.events, times[0], times[-1])
-    if isinstance(motion, PoseTrajectory):
-        return PoseTrajectory(times, positions, motion.orientations[piece], happened)
-    if isinstance(motion, Trajectory):
-        return Trajectory(times, positions, happened)
-    velocities, accelerations = (
-        None if values is None else values[piece]
-        for values in (motion.velocities, motion.accelerations)
-    )
-    names = motion.joint_names
-    return JointTrajectory(times, positions, velocities, accelerations, names, happened)

@@ -1,53 +1,121 @@
-"""Smoothing of paths that were computed on a grid."""
+"""Demonstrations without trembling, and the derivatives of joint motions."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
-from scipy.interpolate import make_lsq_spline
 
+from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.preprocess.resample import arc_length, by_arc_length
+from leadthrough.errors import InvalidInput
+from leadthrough.motion import Demonstration, JointTrajectory, MotionT, PoseTrajectory
+from leadthrough.preprocess.rows import several_samples
 
 _DEGREE = 3
-_SAMPLES_PER_KNOT = 6
-# Weighs both end points so much that moving the end coefficients onto them changes nothing else.
-_END_WEIGHT = 1e3
-_HALVINGS = 4
+_FEWEST = 5  # samples that a cubic is fitted to, one more than it can pass through
+_UNEVEN = 1e-3  # of a step; rounding in a file's times stays below
+
+# Values (n, d) of the derivative of order 0, 1 or 2 of columns (n, d).
+_Smoother = Callable[[Float64Array, int], Float64Array]
 
 
-def smooth_path(
-    path: Float64Array,
-    *,
-    knot_spacing: float,
-    accept: Callable[[Float64Array], bool] = lambda points: True,  # noqa: ARG005
-) -> Float64Array:
-    """The path (n, d) as dense samples of a C2 curve close to it, with the same end points.
+def smooth_motion(
+    demonstration: Demonstration[MotionT] | MotionT, *, window: float
+) -> Demonstration[MotionT]:
+    """The demonstration without trembling shorter than a window.
 
-    A least-squares cubic B-spline over the arc length. knot_spacing: in the path's unit; details
-    shorter than this vanish. accept: says whether a candidate may be used, for example because it
-    hits no wall; a refused one is tried again with half the spacing, four times, before the path
-    comes back as it is.
+    Local cubics are fitted to the samples, and give joint motions their velocities and
+    accelerations.
+
+    Args:
+        demonstration: evenly spaced samples, as `sample_evenly` makes them; a motion stands for a
+            demonstration of it.
+        window: s, at least four steps, at most the duration.
+
+    Raises:
+        InvalidInput: if samples are not evenly spaced, or the window is too short or too long.
+
+    Source: Savitzky and Golay 1964.
     """
-    length = arc_length(path)[-1]
-    if length == 0.0:
-        return path
-    for halving in range(_HALVINGS + 1):
-        pieces = int(np.ceil(length / knot_spacing)) * 2**halving
-        candidate = _fit(path, max(pieces, 1))
-        if accept(candidate):
-            return candidate
-    return path
+    return smoothed_over(demonstration, window, "window")
 
 
-def _fit(path: Float64Array, pieces: int) -> Float64Array:
-    samples = by_arc_length(path, _SAMPLES_PER_KNOT * pieces + 1)
-    phase = np.linspace(0.0, 1.0, len(samples))
-    inner = np.linspace(0.0, 1.0, pieces + 1)
-    knots = np.concatenate([np.zeros(_DEGREE), inner, np.ones(_DEGREE)])
-    weights = np.ones(len(samples))
-    weights[[0, -1]] = _END_WEIGHT
-    spline = make_lsq_spline(phase, samples, knots, k=_DEGREE, w=weights)
-    spline.c[[0, -1]] = samples[[0, -1]]
-    return np.asarray(spline(phase))
+def smoothed_over(
+    demonstration: Demonstration[MotionT] | MotionT, window: float, name: str
+) -> Demonstration[MotionT]:
+    """The demonstration smoothed as by `smooth_motion`, whose window is called `name` in errors."""
+    shown = several_samples(demonstration)
+    motion, span = shown.motion, check.number(window, name, above=0.0)
+    steps = np.diff(motion.times)
+    step = motion.duration / len(steps)
+    if np.abs(steps - step).max() > _UNEVEN * step:
+        raise InvalidInput(
+            "demonstration: expected evenly spaced times; preprocess.sample_evenly makes them"
+        )
+    length = 2 * round(min(span / step, 2.0 * len(steps)) / 2.0) + 1
+    if not _FEWEST <= length <= len(motion.times):
+        raise InvalidInput(
+            f"{name}: expected {(_FEWEST - 1) * step:.6g} to {motion.duration:.6g} s, at least "
+            f"{_FEWEST} samples and at most all, got {span:.6g} s"
+        )
+    return _smoothed(shown, _local_cubics(length, step))
+
+
+def smooth_by_spline(
+    demonstration: Demonstration[MotionT] | MotionT, *, stiffness: float | None = None
+) -> Demonstration[MotionT]:
+    """The demonstration on cubic smoothing splines, which give joint motions their derivatives.
+
+    Args:
+        demonstration: at least five samples, not necessarily evenly spaced; a motion stands for a
+            demonstration of it.
+        stiffness: weight, >= 0, of the squared second derivative relative to the squared distances
+            from the samples; by default found for each column by generalised cross-validation.
+
+    Raises:
+        InvalidInput: if there are too few samples, or the stiffness is negative.
+
+    Source: Craven and Wahba 1979.
+    """
+    shown = several_samples(demonstration)
+    times = shown.motion.times
+    if len(times) < _FEWEST:
+        raise InvalidInput(f"demonstration: expected at least {_FEWEST} samples, got {len(times)}")
+    weight = None if stiffness is None else check.number(stiffness, "stiffness", at_least=0.0)
+    return _smoothed(shown, _splines(times - times[0], weight))
+
+
+def _local_cubics(length: int, step: float) -> _Smoother:
+    from scipy.signal import savgol_filter  # noqa: PLC0415 (slow to load)
+
+    def smoothed(columns: Float64Array, order: int) -> Float64Array:
+        fitted = savgol_filter(columns, length, _DEGREE, deriv=order, delta=step, axis=0)
+        return np.asarray(fitted)
+
+    return smoothed
+
+
+def _splines(times: Float64Array, weight: float | None) -> _Smoother:
+    from scipy.interpolate import make_smoothing_spline  # noqa: PLC0415 (slow to load)
+
+    def smoothed(columns: Float64Array, order: int) -> Float64Array:
+        splines = [make_smoothing_spline(times, each, lam=weight) for each in columns.T]
+        return np.column_stack([spline(times, order) for spline in splines])
+
+    return smoothed
+
+
+def _smoothed(demonstration: Demonstration[MotionT], smoother: _Smoother) -> Demonstration[MotionT]:
+    motion = demonstration.motion
+    rows: dict[str, Any] = {"positions": smoother(motion.positions, 0)}
+    if isinstance(motion, JointTrajectory):
+        rows["velocities"] = smoother(motion.positions, 1)
+        rows["accelerations"] = smoother(motion.positions, 2)
+    elif isinstance(motion, PoseTrajectory):
+        # Between nearby quaternions the shortest way is straight to first order in the angle.
+        turned = smoother(motion.orientations, 0)
+        rows["orientations"] = turned / np.linalg.norm(turned, axis=1, keepdims=True)
+    return replace(demonstration, motion=replace(motion, **rows))

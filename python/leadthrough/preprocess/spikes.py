@@ -1,27 +1,33 @@
-"""Samples that leap away from their neighbours and back: a sensor's faults, not the hand's.
+"""Samples that jump away from their neighbours and back: faults of the sensor, not of the hand.
 
-After Hampel 1974, "The influence curve and its role in robust estimation": a sample is judged by
-its distance from the median about it, in multiples of what distances and steps are there. Of the
-steps the larger ones count, so that a hand that stops short is no fault.
+A sample is judged by its distance from the median around it, relative to the usual distances and
+steps there. Of the steps the larger ones count, so that a hand that stops abruptly is no fault.
+Source: after Hampel 1974, "The influence curve and its role in robust estimation".
 """
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter, percentile_filter
 
 from leadthrough.check import Float64Array
 
 _NEAR = 7  # samples of the median: up to three in a row may be wrong
-_AROUND = 51  # samples that tell what is usual
-_LARGER = 80  # percent of the steps are smaller; a few spikes are not among them
-_TO_SIGMA = 1.4826  # of the median distance of a normal distribution
-_FLOOR = 1e-3  # of a column's extent: what is smaller is no spike
+_AROUND = 51  # samples whose distances and steps are the usual ones
+_LARGER = 80  # percentile of the steps that counts; a few spikes stay above it
+_TO_SIGMA = 1.4826  # standard deviation per median absolute deviation of a normal distribution
+_FLOOR = 1e-3  # fraction of a column's range; anything smaller is no spike
 
 
 def spikes(values: Float64Array, factor: float) -> NDArray[np.bool_]:
-    """Which rows (n,) of values (n, d) leap away by `factor` times what is usual about them."""
+    """Which rows (n,) of values (n, d) jump away from their neighbours.
+
+    Args:
+        values: finite.
+        factor: a spike's distance in multiples of the usual noise and steps around it.
+    """
+    from scipy.ndimage import median_filter, percentile_filter  # noqa: PLC0415 (slow to load)
+
     if len(values) <= _NEAR:
         return np.zeros(len(values), dtype=bool)
     centre = median_filter(values, size=(_NEAR, 1), mode="mirror")

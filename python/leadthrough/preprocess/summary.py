@@ -1,8 +1,8 @@
-"""What a recording holds, and what is wrong with it."""
+"""The content of a recording, and what looks wrong with it."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,16 +13,27 @@ from leadthrough.preprocess.clean import clean
 from leadthrough.preprocess.report import CleaningReport
 
 _ANY_GAP = 1e300  # s
-_FASTEST = 1e5  # Hz; no arm is recorded so fast, but times in ms or ns that count as s look slow
-_SLOWEST = 0.5  # Hz
+_FASTEST = 1e5  # Hz; no arm is recorded so fast
+_SLOWEST = 0.5  # Hz; times in ms or ns that are read as s look slower
 _FARTHEST = 20.0  # m from an arm's base
 
 
 @dataclass(frozen=True)
 class RecordingSummary:
-    """kind: "joints", "poses" or "points". joints: their names. duration: s. rate: Hz, by the
-    median step; 0 with a single sample. lower, upper: the range of each position. report: what
-    `clean` would change; None where nothing can be saved. remarks: what looks wrong.
+    """What one recording holds.
+
+    Attributes:
+        name: of the recording.
+        kind: "joints", "poses" or "points".
+        joints: their names.
+        samples: their number.
+        duration: s.
+        rate: Hz, by the median step; 0 for a single sample.
+        lower: smallest value of each position.
+        upper: largest value of each position.
+        events: their names, in order.
+        report: what `clean` would change; None where it cannot clean the recording.
+        remarks: what looks wrong.
     """
 
     name: str
@@ -37,8 +48,8 @@ class RecordingSummary:
     report: CleaningReport | None
     remarks: tuple[str, ...]
 
-    def as_dict(self) -> dict[str, Any]:
-        """The fields, as values that JSON knows."""
+    def as_dict(self) -> dict[str, Any]:  # Any: numbers, texts and lists of them
+        """The fields, as values that JSON can hold."""
         return asdict(self)
 
     def __str__(self) -> str:
@@ -56,7 +67,14 @@ class RecordingSummary:
 
 
 def summarize(recording: Recording) -> RecordingSummary:
-    """The summary of a recording, however bad it is. Raises InvalidInput for anything else."""
+    """The summary of a recording, whatever its faults.
+
+    Args:
+        recording: as `leadthrough.io.read_recordings` returns it.
+
+    Raises:
+        InvalidInput: if it is anything else.
+    """
     if not isinstance(recording, Recording):
         raise InvalidInput(f"recording: expected a Recording, got {type(recording).__name__}")
     known: dict[str, Any] = {
@@ -82,7 +100,7 @@ def summarize(recording: Recording) -> RecordingSummary:
         report=report,
         remarks=(),
     )
-    return RecordingSummary(**{**vars(summary), "remarks": _remarks(summary)})
+    return replace(summary, remarks=_remarks(summary))
 
 
 def _remarks(summary: RecordingSummary) -> tuple[str, ...]:

@@ -44,7 +44,7 @@ def test_samples_without_a_number_are_left_out():
     assert report.invalid == (40, 41, 99)
     kept = np.delete(np.arange(201), [40, 41, 99])
     assert np.array_equal(demonstration.motion.times, TIMES[kept])
-    assert "3 without a number, left out: 40, 41, 99" in str(report)
+    assert "3 samples with missing numbers, left out: 40, 41, 99" in str(report)
 
 
 def test_samples_out_of_order_are_sorted_and_repeated_ones_stay_once():
@@ -174,9 +174,9 @@ def test_the_report_is_a_text_and_a_dict():
     _, report = clean(with_values(JOINTS, "positions", (60, 1), 9.0), rate=50, smoothing=0.2)
     assert str(report).splitlines() == [
         "201 samples read, 101 left",
-        "1 spikes, left out: 0.6 s",
-        "sampled anew at 50 Hz",
-        "smoothed over 0.2 s",
+        "1 spike, left out: 0.6 s",
+        "resampled at 50 Hz",
+        "smoothed with a window of 0.2 s",
     ]
     assert report.as_dict()["spikes"] == (0.6,)
     with pytest.raises(AttributeError):
@@ -209,8 +209,8 @@ def test_any_recording_is_cleaned_or_refused(data):
         ({"angular_speed": 0}, "angular_speed: "),
         ({"rate": 0}, "rate: "),
         ({"rate": 1e12}, "rate: expected at most 10,000,000 samples"),
-        ({"smoothing": 0.001}, "window: expected 5 samples or more"),
-        ({"smoothing": 1e300}, "window: expected 5 samples or more"),
+        ({"smoothing": 0.001}, r"smoothing: expected 0.04 to 2 s, at least 5 samples"),
+        ({"smoothing": 1e300}, r"smoothing: expected 0.04 to 2 s, at least 5 samples"),
     ],
 )
 def test_impossible_options_are_refused(options, message):

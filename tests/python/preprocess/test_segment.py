@@ -73,5 +73,12 @@ def test_what_stands_still_has_no_motions():
 def test_bad_settings_are_refused_by_name(name, value):
     with pytest.raises(InvalidInput, match=name):
         segment(stop_and_go(), **{name: value})
-    with pytest.raises(InvalidInput, match="demonstration"):
-        segment(stop_and_go().motion)
+    with pytest.raises(InvalidInput, match="demonstration: expected a Demonstration or a motion"):
+        segment(stop_and_go().motion.positions)
+
+
+def test_a_motion_stands_for_a_demonstration_of_it():
+    named, alone = segment(stop_and_go()), segment(stop_and_go().motion)
+    assert [each.name for each in alone] == [str(i) for i in range(1, len(named) + 1)]
+    for each, same in zip(alone, named, strict=True):
+        assert np.array_equal(each.motion.positions, same.motion.positions)

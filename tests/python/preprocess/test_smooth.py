@@ -1,40 +1,87 @@
-"""Smoothing of grid paths."""
-
 import numpy as np
+import pytest
 
-from leadthrough.preprocess.smooth import smooth_path
+import leadthrough as lt
+from leadthrough.errors import InvalidInput
+from leadthrough.preprocess import sample_evenly, smooth_by_spline, smooth_motion
 
-
-def circle(count, noise=0.0, seed=0):
-    angle = np.linspace(0.0, np.pi, count)
-    points = np.column_stack([np.cos(angle), np.sin(angle)])
-    return points + noise * np.random.default_rng(seed).standard_normal(points.shape)
-
-
-def test_smooth_path_keeps_a_smooth_curve_and_its_ends():
-    path = circle(400)
-    smoothed = smooth_path(path, knot_spacing=0.1)
-    assert np.abs(np.linalg.norm(smoothed, axis=1) - 1.0).max() < 1e-4
-    np.testing.assert_array_equal(smoothed[[0, -1]], path[[0, -1]])
+TIMES = 3.0 + np.linspace(0.0, 1.2, 61) ** 1.3
+ARC = np.column_stack([np.sin(TIMES), TIMES**2])
 
 
-def test_smoothing_takes_out_what_is_shorter_than_the_knots():
-    path = circle(400, noise=1e-3)
-    smoothed = smooth_path(path, knot_spacing=0.3)
-    radius = np.linalg.norm(smoothed[10:-10], axis=1)
-    assert np.abs(radius - 1.0).std() < 0.5e-3
+def shown(motion):
+    return lt.Demonstration(motion, "arc")
 
 
-def test_refused_candidates_get_closer_to_the_path_and_end_in_the_path_itself():
-    corner = np.array([[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [1.0, 0.5], [1.0, 1.0]])
-    deviations = []
+def test_even_samples_never_leave_the_range_of_their_neighbours():
+    steps = shown(lt.Trajectory([0, 1, 1.1, 2], [[0], [0], [1], [1]]))
+    even = sample_evenly(steps, rate=100).motion
+    assert np.array_equal(even.times[:3], [0, 0.01, 0.02])
+    assert even.positions.min() == 0.0
+    assert even.positions.max() == 1.0
+    assert not even.positions[even.times <= 1.0].any()
 
-    def refuse(points):
-        gaps = np.minimum(np.abs(points[:, 1]), np.abs(points[:, 0] - 1.0))
-        deviations.append(gaps.max())
-        return False
 
-    result = smooth_path(corner, knot_spacing=0.5, accept=refuse)
-    assert result is corner
-    assert len(deviations) == 5
-    assert deviations[-1] < 0.3 * deviations[0]
+def test_velocities_events_and_names_are_kept():
+    motion = lt.JointTrajectory(TIMES, ARC, ARC, None, ("a", "b"), (lt.Event(3.2, "grasp"),))
+    even = sample_evenly(shown(motion), rate=50)
+    assert even.name == "arc"
+    assert even.motion.joint_names == ("a", "b")
+    assert even.events == motion.events
+    assert even.motion.velocities.shape == even.motion.positions.shape
+    assert even.motion.accelerations is None
+
+
+def test_a_cubic_passes_smoothing_unchanged():
+    times = np.arange(50) / 25
+    cubic = np.column_stack([times**3 - times, 2.0 - times**2])
+    smooth = smooth_motion(shown(lt.JointTrajectory(times, cubic)), window=0.4).motion
+    np.testing.assert_allclose(smooth.positions, cubic, atol=1e-12)
+    np.testing.assert_allclose(smooth.velocities[:, 0], 3 * times**2 - 1, atol=1e-10)
+    np.testing.assert_allclose(smooth.accelerations[:, 1], -2.0, atol=1e-8)
+
+
+def test_uneven_samples_have_to_be_made_even_first():
+    demonstration = shown(lt.Trajectory(TIMES, ARC))
+    with pytest.raises(InvalidInput, match=r"evenly spaced times; preprocess.sample_evenly"):
+        smooth_motion(demonstration, window=0.2)
+    even = sample_evenly(demonstration, rate=100)
+    assert smooth_motion(even, window=0.2).motion.positions.shape == even.motion.positions.shape
+
+
+def test_a_spline_takes_noise_from_uneven_samples():
+    rng = np.random.default_rng(1)
+    noisy = lt.JointTrajectory(TIMES, ARC + 5e-3 * rng.standard_normal(ARC.shape))
+    smooth = smooth_by_spline(shown(noisy)).motion
+    assert np.abs(smooth.positions - ARC).std() < 0.5 * np.abs(noisy.positions - ARC).std()
+    assert np.abs(smooth.velocities[10:-10, 0] - np.cos(TIMES[10:-10])).max() < 0.1
+    straight = smooth_by_spline(shown(noisy), stiffness=1e9).motion
+    np.testing.assert_allclose(straight.accelerations, 0.0, atol=1e-3)
+
+
+def test_smoothed_orientations_stay_rotations():
+    rng = np.random.default_rng(2)
+    times = np.arange(100) / 50
+    turned = lt.rotations.exp(np.column_stack([3 * times, 0 * times, 0 * times]))
+    trembling = lt.rotations.compose(turned, lt.rotations.exp(0.01 * rng.standard_normal((100, 3))))
+    poses = shown(lt.PoseTrajectory(times, np.zeros((100, 3)), trembling))
+    for smooth in (smooth_motion(poses, window=0.3), smooth_by_spline(poses)):
+        angles = lt.rotations.distance(smooth.motion.orientations, turned)
+        assert angles[5:-5].max() < 0.015
+        assert angles.mean() < 0.5 * lt.rotations.distance(trembling, turned).mean()
+
+
+def test_too_little_or_nothing_is_refused():
+    for function, options in (
+        (sample_evenly, {"rate": 10}),
+        (smooth_motion, {"window": 1}),
+        (smooth_by_spline, {}),
+    ):
+        with pytest.raises(InvalidInput, match="demonstration: expected a Demonstration"):
+            function(ARC, **options)
+        with pytest.raises(InvalidInput, match="at least two samples"):
+            function(shown(lt.Trajectory([0], [[1]])), **options)
+    with pytest.raises(InvalidInput, match="at least 5 samples"):
+        smooth_by_spline(shown(lt.Trajectory([0, 1], [[1], [2]])))
+    with pytest.raises(InvalidInput, match="stiffness: "):
+        smooth_by_spline(shown(lt.Trajectory(TIMES, ARC)), stiffness=-1)

@@ -30,7 +30,7 @@ from leadthrough.planning.grid import Grid
 from leadthrough.planning.obstacles import bounding_radius
 from leadthrough.planning.speed_map import add_obstacles, experience_map, tube_map
 from leadthrough.preprocess.resample import arc_length
-from leadthrough.preprocess.smooth import smooth_path
+from leadthrough.preprocess.smooth_path import smooth_path
 from leadthrough.shapes import Shape
 
 _CELLS_PER_RADIUS = 5.0
