@@ -28,7 +28,7 @@ def test_faults_are_left_out_and_told(faulty, tmp_path):
     result = runner.invoke(cli.app, ["clean", str(faulty), "-o", str(out)])
     assert result.exit_code == 0, result.output
     assert "201 samples read, 199 left" in result.output
-    assert "spikes, left out: 1 s" in result.output
+    assert "1 spike, left out: 1 s" in result.output
     (shown,) = lt.read_demonstrations(out)
     assert len(shown.motion.times) == 199
 
