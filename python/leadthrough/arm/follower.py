@@ -23,7 +23,13 @@ from leadthrough.arm.results import STATUSES
 from leadthrough.arm.tracks import TipPath, Track, solve_sample
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LimitsInfeasible
-from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory, normalised_times
+from leadthrough.motion import (
+    JointTrajectory,
+    Motion,
+    PoseTrajectory,
+    Trajectory,
+    normalised_times,
+)
 
 _SAMPLE_ITERATIONS = 60
 # Damping to try where the arm may leave the path, m^2 per rad^2: from none to (0.1 m per rad)^2,
@@ -46,7 +52,7 @@ def follow(
     too_fast: TooFast,
     deviation: tuple[float, float] | None,
     max_step: float,
-    posture: JointTrajectory | ArrayLike | None,
+    posture: Motion | ArrayLike | None,
     midrange: float,
     position_tolerance: float,
     orientation_tolerance: float,
@@ -129,11 +135,15 @@ class _Follower:
 
 
 def _postures(
-    chain: _core.Chain, posture: JointTrajectory | ArrayLike | None, times: Float64Array
+    chain: _core.Chain, posture: Motion | ArrayLike | None, times: Float64Array
 ) -> Float64Array:
     """The configuration (n, joints) that the arm should keep close to at each of the times."""
     joints = len(chain.joint_names)
     if not isinstance(posture, JointTrajectory):
+        if isinstance(posture, Motion):
+            raise InvalidInput(
+                f"posture: expected joints or a JointTrajectory, got a {type(posture).__name__}"
+            )
         if posture is None:
             with np.errstate(invalid="ignore"):  # without limits there is no middle
                 wished = 0.5 * chain.lower + 0.5 * chain.upper

@@ -8,7 +8,7 @@ from leadthrough.arm import follower, recorded
 from leadthrough.arm.definition import ArmDefinition
 from leadthrough.arm.follower import TooFast
 from leadthrough.arm.path_report import PathReport, path_report
-from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
 
 
 class ArmFollowing(ArmDefinition):
@@ -22,7 +22,7 @@ class ArmFollowing(ArmDefinition):
         too_fast: TooFast = "slow",
         deviation: tuple[float, float] | None = None,
         max_step: float = 0.5,
-        posture: JointTrajectory | ArrayLike | None = None,
+        posture: Motion | ArrayLike | None = None,
         midrange: float = 1.0,
         position_tolerance: float = 1e-5,
         orientation_tolerance: float = 1e-5,
@@ -114,19 +114,19 @@ class ArmFollowing(ArmDefinition):
             orientation_tolerance=orientation_tolerance,
         )
 
-    def joints_of(self, trajectory: JointTrajectory) -> JointTrajectory:
+    def joints_of(self, trajectory: Motion) -> JointTrajectory:
         """The arm's own joints of a recording, found by name and in the arm's order.
 
         Args:
-            trajectory: may have other joints as well, such as a gripper's. Without names it has
-                just the arm's joints, in the arm's order.
+            trajectory: a JointTrajectory. It may have other joints as well, such as a gripper's.
+                Without names it has just the arm's joints, in the arm's order.
 
         Raises:
-            InvalidInput: if one of the arm's joints is missing.
+            InvalidInput: for another kind of motion, or if one of the arm's joints is missing.
         """
         return recorded.joints_of(trajectory, self.joint_names)
 
-    def poses(self, trajectory: JointTrajectory) -> PoseTrajectory:
+    def poses(self, trajectory: Motion) -> PoseTrajectory:
         """The poses that the tip goes through, with the recording's times and events.
 
         `follow` is the way back.
@@ -135,6 +135,6 @@ class ArmFollowing(ArmDefinition):
             trajectory: the joints, as `joints_of` takes them.
 
         Raises:
-            InvalidInput: if one of the arm's joints is missing.
+            InvalidInput: for another kind of motion, or if one of the arm's joints is missing.
         """
         return recorded.poses(self._chain, trajectory)
