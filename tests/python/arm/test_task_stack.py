@@ -1,14 +1,12 @@
-"""Stacks of tasks against pseudo-inverses, SciPy's bounded least squares and Pinocchio."""
+"""Closed loops of tasks with priorities: limits, continuity, the null space, pickling."""
 
 import dataclasses
 import pickle
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.optimize import lsq_linear
 
 import leadthrough as lt
 from leadthrough.arm import (
@@ -20,202 +18,18 @@ from leadthrough.arm import (
     PositionTask,
     PostureTask,
     TaskStack,
-    resolve,
 )
 from leadthrough.errors import InvalidInput
 
 SCHEMES = ("siciliano-slotine", "reverse")
 HOME = np.array([0.1, -0.5, 0.1, -2.0, 0.1, 1.6, 0.7])
 ELBOW = "panda_link4"
+POSITION, ORIENTATION = (0.4, 0.0, 0.4), (0.0, 1.0, 0.0, 0.0)
 
 
 @pytest.fixture(scope="module")
 def panda():
     return lt.Arm.load("panda")
-
-
-def numerical_derivative(function, q, qd, step=1e-6):
-    return (function(q + step * qd) - function(q - step * qd)) / (2 * step)
-
-
-def elbow_of(arm, q):
-    upper = lt.Arm.from_urdf(arm.document, base=arm.base, tip=ELBOW)
-    return upper.forward_kinematics(q[: len(upper.joint_names)])[0]
-
-
-def by_pseudo_inverses(jacobians, wanted):
-    joints = jacobians[0].shape[1]
-    motion, projector = np.zeros(joints), np.eye(joints)
-    for jacobian, goal in zip(jacobians, wanted, strict=True):
-        inverse = np.linalg.pinv(jacobian @ projector, rcond=1e-10)
-        motion = motion + inverse @ (goal - jacobian @ motion)
-        projector = projector - inverse @ (jacobian @ projector)
-    return motion
-
-
-def test_regular_stacks_agree_with_siciliano_and_slotines_pseudo_inverses():
-    rng = np.random.default_rng(1)
-    for _ in range(200):
-        jacobians = [rng.normal(size=(rows, 9)) for rows in (3, 2, 3)]
-        wanted = [rng.normal(size=len(jacobian)) for jacobian in jacobians]
-        if np.linalg.svd(np.vstack(jacobians), compute_uv=False)[-1] < 0.5:
-            continue  # near-singular stacks are damped
-        truth = by_pseudo_inverses(jacobians, wanted)
-        for scheme in SCHEMES:
-            motion = resolve(jacobians, wanted, scheme=scheme)
-            np.testing.assert_allclose(motion, truth, atol=1e-9 * (1 + np.abs(truth).max()))
-
-
-def test_reverse_agrees_with_flacco_and_de_lucas_formula_on_independent_tasks():
-    rng = np.random.default_rng(2)
-    for _ in range(100):
-        jacobians = [rng.normal(size=(2, 9)) for _ in range(3)]
-        wanted = [rng.normal(size=2) for _ in range(3)]
-        motion = np.zeros(9)
-        for k in (2, 1, 0):
-            # The columns of the augmented pseudo-inverse that leave the lower tasks in peace.
-            free = np.linalg.pinv(np.vstack(jacobians[k:]))[:, :2]
-            correction = np.linalg.pinv(jacobians[k] @ free) @ (wanted[k] - jacobians[k] @ motion)
-            motion = motion + free @ correction
-        found = resolve(jacobians, wanted, scheme="reverse")
-        for jacobian in jacobians:
-            np.testing.assert_allclose(jacobian @ found, jacobian @ motion, atol=1e-8)
-
-
-@settings(max_examples=100)
-@given(st.integers(0, 2**32 - 1), st.sampled_from(SCHEMES), st.booleans())
-def test_a_lower_task_never_disturbs_a_higher_one(seed, scheme, bounded):
-    rng = np.random.default_rng(seed)
-    joints = int(rng.integers(3, 17))
-    jacobians = []
-    for _ in range(int(rng.integers(2, 7))):
-        rows = int(rng.integers(1, 7))
-        rank = int(rng.integers(0, rows + 1))
-        jacobians.append(rng.normal(size=(rows, rank)) @ rng.normal(size=(rank, joints)))
-    jacobians[-1][0] = jacobians[0][0] + 10.0 ** rng.uniform(-15, 0) * rng.normal(size=joints)
-    wanted = [rng.normal(size=len(jacobian)) for jacobian in jacobians]
-    box = {"lower": -rng.random(joints), "upper": rng.random(joints)} if bounded else {}
-    change = resolve(jacobians, wanted, scheme=scheme, **box) - resolve(
-        jacobians[:-1], wanted[:-1], scheme=scheme, **box
-    )
-    for jacobian in jacobians[:-1]:
-        assert np.abs(jacobian @ change).max() < 1e-9
-
-
-def test_bounded_stacks_are_lexicographic_least_squares():
-    rng = np.random.default_rng(3)
-    for _ in range(100):
-        upper = rng.uniform(0.2, 1.0, 7)
-        inside = rng.uniform(-0.8, 0.8, 7) * upper
-        first = rng.normal(size=(3, 7))
-        second = rng.normal(size=(2, 7))
-        aims = first @ inside, 0.7 * second @ inside + 0.3 * rng.normal(size=2)
-        motion = resolve([first, second], aims, lower=-upper, upper=upper)
-        np.testing.assert_allclose(first @ motion, aims[0], atol=1e-5)  # it fits the box
-        # The second task's least squares with the first as an all but exact equation.
-        weight = 1e4
-        truth = lsq_linear(
-            np.vstack([weight * first, second]),
-            np.concatenate([weight * aims[0], aims[1]]),
-            bounds=(-upper, upper),
-            method="bvls",
-        ).x
-        ours, best = (np.linalg.norm(second @ x - aims[1]) for x in (motion, truth))
-        assert ours <= 1.05 * best + 1e-5  # what cannot be met is damped by a little
-
-
-@pytest.mark.parametrize("scheme", SCHEMES)
-def test_tasks_that_fit_together_are_all_met(panda, scheme):
-    position, _ = panda.forward_kinematics(HOME)
-    stack = TaskStack(
-        panda,
-        [
-            PositionTask(position + np.array([0.01, 0.02, -0.01])),
-            ElbowTask(ELBOW, elbow_of(panda, HOME)[1] + 0.01, direction=(0, 2, 0)),
-            PostureTask(HOME),
-        ],
-        scheme=scheme,
-    )
-    solution = stack.solve(HOME)
-    assert solution.report.miss[:2] == pytest.approx(0.0, abs=1e-9)
-    np.testing.assert_allclose(
-        panda.jacobian(HOME)[:3] @ solution.motion, 5.0 * np.array([0.01, 0.02, -0.01]), atol=1e-9
-    )
-
-
-def single(panda, task):
-    return TaskStack(panda, [task]).solve(HOME).motion
-
-
-def test_every_task_moves_what_it_is_about(panda):
-    position, orientation = panda.forward_kinematics(HOME)
-    rotation = pin.Quaternion(*orientation).matrix()
-
-    elbow = elbow_of(panda, HOME)
-    qd = single(panda, ElbowTask(ELBOW, elbow[2] - 0.02))
-    rate = numerical_derivative(lambda q: elbow_of(panda, q)[2], HOME, qd)
-    assert rate == pytest.approx(-0.1, abs=1e-6)
-
-    point = np.array([0.05, 0.0, 0.1])
-    target = position + rotation @ point + [0.0, 0.01, 0.0]
-    qd = single(panda, PositionTask(target, point=point, velocity=(0.02, 0.0, 0.0)))
-
-    def place(q):
-        p, (w, x, y, z) = panda.forward_kinematics(q)
-        return p + pin.Quaternion(w, x, y, z).matrix() @ point
-
-    np.testing.assert_allclose(numerical_derivative(place, HOME, qd), [0.02, 0.05, 0], atol=1e-6)
-
-    def axis(q):
-        _, (w, x, y, z) = panda.forward_kinematics(q)
-        return pin.Quaternion(w, x, y, z).matrix()[:, 2]
-
-    goal = axis(HOME) + np.array([0.1, 0.0, 0.0])
-    goal /= np.linalg.norm(goal)
-    qd = single(panda, DirectionTask((0, 0, 1), goal))
-    angle = lambda q: np.arccos(axis(q) @ goal)  # noqa: E731
-    assert numerical_derivative(angle, HOME, qd) == pytest.approx(-5.0 * angle(HOME), rel=1e-5)
-
-
-@pytest.mark.parametrize("shape", [lt.Sphere, lt.Capsule, lt.Box])
-def test_obstacle_tasks_push_away_at_the_rate_of_their_gain(panda, shape):
-    position, _ = panda.forward_kinematics(HOME)
-    centre = position + np.array([0.12, 0.03, -0.05])
-    made = {
-        lt.Sphere: lambda: lt.Sphere(0.1, centre),
-        lt.Capsule: lambda: lt.Capsule(0.1, 0.2, centre, (0.8, 0.6, 0, 0)),
-        lt.Box: lambda: lt.Box((0.15, 0.3, 0.2), centre, (0.8, 0, 0.6, 0)),
-    }[shape]()
-    distance = lambda q: made.distance([panda.forward_kinematics(q)[0]])[0]  # noqa: E731
-    wanted = distance(HOME) + 0.02
-    stack = TaskStack(panda, [ObstacleTask(made, wanted), PostureTask(HOME)])
-    solution = stack.solve(HOME)
-    assert solution.report.error[0] == pytest.approx(0.02)
-    rate = numerical_derivative(distance, HOME, solution.motion)
-    assert rate == pytest.approx(5.0 * 0.02, abs=1e-5)
-
-
-def test_accelerations_take_the_bias_into_account(panda):
-    position, orientation = panda.forward_kinematics(HOME)
-    qd = np.array([0.3, -0.2, 0.4, 0.5, -0.3, 0.2, 0.1])
-    task = PoseTask(
-        position + np.array([0.02, 0.0, 0.01]), orientation, gain=2.0, damping_ratio=0.7
-    )
-    qdd = TaskStack(panda, [task]).acceleration(HOME, qd)
-    model = pin.buildModelFromXML(panda.document)
-    data = model.createData()
-    full = np.concatenate([HOME, np.zeros(model.nq - 7)])
-    full_qd = np.concatenate([qd, np.zeros(model.nv - 7)])
-    full_qdd = np.concatenate([qdd, np.zeros(model.nv - 7)])
-    pin.forwardKinematics(model, data, full, full_qd, full_qdd)
-    pin.updateFramePlacements(model, data)
-    tip = model.getFrameId(panda.tip)
-    frame = pin.LOCAL_WORLD_ALIGNED
-    velocity = pin.getFrameVelocity(model, data, tip, frame)
-    acceleration = pin.getFrameClassicalAcceleration(model, data, tip, frame)
-    error = np.array([0.02, 0.0, 0.01, 0, 0, 0])
-    wanted = 4.0 * error - 2.0 * 0.7 * 2.0 * velocity.vector
-    np.testing.assert_allclose(acceleration.vector, wanted, atol=1e-9)
 
 
 def random_tasks(arm, rng):
@@ -377,35 +191,6 @@ def test_the_largest_numbers_give_motions_inside_the_limits(panda, scheme):
         assert np.isfinite(stack.velocity(np.full(7, huge))).all()
 
 
-POSITION, ORIENTATION = (0.4, 0.0, 0.4), (0.0, 1.0, 0.0, 0.0)
-
-
-@pytest.mark.parametrize(
-    ("make", "name"),
-    [
-        (lambda: PoseTask((1, 2), ORIENTATION), "position"),
-        (lambda: PoseTask(POSITION, (0, 0, 0, 0)), "orientation"),
-        (lambda: PoseTask(POSITION, ORIENTATION, twist=(0, 0, 0)), "twist"),
-        (lambda: PoseTask(POSITION, ORIENTATION, gain=-1.0), "gain"),
-        (lambda: PositionTask((np.nan, 0, 0)), "position"),
-        (lambda: PositionTask((1e30, 0, 0)), "position"),
-        (lambda: PositionTask(POSITION, gain=1e30), "gain"),
-        (lambda: ObstacleTask(lt.Sphere(1e30, POSITION), 0.1), "shape"),
-        (lambda: PositionTask(POSITION, damping_ratio=0.0), "damping_ratio"),
-        (lambda: DirectionTask((0, 0, 0), (0, 0, 1)), "axis"),
-        (lambda: DirectionTask((0, 0, 1), (0, 0, 1), within=4.0), "within"),
-        (lambda: PostureTask([[1.0]]), "q"),
-        (lambda: JointLimitTask(margin=0.0), "margin"),
-        (lambda: ElbowTask(ELBOW, np.inf), "height"),
-        (lambda: ObstacleTask("ball", 0.1), "shape"),
-        (lambda: ObstacleTask(lt.Sphere(0.1, POSITION), -0.1), "distance"),
-    ],
-)
-def test_tasks_that_make_no_sense_are_refused(make, name):
-    with pytest.raises(InvalidInput, match=name):
-        make()
-
-
 @pytest.mark.parametrize(
     ("call", "name"),
     [
@@ -424,39 +209,8 @@ def test_tasks_that_make_no_sense_are_refused(make, name):
         (lambda arm: TaskStack(arm, [JointLimitTask()]).run(HOME, duration=1e9), "dt"),
         (lambda arm: TaskStack(arm, [JointLimitTask()]).velocity(HOME + 1e30), "q"),
         (lambda arm: TaskStack(arm, [JointLimitTask()]).velocity(HOME, dt=1e-9), "dt"),
-        (lambda _: resolve([], []), "jacobians"),
-        (lambda _: resolve([np.ones((1, 17))], [[1.0]]), "jacobians"),
-        (lambda _: resolve([np.ones((1, 3)), np.ones((1, 4))], [[1.0], [1.0]]), "jacobians"),
-        (lambda _: resolve([np.ones((1, 3))], [[1.0, 2.0]]), "wanted"),
-        (lambda _: resolve([np.ones((1, 3))], [[1.0]], lower=[1.0] * 3, upper=[0.0] * 3), "lower"),
     ],
 )
 def test_stacks_that_make_no_sense_are_refused(panda, call, name):
     with pytest.raises(InvalidInput, match=name):
         call(panda)
-
-
-LINKS = "".join(f'<link name="{name}"/>' for name in "abcd")
-
-
-def hinge(name, parent, child, inside=""):
-    return (
-        f'<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>'
-        f'<origin xyz="0.3 0 0.1"/><axis xyz="0 1 0.2"/>{inside}'
-        '<limit lower="-2" upper="2" velocity="9" effort="1"/></joint>'
-    )
-
-
-def test_links_behind_joints_that_mimic_or_are_held_are_moved_as_they_move():
-    mimic = '<mimic joint="one" multiplier="-2" offset="0.1"/>'
-    joints = [hinge("one", "a", "b"), hinge("two", "b", "c", mimic), hinge("three", "c", "d")]
-    whole = lt.Arm.from_urdf(f'<robot name="folding">{LINKS}{"".join(joints)}</robot>')
-    held = whole.hold({"three": 0.3})
-    for arm, link in ((whole, "c"), (whole, None), (held, "d")):
-        q = np.full(len(arm.joint_names), 0.7)
-        upper = arm if link is None else lt.Arm.from_urdf(arm.document, tip=link, hold=arm.held)
-        used = slice(len(upper.joint_names))
-        height = lambda q, upper=upper, used=used: upper.forward_kinematics(q[used])[0][2]  # noqa: E731
-        task = ElbowTask(link or "d", height(q) + 0.01)
-        qd = TaskStack(arm, [task]).velocity(q)
-        assert numerical_derivative(height, q, qd) == pytest.approx(0.05, abs=1e-6)
