@@ -10,7 +10,7 @@ Sources: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -162,7 +162,7 @@ def _postures(
 
 
 def _deviation(
-    deviation: Any, too_fast: TooFast, allowed: tuple[float, float]
+    deviation: tuple[float, float] | None, too_fast: TooFast, allowed: tuple[float, float]
 ) -> tuple[float, float]:
     """The most that the tip may be away from a sample, m and rad."""
     if too_fast != "deviate":

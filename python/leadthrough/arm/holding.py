@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from types import MappingProxyType
-from typing import Any
 
 from leadthrough import check
 from leadthrough.arm.limits import JointLimits
 from leadthrough.errors import InvalidInput
 
 
-def checked(values: Any) -> Mapping[str, float]:
+def checked(values: Mapping[str, float]) -> Mapping[str, float]:
     """A read-only copy of values by the joints' names.
 
     Raises:

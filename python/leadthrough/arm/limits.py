@@ -208,7 +208,7 @@ def _row(joints: Mapping[str, Any], name: str, path: str | PathLike[str]) -> dic
 
 
 def _column(
-    urdf: JointLimits, key: str, rows: Mapping[str, Mapping[str, float]], path: Any
+    urdf: JointLimits, key: str, rows: Mapping[str, Mapping[str, float]], path: str | PathLike[str]
 ) -> Float64Array | None:
     given = {name: row[key] for name, row in rows.items() if key in row}
     stated = getattr(urdf, key)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Sequence
 from functools import lru_cache, wraps
-from typing import Any, Literal, ParamSpec, TypeVar, get_args
+from typing import Literal, ParamSpec, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -95,7 +95,7 @@ def tolerance(position: float, orientation: float) -> _core.IkTolerance:
     )
 
 
-def _refuse_contradictions(mode: str, reference: Any, midrange: Any, posture: Any) -> None:
+def _refuse_contradictions(mode: str, reference: object, midrange: float, posture: object) -> None:
     if posture is not None and midrange != 0:
         raise InvalidInput("posture: not used together with midrange; remove one of the two")
     if posture is not None and mode != "fastest":

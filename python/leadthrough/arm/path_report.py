@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -120,13 +119,12 @@ def _condition_number(chain: _core.Chain, q: Float64Array) -> Float64Array:
     return kinematics.condition_number(jacobians, kinematics.ROTATION_WEIGHT)
 
 
-def _read_only(values: Any) -> Float64Array:
-    result = np.asarray(values, dtype=np.float64)
-    result.setflags(write=False)
-    return result
+def _read_only(values: Float64Array) -> Float64Array:
+    values.setflags(write=False)
+    return values
 
 
-def _joints(trajectory: Any, path: TipPath, limits: JointLimits) -> Float64Array:
+def _joints(trajectory: JointTrajectory, path: TipPath, limits: JointLimits) -> Float64Array:
     if not isinstance(trajectory, JointTrajectory):
         what = type(trajectory).__name__
         raise InvalidInput(f"trajectory: expected a JointTrajectory, got {what}")

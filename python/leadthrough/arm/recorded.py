@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 from leadthrough import _core
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, PoseTrajectory
 
 
-def joints_of(trajectory: Any, names: tuple[str, ...]) -> JointTrajectory:
+def joints_of(trajectory: JointTrajectory, names: tuple[str, ...]) -> JointTrajectory:
     """See `Arm.joints_of`."""
     if not isinstance(trajectory, JointTrajectory):
         got = type(trajectory).__name__
@@ -19,12 +18,15 @@ def joints_of(trajectory: Any, names: tuple[str, ...]) -> JointTrajectory:
     if not recorded:
         count = trajectory.positions.shape[1]
         if count != len(names):
-            raise InvalidInput(f"trajectory: expected {len(names)} joints, got {count}")
+            raise InvalidInput(
+                f"trajectory: expected {len(names)} joints where it names none, got {count}"
+            )
         return replace(trajectory, joint_names=names)
     missing = [name for name in names if name not in recorded]
     if missing:
         raise InvalidInput(
-            f"trajectory: expected the joints {', '.join(names)}, got {', '.join(recorded)}"
+            f"trajectory: expected at least the joints {', '.join(names)}, "
+            f"got {', '.join(recorded)}"
         )
     columns = [recorded.index(name) for name in names]
     velocities, accelerations = (
@@ -40,7 +42,7 @@ def joints_of(trajectory: Any, names: tuple[str, ...]) -> JointTrajectory:
     )
 
 
-def poses(chain: _core.Chain, trajectory: Any) -> PoseTrajectory:
+def poses(chain: _core.Chain, trajectory: JointTrajectory) -> PoseTrajectory:
     """See `Arm.poses`."""
     own = joints_of(trajectory, tuple(chain.joint_names))
     positions, orientations = chain.forward_kinematics(own.positions)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leadthrough import _core
 from leadthrough.check import Float64Array
@@ -31,7 +31,7 @@ class TipPath:
     postures: Float64Array = field(default_factory=lambda: np.empty((0, 0)))
 
     @staticmethod
-    def of(motion: Any) -> TipPath:
+    def of(motion: Trajectory | PoseTrajectory) -> TipPath:
         """The path of poses, or of points in 3-D.
 
         Raises:
@@ -54,7 +54,7 @@ class TipPath:
         """Dimension of the task at a sample: 6 with orientations, 3 without."""
         return 6 if len(self.orientations) else 3
 
-    def only(self, samples: Any) -> TipPath:
+    def only(self, samples: slice | NDArray[np.intp]) -> TipPath:
         """The path of these samples alone."""
         orientations = self.orientations[samples] if len(self.orientations) else self.orientations
         postures = self.postures[samples]
@@ -97,7 +97,7 @@ class Track:
 
 def solve_sample(
     chain: _core.Chain, path: TipPath, i: int, seeds: Float64Array, options: _core.IkOptions
-) -> tuple[Float64Array, Any, Float64Array]:
+) -> tuple[Float64Array, NDArray[np.int32], Float64Array]:
     """Configurations (m, joints), status codes and errors (m,) for one sample from many seeds."""
     sample = path.only(np.full(len(seeds), i))
     q, status, position_errors, orientation_errors, *_ = _core.solve_ik_batch(
