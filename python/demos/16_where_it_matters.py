@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 
 import leadthrough as lt
 import probability
-from leadthrough.models import kmeans, stiffness_profile
-from leadthrough.models.mixtures.fitting import trace_mixture
+from leadthrough.models import kmeans, stiffness_profile, trace_mixture
 from leadthrough.show import plot
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")

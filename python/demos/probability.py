@@ -9,8 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Ellipse
 
 from leadthrough.check import Float64Array
-from leadthrough.models.mixtures.kmeans import Clusters
-from leadthrough.models.mixtures.mixture import Mixture
+from leadthrough.models import Clusters, Mixture
 from leadthrough.models.promp.basis import Basis
 from leadthrough.motion import Motion
 from leadthrough.show import palette

@@ -9,10 +9,10 @@ from .dmp.rhythmic import (
 from .library import SkillLibrary
 from .marching.model import FastMarching
 from .marching.skill import FastMarchingSkill
-from .mixtures.fitting import choose_components, fit_mixture
+from .mixtures.fitting import FittedMixture, choose_components, fit_mixture, trace_mixture
 from .mixtures.gmr import GMR
 from .mixtures.gmr_skill import GMRSkill
-from .mixtures.kmeans import kmeans
+from .mixtures.kmeans import Clusters, kmeans
 from .mixtures.mixture import Mixture
 from .mixtures.stiffness import stiffness_profile
 from .mixtures.task_frames import Frame
@@ -20,7 +20,7 @@ from .mixtures.task_gmr import TaskGMR
 from .mixtures.task_gmr_skill import TaskGMRSkill
 from .parameters import Parameter
 from .promp.combination import blend, combine
-from .promp.inference import infer
+from .promp.inference import Inference, infer
 from .promp.model import ProMP
 from .promp.skill import ProMPSkill
 from .protocol import Skill
@@ -29,11 +29,14 @@ from .skills import load_skill
 __all__ = [
     "DMP",
     "GMR",
+    "Clusters",
     "DMPSkill",
     "FastMarching",
     "FastMarchingSkill",
+    "FittedMixture",
     "Frame",
     "GMRSkill",
+    "Inference",
     "Mixture",
     "Parameter",
     "PoseDMP",
@@ -56,4 +59,5 @@ __all__ = [
     "kmeans",
     "load_skill",
     "stiffness_profile",
+    "trace_mixture",
 ]

@@ -22,7 +22,7 @@ _PATIENCE = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Fitted:
+class FittedMixture:
     """A mixture fitted by EM.
 
     Attributes:
@@ -39,7 +39,7 @@ class Fitted:
         return self.history[-1]
 
 
-def fit_mixture(points: ArrayLike, components: int, *, seed: int = 0) -> Fitted:
+def fit_mixture(points: ArrayLike, components: int, *, seed: int = 0) -> FittedMixture:
     """The most likely mixture with a given number of components.
 
     The best of several starts from k-means. Components are in the order of their means' first
@@ -59,10 +59,12 @@ def fit_mixture(points: ArrayLike, components: int, *, seed: int = 0) -> Fitted:
     scaled = (data - middle) / scale
     blocks, history = fit_blocks([scaled], scaled, count, seed)
     volume = float(np.log(scale).sum())
-    return Fitted(_unscaled(blocks, middle, scale), tuple(value - volume for value in history))
+    return FittedMixture(
+        _unscaled(blocks, middle, scale), tuple(value - volume for value in history)
+    )
 
 
-def choose_components(points: ArrayLike, *, at_most: int = 15, seed: int = 0) -> Fitted:
+def choose_components(points: ArrayLike, *, at_most: int = 15, seed: int = 0) -> FittedMixture:
     """The mixture with the number of components of least Bayesian information criterion.
 
     Numbers are tried from 1 on; the search ends where three in a row have not lowered the
@@ -123,7 +125,7 @@ def trace_mixture(
     return [_unscaled(each, middle, scale) for each in found]
 
 
-def bic(fit: Fitted, samples: int) -> float:
+def bic(fit: FittedMixture, samples: int) -> float:
     """The Bayesian information criterion of a mixture fitted to a number of points."""
     k, d = fit.mixture.count, fit.mixture.size
     free = k - 1 + k * d + k * d * (d + 1) // 2

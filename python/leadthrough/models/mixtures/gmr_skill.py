@@ -42,7 +42,7 @@ class GMRSkill(Archived, Generic[MotionT_co]):
         mixture: mixture of 1 + d columns, the time first, s.
         duration: duration of the motion, s.
         ends: mean start and goal (2, d) of the demonstrations.
-        shown: number of demonstrations.
+        demonstration_count: number of demonstrations that it has learned.
     """
 
     model: GMR
@@ -50,7 +50,7 @@ class GMRSkill(Archived, Generic[MotionT_co]):
     mixture: Mixture
     duration: float
     ends: Float64Array
-    shown: int
+    demonstration_count: int
 
     kind: ClassVar[str] = "gmr"
     supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration"})
@@ -136,8 +136,8 @@ class GMRSkill(Archived, Generic[MotionT_co]):
             InvalidInput: if the demonstrations are of another type.
             FitError: if there is none, or one does not move.
         """
-        mixture, ends, shown = learned(self, demonstrations)
-        return replace(self, mixture=mixture, ends=ends, shown=shown)
+        mixture, ends, count = learned(self, demonstrations)
+        return replace(self, mixture=mixture, ends=ends, demonstration_count=count)
 
     def component_orientations(self) -> Float64Array:
         """Mean orientations (k, 4) of the components of a skill of poses, w, x, y, z.
@@ -173,7 +173,7 @@ class GMRSkill(Archived, Generic[MotionT_co]):
         settings = {
             "model": asdict(self.model),
             "duration": self.duration,
-            "shown": self.shown,
+            "shown": self.demonstration_count,  # the name in files
             **self.chart.settings(),
         }
         arrays = {

@@ -44,11 +44,13 @@ def learned(
     motions = motions_of(demonstrations)
     phases = [normalised_times(motion.times) for motion in motions]
     samples = timed_columns(motions, phases, skill.chart, skill.duration)
-    total = skill.shown + len(motions)
+    total = skill.demonstration_count + len(motions)
     points = np.concatenate(samples)
-    mixture = _adapted(skill.mixture, points, len(points) / len(motions) * skill.shown)
+    mixture = _adapted(
+        skill.mixture, points, len(points) / len(motions) * skill.demonstration_count
+    )
     ends = np.sum([each[[0, -1], 1:] for each in samples], axis=0)
-    return mixture, (skill.ends * skill.shown + ends) / total, total
+    return mixture, (skill.ends * skill.demonstration_count + ends) / total, total
 
 
 def _adapted(mixture: Mixture, points: Float64Array, before: float) -> Mixture:

@@ -43,7 +43,7 @@ def test_update_comes_near_to_a_fit_of_everything(family):
     old, new = family(6, seed=1), family(6, seed=2, height=0.6)
     both = lt.GMR(6).fit(old + new)
     updated = lt.GMR(6).fit(old).updated(new)
-    assert updated.shown == 12
+    assert updated.demonstration_count == 12
     mean, _ = updated.regress(2.0 * U)
     assert np.abs(mean - both.regress(2.0 * U)[0]).max() < 0.05
     before = np.abs(lt.GMR(6).fit(old).regress(2.0 * U)[0] - both.regress(2.0 * U)[0]).max()

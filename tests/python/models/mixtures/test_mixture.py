@@ -5,9 +5,9 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from leadthrough.errors import FitError, InvalidInput
-from leadthrough.models import Mixture, choose_components, fit_mixture
+from leadthrough.models import Mixture, choose_components, fit_mixture, trace_mixture
 from leadthrough.models.mixtures.em import LEAST_VARIANCE, Steps
-from leadthrough.models.mixtures.fitting import bic, trace_mixture
+from leadthrough.models.mixtures.fitting import bic
 from leadthrough.models.mixtures.kmeans import clustered, seeds
 
 
