@@ -6,28 +6,40 @@ Source: de Boor 2001; Piegl and Tiller 1997, section 4.3.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-import scipy.interpolate
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.trajectories import curve
+from leadthrough.trajectories.curve import PointCurve
 from leadthrough.trajectories.interpolation import of_bspline
-from leadthrough.trajectories.spline import Spline, affine
+from leadthrough.trajectories.spline import Spline
+
+if TYPE_CHECKING:
+    import scipy.interpolate
 
 _MOST_DEGREE = 20
 
 
-@dataclass(frozen=True, eq=False)
-class BSpline:
-    """The curve of control points (n, d) and a knot vector (n + degree + 1,) that never falls.
+@dataclass(frozen=True, eq=False, init=False)
+class BSpline(PointCurve):
+    """The curve of control points and a knot vector that never falls.
 
-    It lives where the basis adds up to one, from knot `degree` to knot n, both included; a knot
-    that stands m times leaves degree - m derivatives there. Raises InvalidInput.
+    It lives where the basis functions add up to one, from knot `degree` to knot n, both included;
+    a knot of multiplicity m leaves degree - m continuous derivatives there.
+
+    Attributes:
+        points: control points (n, d); (n,) are taken as one-dimensional.
+        knot_vector: (n + degree + 1,).
+        degree: of the pieces, 0 to 20.
+
+    Raises:
+        InvalidInput: if one of them is malformed, or the knots fall or span no domain.
     """
 
     points: Float64Array
@@ -35,19 +47,22 @@ class BSpline:
     degree: int
     _curve: scipy.interpolate.BSpline = field(init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        degree = check.integer(self.degree, "degree", at_least=0, at_most=_MOST_DEGREE)
-        points = curve.points(self.points, "points", least=degree + 1)
-        knots = check.frozen(self.knot_vector, "knot_vector", shape=(len(points) + degree + 1,))
-        if (np.diff(knots) < 0.0).any() or not knots[degree] < knots[len(points)]:
+    def __init__(self, points: ArrayLike, knot_vector: ArrayLike, degree: int) -> None:
+        import scipy.interpolate
+
+        degree = check.integer(degree, "degree", at_least=0, at_most=_MOST_DEGREE)
+        table = curve.points(points, "points", least=degree + 1)
+        knots = check.frozen(knot_vector, "knot_vector", shape=(len(table) + degree + 1,))
+        if (np.diff(knots) < 0.0).any() or not knots[degree] < knots[len(table)]:
             raise InvalidInput("knot_vector: expected knots that never fall and span a domain")
-        object.__setattr__(self, "degree", degree)
-        object.__setattr__(self, "points", points)
-        object.__setattr__(self, "knot_vector", knots)
-        object.__setattr__(
-            self, "_curve", scipy.interpolate.BSpline.construct_fast(knots, points, degree)
+        vars(self).update(
+            points=table,
+            knot_vector=knots,
+            degree=degree,
+            _curve=scipy.interpolate.BSpline.construct_fast(knots, table, degree),
         )
 
+    # Any: the protocol of pickle.
     def __reduce__(self) -> tuple[Any, ...]:
         return BSpline, (self.points, self.knot_vector, self.degree)
 
@@ -61,37 +76,52 @@ class BSpline:
         """The distinct knots of the domain."""
         return np.unique(self.knot_vector[self.degree : len(self.points) + 1])
 
-    def evaluate(self, t: Any, derivative: int = 0) -> Float64Array:
-        """Values or derivatives (n, d) at times (n,), (d,) at one time. Raises InvalidInput."""
-        times = curve.times_inside(t, self.domain)
-        return np.asarray(self._curve(times, curve.order(derivative)))
+    @property
+    def dimensions(self) -> int:
+        """Number of dimensions, d."""
+        return int(self.points.shape[1])
 
-    def basis(self, t: Any) -> Float64Array:
-        """(n, points) what each control point counts at times (n,); rows add up to one."""
+    def basis(self, t: ArrayLike) -> Float64Array:
+        """Weights (n, points) of the control points; rows add up to one.
+
+        Args:
+            t: times of the domain (n,).
+
+        Raises:
+            InvalidInput: if a time lies outside the domain.
+        """
+        import scipy.interpolate
+
         times = curve.times_inside(np.atleast_1d(t), self.domain)
         knots, degree = self.knot_vector, self.degree
         return np.asarray(scipy.interpolate.BSpline(knots, np.eye(len(self.points)), degree)(times))
-
-    def transformed(self, matrix: Any, offset: Any = 0.0) -> BSpline:
-        """The curve of matrix @ x + offset for every x of this one. Raises InvalidInput."""
-        a, b = affine(matrix, offset, self.points.shape[1])
-        return BSpline(self.points @ a.T + b, self.knot_vector, self.degree)
-
-    def rescaled(self, factor: float) -> BSpline:
-        """The same path, passed `factor` times as slowly. Raises InvalidInput."""
-        stretch = check.number(factor, "factor", above=0.0)
-        return BSpline(self.points, self.knot_vector * stretch, self.degree)
 
     def spline(self) -> Spline:
         """The same curve by its polynomial pieces."""
         return of_bspline(self._curve, self.knots)
 
+    def _values(self, times: Float64Array, order: int) -> Float64Array:
+        return np.asarray(self._curve(times, order))
 
-@dataclass(frozen=True, eq=False)
-class Nurbs:
-    """A B-spline whose control points (n, d) count by weights (n,), > 0.
+    def _mapped(self, matrix: Float64Array, offset: Float64Array) -> Self:
+        return replace(self, points=self.points @ matrix.T + offset)
 
-    Circles and other conics are exactly of this kind. Raises InvalidInput.
+    def _stretched(self, factor: float) -> Self:
+        return replace(self, knot_vector=self.knot_vector * factor)
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Nurbs(PointCurve):
+    """A B-spline whose control points are weighted; circles and other conics are exactly such.
+
+    Attributes:
+        points: control points (n, d); (n,) are taken as one-dimensional.
+        weights: (n,), > 0.
+        knot_vector: (n + degree + 1,).
+        degree: of the pieces, 0 to 20.
+
+    Raises:
+        InvalidInput: as for `BSpline`, and if a weight is not > 0.
     """
 
     points: Float64Array
@@ -100,16 +130,21 @@ class Nurbs:
     degree: int
     _lifted: BSpline = field(init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        points = curve.points(self.points, "points")
-        weights = check.frozen(self.weights, "weights", shape=(len(points),))
-        if (weights <= 0.0).any():
-            raise InvalidInput(f"weights: expected numbers > 0, got {weights.min()}")
-        lifted = np.column_stack([points * weights[:, None], weights])
-        object.__setattr__(self, "points", points)
-        object.__setattr__(self, "weights", weights)
-        object.__setattr__(self, "_lifted", BSpline(lifted, self.knot_vector, self.degree))
-        object.__setattr__(self, "knot_vector", self._lifted.knot_vector)
+    def __init__(
+        self, points: ArrayLike, weights: ArrayLike, knot_vector: ArrayLike, degree: int
+    ) -> None:
+        table = curve.points(points, "points")
+        factors = check.frozen(weights, "weights", shape=(len(table),))
+        if (factors <= 0.0).any():
+            raise InvalidInput(f"weights: expected numbers > 0, got {factors.min()}")
+        lifted = BSpline(np.column_stack([table * factors[:, None], factors]), knot_vector, degree)
+        vars(self).update(
+            points=table,
+            weights=factors,
+            knot_vector=lifted.knot_vector,
+            degree=lifted.degree,
+            _lifted=lifted,
+        )
 
     @property
     def domain(self) -> tuple[float, float]:
@@ -121,12 +156,14 @@ class Nurbs:
         """The distinct knots of the domain."""
         return self._lifted.knots
 
-    def evaluate(self, t: Any, derivative: int = 0) -> Float64Array:
-        """Values or derivatives (n, d) at times (n,), (d,) at one time.
+    @property
+    def dimensions(self) -> int:
+        """Number of dimensions, d."""
+        return int(self.points.shape[1])
 
-        Raises InvalidInput. Source: Piegl and Tiller 1997, eq. 4.8.
-        """
-        lifted = [self._lifted.evaluate(t, k) for k in range(curve.order(derivative) + 1)]
+    def _values(self, times: Float64Array, order: int) -> Float64Array:
+        """By the derivatives of the weighted curve: Piegl and Tiller 1997, eq. 4.8."""
+        lifted = [self._lifted.evaluate(times, k) for k in range(order + 1)]
         found: list[Float64Array] = []
         for k, row in enumerate(lifted):
             value = row[..., :-1].copy()
@@ -135,12 +172,8 @@ class Nurbs:
             found.append(value / lifted[0][..., -1:])
         return found[-1]
 
-    def transformed(self, matrix: Any, offset: Any = 0.0) -> Nurbs:
-        """The curve of matrix @ x + offset for every x of this one. Raises InvalidInput."""
-        a, b = affine(matrix, offset, self.points.shape[1])
-        return Nurbs(self.points @ a.T + b, self.weights, self.knot_vector, self.degree)
+    def _mapped(self, matrix: Float64Array, offset: Float64Array) -> Self:
+        return replace(self, points=self.points @ matrix.T + offset)
 
-    def rescaled(self, factor: float) -> Nurbs:
-        """The same path, passed `factor` times as slowly. Raises InvalidInput."""
-        stretch = check.number(factor, "factor", above=0.0)
-        return Nurbs(self.points, self.weights, self.knot_vector * stretch, self.degree)
+    def _stretched(self, factor: float) -> Self:
+        return replace(self, knot_vector=self.knot_vector * factor)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, runtime_checkable
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Protocol, Self, runtime_checkable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
-# Times computed by adding steps miss the end of a domain by rounding: this share of its length.
+# Times computed by adding steps miss the end of a domain by rounding: this fraction of its length.
 _SLACK = 1e-9
 
 
@@ -24,17 +26,86 @@ class Curve(Protocol):
 
     @property
     def knots(self) -> Float64Array:
-        """(k,) rising times between which the curve is smooth, the ends of the domain included."""
+        """Rising times (k,) between which the curve is smooth, the ends of the domain included."""
 
-    def evaluate(self, t: Any, derivative: int = 0) -> Float64Array:
-        """Values, or derivatives of an order, (n, d) at times (n,) and (d,) at one time.
+    def evaluate(self, t: ArrayLike, derivative: int = 0) -> Float64Array:
+        """Values or derivatives (n, d) at times (n,), or (d,) at one time.
 
-        Raises InvalidInput, for times outside the domain too.
+        Args:
+            t: times of the domain, (n,) or one.
+            derivative: order of the derivative, 0 for values.
+
+        Raises:
+            InvalidInput: if a time lies outside the domain, or the order is negative.
         """
 
 
-def times_inside(t: Any, domain: tuple[float, float]) -> Float64Array:
-    """`t` as times of the domain, (n,) or of no dimension; rounding beyond its ends is cut."""
+class PointCurve(ABC):
+    """A `Curve` of points that can be transformed and slowed down."""
+
+    if TYPE_CHECKING:  # some curves have a field of this name, which a property would hide
+
+        @property
+        def domain(self) -> tuple[float, float]:
+            """First and last time."""
+
+    @property
+    @abstractmethod
+    def dimensions(self) -> int:
+        """Number of dimensions, d."""
+
+    @abstractmethod
+    def _values(self, times: Float64Array, order: int) -> Float64Array:
+        """Derivatives of an order at checked times, (n,) or of no dimension."""
+
+    @abstractmethod
+    def _mapped(self, matrix: Float64Array, offset: Float64Array) -> Self:
+        """The curve of matrix @ x + offset."""
+
+    @abstractmethod
+    def _stretched(self, factor: float) -> Self:
+        """The curve passed `factor` times as slowly."""
+
+    def evaluate(self, t: ArrayLike, derivative: int = 0) -> Float64Array:
+        """Values or derivatives (n, d) at times (n,), or (d,) at one time.
+
+        Args:
+            t: times of the domain, (n,) or one.
+            derivative: order of the derivative, 0 for values.
+
+        Raises:
+            InvalidInput: if a time lies outside the domain, or the order is negative.
+        """
+        return self._values(times_inside(t, self.domain), order(derivative))
+
+    def transformed(self, matrix: ArrayLike, offset: ArrayLike = 0.0) -> Self:
+        """The curve of matrix @ x + offset for every x of this one.
+
+        Args:
+            matrix: (e, d).
+            offset: (e,) or one number.
+
+        Raises:
+            InvalidInput: if they do not fit the curve's dimension.
+        """
+        a = check.array(matrix, "matrix", shape=("e", self.dimensions))
+        b = check.array(offset, "offset", shape=() if np.ndim(offset) == 0 else (len(a),))
+        return self._mapped(a, np.broadcast_to(b, len(a)))
+
+    def rescaled(self, factor: float) -> Self:
+        """The same path, passed `factor` times as slowly: derivative k is divided by factor**k.
+
+        Args:
+            factor: > 0; the times of the domain and the knots are multiplied by it.
+
+        Raises:
+            InvalidInput: if it is not > 0.
+        """
+        return self._stretched(check.number(factor, "factor", above=0.0))
+
+
+def times_inside(t: ArrayLike, domain: tuple[float, float]) -> Float64Array:
+    """`t` as times of the domain, (n,) or of no dimension; rounding beyond its ends is clipped."""
     times = check.array(t, "t", shape=() if np.ndim(t) == 0 else ("n",))
     first, last = domain
     if not times.size or (first <= times.min() and times.max() <= last):
@@ -48,20 +119,22 @@ def times_inside(t: Any, domain: tuple[float, float]) -> Float64Array:
     return np.clip(times, first, last)
 
 
-def order(derivative: Any) -> int:
+def order(derivative: int) -> int:
     """`derivative` as the order of a derivative."""
     return check.integer(derivative, "derivative", at_least=0)
 
 
-def knot_times(value: Any, name: str) -> Float64Array:
+def knot_times(value: ArrayLike, name: str) -> Float64Array:
     """At least two strictly increasing times, (n,), read-only."""
     knots = check.times(value, name)
     if len(knots) < 2:
-        raise InvalidInput(f"{name}: expected at least two, got one")
+        raise InvalidInput(f"{name}: expected at least two times, got one")
     return knots
 
 
-def points(value: Any, name: str, *, count: int | None = None, least: int = 1) -> Float64Array:
+def points(
+    value: ArrayLike, name: str, *, count: int | None = None, least: int = 1
+) -> Float64Array:
     """Points (n, d), read-only; (n,) are points in one dimension."""
     rows = np.ndim(value) == 1
     try:

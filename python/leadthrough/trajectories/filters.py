@@ -1,33 +1,40 @@
 """Filters that lead a reference to targets as these arrive, one step a sample.
 
-A filter is frozen; what changes is its State, which goes into `step` and comes out of it. Every
-dimension is filtered by itself. Linear filters are stepped exactly, whatever the period.
+A filter is frozen; what changes is its FilterState, which goes into `step` and comes out of it.
+Every dimension is filtered by itself. Linear filters are stepped exactly, whatever the period.
+
 Source: Grioli 2023, chapter 3; Zanasi, Lo Bianco and Tonielli 2000 for time-optimal filters.
 """
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
-# So near, relative to the size of the numbers, a target is reached: nearer is rounding.
+# A target this near, relative to the size of the numbers, is reached: nearer is rounding.
 _REACHED = 1e-14
-# s; beyond them steps lose their digits.
+# s; steps outside this range lose their digits.
 _SHORTEST_PERIOD, _LONGEST_PERIOD = 1e-7, 1e5
 
 
 @dataclass(frozen=True, eq=False)
 class FilterState:
-    """Where a reference is, how fast, and how fast its speed changes: (d,) each.
+    """Position, velocity and acceleration of a reference.
 
-    Filters that bound no jerk give the mean of the last step for an acceleration, and need none.
+    Filters that do not bound the jerk return the mean acceleration of the last step, and need none.
+
+    Attributes:
+        position: (d,).
+        velocity: per second, (d,).
+        acceleration: per second squared, (d,).
     """
 
     position: Float64Array
@@ -35,38 +42,95 @@ class FilterState:
     acceleration: Float64Array
 
     @staticmethod
-    def at_rest(position: Any) -> FilterState:
-        """At rest at a position (d,). Raises InvalidInput."""
+    def at_rest(position: ArrayLike) -> FilterState:
+        """At rest at a position.
+
+        Args:
+            position: (d,).
+
+        Raises:
+            InvalidInput: if it is not a finite vector.
+        """
         x = check.frozen(position, "position", shape=("d",))
         return FilterState(x, np.zeros_like(x), np.zeros_like(x))
 
 
+class LinearFilter(ABC):
+    """A filter whose distance from its target follows a linear equation, solved exactly."""
+
+    def step(
+        self,
+        state: FilterState,
+        target: ArrayLike,
+        period: float,
+        *,
+        velocity: ArrayLike = 0.0,
+    ) -> FilterState:
+        """The state one period later.
+
+        Args:
+            state: the present one.
+            target: (d,), where the target is one period later.
+            period: s, 1e-7 to 1e5.
+            velocity: the target's, (d,) or one number; with it a moving target is followed without
+                lag.
+
+        Raises:
+            InvalidInput: if the shapes do not fit or the period is out of its range.
+        """
+        x, goal, speed, dt = _inputs(state, target, velocity, period)
+        lag, moved, change = self._moved(x - goal + speed * dt, state.velocity, speed, dt)
+        return FilterState(goal + lag, moved, change)
+
+    @abstractmethod
+    def _moved(
+        self, lag: Float64Array, velocity: Float64Array, speed: Float64Array, dt: float
+    ) -> tuple[Float64Array, Float64Array, Float64Array]:
+        """Distance from the target, velocity and acceleration after a step.
+
+        Args:
+            lag: distance from where the target was at the start of the step.
+            velocity: of the reference.
+            speed: of the target.
+            dt: s.
+        """
+
+
 @dataclass(frozen=True)
-class FirstOrderFilter:
-    """A reference whose distance from its target decays at a rate, 1/s, > 0."""
+class FirstOrderFilter(LinearFilter):
+    """A reference whose distance from its target decays exponentially.
+
+    Attributes:
+        rate: of the decay, 1/s, > 0.
+
+    Raises:
+        InvalidInput: if the rate is not > 0.
+    """
 
     rate: float
 
     def __post_init__(self) -> None:
         check.number(self.rate, "rate", above=0.0)
 
-    def step(
-        self, state: FilterState, target: Any, period: float, *, velocity: Any = 0.0
-    ) -> FilterState:
-        """The state one period, s, on, with the target (d,) that holds then.
-
-        velocity: the target's; with it a moving target is followed without lag.
-        Raises InvalidInput.
-        """
-        x, goal, speed, dt = _inputs(state, target, velocity, period)
-        lag = (x - goal + speed * dt) * math.exp(-self.rate * dt)
-        moved = speed - self.rate * lag
-        return FilterState(goal + lag, moved, (moved - state.velocity) / dt)
+    def _moved(
+        self, lag: Float64Array, velocity: Float64Array, speed: Float64Array, dt: float
+    ) -> tuple[Float64Array, Float64Array, Float64Array]:
+        left = lag * math.exp(-self.rate * dt)
+        moved = speed - self.rate * left
+        return left, moved, (moved - velocity) / dt
 
 
 @dataclass(frozen=True)
-class SecondOrderFilter:
-    """A reference on a spring, stiffness 1/s^2 > 0, and a damper, 1/s > 0, to its target."""
+class SecondOrderFilter(LinearFilter):
+    """A reference tied to its target by a spring and a damper.
+
+    Attributes:
+        stiffness: 1/s^2, > 0.
+        damping: 1/s, > 0.
+
+    Raises:
+        InvalidInput: if one of them is not > 0.
+    """
 
     stiffness: float
     damping: float
@@ -75,19 +139,13 @@ class SecondOrderFilter:
         check.number(self.stiffness, "stiffness", above=0.0)
         check.number(self.damping, "damping", above=0.0)
 
-    def step(
-        self, state: FilterState, target: Any, period: float, *, velocity: Any = 0.0
-    ) -> FilterState:
-        """The state one period, s, on, with the target (d,) that holds then.
-
-        velocity: the target's; with it a moving target is followed without lag.
-        Raises InvalidInput.
-        """
-        x, goal, speed, dt = _inputs(state, target, velocity, period)
-        lag, slip = x - goal + speed * dt, state.velocity - speed
+    def _moved(
+        self, lag: Float64Array, velocity: Float64Array, speed: Float64Array, dt: float
+    ) -> tuple[Float64Array, Float64Array, Float64Array]:
+        slip = velocity - speed
         a, b, c, d = self._transition(dt)
-        lag, slip = a * lag + b * slip, c * lag + d * slip
-        return FilterState(goal + lag, speed + slip, -self.stiffness * lag - self.damping * slip)
+        left, slip = a * lag + b * slip, c * lag + d * slip
+        return left, speed + slip, -self.stiffness * left - self.damping * slip
 
     def _transition(self, dt: float) -> tuple[float, float, float, float]:
         """The matrix exponential of [[0, 1], [-stiffness, -damping]] dt."""
@@ -101,29 +159,47 @@ class SecondOrderFilter:
         return cosh + half * sinh, sinh, -self.stiffness * sinh, cosh - half * sinh
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class TimeOptimalFilter:
-    """The fastest way to rest at a target inside limits of velocity and acceleration, > 0.
+    """The fastest way to rest at a target inside limits of velocity and acceleration.
 
-    Limits: (d,) or one number for all. The bang-bang law of the phase plane chatters when sampled;
-    this is its sampled form. From the speed v towards the target, equal steps of at most a T bring
-    the reference to rest in k periods T over a distance v T k / 2, if v <= k a T. The next
-    speed is the largest from which it can still come to rest in this way before the target: with
-    the distance B = X - w T / 2 that is left when the present speed w has run out,
-    v = max over k of min(k a T, 2 B / ((k + 1) T)). A step later v (k - 1) / k is such a speed
-    again, so that no step passes the target or brakes harder, and the last one, with k = 1, ends
-    at rest on it. Where the reference is too fast for its target it brakes as hard as it may.
+    The bang-bang law of the phase plane chatters when sampled; this is its sampled form. From the
+    speed v towards the target, equal steps of at most a T bring the reference to rest in k periods
+    T over a distance v T k / 2, if v <= k a T. The next speed is the largest from which it can
+    still come to rest in this way before the target: with the distance B = X - w T / 2 that is left
+    when the present speed w has run out, v = max over k of min(k a T, 2 B / ((k + 1) T)). A step
+    later v (k - 1) / k is such a speed again, so that no step passes the target or brakes harder,
+    and the last one, with k = 1, ends at rest on it. Where the reference is too fast for its
+    target, it brakes as hard as it may.
+
+    Attributes:
+        velocity: limit > 0, (d,) or one number for all dimensions.
+        acceleration: limit > 0, (d,) or one number for all dimensions.
+
+    Raises:
+        InvalidInput: if a limit is not > 0.
     """
 
-    velocity: Any
-    acceleration: Any
+    velocity: Float64Array
+    acceleration: Float64Array
 
-    def __post_init__(self) -> None:
-        for name in ("velocity", "acceleration"):
-            object.__setattr__(self, name, rate_limit(getattr(self, name), name))
+    def __init__(self, velocity: ArrayLike, acceleration: ArrayLike) -> None:
+        vars(self).update(
+            velocity=rate_limit(velocity, "velocity"),
+            acceleration=rate_limit(acceleration, "acceleration"),
+        )
 
-    def step(self, state: FilterState, target: Any, period: float) -> FilterState:
-        """The state one period, s, on, towards a target (d,). Raises InvalidInput."""
+    def step(self, state: FilterState, target: ArrayLike, period: float) -> FilterState:
+        """The state one period later.
+
+        Args:
+            state: the present one.
+            target: (d,).
+            period: s, 1e-7 to 1e5.
+
+        Raises:
+            InvalidInput: if the shapes do not fit or the period is out of its range.
+        """
         x, goal, _, dt = _inputs(state, target, 0.0, period)
         top = limit_for(self.velocity, "velocity", x)
         push = limit_for(self.acceleration, "acceleration", x)
@@ -146,7 +222,7 @@ class TimeOptimalFilter:
 
 
 def _inputs(
-    state: FilterState, target: Any, velocity: Any, period: float
+    state: FilterState, target: ArrayLike, velocity: ArrayLike, period: float
 ) -> tuple[Float64Array, Float64Array, Float64Array, float]:
     if not isinstance(state, FilterState):
         raise InvalidInput(f"state: expected a FilterState, got {type(state).__name__}")
@@ -157,13 +233,13 @@ def _inputs(
     return x, goal, speed, check_period(period)
 
 
-def check_period(period: Any) -> float:
+def check_period(period: float) -> float:
     """`period` as a number of seconds that filters can step by."""
     return check.number(period, "period", at_least=_SHORTEST_PERIOD, at_most=_LONGEST_PERIOD)
 
 
-def rate_limit(value: Any, name: str) -> Float64Array:
-    """A limit of a rate: (d,) numbers > 0, or one for all."""
+def rate_limit(value: ArrayLike, name: str) -> Float64Array:
+    """A limit > 0, (d,) or one number for all dimensions, read-only."""
     limit = check.frozen(value, name, shape=() if np.ndim(value) == 0 else ("d",))
     if (limit <= 0.0).any():
         raise InvalidInput(f"{name}: expected limits > 0, got {limit.min()}")
@@ -171,7 +247,7 @@ def rate_limit(value: Any, name: str) -> Float64Array:
 
 
 def limit_for(limit: Float64Array, name: str, x: Float64Array) -> Float64Array:
-    """A checked limit for every dimension of x (d,)."""
+    """A checked limit, (d,), for every dimension of x (d,)."""
     if limit.ndim and limit.shape != x.shape:
         raise InvalidInput(f"{name}: expected limits of {len(x)} dimensions, got {len(limit)}")
     return np.broadcast_to(limit, x.shape)

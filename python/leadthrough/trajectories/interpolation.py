@@ -7,17 +7,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from scipy.interpolate import (
-    BSpline,
-    CubicHermiteSpline,
-    CubicSpline,
-    make_smoothing_spline,
-)
-from scipy.sparse import lil_matrix, vstack
-from scipy.sparse.linalg import spsolve
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
@@ -25,59 +18,114 @@ from leadthrough.errors import InvalidInput
 from leadthrough.trajectories import curve
 from leadthrough.trajectories.spline import Spline
 
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline, PPoly
+    from scipy.sparse import lil_matrix
+
 _MOST_CONTINUITY = 10
 _LEAST_SMOOTHED = 5
 ENDS = ("rest", "natural")
 
 
-def linear(times: Any, points: Any) -> Spline:
-    """Straight lines between points (n, d) at times (n,). Raises InvalidInput."""
+def linear(times: ArrayLike, points: ArrayLike) -> Spline:
+    """Straight lines between points.
+
+    Args:
+        times: strictly increasing, (n,).
+        points: (n, d).
+
+    Raises:
+        InvalidInput: if the times do not rise, or there are not as many points.
+    """
     t, x = _through(times, points)
     slopes = np.diff(x, axis=0) / np.diff(t)[:, None]
     return Spline(t, np.stack([x[:-1], slopes], axis=1))
 
 
-def hermite(times: Any, points: Any, velocities: Any) -> Spline:
-    """Cubic pieces through points (n, d) with velocities (n, d) at times (n,).
+def hermite(times: ArrayLike, points: ArrayLike, velocities: ArrayLike) -> Spline:
+    """Cubic pieces through points with given velocities.
 
-    Raises InvalidInput.
+    Args:
+        times: strictly increasing, (n,).
+        points: (n, d).
+        velocities: (n, d).
+
+    Raises:
+        InvalidInput: if the times do not rise, or the shapes do not fit.
     """
+    from scipy.interpolate import CubicHermiteSpline
+
     t, x = _through(times, points)
     v = _like(velocities, "velocities", x)
     return _of_scipy(CubicHermiteSpline(t, x, v))
 
 
 def clamped_cubic(
-    times: Any, points: Any, *, start_velocity: Any = 0.0, end_velocity: Any = 0.0
+    times: ArrayLike,
+    points: ArrayLike,
+    *,
+    start_velocity: ArrayLike = 0.0,
+    end_velocity: ArrayLike = 0.0,
 ) -> Spline:
-    """The C2 cubic spline through points (n, d) with given velocities (d,) at both ends.
+    """The C2 cubic spline through points with given velocities at both ends.
 
-    Raises InvalidInput.
+    Args:
+        times: strictly increasing, (n,).
+        points: (n, d).
+        start_velocity: (d,), or one number for all dimensions.
+        end_velocity: (d,), or one number for all dimensions.
+
+    Raises:
+        InvalidInput: if the times do not rise, or the shapes do not fit.
     """
+    from scipy.interpolate import CubicSpline
+
     t, x = _through(times, points)
     first, last = _end(start_velocity, "start_velocity", x), _end(end_velocity, "end_velocity", x)
     return _of_scipy(CubicSpline(t, x, bc_type=((1, first), (1, last))))
 
 
 def natural_cubic(
-    times: Any, points: Any, *, start_acceleration: Any = 0.0, end_acceleration: Any = 0.0
+    times: ArrayLike,
+    points: ArrayLike,
+    *,
+    start_acceleration: ArrayLike = 0.0,
+    end_acceleration: ArrayLike = 0.0,
 ) -> Spline:
-    """The C2 cubic spline through points (n, d) with accelerations (d,) given at both ends.
+    """The C2 cubic spline through points with given accelerations at both ends.
 
-    Without any, it is the natural spline: of all C2 curves through the points the one with the
-    least integral of the squared acceleration. Raises InvalidInput.
+    With none, it is the natural spline: of all C2 curves through the points the one with the least
+    integral of the squared acceleration.
+
+    Args:
+        times: strictly increasing, (n,).
+        points: (n, d).
+        start_acceleration: (d,), or one number for all dimensions.
+        end_acceleration: (d,), or one number for all dimensions.
+
+    Raises:
+        InvalidInput: if the times do not rise, or the shapes do not fit.
     """
+    from scipy.interpolate import CubicSpline
+
     t, x = _through(times, points)
     first = _end(start_acceleration, "start_acceleration", x)
     last = _end(end_acceleration, "end_acceleration", x)
     return _of_scipy(CubicSpline(t, x, bc_type=((2, first), (2, last))))
 
 
-def periodic_cubic(times: Any, points: Any) -> Spline:
-    """The C2 cubic spline through points (n, d), n >= 3, that goes on at its end as it began.
+def periodic_cubic(times: ArrayLike, points: ArrayLike) -> Spline:
+    """The C2 cubic spline through points that continues at its end as it began.
 
-    The last point must be the first. Raises InvalidInput.
+    Args:
+        times: strictly increasing, (n,), n >= 3.
+        points: (n, d), the last the same as the first.
+
+    Raises:
+        InvalidInput: if the times do not rise, the shapes do not fit or the points do not close.
     """
+    from scipy.interpolate import CubicSpline
+
     t, x = _through(times, points)
     if len(t) < 3 or not np.allclose(x[0], x[-1], rtol=0.0, atol=1e-12 * np.abs(x).max()):
         raise InvalidInput(
@@ -86,13 +134,32 @@ def periodic_cubic(times: Any, points: Any) -> Spline:
     return _of_scipy(CubicSpline(t, np.vstack([x[:-1], x[:1]]), bc_type="periodic"))
 
 
-def smooth(times: Any, points: Any, *, continuity: int, ends: str = "rest") -> Spline:
-    """The spline of degree continuity + 1 through points (n, d), with so many derivatives.
+def smooth(
+    times: ArrayLike,
+    points: ArrayLike,
+    *,
+    continuity: int,
+    ends: Literal["rest", "natural"] = "rest",
+) -> Spline:
+    """The spline of degree continuity + 1 through points, with that many continuous derivatives.
 
     Its knots are the times; that leaves `continuity` conditions at the ends (Grioli 2023,
-    eq. 2.12), split between them, the start first: "rest" makes derivatives from the first on
-    zero, "natural" those from the highest down. Raises InvalidInput.
+    eq. 2.12), split between them, the start first.
+
+    Args:
+        times: strictly increasing, (n,).
+        points: (n, d).
+        continuity: number of continuous derivatives, 0 to 10.
+        ends: which derivatives are zero there: "rest" those from the first up, "natural" those
+            from the highest down.
+
+    Raises:
+        InvalidInput: if the times do not rise or are too uneven, or the shapes do not fit.
     """
+    from scipy.interpolate import BSpline
+    from scipy.sparse import vstack
+    from scipy.sparse.linalg import spsolve
+
     t, x = _through(times, points)
     k = check.integer(continuity, "continuity", at_least=0, at_most=_MOST_CONTINUITY)
     if k == 0:
@@ -107,12 +174,19 @@ def smooth(times: Any, points: Any, *, continuity: int, ends: str = "rest") -> S
     zeros = [np.zeros((len(end), x.shape[1])) for end in conditions]
     values = spsolve(matrix, np.vstack([zeros[0], x, zeros[1]])).reshape(-1, x.shape[1])
     if not np.isfinite(values).all():
-        raise InvalidInput("times: expected steps that a spline can be solved for")
+        raise InvalidInput(
+            "times: expected steps of similar length; with these no spline can be solved for"
+        )
     return of_bspline(BSpline(knots, values, k + 1), t)
 
 
-def _derivative_rows(knots: Float64Array, degree: int, end: int, orders: Sequence[int]) -> Any:
+def _derivative_rows(
+    knots: Float64Array, degree: int, end: int, orders: Sequence[int]
+) -> lil_matrix:
     """Derivatives of some orders at an end, of all basis functions: (orders, n), sparse."""
+    from scipy.interpolate import BSpline
+    from scipy.sparse import lil_matrix
+
     count = len(knots) - degree - 1
     nearest = slice(degree + 1) if end == 0 else slice(count - degree - 1, count)
     basis = BSpline(knots, np.eye(count, degree + 1, k=-nearest.indices(count)[0]), degree)
@@ -122,12 +196,22 @@ def _derivative_rows(knots: Float64Array, degree: int, end: int, orders: Sequenc
     return rows
 
 
-def smoothing(times: Any, points: Any, *, weight: float) -> Spline:
-    """The natural cubic spline near points (n, d), n >= 5, that is smooth rather than close.
+def smoothing(times: ArrayLike, points: ArrayLike, *, weight: float) -> Spline:
+    """The natural cubic spline that trades closeness to points for smoothness.
 
-    weight: >= 0, what the integral of the squared acceleration counts beside the sum of squared
-    errors; 0 goes through the points. Raises InvalidInput. Source: Reinsch 1967.
+    Args:
+        times: strictly increasing, (n,), n >= 5.
+        points: (n, d).
+        weight: >= 0, of the integral of the squared acceleration beside the sum of squared errors;
+            with 0 the spline goes through the points.
+
+    Raises:
+        InvalidInput: if the times do not rise, the shapes do not fit or the weight is negative.
+
+    Source: Reinsch 1967.
     """
+    from scipy.interpolate import make_smoothing_spline
+
     t, x = _through(times, points, least=_LEAST_SMOOTHED)
     penalty = check.number(weight, "weight", at_least=0.0)
     columns = [make_smoothing_spline(t, column, lam=penalty) for column in x.T]
@@ -144,20 +228,24 @@ def _table(spline: BSpline, breaks: Float64Array) -> Float64Array:
     return np.stack([spline(breaks[:-1], nu=k) / math.factorial(k) for k in orders], axis=1)
 
 
-def _of_scipy(pieces: Any) -> Spline:
+def _of_scipy(pieces: PPoly) -> Spline:
     return Spline(pieces.x, pieces.c[::-1].transpose(1, 0, 2))
 
 
-def _through(times: Any, points: Any, *, least: int = 2) -> tuple[Float64Array, Float64Array]:
+def _through(
+    times: ArrayLike, points: ArrayLike, *, least: int = 2
+) -> tuple[Float64Array, Float64Array]:
+    """Rising times (n,) and as many points (n, d)."""
     t = curve.knot_times(times, "times")
     return t, curve.points(points, "points", count=len(t), least=least)
 
 
-def _like(value: Any, name: str, x: Float64Array) -> Float64Array:
+def _like(value: ArrayLike, name: str, x: Float64Array) -> Float64Array:
     rows = curve.points(value, name, count=len(x))
     return check.array(rows, name, shape=x.shape)
 
 
-def _end(value: Any, name: str, x: Float64Array) -> Float64Array:
+def _end(value: ArrayLike, name: str, x: Float64Array) -> Float64Array:
+    """A condition at an end, (d,), of a spline through points x (n, d)."""
     row = check.array(value, name, shape=() if np.ndim(value) == 0 else (x.shape[1],))
     return np.broadcast_to(row, x.shape[1]).copy()

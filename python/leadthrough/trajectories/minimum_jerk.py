@@ -1,12 +1,14 @@
-"""Curves with the least integral of the squared jerk (Flash and Hogan 1985)."""
+"""Curves with the least integral of the squared jerk.
+
+Source: Flash and Hogan 1985.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
@@ -22,11 +24,17 @@ QUINTIC = np.array([[10.0, -6.0, -4.0], [-15.0, 8.0, 7.0], [6.0, -3.0, -3.0]])
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Where a motion is, how fast, and how its speed changes: (d,) each; at rest by default."""
+    """Position, velocity and acceleration of a motion; it rests by default.
 
-    position: Float64Array
-    velocity: Float64Array | float = 0.0
-    acceleration: Float64Array | float = 0.0
+    Attributes:
+        position: (d,).
+        velocity: (d,), or one number for all dimensions.
+        acceleration: (d,), or one number for all dimensions.
+    """
+
+    position: ArrayLike
+    velocity: ArrayLike = 0.0
+    acceleration: ArrayLike = 0.0
 
 
 def minimum_jerk_rise(u: Float64Array, height: float | Float64Array = 1.0) -> Float64Array:
@@ -65,11 +73,18 @@ def quintic_coefficients(
     return coefficients
 
 
-def minimum_jerk(start: Any, end: Any, *, duration: float) -> Bezier:
-    """The least jerk from one state to another in a time, s: a curve of degree five.
+def minimum_jerk(start: State | ArrayLike, end: State | ArrayLike, *, duration: float) -> Bezier:
+    """The least jerk from one state to another: a curve of degree five.
 
-    start, end: a State, or a position (d,) to rest at. Raises InvalidInput.
-    Source: Grioli 2023, section 2.3.1, with the control points worked out anew.
+    Args:
+        start: a State, or a position (d,) to rest at.
+        end: a State, or a position (d,) to rest at.
+        duration: s, > 0.
+
+    Raises:
+        InvalidInput: if the states are not of one dimension or the duration is not > 0.
+
+    Source: Grioli 2023, section 2.3.1, with the control points derived anew.
     """
     total = check.number(duration, "duration", above=0.0)
     x0, v0, a0 = checked_state(start, "start", None)
@@ -85,12 +100,27 @@ def minimum_jerk(start: Any, end: Any, *, duration: float) -> Bezier:
     return Bezier(np.array(points), (0.0, total))
 
 
-def minimum_jerk_through(times: Any, points: Any, *, start: Any = None, end: Any = None) -> Spline:
-    """The least jerk through points (n, d) at times (n,): quintic pieces, four times continuous.
+def minimum_jerk_through(
+    times: ArrayLike,
+    points: ArrayLike,
+    *,
+    start: State | None = None,
+    end: State | None = None,
+) -> Spline:
+    """The least jerk through points: quintic pieces with four continuous derivatives.
 
-    start, end: States whose velocity and acceleration hold at the ends, instead of rest; their
-    positions are not read. Raises InvalidInput.
+    Args:
+        times: strictly increasing, (n,).
+        points: (n, d).
+        start: velocity and acceleration at the first point, instead of rest; its position is not
+            read.
+        end: velocity and acceleration at the last point, likewise.
+
+    Raises:
+        InvalidInput: if the times do not rise, or the shapes do not fit.
     """
+    from scipy.interpolate import make_interp_spline
+
     t = curve.knot_times(times, "times")
     x = curve.points(points, "points", count=len(t))
     ends = []
@@ -101,8 +131,10 @@ def minimum_jerk_through(times: Any, points: Any, *, start: Any = None, end: Any
     return of_bspline(make_interp_spline(t, x, k=5, t=knots, bc_type=tuple(ends)), t)
 
 
-def checked_state(value: Any, name: str, width: int | None) -> tuple[Float64Array, ...]:
-    """Position, velocity and acceleration (width,) each; a bare position rests."""
+def checked_state(
+    value: State | ArrayLike, name: str, width: int | None
+) -> tuple[Float64Array, ...]:
+    """Position, velocity and acceleration, (width,) each; a bare position rests."""
     state = value if isinstance(value, State) else State(value)
     position = check.array(state.position, f"{name} position", shape=(width or "d",))
     rest = []

@@ -1,7 +1,9 @@
-"""The fastest motion between two states inside limits of three rates, by ruckig.
+"""The fastest motion between two states inside limits of velocity, acceleration and jerk.
+
+It is computed by ruckig, an optional dependency that the extra `ruckig` installs.
 
 Source: Berscheid and Kroeger 2021, "Jerk-limited real-time trajectory generation with arbitrary
-target states". The optional dependency is installed with the extra `ruckig`.
+target states".
 """
 
 from __future__ import annotations
@@ -9,11 +11,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, MissingDependency
 from leadthrough.trajectories.filters import limit_for, rate_limit
-from leadthrough.trajectories.minimum_jerk import checked_state
+from leadthrough.trajectories.minimum_jerk import State, checked_state
 from leadthrough.trajectories.spline import Spline
 
 # Phases shorter than this, s, are rounding.
@@ -22,11 +25,26 @@ _NO_PHASE = 1e-12
 _LARGEST = 1e6
 
 
-def point_to_point(start: Any, end: Any, *, velocity: Any, acceleration: Any, jerk: Any) -> Spline:
+def point_to_point(
+    start: State | ArrayLike,
+    end: State | ArrayLike,
+    *,
+    velocity: ArrayLike,
+    acceleration: ArrayLike,
+    jerk: ArrayLike,
+) -> Spline:
     """The fastest motion from one state to another; all dimensions arrive together.
 
-    start, end: a State, or a position (d,) to rest at. Limits: (d,) or one number for all, > 0.
-    Raises InvalidInput, also for states outside the limits; MissingDependency.
+    Args:
+        start: a State, or a position (d,) to rest at.
+        end: a State, or a position (d,) to rest at.
+        velocity: limit > 0, (d,) or one number for all dimensions.
+        acceleration: limit > 0, (d,) or one number for all dimensions.
+        jerk: limit > 0, (d,) or one number for all dimensions.
+
+    Raises:
+        InvalidInput: if the states are the same or outside the limits, or the shapes do not fit.
+        MissingDependency: if ruckig is not installed.
     """
     first = checked_state(start, "start", None)
     last = checked_state(end, "end", len(first[0]))
@@ -37,7 +55,7 @@ def point_to_point(start: Any, end: Any, *, velocity: Any, acceleration: Any, je
         for limit, name in ((velocity, "velocity"), (acceleration, "acceleration"), (jerk, "jerk"))
     ]
     if np.abs([*first, *last, *rates]).max() > _LARGEST:
-        raise InvalidInput(f"start, end and limits: expected numbers up to {_LARGEST:g}")
+        raise InvalidInput(f"start, end, limits: expected numbers up to {_LARGEST:g}")
     return _solved(first, last, rates)
 
 
@@ -57,13 +75,15 @@ def _solved(
     try:
         result = ruckig.Ruckig(len(first[0])).calculate(task, motion)
     except ruckig.RuckigError as error:
-        raise InvalidInput(f"expected states inside the limits: {str(error).strip()}") from None
+        raise InvalidInput(
+            f"start, end: expected states inside the limits: {str(error).strip()}"
+        ) from None
     if result not in (ruckig.Result.Working, ruckig.Result.Finished):
-        raise InvalidInput(f"expected states that a motion joins inside the limits, got {result}")
+        raise InvalidInput(f"start, end: no motion inside the limits joins them ({result})")
     return _spline(motion)
 
 
-def _spline(motion: Any) -> Spline:
+def _spline(motion: Any) -> Spline:  # Any: ruckig ships no types
     """The cubic pieces between all times at which a dimension's jerk changes."""
     changes = [0.0, motion.duration]
     for profile in motion.profiles[0]:

@@ -2,45 +2,53 @@
 
 Both are kept by their values at nodes and evaluated by the barycentric formula, which is stable
 where the Vandermonde matrix is not; derivatives are values of a polynomial on the same nodes.
+
 Source: Berrut and Trefethen 2004, eqs. 4.2, 9.4, 9.5.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.trajectories import curve
-from leadthrough.trajectories.spline import affine
+from leadthrough.trajectories.curve import PointCurve
 
-# Products of so many differences of nodes overflow.
+# Products of more differences of nodes would overflow.
 _MOST_NODES = 500
 
 
-@dataclass(frozen=True, eq=False)
-class Lagrange:
-    """The polynomial of least degree through points (n, d) at nodes (n,), rising times.
+@dataclass(frozen=True, eq=False, init=False)
+class Lagrange(PointCurve):
+    """The polynomial of least degree through points.
 
-    On even nodes it swings the more the higher its degree (Runge 1901); on those of
-    `chebyshev_nodes` it does not. Raises InvalidInput.
+    On evenly spaced nodes it oscillates the more, the higher its degree (Runge 1901); on those of
+    `chebyshev_nodes` it does not.
+
+    Attributes:
+        nodes: strictly increasing times (n,), 2 to 500.
+        points: (n, d); (n,) are taken as one-dimensional.
+
+    Raises:
+        InvalidInput: if the nodes do not rise, or there are not as many points.
     """
 
     nodes: Float64Array
     points: Float64Array
     _weights: Float64Array = field(init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        nodes = curve.knot_times(self.nodes, "nodes")
-        if len(nodes) > _MOST_NODES:
-            raise InvalidInput(f"nodes: expected at most {_MOST_NODES}, got {len(nodes)}")
-        object.__setattr__(self, "nodes", nodes)
-        object.__setattr__(self, "points", curve.points(self.points, "points", count=len(nodes)))
-        object.__setattr__(self, "_weights", _weights(nodes))
+    def __init__(self, nodes: ArrayLike, points: ArrayLike) -> None:
+        times = curve.knot_times(nodes, "nodes")
+        if len(times) > _MOST_NODES:
+            raise InvalidInput(f"nodes: expected at most {_MOST_NODES}, got {len(times)}")
+        table = curve.points(points, "points", count=len(times))
+        vars(self).update(nodes=times, points=table, _weights=_weights(times))
 
     @property
     def domain(self) -> tuple[float, float]:
@@ -52,29 +60,37 @@ class Lagrange:
         """The ends of the domain."""
         return self.nodes[[0, -1]]
 
-    def evaluate(self, t: Any, derivative: int = 0) -> Float64Array:
-        """Values or derivatives (n, d) at times (n,), (d,) at one time. Raises InvalidInput."""
-        times = curve.times_inside(t, self.domain)
-        values = self.points
-        for _ in range(min(curve.order(derivative), len(self.nodes))):
-            values = self._slopes(values)
-        return _barycentric(self.nodes, self._weights, values, times)
+    @property
+    def dimensions(self) -> int:
+        """Number of dimensions, d."""
+        return int(self.points.shape[1])
 
-    def basis(self, t: Any) -> Float64Array:
-        """(n, nodes) Lagrange's polynomials at times (n,): 1 at their own node, 0 at the others."""
+    def basis(self, t: ArrayLike) -> Float64Array:
+        """Lagrange's polynomials (n, nodes): 1 at their own node, 0 at the others.
+
+        Args:
+            t: times of the domain (n,).
+
+        Raises:
+            InvalidInput: if a time lies outside the domain.
+        """
         times = curve.times_inside(np.atleast_1d(t), self.domain)
         return _barycentric(self.nodes, self._weights, np.eye(len(self.nodes)), times)
 
-    def transformed(self, matrix: Any, offset: Any = 0.0) -> Lagrange:
-        """The curve of matrix @ x + offset for every x of this one. Raises InvalidInput."""
-        a, b = affine(matrix, offset, self.points.shape[1])
-        return Lagrange(self.nodes, self.points @ a.T + b)
+    def _values(self, times: Float64Array, order: int) -> Float64Array:
+        values = self.points
+        for _ in range(min(order, len(self.nodes))):
+            values = self._slopes(values)
+        return _barycentric(self.nodes, self._weights, values, times)
 
-    def rescaled(self, factor: float) -> Lagrange:
-        """The same path, passed `factor` times as slowly. Raises InvalidInput."""
-        return Lagrange(self.nodes * check.number(factor, "factor", above=0.0), self.points)
+    def _mapped(self, matrix: Float64Array, offset: Float64Array) -> Self:
+        return replace(self, points=self.points @ matrix.T + offset)
+
+    def _stretched(self, factor: float) -> Self:
+        return replace(self, nodes=self.nodes * factor)
 
     def _slopes(self, values: Float64Array) -> Float64Array:
+        """Derivatives at the nodes of the polynomial with given values there."""
         gaps = self.nodes[:, None] - self.nodes
         np.fill_diagonal(gaps, 1.0)
         matrix = self._weights / self._weights[:, None] / gaps
@@ -84,10 +100,16 @@ class Lagrange:
 
 
 def chebyshev_nodes(count: int, domain: tuple[float, float] = (-1.0, 1.0)) -> Float64Array:
-    """(count,) rising nodes of the second kind on a domain, its ends included.
+    """Rising Chebyshev nodes (count,) of the second kind on a domain, its ends included.
 
     Interpolation on them converges for every function that is Lipschitz continuous.
-    Raises InvalidInput.
+
+    Args:
+        count: at least 2.
+        domain: first and last node.
+
+    Raises:
+        InvalidInput: if there are too few, or the domain does not rise.
     """
     number = check.integer(count, "count", at_least=2)
     first, last = curve.knot_times(domain, "domain")[[0, -1]]
@@ -97,10 +119,18 @@ def chebyshev_nodes(count: int, domain: tuple[float, float] = (-1.0, 1.0)) -> Fl
     return np.asarray(nodes)
 
 
-def osculating(times: Any, points: Any, velocities: Any) -> Lagrange:
-    """The polynomial of degree 2n - 1 through points (n, d) with velocities (n, d) at times (n,).
+def osculating(times: ArrayLike, points: ArrayLike, velocities: ArrayLike) -> Lagrange:
+    """The polynomial of degree 2n - 1 through points with given velocities.
 
-    Raises InvalidInput. Source: Grioli 2023, eqs. 2.6, 2.7.
+    Args:
+        times: strictly increasing, (n,).
+        points: (n, d).
+        velocities: (n, d).
+
+    Raises:
+        InvalidInput: if the times do not rise, or the shapes do not fit.
+
+    Source: Grioli 2023, eqs. 2.6, 2.7.
     """
     nodes = curve.knot_times(times, "times")
     x = curve.points(points, "points", count=len(nodes))
@@ -117,7 +147,7 @@ def osculating(times: Any, points: Any, velocities: Any) -> Lagrange:
 
 
 def _weights(nodes: Float64Array) -> Float64Array:
-    # Scaled by the capacity of the interval, products neither vanish nor overflow.
+    # Scaled by the capacity of the interval, products neither underflow nor overflow.
     gaps = (nodes[:, None] - nodes) * (4.0 / (nodes[-1] - nodes[0]))
     np.fill_diagonal(gaps, 1.0)
     logarithms = -np.log(np.abs(gaps)).sum(axis=1)
@@ -130,7 +160,7 @@ def _barycentric(
     gaps = np.atleast_1d(t)[:, None] - nodes
     hit, node = np.nonzero(gaps == 0.0)
     gaps[hit] = 1.0
-    shares = weights / gaps
-    result = shares @ values / shares.sum(axis=1)[:, None]
+    factors = weights / gaps
+    result = factors @ values / factors.sum(axis=1)[:, None]
     result[hit] = values[node]
     return np.asarray(result if np.ndim(t) else result[0])

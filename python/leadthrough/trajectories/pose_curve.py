@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
@@ -20,7 +20,15 @@ _SAME = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class PoseCurve:
-    """Positions in 3-D and rotations over one domain. Raises InvalidInput."""
+    """Positions in 3-D and rotations over one domain.
+
+    Attributes:
+        positions: a curve in 3-D, m.
+        orientations: a curve of rotations over the same domain.
+
+    Raises:
+        InvalidInput: if they are not such curves, or their domains differ.
+    """
 
     positions: Curve
     orientations: RotationCurve
@@ -48,10 +56,19 @@ class PoseCurve:
         """The knots of both."""
         return np.union1d(self.positions.knots, self.orientations.knots)
 
-    def evaluate(self, t: Any, derivative: int = 0) -> tuple[Float64Array, Float64Array]:
+    def evaluate(self, t: ArrayLike, derivative: int = 0) -> tuple[Float64Array, Float64Array]:
         """Positions and rotations, or linear and angular velocities or accelerations.
 
-        Raises InvalidInput.
+        Args:
+            t: times of the domain, (n,) or one.
+            derivative: 0, 1 or 2.
+
+        Returns:
+            Positions (n, 3) and unit quaternions (n, 4), or their derivatives, (n, 3) each, in the
+            base frame.
+
+        Raises:
+            InvalidInput: if a time lies outside the domain, or the order is another.
         """
         times = curve.times_inside(t, self.domain)
         return (
@@ -59,7 +76,14 @@ class PoseCurve:
             self.orientations.evaluate(times, derivative),
         )
 
-    def sampled(self, times: Any) -> PoseTrajectory:
-        """The poses at rising times (n,). Raises InvalidInput."""
+    def sampled(self, times: ArrayLike) -> PoseTrajectory:
+        """The poses at given times.
+
+        Args:
+            times: strictly increasing, (n,), of the domain.
+
+        Raises:
+            InvalidInput: if they do not rise, or one lies outside the domain.
+        """
         t = curve.times_inside(times, self.domain)
         return PoseTrajectory(t, *self.evaluate(t))

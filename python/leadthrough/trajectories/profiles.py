@@ -1,15 +1,17 @@
 """Straight moves from rest to rest: trapezoids of velocity, and the double S with bounded jerk.
 
-Several dimensions move along a straight line and arrive together; the one with the least room
-under its limits sets the pace. Source: Biagiotti and Melchiorri 2008, sections 3.2 and 3.4.
+Several dimensions move along a straight line and arrive together; the one nearest its limits sets
+the pace.
+
+Source: Biagiotti and Melchiorri 2008, sections 3.2 and 3.4.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
@@ -20,10 +22,19 @@ from leadthrough.trajectories.spline import Spline
 _NO_PHASE = 1e-12
 
 
-def trapezoid(start: Any, end: Any, *, velocity: Any, acceleration: Any) -> Spline:
-    """The fastest straight move from start (d,) to end (d,) inside limits of rates, > 0.
+def trapezoid(
+    start: ArrayLike, end: ArrayLike, *, velocity: ArrayLike, acceleration: ArrayLike
+) -> Spline:
+    """The fastest straight move inside limits of velocity and acceleration: three phases.
 
-    velocity, acceleration: (d,) or one number for all. Raises InvalidInput.
+    Args:
+        start: (d,).
+        end: (d,).
+        velocity: limit > 0, (d,) or one number for all dimensions.
+        acceleration: limit > 0, (d,) or one number for all dimensions.
+
+    Raises:
+        InvalidInput: if start and end are the same, the shapes do not fit or a limit is not > 0.
     """
     x, way = _move(start, end)
     v, a = _scalar(velocity, "velocity", way), _scalar(acceleration, "acceleration", way)
@@ -32,10 +43,25 @@ def trapezoid(start: Any, end: Any, *, velocity: Any, acceleration: Any) -> Spli
     return _straight(x, way, [(ramp, a), (cruise, 0.0), (ramp, -a)], order=2)
 
 
-def double_s(start: Any, end: Any, *, velocity: Any, acceleration: Any, jerk: Any) -> Spline:
+def double_s(
+    start: ArrayLike,
+    end: ArrayLike,
+    *,
+    velocity: ArrayLike,
+    acceleration: ArrayLike,
+    jerk: ArrayLike,
+) -> Spline:
     """The fastest straight move inside limits of velocity, acceleration and jerk: seven phases.
 
-    Limits: (d,) or one number for all, > 0. Raises InvalidInput.
+    Args:
+        start: (d,).
+        end: (d,).
+        velocity: limit > 0, (d,) or one number for all dimensions.
+        acceleration: limit > 0, (d,) or one number for all dimensions.
+        jerk: limit > 0, (d,) or one number for all dimensions.
+
+    Raises:
+        InvalidInput: if start and end are the same, the shapes do not fit or a limit is not > 0.
     """
     x, way = _move(start, end)
     v, a = _scalar(velocity, "velocity", way), _scalar(acceleration, "acceleration", way)
@@ -54,13 +80,13 @@ def double_s(start: Any, end: Any, *, velocity: Any, acceleration: Any, jerk: An
 
 
 def _ramp(v: float, a: float, j: float) -> tuple[float, float]:
-    """How long the jerk lasts on the way to velocity v, and the full acceleration."""
+    """Durations of the jerk and of the full acceleration on the way to velocity v."""
     if v * j < a * a:
         return math.sqrt(v / j), 0.0
     return a / j, v / a - a / j
 
 
-def _move(start: Any, end: Any) -> tuple[Float64Array, Float64Array]:
+def _move(start: ArrayLike, end: ArrayLike) -> tuple[Float64Array, Float64Array]:
     x = check.array(start, "start", shape=("d",))
     way = check.array(end, "end", shape=(len(x),)) - x
     if not way.any():
@@ -68,8 +94,8 @@ def _move(start: Any, end: Any) -> tuple[Float64Array, Float64Array]:
     return x, way
 
 
-def _scalar(limit: Any, name: str, way: Float64Array) -> float:
-    """The limit of the share of the way that keeps every dimension's."""
+def _scalar(limit: ArrayLike, name: str, way: Float64Array) -> float:
+    """The limit on the rate of the fraction of the way such that every dimension keeps its own."""
     row = check.array(limit, name, shape=() if np.ndim(limit) == 0 else (len(way),))
     if (row <= 0.0).any():
         raise InvalidInput(f"{name}: expected limits > 0, got {row.min()}")
@@ -80,7 +106,7 @@ def _scalar(limit: Any, name: str, way: Float64Array) -> float:
 def _straight(
     x: Float64Array, way: Float64Array, phases: list[tuple[float, float]], *, order: int
 ) -> Spline:
-    """A move whose derivative of an order is constant in each phase: (duration, value)."""
+    """A move whose derivative of an order is constant in each phase, (duration, value)."""
     total = sum(duration for duration, _ in phases)
     state, knots, rows = np.zeros(order), [0.0], []
     for duration, value in phases:

@@ -1,7 +1,8 @@
-"""Curves of rotations: slerp, squad, Bezier by repeated slerp.
+"""Curves of rotations: slerp, squad, and Bezier curves by repeated slerp.
 
-`evaluate` gives unit quaternions (n, 4), continuous in sign; its first and second derivative are
-the angular velocity and acceleration (n, 3) in the base frame.
+`evaluate` returns unit quaternions (n, 4), continuous in sign; as first and second derivative it
+returns the angular velocity and acceleration (n, 3) in the base frame.
+
 Source: Shoemake 1985 and 1987; Grioli 2023, section 2.4.
 """
 
@@ -10,10 +11,9 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import _core, check, rotations
 from leadthrough.check import Float64Array
@@ -23,17 +23,17 @@ from leadthrough.trajectories import curve
 from leadthrough.trajectories.rotation_rates import Turning, slerp
 
 _MOST_POINTS = 50
-# The shorter arc of two equal quaternions, rad: weights of a straight line to 1e-13.
+# Arc given to equal quaternions, rad: the weights are those of a straight line to 1e-13.
 _LEAST_ARC = 1e-6
 
 
 class RotationCurve(ABC):
-    """What all curves of rotations can do."""
+    """A curve of rotations over an interval of times."""
 
     @property
     @abstractmethod
     def knots(self) -> Float64Array:
-        """(k,) rising times between which the curve is smooth, the ends of the domain included."""
+        """Rising times (k,) between which the curve is smooth, the ends of the domain included."""
 
     @abstractmethod
     def _rotations(self, t: Float64Array) -> Float64Array:
@@ -48,10 +48,16 @@ class RotationCurve(ABC):
         """First and last time."""
         return float(self.knots[0]), float(self.knots[-1])
 
-    def evaluate(self, t: Any, derivative: int = 0) -> Float64Array:
-        """Quaternions (n, 4), angular velocities or accelerations (n, 3) at times (n,).
+    def evaluate(self, t: ArrayLike, derivative: int = 0) -> Float64Array:
+        """Quaternions (n, 4), or angular velocities or accelerations (n, 3), in the base frame.
 
-        One row without its axis at one time. derivative: 0, 1 or 2. Raises InvalidInput.
+        Args:
+            t: times of the domain, (n,); or one, for a result of one dimension.
+            derivative: 0 for quaternions, 1 for velocities in rad/s, 2 for accelerations in
+                rad/s^2.
+
+        Raises:
+            InvalidInput: if a time lies outside the domain, or the order is another.
         """
         order = check.integer(derivative, "derivative", at_least=0, at_most=2)
         times = curve.times_inside(t, self.domain)
@@ -64,22 +70,28 @@ class RotationCurve(ABC):
         return result if np.ndim(t) else result[0]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Slerp(RotationCurve):
-    """The shortest turns between quaternions (n, 4) at times (n,), at even speed on each.
+    """The shortest turns between quaternions, at constant speed on each.
 
-    Raises InvalidInput.
+    Attributes:
+        times: strictly increasing, s, (n,).
+        quaternions: unit quaternions (n, 4); made continuous in sign.
+
+    Raises:
+        InvalidInput: if the times do not rise, or there are not as many unit quaternions.
     """
 
     times: Float64Array
     quaternions: Float64Array
     _arcs: Float64Array = field(init=False, repr=False)  # half the turns
 
-    def __post_init__(self) -> None:
-        _freeze(self)
-        a, b = self.quaternions[:-1], self.quaternions[1:]
+    def __init__(self, times: ArrayLike, quaternions: ArrayLike) -> None:
+        t, q = checked_samples(times, quaternions)
+        a, b = q[:-1], q[1:]
         chords = [np.linalg.norm(b - a, axis=1), np.linalg.norm(b + a, axis=1)]
-        object.__setattr__(self, "_arcs", np.maximum(2.0 * np.arctan2(*chords), _LEAST_ARC))
+        arcs = np.maximum(2.0 * np.arctan2(*chords), _LEAST_ARC)
+        vars(self).update(times=t, quaternions=q, _arcs=arcs)
 
     @property
     def knots(self) -> Float64Array:
@@ -102,25 +114,31 @@ class Slerp(RotationCurve):
         velocities = np.broadcast_to(rates, (len(t), 3)).copy()
         return Turning(self._rotations(t), velocities, np.zeros((len(t), 3)))
 
-    def _pieces(self, t: Float64Array) -> Any:
-        """The piece of every time; where there is one only, as a number, which spares copies."""
+    def _pieces(self, t: Float64Array) -> NDArray[np.intp] | int:
+        """The piece of every time; if there is only one, as a number, which saves copies."""
         return 0 if len(self.times) == 2 else _pieces(self.times, t)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Squad(RotationCurve):
-    """A curve through quaternions (n, 4) at times (n,) with a continuous angular velocity.
+    """The curve of `rotations.squad` through quaternions, with a continuous angular velocity.
 
-    See `rotations.squad`. Raises InvalidInput.
+    Attributes:
+        times: strictly increasing, s, (n,).
+        quaternions: unit quaternions (n, 4), any three neighbours turning less than half a turn;
+            made continuous in sign.
+
+    Raises:
+        InvalidInput: if the samples are malformed or turn too far, or the times are too uneven.
     """
 
     times: Float64Array
     quaternions: Float64Array
     _controls: tuple[Float64Array, Float64Array] = field(init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        _freeze(self)
-        object.__setattr__(self, "_controls", squad_controls(self.times, self.quaternions))
+    def __init__(self, times: ArrayLike, quaternions: ArrayLike) -> None:
+        t, q = checked_samples(times, quaternions)
+        vars(self).update(times=t, quaternions=q, _controls=squad_controls(t, q))
 
     @property
     def knots(self) -> Float64Array:
@@ -128,15 +146,15 @@ class Squad(RotationCurve):
         return self.times
 
     def _rotations(self, t: Float64Array) -> Float64Array:
-        (a, b, leaving, arriving), _, share = self._corners(t)
-        chord = _core.so3_slerp(a, b, share)
-        handle = _core.so3_slerp(leaving, arriving, share)
-        return _core.so3_slerp(chord, handle, 2.0 * share * (1.0 - share))
+        (a, b, leaving, arriving), _, u = self._corners(t)
+        chord = _core.so3_slerp(a, b, u)
+        handle = _core.so3_slerp(leaving, arriving, u)
+        return _core.so3_slerp(chord, handle, 2.0 * u * (1.0 - u))
 
     def _turning(self, t: Float64Array) -> Turning:
-        corners, steps, share = self._corners(t)
+        corners, steps, fraction = self._corners(t)
         a, b, leaving, arriving = (Turning.still(corner) for corner in corners)
-        u, rate = share[:, None], 1.0 / steps[:, None]
+        u, rate = fraction[:, None], 1.0 / steps[:, None]
         along = (u, rate, np.zeros_like(u))
         bent = (2.0 * u * (1.0 - u), 2.0 * (1.0 - 2.0 * u) * rate, -4.0 * rate**2)
         return slerp(slerp(a, b, along), slerp(leaving, arriving, along), bent)
@@ -144,7 +162,7 @@ class Squad(RotationCurve):
     def _corners(
         self, t: Float64Array
     ) -> tuple[tuple[Float64Array, ...], Float64Array, Float64Array]:
-        """The samples and inner rotations beside each time, the step there and its share passed."""
+        """Samples and inner rotations beside each time, the step there and its fraction passed."""
         i = _pieces(self.times, t)
         leaving, arriving = self._controls
         steps = self.times[i + 1] - self.times[i]
@@ -152,25 +170,31 @@ class Squad(RotationCurve):
         return corners, steps, (t - self.times[i]) / steps
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class RotationBezier(RotationCurve):
-    """The Bezier curve of quaternions (n, 4), by de Casteljau's construction with slerp for lines.
+    """The Bezier curve of quaternions, by de Casteljau's construction with slerp for lines.
 
-    Neighbours must be less than half a turn apart. Raises InvalidInput.
+    Attributes:
+        quaternions: unit quaternions (n, 4), neighbours less than half a turn apart; made
+            continuous in sign.
+        times: first and last time, s.
+
+    Raises:
+        InvalidInput: if they are fewer than 2 or more than 50, neighbours are half a turn apart, or
+            the times do not rise.
     """
 
     quaternions: Float64Array
-    times: tuple[float, float] = (0.0, 1.0)
+    times: tuple[float, float]
 
-    def __post_init__(self) -> None:
-        q = rotations.align_signs(self.quaternions)
+    def __init__(self, quaternions: ArrayLike, times: ArrayLike = (0.0, 1.0)) -> None:
+        q = rotations.align_signs(quaternions)
         check.integer(len(q), "number of quaternions", at_least=2, at_most=_MOST_POINTS)
         if (rotations.distance(q[1:], q[:-1]) >= np.pi - 1e-9).any():
             raise InvalidInput("quaternions: expected neighbours less than half a turn apart")
         q.setflags(write=False)
-        knots = curve.knot_times(self.times, "times")
-        object.__setattr__(self, "quaternions", q)
-        object.__setattr__(self, "times", (float(knots[0]), float(knots[-1])))
+        knots = curve.knot_times(times, "times")
+        vars(self).update(quaternions=q, times=(float(knots[0]), float(knots[-1])))
 
     @property
     def knots(self) -> Float64Array:
@@ -178,22 +202,22 @@ class RotationBezier(RotationCurve):
         return np.array(self.times)
 
     def _rotations(self, t: Float64Array) -> Float64Array:
-        shares = self._shares(t)
+        fractions = self._fractions(t)
         level = [np.repeat(q[None], len(t), axis=0) for q in self.quaternions]
         while len(level) > 1:
-            level = [_core.so3_slerp(a, b, shares) for a, b in pairwise(level)]
+            level = [_core.so3_slerp(a, b, fractions) for a, b in pairwise(level)]
         return level[0]
 
     def _turning(self, t: Float64Array) -> Turning:
-        shares = self._shares(t)[:, None]
-        rate = np.full_like(shares, 1.0 / (self.times[1] - self.times[0]))
-        along = (shares, rate, np.zeros_like(shares))
+        fractions = self._fractions(t)[:, None]
+        rate = np.full_like(fractions, 1.0 / (self.times[1] - self.times[0]))
+        along = (fractions, rate, np.zeros_like(fractions))
         level = [Turning.still(np.repeat(q[None], len(t), axis=0)) for q in self.quaternions]
         while len(level) > 1:
             level = [slerp(a, b, along) for a, b in pairwise(level)]
         return level[0]
 
-    def _shares(self, t: Float64Array) -> Float64Array:
+    def _fractions(self, t: Float64Array) -> Float64Array:
         first, last = self.times
         return (t - first) / (last - first)
 
@@ -202,10 +226,9 @@ def _pieces(times: Float64Array, t: Float64Array) -> NDArray[np.intp]:
     return np.clip(np.searchsorted(times, t, side="right") - 1, 0, len(times) - 2)
 
 
-def _freeze(rotation_curve: Slerp | Squad) -> None:
-    times = curve.knot_times(rotation_curve.times, "times")
-    q = check.quaternions(rotation_curve.quaternions, "quaternions", shape=(len(times), 4))
-    continuous = rotations.align_signs(q)
-    continuous.setflags(write=False)
-    object.__setattr__(rotation_curve, "times", times)
-    object.__setattr__(rotation_curve, "quaternions", continuous)
+def checked_samples(times: ArrayLike, quaternions: ArrayLike) -> tuple[Float64Array, Float64Array]:
+    """Rising times (n,), n >= 2, and unit quaternions (n, 4), continuous in sign; read-only."""
+    t = curve.knot_times(times, "times")
+    q = rotations.align_signs(check.quaternions(quaternions, "quaternions", shape=(len(t), 4)))
+    q.setflags(write=False)
+    return t, q

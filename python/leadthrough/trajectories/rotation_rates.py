@@ -10,18 +10,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import factorial
 
 from leadthrough import _core
 from leadthrough.check import Float64Array
 
-# rad; below it the quotients lose digits to cancellation, and their series have so many terms.
+# rad; below it the quotients lose digits to cancellation; their series have this many terms.
 _SMALL, _TERMS = 1.0, 10
 
 
 @dataclass(frozen=True, eq=False)
 class Turning:
-    """Rotations q (n, 4), how they turn (n, 3) rad/s, and how that changes (n, 3) rad/s^2."""
+    """Rotations and how they turn, in the base frame.
+
+    Attributes:
+        q: unit quaternions (n, 4).
+        velocity: angular, rad/s, (n, 3).
+        acceleration: angular, rad/s^2, (n, 3).
+    """
 
     q: Float64Array
     velocity: Float64Array
@@ -54,7 +59,7 @@ class Turning:
 
 
 def turning_of(phi: Float64Array, first: Float64Array, second: Float64Array) -> Turning:
-    """What exp(phi) does, for rotation vectors phi (n, 3) and their two derivatives."""
+    """The turning of exp(phi), for rotation vectors phi (n, 3) and their two derivatives."""
     jacobians = _core.so3_left_jacobian(phi).reshape(-1, 3, 3)
     return Turning(
         _core.so3_exp(phi),
@@ -72,10 +77,10 @@ def vectors_of(turning: Turning) -> tuple[Float64Array, Float64Array, Float64Arr
 
 
 def slerp(
-    a: Turning, b: Turning, share: tuple[Float64Array, Float64Array, Float64Array]
+    a: Turning, b: Turning, fraction: tuple[Float64Array, Float64Array, Float64Array]
 ) -> Turning:
-    """From a to b on the shortest turn, at shares (n, 1) with two derivatives."""
-    u, first, second = share
+    """From a to b on the shortest turn, at fractions (n, 1) with two derivatives."""
+    u, first, second = fraction
     phi, speed, change = vectors_of(b.then(a.inverse()))
     turn = turning_of(
         u * phi, first * phi + u * speed, second * phi + 2.0 * first * speed + u * change
@@ -95,7 +100,9 @@ def drift(phi: Float64Array, first: Float64Array) -> Float64Array:
 
 
 def _slopes(squared: Float64Array) -> tuple[Float64Array, ...]:
-    """dA/dx / x, dB/dx / x, dC/dx / x and C at angles x, which come squared."""
+    """dA/dx / x, dB/dx / x, dC/dx / x and C at angles x, given x^2."""
+    from scipy.special import factorial
+
     k = np.arange(_TERMS, 0, -1)
     signs = np.where(k % 2, -1.0, 1.0)
     series = [

@@ -3,63 +3,77 @@
 On piece i the rotation is exp(phi(t)) q_i with a cubic phi from 0 to the turn to q_(i+1). With
 angular velocities w at the samples, phi starts with w_i and ends with J^-1 w_(i+1); the angular
 acceleration J phi'' + dJ/dt phi' agrees at the inner samples if w solves a system that is
-tridiagonal but for the small term dJ/dt phi', which is iterated.
+tridiagonal apart from the small term dJ/dt phi', which is iterated.
+
 Source: Park and Ravani 1997; Sola et al. 2018, eq. 145 for J.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
-from scipy.linalg import solve_banded
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput
-from leadthrough.trajectories import curve
-from leadthrough.trajectories.rotation_curve import RotationCurve
+from leadthrough.trajectories.rotation_curve import RotationCurve, checked_samples
 from leadthrough.trajectories.rotation_rates import Turning, drift, products, turning_of
 
+_AT_REST = (0.0, 0.0, 0.0)
 _MOST_ROUNDS = 200
 # Angular accelerations agree to this, relative to the largest velocity over the shortest step.
 _SETTLED = 1e-13
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class RotationSpline(RotationCurve):
-    """Through quaternions (n, 4) at times (n,) with continuous angular velocity and acceleration.
+    """The curve through quaternions with continuous angular velocity and acceleration.
 
-    start_velocity, end_velocity: (3,) rad/s in the base frame, at rest by default. Neighbours must
-    be less than half a turn apart. Raises InvalidInput; FitError where the turns are too uneven.
+    Attributes:
+        times: strictly increasing, s, (n,).
+        quaternions: unit quaternions (n, 4), neighbours less than half a turn apart; made
+            continuous in sign.
+        start_velocity: rad/s in the base frame, (3,); at rest by default.
+        end_velocity: rad/s in the base frame, (3,); at rest by default.
+        velocities: rad/s in the base frame at all times, (n, 3).
+
+    Raises:
+        InvalidInput: if an argument is malformed, or neighbours are half a turn apart.
+        FitError: if the turns are too large or uneven.
     """
 
     times: Float64Array
     quaternions: Float64Array
-    start_velocity: Float64Array = field(default_factory=lambda: np.zeros(3))
-    end_velocity: Float64Array = field(default_factory=lambda: np.zeros(3))
+    start_velocity: Float64Array
+    end_velocity: Float64Array
     velocities: Float64Array = field(init=False)
     _cubics: Float64Array = field(init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        times = curve.knot_times(self.times, "times")
-        q = check.quaternions(self.quaternions, "quaternions", shape=(len(times), 4))
-        q = rotations.align_signs(q)
+    def __init__(
+        self,
+        times: ArrayLike,
+        quaternions: ArrayLike,
+        start_velocity: ArrayLike = _AT_REST,
+        end_velocity: ArrayLike = _AT_REST,
+    ) -> None:
+        t, q = checked_samples(times, quaternions)
         turns = rotations.log(rotations.compose(q[1:], rotations.inverse(q[:-1])))
         if (np.linalg.norm(turns, axis=1) >= np.pi - 1e-6).any():
             raise InvalidInput("quaternions: expected neighbours less than half a turn apart")
-        ends = [
-            check.frozen(getattr(self, name), name, shape=(3,))
-            for name in ("start_velocity", "end_velocity")
-        ]
-        velocities = _velocities(np.diff(times), turns, *ends)
-        for name, value in (("times", times), ("quaternions", q), ("velocities", velocities)):
-            value.setflags(write=False)
-            object.__setattr__(self, name, value)
-        object.__setattr__(self, "start_velocity", ends[0])
-        object.__setattr__(self, "end_velocity", ends[1])
-        object.__setattr__(self, "_cubics", _cubics(np.diff(times), turns, velocities))
+        start = check.frozen(start_velocity, "start_velocity", shape=(3,))
+        end = check.frozen(end_velocity, "end_velocity", shape=(3,))
+        velocities = _velocities(np.diff(t), turns, start, end)
+        velocities.setflags(write=False)
+        vars(self).update(
+            times=t,
+            quaternions=q,
+            start_velocity=start,
+            end_velocity=end,
+            velocities=velocities,
+            _cubics=_cubics(np.diff(t), turns, velocities),
+        )
 
     @property
     def knots(self) -> Float64Array:
@@ -76,7 +90,7 @@ class RotationSpline(RotationCurve):
 
     def _vectors(
         self, t: Float64Array
-    ) -> tuple[Any, tuple[Float64Array, Float64Array, Float64Array]]:
+    ) -> tuple[NDArray[np.intp], tuple[Float64Array, Float64Array, Float64Array]]:
         """The piece of each time, and phi with two derivatives there."""
         i = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 2)
         s = (t - self.times[i])[:, None]
@@ -107,6 +121,8 @@ def _velocities(
     steps: Float64Array, turns: Float64Array, first: Float64Array, last: Float64Array
 ) -> Float64Array:
     """Angular velocities (n, 3) at the samples, the given ones at the ends."""
+    from scipy.linalg import solve_banded
+
     velocities = np.vstack([first, np.zeros((len(steps) - 1, 3)), last])
     if len(steps) == 1:
         return velocities

@@ -3,43 +3,55 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-from scipy.interpolate import PPoly
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.trajectories import curve
+from leadthrough.trajectories.curve import PointCurve
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
 
 
-@dataclass(frozen=True, eq=False)
-class Spline:
+@dataclass(frozen=True, eq=False, init=False)
+class Spline(PointCurve):
     """Polynomial pieces from knot to knot.
 
-    knots: (k + 1,) rising. coefficients: (k, terms, d); of piece i at time t the value is the sum
-    over j of coefficients[i, j] (t - knots[i])**j. At a knot the piece after it counts.
-    Raises InvalidInput.
+    Attributes:
+        knots: strictly increasing times (k + 1,); at an inner knot the piece after it counts.
+        coefficients: (k, terms, d); the value of piece i at time t is the sum over j of
+            coefficients[i, j] (t - knots[i])**j.
+
+    Raises:
+        InvalidInput: if the knots do not rise or the coefficients are not finite numbers of that
+            shape.
     """
 
     knots: Float64Array
     coefficients: Float64Array
     _pieces: PPoly = field(init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        knots = curve.knot_times(self.knots, "knots")
-        table = check.frozen(
-            self.coefficients, "coefficients", shape=(len(knots) - 1, "terms", "d")
-        )
+    def __init__(self, knots: ArrayLike, coefficients: ArrayLike) -> None:
+        from scipy.interpolate import PPoly
+
+        times = curve.knot_times(knots, "knots")
+        table = check.frozen(coefficients, "coefficients", shape=(len(times) - 1, "terms", "d"))
         if 0 in table.shape:
             raise InvalidInput(f"coefficients: expected no empty axis, got shape {table.shape}")
-        object.__setattr__(self, "knots", knots)
-        object.__setattr__(self, "coefficients", table)
         falling = np.ascontiguousarray(table.transpose(1, 0, 2)[::-1])
-        object.__setattr__(self, "_pieces", PPoly.construct_fast(falling, knots, False))
+        vars(self).update(
+            knots=times,
+            coefficients=table,
+            _pieces=PPoly.construct_fast(falling, times, False),
+        )
 
+    # Any: the protocol of pickle.
     def __reduce__(self) -> tuple[Any, ...]:
         return Spline, (self.knots, self.coefficients)
 
@@ -49,27 +61,25 @@ class Spline:
         return float(self.knots[0]), float(self.knots[-1])
 
     @property
+    def dimensions(self) -> int:
+        """Number of dimensions, d."""
+        return int(self.coefficients.shape[2])
+
+    @property
     def degree(self) -> int:
         """The largest degree that the pieces can have."""
         return int(self.coefficients.shape[1]) - 1
 
-    def evaluate(self, t: Any, derivative: int = 0) -> Float64Array:
-        """Values or derivatives (n, d) at times (n,), (d,) at one time. Raises InvalidInput."""
-        return np.asarray(self._pieces(curve.times_inside(t, self.domain), curve.order(derivative)))
-
     def smoothness(self, *, tolerance: float = 1e-9) -> Float64Array:
-        """(k - 1,) how many derivatives, the value as the first, agree at each inner knot.
+        """How many derivatives, the value counted as the first, agree at each inner knot, (k - 1,).
 
-        tolerance: difference that counts as none, relative to the largest derivative.
+        Args:
+            tolerance: largest difference that counts as none, relative to the largest derivative.
         """
         agree = np.zeros(len(self.knots) - 2)
         going = np.ones(len(self.knots) - 2, dtype=bool)
-        widths = np.diff(self.knots)[:, None]
         for k in range(self.degree + 1):
-            starts = self.coefficients[1:, k]
-            ends = np.zeros_like(starts)
-            for j in range(k, self.degree + 1):
-                ends += math.comb(j, k) * widths[:-1] ** (j - k) * self.coefficients[:-1, j]
+            starts, ends = self.coefficients[1:, k], self._at_ends(k)
             scale = max(
                 float(np.abs(self.coefficients[:, k]).max()), float(np.abs(ends).max(initial=0.0))
             )
@@ -77,25 +87,23 @@ class Spline:
             agree += going
         return agree
 
-    def transformed(self, matrix: Any, offset: Any = 0.0) -> Spline:
-        """The curve of matrix @ x + offset for every x of this one: its points transformed.
+    def _at_ends(self, k: int) -> Float64Array:
+        """Derivative k over k! of each piece but the last at its end, (k - 1, d)."""
+        widths = np.diff(self.knots)[:-1, None]
+        ends = np.zeros_like(self.coefficients[1:, k])
+        for j in range(k, self.degree + 1):
+            ends += math.comb(j, k) * widths ** (j - k) * self.coefficients[:-1, j]
+        return ends
 
-        matrix: (e, d). offset: (e,) or a number. Raises InvalidInput.
-        """
-        a, b = affine(matrix, offset, self.coefficients.shape[2])
-        table = self.coefficients @ a.T
-        table[:, 0] += b
-        return Spline(self.knots, table)
+    def _values(self, times: Float64Array, order: int) -> Float64Array:
+        return np.asarray(self._pieces(times, order))
 
-    def rescaled(self, factor: float) -> Spline:
-        """The same path, passed `factor` times as slowly: derivative k becomes factor**-k of it."""
-        stretch = check.number(factor, "factor", above=0.0)
-        powers = stretch ** -np.arange(self.degree + 1.0)
-        return Spline(self.knots * stretch, self.coefficients * powers[:, None])
+    def _mapped(self, matrix: Float64Array, offset: Float64Array) -> Self:
+        table = self.coefficients @ matrix.T
+        table[:, 0] += offset
+        return replace(self, coefficients=table)
 
-
-def affine(matrix: Any, offset: Any, width: int) -> tuple[Float64Array, Float64Array]:
-    """An affine map, checked: matrix (e, width) and offset (e,)."""
-    a = check.array(matrix, "matrix", shape=("e", width))
-    b = check.array(offset, "offset", shape=() if np.ndim(offset) == 0 else (len(a),))
-    return a, np.broadcast_to(b, len(a))
+    def _stretched(self, factor: float) -> Self:
+        powers = factor ** -np.arange(self.degree + 1.0)
+        table = self.coefficients * powers[:, None]
+        return replace(self, knots=self.knots * factor, coefficients=table)

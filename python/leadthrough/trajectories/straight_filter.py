@@ -1,11 +1,11 @@
-"""A reference that goes straight to its target, all dimensions at once."""
+"""A filter that leads a reference straight to its target, all dimensions at once."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
@@ -13,15 +13,20 @@ from leadthrough.errors import InvalidInput
 from leadthrough.trajectories.filters import FilterState
 from leadthrough.trajectories.jerk_filter import JerkFilter
 
-# A target so far off a line, relative to its distance, lies on it: rounding.
+# A target this far off a line, relative to its distance, lies on it: rounding.
 _ON_THE_LINE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class LineState(FilterState):
-    """A state on a line: its origin and unit direction (d,), and the state along it, (1,).
+    """A state on a line, besides its position, velocity and acceleration.
 
-    limits, scalar: those of all dimensions, and what they leave along the line.
+    Attributes:
+        origin: where the line begins, (d,).
+        direction: unit vector (d,), or 0 where there is no line yet.
+        along: the state along the line, of one dimension.
+        limits: of all dimensions.
+        scalar: limits along the line.
     """
 
     origin: Float64Array
@@ -33,10 +38,16 @@ class LineState(FilterState):
 
 @dataclass(frozen=True, eq=False)
 class StraightFilter:
-    """To rest at a target along a straight line, inside the limits of every dimension.
+    """The fastest way to rest at a target along a straight line, inside all dimensions' limits.
 
-    A target that is changed in flight is approached on the same line if it lies on it; otherwise
-    the reference stops as fast as it may and leaves for it from there.
+    A target that changes during the motion is approached on the same line if it lies on it;
+    otherwise the reference stops as fast as it may and leaves for the target from there.
+
+    Attributes:
+        limits: of every dimension.
+
+    Raises:
+        InvalidInput: if they are not a JerkFilter.
     """
 
     limits: JerkFilter
@@ -46,10 +57,17 @@ class StraightFilter:
             what = type(self.limits).__name__
             raise InvalidInput(f"limits: expected a JerkFilter, got {what}")
 
-    def step(self, state: FilterState, target: Any, period: float) -> LineState:
-        """The state one period, s, on, towards a target (d,).
+    def step(self, state: FilterState, target: ArrayLike, period: float) -> LineState:
+        """The state one period later.
 
-        state: at rest, or one that this function gave. Raises InvalidInput.
+        Args:
+            state: at rest, or one that this method returned.
+            target: (d,).
+            period: s, 1e-7 to 1e5.
+
+        Raises:
+            InvalidInput: if the state moves and is not on a line, the shapes do not fit or a number
+                is out of its range.
         """
         line = self._on_a_line(state)
         goal = check.array(target, "target", shape=line.position.shape)
@@ -68,7 +86,7 @@ class StraightFilter:
             line, position=moved, velocity=velocity, acceleration=acceleration, along=along
         )
 
-    def _on_a_line(self, state: Any) -> LineState:
+    def _on_a_line(self, state: FilterState) -> LineState:
         if isinstance(state, LineState):
             if state.limits is self.limits:
                 return state
@@ -76,11 +94,11 @@ class StraightFilter:
         if not isinstance(state, FilterState):
             raise InvalidInput(f"state: expected a FilterState, got {type(state).__name__}")
         if _moves(state):
-            raise InvalidInput("state: expected one at rest or one that this filter gave")
+            raise InvalidInput("state: expected one at rest or one that this filter returned")
         return self._towards(state.position, state.position)
 
     def _towards(self, origin: Float64Array, goal: Float64Array) -> LineState:
-        """At rest at the origin of the line to a goal; there is no direction to where one is."""
+        """At rest at the origin of the line to a goal; at the goal the direction is 0."""
         way, still = goal - origin, np.zeros_like(origin)
         length = float(np.linalg.norm(way))
         direction = way / length if length > 0.0 else still
@@ -89,7 +107,7 @@ class StraightFilter:
 
 
 def _place(line: LineState, goal: Float64Array) -> float | None:
-    """How far along the line a goal lies, if it lies on it."""
+    """Distance of a goal along the line, or None where it does not lie on it."""
     way = goal - line.origin
     place = float(way @ line.direction)
     off = np.abs(way - place * line.direction).max(initial=0.0)
