@@ -13,7 +13,7 @@ import leadthrough as lt
 from leadthrough.show import open_view, page, scene
 
 BOX = lt.Box((0.1, 0.1, 0.3), (0.55, 0.0, 0.15))
-SIZE = {"width": 800, "height": 520}
+SIZE = {"width": 640, "height": 400}
 PATIENCE = 60.0  # s, for software rendering on a busy machine
 ANGLES = "[...leadthrough.scenes[0].links.at(-1)].map((x) => +x.toFixed(6))"
 
@@ -119,9 +119,9 @@ def test_slider_sets_the_time(html):
 
 def test_mouse_orbits_and_zooms(html):
     before = picture(html)
-    html.mouse.move(400, 250)
+    html.mouse.move(320, 200)
     html.mouse.down()
-    html.mouse.move(550, 280, steps=3)
+    html.mouse.move(470, 230, steps=3)
     html.mouse.up()
     html.wait_for_function("leadthrough.scenes[0].azimuth < -1.5")
     near = html.evaluate("leadthrough.scenes[0].distance")
@@ -157,7 +157,7 @@ def test_live_page_shows_the_arm_and_the_controls_and_plays(window):
     for label in ("play", "time, s", "speed", "duration, s", "weights", "obstacles"):
         assert window.get_by_text(label, exact=True).is_visible()
     before = picture(window)
-    until(lambda: share_that_changed(before[:, :480], picture(window)[:, :480]) > 0.01)
+    until(lambda: share_that_changed(before[:, :320], picture(window)[:, :320]) > 0.01)
 
 
 def test_dragged_obstacle_replans(window, live):
