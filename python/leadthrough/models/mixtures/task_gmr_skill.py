@@ -109,8 +109,8 @@ class TaskGMRSkill(Archived, Generic[MotionT_co]):
         """
         if not self.at_ends:
             raise UnsupportedQuery(
-                "start: this skill was fitted with frames of its own; "
-                "call skill.at(frames).generate() with those of the situation"
+                "frames: this skill was fitted with frames of its own; "
+                "call skill.at(frames).generate() with the frames of the situation"
             )
         ends = wanted_ends(self.chart, self.ends, start, goal)
         shown = self.chart.motion(np.array([0.0, 1.0]), np.array([0.0, 1.0]), ends)

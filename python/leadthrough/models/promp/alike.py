@@ -26,7 +26,7 @@ def check_alike(skills: Sequence[ProMPSkill]) -> None:
     kinds = {(each.chart.kind, each.chart.size, each.chart.joint_names) for each in skills}
     if len(kinds) > 1:
         got = " and ".join(
-            f"{kind} of {size} columns {list(names) or ''}".rstrip()
+            f"{kind} of {size} columns {list(names) if names else ''}".rstrip()
             for kind, size, names in sorted(kinds)
         )
         raise InvalidInput(

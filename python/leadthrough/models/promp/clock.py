@@ -34,8 +34,9 @@ def phases_at(times: ArrayLike, name: str, *, duration: float, repeats: bool) ->
     else:
         first, last = float(phases.min()), float(phases.max())
     if first < -_ROUNDING or last > 1.0 + _ROUNDING:
+        outside = (first if first < -_ROUNDING else last) * duration
         raise InvalidInput(
-            f"{name}: expected times in [0, {duration:.6g}] s, "
-            f"got {first * duration:.6g} to {last * duration:.6g} s"
+            f"{name}: expected times in [0, {duration:.6g}] s, the motion's duration, "
+            f"got {outside:.6g} s"
         )
     return phases if first >= 0.0 and last <= 1.0 else np.clip(phases, 0.0, 1.0)

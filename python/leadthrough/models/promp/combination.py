@@ -83,7 +83,11 @@ def blend(
     at = check.times(times, "times")
     active = check.array(activations, "activations", shape=(len(at), len(skills)))
     if (active < 0.0).any() or (active.sum(axis=1) == 0.0).any():
-        raise InvalidInput("activations: expected numbers >= 0, not all 0 at any time")
+        row = int(np.argmax((active < 0.0).any(axis=1) | (active.sum(axis=1) == 0.0)))
+        raise InvalidInput(
+            "activations: expected numbers >= 0, not all 0 at any time, "
+            f"got {active[row]} at sample {row}"
+        )
     phases = normalised_times(at)
     precision, pull = 0.0, 0.0
     for each, activation in zip(skills, active.T, strict=True):

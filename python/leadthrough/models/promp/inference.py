@@ -75,8 +75,7 @@ def infer(
             differ in type, or if the prior is negative or all 0.
     """
     check_alike(skills)
-    if not isinstance(observed, Motion) or len(observed.times) < 2:
-        raise InvalidInput("observed: expected a motion of at least two samples")
+    observation.check_seen(observed, "observed")
     before = _prior(prior, len(skills))
     noise = _common_noise(skills)
     found = [_Pace(observed, skill, noise) for skill in skills]

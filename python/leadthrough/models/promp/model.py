@@ -159,8 +159,12 @@ def _checked_phases(
     for i, (given, motion) in enumerate(zip(phases, motions, strict=True)):
         name = f"phases[{i}]"
         u = check.array(given, name, shape=(len(motion.times),))
-        if not (np.diff(u) > 0).all():
-            raise InvalidInput(f"{name}: expected strictly increasing phases")
+        if (np.diff(u) <= 0).any():
+            at = int(np.argmax(np.diff(u) <= 0))
+            raise InvalidInput(
+                f"{name}: expected strictly increasing phases, "
+                f"got {u[at]:.6g} then {u[at + 1]:.6g} at samples {at} and {at + 1}"
+            )
         if not rhythmic and not (u[0] >= 0.0 and u[-1] <= 1.0):
             raise InvalidInput(f"{name}: expected phases in [0, 1], got {u[0]:.6g} to {u[-1]:.6g}")
         checked.append(u)

@@ -13,7 +13,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.chart import Chart
 from leadthrough.models.promp.gaussian import Gaussian
-from leadthrough.motion import MotionT
+from leadthrough.motion import Motion, MotionT
 
 if TYPE_CHECKING:
     from leadthrough.models.promp.skill import ProMPSkill
@@ -143,6 +143,22 @@ def noise_of(covariance: ArrayLike | None, size: int) -> Float64Array | None:
     if not _core.is_covariance(result):
         raise InvalidInput("covariance: expected a symmetric positive semi-definite matrix")
     return result
+
+
+def check_seen(motion: Motion, name: str) -> None:
+    """Checks that an observation is a motion with samples enough to have a duration.
+
+    Args:
+        motion: the observed motion.
+        name: argument that the error names.
+
+    Raises:
+        InvalidInput: if it is not a motion of at least two samples.
+    """
+    samples = len(motion.times) if isinstance(motion, Motion) else 0
+    if samples < 2:
+        got = "one sample" if samples else type(motion).__name__
+        raise InvalidInput(f"{name}: expected a motion of at least two samples, got {got}")
 
 
 def log_density(skill: ProMPSkill, phases: Float64Array, values: Float64Array) -> float:

@@ -275,8 +275,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         Raises:
             InvalidInput: if the motion has another type or fewer than two samples.
         """
-        if not isinstance(trajectory, Motion) or len(trajectory.times) < 2:
-            raise InvalidInput("trajectory: expected a motion of at least two samples")
+        observation.check_seen(trajectory, "trajectory")
         phases = normalised_times(trajectory.times)
         values = self.chart.columns(trajectory, phases, "trajectory")
         return observation.log_density(self, phases, values)

@@ -71,7 +71,7 @@ def through(
             return weights
     raise InvalidInput(
         f"value: expected a value that the motion can reach, got {wanted}; "
-        f"the nearest found is {reached}"
+        f"the last step reached {reached}"
     )
 
 

@@ -117,7 +117,7 @@ def test_skill_with_limits_and_joints_is_saved(skill, tmp_path):
 @pytest.mark.parametrize(
     ("call", "name"),
     [
-        (lambda s: s.distribution([2.5]), "times"),
+        (lambda s: s.distribution([0.1, 2.5]), "times: .* got 2.5 s"),
         (lambda s: s.distribution([0.0], order=3), "order"),
         (lambda s: s.condition(1.0, [1.0]), "position"),
         (lambda s: s.condition(np.nan, [0.0] * 3), "time"),
@@ -128,6 +128,8 @@ def test_skill_with_limits_and_joints_is_saved(skill, tmp_path):
         (lambda s: s.lasting(0.0), "duration"),
         (lambda s: s.within([0.0] * 3, [0.0] * 3), "lower"),
         (lambda s: s.log_likelihood(lt.Trajectory([0, 1], [[0, 0], [1, 1]])), "trajectory"),
+        (lambda s: s.log_likelihood(3), "trajectory: .* got int"),
+        (lambda s: s.log_likelihood(lt.Trajectory([0], [[0]])), "trajectory: .* got one sample"),
         (lambda s: s.generate(obstacles=[lt.Sphere(0.1, (0, 0, 0))]), "obstacles"),
     ],
 )
