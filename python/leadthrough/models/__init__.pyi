@@ -1,11 +1,7 @@
 from .dmp.discrete import DMP, DMPSkill
 from .dmp.pose import PoseDMP, PoseDMPSkill
-from .dmp.rhythmic import (
-    RhythmicDMP,
-    RhythmicDMPSkill,
-    RhythmicPoseDMP,
-    RhythmicPoseDMPSkill,
-)
+from .dmp.rhythmic import RhythmicDMP, RhythmicDMPSkill
+from .dmp.rhythmic_pose import RhythmicPoseDMP, RhythmicPoseDMPSkill
 from .library import SkillLibrary
 from .marching.model import FastMarching
 from .marching.skill import FastMarchingSkill

@@ -8,9 +8,11 @@ from typing import Any
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
+from leadthrough.models.dmp import discrete, pose, rhythmic, rhythmic_pose
 from leadthrough.models.dmp.discrete import DMPSkill
 from leadthrough.models.dmp.pose import PoseDMPSkill
-from leadthrough.models.dmp.rhythmic import RhythmicDMPSkill, RhythmicPoseDMPSkill
+from leadthrough.models.dmp.rhythmic import RhythmicDMPSkill
+from leadthrough.models.dmp.rhythmic_pose import RhythmicPoseDMPSkill
 from leadthrough.models.marching import model as marching
 from leadthrough.models.marching.skill import FastMarchingSkill
 from leadthrough.models.mixtures import gmr, task_gmr
@@ -21,13 +23,13 @@ from leadthrough.models.promp.skill import ProMPSkill
 from leadthrough.models.protocol import Skill
 
 _KINDS: dict[str, Callable[[dict[str, Any], archive.Arrays], Skill]] = {
-    DMPSkill.kind: DMPSkill.from_archive,
+    DMPSkill.kind: discrete.from_archive,
     FastMarchingSkill.kind: marching.from_archive,
     GMRSkill.kind: gmr.from_archive,
-    PoseDMPSkill.kind: PoseDMPSkill.from_archive,
+    PoseDMPSkill.kind: pose.from_archive,
     ProMPSkill.kind: promp.from_archive,
-    RhythmicDMPSkill.kind: RhythmicDMPSkill.from_archive,
-    RhythmicPoseDMPSkill.kind: RhythmicPoseDMPSkill.from_archive,
+    RhythmicDMPSkill.kind: rhythmic.from_archive,
+    RhythmicPoseDMPSkill.kind: rhythmic_pose.from_archive,
     TaskGMRSkill.kind: task_gmr.from_archive,
 }
 

@@ -1,4 +1,4 @@
-"""One round of a rhythmic motion, from demonstrations of one or more."""
+"""One period of a rhythmic motion, from demonstrations of one or more."""
 
 from __future__ import annotations
 
@@ -12,34 +12,43 @@ from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.dmp.mean_motion import MeanMotion, mean_motion
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
 
-# Rounds short of their last sample by this share of a period count as whole.
+# A period whose last samples are missing, up to this fraction of it, counts as whole.
 _SLACK = 0.02
-_LEAST_SAMPLES = 4  # of a round
+_LEAST_SAMPLES = 4  # of a period
 
 
-def mean_round(
+def mean_cycle(
     demonstrations: Demonstrations[Motion], kinds: tuple[type[Motion], ...], period: float | None
 ) -> MeanMotion:
-    """The mean over all whole rounds in the demonstrations, closed: it ends where it began.
+    """The mean over all whole periods in the demonstrations, closed: it ends where it began.
 
-    period: s; None where each demonstration is one round. What is left over after the last whole
-    round is dropped, and what a round's end lies off its beginning is spread evenly over it.
-    Raises InvalidInput; FitError for demonstrations shorter than a period or that do not move.
+    What is left over after the last whole period is dropped, and the gap between a period's end and
+    its beginning is spread evenly over it.
+
+    Args:
+        demonstrations: all of one of the kinds.
+        kinds: types of motion that the model learns.
+        period: s; None where each demonstration is one period.
+
+    Raises:
+        InvalidInput: for other motions.
+        FitError: for demonstrations shorter than a period, or that do not move.
     """
-    rounds = motions_of(demonstrations, kinds=kinds)
+    cycles = motions_of(demonstrations, kinds=kinds)
     if period is not None:
-        rounds = [part for motion in rounds for part in _rounds(motion, period)]
-    shown = mean_motion(rounds, kinds)
-    gap = shown.positions[-1] - shown.positions[0]
-    positions = shown.positions - np.outer(shown.phases, gap)
-    turned = shown.orientations
+        cycles = [part for motion in cycles for part in _periods(motion, period)]
+    mean = mean_motion(cycles, kinds)
+    gap = mean.positions[-1] - mean.positions[0]
+    positions = mean.positions - np.outer(mean.phases, gap)
+    turned = mean.orientations
     if turned is not None:
         off = rotations.log(rotations.compose(turned[:1], rotations.inverse(turned[-1:])))
-        turned = rotations.compose(rotations.exp(np.outer(shown.phases, off[0])), turned)
-    return replace(shown, positions=positions, orientations=turned)
+        turned = rotations.compose(rotations.exp(np.outer(mean.phases, off[0])), turned)
+    return replace(mean, positions=positions, orientations=turned)
 
 
-def _rounds(motion: Motion, period: float) -> list[Motion]:
+def _periods(motion: Motion, period: float) -> list[Motion]:
+    """The whole periods of a motion, each from time 0 on."""
     count = int(motion.duration / period + _SLACK)
     if count == 0:
         raise FitError(
@@ -48,7 +57,10 @@ def _rounds(motion: Motion, period: float) -> list[Motion]:
         )
     samples = int(np.ceil(len(motion.times) * period / motion.duration))
     if samples < _LEAST_SAMPLES:
-        raise FitError(f"demonstrations: have {samples} samples in a period of {period:.4g} s")
+        raise FitError(
+            f"demonstrations: expected at least {_LEAST_SAMPLES} samples in a period of "
+            f"{period:.4g} s, got {samples}"
+        )
     return [_part(motion, index * period, period, samples) for index in range(count)]
 
 

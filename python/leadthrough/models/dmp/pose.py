@@ -14,29 +14,29 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check, events, rotations
+from leadthrough import _core, check
 from leadthrough.check import Float64Array
-from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
-from leadthrough.events import Event
-from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.dmp import springs, turning
-from leadthrough.models.dmp.coupling import check_around, roll, step_around
+from leadthrough.models.dmp.constraints import Constraints, check_constraints
 from leadthrough.models.dmp.kernels import MOST_WEIGHTS, enough_weights
-from leadthrough.models.dmp.mean_motion import MeanMotion, mean_motion
+from leadthrough.models.dmp.mean_motion import mean_motion
+from leadthrough.models.dmp.primitive import Primitive, take_settings
 from leadthrough.models.dmp.query import (
+    Via,
+    as_pose,
     check_channels,
     check_duration,
-    check_step,
     course_through,
     ends_of,
+    pose_acceleration,
 )
 from leadthrough.models.dmp.refit import weights_of
 from leadthrough.models.dmp.regression import REGRESSIONS, fit
+from leadthrough.models.dmp.spin import refuse_spin, replayed_angle
 from leadthrough.models.dmp.springs import Ends, Springs
 from leadthrough.models.dmp.turning import REPRESENTATIONS, Turning
-from leadthrough.models.even_times import even_phases
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.place import Place
 from leadthrough.motion import Motion, PoseTrajectory, computed
@@ -46,19 +46,20 @@ Offsets = tuple[Float64Array, Float64Array]
 
 _FORM = "blended"
 _NOTHING = np.zeros(3)
-# What "lifted" may turn more or less than the demonstration and its offset, before it counts as
-# spinning, or as having lost a turn.
-_SPIN = np.radians(20.0)
-_SPIN_SAMPLES = 1000
 
 
 @dataclass(frozen=True)
 class PoseDMP:
-    """Dynamic movement primitives of poses.
+    """Dynamic movement primitives of poses; positions are those of the form "blended" of `DMP`.
 
-    weights: as in `DMP`. orientation: "anchored", which holds for any rotation;
-    "lifted" (Lauretti et al. 2023), up to about 220 degrees; "log" and "euler" (ZYZ), which break
-    where they jump. regression: as in `DMP`. Positions are those of the form "blended" of `DMP`.
+    Attributes:
+        weights: as in `DMP`.
+        orientation: "anchored", which holds for any rotation; "lifted" (Lauretti et al. 2023), up
+            to about 220 degrees; "log" and "euler" (ZYZ), which break where they jump.
+        regression: as in `DMP`.
+
+    Raises:
+        InvalidInput: if a setting is outside its range.
     """
 
     weights: int | None = 50
@@ -74,42 +75,47 @@ class PoseDMP:
     def fit(self, demonstrations: Demonstrations[Motion]) -> PoseDMPSkill:
         """A skill from demonstrations of poses; several are averaged over normalised time first.
 
-        Raises InvalidInput for other motions; FitError for one that does not move, for several
-        whose orientations lie too far apart for a mean, and where "lifted" would spin.
+        Args:
+            demonstrations: all of poses.
+
+        Raises:
+            InvalidInput: for other motions.
+            FitError: for one that does not move, for several whose orientations lie too far apart
+                for a mean, and where "lifted" would spin.
         """
-        shown = mean_motion(demonstrations, (PoseTrajectory,))
-        assert shown.orientations is not None
-        turned, coordinates = turning.learn(shown.phases, shown.orientations, self.orientation)
-        count = self.weights or enough_weights(shown.duration)
+        mean = mean_motion(demonstrations, (PoseTrajectory,))
+        assert mean.orientations is not None
+        turned, coordinates = turning.learn(mean.phases, mean.orientations, self.orientation)
+        count = self.weights or enough_weights(mean.duration)
         learned = fit(
-            shown.phases,
-            np.hstack([shown.positions, coordinates]),
+            mean.phases,
+            np.hstack([mean.positions, coordinates]),
             weights=count,
             form=_FORM,
             regression=self.regression,
         )
         model = replace(self, weights=count)
-        skill = PoseDMPSkill(model, learned, turned, shown.duration, shown.size, shown.events)
-        if self.orientation == "lifted":
-            return replace(skill, turning=replace(turned, angle=_replayed_angle(skill, shown)))
-        return skill
+        skill = PoseDMPSkill(model, learned, mean.duration, mean.size, mean.events, turned)
+        if self.orientation != "lifted":
+            return skill
+        angle = replayed_angle(learned, turned, skill.begin(), mean.phases, mean.orientations)
+        return replace(skill, turning=replace(turned, angle=angle))
 
 
 @dataclass(frozen=True, eq=False)
-class PoseDMPSkill:
+class PoseDMPSkill(Primitive[PoseDMP, _core.PoseState]):
     """A learned primitive of poses; made by `PoseDMP.fit`.
 
-    model: its parameters. springs: of three coordinates of the position and three of the
-    orientation. turning: what the latter mean. duration: s, as demonstrated. size: m, diagonal of
-    the box around the demonstrated positions. events: at shares of the duration.
+    Attributes:
+        model: the settings that it was fitted with, with the number of weights that was found.
+        springs: of three coordinates of the position and three of the orientation.
+        duration: s, as demonstrated.
+        size: m, diagonal of the box around the demonstrated positions.
+        events: at fractions of the duration, 0 to 1.
+        turning: what the coordinates of the orientation mean.
     """
 
-    model: PoseDMP
-    springs: Springs
     turning: Turning
-    duration: float
-    size: float
-    events: tuple[Event, ...] = ()
 
     kind: ClassVar[str] = "pose_dmp"
     supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration", "obstacles"})
@@ -122,23 +128,31 @@ class PoseDMPSkill:
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
-        via: Sequence[tuple[float, ArrayLike]] = (),
+        via: Via = (),
         start_velocity: ArrayLike | None = None,
         final_velocity: ArrayLike | None = None,
     ) -> PoseTrajectory:
         """A motion from pose to pose.
 
-        start, goal: a position (3,), or (position (3,), orientation (4,)); what is left out is as
-        demonstrated. duration: s, > 0, by default the demonstrations'. dt: s, upper bound of the
-        sampling step; the motion does not depend on it. via: (share of the duration inside (0, 1),
-        position (3,)), in order. start_velocity, final_velocity: (3,) m/s, by default as
-        demonstrated at that duration. obstacles: in the demonstrations' frame; the position keeps
-        clear of them, the orientation does not mind them.
-        Raises InvalidInput; NoPath where steering does not clear the obstacles; UnsupportedQuery
-        where "lifted" would spin.
+        Args:
+            start: a position (3,), or (position (3,), orientation (4,)); what is left out is as
+                demonstrated.
+            goal: as start.
+            duration: s, > 0, by default the demonstrations'.
+            dt: s, > 0, upper bound of the sampling step; the motion does not depend on it.
+            obstacles: in the demonstrations' frame; the position keeps clear of them, the
+                orientation does not take them into account.
+            via: (fraction of the duration in (0, 1), position (3,)), in order.
+            start_velocity: (3,) m/s, by default as demonstrated, at that duration.
+            final_velocity: as start_velocity.
+
+        Raises:
+            InvalidInput: if an argument is of another shape or range.
+            NoPath: where steering does not clear the obstacles.
+            UnsupportedQuery: where "lifted" would spin.
         """
         step = check.number(dt, "dt", above=0.0)
-        around = check_around(obstacles, None, dimensions=3, channels=6)
+        constraints = self._constraints(obstacles, None)
         state = self.begin(
             start=start,
             goal=goal,
@@ -147,16 +161,14 @@ class PoseDMPSkill:
             start_velocity=start_velocity,
             final_velocity=final_velocity,
         )
-        phases = even_phases(state.duration, step)
-        values, _ = roll(self.springs, state, phases, around=around, size=self.size)
+        phases, values, _ = self._rolled(state, step, constraints)
         offsets = state.start_offset, state.goal_offset
-        turned = self.turning.orientations(phases, values, offsets)
         return computed(
             PoseTrajectory,
             times=state.duration * phases,
             positions=values[:, :3].copy(),
-            orientations=turned,
-            events=events.moved(self.events, (0.0, 1.0), (0.0, state.duration)),
+            orientations=self.turning.orientations(phases, values, offsets),
+            events=self._events(state.duration),
         )
 
     def begin(
@@ -165,14 +177,11 @@ class PoseDMPSkill:
         start: Place | None = None,
         goal: Place | None = None,
         duration: float | None = None,
-        via: Sequence[tuple[float, ArrayLike]] = (),
+        via: Via = (),
         start_velocity: ArrayLike | None = None,
         final_velocity: ArrayLike | None = None,
     ) -> _core.PoseState:
-        """The state at the start, for `step`; arguments as in `generate`.
-
-        Raises InvalidInput; UnsupportedQuery where "lifted" would spin.
-        """
+        """The state at the start, for `step`; arguments and errors as in `generate`."""
         total = check_duration(duration, self.duration)
         first, first_turned = as_pose(start, "start")
         last, last_turned = as_pose(goal, "goal")
@@ -190,8 +199,8 @@ class PoseDMPSkill:
         state = _core.PoseState(
             course, ends.start, ends.start_slope, 0.0, total, self.turning.curve, *offsets
         )
-        as_shown = first_turned is None and last_turned is None
-        return state if as_shown else self._without_spin(state)
+        as_demonstrated = first_turned is None and last_turned is None
+        return state if as_demonstrated else self._without_spin(state)
 
     def step(
         self,
@@ -204,64 +213,51 @@ class PoseDMPSkill:
         measured: Place | None = None,
         obstacles: Sequence[Shape] = (),
     ) -> _core.PoseState:
-        """The state dt s later; exact for any dt > 0.
+        """The state dt s later; exact for any dt.
 
-        It has .position, .velocity (3,), .orientation (4,), .angular_velocity (3,) rad/s in the
-        base frame, .pose (7,), which is position and orientation in a row, and .phase. state: from
-        `begin` or the last step. goal: as in `generate`, moves the goal. coupling: (3,)
-        acceleration, m/s^2, that acts meanwhile, or (6,) with an angular one, rad/s^2 in the base
-        frame. measured: like goal; where the motion goes on from instead of the state's pose. lag:
-        as in `DMPSkill.step`. obstacles: to keep clear of in this step. Raises InvalidInput;
-        UnsupportedQuery where "lifted" would spin on the way to a new goal, or from a new pose.
+        Args:
+            state: from `begin` or the last step.
+            dt: s, > 0.
+            goal: as in `generate`, moves the goal.
+            coupling: (3,) acceleration, m/s^2, that acts during the step, or (6,) with an angular
+                one, rad/s^2 in the base frame.
+            lag: as in `DMPSkill.step`.
+            measured: like goal; where the motion goes on from instead of the state's pose.
+            obstacles: to keep clear of in this step.
+
+        Returns:
+            A state with .position, .velocity (3,), .orientation (4,), .angular_velocity (3,) rad/s
+            in the base frame, .pose (7,), which is position and orientation in a row, and .phase.
+
+        Raises:
+            InvalidInput: if an argument is of another shape or range.
+            UnsupportedQuery: where "lifted" would spin on the way to a new goal, or from a new
+                pose.
         """
-        changed = goal is not None or measured is not None or coupling is not None
-        if not changed and not obstacles and type(dt) is float and lag == 0.0:
-            # The quick way: control loops ask a thousand times a second.
-            after = state.tick(self.springs.forces, dt)
-            if after is not None:
-                return after
-        span = check_step(dt, lag, state.duration)
-        if goal is not None:
-            state = self._redirected(state, goal)
-        if measured is not None:
-            state = self._moved(state, measured)
-        if coupling is None and not obstacles:
-            return state.coast(self.springs.forces, span)
-        push = np.zeros(6) if coupling is None else as_push(coupling)
-        around = check_around(obstacles, None, dimensions=3, channels=6)
-        return step_around(self.springs, state, span, push, around=around, size=self.size)
+        return self._advanced(
+            state,
+            dt,
+            goal=goal,
+            coupling=coupling,
+            lag=lag,
+            measured=measured,
+            obstacles=obstacles,
+        )
 
     def parameters(
         self, demonstrations: Demonstrations[Motion] = ()
     ) -> Sequence[Parameter[PoseTrajectory]]:
-        """Its number of weights, where there are demonstrations to fit again."""
-        return weights_of(self, demonstrations)
+        """Its number of weights, where there are demonstrations to fit again.
 
-    def save(self, path: StrPath) -> None:
-        """Writes the skill to a .npz file that `load_skill` reads. Raises InvalidInput."""
-        archive.write(path, self.kind, *self.to_archive())
+        Args:
+            demonstrations: those that it was fitted to.
+        """
+        return weights_of(self, demonstrations)
 
     def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
         """Settings and arrays that `from_archive` puts together again."""
-        settings = {
-            **asdict(self.model),
-            "duration": self.duration,
-            "size": self.size,
-            "events": events.to_plain(self.events),
-        }
         arrays = {**self.springs.arrays(), **self.turning.arrays()}
-        return settings, arrays
-
-    @classmethod
-    def from_archive(cls, settings: dict[str, Any], arrays: archive.Arrays) -> PoseDMPSkill:
-        """The skill that `save` took apart. Raises KeyError, TypeError, ValueError."""
-        duration = check.number(settings.pop("duration"), "duration", above=0.0)
-        size = check.number(settings.pop("size"), "size", at_least=0.0)
-        happening = events.from_plain(settings.pop("events", ()))
-        model = PoseDMP(**settings)
-        learned = Springs.from_arrays(_FORM, settings["weights"], arrays)
-        turned = Turning.from_arrays(model.orientation, arrays)
-        return cls(model, learned, turned, duration, size, happening)
+        return {**asdict(self.model), **self._settings()}, arrays
 
     def _turned_ends(
         self, start: Float64Array | None, goal: Float64Array | None
@@ -279,10 +275,17 @@ class PoseDMPSkill:
         at_goal, _ = known.coordinates(last, phase=1.0, offsets=offsets, near=learned.goal)
         return replace(learned, start=at_start, goal=at_goal), offsets
 
-    def _redirected(self, state: _core.PoseState, goal: Any) -> _core.PoseState:
+    def _constraints(
+        self, obstacles: Sequence[Shape], limits: tuple[ArrayLike, ArrayLike] | None
+    ) -> Constraints:
+        return check_constraints(obstacles, limits, dimensions=3, channels=6)
+
+    def _acceleration(self, coupling: ArrayLike) -> Float64Array:
+        return pose_acceleration(coupling)
+
+    def _redirected(self, state: _core.PoseState, goal: Place) -> _core.PoseState:
         position, turned = as_pose(goal, "goal")
-        ends = self.springs.ends
-        wanted = np.concatenate([check_channels(position, "goal", 3), ends.goal[3:]])
+        wanted = np.concatenate([check_channels(position, "goal", 3), self.springs.ends.goal[3:]])
         if turned is None:
             course = springs.redirected(_FORM, state.course, wanted)
             return self._with(state, course, state.value, state.slope)
@@ -297,7 +300,7 @@ class PoseDMPSkill:
         value, slope = self._coordinates_of(state, state.orientation, new)
         return self._without_spin(self._with(state, course, value, slope, new))
 
-    def _moved(self, state: _core.PoseState, measured: Any) -> _core.PoseState:
+    def _moved(self, state: _core.PoseState, measured: Place) -> _core.PoseState:
         position, turned = as_pose(measured, "measured")
         q = state.orientation if turned is None else turned
         value, slope = self._coordinates_of(state, q, (state.start_offset, state.goal_offset))
@@ -332,63 +335,20 @@ class PoseDMPSkill:
 
     def _without_spin(self, state: _core.PoseState) -> _core.PoseState:
         """The same state. Raises UnsupportedQuery where "lifted" would spin from it to the end."""
-        if self.model.orientation != "lifted" or state.phase >= 1.0:
-            return state
-        made = _angle_ahead(self, state)
-        shown = self.turning.angle
-        least = shown if state.phase == 0.0 else 0.0
-        allowed = _SPIN + max(
-            float(np.linalg.norm(offset)) for offset in (state.start_offset, state.goal_offset)
-        )
-        if not least - allowed <= made <= shown + allowed:
-            raise UnsupportedQuery(
-                f'orientation="lifted": from here to this goal it would turn by '
-                f"{np.degrees(made):.0f} degrees, {np.degrees(shown):.0f} were shown; "
-                'use "anchored"'
-            )
+        if self.model.orientation == "lifted":
+            refuse_spin(self.springs, self.turning, state)
         return state
 
 
-def _angle_ahead(skill: PoseDMPSkill, state: _core.PoseState) -> float:
-    """The angle that the tool turns from a state to the end, rad."""
-    phases = np.linspace(state.phase, 1.0, _SPIN_SAMPLES)
-    values, _ = _core.dmp_rollout(
-        skill.springs.forces, state.course, state.value, state.slope, phases
-    )
-    made = skill.turning.orientations(phases, values, (state.start_offset, state.goal_offset))
-    return float(rotations.distance(made[:-1], made[1:]).sum())
+def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> PoseDMPSkill:
+    """The skill that `PoseDMPSkill.to_archive` took apart.
 
-
-def as_pose(value: Any, name: str) -> tuple[Any, Float64Array | None]:
-    """Position and orientation of a part of a query; None where left out. Raises InvalidInput."""
-    if isinstance(value, tuple | list) and len(value) == 2:
-        return value[0], check.quaternions(value[1], name, shape=(4,))
-    return value, None
-
-
-def as_push(coupling: Any) -> Float64Array:
-    """A coupling as linear and angular acceleration, (6,). Raises InvalidInput."""
-    given = check.array(coupling, "coupling", shape=("n",))
-    if len(given) not in (3, 6):
-        raise InvalidInput(f"coupling: expected shape (3,) or (6,), got {given.shape}")
-    return np.append(check_channels(given, "coupling", len(given)), np.zeros(6 - len(given)))
-
-
-def _replayed_angle(skill: PoseDMPSkill, shown: MeanMotion) -> float:
-    """The angle turned in replay, rad: what was shown without its noise, to measure spins by.
-
-    The continuous logarithm may swing about where the tool hardly turns. Raises FitError.
+    Raises:
+        KeyError: if a part is missing.
+        TypeError, ValueError: if a part is not what it should be.
     """
-    assert shown.orientations is not None
-    state = skill.begin()
-    values, _ = _core.dmp_rollout(
-        skill.springs.forces, state.course, state.value, state.slope, shown.phases
-    )
-    made = skill.turning.orientations(shown.phases, values)
-    worst = float(rotations.distance(made, shown.orientations).max())
-    if worst > _SPIN:
-        raise FitError(
-            f'demonstrations: orientation="lifted" would be off by {np.degrees(worst):.0f} degrees '
-            'beside a whole number of turns; use "anchored"'
-        )
-    return float(rotations.distance(made[:-1], made[1:]).sum())
+    duration, size, happening = take_settings(settings)
+    model = PoseDMP(**settings)
+    learned = Springs.from_arrays(_FORM, settings["weights"], arrays)
+    turned = Turning.from_arrays(model.orientation, arrays)
+    return PoseDMPSkill(model, learned, duration, size, happening, turned)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
@@ -13,9 +14,12 @@ from leadthrough.errors import InvalidInput
 from leadthrough.models.demonstrated import LARGEST
 from leadthrough.models.dmp import springs
 from leadthrough.models.dmp.springs import Ends, Springs
+from leadthrough.models.place import Place
 
-# Steps this many durations long are a slip of the unit of dt.
+# Steps this many durations long come from a wrong unit of dt.
 _LONGEST_STEP = 1000.0
+
+Via = Sequence[tuple[float, ArrayLike]]
 
 
 def check_duration(duration: float | None, usual: float, name: str = "duration") -> float:
@@ -24,7 +28,7 @@ def check_duration(duration: float | None, usual: float, name: str = "duration")
 
 
 def check_step(dt: float, lag: float, duration: float) -> float:
-    """The time that the motion goes on by in a step of dt s. Raises InvalidInput."""
+    """The time by which the motion goes on in a step of dt s. Raises InvalidInput."""
     span = check.number(dt, "dt", above=0.0, at_most=_LONGEST_STEP * duration)
     return span / (1.0 + check.number(lag, "lag", at_least=0.0))
 
@@ -37,18 +41,45 @@ def check_channels(value: Any, name: str, count: int) -> Float64Array:
     return given
 
 
+def as_pose(value: Place | None, name: str) -> tuple[Any, Float64Array | None]:
+    """Position, not checked yet, and orientation (4,) of a query; None where left out.
+
+    Raises InvalidInput.
+    """
+    if isinstance(value, tuple | list) and len(value) == 2:
+        return value[0], check.quaternions(value[1], name, shape=(4,))
+    return value, None
+
+
+def pose_acceleration(coupling: ArrayLike) -> Float64Array:
+    """A coupling (3,) or (6,) as linear and angular acceleration (6,). Raises InvalidInput."""
+    given = check.array(coupling, "coupling", shape=("n",))
+    if len(given) not in (3, 6):
+        raise InvalidInput(f"coupling: expected shape (3,) or (6,), got {given.shape}")
+    return np.append(check_channels(given, "coupling", len(given)), np.zeros(6 - len(given)))
+
+
 def ends_of(
     learned: Ends,
     *,
-    start: Any,
-    goal: Any,
-    start_velocity: Any,
-    final_velocity: Any,
-    duration: float,
+    start: Place | None = None,
+    goal: Place | None = None,
+    start_velocity: ArrayLike | None = None,
+    final_velocity: ArrayLike | None = None,
+    duration: float = 1.0,
 ) -> Ends:
-    """The ends asked for; what is None is as learned. Velocities are a second.
+    """The ends that a query asks for; what is None is as learned.
 
-    Raises InvalidInput.
+    Args:
+        learned: the ends as demonstrated.
+        start: (channels,).
+        goal: (channels,).
+        start_velocity: (channels,) per second.
+        final_velocity: (channels,) per second.
+        duration: s, of the motion.
+
+    Raises:
+        InvalidInput: if one is of another shape, or too large.
     """
 
     def channels(value: Any, name: str, usual: Float64Array, scale: float = 1.0) -> Float64Array:
@@ -64,12 +95,17 @@ def ends_of(
     )
 
 
-def course_through(
-    learned: Springs, ends: Ends, via: Sequence[tuple[float, Any]], *, count: int
-) -> _core.DmpCourse:
-    """The course from end to end; its first `count` channels pass the via points (count,).
+def course_through(learned: Springs, ends: Ends, via: Via, *, count: int) -> _core.DmpCourse:
+    """The course from end to end through via points.
 
-    Raises InvalidInput.
+    Args:
+        learned: the springs.
+        ends: of all channels.
+        via: (phase in (0, 1), point (count,)), in order.
+        count: number of the first channels, which pass the via points.
+
+    Raises:
+        InvalidInput: if via is not of this form.
     """
     direct = springs.course(learned.form, ends)
     if not isinstance(via, Sequence):
@@ -84,7 +120,14 @@ def course_through(
     return springs.course(learned.form, ends, list(zip(phases, offsets, strict=True)))
 
 
-def _via(via: Sequence[tuple[float, Any]], count: int) -> tuple[Float64Array, Float64Array]:
+def with_goal(learned: Springs, state: _core.PointState, goal: Place) -> _core.PointState:
+    """The state of a point on its way to another goal (channels,). Raises InvalidInput."""
+    wanted = check_channels(goal, "goal", len(learned.ends.goal))
+    course = springs.redirected(learned.form, state.course, wanted)
+    return _core.PointState(course, state.value, state.slope, state.phase, state.duration)
+
+
+def _via(via: Via, count: int) -> tuple[Float64Array, Float64Array]:
     pairs = list(via)
     if not all(isinstance(pair, tuple | list) and len(pair) == 2 for pair in pairs):
         raise InvalidInput(f"via: expected pairs of phase and point, got {via!r}")

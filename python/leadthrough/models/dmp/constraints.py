@@ -2,45 +2,77 @@
 
 Steering around an obstacle's middle (Hoffmann et al. 2009, Pastor et al. 2009) with barriers under
 it: the least accelerations that keep every distance from falling below 0 (Ames et al. 2019,
-"Control barrier functions"), and led round an obstacle that it presses on. The kernels hold them.
+"Control barrier functions"); a motion that presses on an obstacle is led around it. The kernels
+hold these laws.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any, TypeVar
+from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath, UnsupportedQuery
 from leadthrough.models.dmp.springs import Springs, end_of
 from leadthrough.shapes import Box, Capsule, Shape, check_shapes
-from leadthrough.trajectories import minimum_jerk_rise
+from leadthrough.trajectories.minimum_jerk import minimum_jerk_rise
 
-# Shares of the demonstration's size: the distance to keep from obstacles, and the one at which
+# Fractions of the demonstration's size: the distance to keep from obstacles, and the one at which
 # steering fades. Nearer ends halve the first.
 _MARGIN = 0.02
 _LEAST_MARGIN = 1e-4
 _REACH = 0.25
-# The last part of a motion, in which what a detour has left of an error is blended out.
+# The last part of a motion, over which the error that a detour has left is blended out.
 _LATEST_PUSH = 0.9
 
-State = TypeVar("State", _core.PointState, _core.PoseState)
-Limits = tuple[Float64Array, Float64Array]
-Around = tuple[tuple[Shape, ...], Limits]
+StateT = TypeVar("StateT", _core.PointState, _core.PoseState)
 
 _UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
 
 
-def check_around(
-    obstacles: Iterable[Shape], limits: Any, *, dimensions: int | None, channels: int
-) -> Around:
-    """Obstacles and limits (lower, upper) of a query; without limits, empty arrays.
+@dataclass(frozen=True, eq=False)
+class Constraints:
+    """What a motion keeps to.
 
-    dimensions: of the space that the motion runs in, None for joints. Raises InvalidInput,
-    UnsupportedQuery for obstacles in a space that has none.
+    Attributes:
+        obstacles: shapes to keep clear of.
+        lower: lower limits (channels,); empty without limits.
+        upper: upper limits (channels,); empty without limits.
+    """
+
+    obstacles: tuple[Shape, ...]
+    lower: Float64Array
+    upper: Float64Array
+
+    @property
+    def are_none(self) -> bool:
+        """Whether there is nothing to keep to."""
+        return not self.obstacles and len(self.lower) == 0
+
+
+def check_constraints(
+    obstacles: Iterable[Shape],
+    limits: tuple[ArrayLike, ArrayLike] | None,
+    *,
+    dimensions: int | None,
+    channels: int,
+) -> Constraints:
+    """The obstacles and limits of a query.
+
+    Args:
+        obstacles: shapes.
+        limits: (lower (channels,), upper (channels,)), or None.
+        dimensions: of the space that the motion runs in, None for joints.
+        channels: number of channels.
+
+    Raises:
+        InvalidInput: if limits are of another form, or lower ones are not below upper ones.
+        UnsupportedQuery: for obstacles in a space that has none.
     """
     shapes = check_shapes(obstacles)
     if shapes and dimensions not in (2, 3):
@@ -48,90 +80,99 @@ def check_around(
             "obstacles: expected none, they stand in the way of points in two or three dimensions"
         )
     if limits is None:
-        return shapes, (np.zeros(0), np.zeros(0))
+        return Constraints(shapes, np.zeros(0), np.zeros(0))
     if not isinstance(limits, Sequence) or len(limits) != 2:
         raise InvalidInput(f"limits: expected a pair (lower, upper), got {limits!r}")
     lower, upper = (check.array(side, "limits", shape=(channels,)) for side in limits)
     if not (lower < upper).all():
         raise InvalidInput(f"limits: expected lower < upper, got {lower} and {upper}")
-    return shapes, (lower, upper)
+    return Constraints(shapes, lower, upper)
 
 
 def roll(
     springs: Springs,
-    state: State,
+    state: StateT,
     phases: Float64Array,
     *,
-    around: Around,
+    constraints: Constraints,
     size: float,
 ) -> tuple[Float64Array, Float64Array]:
-    """Values and slopes (n, channels) at phases (n,), around obstacles and inside limits.
+    """Values and slopes (n, channels) at phases (n,) from a state on.
 
-    Raises InvalidInput, NoPath.
+    Args:
+        springs: what moves.
+        state: at the first phase.
+        phases: rising.
+        constraints: what the motion keeps to.
+        size: of the demonstration.
+
+    Raises:
+        InvalidInput: if start or goal lies outside the limits.
+        NoPath: if start or goal lies in an obstacle, or steering does not clear one.
     """
-    (obstacles, limits), forces = around, springs.forces
-    start = state.value, state.slope
-    if not obstacles and len(limits[0]) == 0:
+    forces, start = springs.forces, (state.value, state.slope)
+    if constraints.are_none:
         return _core.dmp_rollout(forces, state.course, *start, phases)
     goal = end_of(state.course)
-    _check_ends(obstacles, limits, state.value, goal)
+    _check_ends(constraints, state.value, goal)
     near = np.stack([state.value, goal])
-    things = _surroundings(*around, near=near, size=size)
+    things = _surroundings(constraints, near=near, size=size)
     values, slopes, last_push = _core.dmp_rollout_around(
         forces, state.course, things, *start, phases
     )
-    if len(limits[0]):  # a barrier's steps leave rounding beyond it
-        values = np.clip(values, *limits)
+    if len(constraints.lower):  # a barrier's steps leave rounding beyond it
+        values = np.clip(values, constraints.lower, constraints.upper)
     if springs.form == "blended" and last_push > 0.0:
         values, slopes = _settled(values, slopes, phases, goal, last_push)
-    _check_clear(obstacles, values)
+    _check_clear(constraints.obstacles, values)
     return values, slopes
 
 
-def step_around(
+def step_within(
     springs: Springs,
-    state: State,
+    state: StateT,
     dt: float,
     acceleration: Float64Array,
     *,
-    around: Around,
+    constraints: Constraints,
     size: float,
-) -> State:
-    """The state dt s later, under an acceleration (channels,), around what is in the way."""
+) -> StateT:
+    """The state dt s later, under an acceleration, kept to constraints.
+
+    Args:
+        springs: what moves.
+        state: before the step.
+        dt: s, > 0.
+        acceleration: (channels,), unit per s^2.
+        constraints: what the motion keeps to.
+        size: of the demonstration.
+    """
     near = end_of(state.course)[None]
-    things = _surroundings(*around, near=near, size=size)
+    things = _surroundings(constraints, near=near, size=size)
     return state.led_around(springs.forces, dt, acceleration, things)
 
 
-def _check_ends(
-    obstacles: Sequence[Shape],
-    limits: Limits,
-    start: Float64Array,
-    goal: Float64Array,
-) -> None:
+def _check_ends(constraints: Constraints, start: Float64Array, goal: Float64Array) -> None:
     """Raises InvalidInput for an end (d,) outside the limits, NoPath for one in an obstacle."""
-    lower, upper = limits
+    lower, upper = constraints.lower, constraints.upper
     for name, point in (("start", start), ("goal", goal)):
         if len(lower) and not ((lower <= point) & (point <= upper)).all():
             raise InvalidInput(f"{name}: expected one inside the limits, got {point}")
-        if (_clearances(obstacles, point[None]) <= 0.0).any():
+        if (_clearances(constraints.obstacles, point[None]) <= 0.0).any():
             raise NoPath(f"{name}: {point} lies in an obstacle", reason=f"{name}_in_wall")
 
 
 def _surroundings(
-    obstacles: Sequence[Shape],
-    limits: Limits,
-    *,
-    near: Float64Array,
-    size: float,
+    constraints: Constraints, *, near: Float64Array, size: float
 ) -> _core.DmpSurroundings:
-    """What the kernels take.
+    """Constraints as the kernels take them.
 
-    near: (n, d) points that may be approached nearer than is usually kept, at least one. size: of
-    the demonstration.
+    Args:
+        constraints: obstacles and limits.
+        near: (n, d), n >= 1, points that may be approached nearer than is usually kept.
+        size: of the demonstration.
     """
-    count = len(obstacles)
-    size = size or 1.0
+    obstacles, count, size = constraints.obstacles, len(constraints.obstacles), size or 1.0
     allowed = 0.5 * _clearances(obstacles, near).min(axis=1)
     return _core.DmpSurroundings(
         [_form(shape) for shape in obstacles],
@@ -140,7 +181,8 @@ def _surroundings(
         np.array([_size(shape) for shape in obstacles]).reshape(count, 3),
         np.clip(allowed, _LEAST_MARGIN * size, _MARGIN * size),
         _REACH * size,
-        *limits,
+        constraints.lower,
+        constraints.upper,
     )
 
 
@@ -158,7 +200,7 @@ def _settled(
     goal: Float64Array,
     last_push: float,
 ) -> tuple[Float64Array, Float64Array]:
-    """The motion (n, channels), what its end is off having been blended out since the last push.
+    """The motion (n, channels) with its final error blended out since the phase of the last push.
 
     Springs only come near their goal after a detour. The blend is that of minimum jerk.
     """
@@ -183,10 +225,12 @@ def _check_clear(obstacles: Sequence[Shape], points: Float64Array) -> None:
 
 
 def _form(shape: Shape) -> int:
+    """The number that the kernels have for a kind of shape."""
     return 0 if isinstance(shape, Box) else 2 if isinstance(shape, Capsule) else 1
 
 
-def _size(shape: Shape) -> Any:
+def _size(shape: Shape) -> tuple[float, float, float]:
     if isinstance(shape, Box):
-        return shape.size
-    return (shape.radius, shape.length if isinstance(shape, Capsule) else 0.0, 0.0)
+        x, y, z = shape.size
+        return float(x), float(y), float(z)
+    return shape.radius, shape.length if isinstance(shape, Capsule) else 0.0, 0.0
