@@ -73,6 +73,10 @@ class Attachment:
     def with_tool(self, position: ArrayLike, orientation: ArrayLike) -> Attachment:
         """The attachment with the tip at a pose given in the frame of the present tip.
 
+        Args:
+            position: (3,) in m.
+            orientation: (4,) w, x, y, z.
+
         Raises:
             InvalidInput: if one has another shape, or the orientation is no unit quaternion.
         """
@@ -90,6 +94,10 @@ class Attachment:
 
     def with_shape(self, shape: Shape, mass: float) -> Attachment:
         """The attachment with an object of uniform density, given in the frame of the tip.
+
+        Args:
+            shape: a Box, Sphere or Capsule.
+            mass: in kg, >= 0.
 
         Raises:
             InvalidInput: if the shape is something else, or the mass is negative.

@@ -27,8 +27,8 @@ class JointState:
         q: (joints,) in rad (m for prismatic joints).
         qd: (joints,) in rad/s (m/s).
         position_error: distance from the target in m before the step that led here.
-        orientation_error: angle from the target in rad before that step; 0 where no orientation was
-            asked for.
+        orientation_error: angle from the target in rad before that step; 0 if the target's
+            orientation is free.
     """
 
     q: Float64Array

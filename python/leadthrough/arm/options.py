@@ -118,7 +118,7 @@ def _tolerance(value: ArrayLike, name: str) -> tuple[float, Float64Array]:
 def _axes(
     free: Sequence[Axis], bounds: Sequence[float], weights: ArrayLike | None
 ) -> _core.IkAxes | None:
-    """None where all axes are asked for alike, which is solved faster."""
+    """The axes, or None if none is free and all count alike, which is solved faster."""
     if isinstance(free, str) or not isinstance(free, Collection):
         names = ", ".join(repr(name) for name in AXES)
         raise InvalidInput(f"free: expected a collection of names out of {names}, got {free!r}")

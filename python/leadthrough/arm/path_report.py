@@ -29,7 +29,7 @@ class PathReport:
     Attributes:
         times: of the samples in s.
         position_error: in m.
-        orientation_error: in rad, 0 where no orientation was asked for.
+        orientation_error: in rad, 0 if the motion is of points.
         condition_number: of the Jacobian with rotations weighted 0.3 m per rad, as by
             `Arm.condition_number`.
         margin: the least distance of a joint to a position limit as a fraction of its range: 0.5 in

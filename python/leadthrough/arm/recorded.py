@@ -6,10 +6,10 @@ from dataclasses import replace
 
 from leadthrough import _core
 from leadthrough.errors import InvalidInput
-from leadthrough.motion import JointTrajectory, PoseTrajectory
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 
 
-def joints_of(trajectory: JointTrajectory, names: tuple[str, ...]) -> JointTrajectory:
+def joints_of(trajectory: Motion, names: tuple[str, ...]) -> JointTrajectory:
     """See `Arm.joints_of`."""
     if not isinstance(trajectory, JointTrajectory):
         got = type(trajectory).__name__
@@ -42,7 +42,7 @@ def joints_of(trajectory: JointTrajectory, names: tuple[str, ...]) -> JointTraje
     )
 
 
-def poses(chain: _core.Chain, trajectory: JointTrajectory) -> PoseTrajectory:
+def poses(chain: _core.Chain, trajectory: Motion) -> PoseTrajectory:
     """See `Arm.poses`."""
     own = joints_of(trajectory, tuple(chain.joint_names))
     positions, orientations = chain.forward_kinematics(own.positions)

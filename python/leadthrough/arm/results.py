@@ -37,9 +37,9 @@ class IkResult:
         status: "converged"; "unreachable", the target lies beyond the arm's length, or every
             attempt came to rest away from it; "limits", the same, but with joints pressed against
             limits that bar the way; "budget", the iterations or the CPU time were used up.
-        position_error: distance from the target in m, along the axes that were asked for.
-        orientation_error: angle from the target in rad, about the axes that were asked for; 0
-            where there were none.
+        position_error: distance from the target in m, without the axes left free.
+        orientation_error: angle from the target in rad, without the axes left free; 0 if the whole
+            orientation is free.
         iterations: how many were used, over all restarts.
         limiting_joints: with "limits", the joints that bar the way.
     """

@@ -57,7 +57,7 @@ def many_seeds(seeds: ArrayLike | None, count: int, *, default: Float64Array) ->
 
 
 def require_position_axis(free: Collection[str], orientation: ArrayLike | None) -> None:
-    """Check that something is left to reach where no orientation is asked for.
+    """Check that a target without orientation leaves at least one axis to reach.
 
     Raises:
         InvalidInput: if all axes of the position are free.

@@ -90,6 +90,7 @@ class Track:
     def of(
         columns: tuple[Float64Array, Float64Array, Float64Array], allowed: tuple[float, float]
     ) -> Track:
+        """The track that the core returned, with the errors allowed at a sample, m and rad."""
         q, positions, orientations = columns
         missed = positions[-1] > allowed[0] or orientations[-1] > allowed[1]
         return Track(q, positions, orientations, len(q) - int(missed))
