@@ -1,0 +1,82 @@
+"""Retiming with times that must not be run ahead of: kept, and caught up with after delays."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough import trajectories as tr
+from leadthrough.timing import check_limits
+
+PANDA = lt.Arm.load("panda").limits
+MIDDLE = 0.5 * (PANDA.lower + PANDA.upper)
+
+
+def test_a_trajectory_keeps_its_timing_wherever_the_limits_allow():
+    times = np.linspace(2.0, 8.0, 121)
+    phase = (times - 2.0) / 6.0
+    swing = 10 * phase**3 - 15 * phase**4 + 6 * phase**5
+    shown = lt.JointTrajectory(times, MIDDLE + np.outer(swing, np.linspace(-0.5, 0.5, 7)))
+    kept = lt.retime(shown, PANDA, not_before=shown.times)
+    fastest = lt.retime(shown, PANDA)
+    assert fastest.duration < 0.3 * shown.duration
+    assert kept.times[0] == 2.0
+    assert kept.duration == pytest.approx(shown.duration, rel=0.01)
+    middle = np.interp(5.0, kept.times, kept.positions[:, 0])
+    assert middle == pytest.approx(np.interp(5.0, times, shown.positions[:, 0]), abs=0.01)
+
+
+def test_a_curve_reaches_no_knot_before_its_time():
+    points = MIDDLE + np.random.default_rng(8).uniform(-0.2, 0.2, (6, 7))
+    curve = tr.BSpline(points, [0, 0, 0, 0, 0.4, 0.7, 1, 1, 1, 1], 3)
+    kept = lt.retime(curve, PANDA, not_before=[0.0, 3.0, 4.0, 8.0])
+    assert kept.duration == pytest.approx(8.0, rel=0.01)
+    knot = curve.evaluate(0.4)
+    reached = kept.times[np.abs(kept.positions - knot).max(axis=1).argmin()]
+    assert reached == pytest.approx(3.0, abs=0.1)
+
+
+def hasty():
+    """Six seconds with two stretches that are shown much faster than the arm can pass them."""
+    share = np.linspace(0.0, 1.0, 601)
+    pace = 0.15 * np.sin(np.pi * share) ** 2
+    for middle, width, size in ((0.3, 0.03, 3.0), (0.65, 0.02, 2.0)):
+        pace += size * np.exp(-(((share - middle) / width) ** 2))
+    way = np.cumsum(pace)
+    way = (way - way[0]) / (way[-1] - way[0])
+    q = MIDDLE + 0.5 * np.sin(3.0 * np.outer(way, 1.0 + 0.1 * np.arange(7)) + np.arange(7))
+    return lt.JointTrajectory(6.0 * share, q)
+
+
+def lateness(shown, motion, rows=slice(20, -20)):
+    """By how much the motion is late where the samples were shown, but for the ends, at rest."""
+    along = [
+        np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(each.positions, axis=0), axis=1))])
+        for each in (shown, motion)
+    ]
+    reached = np.interp(along[0] * along[1][-1] / along[0][-1], along[1], motion.times)
+    return (reached - shown.times)[rows]
+
+
+@pytest.mark.parametrize("share", [1.0, 0.05])
+def test_after_a_stretch_that_was_too_fast_the_motion_catches_up_and_comes_never_early(share):
+    shown, limits = hasty(), replace(PANDA, jerk=share * PANDA.jerk)
+    motion = lt.retime(shown, limits, not_before=shown.times)
+    assert check_limits(motion, limits).ok
+    late = lateness(shown, motion)
+    assert late.min() > -1e-3
+    assert late.max() > 0.06  # where it could not keep up
+    assert np.abs(late[230:330]).max() < 2e-3  # on time again between the two stretches
+    assert abs(late[450:].max()) < 0.03
+    assert motion.duration < 6.0 + 0.06
+
+
+def test_a_stop_that_was_not_shown_is_made_up_for():
+    shown, limits = hasty(), PANDA
+    motion = lt.retime(shown, limits, not_before=shown.times, holds={250: 0.5})
+    late = lateness(shown, motion)
+    assert late[240:260].max() > 0.4
+    assert late[470:].max() < 0.03
+    assert late.min() > -1e-3
+    assert check_limits(motion, limits).ok
