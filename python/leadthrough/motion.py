@@ -86,12 +86,14 @@ class PoseTrajectory(_Timed):
     ) -> None:
         clock = check.times(times, "times")
         count = len(clock)
-        happening = checked_events(events, clock)
+        kept_events = checked_events(events, clock)
         points = _rows(positions, "positions", count, 3)
         quaternions = check.quaternions(orientations, "orientations", shape=(count, 4))
         continuous = rotations.group.aligned(quaternions)
         continuous.setflags(write=False)
-        vars(self).update(times=clock, positions=points, orientations=continuous, events=happening)
+        vars(self).update(
+            times=clock, positions=points, orientations=continuous, events=kept_events
+        )
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -128,7 +130,7 @@ class JointTrajectory(_Timed):
         events: Sequence[Event] = (),
     ) -> None:
         clock = check.times(times, "times")
-        happening = checked_events(events, clock)
+        kept_events = checked_events(events, clock)
         angles = _rows(positions, "positions", len(clock), "joints")
         derivatives = {
             name: None if rows is None else _rows(rows, name, *angles.shape)
@@ -139,7 +141,7 @@ class JointTrajectory(_Timed):
             positions=angles,
             **derivatives,
             joint_names=_joint_names(joint_names, angles.shape[1]),
-            events=happening,
+            events=kept_events,
         )
 
 

@@ -53,10 +53,7 @@ def recording(table: Table, request: Request, *, name: str = "") -> Recording:
         )
     turned = data.get("orientations")
     if turned is not None:
-        if turned.shape[1] != 4:
-            raise InvalidInput(f"orientations: expected shape (n, 4), got {turned.shape}")
-        order = _order(table, chosen["orientations"], request)
-        turned = turned[:, [order.index(axis) for axis in "wxyz"]]
+        turned = _quaternions(table, chosen["orientations"], turned, request)
     return Recording(times, data["positions"], turned, events=table.events, name=name)
 
 
@@ -193,6 +190,16 @@ def _order(table: Table, columns: Columns, request: Request) -> str:
             "quaternions='wxyz' or quaternions='xyzw'"
         )
     return order
+
+
+def _quaternions(
+    table: Table, columns: Columns, numbers: Float64Array, request: Request
+) -> Float64Array:
+    """The quaternions (n, 4) in w, x, y, z order."""
+    if numbers.shape[1] != 4:
+        raise InvalidInput(f"orientations: expected shape (n, 4), got {numbers.shape}")
+    order = _order(table, columns, request)
+    return numbers[:, [order.index(axis) for axis in "wxyz"]]
 
 
 def _choices(found: Sequence[Columns]) -> str:

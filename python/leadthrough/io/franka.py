@@ -44,5 +44,5 @@ def write(trajectory: JointTrajectory, path: StrPath) -> None:
     header = [f"{part}[{i}]" for part in ("q_d", "dq_d") for i in range(JOINTS)]
     rows = np.column_stack([times, positions[:, order], velocities[:, order]])
     own = trajectory.times - trajectory.times[0]
-    happening = events.moved(trajectory.events, trajectory.times, own)
-    write_rows(path, ["time", *header], rows, happening)
+    due_events = events.moved(trajectory.events, trajectory.times, own)
+    write_rows(path, ["time", *header], rows, due_events)

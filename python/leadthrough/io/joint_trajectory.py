@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NotRequired, TypedDict
 
@@ -110,9 +110,7 @@ def write_json(trajectory: JointTrajectory, path: StrPath) -> None:
     Raises:
         InvalidInput: as by `message`, or if the path cannot be written.
     """
-    text = json.dumps(message(trajectory), allow_nan=False)
-    with replacing(path) as temporary:
-        temporary.write_text(text + "\n", encoding="utf-8")
+    _write([json.dumps(message(trajectory), allow_nan=False), "\n"], path)
 
 
 def write_yaml(trajectory: JointTrajectory, path: StrPath) -> None:
@@ -125,9 +123,7 @@ def write_yaml(trajectory: JointTrajectory, path: StrPath) -> None:
     Raises:
         InvalidInput: as by `message`, or if the path cannot be written.
     """
-    content = message(trajectory)
-    with replacing(path) as temporary, temporary.open("w", encoding="utf-8") as file:
-        file.writelines(_yaml(content))
+    _write(_yaml(message(trajectory)), path)
 
 
 def table_of_json(path: Path) -> ArrayTable:
@@ -173,12 +169,17 @@ def table(content: Any) -> ArrayTable:  # Any: whatever a file holds; reading it
             values[quantity] = _matrix(rows, quantity, len(names))
     times = np.array([_seconds(point["time_from_start"]) for point in points])
     columns = {"time_from_start": times, **joint_columns(names, values)}
-    happened = tuple(
+    timed_events = tuple(
         Event(_seconds(each["time_from_start"]), each["name"])
         for each in content.get("events") or []
     )
     roles = {"time": ("time_from_start",), "joints": names}
-    return ArrayTable(columns, roles=roles, angles="radians", events=happened)
+    return ArrayTable(columns, roles=roles, angles="radians", events=timed_events)
+
+
+def _write(parts: Iterable[str], path: StrPath) -> None:
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8") as file:
+        file.writelines(parts)
 
 
 def _yaml(content: Message) -> Iterator[str]:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from numpy.typing import ArrayLike
+
 from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.events import Events
+from leadthrough.events import Event, Events
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Recording:
     """One recorded motion with its faults, which `leadthrough.preprocess.clean` removes.
 
@@ -33,25 +36,43 @@ class Recording:
 
     times: Float64Array
     positions: Float64Array
-    orientations: Float64Array | None = None
-    joint_names: tuple[str, ...] | None = None
-    velocities: Float64Array | None = None
-    accelerations: Float64Array | None = None
-    events: Events = ()
-    name: str = ""
+    orientations: Float64Array | None
+    joint_names: tuple[str, ...] | None
+    velocities: Float64Array | None
+    accelerations: Float64Array | None
+    events: Events
+    name: str
 
-    def __post_init__(self) -> None:
-        count = len(check.with_gaps(self.times, "times", shape=("n",)))
-        width: int | str = "d"
-        for field in ("times", "positions", "orientations", "velocities", "accelerations"):
-            value = getattr(self, field)
-            if value is None and field not in ("times", "positions"):
-                continue
-            shape = {"times": (count,), "orientations": (count, 4)}.get(field, (count, width))
-            array = check.with_gaps(value, field, shape=shape).copy()
-            array.setflags(write=False)
-            object.__setattr__(self, field, array)
-            width = array.shape[1] if field == "positions" else width
+    def __init__(
+        self,
+        times: ArrayLike,
+        positions: ArrayLike,
+        orientations: ArrayLike | None = None,
+        *,
+        joint_names: Sequence[str] | None = None,
+        velocities: ArrayLike | None = None,
+        accelerations: ArrayLike | None = None,
+        events: Sequence[Event] = (),
+        name: str = "",
+    ) -> None:
+        clock = _frozen(times, "times", ("n",))
+        rows = _frozen(positions, "positions", (len(clock), "d"))
+        given = (
+            ("orientations", orientations, (len(clock), 4)),
+            ("velocities", velocities, rows.shape),
+            ("accelerations", accelerations, rows.shape),
+        )
+        vars(self).update(
+            {
+                field: None if value is None else _frozen(value, field, shape)
+                for field, value, shape in given
+            },
+            times=clock,
+            positions=rows,
+            joint_names=None if joint_names is None else tuple(joint_names),
+            events=tuple(events),
+            name=name,
+        )
 
     @property
     def kind(self) -> Literal["joints", "poses", "points"]:
@@ -97,3 +118,9 @@ def recording_of(demonstration: Demonstration) -> Recording:
     return Recording(
         motion.times, motion.positions, turned, events=motion.events, name=demonstration.name
     )
+
+
+def _frozen(value: ArrayLike, name: str, shape: Sequence[int | str]) -> Float64Array:
+    array = check.with_gaps(value, name, shape=shape).copy()
+    array.setflags(write=False)
+    return array

@@ -275,5 +275,5 @@ def _shortened(motion: MotionT, pauses: Sequence[Span], longest: float) -> Motio
     fresh = np.diff(times, prepend=-np.inf) > 0.0
     rows = np.flatnonzero(kept)[fresh]
     parts: dict[str, Any] = {name: values[rows] for name, values in rows_of(motion).items()}
-    happened = events.clipped(events.moved(motion.events, old, new), times[fresh])
-    return replace(motion, times=times[fresh], events=happened, **parts)
+    kept_events = events.clipped(events.moved(motion.events, old, new), times[fresh])
+    return replace(motion, times=times[fresh], events=kept_events, **parts)

@@ -34,12 +34,12 @@ def join(motions: Sequence[MotionT]) -> MotionT:
             before ended.
     """
     _check(motions)
-    times, happened = [motions[0].times], list(motions[0].events)
+    times, joined_events = [motions[0].times], list(motions[0].events)
     for motion in motions[1:]:
         shift = float(times[-1][-1]) - float(motion.times[0])
         times.append(shift + motion.times[1:])
         last = float(times[-1][-1]) if len(motion.times) > 1 else shift + float(motion.times[0])
-        happened += [Event(min(shift + each.time, last), each.name) for each in motion.events]
+        joined_events += [Event(min(shift + each.time, last), each.name) for each in motion.events]
     every = [rows_of(motion) for motion in motions]
     joined: dict[str, Any] = {
         name: _joined([rows[name] for rows in every])
@@ -47,7 +47,7 @@ def join(motions: Sequence[MotionT]) -> MotionT:
         else None
         for name in every[0]
     }
-    return replace(motions[0], times=np.concatenate(times), events=tuple(happened), **joined)
+    return replace(motions[0], times=np.concatenate(times), events=tuple(joined_events), **joined)
 
 
 def _check(motions: Sequence[Motion]) -> None:

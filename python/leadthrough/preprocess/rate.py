@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -40,12 +41,12 @@ def sample_evenly(
         )
     count = int(np.floor(motion.duration * hertz + 1e-9)) + 1
     times = np.minimum(motion.times[0] + np.arange(count) / hertz, motion.times[-1])
-    rows = {
+    parts: dict[str, Any] = {
         name: PchipInterpolator(motion.times, values)(times)
         for name, values in rows_of(motion).items()
         if name != "orientations"
     }
     if isinstance(motion, PoseTrajectory):
-        rows["orientations"] = rotations.interpolate(motion.times, motion.orientations, times)
-    happening = events.clipped(motion.events, times)
-    return replace(shown, motion=replace(motion, times=times, events=happening, **rows))
+        parts["orientations"] = rotations.interpolate(motion.times, motion.orientations, times)
+    parts["events"] = events.clipped(motion.events, times)
+    return replace(shown, motion=replace(motion, times=times, **parts))

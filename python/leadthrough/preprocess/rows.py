@@ -26,7 +26,7 @@ def rows_of(recorded: Motion | Recording) -> dict[str, Any]:
 
 
 def piece_of(motion: MotionT, samples: slice) -> MotionT:
-    """The motion of consecutive samples, at their recorded times, with the events meanwhile."""
+    """The motion of consecutive samples, at their own times, with the events between them."""
     times = motion.times[samples]
     return replace(
         motion,

@@ -23,9 +23,8 @@ def segment(
 
     A motion starts where one of the speeds exceeds its threshold, and ends where both stay below
     half of theirs for a pause. Speeds are means over the length of a pause, so that noise and
-    single outliers neither start nor end a motion. Each motion keeps its recorded times, half a
-    pause before and after and the events meanwhile, and is named after the recording and its
-    number.
+    single outliers neither start nor end a motion. Each motion keeps its recorded times,
+    its events and half a pause before and after, and is named after the recording and its number.
 
     Args:
         demonstration: the recording; a motion stands for a demonstration of it.

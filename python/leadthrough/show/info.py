@@ -13,6 +13,7 @@ from leadthrough.errors import InvalidInput
 from leadthrough.io import formats, rosbag
 from leadthrough.io.atomic import StrPath
 from leadthrough.io.columns import recording
+from leadthrough.io.reading import blaming, names_of
 from leadthrough.io.request import Request
 from leadthrough.models import archive
 from leadthrough.preprocess.summary import RecordingSummary, summarize
@@ -93,28 +94,22 @@ def describe(
     where = Path(path)
     if where.suffix.lower() in _ROBOTS and where.is_file():
         return _robot(where, limits, base, tip)
-    try:
+    with blaming(where):
         found = formats.of_file(where)
         if found.name == "npz" and (skill := _skill(where)):
             return skill
         if found.name == "rosbag" and request.topic is None:
             return _bag(where, found.title, request)
         return _recordings(where, found, request)
-    except OSError as error:
-        raise InvalidInput(f"{path}: cannot be read ({error.strerror})") from None
-    except InvalidInput as error:
-        raise InvalidInput(f"{path}: {error}") from None
 
 
 def _recordings(path: Path, found: formats.Format, request: Request) -> FileInfo:
-    assert found.read is not None
-    tables = found.read(path, request)
+    tables = found.tables(path, request)
     facts = {"columns": list(tables[0].names)} if tables else {}
     summaries, problem = [], None
-    for i, table in enumerate(tables):
-        own = path.stem if len(tables) == 1 else f"{path.stem}[{i}]"
+    for table, name in zip(tables, names_of(path, tables), strict=True):
         try:
-            summaries.append(summarize(recording(table, request, name=table.label or own)))
+            summaries.append(summarize(recording(table, request, name=name)))
         except InvalidInput as error:
             problem = str(error)
             break
