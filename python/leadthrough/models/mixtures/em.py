@@ -26,10 +26,8 @@ from leadthrough.models.mixtures.kmeans import clustered, seeds
 LEAST_VARIANCE = 1e-6
 _TOLERANCE = 1e-6  # gain of the mean log-likelihood per point
 _MOST_ITERATIONS = 500
-# Every start is followed for this many iterations, the best ones to the end.
-_STARTS = 10
-_TRIAL_ITERATIONS = 20
-_FINALISTS = 2
+# Starts, iterations for which each is tried, and how many of the best go on to the end.
+_STARTS, _TRIAL_ITERATIONS, _FINALISTS = 10, 20, 2
 
 
 @dataclass(frozen=True, eq=False)

@@ -93,9 +93,10 @@ class TaskGMRSkill(Archived, Generic[MotionT_co]):
         """The mean motion from a start to a goal.
 
         Args:
-            start: columns (d,) at the start; for poses (position (3,), orientation (4,) as
-                w, x, y, z) or the position alone. By default the demonstrations' mean.
-            goal: the same at the end.
+            start: where the frame at the start is now: columns (d,); for poses (position (3,),
+                orientation (4,) as w, x, y, z), or the position alone to keep the mean
+                orientation. By default the demonstrations' mean.
+            goal: where the frame at the goal is now, likewise.
             duration: duration, s, > 0; by default the demonstrations' median.
             dt: largest time between samples, s, > 0.
             obstacles: must be empty.

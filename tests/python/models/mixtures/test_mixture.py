@@ -79,31 +79,33 @@ def test_far_inputs_take_the_nearest_component_and_stay_finite():
     assert np.isfinite(covariance).all()
 
 
+def climbed(steps, components, iterations):
+    """Components after iterations of EM, and the mean log-likelihood before each."""
+    history = []
+    for _ in range(iterations):
+        responsibilities, likelihood = steps.expect(components)
+        history.append(likelihood)
+        components = steps.maximise(responsibilities)
+    return components, history
+
+
 def test_likelihood_never_falls():
     points = random_mixture(4, 3, seed=2).sample(600, seed=3)
     for seed in range(5):
         steps = Steps([points])
         first = seeds(points, 6, np.random.default_rng(seed))
-        components = steps.maximise(np.eye(6)[clustered(points, first).labels])
-        history = []
-        for _ in range(60):
-            shares, likelihood = steps.expect(components)
-            history.append(likelihood)
-            components = steps.maximise(shares)
+        start = steps.maximise(np.eye(6)[clustered(points, first).labels])
+        _, history = climbed(steps, start, 60)
         assert np.diff(history).min() > -1e-10
 
 
 def test_likelihood_never_falls_where_the_floor_holds_either():
     t = np.repeat(np.linspace(0, 1, 100), 2)
     points = np.column_stack([t, 2 * t, np.ones(200)])
-    points = (points - points.mean(axis=0)) / [1.0, 1.0, 1.0]
+    points = points - points.mean(axis=0)
     steps = Steps([points])
-    components = steps.maximise(np.eye(4)[np.arange(200) % 4])
-    history = []
-    for _ in range(100):
-        shares, likelihood = steps.expect(components)
-        history.append(likelihood)
-        components = steps.maximise(shares)
+    start = steps.maximise(np.eye(4)[np.arange(200) % 4])
+    components, history = climbed(steps, start, 100)
     assert np.diff(history).min() > -1e-8
     assert np.linalg.eigvalsh(components.covariances[0]).min() > 0.99 * LEAST_VARIANCE
 

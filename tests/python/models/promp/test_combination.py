@@ -110,5 +110,5 @@ def test_strangers_are_refused(skills, family):
     joints = [lt.Demonstration(lt.JointTrajectory(U, np.column_stack([U, U])))]
     with pytest.raises(InvalidInput, match="points"):
         blend([skills[0], lt.ProMP().fit(joints)], U, np.ones((150, 2)))
-    with pytest.raises(InvalidInput, match="activations: .* at sample 7"):
+    with pytest.raises(InvalidInput, match=r"activations: .* at sample 7"):
         blend(skills, U, np.where(np.arange(150) == 7, 0.0, np.ones((2, 150))).T)
