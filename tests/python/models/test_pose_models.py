@@ -23,7 +23,7 @@ def turning(count=6, *, angle=5.0, seed=0):
     return shown
 
 
-@pytest.fixture(params=[lt.ProMP(), lt.GMR(10)], ids=["ProMP", "GMR"])
+@pytest.fixture(scope="module", params=[lt.ProMP(), lt.GMR(10)], ids=["ProMP", "GMR"])
 def skill(request):
     return request.param.fit(turning())
 
