@@ -111,7 +111,11 @@ class Steps:
         return best, history
 
     def expect(self, components: Blocks) -> tuple[Float64Array, float]:
-        """Responsibilities (n, k) of components, and the mean log-likelihood per point."""
+        """Responsibilities (n, k) of components, and the mean log-likelihood per point.
+
+        Args:
+            components: the k components.
+        """
         coefficients = [
             _coefficients(means, covariances)
             for means, covariances in zip(components.means, components.covariances, strict=True)
@@ -130,7 +134,11 @@ class Steps:
         return joint.T, (likelihood + self._of_before(coefficients)) / self._count()
 
     def maximise(self, responsibilities: Float64Array) -> Blocks:
-        """The components that responsibilities (n, k) make the most likely."""
+        """The most likely components, given responsibilities.
+
+        Args:
+            responsibilities: probability (n, k) of each component for each point.
+        """
         sums = [responsibilities.T @ monomials for monomials in self._monomials]
         if self._before is not None:
             sums = [own + before for own, before in zip(sums, self._before, strict=True)]

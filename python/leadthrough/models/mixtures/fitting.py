@@ -126,14 +126,23 @@ def trace_mixture(
 
 
 def bic(fit: FittedMixture, samples: int) -> float:
-    """The Bayesian information criterion of a mixture fitted to a number of points."""
+    """The Bayesian information criterion of a fitted mixture; less is better.
+
+    Args:
+        fit: the fitted mixture.
+        samples: number of points that it was fitted to.
+    """
     k, d = fit.mixture.count, fit.mixture.size
     free = k - 1 + k * d + k * d * (d + 1) // 2
     return free * float(np.log(samples)) - 2.0 * samples * fit.log_likelihood
 
 
 def column_moments(data: Float64Array) -> tuple[Float64Array, Float64Array]:
-    """Means and standard deviations (d,) of columns; deviation 1 where all values are the same."""
+    """Means and standard deviations (d,) of columns; deviation 1 where all values are the same.
+
+    Args:
+        data: points (n, d).
+    """
     scale = data.std(axis=0)
     middle = data.mean(axis=0)
     rounding = 1e-12 * np.abs(middle)

@@ -66,7 +66,7 @@ class GMR:
 
 # Any: settings are whatever JSON holds.
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> GMRSkill:
-    """The skill that `GMRSkill.to_archive` took apart.
+    """The skill from the settings and arrays that `GMRSkill.to_archive` returned.
 
     Raises:
         KeyError, TypeError, ValueError: if the file is damaged.

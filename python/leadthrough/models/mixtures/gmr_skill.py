@@ -99,7 +99,7 @@ class GMRSkill(Archived, Generic[MotionT_co]):
             start: columns (d,) at the start; for poses (position (3,), orientation (4,) as
                 w, x, y, z) or the position alone. By default the demonstrations' mean.
             goal: the same at the end.
-            duration: duration, s, > 0; by default the demonstrations' median.
+            duration: duration, s, > 0; by default the skill's own.
             dt: largest time between samples, s, > 0.
             obstacles: must be empty.
 

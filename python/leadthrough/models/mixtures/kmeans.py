@@ -59,7 +59,16 @@ def kmeans(points: ArrayLike, count: int, *, seed: int) -> Clusters:
 
 
 def seeds(points: Float64Array, count: int, rng: np.random.Generator) -> Float64Array:
-    """Rows (count, d) of points (n, d), drawn by squared distance to those drawn before."""
+    """Points drawn with probabilities proportional to squared distance from those drawn before.
+
+    Args:
+        points: points (n, d).
+        count: number of points to draw, at most n.
+        rng: random number generator.
+
+    Returns:
+        Points (count, d).
+    """
     chosen = [int(rng.integers(len(points)))]
     nearest = ((points - points[chosen[0]]) ** 2).sum(axis=1)
     for _ in range(count - 1):
@@ -74,7 +83,12 @@ def seeds(points: Float64Array, count: int, rng: np.random.Generator) -> Float64
 
 
 def clustered(points: Float64Array, centres: Float64Array) -> Clusters:
-    """Clusters of points (n, d) after Lloyd's steps from centres (k, d), until none changes."""
+    """Clusters after Lloyd's steps, taken until no point changes its cluster.
+
+    Args:
+        points: points (n, d).
+        centres: centres (k, d) to start from.
+    """
     steps: list[Float64Array] = []
     labels = np.full(len(points), -1)
     while True:

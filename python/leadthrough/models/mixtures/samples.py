@@ -49,6 +49,9 @@ class Sampled(Generic[MotionT_co]):
 def sampled(demonstrations: Demonstrations[MotionT]) -> Sampled[MotionT]:
     """Demonstrations, resampled at evenly spaced times.
 
+    Args:
+        demonstrations: one or more demonstrations, or motions, of one type.
+
     Raises:
         InvalidInput: if they are not of one type of motion.
         FitError: if there is none, or one does not move.

@@ -85,7 +85,11 @@ class Frame:
         return Frame(motion.positions[row])
 
     def local(self, motion: Motion) -> Motion:
-        """A motion given in the base frame, seen from this one; without events and derivatives."""
+        """A motion seen from this frame, without events and derivatives.
+
+        Args:
+            motion: the motion in the base frame.
+        """
         positions = np.asarray((motion.positions - self.origin) @ self.axes)
         if not isinstance(motion, PoseTrajectory):
             return type(motion)(motion.times, positions)
@@ -94,7 +98,14 @@ class Frame:
         return PoseTrajectory(motion.times, positions, rotations.align_signs(turned))
 
     def orientations(self, count: int) -> Float64Array:
-        """Its orientation w, x, y, z, repeated (count, 4)."""
+        """The frame's orientation, repeated.
+
+        Args:
+            count: number of rows.
+
+        Returns:
+            Orientations (count, 4), w, x, y, z.
+        """
         return np.repeat(rotations.from_matrix(self.axes[None]), count, axis=0)
 
 

@@ -87,7 +87,7 @@ class TaskGMR:
 
 # Any: settings are whatever JSON holds.
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> TaskGMRSkill:
-    """The skill that `TaskGMRSkill.to_archive` took apart.
+    """The skill from the settings and arrays that `TaskGMRSkill.to_archive` returned.
 
     Raises:
         KeyError, TypeError, ValueError, IndexError: if the file is damaged.

@@ -97,7 +97,7 @@ class TaskGMRSkill(Archived, Generic[MotionT_co]):
                 orientation (4,) as w, x, y, z), or the position alone to keep the mean
                 orientation. By default the demonstrations' mean.
             goal: where the frame at the goal is now, likewise.
-            duration: duration, s, > 0; by default the demonstrations' median.
+            duration: duration, s, > 0; by default the skill's own.
             dt: largest time between samples, s, > 0.
             obstacles: must be empty.
 

@@ -72,7 +72,11 @@ class CurveFit:
         return np.asarray(cho_solve(self._factor, right))
 
     def weights(self, values: Float64Array) -> Float64Array:
-        """The weights (k, d) of the curves through values (n, d)."""
+        """The weights (k, d) of curves through values.
+
+        Args:
+            values: values (n, d) at the phases.
+        """
         middle = values.mean(axis=0)  # adds to all weights alike, as the functions sum to one
         free = self._solved @ (values - middle)
         missed = values[self._ends] - middle - self.values[self._ends] @ free

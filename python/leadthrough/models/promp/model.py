@@ -113,7 +113,7 @@ class ProMP:
 
 # Any: settings are whatever JSON holds.
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> ProMPSkill:
-    """The skill that `ProMPSkill.to_archive` took apart.
+    """The skill from the settings and arrays that `ProMPSkill.to_archive` returned.
 
     Raises:
         KeyError, TypeError, ValueError: if the file is damaged.

@@ -162,7 +162,13 @@ def check_seen(motion: Motion, name: str) -> None:
 
 
 def log_density(skill: ProMPSkill, phases: Float64Array, values: Float64Array) -> float:
-    """Log density of noisy samples with values (n, d) at phases (n,) under a skill."""
+    """Log density of noisy samples under a skill.
+
+    Args:
+        skill: the skill.
+        phases: phases (n,) of the samples.
+        values: columns (n, d) of the samples.
+    """
     evidence = _Evidence(skill, phases, values)
     log_noise = len(values) * float(np.log(2.0 * np.pi * skill.noise).sum())
     log_volume = 2.0 * float(np.log(np.diag(evidence.lower)).sum())
@@ -173,7 +179,13 @@ def log_density(skill: ProMPSkill, phases: Float64Array, values: Float64Array) -
 def along(
     skill: ProMPSkill[MotionT], phases: Float64Array, values: Float64Array
 ) -> ProMPSkill[MotionT]:
-    """The skill after observing noisy samples with values (n, d) at phases (n,)."""
+    """The skill after observing noisy samples.
+
+    Args:
+        skill: the skill before.
+        phases: phases (n,) of the samples.
+        values: columns (n, d) of the samples.
+    """
     evidence = _Evidence(skill, phases, values)
     shrunk = np.linalg.solve(evidence.lower, skill.weights.root.T)
     mean = skill.weights.mean + shrunk.T @ evidence.white

@@ -72,7 +72,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
 
         Args:
             times: times (n,), s, in [0, duration]; of a rhythmic motion any.
-            order: 0 for positions, 1 for velocities, 2 for accelerations.
+            order: 0 for positions, 1 for velocities, per s, 2 for accelerations, per s^2.
 
         Returns:
             Mean (n, d) and covariance (n, d, d).
@@ -104,7 +104,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
             start: columns (d,) at the start; for poses (position (3,), orientation (4,) as
                 w, x, y, z) or the position alone. By default the mean.
             goal: the same at the end; a rhythmic motion has none.
-            duration: duration, s, > 0; by default the demonstrations' median.
+            duration: duration, s, > 0; by default the skill's own.
             dt: largest time between samples, s, > 0.
             obstacles: must be empty.
 
@@ -148,7 +148,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
             position: the values (p,) there, for poses as in `generate`; (m, p) for several.
             covariance: covariance (p, p) of the values at each via point; by default the motion
                 passes through them exactly.
-            order: what the values are: 0 positions, 1 velocities, 2 accelerations.
+            order: what the values are: 0 positions, 1 velocities, per s, 2 accelerations, per s^2.
             columns: indices of the p columns that the values are for; by default all; for poses
                 those of the position or of the position and the orientation.
 
@@ -323,7 +323,14 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         return settings, arrays
 
     def with_weights(self, weights: Gaussian) -> ProMPSkill[MotionT_co]:
-        """The skill with another distribution of the weights, moved inside the limits."""
+        """The skill with another distribution of the weights, moved inside the limits.
+
+        Args:
+            weights: distribution of the weights (d k,), one column after the other.
+
+        Raises:
+            InvalidInput: if the limits cannot be kept.
+        """
         if self.bounds is not None:
             weights = Gaussian(self._inside(weights), weights.covariance)
         # Spelled out, as `replace` takes longer and controllers condition in a loop.
