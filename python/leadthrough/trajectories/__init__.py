@@ -5,10 +5,11 @@ After Grioli's notes on trajectories (2023), chapters 2 and 3.
 
 from leadthrough.trajectories.bezier import Bezier, de_casteljau
 from leadthrough.trajectories.bspline import BSpline, Nurbs
-from leadthrough.trajectories.curve import Curve
+from leadthrough.trajectories.curve import Curve, PointCurve
 from leadthrough.trajectories.filters import (
     FilterState,
     FirstOrderFilter,
+    LinearFilter,
     SecondOrderFilter,
     TimeOptimalFilter,
 )
@@ -46,7 +47,9 @@ __all__ = [
     "JerkFilter",
     "Lagrange",
     "LineState",
+    "LinearFilter",
     "Nurbs",
+    "PointCurve",
     "PoseCurve",
     "RotationBezier",
     "RotationCurve",

@@ -64,11 +64,6 @@ class Bezier(PointCurve):
         """The ends of the domain."""
         return np.array(self.domain)
 
-    @property
-    def dimensions(self) -> int:
-        """Number of dimensions, d."""
-        return int(self.points.shape[1])
-
     def split(self, t: float) -> tuple[Bezier, Bezier]:
         """The curves before and after a time, by de Casteljau's construction.
 

@@ -76,11 +76,6 @@ class BSpline(PointCurve):
         """The distinct knots of the domain."""
         return np.unique(self.knot_vector[self.degree : len(self.points) + 1])
 
-    @property
-    def dimensions(self) -> int:
-        """Number of dimensions, d."""
-        return int(self.points.shape[1])
-
     def basis(self, t: ArrayLike) -> Float64Array:
         """Weights (n, points) of the control points; rows add up to one.
 
@@ -155,11 +150,6 @@ class Nurbs(PointCurve):
     def knots(self) -> Float64Array:
         """The distinct knots of the domain."""
         return self._lifted.knots
-
-    @property
-    def dimensions(self) -> int:
-        """Number of dimensions, d."""
-        return int(self.points.shape[1])
 
     def _values(self, times: Float64Array, order: int) -> Float64Array:
         """By the derivatives of the weighted curve: Piegl and Tiller 1997, eq. 4.8."""

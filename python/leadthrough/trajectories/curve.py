@@ -29,15 +29,7 @@ class Curve(Protocol):
         """Rising times (k,) between which the curve is smooth, the ends of the domain included."""
 
     def evaluate(self, t: ArrayLike, derivative: int = 0) -> Float64Array:
-        """Values or derivatives (n, d) at times (n,), or (d,) at one time.
-
-        Args:
-            t: times of the domain, (n,) or one.
-            derivative: order of the derivative, 0 for values.
-
-        Raises:
-            InvalidInput: if a time lies outside the domain, or the order is negative.
-        """
+        """Values or derivatives (n, d) at times (n,), or (d,) at one; see `PointCurve.evaluate`."""
 
 
 class PointCurve(ABC):
@@ -48,11 +40,6 @@ class PointCurve(ABC):
         @property
         def domain(self) -> tuple[float, float]:
             """First and last time."""
-
-    @property
-    @abstractmethod
-    def dimensions(self) -> int:
-        """Number of dimensions, d."""
 
     @abstractmethod
     def _values(self, times: Float64Array, order: int) -> Float64Array:
@@ -88,7 +75,8 @@ class PointCurve(ABC):
         Raises:
             InvalidInput: if they do not fit the curve's dimension.
         """
-        a = check.array(matrix, "matrix", shape=("e", self.dimensions))
+        width = len(self.evaluate(self.domain[0]))
+        a = check.array(matrix, "matrix", shape=("e", width))
         b = check.array(offset, "offset", shape=() if np.ndim(offset) == 0 else (len(a),))
         return self._mapped(a, np.broadcast_to(b, len(a)))
 

@@ -98,12 +98,12 @@ class JerkFilter:
         its target cannot wait, and arrives earlier.
 
         Args:
-            state: the present one.
-            target: (d,).
-            period: s, 1e-7 to 1e5.
+            state: as for `step`.
+            target: as for `step`.
+            period: as for `step`.
 
         Raises:
-            InvalidInput: if the shapes do not fit or a number is out of its range.
+            InvalidInput: as for `step`.
         """
         states, limits, goal = self._checked(state, target)
         return _state(_core.step_together(states, limits, goal, check_period(period)))

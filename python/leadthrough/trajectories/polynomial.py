@@ -60,11 +60,6 @@ class Lagrange(PointCurve):
         """The ends of the domain."""
         return self.nodes[[0, -1]]
 
-    @property
-    def dimensions(self) -> int:
-        """Number of dimensions, d."""
-        return int(self.points.shape[1])
-
     def basis(self, t: ArrayLike) -> Float64Array:
         """Lagrange's polynomials (n, nodes): 1 at their own node, 0 at the others.
 

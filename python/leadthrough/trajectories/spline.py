@@ -61,11 +61,6 @@ class Spline(PointCurve):
         return float(self.knots[0]), float(self.knots[-1])
 
     @property
-    def dimensions(self) -> int:
-        """Number of dimensions, d."""
-        return int(self.coefficients.shape[2])
-
-    @property
     def degree(self) -> int:
         """The largest degree that the pieces can have."""
         return int(self.coefficients.shape[1]) - 1

@@ -58,18 +58,10 @@ def test_no_positions_have_no_directions():
     assert direction(np.zeros((5, 5)), grid, np.empty((0, 2))).shape == (0, 2)
 
 
-def test_positions_without_a_direction_say_why():
-    grid = lt.Grid((0.0, 0.0), 1.0, (7, 7))
-    speed = np.ones((7, 7))
-    speed[3] = 0.0
-    times = lt.arrival_times(speed, (0, 0))
-    for point, reason in {
-        (9.0, 0.0): "start_outside",
-        (3.0, 3.0): "start_unreached",
-        (5.0, 5.0): "start_unreached",
-    }.items():
+def test_positions_without_a_direction_say_why(divided):
+    for point, reason in divided.pathless.items():
         with pytest.raises(NoPath) as caught:
-            direction(times, grid, [(1.0, 1.0), point])
+            direction(divided.times, divided.grid, [(1.0, 1.0), point])
         assert caught.value.reason == reason
         assert "positions[1]" in str(caught.value)
 

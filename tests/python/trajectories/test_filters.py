@@ -81,8 +81,8 @@ def test_from_rest_no_move_passes_its_target_or_changes_its_mind():
     made = tr.TimeOptimalFilter(top, push)
     now, target = tr.FilterState.at_rest(np.zeros(CASES)), rng.normal(size=CASES)
     signs, last = np.zeros(CASES), np.zeros(CASES)
-    for _ in range(150):
-        now = made.step(now, target, 0.05)
+    for _ in range(75):
+        now = made.step(now, target, 0.1)
         assert ((target - now.position) * np.sign(target) >= -1e-12).all()
         moving = np.abs(now.acceleration) > 1e-6 * push
         signs += moving & (np.sign(now.acceleration) * last < 0.0)
