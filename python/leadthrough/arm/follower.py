@@ -81,9 +81,13 @@ def follow(
     velocities = _velocities(times, track.q)
     if too_fast != "exceed_limits":
         velocities[[0, -1]] = 0.0
-    happening = events.moved(motion.events, path.times, times)
-    names = tuple(chain.joint_names)
-    return JointTrajectory(times, track.q, velocities, None, names, happening)
+    return JointTrajectory(
+        times,
+        track.q,
+        velocities,
+        joint_names=tuple(chain.joint_names),
+        events=events.moved(motion.events, path.times, times),
+    )
 
 
 @dataclass(frozen=True, eq=False)

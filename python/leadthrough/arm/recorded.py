@@ -14,21 +14,7 @@ def joints_of(trajectory: Motion, names: tuple[str, ...]) -> JointTrajectory:
     if not isinstance(trajectory, JointTrajectory):
         got = type(trajectory).__name__
         raise InvalidInput(f"trajectory: expected a JointTrajectory, got {got}")
-    recorded = trajectory.joint_names
-    if not recorded:
-        count = trajectory.positions.shape[1]
-        if count != len(names):
-            raise InvalidInput(
-                f"trajectory: expected {len(names)} joints where it names none, got {count}"
-            )
-        return replace(trajectory, joint_names=names)
-    missing = [name for name in names if name not in recorded]
-    if missing:
-        raise InvalidInput(
-            f"trajectory: expected at least the joints {', '.join(names)}, "
-            f"got {', '.join(recorded)}"
-        )
-    columns = [recorded.index(name) for name in names]
+    columns = _columns(trajectory, names)
     velocities, accelerations = (
         None if rows is None else rows[:, columns]
         for rows in (trajectory.velocities, trajectory.accelerations)
@@ -40,6 +26,24 @@ def joints_of(trajectory: Motion, names: tuple[str, ...]) -> JointTrajectory:
         accelerations=accelerations,
         joint_names=names,
     )
+
+
+def _columns(trajectory: JointTrajectory, names: tuple[str, ...]) -> list[int]:
+    """Where the joints stand in the recording."""
+    recorded = trajectory.joint_names
+    if not recorded:
+        count = trajectory.positions.shape[1]
+        if count != len(names):
+            raise InvalidInput(
+                f"trajectory: expected {len(names)} joints where it names none, got {count}"
+            )
+        return list(range(count))
+    if not set(names) <= set(recorded):
+        raise InvalidInput(
+            f"trajectory: expected at least the joints {', '.join(names)}, "
+            f"got {', '.join(recorded)}"
+        )
+    return [recorded.index(name) for name in names]
 
 
 def poses(chain: _core.Chain, trajectory: Motion) -> PoseTrajectory:
