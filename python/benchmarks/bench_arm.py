@@ -8,20 +8,19 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 from frame import Benchmark
-from judge import Judge, random_configurations
+from judge import Judge, random_configurations, urdf_of
 
 import leadthrough as lt
-from leadthrough.arm.robots import find_robot
 
 KINEMATICS_TOLERANCE = 1e-12  # m and rad
 
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
-    """Rows of every robot."""
+    """Rows for every robot."""
     count = 100 if quick else 500
     for name in ("panda",) if quick else ("panda", "ur3", "tiago"):
         arm = lt.Arm.load(name)
-        judge = Judge(arm, find_robot(name) / f"{name}.urdf")
+        judge = Judge(arm, urdf_of(name))
         yield from _kinematics(name, arm, judge, count)
 
 
@@ -36,7 +35,9 @@ def _kinematics(name: str, arm: lt.Arm, judge: Judge, count: int) -> Iterator[Be
             poses[i] = judge.data.oMf[judge.tip].translation
         return poses
 
-    offset = judge.pose(q[0]).translation - peer()[0]  # the base's place; no robot's is turned
+    offset = (
+        judge.pose(q[0]).translation - peer()[0]
+    )  # the base is shifted in the URDF, but never rotated
     ways = {
         "batch": lambda: arm.forward_kinematics(q)[0],
         "one by one": lambda: np.array([arm.forward_kinematics(row)[0] for row in q]),

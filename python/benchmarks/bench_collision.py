@@ -1,7 +1,7 @@
 """Collision of the whole arm against Pinocchio with coal, on the same shapes, robot by robot.
 
-The peer measures every pair of shapes, as its computeDistances does, and its answer is the least.
-Both are asked for the same pairs of bodies, in the same random configurations.
+The peer computes the distance of every pair of shapes with computeDistances and takes the smallest.
+Both check the same pairs of bodies in the same random configurations.
 """
 
 from __future__ import annotations
@@ -12,23 +12,22 @@ from typing import Any
 import coal
 import numpy as np
 import pinocchio as pin
-from bench_arm import Judge
 from frame import Benchmark
+from judge import Judge, random_configurations, urdf_of
 
 import leadthrough as lt
-from leadthrough.arm.robots import find_robot
 
 TOLERANCE = 1e-5  # m; coal's own is 1e-6
 Distances = Callable[[Any], Any]
 
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
-    """Rows of every robot."""
+    """Rows for every robot."""
     count = 200 if quick else 1000
     boxes = _boxes()
     for name in ("panda",) if quick else ("panda", "ur3", "tiago"):
         arm = lt.Arm.load(name)
-        q = _configurations(arm, count)
+        q = random_configurations(arm, count, seed=1)
         peers = Peer(name, arm)
         ways = {
             "5 boxes": (lambda q, arm=arm: arm.distance(q, boxes), peers.to_boxes(boxes)),
@@ -46,14 +45,15 @@ def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
 
 
 class Peer:
-    """Pinocchio's geometry of a robot, with the pairs of bodies that ours checks."""
+    """Pinocchio's geometry of a robot, with the pairs of bodies that our arm checks."""
 
     def __init__(self, name: str, arm: lt.Arm) -> None:
-        self.urdf = find_robot(name) / f"{name}.urdf"
+        self.urdf = urdf_of(name)
         self.judge = Judge(arm, self.urdf)
         self.arm = arm
 
     def to_itself(self) -> Distances:
+        """The function of joint positions (m, n) that returns the distances (m,) to itself."""
         geometry = self._geometry()
         shapes = _by_link(geometry)
         for a, b in self.arm.collision_pairs.checked:
@@ -61,6 +61,7 @@ class Peer:
         return self._least(geometry)
 
     def to_boxes(self, boxes: list[lt.Box]) -> Distances:
+        """The function of joint positions (m, n) that returns the distances (m,) to boxes."""
         geometry = self._geometry()
         moving = [i for i, shape in enumerate(geometry.geometryObjects) if shape.parentJoint > 0]
         for i, box in enumerate(boxes):
@@ -102,19 +103,13 @@ def _add_pairs(geometry: Any, first: list[int], second: list[int]) -> None:
 
 
 def _error(ours: Any, peers: Any) -> float:
-    """Of the distances where nothing overlaps; coal's depth is not always the least."""
+    """The largest difference where nothing overlaps; coal's depth is not always the smallest."""
     apart = (ours > TOLERANCE) | (peers > TOLERANCE)
     return float(np.abs(ours - peers)[apart].max())
 
 
-def _configurations(arm: lt.Arm, count: int) -> Any:
-    lower = np.maximum(arm.limits.lower, -np.pi)
-    upper = np.minimum(arm.limits.upper, np.pi)
-    return np.random.default_rng(1).uniform(lower, upper, (count, len(lower)))
-
-
 def _boxes() -> list[lt.Box]:
-    """Around the arm, out of the way of its first links."""
+    """Five boxes around the arm, away from its first links."""
     rng = np.random.default_rng(2)
     turns = rng.normal(size=(5, 4))
     turns /= np.linalg.norm(turns, axis=1)[:, None]

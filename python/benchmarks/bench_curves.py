@@ -18,7 +18,7 @@ REPEATS = 1000
 
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
-    """Seven dimensions at 1,000 times, again and again."""
+    """Curves of seven dimensions at 1,000 times, evaluated repeatedly."""
     repeats = REPEATS // 10 if quick else REPEATS
     rng = np.random.default_rng(0)
     times, points = np.linspace(0.0, 1.0, 12), rng.normal(size=(12, 7))

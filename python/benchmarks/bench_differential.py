@@ -1,8 +1,8 @@
 """One step of closed-loop kinematics against pink, which solves a quadratic program for it.
 
-Both hold a Panda's tool on a circle with the posture as the weaker task, inside position and
-velocity limits. An answer is the tool's largest distance from the circle after the first lap.
-Pink weighs its tasks (a lower one does disturb a higher one); our stack ranks them.
+Both keep the tool of a Panda on a circle within position and velocity limits, with the posture as
+the task of lower priority. The error is the largest distance of the tool from its target. Pink
+weights its tasks, so that a lower task disturbs a higher one; our stack has strict priorities.
 """
 
 from __future__ import annotations
@@ -15,22 +15,18 @@ import numpy as np
 import pink
 import pinocchio as pin
 from frame import Benchmark
-from judge import Judge
-from pink.tasks import FrameTask, PostureTask
+from judge import Judge, urdf_of
 
 import leadthrough as lt
-from leadthrough.arm import JointLimitTask, PoseTask, TaskStack
-from leadthrough.arm import PostureTask as Posture
-from leadthrough.arm.robots import find_robot
 
 START = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])
 DT, GAIN = 1e-3, 20.0  # s, 1/s
 TURNS = 2.0  # rad/s
-TOLERANCE = 5e-3  # m: the lag of a target that tells nobody its speed
+TOLERANCE = 5e-3  # m: lag behind a moving target whose velocity is unknown
 
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
-    """A step of DifferentialIk and of a stack, each against pink's."""
+    """Steps of DifferentialIk and of a task stack, each against pink."""
     arm = lt.Arm.load("panda")
     position, orientation = arm.forward_kinematics(START)
     phase = TURNS * DT * np.arange(200 if quick else 2000)
@@ -52,7 +48,7 @@ def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
 
 
 def _off(arm: lt.Arm, circle: Any, q: Any) -> float:
-    """How far the tool is from where the circle was when it was told, at most."""
+    """The largest distance of the tool from its target of the same step, m."""
     return float(np.linalg.norm(arm.forward_kinematics(q)[0] - circle, axis=1).max())
 
 
@@ -68,17 +64,19 @@ def _differential(arm: lt.Arm, circle: Any, orientation: Any) -> Any:
 def _stack(arm: lt.Arm, circle: Any, orientation: Any) -> Any:
     def tasks(time: float) -> Any:
         place = circle[round(time / DT)]
-        return [limits, PoseTask(place, orientation, gain=GAIN), posture]
+        return [limits, lt.arm.PoseTask(place, orientation, gain=GAIN), posture]
 
-    limits, posture = JointLimitTask(), Posture(START, gain=1.0)
-    run = TaskStack(arm, tasks(0.0)).run(START, duration=DT * len(circle), dt=DT, tasks=tasks)
+    limits, posture = lt.arm.JointLimitTask(), lt.arm.PostureTask(START, gain=1.0)
+    run = lt.arm.TaskStack(arm, tasks(0.0)).run(
+        START, duration=DT * len(circle), dt=DT, tasks=tasks
+    )
     return run.trajectory.positions[1:]
 
 
 def _pink(arm: lt.Arm, circle: Any) -> Callable[[], Any]:
-    judge = Judge(arm, find_robot("panda") / "panda.urdf")
-    tool = FrameTask(arm.tip, position_cost=1.0, orientation_cost=0.3, gain=GAIN * DT)
-    posture = PostureTask(cost=1e-3, gain=DT)
+    judge = Judge(arm, urdf_of("panda"))
+    tool = pink.tasks.FrameTask(arm.tip, position_cost=1.0, orientation_cost=0.3, gain=GAIN * DT)
+    posture = pink.tasks.PostureTask(cost=1e-3, gain=DT)
     posture.set_target(judge.configuration(START))
     first = pin.SE3(judge.pose(START))
 

@@ -1,7 +1,7 @@
 """Movement primitives against movement_primitives, with its compiled steps.
 
-Both replay the same motion with 50 kernels a channel, and both are judged by what was shown. The
-orientation turns by 90 degrees, which the peer follows too.
+Both replay the same motion with 50 kernels per channel, and both are compared with the
+demonstration. The orientation turns by 90 degrees, which the peer can follow as well.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ PEER = "movement_primitives"
 
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
-    """Rows: fit, rollout, step, and the planning of a subtask."""
+    """Rows for fit, rollout, single steps and the planning of a subtask."""
     repeats = 3 if quick else 10
     shown = _pose_motion(1.0)
     skill = lt.PoseDMP(weights=WEIGHTS).fit([lt.Demonstration(shown)])
@@ -66,7 +66,7 @@ def _fit(repeats: int) -> Benchmark:
             peer.imitate(times, joints)
         return peer.open_loop()[1]
 
-    # The rollout that shows the answer is in both times; ours and theirs fit `repeats` times.
+    # Both times include the rollout that gives the answer, and `repeats` fits.
     return Benchmark(
         f"{repeats} fits of 7 joints, 1000 samples, 50 weights, and a rollout",
         ours=ours,

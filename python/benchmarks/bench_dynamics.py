@@ -1,7 +1,7 @@
-"""Jacobians, their derivative in time and torques of many configurations, against Pinocchio.
+"""Jacobians, their time derivatives and torques of many configurations, against Pinocchio.
 
-Pinocchio has no batches in Python: it is called configuration by configuration, with its own inputs
-prepared beforehand.
+Pinocchio has no batches in Python: it is called once per configuration, with its inputs prepared
+beforehand.
 """
 
 from __future__ import annotations
@@ -12,19 +12,19 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 from frame import Benchmark
+from judge import Judge, urdf_of
 
 import leadthrough as lt
-from leadthrough.arm.robots import find_robot
 
 TOLERANCE = 1e-10  # m, rad, N m
 
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
-    """Rows of every robot."""
+    """Rows for every robot."""
     count = 500 if quick else 5000
     for name in ("panda",) if quick else ("panda", "ur3", "tiago"):
         arm = lt.Arm.load(name)
-        peer = Peer(name, arm)
+        peer = Peer(arm, urdf_of(name))
         q, qd, qdd = np.random.default_rng(1).uniform(-1.5, 1.5, (3, count, len(arm.joint_names)))
         full = [peer.configuration(row) for row in q]
         pairs: dict[str, tuple[Callable[[], Any], Callable[[], Any]]] = {
@@ -56,26 +56,15 @@ def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
             )
 
 
-class Peer:
-    """Pinocchio's model of a robot in which nothing but the arm moves; no base is turned."""
-
-    def __init__(self, name: str, arm: lt.Arm) -> None:
-        self.model = pin.buildModelFromUrdf(str(find_robot(name) / f"{name}.urdf"))
-        self.data = self.model.createData()
-        self.tip = self.model.getFrameId(arm.tip)
-
-    def configuration(self, q: Any) -> Any:
-        """Pinocchio's: a joint without limits is a point on the circle."""
-        full = pin.neutral(self.model)
-        for joint, value in zip(list(self.model.joints)[1:], q, strict=True):
-            whole = value if joint.nq == 1 else (np.cos(value), np.sin(value))
-            full[joint.idx_q : joint.idx_q + joint.nq] = whole
-        return full
+class Peer(Judge):
+    """Pinocchio's derivatives and dynamics, in the world frame: no robot's base is rotated."""
 
     def jacobian(self, q: Any) -> Any:
+        """The Jacobian (6, n) of the tip, linear rows first."""
         return pin.computeFrameJacobian(self.model, self.data, q, self.tip, pin.LOCAL_WORLD_ALIGNED)
 
     def derivative(self, q: Any, qd: Any) -> Any:
+        """The time derivative (6, n) of the Jacobian."""
         pin.computeJointJacobiansTimeVariation(self.model, self.data, q, qd)
         pin.updateFramePlacement(self.model, self.data, self.tip)
         return pin.getFrameJacobianTimeVariation(
@@ -83,7 +72,9 @@ class Peer:
         )
 
     def torques(self, q: Any, qd: Any, qdd: Any) -> Any:
+        """Joint torques (n,)."""
         return pin.rnea(self.model, self.data, q, qd, qdd).copy()
 
     def mass_matrix(self, q: Any) -> Any:
-        return np.triu(pin.crba(self.model, self.data, q))  # the rest is not computed
+        """The upper triangle (n, n) of the mass matrix, which is all that is computed."""
+        return np.triu(pin.crba(self.model, self.data, q))

@@ -1,4 +1,4 @@
-"""Fast marching against scikit-fmm, the distance transform against edt and SciPy; one thread."""
+"""Fast marching against scikit-fmm, distance transform against edt and SciPy, on one thread."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from frame import Benchmark
 import leadthrough as lt
 from leadthrough.planning import distance_transform
 
-# Relative to the latest time. At second order with walls the peer is no truth: it differs by its
-# own treatment of cells whose differences contradict each other.
+# Relative to the latest arrival time. At second order with walls the peer is no reference:
+# it treats cells with inconsistent differences in another way.
 TOLERANCE = {"float64": 1e-9, "float32": 1e-4, "order 2": 0.05}
 
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
-    """Rows of 2-D and 3-D fields."""
+    """Rows for 2-D and 3-D fields."""
     plane, cube = ((300, 300), (60, 60, 60)) if quick else ((1000, 1000), (150, 150, 150))
     for shape in (plane, cube):
         size = " x ".join(map(str, shape))
@@ -50,7 +50,7 @@ def _marches(name: str, speed: Any, source: tuple[int, ...]) -> Iterator[Benchma
 
 
 def _largest_error(name: str, shape: tuple[int, ...]) -> Benchmark:
-    """Here the truth judges both: the exact distance from a point source."""
+    """Our largest error over the peer's, both against the exact distance from a point source."""
     speed, source = constant_speed(shape)
     axes = np.meshgrid(
         *(np.arange(n) - s for n, s in zip(shape, source, strict=True)), indexing="ij"
@@ -77,12 +77,12 @@ def _distances(name: str, mask: Any) -> Iterator[Benchmark]:
 
 
 def constant_speed(shape: tuple[int, ...]) -> tuple[Any, tuple[int, ...]]:
-    """Speed 1 and the middle cell."""
+    """A map of speed 1, and its middle cell as the source."""
     return np.ones(shape), tuple(n // 2 for n in shape)
 
 
 def variable_speed(shape: tuple[int, ...]) -> tuple[Any, tuple[int, ...]]:
-    """Waves between 0.1 and 1 with blocks of 13 cells on a lattice."""
+    """A map of speeds between 0.1 and 1 with blocks of 13 cells on a lattice, and its source."""
     axes = np.meshgrid(*(np.arange(n) for n in shape), indexing="ij")
     waves = [np.sin(k * axis + 1) for axis, k in zip(axes, (0.13, 0.11, 0.09), strict=False)]
     blocks = sum(axis // 20 for axis in axes) % 5 == 2
@@ -102,7 +102,7 @@ def _scikit_fmm(speed: Any, source: tuple[int, ...], order: int) -> Callable[[],
 
 
 def relative_error(ours: Any, peers: Any) -> float:
-    """The largest difference over the latest time; inf where only one has reached a cell."""
+    """The largest difference over the latest time; inf if only one has reached a cell."""
     expected = np.ma.filled(peers, np.inf)
     finite = np.isfinite(expected)
     if not np.array_equal(np.isfinite(ours), finite):

@@ -1,9 +1,10 @@
-"""Single poses of three robots against peers, call by call.
+"""Inverse kinematics of single poses of three robots against peers, call by call.
 
-The targets are poses of random configurations inside the limits, the seeds random too, and all
-solvers get the same ones. Every answer is judged by Pinocchio's kinematics of the same URDF, the
-limits kept: the share that we solve must reach 99.95 %, the peers' stands in the row's name. Times
-are medians and 99th percentiles over the calls. Ours solve to 1e-6 m and rad, the peers to 1e-5.
+The targets are poses of random configurations within the joint limits. The seeds are random too,
+and all solvers get the same targets and seeds. Pinocchio's kinematics of the same URDF judge every
+answer, joint limits included. We must solve 99.95 % of the poses; the row's name has the peer's
+percentage. Times are medians and 99th percentiles over the calls. Ours solve to 1e-6 m and rad, the
+peers to 1e-5.
 """
 
 from __future__ import annotations
@@ -14,21 +15,20 @@ from pathlib import Path
 from typing import Any
 
 from frame import Benchmark
-from judge import Judge, quaternion, random_configurations
+from judge import Judge, quaternion, random_configurations, urdf_of
 from peers import TRAC_IK_TOLERANCE, Solve, toolbox, trac_ik
 
 import leadthrough as lt
-from leadthrough.arm.robots import find_robot
 
 TOLERANCE = 1e-5  # m and rad: what counts as solved
 MOST_UNSOLVED = 5e-4
 
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
-    """Rows of every robot and peer."""
+    """Rows for every robot and peer."""
     count = 200 if quick else 5000
     for name in ("panda",) if quick else ("panda", "ur3", "tiago"):
-        arm, urdf = lt.Arm.load(name), find_robot(name) / f"{name}.urdf"
+        arm, urdf = lt.Arm.load(name), urdf_of(name)
         yield from _rows(name, arm, Judge(arm, urdf), urdf, count)
 
 
@@ -45,8 +45,8 @@ def _rows(name: str, arm: lt.Arm, judge: Judge, urdf: Path, count: int) -> Itera
         "pytracik": (trac_ik(arm, urdf), TRAC_IK_TOLERANCE),
     }
     for peer_name, (solve, peer_tolerance) in peers.items():
-        few = range(min(count, 500))  # enough for a share in a name
-        solved = judge.share(
+        few = range(min(count, 500))  # enough for the percentage in the name
+        solved = judge.percent_solved(
             targets[: len(few)],
             [solve(targets[i], seeds[i]) for i in few],
             tolerance=peer_tolerance,

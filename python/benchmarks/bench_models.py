@@ -1,9 +1,9 @@
 """Probabilistic models against their peers: ProMP, Gaussian mixtures and the regression with them.
 
-Twenty demonstrations of seven joints, 200 samples each. A fit is judged by how far its mean and
-its deviations are from the demonstrations' own, and must not be worse than the peer's. Ours
-returns full covariances where the peer returns variances. Handwriting is predicted from the start
-of a demonstration that was left out; the error is our area between the curves over the peer's.
+Twenty demonstrations of seven joints have 200 samples each. The error of a fit is how far its mean
+and standard deviation are from those of the demonstrations; it must not exceed the peer's. Ours
+returns full covariances, the peer variances. Handwriting is predicted from the start of a
+demonstration that was left out; the error is our area between the curves over the peer's.
 """
 
 from __future__ import annotations

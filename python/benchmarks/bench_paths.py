@@ -1,9 +1,9 @@
-"""Paths against TRAC-IK, which starts each pose from its last answer; robot by robot.
+"""Inverse kinematics along paths against TRAC-IK, which starts each pose from its last answer.
 
-One long slow path is followed from a given posture. Many random ones, which some joints are known
-to run at half of all limits, are followed without a posture to start in, slowed where our joints
-need it; a sample is missed that is more than 1e-4 m or 1e-3 rad away, and the limits of position,
-velocity and acceleration hold at every sample. The peer is given the posture that each path was
+One long slow path is followed from a given posture. Many random paths are followed without a given
+first posture, slowed down where our joints need it; each was made from a joint motion at half of
+all limits. A sample counts as missed if it is more than 1e-4 m or 1e-3 rad off. Position, velocity and
+acceleration limits must hold at every sample. The peer gets the first posture that each path was
 made from.
 """
 
@@ -16,23 +16,22 @@ from typing import Any
 
 import numpy as np
 from frame import Benchmark
-from judge import Judge, quaternion, ranges
+from judge import Judge, quaternion, ranges, urdf_of
 from peers import TRAC_IK_TOLERANCE, Solve, trac_ik
 from scipy.interpolate import CubicSpline
 
 import leadthrough as lt
-from leadthrough.arm.robots import find_robot
 
 MISSED = (1e-4, 1e-3)  # m, rad
 MISSED_SHARE = 0.002
-DEVIATION = (0.1, 0.5)  # m, rad: wide, the share of missed samples tells
+DEVIATION = (0.1, 0.5)  # m, rad: wide, because the fraction of missed samples is what counts
 SAMPLES = 200
 
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
-    """Rows of every robot."""
+    """Rows for every robot."""
     for name in ("panda",) if quick else ("panda", "ur3", "tiago"):
-        arm, urdf = lt.Arm.load(name), find_robot(name) / f"{name}.urdf"
+        arm, urdf = lt.Arm.load(name), urdf_of(name)
         judge = Judge(arm, urdf)
         yield _long_path(name, arm, judge, urdf, 200 if quick else 1000)
         yield _random_paths(name, arm, judge, urdf, 5 if quick else 100)
@@ -42,7 +41,7 @@ def _long_path(name: str, arm: lt.Arm, judge: Judge, urdf: Path, count: int) -> 
     q = _smooth(arm, count)
     motion, targets = _posed(judge, np.linspace(0.0, 4.0, count), q)
     peer = partial(_warm_started, trac_ik(arm, urdf), targets, q[0])
-    solved = judge.share(targets, peer(), tolerance=TRAC_IK_TOLERANCE)
+    solved = judge.percent_solved(targets, peer(), tolerance=TRAC_IK_TOLERANCE)
     return Benchmark(
         f"{name}: path of {count} poses, peer solves {solved}",
         ours=lambda: arm.follow(motion, seed=q[0]).positions,
@@ -87,7 +86,7 @@ def _follow_all(arm: lt.Arm, motions: Sequence[Any], deviation: Any) -> list[Any
 
 
 def _missed_share(arm: lt.Arm, motions: Sequence[Any], answers: Sequence[Any]) -> float:
-    """Of the samples; all of a path that was refused, and of all paths where limits are broken."""
+    """Fraction of missed samples: all of a refused path; inf if a limit is exceeded."""
     missed = 0
     for motion, answer in zip(motions, answers, strict=True):
         if isinstance(answer, lt.errors.IkFailure):
@@ -109,7 +108,7 @@ def _posed(judge: Judge, times: Any, q: Any) -> tuple[lt.PoseTrajectory, list[An
 
 
 def _feasible(arm: lt.Arm, rng: Any) -> tuple[Any, Any]:
-    """Times and joints on a spline from rest to rest through five points, at half of all limits."""
+    """Times and joints of a spline through five points, rest to rest, at half of all limits."""
     lower, upper = ranges(arm)
     edge = 0.05 * (upper - lower)
     s = np.linspace(0.0, 1.0, SAMPLES)
@@ -135,7 +134,7 @@ def _warm_started(solve: Solve, targets: Sequence[Any], start: Any) -> list[Any]
 
 
 def _smooth(arm: lt.Arm, count: int) -> Any:
-    """A slow motion of all joints in the inner parts of their ranges."""
+    """A slow motion of all joints in the middle parts of their ranges."""
     lower, upper = ranges(arm)
     phase = np.linspace(0.0, np.pi, count)[:, None] + np.arange(len(lower))
     return 0.5 * (lower + upper) + 0.15 * (upper - lower) * np.sin(phase)

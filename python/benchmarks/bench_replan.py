@@ -1,6 +1,7 @@
-"""What an arrival field costs when a box appears and vanishes, against marching anew; batches.
+"""Repair of arrival times when a box appears and vanishes, against a full march; batches.
 
-The box invalidates under 2 % of the cells. `whole map` leaves it to us to find what has changed.
+The box invalidates under 2 % of the cells. In the rows "whole map" the update includes finding the
+cells that have changed.
 """
 
 from __future__ import annotations
@@ -23,8 +24,8 @@ THREADS = 2
 
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
-    """Rows of 2-D and 3-D fields."""
-    # Where the box begins, along every axis: all between it and the corner lies in its shadow.
+    """Rows for 2-D and 3-D fields."""
+    # Where the box begins along every axis, as a fraction: all cells behind it lie in its shadow.
     quick_shapes = {(300, 300): 0.88, (60, 60, 60): 0.83}
     full_shapes = {(1000, 1000): 0.88, (150, 150, 150): 0.75}
     for shape, low in (quick_shapes if quick else full_shapes).items():

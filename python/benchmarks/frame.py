@@ -1,4 +1,4 @@
-"""What a benchmark is, and how it is run: first the answers are compared, then the times."""
+"""Benchmarks and how they run: the answers are compared first, then the times."""
 
 from __future__ import annotations
 
@@ -13,11 +13,16 @@ from typing import Any
 class Benchmark:
     """Our function and a peer's on one problem.
 
-    name: the problem. ours, peer: called without arguments, return their answers. peer_name: the
-    library. error: of our answer against the peer's. tolerance: the largest error that passes.
-    clock: what measures; CPU seconds of all threads but where threads are the point.
-    calls: where given, both functions take the number of a call, 0 to calls - 1, and each call is
-    timed by itself; `error` gets the lists of answers.
+    Attributes:
+        name: the problem.
+        ours: returns our answer; called without arguments.
+        peer: returns the peer's answer; called without arguments.
+        peer_name: the peer's library.
+        error: of our answer, given ours and the peer's.
+        tolerance: the largest error that passes.
+        clock: returns seconds; CPU seconds of all threads unless threads are measured.
+        calls: if positive, both functions take the number of a call, 0 to calls - 1, and each call
+            is timed by itself; `error` then gets the lists of answers.
     """
 
     name: str
@@ -32,10 +37,9 @@ class Benchmark:
 
 @dataclass(frozen=True)
 class Row:
-    """One result. Times are seconds; ratio is the peer's best time over ours.
+    """One result. Times are in seconds; the ratio is the peer's best time over ours.
 
-    Where calls were timed one by one the 99th percentiles stand beside, and the ratio is that of
-    the medians.
+    If calls were timed one by one, there are 99th percentiles, and the ratio is of the medians.
     """
 
     name: str
@@ -53,9 +57,9 @@ class Row:
 
 
 def measure(benchmark: Benchmark, repeats: int) -> Row:
-    """The row of a benchmark; without times if the answers differ.
+    """The row of a benchmark, without times if the answers differ.
 
-    Ours and the peer's runs alternate, so that a busy machine slows both.
+    Our runs and the peer's alternate, so that a busy machine slows both.
     """
     if benchmark.calls:
         return _measure_calls(benchmark)
@@ -79,7 +83,7 @@ def measure(benchmark: Benchmark, repeats: int) -> Row:
 
 
 def _measure_calls(benchmark: Benchmark) -> Row:
-    """In turns of a hundred calls, so that a busy machine slows both and caches none."""
+    """The row of single calls; both sides take turns of a hundred calls."""
     answers: tuple[list[Any], list[Any]] = ([], [])
     times: tuple[list[float], list[float]] = ([], [])
     for first in range(0, benchmark.calls, 100):

@@ -1,4 +1,4 @@
-"""Other libraries' inverse kinematics, called alike."""
+"""The inverse kinematics of other libraries, with one common signature."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from trac_ik import TracIK
 import leadthrough as lt
 
 PEER_TOLERANCE = 1e-5  # m and rad
-TRAC_IK_TOLERANCE = 2.0 * PEER_TOLERANCE  # m and rad: its own holds for each axis
+TRAC_IK_TOLERANCE = 2.0 * PEER_TOLERANCE  # m and rad: its tolerance applies to each axis
 TRAC_IK_TIMEOUT = 0.005  # s of wall clock, its default
 
 Solve = Callable[[Any, Any], Any]  # target (pin.SE3) and seed to q or None
@@ -24,7 +24,7 @@ def toolbox(arm: lt.Arm, urdf: Path) -> Solve:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)
         chain = rtb.ERobot.URDF(str(urdf)).ets(start=arm.base, end=arm.tip)
-    residual = 0.5 * PEER_TOLERANCE**2  # its measure is half the squared error
+    residual = 0.5 * PEER_TOLERANCE**2  # its residual is half the squared error
 
     def solve(target: Any, seed: Any) -> Any:
         solution = chain.ik_LM(target.homogeneous, q0=seed, tol=residual)

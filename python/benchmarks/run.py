@@ -1,8 +1,8 @@
 """Runs the benchmarks: python python/benchmarks/run.py [--quick] [--out DIR] [--only TEXT].
 
-Prints a table and writes benchmarks.json with versions and facts of the machine. Where calls are
-timed one by one, the times are median/99th percentile in us. Answers are compared with the peer's
-first; a wrong one fails the run.
+Prints a table and writes benchmarks.json with versions and the machine's data. If calls are timed
+one by one, times are median/99th percentile in us. Answers are checked first; a wrong one fails the
+run.
 """
 
 from __future__ import annotations
@@ -19,8 +19,6 @@ from pathlib import Path
 from typing import Any
 
 from frame import Row, measure
-
-from leadthrough.io.atomic import replacing
 
 FILES = [
     "bench_arm",
@@ -40,7 +38,7 @@ REPEATS = {"quick": 3, "full": 5}
 
 
 def main() -> int:
-    """0 if all answers agree."""
+    """Run the benchmarks; the exit code is 0 if all answers agree."""
     options = _options()
     repeats = REPEATS["quick" if options.quick else "full"]
     print(f"{'problem':<65} {'peer':<12} {'error':>8} {'ours s':>9} {'peer s':>9} {'ratio':>6}")
@@ -56,9 +54,15 @@ def main() -> int:
 
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="small problems, under half a minute")
-    parser.add_argument("--out", type=Path, default=Path("benchmark-results"), help="folder")
-    parser.add_argument("--only", default="", help="run the problems whose name has this text")
+    parser.add_argument(
+        "--quick", action="store_true", help="run small problems, in under half a minute"
+    )
+    parser.add_argument(
+        "--out", type=Path, default=Path("benchmark-results"), help="folder for the results"
+    )
+    parser.add_argument(
+        "--only", default="", help="run only the problems whose name contains this text"
+    )
     return parser.parse_args()
 
 
@@ -80,8 +84,8 @@ def _report(rows: list[Row], *, quick: bool) -> dict[str, Any]:
     libraries = ["leadthrough", "numpy", "scipy", *sorted({row.peer for row in rows})]
     return {
         "quick": quick,
-        "times": "CPU seconds, or wall where named; best and median, alternating with the peer; "
-        "of single calls where there is a 99th percentile",
+        "times": "CPU seconds, or wall time where the name says so; best and median of runs that "
+        "alternate with the peer's; of single calls if there is a 99th percentile",
         "machine": {
             "processor": _processor(),
             "processors": os.cpu_count(),
@@ -109,8 +113,7 @@ def _version(name: str) -> str | None:
 
 def _write(path: Path, report: dict[str, Any]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(path) as temporary:
-        temporary.write_text(json.dumps(report, indent=2))
+    path.write_text(json.dumps(report, indent=2))
     print(f"written: {path}")
 
 
