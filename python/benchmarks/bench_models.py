@@ -21,12 +21,7 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.mixture import GaussianMixture
 
 import leadthrough as lt
-from leadthrough.models import ProMPSkill
-from leadthrough.models.mixtures.em import Steps
-from leadthrough.models.mixtures.ends import shifted
-from leadthrough.models.mixtures.fitting import fit_mixture
-from leadthrough.models.mixtures.kmeans import kmeans
-from leadthrough.motion import normalised_times
+from leadthrough.models import Mixture, ProMPSkill, fit_mixture, trace_mixture
 from leadthrough.preprocess.resample import arc_length
 from leadthrough_studies.lasa.methods import generated_by
 from leadthrough_studies.lasa.study import error_columns, splits
@@ -39,7 +34,7 @@ ITERATIONS = 30
 
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
-    """Rows of all models; quick has fewer demonstrations."""
+    """Rows for all models; quick has fewer demonstrations."""
     u, curves = _curves(5 if quick else 20)
     yield from _promp(u, curves)
     yield from _mixture(u, curves)
@@ -109,22 +104,13 @@ def _peer_conditioned(promp: PeerProMP, times: Any, vias: Any, noise: Any) -> Pe
 def _mixture(u: Any, curves: Any) -> Iterator[Benchmark]:
     points = np.concatenate([np.column_stack([u, each]) for each in curves])
     points = (points - points.mean(axis=0)) / points.std(axis=0)
-    labels = kmeans(points, COMPONENTS, seed=0).labels
-    first = Steps([points]).maximise(np.eye(COMPONENTS)[labels])
-
-    def ours() -> float:
-        steps, components = Steps([points]), first
-        for _ in range(ITERATIONS):
-            shares, _ = steps.expect(components)
-            components = steps.maximise(shares)
-        return steps.expect(components)[1]
-
+    (first,) = trace_mixture(points, COMPONENTS, iterations=0)
     yield Benchmark(
         f"GMM: {ITERATIONS} iterations of EM, {len(points)} points of 8 columns, K = {COMPONENTS}",
-        ours=ours,
-        peer=lambda: _peer_em(points, first).score(points),
+        ours=lambda: trace_mixture(points, first, iterations=ITERATIONS)[-1],
+        peer=lambda: _peer_em(points, first),
         peer_name="scikit-learn",
-        error=lambda a, b: abs(a - b),
+        error=lambda a, b: abs(float(a.log_density(points).mean()) - b.score(points)),
         tolerance=2e-2,
     )
     mixture = fit_mixture(points, COMPONENTS).mixture
@@ -156,7 +142,7 @@ def _handwriting(motions: Sequence[str]) -> Iterator[Benchmark]:
 
 
 def _areas(motions: Sequence[str], method: Any) -> float:
-    """The mean swept area over the drawings left out, mm^2."""
+    """The mean swept area over the left-out drawings, mm^2."""
     rng = np.random.default_rng(0)
     areas = [
         error_columns(tested, method(shown, tested.positions[0]))["SEA_mm2"]
@@ -175,7 +161,7 @@ def _peer_promp(shown: Any, start: Any) -> lt.Trajectory:
 
 
 def _peer_gmr(shown: Any, start: Any) -> lt.Trajectory:
-    """Fitted by scikit-learn, as its own EM is slow; shifted to the start as ours is."""
+    """A mean fitted by scikit-learn, as gmr's own EM is slow, moved to the start as ours is."""
     duration, times, curves = _sampled(shown)
     points = np.concatenate([np.column_stack([times, each]) for each in curves])
     middle, scale = points.mean(axis=0), points.std(axis=0)
@@ -183,27 +169,32 @@ def _peer_gmr(shown: Any, start: Any) -> lt.Trajectory:
     mixture = GMM(COMPONENTS_DRAWN, fit.weights_, fit.means_, fit.covariances_)
     asked = (times[:, None] - middle[0]) / scale[0]
     mean = mixture.predict(np.array([0]), asked) * scale[1:] + middle[1:]
-    way = arc_length(mean)
-    ends = np.stack([start, curves[:, -1].mean(axis=0)])
-    return lt.Trajectory(duration * times, shifted(mean, way / way[-1], ends))
+    covered = arc_length(mean)
+    covered = (covered / covered[-1])[:, None]
+    offsets = start - mean[0], curves[:, -1].mean(axis=0) - mean[-1]
+    return lt.Trajectory(
+        duration * times, mean + (1.0 - covered) * offsets[0] + covered * offsets[1]
+    )
 
 
 def _sampled(shown: Any) -> tuple[float, Any, Any]:
-    """Mean duration, even phases (200,) and the drawings at them (m, 200, 2)."""
+    """Mean duration, evenly spaced phases (200,) and the drawings at them (m, 200, 2)."""
     times = np.linspace(0.0, 1.0, SAMPLES)
     curves = [
-        [
-            np.interp(times, normalised_times(each.motion.times), column)
-            for column in each.motion.positions.T
-        ]
+        [np.interp(times, _phases(each.motion), column) for column in each.motion.positions.T]
         for each in shown
     ]
     duration = float(np.mean([each.motion.duration for each in shown]))
     return duration, times, np.array(curves).transpose(0, 2, 1)
 
 
+def _phases(motion: lt.Trajectory) -> Any:
+    """Times of the samples from 0 to 1."""
+    return (motion.times - motion.times[0]) / motion.duration
+
+
 def _curves(count: int) -> tuple[Any, Any]:
-    """Even phases (200,) and smooth random joint motions (count, 200, 7) about a common one."""
+    """Evenly spaced phases (200,) and random smooth variations (count, 200, 7) of a motion."""
     rng = np.random.default_rng(0)
     u = np.linspace(0.0, 1.0, SAMPLES)
     waves = np.stack([np.ones(SAMPLES), u, np.sin(np.pi * u), np.sin(2 * np.pi * u)])
@@ -218,22 +209,22 @@ def _mean_and_deviation(skill: Any, u: Any) -> tuple[Any, Any]:
 
 
 def _misfit(fitted: tuple[Any, Any], curves: Any) -> float:
-    """Root mean square error of a mean and of deviations."""
+    """Root mean square error of a mean and of standard deviations."""
     own = curves.mean(axis=0), curves.std(axis=0)
     squares = [((a - b) ** 2).mean() for a, b in zip(fitted, own, strict=True)]
     return float(np.sqrt(np.sum(squares)))
 
 
-def _peer_em(points: Any, first: Any) -> GaussianMixture:
-    """From our start on, without its own clustering."""
+def _peer_em(points: Any, first: Mixture) -> GaussianMixture:
+    """The peer's fit from the same start, without its own clustering."""
     peer = GaussianMixture(
         COMPONENTS,
         max_iter=ITERATIONS,
         tol=0.0,
         init_params="random_from_data",
         weights_init=first.weights,
-        means_init=first.means[0],
-        precisions_init=np.linalg.inv(first.covariances[0]),
+        means_init=first.means,
+        precisions_init=np.linalg.inv(first.covariances),
     )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ConvergenceWarning)

@@ -2,9 +2,9 @@
 
 One long slow path is followed from a given posture. Many random paths are followed without a given
 first posture, slowed down where our joints need it; each was made from a joint motion at half of
-all limits. A sample counts as missed if it is more than 1e-4 m or 1e-3 rad off. Position, velocity and
-acceleration limits must hold at every sample. The peer gets the first posture that each path was
-made from.
+all limits. A sample counts as missed if it is more than 1e-4 m or 1e-3 rad off. Position, velocity
+and acceleration limits must hold at every sample. The peer gets the first posture that each path
+was made from.
 """
 
 from __future__ import annotations

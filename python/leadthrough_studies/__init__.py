@@ -1,1 +1,1 @@
-"""Studies on record: one folder a study, run by `leadthrough experiment`."""
+"""Reproducible studies, one folder each, run by `leadthrough experiment`."""

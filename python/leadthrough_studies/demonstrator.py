@@ -1,9 +1,9 @@
-"""A simulated person who guides the hand of an arm; every draw comes from the generator given.
+"""A simulated person who guides an arm by hand; all random numbers come from a given generator.
 
-Point-to-point movements of people are straight to slightly bowed with a bell-shaped speed (Flash
-and Hogan 1985, eq. 3: minimum jerk). On top comes what teaching by hand adds: a bow of its own for
-every movement, ends that scatter, and a tremor; where the joints are recorded, also a pace of the
-person's own, pauses, and encoders that count in steps.
+Point-to-point movements of people are straight to slightly curved and have a bell-shaped speed
+(Flash and Hogan 1985, eq. 3: minimum jerk). Teaching by hand adds a curvature of its own to every
+movement, scattered ends and tremor. Recordings of joints also have an irregular pace, pauses and
+the resolution of encoders.
 """
 
 from __future__ import annotations
@@ -21,15 +21,20 @@ from leadthrough.trajectories import minimum_jerk_rise
 _RATE = 50.0  # Hz
 _TREMOR_WAVES = 6
 _PACE_WAVES = 3
-_PACE_BAND = (0.1, 0.5)  # Hz, of the speed's variation
+_PACE_BAND = (0.1, 0.5)  # Hz, of the variation of the speed
 
 
 @dataclass(frozen=True)
 class Teaching:
-    """How a person guides.
+    """How a person guides the tip.
 
-    duration: s. spread: standard deviation of the ends, m. bow: of the greatest distance from the
-    path wanted, as a share of its length. tremor: its root mean square, m. tremor_band: Hz.
+    Attributes:
+        duration: duration, s.
+        spread: standard deviation of every point guided through, m.
+        bow: standard deviation of the greatest distance from the wanted path, as a fraction of the
+            path's length.
+        tremor: root mean square of the tremor, m.
+        tremor_band: lowest and highest frequency of the tremor, Hz.
     """
 
     duration: float = 4.0
@@ -41,12 +46,16 @@ class Teaching:
 
 @dataclass(frozen=True)
 class JointTeaching:
-    """How a person moves the joints of an arm that gives way.
+    """How a person moves the joints of a compliant arm.
 
-    duration: s, least and most, without the pauses. pace: standard deviation of the speed, as a
-    share of it. pauses: the most in a movement; pause: s, least and most of each. tremor: root mean
-    square at each joint, rad. tremor_band: Hz. encoder: steps a turn; 12 bits are assumed, the
-    maker of our arm states none.
+    Attributes:
+        duration: shortest and longest duration without pauses, s.
+        pace: standard deviation of the speed, as a fraction of the speed.
+        pauses: largest number of pauses in a movement.
+        pause: shortest and longest pause, s.
+        tremor: root mean square of the tremor of each joint, rad.
+        tremor_band: lowest and highest frequency of the tremor, Hz.
+        encoder: encoder steps per turn; 12 bits are assumed, as the arm's maker states none.
     """
 
     duration: tuple[float, float] = (10.0, 16.0)
@@ -61,13 +70,21 @@ class JointTeaching:
 def guide_joints(
     postures: Float64Array, teaching: JointTeaching, rng: np.random.Generator, *, name: str = ""
 ) -> Demonstration[JointTrajectory]:
-    """A movement of the joints at rest at both ends, through postures (n, joints), n >= 2, in rad.
+    """A movement of the joints through postures, at rest at both ends, as encoders record it.
 
-    It stays between the postures but for the tremor. The recording is rounded to encoder steps.
+    Apart from the tremor, it stays between the postures.
+
+    Args:
+        postures: joint positions (n, joints), n >= 2, in rad.
+        teaching: how the person moves the joints.
+        rng: source of all random numbers.
+        name: name of the demonstration.
     """
     wanted = np.asarray(postures, dtype=np.float64)
     knots = arc_length(wanted)
-    curve = PchipInterpolator(knots / knots[-1], wanted)  # it never overshoots a posture
+    curve = PchipInterpolator(
+        knots / knots[-1], wanted
+    )  # monotone between postures, so it never overshoots
     times, progress = _unsteady(teaching, rng)
     shaking = _tremor(times, teaching, rng, wanted.shape[1])
     fade = np.sin(np.pi * times / times[-1])[:, None]
@@ -79,7 +96,14 @@ def guide_joints(
 def guide(
     points: Float64Array, teaching: Teaching, rng: np.random.Generator, *, name: str = ""
 ) -> Demonstration[Trajectory]:
-    """A movement at rest at both ends, through points (n, d), n >= 2, or near them; in m."""
+    """A movement of the tip near or through points, at rest at both ends.
+
+    Args:
+        points: points (n, d), n >= 2, in m.
+        teaching: how the person guides the tip.
+        rng: source of all random numbers.
+        name: name of the demonstration.
+    """
     wanted = np.asarray(points, dtype=np.float64)
     scattered = wanted + rng.normal(0.0, teaching.spread, wanted.shape)
     times = np.linspace(0.0, teaching.duration, int(teaching.duration * _RATE) + 1)
@@ -89,7 +113,7 @@ def guide(
     curve = CubicSpline(knots / knots[-1], scattered)
     bow = rng.normal(0.0, teaching.bow * knots[-1], wanted.shape[1])
     path = curve(progress) + np.sin(np.pi * progress)[:, None] * bow
-    # A hand that rests does not tremble on the recording: it begins and ends with the movement.
+    # The tremor fades in and out, so that the recording begins and ends at rest.
     shaking = _tremor(times, teaching, rng, wanted.shape[1]) * np.sin(np.pi * u)[:, None]
     return Demonstration(Trajectory(times, path + shaking), name=name)
 
@@ -97,21 +121,28 @@ def guide(
 def wander(
     lower: Float64Array, upper: Float64Array, teaching: Teaching, rng: np.random.Generator
 ) -> Demonstration[Trajectory]:
-    """A movement without a purpose: through five points drawn inside a box from lower to upper."""
+    """A random movement through five points inside a box.
+
+    Args:
+        lower: lower corner (d,) of the box, m.
+        upper: upper corner (d,) of the box, m.
+        teaching: how the person guides the tip.
+        rng: source of all random numbers.
+    """
     return guide(rng.uniform(lower, upper, (5, len(lower))), teaching, rng)
 
 
 def _unsteady(
     teaching: JointTeaching, rng: np.random.Generator
 ) -> tuple[Float64Array, Float64Array]:
-    """Times, s, and the share of the way covered: minimum jerk at a pace that varies and pauses."""
+    """Times, s, and the fraction of the path covered: minimum jerk with varying pace and pauses."""
     moving = rng.uniform(*teaching.duration)
     pauses = rng.uniform(*teaching.pause, rng.integers(teaching.pauses + 1))
     times = np.arange(int((moving + pauses.sum()) * _RATE) + 1) / _RATE
     u = normalised_times(times)
     speed = u**2 * (1.0 - u) ** 2 * _pace(times, teaching.pace, rng)
     for middle, length in zip(rng.uniform(0.2, 0.8, len(pauses)), pauses, strict=True):
-        # Flat over the pause, with shoulders on which the arm comes to rest and starts again.
+        # Zero speed over the pause, with smooth flanks where the arm stops and starts again.
         away = 2.0 * np.abs(times - middle * times[-1]) / length
         speed *= 1.0 - np.exp(-((away / 1.2) ** 8))
     covered = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))])
@@ -119,7 +150,7 @@ def _unsteady(
 
 
 def _pace(times: Float64Array, variation: float, rng: np.random.Generator) -> Float64Array:
-    """Factors (n,) > 0 about 1 that vary slowly."""
+    """Slowly varying factors (n,) > 0 around 1."""
     frequencies = rng.uniform(*_PACE_BAND, _PACE_WAVES)
     phases = rng.uniform(0.0, 2.0 * np.pi, _PACE_WAVES)
     waves = np.sin(2.0 * np.pi * frequencies * times[:, None] + phases)
@@ -132,7 +163,7 @@ def _tremor(
     rng: np.random.Generator,
     dimensions: int,
 ) -> Float64Array:
-    """A sum of sines whose frequencies and phases are drawn, (n, dimensions)."""
+    """A sum (n, dimensions) of sines with random frequencies and phases."""
     frequencies = rng.uniform(*teaching.tremor_band, (_TREMOR_WAVES, dimensions))
     phases = rng.uniform(0.0, 2.0 * np.pi, (_TREMOR_WAVES, dimensions))
     waves = np.sin(2.0 * np.pi * frequencies * times[:, None, None] + phases)

@@ -1,33 +1,37 @@
-"""How far a reproduced motion is from its demonstration.
+"""Errors of a reproduced motion against its demonstration.
 
-Shapes are compared as curves resampled equally in arc length, so that timing plays no part in
-them. Swept error area and velocity error: Khansari-Zadeh and Billard 2014, "Learning control
-Lyapunov function to ensure stability of dynamical system-based robot reaching motions".
+Shapes are compared as curves resampled at equal steps of arc length, so that timing has no effect.
+Swept error area and velocity error: Khansari-Zadeh and Billard 2014, "Learning control Lyapunov
+function to ensure stability of dynamical system-based robot reaching motions".
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import Trajectory
 from leadthrough.planning import Grid
-from leadthrough.preprocess import resample
+from leadthrough.preprocess import dtw_distance, frechet_distance, resample
 
-SAMPLES = 1000  # points a curve is resampled to
+SAMPLES = 1000  # points per resampled curve
 
 
 @dataclass(frozen=True)
 class ReproductionErrors:
-    """Errors in the motion's own unit u (LASA: mm).
+    """Errors in the motion's own unit of length u (LASA: mm).
 
-    swept_error_area: u^2. velocity_rmse: u/s. dtw_distance: u, per sample.
-    frechet_distance, end_error: u.
+    Attributes:
+        swept_error_area: area between the curves, u^2.
+        velocity_rmse: root mean square velocity error, u/s.
+        dtw_distance: dynamic time warping distance per sample, u.
+        frechet_distance: discrete Frechet distance, u.
+        end_error: distance between the last points, u.
     """
 
     swept_error_area: float
@@ -38,9 +42,15 @@ class ReproductionErrors:
 
 
 def reproduction_errors(demonstration: Trajectory, reproduction: Trajectory) -> ReproductionErrors:
-    """All errors of a planar reproduction, its shape compared at 1000 points equal in arc length.
+    """All errors of a planar reproduction; shapes are compared at 1000 points.
 
-    Raises InvalidInput.
+    Args:
+        demonstration: the motion wanted, with positions (n, 2).
+        reproduction: the motion made, with positions (m, 2).
+
+    Raises:
+        InvalidInput: if one is not a planar Trajectory, the demonstration has a single sample, or
+            an error is not finite.
     """
     _same_dimension(demonstration, reproduction)
     shown = resample.by_arc_length(demonstration.positions, SAMPLES)
@@ -54,11 +64,18 @@ def reproduction_errors(demonstration: Trajectory, reproduction: Trajectory) -> 
     )
 
 
-def swept_error_area(a: Any, b: Any) -> float:
-    """Area between curves (n, 2), as the sum over the quadrilaterals (a_k, a_k+1, b_k+1, b_k).
+def swept_error_area(a: ArrayLike, b: ArrayLike) -> float:
+    """Area between two curves: the sum over the quadrilaterals (a_k, a_k+1, b_k+1, b_k).
 
-    Each counts with its shoelace area: one that crosses itself with the difference of its halves.
-    Raises InvalidInput.
+    Each quadrilateral counts with its shoelace area, so one that crosses itself counts with the
+    difference of its halves.
+
+    Args:
+        a: points (n, 2) of the first curve.
+        b: points (n, 2) of the second curve.
+
+    Raises:
+        InvalidInput: if the shapes are not (n, 2) and equal, or the area is not finite.
     """
     first = check.array(a, "a", shape=("n", 2))
     second = check.array(b, "b", shape=first.shape)
@@ -70,8 +87,15 @@ def swept_error_area(a: Any, b: Any) -> float:
 def velocity_rmse(demonstration: Trajectory, reproduction: Trajectory) -> float:
     """Root mean square difference of the velocities at the demonstration's times, unit/s.
 
-    Both start together; a reproduction that ends earlier stays at its last point.
-    Raises InvalidInput.
+    Both motions start at the same time; a reproduction that ends earlier stays at its last point.
+
+    Args:
+        demonstration: the motion wanted, with at least two samples.
+        reproduction: the motion made.
+
+    Raises:
+        InvalidInput: if one is not a Trajectory, the dimensions differ, the demonstration has a
+            single sample, or the error is not finite.
     """
     _same_dimension(demonstration, reproduction)
     times = demonstration.times - demonstration.times[0]
@@ -84,34 +108,33 @@ def velocity_rmse(demonstration: Trajectory, reproduction: Trajectory) -> float:
         return _finite(np.sqrt((difference**2).sum(axis=1).mean()))
 
 
-def dtw_distance(a: Any, b: Any) -> float:
-    """Dynamic time warping distance of curves (n, d) and (m, d): the least sum over paired points.
-
-    Symmetric steps of weight one (Sakoe and Chiba 1978). Raises InvalidInput.
-    """
-    return _finite(_core.dtw_distance(*_curves(a, b)))
-
-
-def frechet_distance(a: Any, b: Any) -> float:
-    """Discrete Frechet distance of curves (n, d) and (m, d) (Eiter and Mannila 1994).
-
-    Raises InvalidInput.
-    """
-    return _finite(_core.frechet_distance(*_curves(a, b)))
-
-
 def end_error(demonstration: Trajectory, reproduction: Trajectory) -> float:
-    """Distance between the last points. Raises InvalidInput."""
+    """Distance between the last points of two motions.
+
+    Args:
+        demonstration: the motion wanted.
+        reproduction: the motion made.
+
+    Raises:
+        InvalidInput: if one is not a Trajectory, the dimensions differ or the distance is not
+            finite.
+    """
     _same_dimension(demonstration, reproduction)
     with np.errstate(over="ignore"):
         return _finite(np.linalg.norm(demonstration.positions[-1] - reproduction.positions[-1]))
 
 
-def turning(path: Any, *, step: float) -> float:
-    """Total angle that a path (n, d) turns by, rad, seen in pieces of one length near `step`.
+def turning(path: ArrayLike, *, step: float) -> float:
+    """Total angle by which a path changes its direction, rad, between pieces of equal length.
 
-    0 for a straight line, more for every bend and every tremble longer than the pieces. step: in
-    the path's unit, > 0. Raises InvalidInput.
+    It is 0 for a straight line and grows with every bend and tremor longer than the pieces.
+
+    Args:
+        path: points (n, d).
+        step: approximate length of the pieces, in the path's unit, > 0.
+
+    Raises:
+        InvalidInput: if the path is not a finite (n, d) array or step is not positive.
     """
     points = check.array(path, "path", shape=("n", "d"))
     pieces = resample.arc_length(points)[-1] / check.number(step, "step", above=0.0)
@@ -124,9 +147,17 @@ def turning(path: Any, *, step: float) -> float:
 def dimensionless_jerk(motion: Trajectory, *, samples: int = 101) -> float:
     """Integral of the squared jerk times duration^5 / length^2; 720 for a minimum-jerk line.
 
-    The motion is seen at `samples` even times, so that the recording's rate plays no part.
+    Args:
+        motion: the motion to measure.
+        samples: number of evenly spaced times at which the motion is evaluated, so that the
+            sampling rate of the recording has no effect; at least 8.
+
+    Raises:
+        InvalidInput: if samples is below 8, the motion stays in one place or the result is not
+            finite.
+
     Source: Hogan and Sternad 2009, "Sensitivity of smoothness measures to movement duration,
-    amplitude, and arrests". Raises InvalidInput.
+    amplitude, and arrests".
     """
     count = check.integer(samples, "samples", at_least=8)
     even = np.linspace(motion.times[0], motion.times[-1], count)
@@ -135,29 +166,30 @@ def dimensionless_jerk(motion: Trajectory, *, samples: int = 101) -> float:
     jerk = np.diff(points, n=3, axis=0) / step**3
     length = resample.arc_length(points)[-1]
     if length == 0.0:
-        raise InvalidInput("motion: expected one that moves, got a single place")
+        raise InvalidInput("motion: expected a motion of some length, got one that stays in place")
     return _finite((jerk**2).sum() * step / length**2)
 
 
-def speed_along(path: Any, grid: Grid, speed: Float64Array, outside: float) -> Float64Array:
-    """The speed (n,) in the cells that points (n, d) of a path lie in.
+def speed_along(path: ArrayLike, grid: Grid, speed: Float64Array, outside: float) -> Float64Array:
+    """The speed of the cell in which each point of a path lies.
 
-    speed: an array of the grid's shape. outside: the speed off the grid. Raises InvalidInput.
+    Args:
+        path: points (n, d).
+        grid: the grid of the speed map.
+        speed: speeds, an array of the grid's shape.
+        outside: the speed of points that are not on the grid.
+
+    Returns:
+        Speeds (n,).
+
+    Raises:
+        InvalidInput: if the path is not a finite (n, d) array of the grid's dimension.
     """
     points = check.array(path, "path", shape=("n", grid.dimensions))
     inside = grid.contains(points)
     found = np.full(len(points), check.number(outside, "outside"))
     found[inside] = speed[tuple(grid.cells_of(points[inside]).T)]
     return found
-
-
-def _curves(a: Any, b: Any) -> tuple[Float64Array, Float64Array]:
-    first = check.array(a, "a", shape=("n", "d"))
-    second = check.array(b, "b", shape=("m", first.shape[1]))
-    for curve, name in ((first, "a"), (second, "b")):
-        if curve.size == 0:
-            raise InvalidInput(f"{name}: expected at least one point, got shape {curve.shape}")
-    return first, second
 
 
 def _same_dimension(demonstration: Trajectory, reproduction: Trajectory) -> None:
@@ -169,7 +201,7 @@ def _same_dimension(demonstration: Trajectory, reproduction: Trajectory) -> None
         raise InvalidInput(f"reproduction: expected {wanted} coordinates, got {got}")
 
 
-def _finite(value: Any) -> float:
+def _finite(value: float | np.floating) -> float:
     if not np.isfinite(value):
         raise InvalidInput("curves: expected coordinates whose squares are finite, got larger ones")
     return float(value)

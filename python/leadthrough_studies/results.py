@@ -1,4 +1,4 @@
-"""What a study leaves in its folder: results.json, table.csv, figures, and a store of rows."""
+"""The files of a study: results.json, table.csv, figures, and a store of computed rows."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True)
 class Store:
-    """Rows by key, each key's in a file of its own, complete or not there."""
+    """Rows by key. The rows of a key are in a file of their own, which is complete or absent."""
 
     folder: Path
 
     def read(self, key: str) -> list[Row] | None:
-        """The rows, None where there are none or the file is damaged."""
+        """The rows of a key, or None if there are none or the file is damaged."""
         try:
             rows = json.loads(self._path(key).read_text(encoding="utf-8"))
         except (FileNotFoundError, ValueError):
@@ -31,7 +31,7 @@ class Store:
         return rows if isinstance(rows, list) else None
 
     def write(self, key: str, text: str) -> list[Row]:
-        """Keep rows, given as JSON; returns what `read` will."""
+        """Store rows given as JSON text, and return them as `read` will."""
         self.folder.mkdir(parents=True, exist_ok=True)
         _write_text(self._path(key), text)
         rows: list[Row] = json.loads(text)
@@ -49,7 +49,18 @@ def write(
     table: Sequence[Row],
     figures: Mapping[str, Figure],
 ) -> None:
-    """results.json, table.csv and <name>.png, in `folder`, made if missing. Raises InvalidInput."""
+    """Write results.json, table.csv and the figures as <name>.png.
+
+    Args:
+        folder: where to write; made if missing.
+        document: what results.json holds besides the rows.
+        rows: all rows, for results.json.
+        table: the rows of table.csv, with the same columns in every row.
+        figures: figures by file stem.
+
+    Raises:
+        InvalidInput: if a file cannot be written.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     _write_text(folder / "results.json", _json(document, rows))
     _write_table(folder / "table.csv", table)
@@ -58,13 +69,13 @@ def write(
 
 
 def save_figure(figure: Figure, path: Path) -> None:
-    """The figure as a PNG file, complete or not at all."""
+    """Write a figure as a PNG file, completely or not at all."""
     with replacing(path) as temporary:
         figure.savefig(temporary, dpi=110)
 
 
 def _json(document: Mapping[str, Any], rows: Sequence[Row]) -> str:
-    """The document with the rows as its last entry, each on a line of its own."""
+    """The document with the rows as its last entry, one row per line."""
     head = json.dumps(document, indent=1, allow_nan=False).removesuffix("\n}")
     lines = ",\n".join(json.dumps(row, allow_nan=False) for row in rows)
     return f'{head},\n "rows": [\n{lines}\n]}}\n'

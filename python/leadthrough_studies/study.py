@@ -1,9 +1,8 @@
-"""A study: a frozen configuration in; rows, a table and figures out.
+"""Studies: a frozen configuration in; rows, a table and figures out.
 
-A study is cut into tasks that know nothing of one another. They run in as many processes as
-wanted, or wherever `joblib.parallel_config` sends them, and what each has found is kept in the
-folder of the results until its arguments or the package's code change: a study that was stopped
-goes on where it was.
+A study consists of independent tasks. They run in a number of processes, or wherever
+`joblib.parallel_config` sends them. The folder of the results keeps the rows of each task until its
+arguments or the package's code change, so that a study that was stopped resumes where it was.
 """
 
 from __future__ import annotations
@@ -31,20 +30,24 @@ from leadthrough_studies import results
 
 Row = dict[str, Any]
 
-# The packages whose code decides what is found.
+# The packages whose code determines the rows.
 _PACKAGES = (Path(leadthrough.__file__).parent, Path(__file__).parent)
 _LIBRARIES = ("leadthrough", "numpy", "scipy", "joblib")
-# Code that only shows what was found.
+# Code that only displays the rows.
 _WITHOUT_INFLUENCE = ("show/*", "cli/*", "*/report.py")
 
 
 @dataclass(frozen=True)
 class Task:
-    """A piece of work: `function(**arguments)` gives rows of text and finite numbers.
+    """A piece of work: `function(**arguments)` returns rows of text and finite numbers.
 
-    function: importable by its name. arguments: what JSON can hold, the seed among them where
-    the function draws at random. The processor time it measures goes into columns whose names end
-    in "_cpu_s": all others are the same in every run.
+    Columns whose names end in "_cpu_s" hold measured processor times; all others are the same in
+    every run.
+
+    Attributes:
+        function: importable by its name.
+        arguments: values that JSON can hold; they include the seed if the function uses random
+            numbers.
     """
 
     function: Callable[..., list[Row]]
@@ -52,7 +55,7 @@ class Task:
 
     @property
     def key(self) -> str:
-        """Changes with the arguments, the function and the package's code."""
+        """A text that changes with the arguments, the function and the package's code."""
         name = f"{self.function.__module__}.{self.function.__qualname__}"
         text = json.dumps([code_digest(), name, self.arguments], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:32]
@@ -60,9 +63,12 @@ class Task:
 
 @dataclass(frozen=True, eq=False)
 class Report:
-    """table: the study's main figures, the same columns in every row. figures: by file stem.
+    """What a study shows of its rows.
 
-    summary: whatever else is to stand in results.json.
+    Attributes:
+        table: the main numbers, with the same columns in every row.
+        figures: figures by file stem.
+        summary: what else belongs in results.json.
     """
 
     table: list[Row]
@@ -72,9 +78,13 @@ class Report:
 
 @dataclass(frozen=True)
 class Study:
-    """configure: (quick, seed) to a frozen dataclass. tasks: of a configuration, in a fixed order.
+    """The three functions that make up a study.
 
-    report: of a configuration and all rows, some of which may be missing because a task failed.
+    Attributes:
+        configure: returns the configuration, a frozen dataclass, for (quick, seed).
+        tasks: returns the tasks of a configuration, in a fixed order.
+        report: returns the report of a configuration and its rows; rows of failed tasks are
+            missing.
     """
 
     configure: Callable[[bool, int], Any]
@@ -84,7 +94,13 @@ class Study:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """rows: in the order of the tasks. failures: tasks without rows, and why."""
+    """The result of a study.
+
+    Attributes:
+        rows: rows in the order of the tasks.
+        failures: the arguments of each failed task, with its error.
+        report: the report.
+    """
 
     rows: list[Row]
     failures: list[Row]
@@ -92,9 +108,16 @@ class Outcome:
 
 
 def run(study: Study, config: Any, *, out: Path, jobs: int | None = None) -> Outcome:
-    """Solve what is not solved yet; write results.json, table.csv and the figures into `out`.
+    """Run the tasks that have no rows yet; write results.json, table.csv and the figures.
 
-    jobs: processes; None for what `joblib.parallel_config` says. Raises InvalidInput.
+    Args:
+        study: the study to run.
+        config: its configuration.
+        out: folder for the results, made if missing.
+        jobs: number of processes; None for the setting of `joblib.parallel_config`.
+
+    Raises:
+        InvalidInput: if jobs is not a positive integer or a file cannot be written.
     """
     tasks = study.tasks(config)
     rows, failures = _solve_all(tasks, out, jobs)
@@ -117,7 +140,7 @@ def run(study: Study, config: Any, *, out: Path, jobs: int | None = None) -> Out
 
 
 def versions() -> dict[str, str]:
-    """What the results depend on besides the configuration."""
+    """Versions of everything that the results depend on besides the configuration."""
     return {
         **{name: version(name) for name in _LIBRARIES},
         "code": code_digest(),
@@ -128,7 +151,7 @@ def versions() -> dict[str, str]:
 
 @cache
 def code_digest() -> str:
-    """A digest of the sources and the compiled core that decide what a study finds."""
+    """A digest of the sources and the compiled core that determine the rows of a study."""
     sources = [path for package in _PACKAGES for path in _deciding(package)]
     digest = hashlib.sha256()
     for path in (*sources, Path(_core.__file__)):
@@ -169,8 +192,8 @@ def _parallel(jobs: int | None) -> Parallel:
     if jobs is None:
         return Parallel(return_as="generator_unordered")
     count = check.integer(jobs, "jobs", at_least=1)
-    # BLAS gets one thread, for equal bits and honest processor times. A process that runs cannot be
-    # told so any more: a single job has a second process beside it, which gets no work.
+    # BLAS gets one thread, for equal bits and honest processor times. A running process cannot be
+    # limited any more, so a single job also runs in a new process; the second one gets no work.
     with parallel_config(backend="loky", n_jobs=max(count, 2), inner_max_num_threads=1):
         return Parallel(return_as="generator_unordered", pre_dispatch=count, batch_size=1)
 
@@ -178,7 +201,7 @@ def _parallel(jobs: int | None) -> Parallel:
 def _attempt(
     index: int, function: Callable[..., list[Row]], arguments: dict[str, Any]
 ) -> tuple[int, str, Row]:
-    """The rows as JSON, or what went wrong: one bad task must not cost the others' work."""
+    """The rows as JSON, or the error: one failing task must not lose the work of the others."""
     try:
         return index, json.dumps(function(**arguments), allow_nan=False), {}
     except Exception as error:
@@ -186,18 +209,23 @@ def _attempt(
 
 
 def selected(rows: Sequence[Row], **values: Any) -> list[Row]:
-    """The rows whose columns have the values given."""
+    """The rows whose columns have the given values."""
     return [row for row in rows if all(row.get(name) == value for name, value in values.items())]
 
 
 def mean(rows: Sequence[Row], column: str) -> float | None:
-    """The mean of a column over the rows that have it, None where none has."""
+    """The mean of a column over the rows that have it, or None if none has."""
     values = [row[column] for row in rows if column in row]
     return sum(values) / len(values) if values else None
 
 
 def cpu_time(work: Callable[[], object], *, runs: int = 3) -> float:
-    """The least processor time of a few runs, s: what the others took longer was not the work."""
+    """The smallest processor time of a few runs, s; longer runs were disturbed.
+
+    Args:
+        work: called without arguments.
+        runs: number of runs.
+    """
     times = []
     for _ in range(runs):
         before = time.process_time()

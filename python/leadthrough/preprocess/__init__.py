@@ -2,6 +2,7 @@
 
 from leadthrough.preprocess.align import align_by_arc_length, align_by_time_warping
 from leadthrough.preprocess.clean import clean, cut_at_gaps
+from leadthrough.preprocess.curve_distance import dtw_distance, frechet_distance
 from leadthrough.preprocess.join import join
 from leadthrough.preprocess.rate import sample_evenly
 from leadthrough.preprocess.report import CleaningReport
@@ -14,6 +15,8 @@ __all__ = [
     "align_by_time_warping",
     "clean",
     "cut_at_gaps",
+    "dtw_distance",
+    "frechet_distance",
     "join",
     "sample_evenly",
     "segment",

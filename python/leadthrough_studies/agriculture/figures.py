@@ -30,10 +30,17 @@ _RECORDED: Style = {"color": "0.75", "linewidth": 4.0}
 def draw(
     config: Any, subtasks: list[Row], wholes: list[Row], tests: list[Row]
 ) -> dict[str, Figure]:
-    """By file stem, those of the paper: the parameterisation (2 and 3), the measures (7), subtask
-    4-4 (8 to 10); and whole tasks on the arm.
+    """The figures by file stem: those of the paper, and whole tasks on the arm.
 
-    tests: of pairs of planners, with their p.
+    Args:
+        config: the configuration of the study.
+        subtasks: rows of the subtasks.
+        wholes: rows of the whole tasks.
+        tests: rows of the tests on pairs of planners.
+
+    Returns:
+        "parameterisation" (figures 2 and 3), "measures" (7), "subtask_4_4" (8 to 10) and
+        "whole_tasks"; those without rows are left out.
     """
     drawn = {"parameterisation": _parameterisation()}
     if subtasks:
@@ -49,7 +56,7 @@ def draw(
 
 
 def _parameterisation() -> Figure:
-    """Two turns about the diagonal: the logarithm in the branches k = 0, 1, 2, and lifted."""
+    """Two turns about the diagonal: branches k = 0, 1, 2 of the logarithm, and the lifted one."""
     angles = np.linspace(0.0, 4.0 * np.pi, _TURN_SAMPLES)
     turned = rotations.exp(np.outer(angles, np.ones(3) / np.sqrt(3.0)))
     branches = _branches(rotations.log(turned), 2)
@@ -82,14 +89,14 @@ def _branches(phi: Float64Array, last: int) -> list[Float64Array]:
     branches = [phi]
     for k in range(1, last + 1):
         norms = np.linalg.norm(branches[-1], axis=1, keepdims=True)
-        # At no rotation there is no axis to turn back about: the sample is left out.
+        # The identity has no rotation axis: the sample is left out.
         norms[norms < 1e-9] = np.nan
         branches.append(branches[-1] * (1.0 - 2.0 * k * np.pi / norms))
     return branches
 
 
 def _courses(config: Any, rows: list[Row]) -> Figure:
-    """Subtask 4-4 for one target, recorded and made, in each planner's own coordinates."""
+    """Subtask 4-4 for one target, recorded and generated, in each planner's coordinates."""
     repetition = _most_telling(rows)
     figure = Figure(figsize=(10.0, 2.2 * len(config.planners)), layout="constrained")
     lines = figure.subplots(len(config.planners), 3, squeeze=False, sharex=True)
@@ -100,30 +107,30 @@ def _courses(config: Any, rows: list[Row]) -> Figure:
                 _coordinates(np.array(row["course"][name]), planner)
                 for name in ("recorded", "made")
             )
-            share = np.linspace(0.0, 1.0, len(recorded))
+            fraction = np.linspace(0.0, 1.0, len(recorded))
             for i, axes in enumerate(line):
-                axes.plot(share, recorded[:, i], **_RECORDED, label="recorded")
-                axes.plot(share, made[:, i], color=COLORS[planner], linewidth=1.2, label="made")
+                axes.plot(fraction, recorded[:, i], **_RECORDED, label="recorded")
+                axes.plot(fraction, made[:, i], color=COLORS[planner], linewidth=1.2, label="made")
                 axes.set_title(names[i], fontsize=9, loc="left")
         line[0].set_ylabel(f"{_TITLES[planner]}\nrad", fontsize=8)
         line[0].legend(fontsize=7)
     for axes in lines[-1]:
-        axes.set_xlabel("share of the duration")
+        axes.set_xlabel("fraction of the duration")
     return figure
 
 
 def _whole_tasks(rows: list[Row]) -> Figure:
-    """The joints of the arm in whole tasks, slowed down into its limits, with the gripper's events.
+    """The joints of the arm in whole tasks, slowed down to its limits, with the gripper's events.
 
-    A joint is drawn by its place in its range.
+    Each joint is drawn as a fraction of its range.
     """
     figure = Figure(figsize=(10.0, 2.0 * len(rows)), layout="constrained")
     panels = figure.subplots(len(rows), 1, squeeze=False)[:, 0]
     for axes, row in zip(panels, rows, strict=True):
         joints = row["joints"]
         lower, upper = np.array(joints["lower"]), np.array(joints["upper"])
-        shares = (np.array(joints["positions"]) - lower) / (upper - lower)
-        for i, column in enumerate(shares.T):
+        fractions = (np.array(joints["positions"]) - lower) / (upper - lower)
+        for i, column in enumerate(fractions.T):
             axes.plot(joints["times"], column, linewidth=1.2, label=f"joint {i + 1}")
         for event in row["gripper"]:
             axes.axvline(event["time_s"], color="black", linewidth=1.0, linestyle=":")
@@ -131,7 +138,7 @@ def _whole_tasks(rows: list[Row]) -> Figure:
             axes.annotate(event["does"], **place, ha="center", fontsize=8)
         axes.set_title(f"{row['task']}, {row['where']}", fontsize=9, loc="left")
         axes.set_ylim(0.0, 1.0)
-        axes.set_ylabel("share of the range", fontsize=8)
+        axes.set_ylabel("fraction of the range", fontsize=8)
         axes.set_xlim(joints["times"][0], joints["times"][-1])
     handles, names = panels[0].get_legend_handles_labels()
     figure.legend(handles, names, fontsize=8, ncols=len(names), loc="outside lower center")
@@ -140,7 +147,7 @@ def _whole_tasks(rows: list[Row]) -> Figure:
 
 
 def _most_telling(rows: list[Row]) -> int:
-    """The target where a planner went farthest from the recording, of those that all drew."""
+    """The number of the target with the largest orientation error of any planner."""
     return int(max(rows, key=lambda row: row["largest_deg"])["repetition"])
 
 

@@ -1,10 +1,10 @@
-"""How well a motion of the tool repeats a recorded one.
+"""Errors of a generated motion of the tool against a recorded one.
 
-Source: Lauretti et al. 2023, eqs. 10 to 12. Their normalisation by the way from start to end grows
-without bound for a motion that comes back, as pouring does; so each error is also given as a share
-of the way covered. Of success they say that "no singularity or discontinuity issues occur"; here
-it is that the tool never turns faster than its wrist could, stays within 30 degrees of the
-recording, and ends within two degrees of it.
+Source: Lauretti et al. 2023, eqs. 10 to 12. They normalise by the distance from start to end, which
+grows without bound for a motion that returns to its start, such as pouring. So each error is also
+given as a fraction of the distance covered. The paper calls a motion successful if "no singularity
+or discontinuity issues occur". Here a motion succeeds if the tool never turns faster than the wrist
+can, stays within 30 degrees of the recording and ends within 2 degrees of it.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from leadthrough.motion import Demonstration, PoseTrajectory, normalised_times
 from leadthrough.preprocess import align_by_time_warping
 from leadthrough_studies.study import Row
 
-# The last three joints of a TIAGo at their limits of velocity, in line: 1.95 + 1.76 + 1.76 rad/s.
+# Sum of the velocity limits of a TIAGo's last three joints: 1.95 + 1.76 + 1.76 rad/s.
 FASTEST = 313.0  # degrees/s
 FARTHEST = 30.0  # degrees
 END_ERROR = 2.0  # degrees
-_BACK_AT_START = 1e-3  # m or rad: there is no way from start to end to divide by
-_SPAN = 0.1  # s; over less, the way covered is that of tremor and encoder steps
+_BACK_AT_START = 1e-3  # m or rad: below this, start and end coincide
+_SPAN = 0.1  # s; over shorter spans, tremor and encoder steps dominate the distance covered
 
 
 def judged(made: PoseTrajectory, recorded: PoseTrajectory) -> Row:
-    """Errors of a motion against the recording at equal shares of their durations."""
+    """Errors of a motion against the recording at the same fractions of their durations."""
     wanted = at_phases(recorded, normalised_times(made.times))
     away = np.linalg.norm(made.positions - wanted.positions, axis=1)
     angles = rotations.distance(made.orientations, wanted.orientations)
@@ -52,9 +52,14 @@ def judged(made: PoseTrajectory, recorded: PoseTrajectory) -> Row:
 
 
 def gaps(made: PoseTrajectory, shown: PoseTrajectory) -> Row:
-    """Mean and last distance of a motion from one shown, their timing aside.
+    """Mean and final distance of a motion from a demonstrated one, after alignment in time.
 
-    A person never takes the same time twice: the motions are brought onto one clock.
+    The motions are aligned by time warping, because a person never moves with the same timing
+    twice.
+
+    Args:
+        made: the generated motion.
+        shown: the demonstrated motion.
     """
     pair = [Demonstration(motion) for motion in (shown, made)]
     wanted, came = (each.motion for each in align_by_time_warping(pair, reference=0))
@@ -71,7 +76,7 @@ def gaps(made: PoseTrajectory, shown: PoseTrajectory) -> Row:
 
 
 def at_phases(motion: PoseTrajectory, phases: Float64Array) -> PoseTrajectory:
-    """The motion at shares (n,) of its duration."""
+    """The motion at fractions (n,) of its duration."""
     at = np.clip(motion.times[0] + phases * motion.duration, motion.times[0], motion.times[-1])
     columns = [np.interp(at, motion.times, column) for column in motion.positions.T]
     turned = rotations.interpolate(motion.times, motion.orientations, at)
@@ -79,7 +84,7 @@ def at_phases(motion: PoseTrajectory, phases: Float64Array) -> PoseTrajectory:
 
 
 def from_goal(motion: PoseTrajectory) -> Float64Array:
-    """The rotations (n, 4) that lead from the last orientation to each."""
+    """The rotations (n, 4) from the last orientation to each orientation."""
     back = rotations.inverse(motion.orientations[-1:])
     return rotations.compose(motion.orientations, np.repeat(back, len(motion.times), axis=0))
 

@@ -1,4 +1,4 @@
-"""The measures of the agriculture study, trial by trial, after figure 7 of Lauretti et al. 2023."""
+"""The measures of all trials of the agriculture study, after figure 7 of Lauretti et al. 2023."""
 
 from __future__ import annotations
 
@@ -20,14 +20,17 @@ COLORS = {
     "anchored": palette.BLUE,
 }
 _PAPER: Style = {"color": "black", "linewidth": 1.0, "linestyle": ":"}
-_WIDTH = 0.8  # of a task, in tasks
+_WIDTH = 0.8  # of the columns of a task, in tasks
 _ALL = "all"
 
 
 def measures(config: Any, rows: list[Row], tests: list[Row]) -> Figure:
     """NPE and NOE of every trial with their means, and SR-MOD, by task and planner.
 
-    tests: of pairs of planners; those of NOE that differ are joined by a line.
+    Args:
+        config: the configuration of the study.
+        rows: rows of the subtasks.
+        tests: rows of the tests on pairs of planners; a line joins planners whose NOE differ.
     """
     figure = Figure(figsize=(12.0, 4.2), layout="constrained")
     panels = figure.subplots(1, 3)
@@ -46,7 +49,7 @@ def _place(config: Any, task: int, planner: int) -> float:
 
 
 def _trials(axes: Axes, config: Any, rows: list[Row], column: str) -> None:
-    rng = np.random.default_rng(0)  # of where in its column a dot stands
+    rng = np.random.default_rng(0)  # for the horizontal scatter of the dots
     for i, planner in enumerate(config.planners):
         for k, task in enumerate(config.tasks):
             values = _column(rows, task, planner, column)

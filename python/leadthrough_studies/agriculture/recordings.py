@@ -1,7 +1,7 @@
-"""Motions of a real arm, cut out of long recordings, learned and replayed by each planner.
+"""Motions of a real arm, cut from long recordings, learned and replayed by each planner.
 
-They take 0.5 to 22 s. With 50 kernels those of 20 s, which have the most to them, come out up to
-1.3 mm off; with 4 kernels a second, and at least 50, all stay below 0.9 mm.
+They take 0.5 to 22 s. With 50 kernels, the motions of 20 s, which are the most complex, have errors
+of up to 1.3 mm; with 4 kernels per second, but at least 50, all errors stay below 0.9 mm.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _COLUMNS = {
 
 
 def tasks(folder: str, planners: Sequence[str]) -> list[Task]:
-    """A task for every recording by every planner and rule; none where there are no recordings."""
+    """A task for every recording, planner and number of kernels; no tasks without recordings."""
     files = sorted((Path(folder) / _FOLDER).glob("*.csv")) if folder else []
     return [
         Task(replay, {"file": str(file), "planner": planner, "weights": weights})
@@ -38,9 +38,12 @@ def tasks(folder: str, planners: Sequence[str]) -> list[Task]:
 
 
 def replay(*, file: str, planner: str, weights: str = "by duration") -> list[Row]:
-    """A row for every motion of a recording, as it was recorded against as it is replayed.
+    """A row for every motion of a recording: errors of the replayed motion.
 
-    weights: of WEIGHTS.
+    Args:
+        file: path of the recording.
+        planner: orientation of the PoseDMP.
+        weights: key of WEIGHTS.
     """
     recording = read_demonstrations([file], columns=_COLUMNS, rate=_RATE)[0]
     labels = {"study": "recordings", "file": Path(file).name, "planner": planner}

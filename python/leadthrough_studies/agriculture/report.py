@@ -1,33 +1,35 @@
 """Table, statistics and figures of the agriculture study, the paper's numbers beside ours.
 
-The paper prints means over the tasks: of its own planner, NPE .05 +- .01, NOE .07 +- .11 and a
-success of 100 %, which it calls an improvement of 55.75 over Euler angles and of 24.25 over the
-plain logarithm (points, as we read it); by task only that Euler angles stay below 40 % in
-harvesting and seeding and the plain logarithm in irrigation.
+The paper prints means over the tasks. For its own planner these are NPE .05 +- .01, NOE .07 +- .11
+and a success of 100 %, which it calls an improvement of 55.75 over Euler angles and of 24.25 over
+the plain logarithm (we read these as percentage points). By task it only says that Euler angles
+stay below 40 % in harvesting and seeding, and the plain logarithm in irrigation.
 
-What differs, and why. Euler angles break where one wraps at half a turn, which hangs on how the
-base frame lies, and beside gimbal lock; the plain logarithm breaks where the tool comes half a turn
-away from where it ends. Which subtasks do so hangs on how the hand was held, which is not public.
-Our person turns the tool by 150 to 500 degrees in most subtasks, more than half a turn away from
-the goal in all but four: so the plain logarithm fails more often than in the paper, not only in
-irrigation, and about as often as Euler angles. What fails spins: it turns by up to a whole turn in
-a quarter of a second, faster than any wrist, while its mean error stays that of a short moment and
-its end is reached; so NOE tells less of a failure than SR-MOD does. NPE is smaller than the paper's
-by an order of magnitude: it holds the primitive against the recording alone, without a robot's
-control, and 50 kernels are learned to replay.
+Differences and their causes: Euler angles fail where an angle wraps at half a turn, which depends
+on the orientation of the base frame, and near gimbal lock. The plain logarithm fails where the tool
+is half a turn away from its final orientation. Which subtasks are affected depends on how the hand
+was held, which is not public. Our person turns the tool by 150 to 500 degrees in most subtasks,
+more than half a turn away from the goal in all but four. So the plain logarithm fails more often
+than in the paper, not only in irrigation, and about as often as Euler angles. A failed motion
+spins: it makes up to a full turn in a quarter of a second, faster than any wrist. Its mean error
+remains small, because the spin is short, and it reaches its end; so NOE reveals less of a failure
+than SR-MOD. NPE is smaller than the paper's by an order of magnitude: it compares the primitive
+with the recording, without the control of a robot, and 50 kernels are fitted to replay it.
 
-arm_did: the joints followed the tool's motion, came inside all limits by slowing down and kept
-clear. The arm has a joint to spare and three wrist joints of little range: pulled to the middle of
-its ranges it comes, where the tool turns far, to where a wrist joint ends and the other way of
-standing is a jump away; of digging's whole tasks that leaves two of 13. Its demonstrations tell how
-to stand: the joints are learned, looked up and generated like the tool's motion, and `follow` keeps
-the arm near them. Whole tasks between the targets count with interpolated skills.
+arm_did: the joints followed the tool's motion, kept all limits after slowing down, and nothing
+collided. The arm has one redundant joint and three wrist joints with small ranges. If it is pulled
+to the middle of its ranges, large tool rotations drive a wrist joint to its limit, and only a jump
+leads to another posture; two of the 13 whole digging tasks then succeed. The demonstrations
+contain suitable postures: the joints are learned, looked up and generated like the tool's motion,
+and `follow` keeps the arm near them. Whole tasks between the targets count with interpolated
+skills.
 
-lookups: between four targets, against what the person shows there, timing aside. The paper takes
-the nearest target's parameters; its motion, moved to the target, keeps the orientation of a place
-7 cm away, and where digging has the elbow at its limit the arm cannot follow. Interpolated between
-the neighbours, a motion is several times nearer to what is shown, and every whole task is done.
-(Demonstrations brought onto one clock by time warping first gave no better means.)
+lookups: motions for positions between four targets, compared with demonstrations there after
+alignment in time. The paper uses the parameters of the nearest target. Its motion, moved to the
+target, keeps the orientation for a position 7 cm away, and the arm cannot follow where digging has
+the elbow at its limit. A motion interpolated between the neighbours is several times closer to the
+demonstration, and every whole task succeeds. (Aligning the demonstrations by time warping first did
+not improve the means.)
 """
 
 from __future__ import annotations
@@ -46,7 +48,7 @@ _ALL = "all"
 
 
 def report(config: Any, rows: list[Row]) -> Report:
-    """A line for every task and planner; tests, whole tasks and recordings in the summary."""
+    """A row for every task and planner; tests, look-ups and recordings in the summary."""
     subtasks, wholes, replayed = (
         selected(rows, study=name) for name in ("subtasks", "whole", "recordings")
     )
@@ -76,7 +78,7 @@ def report(config: Any, rows: list[Row]) -> Report:
                 for weights in recordings.WEIGHTS
             ]
             if replayed
-            else "none were given",
+            else "no recordings were given",
         },
     )
 
@@ -109,12 +111,12 @@ def _line(rows: list[Row], wholes: list[Row], task: str, planner: str) -> Row:
 
 
 def _best_looked_up(wholes: list[Row]) -> list[Row]:
-    """Whole tasks for the targets, where all look-ups are one, and interpolated between them."""
+    """Whole tasks for the targets, where both look-ups agree, and interpolated ones between."""
     return [row for row in wholes if row["lookup"] == "interpolated" or "target" in row["where"]]
 
 
 def _looked_up(rows: list[Row], planner: str, lookup: str) -> Row:
-    """Between the targets: whole tasks, and subtasks against what the person shows there."""
+    """Between the targets: whole tasks, and subtasks compared with demonstrations there."""
     own = selected(rows, planner=planner)
     wholes = [row for row in selected(own, study="whole") if "amid" in row["where"]]
     looked_up = selected(own, study="lookup")
@@ -130,7 +132,7 @@ def _looked_up(rows: list[Row], planner: str, lookup: str) -> Row:
 
 
 def _details(rows: list[Row], task: str, planner: str) -> Row:
-    """What the table has no room for. limits_kept: once slowed down, by the factor `slowing`."""
+    """Further numbers. "limits_kept" holds after slowing down by the factor "slowing"."""
     return {
         "task": task,
         "planner": planner,
@@ -160,12 +162,12 @@ def _spread(rows: list[Row], column: str) -> float | None:
 
 
 def _percent(rows: list[Row], column: str) -> float | None:
-    """The share of all rows, those included that never got so far."""
+    """The percentage of all rows, including those without the column."""
     return 100.0 * sum(bool(row.get(column)) for row in rows) / len(rows) if rows else None
 
 
 def _compared(rows: list[Row], task: str, pair: tuple[str, str], planners: int) -> Row:
-    """Wilcoxon's test on the trials of two planners, p times the number of pairs (Bonferroni)."""
+    """Wilcoxon's signed-rank test on the trials of two planners, with Bonferroni correction."""
     count = planners * (planners - 1) // 2
     found: Row = {"task": task, "planners": " and ".join(pair), "comparisons": count}
     first, second = ({_trial(row): row for row in _of(rows, task, each)} for each in pair)

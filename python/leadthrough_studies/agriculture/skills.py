@@ -1,8 +1,8 @@
-"""What a planner learns from a task as it was shown, looked up by subtask and target.
+"""The skills that a planner learns from the demonstrations of a task, by subtask and target.
 
-Source: Lauretti et al. 2023, section 2.1 (figure 1), for the look-up in a database. Beside the
-motions of the tool the library holds those of the joints: how the arm stood, which tells a
-redundant arm how to follow.
+Source: Lauretti et al. 2023, section 2.1 (figure 1), for the look-up in a database. Besides the
+motions of the tool, the library holds the motions of the joints, which give a redundant arm the
+postures for following the tool.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from leadthrough.preprocess import join
 from leadthrough_studies.agriculture.tasks import TASKS, Subtask, postures, targets
 from leadthrough_studies.demonstrator import JointTeaching, guide_joints
 
-DURATION = 10.0  # s of a subtask, the paper's
+DURATION = 10.0  # s per subtask, as in the paper
 STEP = 0.02  # s
 LOOKUPS = ("nearest", "interpolated")
 
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """A motion, as the joints and as the tool move; both have the gripper's events."""
+    """A motion of the joints and of the tool; both have the gripper's events."""
 
     joints: JointTrajectory
     poses: PoseTrajectory
@@ -39,7 +39,17 @@ class Shown:
 
 @dataclass(frozen=True, eq=False)
 class Learned:
-    """shown: by subtask and number of the target. refused: why the planner learned nothing."""
+    """The skills for one task.
+
+    Attributes:
+        task: name of the task.
+        model: the planner.
+        targets: positions (3,) of the targets by number, m.
+        shown: demonstrations by number of subtask and of target.
+        library: the skills of the tool and of the joints.
+        refused: error messages by number of subtask and of target where the planner failed to
+          learn.
+    """
 
     task: str
     model: PoseDMP
@@ -51,22 +61,29 @@ class Learned:
     def skill(
         self, subtask: Subtask, target: Float64Array, *, lookup: str = "nearest"
     ) -> PoseDMPSkill:
-        """The skill for a target, found by one of LOOKUPS.
+        """The skill of the tool for a target.
 
-        Raises InvalidInput where there is none, FitError where neighbours give none.
+        Args:
+            subtask: the subtask.
+            target: position (3,), m.
+            lookup: one of LOOKUPS.
+
+        Raises:
+            InvalidInput: if the library has no skill of the subtask.
+            FitError: if no skill can be interpolated between the neighbours.
         """
         found = getattr(self.library, lookup)(self.task, subtask.number, target)
         assert isinstance(found, PoseDMPSkill)
         return found
 
     def posture(self, subtask: Subtask, target: Float64Array, *, lookup: str = "nearest") -> Any:
-        """The skill of the joints for a target."""
+        """The skill of the joints for a target, looked up like `skill`."""
         return getattr(self.library, lookup)(_joints_of(self.task), subtask.number, target)
 
     def goal(
         self, subtask: Subtask, target: Float64Array, *, lookup: str = "nearest"
     ) -> Float64Array:
-        """Where the subtask ends for a target, (3,) m: the nearest one's end is moved there."""
+        """The end (3,) of the subtask for a target, m: that of the nearest target, shifted."""
         learned = self.skill(subtask, target, lookup=lookup).springs.ends.goal[:3]
         if not subtask.ends_at_target or lookup == "interpolated":
             return learned
@@ -84,7 +101,16 @@ def show(
     seed: int,
     target: Float64Array | None = None,
 ) -> Shown:
-    """The simulated person's demonstration for target i, or another; the same for every planner."""
+    """The simulated person's demonstration of a subtask; the same for every planner.
+
+    Args:
+        arm: the TIAGo.
+        task: name of the task.
+        subtask: the subtask.
+        i: number of the target.
+        seed: seed of the simulated person.
+        target: another position (3,), m, instead of the one of target i.
+    """
     place = [list(TASKS).index(task), TASKS[task].index(subtask), i]
     stops = postures(arm, task, subtask, targets(task)[i] if target is None else target)
     joints = guide_joints(stops, JointTeaching(), np.random.default_rng([seed, *place])).motion
@@ -96,7 +122,7 @@ def show(
 
 
 def learn(arm: Arm, task: str, model: PoseDMP, repetitions: Sequence[int], *, seed: int) -> Learned:
-    """All subtasks, for the targets given by number."""
+    """The skills of all subtasks of a task, for targets given by number."""
     at = {i: targets(task)[i] for i in repetitions}
     library, refused, shown = SkillLibrary(), {}, {}
     for subtask in TASKS[task]:
@@ -116,10 +142,17 @@ def learn(arm: Arm, task: str, model: PoseDMP, repetitions: Sequence[int], *, se
 
 
 def chain(learned: Learned, target: Float64Array, *, lookup: str = "nearest") -> Shown:
-    """The whole task for a target, each subtask from where the last one ended.
+    """The whole task for a target; each subtask starts where the previous one ended.
 
-    Raises UnsupportedQuery where a planner refuses, FitError where it learns nothing in between,
-    InvalidInput where it learned nothing.
+    Args:
+        learned: the skills of the task.
+        target: position (3,), m.
+        lookup: one of LOOKUPS.
+
+    Raises:
+        UnsupportedQuery: if the planner refuses a query.
+        FitError: if no skill can be interpolated.
+        InvalidInput: if a skill is missing.
     """
     poses: list[PoseTrajectory] = []
     stands: list[JointTrajectory] = []
@@ -144,5 +177,5 @@ def fastest_turn(motion: PoseTrajectory) -> float:
 
 
 def _joints_of(task: str) -> str:
-    """What the library calls the motions of a task's joints."""
+    """The library's name for the joint motions of a task."""
     return f"{task}, joints"

@@ -1,19 +1,19 @@
 """The agriculture study: a TIAGo learns digging, seeding, irrigation and harvesting.
 
-After Lauretti et al. 2023, sections 2.2 and 3: 16 subtasks, nine targets, one demonstration of each
+After Lauretti et al. 2023, sections 2.2 and 3: 16 subtasks and nine targets, with one demonstration
 and one reproduction in 10 s by each planner. The paper's recordings are not public; a simulated
-person shows the subtasks (`demonstrator`) through the postures of `agriculture_tasks`. Planners are
-the orientations of `PoseDMP`: Euler angles ZYZ and the plain logarithm, which the paper compares
-with; "lifted", the paper's dynamic parameterisation; "anchored", ours. What the measures mean
-stands in `agriculture_measures`.
+person (`demonstrator`) demonstrates the subtasks through the postures of `tasks`. The planners are
+the orientations of `PoseDMP`: Euler angles ZYZ and the plain logarithm, with which the paper
+compares its own; "lifted", the paper's dynamic parameterisation; and "anchored", ours. `measures`
+defines the measures.
 
-Every reproduction is followed by the arm, slowed down into its limits and checked, the whole arm
-with its hand, against itself and the floor; the redundant arm stays near how it stood in the
-demonstration. Whole tasks are chained from their subtasks, each from where the last one ended, for
-targets on the grid and between. The gripper closes or opens where a subtask ends; its events keep
-their places when the arm slows down. Between the targets, skills are looked up at the nearest one
-or interpolated, and held against what the person shows there. Where a folder of recordings is
-given, the motions of a real arm are learned and replayed too.
+The arm follows every reproduction, slows down to its limits, and is checked as a whole, with its
+hand, against itself and the floor. The redundant arm stays near the demonstrated posture. Whole
+tasks are chained from their subtasks, each starting where the previous one ended, for targets on
+the grid and between. The gripper closes or opens at the end of a subtask; its events keep their
+places on the path when the arm slows down. Between the targets, skills are looked up at the nearest
+target or interpolated, and compared with demonstrations there. If a folder of recordings is given,
+motions of a real arm are learned and replayed as well.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ from leadthrough_studies.agriculture.tasks import (
 from leadthrough_studies.study import Row, Study, Task, cpu_time
 
 PLANNERS = ("euler", "log", "lifted", "anchored")
-_PLANNED_STEP = 0.01  # s, of the motions whose planning is timed: 1000 steps
+_PLANNED_STEP = 0.01  # s, step of the motions whose planning is timed: 1000 steps
 _CLEARANCE = 1e-3  # m, tolerance of the check between samples
 _DRAWN = "4-4"  # the subtask of the paper's figures 8 to 10
 _DRAWN_SAMPLES = 201
@@ -64,9 +64,15 @@ _DRAWN_SAMPLES = 201
 
 @dataclass(frozen=True)
 class AgricultureConfig:
-    """repetitions: of the nine targets, 0 to 8. between: whole tasks for the targets amid four.
+    """The configuration of the study.
 
-    recordings: a folder with panda_execution/*.csv, empty for none. seed: of the simulated person.
+    Attributes:
+        tasks: names of tasks, keys of TASKS.
+        repetitions: numbers of targets, 0 to 8.
+        planners: orientations of PoseDMP.
+        between: whether to also run tasks for positions between four targets.
+        recordings: folder with panda_execution/*.csv; empty for none.
+        seed: seed of the simulated person.
     """
 
     tasks: tuple[str, ...] = tuple(TASKS)
@@ -78,14 +84,14 @@ class AgricultureConfig:
 
 
 def configure(quick: bool, seed: int) -> AgricultureConfig:
-    """All of it with the recordings in LEADTHROUGH_DATA, or one task for two targets."""
+    """The full configuration with the recordings in LEADTHROUGH_DATA, or one task, two targets."""
     if quick:
         return AgricultureConfig(("harvesting",), (0, 4), between=False, seed=seed)
     return AgricultureConfig(recordings=os.environ.get("LEADTHROUGH_DATA", ""), seed=seed)
 
 
 def tasks(config: AgricultureConfig) -> list[Task]:
-    """A task for every agricultural task by every planner, and for every recording."""
+    """A task for every agricultural task and planner, and for every recording."""
     common = {"repetitions": list(config.repetitions), "seed": config.seed}
     return [
         *(
@@ -100,7 +106,7 @@ def tasks(config: AgricultureConfig) -> list[Task]:
 def perform(
     *, task: str, planner: str, repetitions: list[int], between: bool, seed: int
 ) -> list[Row]:
-    """A row for every subtask and target, and for every whole task, by a planner."""
+    """A row for every subtask and target, every whole task and every look-up of one planner."""
     arm = load_arm()
     learned = learn(arm, task, PoseDMP(orientation=planner), repetitions, seed=seed)
     labels = {"task": task, "planner": planner}
@@ -129,7 +135,7 @@ def perform(
 def _wanted(
     task: str, repetitions: list[int], *, between: bool
 ) -> list[tuple[str, Float64Array, tuple[str, ...]]]:
-    """Where whole tasks go, by which look-ups; on the grid both are the same."""
+    """Label, target and look-ups of the whole tasks; on the grid both look-ups are the same."""
     grid = targets(task)
     return [
         *((f"target {i + 1}", grid[i], LOOKUPS[:1]) for i in repetitions),
@@ -138,14 +144,14 @@ def _wanted(
 
 
 def _reproduced(arm: Arm, learned: Learned, subtask: Subtask, i: int) -> Row:
-    """The subtask by the skill of its own target, judged; or why there is none."""
+    """The measures of the subtask with the skill of its own target, or the refusal."""
     key = subtask.number, i
     if key in learned.refused:
         return {"succeeded": 0, "refused": learned.refused[key]}
     shown, skill = learned.shown[key], learned.skill(subtask, learned.targets[i])
     try:
         made = skill.generate(duration=DURATION, dt=STEP)
-    except InvalidInput as error:  # "lifted" would spin
+    except InvalidInput as error:  # "lifted" refuses to spin
         return {"succeeded": 0, "refused": str(error)}
     on_arm, _ = on_the_arm(arm, made, shown.joints)
     row = judged(made, shown.poses) | on_arm
@@ -157,7 +163,7 @@ def _reproduced(arm: Arm, learned: Learned, subtask: Subtask, i: int) -> Row:
 
 
 def _wholes(arm: Arm, learned: Learned, repetitions: list[int], *, between: bool) -> list[Row]:
-    """A row for every whole task; that for the first target has its joints, to be drawn."""
+    """A row for every whole task; the first one has its joints, for the figures."""
     rows: list[Row] = []
     for where, target, lookups in _wanted(learned.task, repetitions, between=between):
         for lookup in lookups:
@@ -171,7 +177,7 @@ def _wholes(arm: Arm, learned: Learned, repetitions: list[int], *, between: bool
 def _whole(
     arm: Arm, learned: Learned, target: Float64Array, lookup: str
 ) -> tuple[Row, JointTrajectory | None]:
-    """The whole task for a target; or why there is none."""
+    """The measures and joints of the whole task for a target, or the refusal."""
     try:
         whole = chain(learned, target, lookup=lookup)
     except (InvalidInput, FitError) as error:
@@ -191,7 +197,7 @@ def _whole(
 
 
 def _drawn(arm: Arm, joints: JointTrajectory) -> Row:
-    """Joints over the time, and their limits, for the figures."""
+    """Time series of the joints, and their limits, for the figures."""
     some = np.linspace(0, len(joints.times) - 1, 2 * _DRAWN_SAMPLES).astype(int)
     return {
         "times": np.round(joints.times[some], 3).tolist(),
@@ -204,7 +210,7 @@ def _drawn(arm: Arm, joints: JointTrajectory) -> Row:
 def looked_up(
     arm: Arm, learned: Learned, subtask: Subtask, i: int, lookup: str, *, seed: int
 ) -> Row:
-    """The subtask for a target amid four, from where the person begins, against what he shows."""
+    """The subtask for a position between four targets, compared with a demonstration there."""
     target = amid(learned.task, i)
     number = len(targets(learned.task)) + i
     shown = show(arm, learned.task, subtask, number, seed=seed, target=target).poses
@@ -221,9 +227,15 @@ def looked_up(
 def on_the_arm(
     arm: Arm, motion: PoseTrajectory, posture: JointTrajectory
 ) -> tuple[Row, JointTrajectory | None]:
-    """What becomes of a motion of the tool: followed, slowed down into the limits, checked.
+    """The joints that follow a motion of the tool, slowed down to the limits and checked.
 
-    posture: how the arm stood when it was shown.
+    Args:
+        arm: the arm.
+        motion: the motion of the tool.
+        posture: joint positions that the arm stays near.
+
+    Returns:
+        A row of measures, and the joint trajectory, or None if the arm cannot follow.
     """
     row: Row = {"followed": 0}
     try:
@@ -232,7 +244,7 @@ def on_the_arm(
         return row | {"arm_failure": f"{error.status} at sample {error.index}"}, None
     row = {"followed": 1}
     try:
-        joints = scale_to_limits(joints, arm.limits)  # "slow" does not mind the jerk
+        joints = scale_to_limits(joints, arm.limits)  # `follow` does not consider jerk
     except LimitsInfeasible as error:
         return row | {"arm_failure": str(error)}, joints
     row |= {
@@ -249,7 +261,7 @@ def _cleared(arm: Arm, joints: JointTrajectory) -> Row:
 
 
 def _course(made: PoseTrajectory, shown: Shown) -> Row:
-    """Orientations over the share of the duration, for the figures."""
+    """Orientations over the fraction of the duration, for the figures."""
     phases = np.linspace(0.0, 1.0, _DRAWN_SAMPLES)
     recorded, drawn = at_phases(shown.poses, phases), at_phases(made, phases)
     return {

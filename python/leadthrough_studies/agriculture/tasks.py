@@ -1,19 +1,18 @@
-"""Four agricultural tasks of a TIAGo in 16 subtasks, and the postures a person takes it through.
+"""Four agricultural tasks of a TIAGo in 16 subtasks, and the postures through which it is guided.
 
-Lauretti et al. 2023, section 2.2, name the subtasks and the first target; the rest is ours:
+Lauretti et al. 2023, section 2.2, name the subtasks and the first target; the rest is assumed here:
 
-- The torso is lifted by 0.25 m and holds. The tool is a point 0.2 m beyond the wrist; around the
-  hand there is a capsule 8 cm thick. The arm's base frame stands on the axis of the first joint,
-  x to the front and z up.
+- The torso is held at 0.25 m. The tool is a point 0.2 m beyond the wrist; a capsule 8 cm thick
+  stands for the hand. The arm's base frame is on the axis of the first joint, x to the front, z up.
 - The paper draws the layout of its nine targets and states the first: [20, -20, -40] cm for
-  subtasks 1-2, 2-2 and 3-2, [50, -20, 0] cm for 4-1. From there ours lie on a 3 x 3 grid 10 cm
-  apart, level (to the front and to the left) and upright (up and to the left).
+  subtasks 1-2, 2-2 and 3-2, [50, -20, 0] cm for 4-1. From there, our targets lie on a 3 x 3 grid
+  10 cm apart: horizontal (to the front and to the left) or vertical (up and to the left).
 - Home, rack, bucket, seeds, can and crate are postures chosen by hand, the same in every
-  repetition. At a target the tool's point is on it, in the posture nearest to one chosen by hand
-  for the middle of the grid.
-- The tool turns as its use asks for, about the wrist: a scoop and the turning over of the soil, the
-  hand that lets seeds fall, pouring and returning, twisting a fruit off its stem.
-- There is nothing to hit but the floor and the robot itself, as in the paper.
+  repetition. At a target, the tool point is on the target, in the posture nearest to one chosen by
+  hand for the middle of the grid.
+- The tool rotates about the wrist as its use requires: scooping and turning over the soil, letting
+  seeds fall, pouring and returning, twisting a fruit off its stem.
+- As in the paper, the only obstacles are the floor and the robot itself.
 """
 
 from __future__ import annotations
@@ -30,9 +29,9 @@ from leadthrough.shapes import Box, Capsule
 TORSO = 0.25  # m
 SPACING = 0.1  # m, between targets
 _ARM_BASE = np.array([0.09305, 0.014, 0.7375 + TORSO])  # the first joint, in the robot's frame
-CORNERS = (0, 1, 3, 4)  # targets with three neighbours behind them
+CORNERS = (0, 1, 3, 4)  # targets at a corner of a cell of the grid
 _TOOL = (0.0, 0.0, 0.2)  # m, beyond the last link
-_ABOVE = np.array([0.0, 0.0, 0.1])  # m, where a target is approached from
+_ABOVE = np.array([0.0, 0.0, 0.1])  # m, from where a target is approached
 
 POSTURES: dict[str, tuple[float, ...]] = {
     "home": (0.3, -0.8, -0.6, 1.9, -1.2, 0.9, 1.2),
@@ -41,11 +40,11 @@ POSTURES: dict[str, tuple[float, ...]] = {
     "seeds": (1.45, -0.12, -0.91, 2.03, 0.33, -0.98, 1.5),
     "can": (1.18, -0.69, 1.24, 1.94, -0.81, -0.89, -1.4),
     "crate": (0.75, 0.42, 0.33, 1.82, -1.38, 0.45, -2.0),
-    # The straight way from home would lead through the robot.
+    # The straight path from home would lead through the robot.
     "beside the rack": (0.36, -0.44, 0.38, 1.63, -0.61, -0.58, 0.04),
     "beside the can": (1.17, -0.35, -0.2, 1.63, -1.27, -0.31, -0.58),
 }
-# How the arm stands at the middle of a grid.
+# The posture at the middle of a grid.
 _AT_TARGET: dict[str, tuple[float, ...]] = {
     "digging": (1.51, 0.41, 0.35, 2.11, -0.94, 0.43, -1.4),
     "seeding": (2.12, -0.03, 0.46, 1.88, 0.98, -0.66, 1.5),
@@ -56,7 +55,7 @@ _AT_TARGET: dict[str, tuple[float, ...]] = {
 
 @dataclass(frozen=True)
 class Turned:
-    """A posture after turns of joints (by number, from 1), in rad."""
+    """A posture after rotations of joints (by number, from 1), in rad."""
 
     posture: str
     turns: Mapping[int, float]
@@ -67,9 +66,14 @@ Stop = str | Turned
 
 @dataclass(frozen=True)
 class Subtask:
-    """stops: "target" and "above" are postures at the repetition's target, others in `POSTURES`.
+    """A subtask.
 
-    gripper: what it does at the end, "closed", "opened" or nothing.
+    Attributes:
+        number: its number in the paper.
+        title: short description.
+        stops: the postures it passes: "target" and "above" depend on the target, others are in
+            POSTURES.
+        gripper: state of the gripper after the subtask: "closed", "opened" or empty for no change.
     """
 
     number: str
@@ -79,12 +83,12 @@ class Subtask:
 
     @property
     def ends_at_target(self) -> bool:
-        """Whether its end moves with the target."""
+        """Whether its end depends on the target."""
         return _moves_with_target(self.stops[-1])
 
     @property
     def depends_on_target(self) -> bool:
-        """Whether any part of it moves with the target."""
+        """Whether any of its postures depends on the target."""
         return any(_moves_with_target(stop) for stop in self.stops)
 
 
@@ -150,12 +154,22 @@ def targets(task: str) -> Float64Array:
 
 
 def amid(task: str, i: int) -> Float64Array:
-    """The place (3,) m between target i and its three neighbours; i: of CORNERS."""
+    """The position (3,) between target i, one of CORNERS, and its three neighbours, m."""
     return np.asarray(targets(task)[[i, i + 1, i + 3, i + 4]].mean(axis=0))
 
 
 def postures(arm: Arm, task: str, subtask: Subtask, target: Float64Array) -> Float64Array:
-    """The postures (n, joints) a subtask is taken through. Raises RuntimeError."""
+    """The postures (n, joints) through which the arm is guided in a subtask.
+
+    Args:
+        arm: the TIAGo.
+        task: name of the task.
+        subtask: the subtask.
+        target: position (3,), m.
+
+    Raises:
+        RuntimeError: if the arm does not reach the target.
+    """
     return np.array([_posture(arm, task, stop, target) for stop in subtask.stops])
 
 

@@ -1,1 +1,1 @@
-"""The demo: handwriting learned, planned and written by a UR3."""
+"""The demo: learns handwriting, plans it and writes it with a UR3."""

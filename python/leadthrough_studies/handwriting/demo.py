@@ -1,9 +1,9 @@
-"""Human handwriting, shown to a robot arm: learned, planned around a box, checked, exported.
+"""Human handwriting, learned, planned around a box and written by a robot arm.
 
-Six of the seven demonstrations of a motion of the LASA set are learned, the seventh is reproduced
-from its start. Then the motion is planned once more around a box, put on a table before a UR3
-that holds a pen, made a joint trajectory inside the limits, and checked: the whole arm and the pen
-against table, box and themselves.
+The demo learns six of the seven demonstrations of a motion of the LASA set and reproduces the
+seventh from its start. Then it plans the motion around a box, places it on a table in front of a
+UR3 that holds a pen, and computes a joint trajectory within the limits. Finally it checks the whole
+arm and the pen against the table, the box and the arm itself.
 """
 
 from __future__ import annotations
@@ -30,13 +30,20 @@ MOTIONS = (
 
 @dataclass(frozen=True)
 class HandwritingConfig:
-    """The table, the pen and the box; all in the arm's base frame, m.
+    """The table, the pen and the box. Lengths are in m, in the arm's base frame.
 
-    centre: of the drawing, x and y, on the table z = 0. size: of the drawing's longer side.
-    pen_length: from the flange to the table. pen_radius: of what is checked of the pen, which ends
-    at `pen_lift` above the table. box_size: edges of the obstacle.
-    hurry: how much faster than the people who drew the motion is asked for; the arm's limits then
-    decide. posture: (joints,) rad, elbow up, from which the first pose is searched.
+    Attributes:
+        robot: name of the arm.
+        model: the model that learns the motion.
+        centre: x and y of the centre of the drawing, on the table at z = 0.
+        size: longer side of the drawing.
+        pen_length: distance from the flange to the table.
+        pen_radius: radius of the pen's collision shape.
+        pen_lift: height above the table at which that shape ends.
+        box_size: edges of the obstacle.
+        hurry: factor by which the motion should be faster than the people drew it; the arm's limits
+            then slow it down.
+        posture: joint positions (joints,), rad, elbow up, from which the first pose is searched.
     """
 
     robot: str = "ur3"
@@ -55,7 +62,19 @@ class HandwritingConfig:
 class Handwriting:
     """One motion, from the recordings to the joints; lengths in m on the table.
 
-    slowing: the factor on time that brought the hurried motion inside the limits.
+    Attributes:
+        name: name of the motion in the LASA set.
+        shown: the six motions that were learned.
+        held_out: the seventh motion.
+        skill: the learned skill.
+        reproduction: the motion generated from the start of the seventh.
+        box: the obstacle.
+        detour: the motion planned around the obstacle.
+        joints: the joint trajectory.
+        slowing: the factor on time that brought the motion within the limits.
+        limits: the check of the joint trajectory against the limits.
+        errors: errors of the reproduction, in mm of the drawing.
+        clearance: the collision check of arm and pen.
     """
 
     name: str
@@ -73,7 +92,7 @@ class Handwriting:
 
 
 def run(name: str, arm: Arm, config: HandwritingConfig) -> Handwriting:
-    """Learn, reproduce, plan around a box and solve the arm's joints for one motion."""
+    """Learn and reproduce one motion, plan it around a box and compute the arm's joints."""
     drawings = [_drawing(demonstration) for demonstration in lasa.load(name)]
     placement = _Placement.onto_table(drawings, config)
     *shown, held_out = (placement.on_table(drawing) for drawing in drawings)
@@ -103,7 +122,7 @@ def run(name: str, arm: Arm, config: HandwritingConfig) -> Handwriting:
 
 @dataclass(frozen=True, eq=False)
 class _Placement:
-    """From a drawing in mm onto the table in m and back."""
+    """The map from a drawing in mm onto the table in m, and back."""
 
     scale: float
     offset: Float64Array
@@ -128,7 +147,7 @@ def _drawing(demonstration: Demonstration) -> Trajectory:
 
 
 def _box_in_the_way(path: Float64Array, config: HandwritingConfig) -> Box:
-    """A box in the table on the middle half of the path, there where the ends are farthest."""
+    """A box on the middle half of the path, where both ends are farthest away."""
     even = by_arc_length(path, 101)
     middle = even[25:76]
     ends = np.minimum(*(np.linalg.norm(middle - end, axis=1) for end in even[[0, -1]]))

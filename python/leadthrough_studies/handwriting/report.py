@@ -1,4 +1,4 @@
-"""What the handwriting study leaves in a folder: figures, a table of errors, joint trajectories."""
+"""The files of the handwriting demo: figures, a table of errors, joint trajectories, a page."""
 
 from __future__ import annotations
 
@@ -22,21 +22,22 @@ from leadthrough_studies.handwriting.demo import Handwriting, HandwritingConfig,
 from leadthrough_studies.results import save_figure
 
 _INTRODUCTION = (
-    "Motions that people drew seven times each (LASA set). Six drawings were learned by Fast "
-    "Marching Learning; the seventh was reproduced from its start alone. Then the motion was "
-    "planned once more around a box, put on a table before a UR3 with a pen, solved for the "
-    "joints, slowed down until every joint kept its limits, and checked: arm and pen against "
-    "table, box and themselves.",
-    "Drag a scene to look around, with the right button to move it; the wheel zooms.",
+    "People drew each of these motions seven times (LASA set). Fast Marching Learning learned six "
+    "drawings and reproduced the seventh from its start. Then it planned the motion around a box. "
+    "The result was placed on a table in front of a UR3 with a pen, solved for the joints, and "
+    "slowed down until every joint kept its limits. Arm and pen were checked against the table, "
+    "the box and each other.",
+    "Drag a scene with the left mouse button to rotate it, with the right button to move it; the "
+    "wheel zooms.",
 )
-_ERRORS = "Of the reproductions against the seventh drawing, in the drawings' own mm."
+_ERRORS = "Errors of the reproductions against the seventh drawing, in mm of the drawings."
 
 COLUMNS = ("motion", "SEA_mm2", "V_rmse_mm_s", "DTWD_per_N_mm", "Frechet_mm")
 
 
 @style.applied()
 def write_motion(result: Handwriting, limits: JointLimits, folder: Path) -> None:
-    """Two figures and the joint trajectory as CSV and JSON, in `folder`, made if missing."""
+    """Write two figures and the joint trajectory as CSV and JSON into `folder`, made if missing."""
     folder.mkdir(parents=True, exist_ok=True)
     save_figure(_learning_figure(result), folder / "learning.png")
     save_figure(plot.joint_figure(result.joints, limits), folder / "joints.png")
@@ -46,7 +47,7 @@ def write_motion(result: Handwriting, limits: JointLimits, folder: Path) -> None
 
 @style.applied()
 def write_summary(results: Sequence[Handwriting], folder: Path) -> None:
-    """One figure of all motions and the table of errors, errors.csv."""
+    """Write a figure of all motions and the table of errors, errors.csv, into `folder`."""
     folder.mkdir(parents=True, exist_ok=True)
     save_figure(_overview_figure(results), folder / "overview.png")
     with (
@@ -62,14 +63,16 @@ def write_summary(results: Sequence[Handwriting], folder: Path) -> None:
 def write_page(
     results: Sequence[Handwriting], arm: Arm, config: HandwritingConfig, folder: Path
 ) -> None:
-    """report.html: what was done, each motion to look at from all sides, the errors."""
+    """Write report.html: an introduction, a 3D scene of each motion, and the errors."""
     folder.mkdir(parents=True, exist_ok=True)
     parts = [page.text(text) for text in _INTRODUCTION]
     parts.append(page.figure(_overview_figure(results), "All motions on the table."))
     for result in results:
         parts += _motion_parts(result, arm, config)
     parts += [page.heading("Errors"), page.text(_ERRORS), page.table(COLUMNS, error_rows(results))]
-    page.write_page(folder / "report.html", "Handwriting, from six hands to a robot arm", parts)
+    page.write_page(
+        folder / "report.html", "Handwriting, learned and written by a robot arm", parts
+    )
 
 
 def _motion_parts(result: Handwriting, arm: Arm, config: HandwritingConfig) -> list[str]:
@@ -81,12 +84,12 @@ def _motion_parts(result: Handwriting, arm: Arm, config: HandwritingConfig) -> l
     return [
         page.heading(result.name),
         page.scene(_scene(result, arm, config), facts),
-        page.figure(_learning_figure(result), "Left the map, right the speed of the pen."),
+        page.figure(_learning_figure(result), "Left: the speed map. Right: the speed of the pen."),
     ]
 
 
 def _scene(result: Handwriting, arm: Arm, config: HandwritingConfig) -> Scene:
-    """The arm with its pen; the table is the floor, of the box only the part above it is shown."""
+    """The arm with its pen; the table is the floor, and the box is drawn above it only."""
     height = 0.5 * result.box.size[2]
     x, y, z = result.box.position
     above = Box(np.array([*result.box.size[:2], height]), np.array([x, y, z + 0.5 * height]))
@@ -101,7 +104,7 @@ def _scene(result: Handwriting, arm: Arm, config: HandwritingConfig) -> Scene:
 
 
 def error_rows(results: Sequence[Handwriting]) -> list[tuple[str, ...]]:
-    """A row a motion and their mean, in the order of COLUMNS."""
+    """One row per motion and their mean, with the columns of COLUMNS."""
     values = np.array(
         [
             (e.swept_error_area, e.velocity_rmse, e.dtw_distance, e.frechet_distance)

@@ -1,4 +1,4 @@
-"""What ProMPs keep of human and of damped-least-squares demonstrations (Yang et al.)."""
+"""Velocities of human and of damped-least-squares demonstrations in ProMPs (Yang et al.)."""
 
 from leadthrough_studies.human.study import STUDY
 

@@ -1,11 +1,11 @@
-"""One reach of a Panda, shown by a person and by damped least squares.
+"""One reach of a Panda, demonstrated by a person and by damped least squares.
 
-Yang, Liu and Pears draw their reach but do not state it, and their recordings are not public. Ours
-goes from the ready posture to the tool's pose of `GOAL`, to the left of the base, for which joints
-1, 3 and 5 turn far. The person is simulated (`demonstrator`): the joints move at an unsteady pace
-through postures that are off the straight way, with tremor, a pause or none, and rounded by
-encoders. Damped least squares take the tool along a straight line to the same pose by the paper's
-equations 3 to 7.
+Yang, Liu and Pears draw their reach but do not state it, and their recordings are not public. Our
+reach goes from the ready posture to the tool pose of `GOAL`, to the left of the base, which
+requires large motions of joints 1, 3 and 5. The person is simulated (`demonstrator`): the joints
+move at an irregular pace through postures off the straight line, with tremor, with or without a
+pause, rounded to encoder steps. Damped least squares (the paper's equations 3 to 7) move the tool
+along a straight line to the same pose.
 """
 
 from __future__ import annotations
@@ -23,34 +23,34 @@ from leadthrough.trajectories import minimum_jerk_rise
 from leadthrough_studies.demonstrator import JointTeaching, guide_joints
 
 ROBOT = "panda"
-START = np.array([0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])  # the maker's ready posture
+START = np.array([0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])  # ready posture of the arm's maker
 GOAL = np.array([0.6, 0.2, 0.6, -1.7, 0.9, 1.9, 0.4])
-# Where a person's joints are a third and two thirds of the way, and where they end, rad.
+# Standard deviations of the via postures at 1/3 and 2/3 of the way, and of the end, rad.
 _ASTRAY, _GOAL_SPREAD = 0.08, 0.03
-# Of the poses that damped least squares are sent to, m and rad.
+# Standard deviations of the target poses of damped least squares, m and rad.
 _TARGET_SPREAD = (0.02, 0.03)
 _TEACHING = JointTeaching(
     duration=(5.0, 8.0), pauses=1, pause=(0.3, 0.8), tremor=5e-4, encoder=2**14
 )
-_DURATION = 4.0  # s, of damped least squares
+_DURATION = 4.0  # s, for damped least squares
 _RATE = 100.0  # Hz
-_REST = 1.0  # s, before and after where a motion is recorded with them
+_REST = 1.0  # s, of standstill before and after a motion
 
 Law = Callable[[Float64Array], Float64Array]
 
 
 def constant(u: Float64Array) -> Float64Array:
-    """The share of the way at constant speed."""
+    """The fraction of the path covered at constant speed."""
     return u
 
 
 def servo(u: Float64Array) -> Float64Array:
-    """The share of the way of steps that each cover the same part of what is left."""
+    """The fraction of the path covered by steps that each cover the same part of the remainder."""
     return np.asarray((1.0 - np.exp(-6.0 * u)) / (1.0 - np.exp(-6.0)))
 
 
 def human(count: int, rng: np.random.Generator) -> list[Demonstration]:
-    """Reaches of a simulated person."""
+    """Demonstrations of the reach by a simulated person."""
     shown: list[Demonstration] = []
     for number in range(1, count + 1):
         between = START + np.outer((1.0 / 3.0, 2.0 / 3.0), GOAL - START)
@@ -64,9 +64,13 @@ def human(count: int, rng: np.random.Generator) -> list[Demonstration]:
 def damped(
     arm: Arm, count: int, rng: np.random.Generator, *, law: Law = minimum_jerk_rise
 ) -> list[Demonstration]:
-    """Reaches by damped least squares; the first to the goal itself, the others about it.
+    """Demonstrations of the reach by damped least squares, along straight lines of the tool.
 
-    law: the share of the straight line covered at each share of the time.
+    Args:
+        arm: the Panda.
+        count: number of demonstrations; the first ends at the goal, the others near it.
+        rng: source of all random numbers.
+        law: maps fractions of the time (n,) to fractions of the line covered.
     """
     position, orientation = arm.forward_kinematics(GOAL)
     shown: list[Demonstration] = []
@@ -80,18 +84,21 @@ def damped(
 
 
 def interpolated(arm: Arm, rng: np.random.Generator, *, rest: float = 0.0) -> Demonstration:
-    """The joints straight from the start to where damped least squares end, at constant speed.
+    """A linear joint motion at constant speed to the joints where damped least squares end.
 
-    rest: s, of standing still before and after.
+    Args:
+        arm: the Panda.
+        rng: source of all random numbers.
+        rest: standstill before and after the motion, s.
     """
     end = damped(arm, 1, rng)[0].motion.positions[-1]
     times = np.arange(round((_DURATION + 2.0 * rest) * _RATE) + 1) / _RATE
-    share = np.clip((times - rest) / _DURATION, 0.0, 1.0)
-    return Demonstration(JointTrajectory(times, START + np.outer(share, end - START)))
+    fraction = np.clip((times - rest) / _DURATION, 0.0, 1.0)
+    return Demonstration(JointTrajectory(times, START + np.outer(fraction, end - START)))
 
 
 def laws(arm: Arm, rng: np.random.Generator) -> dict[str, Demonstration]:
-    """One reach of damped least squares by each time law that the paper may have used."""
+    """One demonstration of the reach with each time law that the paper may have used."""
     return {
         "joints interpolated": interpolated(arm, rng),
         "joints interpolated, with rests": interpolated(arm, rng, rest=_REST),
@@ -104,10 +111,10 @@ def laws(arm: Arm, rng: np.random.Generator) -> dict[str, Demonstration]:
 def _line(arm: Arm, position: Float64Array, orientation: Float64Array, law: Law) -> PoseTrajectory:
     times = np.arange(round(_DURATION * _RATE) + 1) / _RATE
     first, turned = arm.forward_kinematics(START)
-    share = law(times / _DURATION)
+    fraction = law(times / _DURATION)
     ends = rotations.align_signs(np.stack([turned, orientation]))
     return PoseTrajectory(
         times,
-        first + np.outer(share, position - first),
-        rotations.interpolate(np.array([0.0, 1.0]), ends, share),
+        first + np.outer(fraction, position - first),
+        rotations.interpolate(np.array([0.0, 1.0]), ends, fraction),
     )

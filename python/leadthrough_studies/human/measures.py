@@ -1,15 +1,16 @@
-"""What learning leaves of the velocity of a motion.
+"""Measures of how well learning preserves the velocity of a motion.
 
-Velocities as shown are central differences of what was recorded, without a filter; as learned, the
-derivative of the ProMP's mean in the same duration. Each column of a motion is measured by itself:
+The demonstrated ("shown") velocity is the central difference of the recording, unfiltered. The
+learned velocity is the derivative of the ProMP's mean over the same duration. Each column of a
+motion is measured separately:
 
-peak_ratio: of the largest speed, learned over shown: under 1 where peaks are lost, over 1 where
-  learning overshoots.
+peak_ratio: largest learned speed over the largest demonstrated speed: below 1 if peaks are lost,
+  above 1 if learning overshoots.
 position_rmse, velocity_rmse: root mean square errors, rad and rad/s, or m and m/s.
-velocity_rmse_percent: the latter of the peak shown.
-sign_changes_shown, _learned: of the acceleration. The noise of a recording counts.
-reversals_shown, _learned: the same, but only where the velocity turns by more than 5 % of its peak:
-  a single bell has 1.
+velocity_rmse_percent: velocity_rmse in percent of the demonstrated peak.
+sign_changes_shown, _learned: number of sign changes of the acceleration, including those by noise.
+reversals_shown, _learned: number of sign changes of the acceleration after which the velocity
+  changes by more than 5 % of its peak: a single bell has 1.
 bell_distance_shown, _learned: root mean square distance of the speed over its peak from a
   minimum-jerk bell, 16 u^2 (1 - u)^2: 0 for a bell, .58 at constant speed.
 """
@@ -35,20 +36,20 @@ def velocity(times: Float64Array, positions: Float64Array) -> Float64Array:
 
 
 def learned(skill: ProMPSkill, motion: Motion) -> tuple[Float64Array, Float64Array]:
-    """The skill's mean position and velocity (n, d) each, at the times and pace of a motion."""
+    """The skill's mean positions and velocities, (n, d) each, at the times and pace of a motion."""
     same = skill.lasting(motion.duration)
     at = motion.times - motion.times[0]
     return same.distribution(at)[0], same.distribution(at, order=1)[0]
 
 
 def fidelity(skill: ProMPSkill, motions: Sequence[Motion], column: int) -> Row:
-    """The measures of one column, their means over the motions shown."""
+    """The measures of one column, averaged over the demonstrated motions."""
     each = [_of_one(skill, motion, column) for motion in motions]
     return {name: float(np.mean([row[name] for row in each])) for name in each[0]}
 
 
 def course(skill: ProMPSkill, motion: Motion, column: int) -> Row:
-    """One column over time as shown and as learned, for drawing."""
+    """Time series of one column, as demonstrated and as learned, for the figures."""
     position, speed = learned(skill, motion)
     values = {
         "time": motion.times - motion.times[0],
@@ -81,14 +82,14 @@ def _of_one(skill: ProMPSkill, motion: Motion, column: int) -> Row:
 
 
 def sign_changes(speed: Float64Array) -> int:
-    """How often the differences of a velocity (n,) change their sign; zeros have none."""
+    """Number of sign changes of the differences of a velocity (n,), ignoring zeros."""
     signs = np.sign(np.diff(speed))
     signs = signs[signs != 0.0]
     return int((signs[1:] != signs[:-1]).sum())
 
 
 def reversals(speed: Float64Array) -> int:
-    """How often a velocity (n,) turns round by more than 5 % of its peak."""
+    """Number of reversals of a velocity (n,) by more than 5 % of its peak."""
     least = _TURNED * float(np.abs(speed).max())
     extreme, direction, count = float(speed[0]), 0.0, 0
     for value in speed.tolist():
@@ -102,7 +103,7 @@ def reversals(speed: Float64Array) -> int:
 
 
 def bell_distance(phases: Float64Array, speed: Float64Array) -> float:
-    """How far the share of the peak (n,) is from a bell, root mean square."""
+    """Root mean square distance of the speed over its peak (n,) from a bell."""
     size = np.abs(speed)
     return _rms(size / size.max() - 16.0 * phases**2 * (1.0 - phases) ** 2)
 

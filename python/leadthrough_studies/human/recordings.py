@@ -1,8 +1,8 @@
-"""The measures of the study of demonstrations on real recordings of a Panda.
+"""The measures of the study on real recordings of a Panda.
 
-panda_execution/*.csv: an arm at work, its joints at 20 Hz, cut into motions at the pauses; each is
-learned by itself, as no two are of the same task. panda_symbol/*.mat: a person who traces one
-symbol six times with the arm in the hand; only the tool's position was kept, at 1 kHz.
+panda_execution/*.csv hold the joints of an arm at work at 20 Hz. They are cut into motions at the
+pauses, and each motion is learned separately, as no two are of the same task. panda_symbol/*.mat
+hold tool positions at 1 kHz: a person guides the arm to trace one symbol six times.
 """
 
 from __future__ import annotations
@@ -14,23 +14,22 @@ import numpy as np
 from leadthrough.io import read_demonstrations
 from leadthrough.models import ProMP
 from leadthrough.motion import Demonstration, Trajectory
-from leadthrough.preprocess import segment
-from leadthrough.preprocess.align import align_by_time_warping
+from leadthrough.preprocess import align_by_time_warping, segment
 from leadthrough_studies.human.measures import course, fidelity
 from leadthrough_studies.study import Row, Task
 
 _EXECUTION_RATE = 20.0  # Hz
 _SYMBOL_RATE = 1000.0
 _JOINTS = {"joints": [f"joint_{number}" for number in range(1, 8)]}
-# Joints that turn less in a motion say nothing of its velocity.
+# Joints that move less in a motion say nothing about its velocity.
 _TURNED = 0.1  # rad
 _MOVED = 0.01  # m
-# Every so many samples of the symbol's are kept: 100 a second.
+# Every tenth sample of a symbol is kept: 100 per second.
 _KEPT = 10
 
 
 def tasks(folder: str, joints: list[int], weights: int) -> list[Task]:
-    """A task for every recording in a folder; none where its name is empty."""
+    """A task for every recording in a folder; no tasks if its name is empty."""
     if not folder:
         return []
     arms = sorted((Path(folder) / "panda_execution").glob("*.csv"))
@@ -42,7 +41,7 @@ def tasks(folder: str, joints: list[int], weights: int) -> list[Task]:
 
 
 def execution(*, file: str, joints: list[int], weights: int) -> list[Row]:
-    """A row for every motion of an arm at work and joint that turns in it."""
+    """A row for every motion in a recording of an arm at work and for every joint that moves."""
     recording = read_demonstrations([file], columns=_JOINTS, rate=_EXECUTION_RATE)[0]
     rows = []
     for number, shown in enumerate(segment(recording), start=1):
@@ -61,11 +60,11 @@ def execution(*, file: str, joints: list[int], weights: int) -> list[Row]:
 
 
 def symbol(*, file: str, weights: int) -> list[Row]:
-    """A row for every way of learning a traced symbol and coordinate that moves."""
+    """A row for every way of learning a traced symbol and for every coordinate that moves."""
     shown = [_thinned(each) for each in read_demonstrations([file], rate=_SYMBOL_RATE)]
     aligned = align_by_time_warping(shown)
     chosen = int(np.argmin([each.motion.duration for each in shown]))
-    # Compared with what was shown; of the aligned ones the one that keeps its own timing.
+    # Aligned demonstrations are compared with the one that keeps its own timing.
     ways = {
         "one": (shown[:1], shown[:1]),
         "all": (shown, shown),

@@ -1,4 +1,4 @@
-"""Table and figures of the study of human demonstrations, with the paper's claims beside."""
+"""Table and figures of the study of human demonstrations, with the paper's claims."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from leadthrough.show import palette
 from leadthrough_studies.human import demonstrations, measures
 from leadthrough_studies.study import Report, Row, mean, selected
 
-# Yang, Liu and Pears, section IV B, of the learned velocity. It prints no numbers.
+# Yang, Liu and Pears, section IV B, on the learned velocity. The paper prints no numbers.
 CLAIMS = {
     ("human", "joint 1"): "reduced",
     ("human", "joint 3"): "flattened",
@@ -22,20 +22,21 @@ CLAIMS = {
     ("DLS-IK", "joint 5"): "a smooth bell",
 }
 EXPLAINED = (
-    "Reduced and flattened peaks are what a mean over demonstrations of different timing has, the "
-    "more the more peaks a joint's velocity has; few basis functions do the same to a single one. "
-    "Part of it is only that differences of a recording carry its noise on top of the peaks. "
-    "Aligning the demonstrations in time brings back the peaks that all have, as the symbol traced "
-    "on a real arm shows, but not those that each has of its own. "
-    "Peaks higher than shown, with an oscillation, do not come from the person: bells narrower "
-    "than about half their spacing ripple between their centres, for either source (see the sweep "
-    "over widths). "
-    "The bell of damped least squares is neither their work nor the ProMP's: it is the time law's "
-    "by which the tool goes along its line. Joints interpolated linearly, as the paper words it, "
-    "move at constant speed, and stay so when they are learned; something like a bell comes out of "
-    "them only where rests were recorded before and after and few, wide basis functions round the "
-    "edges off (see the time laws). The secondary task of equation 6 pulls from the first step on: "
-    "the joints' velocities do not start at zero as a bell does."
+    "Reduced and flattened peaks result from averaging demonstrations of different timing; the "
+    "effect grows with the number of peaks in a joint's velocity. Few basis functions do the same "
+    "to a single demonstration. In part, the peaks only seem higher in the demonstrations because "
+    "differences of a recording add its noise. Aligning the demonstrations in time restores the "
+    "peaks that they have in common, as the symbol traced on a real arm shows, but not those of "
+    "single demonstrations. "
+    "Peaks higher than demonstrated, with an oscillation, are not caused by the person: basis "
+    "functions narrower than about half their spacing make the velocity ripple between their "
+    "centres, for both sources (see the sweep over widths). "
+    "The bell of damped least squares comes neither from damped least squares nor from the ProMP, "
+    "but from the time law of the tool along its line. Joints interpolated linearly, as the paper "
+    "words it, move at constant speed, also after learning. They get a bell-like velocity only if "
+    "rests were recorded before and after, and few, wide basis functions round off the edges (see "
+    "the time laws). The secondary task of equation 6 acts from the first step on: the joint "
+    "velocities do not start at zero, unlike a bell."
 )
 MEASURES = (
     "peak_ratio",
@@ -53,7 +54,7 @@ _LINES = {"human": "-", "DLS-IK": "--"}
 
 
 def report(config: Any, rows: list[Row]) -> Report:
-    """The sources beside the paper's claims; sweep, time laws and recordings in figures."""
+    """A table of the sources beside the paper's claims; figures of sweep, time laws, recordings."""
     learned, swept = selected(rows, study="learning"), selected(rows, study="sweep")
     laws, recorded = selected(rows, study="time laws"), selected(rows, study="recordings")
     figures = {}
@@ -103,7 +104,7 @@ def _recorded(rows: list[Row]) -> list[Row]:
 
 
 def _joint_figure(rows: list[Row]) -> Figure:
-    """Position and velocity of a joint as shown and as learned, as the paper's figures 6 to 8."""
+    """Position and velocity of a joint as demonstrated and as learned, like figures 6 to 8."""
     sources = list(dict.fromkeys(row["source"] for row in rows))
     figure = Figure(figsize=(9.0, 2.8 * len(sources)), layout="constrained")
     panels = figure.subplots(len(sources), 2, squeeze=False)
@@ -116,7 +117,7 @@ def _joint_figure(rows: list[Row]) -> Figure:
         left.set_ylabel(f"{source}: {rows[0]['column']}, rad")
         right.set_ylabel("rad/s")
         for axes in (left, right):
-            axes.set_xlabel("share of the time")
+            axes.set_xlabel("fraction of the time")
     panels[0, 0].set_title("position")
     panels[0, 1].set_title("velocity")
     panels[0, 0].legend(fontsize=7)
@@ -124,12 +125,12 @@ def _joint_figure(rows: list[Row]) -> Figure:
 
 
 def _draw(axes: Axes, row: Row, quantity: str, style: dict[str, Any], *, shown: bool) -> None:
-    """Over the share of the time; a velocity is that in the duration of its demonstration."""
+    """Draw over the fraction of the time; a velocity is that in its demonstration's duration."""
     course = row["course"]
-    share = np.array(course["time"]) / course["time"][-1]
+    fraction = np.array(course["time"]) / course["time"][-1]
     if shown:
-        axes.plot(share, course[f"{quantity}_shown"], **_SHOWN, label="first, as shown")
-    axes.plot(share, course[f"{quantity}_learned"], **style)
+        axes.plot(fraction, course[f"{quantity}_shown"], **_SHOWN, label="first, as demonstrated")
+    axes.plot(fraction, course[f"{quantity}_learned"], **style)
 
 
 def _sweep_figure(config: Any, rows: list[Row]) -> Figure:
@@ -158,7 +159,7 @@ def _sweep_figure(config: Any, rows: list[Row]) -> Figure:
 
 
 def _laws_figure(rows: list[Row]) -> Figure:
-    """The velocity of each joint by each time law, shown and learned, and how far from a bell."""
+    """Each joint's velocity by each time law, demonstrated and learned; distance from a bell."""
     laws = list(dict.fromkeys(row["law"] for row in rows))
     joints = list(dict.fromkeys(row["column"] for row in rows))
     figure = Figure(figsize=(2.9 * len(laws), 2.3 * len(joints)), layout="constrained")
@@ -176,7 +177,7 @@ def _laws_figure(rows: list[Row]) -> Figure:
             axes.set_title(f"{law}\n{far} from a bell", fontsize=8)
         line[0].set_ylabel(f"{joint}, rad/s")
     for axes in panels[-1]:
-        axes.set_xlabel("share of the time")
+        axes.set_xlabel("fraction of the time")
     panels[0, -1].legend(fontsize=6)
     return figure
 
@@ -193,6 +194,6 @@ def _symbol_figure(rows: list[Row]) -> Figure:
                 style = {"color": _COLOURS[way], "linewidth": 1.4}
                 _draw(axes, row, "velocity", style, shown=True)
             axes.set_title(f"learned from {way}", fontsize=9)
-            axes.set_xlabel("share of the time")
+            axes.set_xlabel("fraction of the time")
         line[0].set_ylabel(f"{column}, m/s")
     return figure

@@ -1,11 +1,12 @@
-"""Human demonstrations against those of damped least squares, learned by ProMPs, on a Panda.
+"""Human demonstrations and those of damped least squares, learned as ProMPs, on a Panda.
 
 After Yang, Liu and Pears, "Enhancing Learning from Demonstration with DLS-IK and ProMPs", section
-IV B, figures 6 to 8: joints 1, 3 and 5, position and velocity. The paper's recordings are not
-public, so a simulated person shows the reach (`human_demonstrations`), and real recordings stand
-beside where there are any. The paper says neither how many demonstrations were learned nor with
-which basis functions: one, several, and several aligned in time are learned, and the number and the
-width of the basis functions are swept. What the measures mean stands in `human_measures`.
+IV B, figures 6 to 8: position and velocity of joints 1, 3 and 5. The paper's recordings are not
+public, so a simulated person demonstrates the reach (see `demonstrations`); real recordings, if
+there are any, are measured as well. The paper does not say how many demonstrations were learned,
+nor with which basis functions. So the study learns one demonstration, all of them, and all of them
+aligned in time, and sweeps the number and the width of the basis functions. `measures` defines the
+measures.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import numpy as np
 from leadthrough.arm import Arm
 from leadthrough.models import ProMP
 from leadthrough.motion import Demonstration
-from leadthrough.preprocess.align import align_by_time_warping
+from leadthrough.preprocess import align_by_time_warping
 from leadthrough_studies.human import recordings
 from leadthrough_studies.human.demonstrations import ROBOT, damped, human, laws
 from leadthrough_studies.human.measures import course, fidelity
@@ -29,10 +30,17 @@ from leadthrough_studies.study import Row, Study, Task
 
 @dataclass(frozen=True)
 class HumanConfig:
-    """demonstrations: of each source. weights, width: of the ProMPs compared; swept over others.
+    """The configuration of the study.
 
-    recordings: a folder with panda_execution/*.csv and panda_symbol/*.mat, empty for none. seed: of
-    the simulated person and of the targets of damped least squares.
+    Attributes:
+        demonstrations: number of demonstrations of each source.
+        joints: numbers (from 1) of the joints measured.
+        weights: number of basis functions of the compared ProMPs.
+        width: width of their basis functions.
+        swept_weights: numbers of basis functions of the sweep.
+        swept_widths: widths of the sweep.
+        recordings: folder with panda_execution/*.csv and panda_symbol/*.mat; empty for none.
+        seed: seed of the simulated person and of the targets of damped least squares.
     """
 
     demonstrations: int = 6
@@ -46,14 +54,14 @@ class HumanConfig:
 
 
 def configure(quick: bool, seed: int) -> HumanConfig:
-    """All of it with the recordings in LEADTHROUGH_DATA, or a short sweep without them."""
+    """The full configuration with the recordings in LEADTHROUGH_DATA, or a short one without."""
     if quick:
         return HumanConfig(swept_weights=(8, 20), swept_widths=(0.45, 1.0), seed=seed)
     return HumanConfig(recordings=os.environ.get("LEADTHROUGH_DATA", ""), seed=seed)
 
 
 def tasks(config: HumanConfig) -> list[Task]:
-    """A task for every source and way of learning, for the sweep, the time laws, the recordings."""
+    """Tasks for every source and way of learning, the sweep, the time laws and the recordings."""
     common = {
         "count": config.demonstrations,
         "joints": list(config.joints),
@@ -83,7 +91,7 @@ def tasks(config: HumanConfig) -> list[Task]:
 def learn(
     *, source: str, way: str, weights: int, width: float, count: int, joints: list[int], seed: int
 ) -> list[Row]:
-    """A row for every joint: what one way of learning leaves of a source's velocities."""
+    """A row for every joint: the measures of one source and one way of learning."""
     given, compared = WAYS[way](SOURCES[source](count, seed))
     skill = ProMP(weights=weights, width=width).fit(given)
     motions = [each.motion for each in compared]
@@ -98,7 +106,7 @@ def learn(
 def sweep(
     *, source: str, weights: int, width: float, count: int, joints: list[int], seed: int
 ) -> list[Row]:
-    """A row for every joint, its means over a source's demonstrations, each learned by itself."""
+    """A row for every joint: means over a source's demonstrations, each learned separately."""
     found: dict[int, list[Row]] = {joint: [] for joint in joints}
     for shown in SOURCES[source](count, seed):
         skill = ProMP(weights=weights, width=width).fit([shown])
@@ -113,7 +121,7 @@ def sweep(
 
 
 def time_laws(*, weights: int, joints: list[int]) -> list[Row]:
-    """A row for every time law and joint: how much of a bell there is before and after learning."""
+    """A row for every time law and joint: distances from a bell, before and after learning."""
     rows = []
     for law, shown in laws(Arm.load(ROBOT), np.random.default_rng(0)).items():
         skill = ProMP(weights=weights).fit([shown])
@@ -147,12 +155,12 @@ def _all(shown: Shown) -> tuple[Shown, Shown]:
 
 
 def _aligned(shown: Shown) -> tuple[Shown, Shown]:
-    """Learned in the timing of the quickest, and compared with it."""
+    """All, aligned with the shortest, which the mean is compared with."""
     chosen = int(np.argmin([each.motion.duration for each in shown]))
     return align_by_time_warping(shown, reference=chosen), [shown[chosen]]
 
 
-# What is learned, and with what the mean is compared.
+# The demonstrations to learn from, and those that the mean is compared with.
 WAYS: dict[str, Callable[[Shown], tuple[Shown, Shown]]] = {
     "one": _one,
     "all": _all,

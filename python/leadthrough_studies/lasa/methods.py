@@ -25,7 +25,7 @@ class _Model(Protocol):
 
 
 def paper_setting(saturation: float = PAPER_SATURATION, **options: Any) -> FastMarching:
-    """Algorithm 1 of Prados et al. 2023 at one cell a pixel, area of influence 25 pixels."""
+    """Algorithm 1 of Prados et al. 2023 at one cell per pixel, area of influence 25 pixels."""
     return FastMarching(
         area_of_influence=PAPER_AREA_OF_INFLUENCE,
         saturation=saturation,
@@ -36,7 +36,7 @@ def paper_setting(saturation: float = PAPER_SATURATION, **options: Any) -> FastM
 
 
 def generated_by(model: _Model) -> Method:
-    """The method that fits a model and generates a motion from the start asked for."""
+    """The method that fits a model and generates a motion from the given start."""
 
     def reproduce(demonstrations: Shown, start: Float64Array) -> Trajectory:
         motion: Trajectory = model.fit(demonstrations).generate(start=start)
@@ -46,7 +46,7 @@ def generated_by(model: _Model) -> Method:
 
 
 def at_mean_duration(model: _Model) -> Method:
-    """As `generated_by`, in the mean duration of the demonstrations, however long the path is."""
+    """As `generated_by`, but the motion takes the mean duration of the demonstrations."""
 
     def reproduce(demonstrations: Shown, start: Float64Array) -> Trajectory:
         duration = np.mean([demonstration.motion.duration for demonstration in demonstrations])
@@ -58,7 +58,7 @@ def at_mean_duration(model: _Model) -> Method:
 
 
 def nearest_shifted(demonstrations: Shown, start: Float64Array) -> Trajectory:
-    """The demonstration that starts nearest, its offset fading with the share of the path left."""
+    """The demonstration that starts nearest, shifted to the start; the shift fades to 0."""
     motions = [demonstration.motion for demonstration in demonstrations]
     assert all(isinstance(motion, Trajectory) for motion in motions)
     nearest = min(motions, key=lambda motion: float(np.linalg.norm(motion.positions[0] - start)))
@@ -69,7 +69,7 @@ def nearest_shifted(demonstrations: Shown, start: Float64Array) -> Trajectory:
     )
 
 
-# The settings whose saturation is swept and which learn from themselves.
+# The settings for the sweep over saturations and for auto-learning.
 SETTINGS = {
     "FML, paper's setting": paper_setting(),
     "FML": FastMarching(),

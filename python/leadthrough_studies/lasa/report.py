@@ -29,15 +29,15 @@ TABLE_2 = {
     "FML with auto-learning": (None, 9.17),
 }
 REMARK = (
-    "SEA_sum_px2 is the sum over a motion's 7 demonstrations in px^2 at 8.3 px/mm, the convention "
-    "that meets the paper's own row (protocol IN). Its rows for other methods cannot be reproduced "
-    "from the recordings in mm: standing still has a V_rmse of 22 mm/s, they print 57 to 173. "
-    "They are quoted, not compared with."
+    "SEA_sum_px2 is the sum over the 7 demonstrations of a motion, in px^2 at 8.3 px/mm. With this "
+    "convention our results agree with the paper's own row (protocol IN). The paper's rows for "
+    "other methods cannot be reproduced from the recordings in mm: a motion that stands still has "
+    "a V_rmse of 22 mm/s, but the paper prints 57 to 173. These rows are quoted, not compared with."
 )
 
 
 def report(config: Any, rows: list[Row]) -> Report:
-    """Means over all reproductions, beside the paper's table; shapes ranked; the sweeps."""
+    """Means over all reproductions beside the paper's table, the ranking of shapes, the sweeps."""
     compared = selected(rows, study="compare")
     figures = {}
     if compared:
@@ -60,7 +60,7 @@ def report(config: Any, rows: list[Row]) -> Report:
 
 
 def ranking(config: Any, rows: Sequence[Row], method: str) -> list[Row]:
-    """The motions by their mean swept error area when left out, the worst first."""
+    """The motions by their mean swept error area when left out, worst first."""
     own = selected(rows, protocol=HEADLINE, method=method)
     errors = {name: mean(selected(own, motion=name), "SEA_mm2") for name in config.motions}
     found = [(error, name) for name, error in errors.items() if error is not None]

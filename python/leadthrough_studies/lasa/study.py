@@ -1,8 +1,9 @@
-"""The LASA handwriting study: 30 motions of 7 demonstrations, reproduced and compared.
+"""The LASA handwriting study: 30 motions of 7 demonstrations each, reproduced and compared.
 
-Each demonstration in turn is the one tested: a method sees the others, or some of them (LOO), or
-all (IN), and reproduces it from its start. Errors are those of `metrics`, in mm and s. The
-saturation is swept, and auto-learning is tried, in the setting of Prados et al. 2023, section 4.1.
+Each demonstration is tested in turn. A method learns from the others or some of them (LOO), or from
+all including the tested one (IN), and reproduces the tested demonstration from its start. Errors
+are those of `metrics`, in mm and s. As in Prados et al. 2023, section 4.1, the saturation is swept
+and auto-learning is tried.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from leadthrough_studies.lasa.methods import METHODS, SETTINGS, generated_by
 from leadthrough_studies.lasa.report import HEADLINE, report
 from leadthrough_studies.study import Row, Study, Task
 
-# How many of the 7 demonstrations are shown.
+# Number of demonstrations, out of 7, that a method learns from.
 PROTOCOLS = {"IN": 7, "LOO": 6, "LOO from 3": 3, "LOO from 1": 1}
 QUICK_MOTIONS = ("GShape", "Leaf_1", "Sshape", "WShape")
 # Points of a path kept for the figures.
@@ -32,9 +33,16 @@ _DRAWN = 60
 
 @dataclass(frozen=True)
 class LasaConfig:
-    """threshold: of kappa, below which a path is learned.
+    """The configuration of the study.
 
-    seed: of the draw of the demonstrations shown, where not all others are.
+    Attributes:
+        motions: names of motions of the LASA set.
+        methods: keys of METHODS.
+        protocols: keys of PROTOCOLS.
+        saturations: saturations of the sweep, each in (0, 1].
+        settings: keys of SETTINGS, for the sweep and for auto-learning.
+        threshold: value of kappa below which auto-learning adds a path.
+        seed: seed for the choice of demonstrations where not all others are learned.
     """
 
     motions: tuple[str, ...]
@@ -47,7 +55,7 @@ class LasaConfig:
 
 
 def configure(quick: bool, seed: int) -> LasaConfig:
-    """All 30 motions, or four of them and few saturations."""
+    """The configuration with all 30 motions, or with four of them and fewer saturations."""
     if quick:
         return LasaConfig(QUICK_MOTIONS, saturations=(0.1, 0.5, 1.0), seed=seed)
     return LasaConfig(tuple(lasa.motions()), seed=seed)
@@ -80,7 +88,7 @@ def tasks(config: LasaConfig) -> list[Task]:
 
 
 def compare(*, motion: str, protocol: str, method: str, seed: int) -> list[Row]:
-    """A row for every demonstration tested; of the left out ones the path made, for drawing."""
+    """A row for every tested demonstration; of the left-out ones with the path, for the figures."""
     labels = {"study": "compare", "protocol": protocol, "method": method, "motion": motion}
     rows = []
     for i, shown, tested in _splits(motion, protocol, seed):
@@ -93,7 +101,7 @@ def compare(*, motion: str, protocol: str, method: str, seed: int) -> list[Row]:
 
 
 def sweep(*, motion: str, setting: str, saturation: float) -> list[Row]:
-    """A row for every demonstration left out, at a saturation."""
+    """A row for every left-out demonstration, at one saturation."""
     method = generated_by(replace(SETTINGS[setting], saturation=saturation))
     labels = {"study": "sweep", "method": setting, "saturation": saturation, "motion": motion}
     return [
@@ -103,9 +111,10 @@ def sweep(*, motion: str, setting: str, saturation: float) -> list[Row]:
 
 
 def auto_learn(*, motion: str, setting: str, threshold: float) -> list[Row]:
-    """A row for every start: the path before and after the skill has learned from itself.
+    """A row for every start: the path before and after auto-learning.
 
-    travel_time: of a wave in the skill's speed map along the path, in mm over a speed of at most 1.
+    The columns "travel_time" and "travel_time_before" hold the time that a wave takes along the
+    path in the speed map, in mm over a speed of at most 1.
     """
     rows = []
     for i, shown, tested in _splits(motion, "IN"):
@@ -132,9 +141,16 @@ def auto_learn(*, motion: str, setting: str, threshold: float) -> list[Row]:
 def splits(
     demonstrations: Sequence[Demonstration[Trajectory]], shown: int, rng: np.random.Generator
 ) -> list[tuple[list[Demonstration[Trajectory]], Trajectory]]:
-    """For each demonstration the ones that are shown, in their order, and its motion.
+    """For each tested demonstration, those to learn from and the tested motion.
 
-    All are shown where `shown` is their number, else others, drawn where not all are wanted.
+    Args:
+        demonstrations: all demonstrations of a motion.
+        shown: number of demonstrations to learn from. If it is the number of all, the tested one is
+            among them; otherwise they are chosen from the others.
+        rng: source of the random choice.
+
+    Returns:
+        A pair per demonstration: those to learn from, in their order, and the tested motion.
     """
     total = len(demonstrations)
     sets = []
@@ -149,14 +165,14 @@ def splits(
 def _splits(
     motion: str, protocol: str, seed: int = 0
 ) -> Iterator[tuple[int, list[Demonstration[Trajectory]], Trajectory]]:
-    # The same draw for every method, whatever motions are compared.
+    # The same choice for every method, whichever motions are compared.
     rng = np.random.default_rng([seed, zlib.crc32(motion.encode())])
     for i, (shown, tested) in enumerate(splits(lasa.load(motion), PROTOCOLS[protocol], rng)):
         yield i, shown, tested
 
 
 def error_columns(tested: Trajectory, made: Trajectory) -> Row:
-    """The errors, in mm and s, and how long the motion made is."""
+    """The errors in mm and s, and the length and duration of the motion made."""
     errors = asdict(metrics.reproduction_errors(tested, made))
     names = ("SEA_mm2", "V_rmse_mm_s", "DTWD_per_N_mm", "Frechet_mm", "end_error_mm")
     return {
@@ -167,7 +183,7 @@ def error_columns(tested: Trajectory, made: Trajectory) -> Row:
 
 
 def travel_time(skill: FastMarchingSkill, path: Float64Array, outside: float) -> float:
-    """The integral of 1/F along a path (n, d); F is `outside` where the skill has no map."""
+    """The integral of 1/F along a path (n, d); F is `outside` off the skill's map."""
     middles = 0.5 * (path[1:] + path[:-1])
     speed = metrics.speed_along(middles, skill.grid, skill.velocity_map, outside)
     return float((np.linalg.norm(np.diff(path, axis=0), axis=1) / speed).sum())

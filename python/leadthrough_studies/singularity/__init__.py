@@ -1,4 +1,4 @@
-"""Two ways past singularities of a Panda (Yang et al.)."""
+"""Paths past two singularities of a Panda (Yang et al.)."""
 
 from leadthrough_studies.singularity.study import STUDY
 

@@ -1,12 +1,13 @@
-"""Two ways of a Panda's tool past a singularity, and the joints by which a method takes it there.
+"""Two paths of a Panda's tool past singularities, and methods that compute the joints along them.
 
-Yang, Liu and Pears draw their two approaches but do not state them; these are ours. Each leads
-through a posture close to a singularity, three quarters of the way along, in the direction of the
-tool's motion (0.3 m a rad) that asks there for the fastest joints, from rest to rest in 4 s:
+Yang, Liu and Pears draw their two approaches but do not state them; these are ours. Each path
+passes through a posture close to a singularity, three quarters of the way along. There it runs in
+the direction of tool motion (rotations weighted with 0.3 m per rad) that requires the fastest
+joints. The motion goes from rest to rest in 4 s:
 
-1. The wrist: the axes of joints 5 and 7 nearly in line, so that one turns against the other.
-2. The shoulder: the axes of joints 1 and 3 nearly in line with joint 2 idle, a singularity of the
-   whole arm that no self-motion avoids once it is there.
+1. The wrist: the axes of joints 5 and 7 are nearly aligned, so that one turns against the other.
+2. The shoulder: the axes of joints 1 and 3 are nearly aligned because joint 2 is near zero. It is
+   a singularity of the whole arm, which no self-motion leaves.
 """
 
 from __future__ import annotations
@@ -24,22 +25,26 @@ from leadthrough.check import Float64Array
 from leadthrough.motion import JointTrajectory, PoseTrajectory
 from leadthrough.trajectories import minimum_jerk_rise
 
-ROTATION_WEIGHT = 0.3  # m a rad
-_CLOSEST_AT = 0.75  # of the way
+ROTATION_WEIGHT = 0.3  # m per rad
+_CLOSEST_AT = 0.75  # fraction of the path
 _TRAVEL = 0.2  # m, or 0.2 / 0.3 rad
 _DURATION = 4.0  # s
 _RATE = 100.0  # Hz
-# What `follow` may leave of the path where it may leave it.
+# How far `follow` may deviate from the path.
 DEVIATION = (0.02, 0.05)  # m, rad
 
 
 @dataclass(frozen=True)
 class Approach:
-    """posture: rad, close to the singularity. joints: those that it affects most, from 1.
+    """A path past a singularity.
 
-    paper: what the paper prints of its own approach: the share of samples, in percent, below a
-    condition number of 8 and of 10, and the peak speed of a joint in rad/s, without its method
-    and with it.
+    Attributes:
+        title: the singularity.
+        posture: joint positions close to the singularity, rad.
+        joints: numbers (from 1) of the joints that the singularity affects most.
+        paper: what the paper prints of its own approach, without its method ("plain") and with it
+            ("damped"): percentage of samples below a condition number of 8 and of 10, and peak
+            velocities of joints in rad/s.
     """
 
     title: str
@@ -71,7 +76,7 @@ APPROACHES = {
 
 
 def motion(arm: Arm, approach: Approach) -> PoseTrajectory:
-    """The tool's way through the approach's posture, a line that turns about one axis."""
+    """The motion of the tool through the posture: a straight line with a turn about one axis."""
     posture = np.array(approach.posture)
     direction = slowest_direction(arm, posture)
     position, orientation = arm.forward_kinematics(posture)
@@ -87,16 +92,24 @@ def motion(arm: Arm, approach: Approach) -> PoseTrajectory:
 
 
 def slowest_direction(arm: Arm, q: Float64Array) -> Float64Array:
-    """The twist (6,), m and rad, that costs the joints most; of length 1, rotations weighted."""
+    """The twist that requires the fastest joints.
+
+    Args:
+        arm: the arm.
+        q: joint positions (n,), rad.
+
+    Returns:
+        The twist (6,), m and rad, of length 1 with rotations weighted.
+    """
     weights = np.repeat([1.0, ROTATION_WEIGHT], 3)
     left, _, _ = np.linalg.svd(weights[:, None] * arm.jacobian(q))
     direction = left[:, -1] / weights
-    # The decomposition leaves the sign open. This one turns joint 7 backwards, as the paper's does.
+    # The decomposition leaves the sign open. This sign turns joint 7 backwards, as in the paper.
     return np.asarray(-direction * np.sign(direction[np.argmax(np.abs(direction))]))
 
 
 def start(arm: Arm, approach: Approach, way: PoseTrajectory) -> Float64Array:
-    """The joints at the beginning of the way, on the branch of the approach's posture."""
+    """The joint positions at the start of the motion that lead to the posture of the approach."""
     posture = np.array(approach.posture)
     before = np.linalg.norm(way.positions - arm.forward_kinematics(posture)[0], axis=1).argmin()
     back = PoseTrajectory(
@@ -108,27 +121,27 @@ def start(arm: Arm, approach: Approach, way: PoseTrajectory) -> Float64Array:
 
 
 def plain(arm: Arm, way: PoseTrajectory, q: Float64Array) -> JointTrajectory:
-    """Equation 2, the pseudo-inverse."""
+    """The joint motion by equation 2, the pseudo-inverse."""
     return damped(arm, way, q, damping=0.0, nullspace_gain=0.0)
 
 
 def damped(arm: Arm, way: PoseTrajectory, q: Float64Array, **settings: Any) -> JointTrajectory:
-    """Equations 3 to 7."""
+    """The joint motion by equations 3 to 7."""
     return follow_path(arm, way, start=q, settings=DampedLeastSquares(**settings)).joints
 
 
 def damped_alone(arm: Arm, way: PoseTrajectory, q: Float64Array) -> JointTrajectory:
-    """Equation 5 without the secondary task."""
+    """The joint motion by equation 5 without the secondary task."""
     return damped(arm, way, q, nullspace_gain=0.0)
 
 
 def slowed(arm: Arm, way: PoseTrajectory, q: Float64Array) -> JointTrajectory:
-    """`Arm.follow`, which takes longer where the joints would be too fast."""
+    """The joint motion by `Arm.follow`, which slows down where the joints would be too fast."""
     return arm.follow(way, seed=q, too_fast="slow")
 
 
 def deviating(arm: Arm, way: PoseTrajectory, q: Float64Array) -> JointTrajectory:
-    """`Arm.follow`, which leaves the path where the joints would be too fast."""
+    """The joint motion by `Arm.follow`, which deviates where the joints would be too fast."""
     return arm.follow(way, seed=q, too_fast="deviate", deviation=DEVIATION)
 
 

@@ -15,7 +15,7 @@ from leadthrough_studies.study import Report, Row, selected
 _QUANTITIES = {"position": "rad", "velocity": "rad/s", "torque": "N m"}
 _PEAKS_OF_OTHER_JOINTS = tuple(f"peak_velocity_{joint}" for joint in (1, 2, 3, 5))
 _NOT_IN_THE_TABLE = ("study", "course", *_PEAKS_OF_OTHER_JOINTS)
-# The paper's own figures show its two ways; the others are drawn thinner.
+# The paper's figures show two methods; the others are drawn thinner.
 _STYLES: dict[str, dict[str, Any]] = {
     "plain": {"color": palette.VERMILION, "linewidth": 1.4},
     "damped alone": {"color": palette.AMBER, "linewidth": 0.9},
@@ -26,7 +26,7 @@ _STYLES: dict[str, dict[str, Any]] = {
 
 
 def report(config: Any, rows: list[Row]) -> Report:
-    """The approaches beside the paper's tables; the sweep in a figure."""
+    """The approaches beside the paper's numbers, and the sweep in a figure."""
     approaches, swept = selected(rows, study="approach"), selected(rows, study="sweep")
     figures = {}
     for number in config.approaches:
@@ -57,7 +57,7 @@ def _table_row(row: Row) -> Row:
 
 
 def _course_figure(number: int, rows: list[Row]) -> Figure:
-    """Position, velocity and torque of the joints the singularity affects, as the paper draws."""
+    """Position, velocity and torque of the affected joints, as in the paper's figures."""
     joints = APPROACHES[number].joints
     figure = Figure(figsize=(4.0 * len(_QUANTITIES), 2.4 * len(joints) + 0.4), layout="constrained")
     panels = figure.subplots(len(joints), len(_QUANTITIES), squeeze=False, sharex=True)
@@ -95,7 +95,7 @@ def _condition_figure(config: Any, rows: list[Row]) -> Figure:
 
 
 def _sweep_figure(config: Any, rows: list[Row]) -> Figure:
-    """Peak speed and error over lambda, or over the root of a constant alpha."""
+    """Peak speed and error over lambda, or over the square root of a constant alpha."""
     figure = Figure(figsize=(4.5 * len(config.approaches), 5.6), layout="constrained")
     panels = figure.subplots(2, len(config.approaches), squeeze=False, sharex=True)
     for column, number in zip(panels.T, config.approaches, strict=True):
@@ -112,15 +112,15 @@ def _sweep_figure(config: Any, rows: list[Row]) -> Figure:
                 column[1].loglog(dampings, errors, marker + "-", markersize=3)
         column[0].axhline(1.0, color="0.5", linewidth=0.8, linestyle="--")
         column[0].set_title(f"approach {number}: {APPROACHES[number].title}")
-        column[1].set_xlabel("damping, m a rad")
-    panels[0, 0].set_ylabel("peak speed, of its limit")
+        column[1].set_xlabel("damping, m per rad")
+    panels[0, 0].set_ylabel("peak speed / limit")
     panels[1, 0].set_ylabel("largest error in mm")
     panels[0, 0].legend(fontsize=7)
     return figure
 
 
 def _led(rows: list[Row]) -> list[tuple[float, Row]]:
-    """Damping led by the condition number, without alpha."""
+    """Rows with a damping that depends on the condition number, without alpha."""
     return [(row["damping"], row) for row in rows if row["alpha"] == 0.0 and row["damping"] > 0.0]
 
 

@@ -1,13 +1,14 @@
-"""The singularity study: a Panda taken past two singularities, with and without damping.
+"""The singularity study: a Panda moves past two singularities, with and without damping.
 
 After Yang, Liu and Pears, "Enhancing Learning from Demonstration with DLS-IK and ProMPs",
-section IV A. The paper's numbers stand beside ours where it prints them; its paths, its lambda and
-its weighting of rotations are not stated, so that they compare in kind and not digit for digit.
-In equation 5 only lambda^2 + alpha counts, so the sweep runs over each with the other at zero.
+section IV A. The table shows the paper's numbers beside ours. The paper does not state its paths,
+its lambda and its weighting of rotations, so the numbers agree in tendency, not digit for digit.
+In equation 5 only lambda^2 + alpha counts, so the sweep varies each with the other at zero.
 
-Shares of condition numbers are given twice: in plain SI units, where a Panda in the middle of its
-workspace has about 9 and the paper's thresholds 8 and 10 have something to divide, and with 0.3 m
-a rad, the weighting by which the damping is led.
+The percentages of condition numbers below a threshold are given twice. In plain SI units a Panda in
+the middle of its workspace has a condition number of about 9, so the paper's thresholds 8 and 10
+separate samples. The second percentages use 0.3 m per rad, the weighting on which the damping
+depends.
 """
 
 from __future__ import annotations
@@ -37,9 +38,14 @@ _THRESHOLDS = (8, 10)  # the paper's, of the condition number
 
 @dataclass(frozen=True)
 class SingularityConfig:
-    """dampings: lambda, m a rad, led by the condition number. alphas: of equation 5, (m a rad)^2.
+    """The configuration of the study.
 
-    seed: on record as every study's; nothing is drawn at random.
+    Attributes:
+        approaches: numbers of the approaches, keys of APPROACHES.
+        methods: keys of METHODS.
+        dampings: values of lambda_max of the sweep, m per rad.
+        alphas: values of alpha in equation 5 of the sweep, (m per rad)^2.
+        seed: recorded as in every study, but unused: there are no random numbers.
     """
 
     approaches: tuple[int, ...] = tuple(APPROACHES)
@@ -50,14 +56,14 @@ class SingularityConfig:
 
 
 def configure(quick: bool, seed: int) -> SingularityConfig:
-    """All of it, or the approaches with a short sweep."""
+    """The full configuration, or the approaches with a short sweep."""
     if quick:
         return SingularityConfig(dampings=(0.0, 0.1), alphas=(1e-4,), seed=seed)
     return SingularityConfig(seed=seed)
 
 
 def tasks(config: SingularityConfig) -> list[Task]:
-    """A task for every approach by every method, and for every point of the sweep."""
+    """A task for every approach and method, and for every point of the sweep."""
     settings = [
         *({"damping": damping, "alpha": 0.0} for damping in config.dampings),
         *({"damping": 0.0, "alpha": alpha} for alpha in config.alphas),
@@ -78,7 +84,7 @@ def tasks(config: SingularityConfig) -> list[Task]:
 
 
 def approach(*, number: int, method: str) -> list[Row]:
-    """One row: an approach by a method, judged, with its course in time."""
+    """One row: an approach by a method, with its measures and its time series."""
     arm, way, q = _given(number)
     joints = METHODS[method](arm, way, q)
     row = {"study": "approach", "approach": number, "title": APPROACHES[number].title}
@@ -87,7 +93,7 @@ def approach(*, number: int, method: str) -> list[Row]:
 
 
 def sweep(*, number: int, damping: float, alpha: float, nullspace_gain: float) -> list[Row]:
-    """One row: an approach by equations 3 to 7 with other numbers."""
+    """One row: an approach by equations 3 to 7 with other parameters."""
     arm, way, q = _given(number)
     settings = {"damping": damping, "alpha": alpha, "nullspace_gain": nullspace_gain}
     joints = damped(arm, way, q, **settings)
@@ -102,7 +108,7 @@ def _given(number: int) -> tuple[Arm, PoseTrajectory, Float64Array]:
 
 
 def _course(arm: Arm, joints: JointTrajectory) -> dict[str, Any]:
-    """What the joints do over time; velocities are the positions' differences."""
+    """Time series of the joints; velocities are differences of the positions."""
     velocities = np.gradient(joints.positions, joints.times, axis=0)
     accelerations = np.gradient(velocities, joints.times, axis=0)
     torques = arm.inverse_dynamics(joints.positions, velocities, accelerations)

@@ -11,7 +11,7 @@ from leadthrough_studies.study import Report, Row, selected
 
 
 def report(_config: Any, rows: list[Row]) -> Report:
-    """One line a statement."""
+    """The report: one line of the table per statement, and two figures."""
     nodes = selected(rows, study="runge")
     planes = selected(rows, study="phase plane")
     figures = {}

@@ -1,8 +1,8 @@
-"""The statements of Grioli's notes on trajectories (2023, chapters 2 and 3), measured.
+"""Statements of Grioli's lecture notes on trajectories (2023, chapters 2 and 3), measured.
 
-Runge's function on even and on Chebyshev nodes; a turn by Euler angles and by slerp; the bang-bang
-law and its sampled form in the phase plane; minimum jerk beside other ways through the same points;
-and what the time law makes of random splines.
+They concern Runge's function on evenly spaced and on Chebyshev nodes, a rotation by Euler angles
+and by slerp, the bang-bang law and its discrete-time form in the phase plane, and minimum jerk
+compared with other curves through the same points. In addition, random splines are retimed.
 """
 
 from __future__ import annotations
@@ -22,13 +22,20 @@ from leadthrough_studies.study import Row, Study, Task
 from leadthrough_studies.trajectories.report import report
 
 _FINE = 2001
-# The notes' example: a quarter turn about z, then one about the new x.
+# The example of the notes: a quarter turn about z, then one about the new x.
 _TURN = (np.pi / 2, 0.0, np.pi / 2)
 
 
 @dataclass(frozen=True)
 class TrajectoriesConfig:
-    """nodes: of polynomials. splines: random paths for the time law. period: of the filter, s."""
+    """The configuration of the study.
+
+    Attributes:
+        nodes: numbers of nodes of the polynomials.
+        splines: number of random splines to retime.
+        period: sampling period of the filters, s.
+        seed: seed of the random points and splines.
+    """
 
     nodes: tuple[int, ...] = (5, 9, 13, 17, 21, 25, 29, 33)
     splines: int = 50
@@ -37,14 +44,14 @@ class TrajectoriesConfig:
 
 
 def configure(quick: bool, seed: int) -> TrajectoriesConfig:
-    """All of it, or less."""
+    """The full configuration, or one with fewer nodes and splines."""
     if quick:
         return TrajectoriesConfig(nodes=(5, 13, 21), splines=5, seed=seed)
     return TrajectoriesConfig(seed=seed)
 
 
 def tasks(config: TrajectoriesConfig) -> list[Task]:
-    """One for each statement, and one for each random spline."""
+    """A task for each statement, and one for each random spline."""
     return [
         *(Task(runge, {"nodes": count}) for count in config.nodes),
         Task(turning, {}),
@@ -68,7 +75,7 @@ def runge(nodes: int) -> list[Row]:
 
 
 def turning() -> list[Row]:
-    """How far the axis of rotation strays, rad, by Euler angles and by slerp."""
+    """Largest deviation of the rotation axis, rad, with Euler angles and with slerp."""
     t = np.linspace(0.0, 1.0, _FINE)
     by_angles = rotations.from_euler(np.outer(t, _TURN), convention="ZYX")
     slerp = tr.Slerp(t[[0, -1]], by_angles[[0, -1]])
@@ -92,7 +99,7 @@ def turning() -> list[Row]:
 
 
 def phase_plane(start: float, period: float) -> list[Row]:
-    """The way to rest at zero by the bang-bang law as printed, sampled, and by the filter."""
+    """The motion to rest at zero by the sampled bang-bang law and by the filter."""
     return [
         _descent("bang-bang", start, period, _bang_bang),
         _descent("filter", start, period, tr.TimeOptimalFilter(1.0, 1.0).step),
@@ -100,7 +107,7 @@ def phase_plane(start: float, period: float) -> list[Row]:
 
 
 def jerks(seed: int) -> list[Row]:
-    """The integral of the squared jerk of ways through the same points that rest at both ends."""
+    """Integral of the squared jerk of curves through the same points, at rest at both ends."""
     rng = np.random.default_rng(seed)
     times, points = np.linspace(0.0, 3.0, 5), rng.normal(size=(5, 2))
     t = np.linspace(0.0, 3.0, _FINE)

@@ -17,7 +17,7 @@ _NOT_IN_THE_TABLE = ("study", "path")
 
 
 def report(config: Any, rows: list[Row]) -> Report:
-    """The experiments beside the paper's kappa; the sweep and the paces in the summary."""
+    """The experiments beside the paper's kappa; sweep and paces in figures and summary."""
     experiments, swept, taught = (
         selected(rows, study=name) for name in ("scenes", "sweep", "teaching")
     )
@@ -56,7 +56,7 @@ def _scenes_figure(config: Any, rows: list[Row]) -> Figure:
         for box in scenes.SCENES[row["scene"]].boxes():
             _draw_box(axes, box)
         axes.set_aspect("equal")
-        met = "clear" if row["arm_ok"] else row["arm_hit"].replace("_link", "") + " meet"
+        met = "clear" if row["arm_ok"] else row["arm_hit"].replace("_link", "") + " collide"
         title = f"{row['scene']}: {row['title']}\nkappa {row['kappa']:.2f}, arm: {met}"
         axes.set_title(title, fontsize=9)
         for axis in (axes.xaxis, axes.yaxis, axes.zaxis):

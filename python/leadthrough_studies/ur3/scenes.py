@@ -1,18 +1,18 @@
-"""The five experiments of Prados et al. 2023, section 4.2, as far as the paper tells them.
+"""The five experiments of Prados et al. 2023, section 4.2, as far as the paper describes them.
 
-The paper gives the two ends, the cells (150^3 of 1 cm), kappa and the kind of demonstrations.
-Assumed here, all in its workspace frame, x, y and z up, in m:
+The paper gives start and goal, the cells (150^3 of 1 cm), kappa and the kind of demonstrations. The
+following is assumed here, all in the workspace frame of the paper, x, y and z up, in m:
 
-- Demonstrations come from `demonstrator`, five an experiment, their ends scattered by 3 cm: from
-  one end to the other (1, 3), the same over the box (2), up and down at five places 10 cm beside
-  the way, left and right in turn (4), wandering within 15 cm of the way (5).
-- The table's top is at z = 0.62, below the lowest end of all paths and its area of influence,
-  under the whole workspace.
-- The box stands on the table. In experiment 2 it stands between the ends; in experiment 3 it
-  appears across the demonstrations, which are those of experiment 1, and is wide enough to leave no
-  way past it inside their tube.
-- Experiments 1 and 4 lie 1.67 m apart, so that no single base serves both: the UR3 stands upright
-  at the place stated for each, its tip tool0 follows the path and its orientation is free.
+- The demonstrations come from `demonstrator`, five per experiment, with ends scattered by 3 cm:
+  from start to goal (1, 3), from start to goal over the box (2), up and down at five places 10 cm
+  beside the straight line, alternating sides (4), random within 15 cm of the straight line (5).
+- The top of the table is at z = 0.62, below the lowest end of all paths and its area of influence.
+  The table extends under the whole workspace.
+- The box stands on the table. In experiment 2 it stands between start and goal. In experiment 3 it
+  appears across the demonstrations, which are those of experiment 1, and is so wide that no path
+  passes it inside their tube.
+- Experiments 1 and 4 are 1.67 m apart, so that one base position cannot serve both. The UR3 stands
+  upright at the position stated for each. Its tip tool0 follows the path with free orientation.
 """
 
 from __future__ import annotations
@@ -37,7 +37,17 @@ _BESIDE_THE_WAY = 0.10
 
 @dataclass(frozen=True)
 class Scene:
-    """An experiment. shown: the kind of demonstrations. kappa: the paper's. box: size, centre."""
+    """An experiment.
+
+    Attributes:
+        title: short description.
+        start: start of the path, m.
+        goal: goal of the path, m.
+        base: position of the UR3's base, m.
+        shown: kind of demonstrations: "reach", "over", "vertical" or "wander".
+        kappa: the paper's value, if it prints one.
+        box: size and centre of the box, m, if there is one.
+    """
 
     title: str
     start: Point
@@ -48,7 +58,7 @@ class Scene:
     box: tuple[Point, Point] | None = None
 
     def boxes(self) -> list[Box]:
-        """The box, where there is one."""
+        """The box in a list, which is empty if there is none."""
         if self.box is None:
             return []
         size, position = self.box
@@ -85,7 +95,7 @@ def table() -> Box:
 
 
 def demonstrations(number: int, teaching: Teaching, seed: int) -> list[Demonstration[Trajectory]]:
-    """What is shown in an experiment; one and three are shown the same."""
+    """The demonstrations of an experiment; experiments 1 and 3 have the same."""
     kind = SCENES[number].shown
     scene = SCENES[1] if kind == "reach" else SCENES[number]
     rng = np.random.default_rng([seed, 1 if kind == "reach" else number])

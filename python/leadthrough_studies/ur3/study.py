@@ -1,13 +1,15 @@
 """The workspace study: a UR3 beside a table, five experiments of Prados et al. 2023, section 4.2.
 
-What the paper leaves open is assumed in `ur3_scenes`; the setting is the paper's: cells of 1 cm,
-area of influence 5 cells, saturation 0.25, paths with kappa below 0.6 are learned. Every path is
-followed by the arm and checked: the whole of it, between samples as well, against table, box and
-itself. The plan knows of the tip only; what the rest meets is reported as it is found.
+`scenes` states what is assumed where the paper leaves something open. The setting is the paper's:
+cells of 1 cm, area of influence of 5 cells, saturation 0.25; paths with kappa below 0.6 are
+learned. The arm follows every path, and the whole arm is checked, continuously between samples,
+against the table, the box and itself. Planning considers only the tip; the rows report what the
+rest of the arm hits.
 
-The paper prints kappa below its saturation of 0.25, where the mean of a map with values in
-[0.25, 1], eq. 6, cannot be. So three are stated: of the map of the raw experience, which decides;
-of that map before its rescaling to [saturation, 1]; of the map with obstacles in it.
+The paper prints values of kappa below its saturation of 0.25. The mean of a map with values in
+[0.25, 1], eq. 6, cannot be that low. So the rows state three values: of the map of the raw
+experience, which decides; of that map before it is rescaled to [saturation, 1]; and of the map with
+obstacles.
 """
 
 from __future__ import annotations
@@ -35,30 +37,46 @@ PACES = {
     "medium": Teaching(duration=4.0, spread=0.01, bow=0.06, tremor=0.006, tremor_band=(1.5, 5.0)),
     "fast": Teaching(duration=1.2, spread=0.02, bow=0.05, tremor=0.0005),
 }
-# Points of a path that kappa is the mean over, even in arc length; they are also drawn.
+# Number of evenly spaced points of a path for the mean kappa and for the figures.
 _POINTS = 200
-_JOINT_STEP = 0.1  # degrees, the paper's resolution of the joints
+_JOINT_STEP = 0.1  # degrees, the paper's joint resolution
 
 _NOT_LEARNED: Row = {"kappa_after": None, "length_after_m": None}
 
 
 @dataclass(frozen=True)
 class Setting:
-    """area_of_influence, resolution: m. saturation: in (0, 1]."""
+    """Parameters of Fast Marching Learning.
+
+    Attributes:
+        area_of_influence: area of influence, m.
+        saturation: saturation, in (0, 1].
+        resolution: size of a cell, m.
+    """
 
     area_of_influence: float = 0.05
     saturation: float = 0.25
     resolution: float = 0.01
 
     def model(self) -> FastMarching:
-        """Algorithm 1 in this setting, over the whole workspace."""
+        """Algorithm 1 with these parameters, over the whole workspace."""
         last = WORKSPACE - self.resolution  # the centre of the last cell
         return FastMarching(**vars(self), method="map", workspace=((0.0,) * 3, (last,) * 3))
 
 
 @dataclass(frozen=True)
 class Ur3Config:
-    """threshold: of kappa, below which a path is learned. seed: of the simulated person."""
+    """The configuration of the study.
+
+    Attributes:
+        scenes: numbers of experiments, keys of SCENES.
+        paces: paces of the person, keys of PACES.
+        setting: parameters of the experiments.
+        saturations: saturations of the sweep.
+        areas_of_influence: areas of influence of the sweep, m.
+        threshold: value of kappa below which a path is learned.
+        seed: seed of the simulated person.
+    """
 
     scenes: tuple[int, ...] = tuple(SCENES)
     paces: tuple[str, ...] = tuple(PACES)
@@ -70,14 +88,14 @@ class Ur3Config:
 
 
 def configure(quick: bool, seed: int) -> Ur3Config:
-    """All of it, or two experiments without the sweep."""
+    """The full configuration, or two experiments without the sweep."""
     if quick:
         return Ur3Config((1, 3), ("medium",), saturations=(), seed=seed)
     return Ur3Config(seed=seed)
 
 
 def tasks(config: Ur3Config) -> list[Task]:
-    """A task for every experiment, every point of the sweep and every pace of teaching."""
+    """A task for every experiment, every point of the sweep and every pace of the person."""
     common = {"threshold": config.threshold, "seed": config.seed}
     setting = dict(vars(config.setting))
     sweeps = [
@@ -100,7 +118,7 @@ def tasks(config: Ur3Config) -> list[Task]:
 
 
 def experiment(*, scene: int, setting: dict[str, float], threshold: float, seed: int) -> list[Row]:
-    """One row: the path of an experiment, judged, and what becomes of it on the arm."""
+    """One row: the path of an experiment, its measures, and the motion of the arm along it."""
     place = SCENES[scene]
     shown = demonstrations(scene, Teaching(), seed)
     row, made, skill = _plan(scene, setting, threshold, shown)
@@ -112,13 +130,13 @@ def experiment(*, scene: int, setting: dict[str, float], threshold: float, seed:
 
 
 def sweep(*, scene: int, setting: dict[str, float], threshold: float, seed: int) -> list[Row]:
-    """One row: an experiment at a saturation and an area of influence."""
+    """One row: an experiment at one saturation and one area of influence."""
     row, _, _ = _plan(scene, setting, threshold, demonstrations(scene, Teaching(), seed))
     return [{"study": "sweep", **setting, **row}]
 
 
 def teach(*, pace: str, setting: dict[str, float], seed: int) -> list[Row]:
-    """One row: how rough the demonstrations of the first experiment are at a pace, and the path."""
+    """One row: roughness of experiment 1's demonstrations at a pace, and of the path made."""
     shown = demonstrations(1, PACES[pace], seed)
     row, made, _ = _plan(1, setting, 0.0, shown)
     motions = [_motion(demonstration) for demonstration in shown]
@@ -203,7 +221,7 @@ def _clearance(motion: Trajectory, shape: Shape) -> float:
 
 
 def _on_the_arm(motion: Trajectory, base: Float64Array, obstacles: list[Shape]) -> Row:
-    """Errors of the tip when the joints take whole steps only, and what the whole arm meets."""
+    """Errors of the tip with quantised joint positions, and the collisions of the whole arm."""
     arm = Arm.load("ur3")
     joints = arm.follow(Trajectory(motion.times, motion.positions - base), too_fast="exceed_limits")
     steps = np.round(np.rad2deg(joints.positions) / _JOINT_STEP) * _JOINT_STEP
@@ -219,7 +237,7 @@ def _on_the_arm(motion: Trajectory, base: Float64Array, obstacles: list[Shape]) 
 def _whole_arm(
     arm: Arm, joints: JointTrajectory, base: Float64Array, obstacles: list[Shape]
 ) -> Row:
-    """The check of the whole arm; its first obstacle is the table."""
+    """The check of the whole arm; the first obstacle is the table."""
     moved = [replace(shape, position=shape.position - base) for shape in obstacles]
     report = arm.check(joints, moved)
     names = {"obstacle 0": "table", "obstacle 1": "box"}

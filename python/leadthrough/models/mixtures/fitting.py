@@ -95,13 +95,13 @@ def choose_components(points: ArrayLike, *, at_most: int = 15, seed: int = 0) ->
 
 
 def trace_mixture(
-    points: ArrayLike, components: int, *, iterations: int, seed: int = 0
+    points: ArrayLike, components: int | Mixture, *, iterations: int, seed: int = 0
 ) -> list[Mixture]:
-    """The mixtures after 0, 1, ... iterations of EM from one start by k-means, to draw EM at work.
+    """The mixtures after 0, 1, ... iterations of EM from one start, to draw or measure EM at work.
 
     Args:
         points: points (n, d).
-        components: number of components, 1 to n.
+        components: number of components, 1 to n, started by k-means; or a mixture to start from.
         iterations: number of iterations, >= 0.
         seed: seed of the random number generator that starts k-means.
 
@@ -109,17 +109,23 @@ def trace_mixture(
         Mixtures, one more than iterations.
 
     Raises:
-        InvalidInput: if points is not a finite (n, d) array, components < 1, iterations < 0 or
-            seed < 0.
+        InvalidInput: if points is not a finite (n, d) array, or not of the mixture's d, components
+            < 1, iterations < 0 or seed < 0.
         FitError: if there are fewer points than components.
     """
-    data, count = _checked(points, components, seed)
+    given = components if isinstance(components, Mixture) else None
+    count = components.count if isinstance(components, Mixture) else components
+    data, count = _checked(points, count, seed)
     rounds = check.integer(iterations, "iterations", at_least=0)
     middle, scale = column_moments(data)
     scaled = (data - middle) / scale
     steps = Steps([scaled])
-    labels = clustered(scaled, seeds(scaled, count, np.random.default_rng(seed))).labels
-    found = [steps.maximise(np.eye(count)[labels])]
+    if given is None:
+        labels = clustered(scaled, seeds(scaled, count, np.random.default_rng(seed))).labels
+        found = [steps.maximise(np.eye(count)[labels])]
+    else:
+        check.array(data, "points", shape=("n", given.size))
+        found = [_scaled(given, middle, scale)]
     for _ in range(rounds):
         found.append(steps.maximise(steps.expect(found[-1])[0]))
     return [_unscaled(each, middle, scale) for each in found]
@@ -156,6 +162,12 @@ def _checked(points: ArrayLike, components: int, seed: int) -> tuple[Float64Arra
     if count > len(data):
         raise FitError(f"components: expected at most one per point, {len(data)}, got {count}")
     return data, count
+
+
+def _scaled(mixture: Mixture, middle: Float64Array, scale: Float64Array) -> Blocks:
+    """The components of a mixture as one block of columns of variance one."""
+    means = (mixture.means - middle) / scale
+    return Blocks(mixture.weights, (means,), (mixture.covariances / scale / scale[:, None],))
 
 
 def _unscaled(blocks: Blocks, middle: Float64Array, scale: Float64Array) -> Mixture:

@@ -136,6 +136,17 @@ def test_trace_shows_every_iteration_on_the_way_up():
     assert (np.diff(heights) > 0).all()
 
 
+def test_trace_goes_on_from_a_given_mixture():
+    points = random_mixture(3, 2, seed=8).sample(300, seed=9) * [1e-3, 1e4]
+    whole = trace_mixture(points, 4, iterations=6)
+    rest = trace_mixture(points, whole[2], iterations=4)
+    for again, first in zip(rest, whole[2:], strict=True):
+        np.testing.assert_allclose(again.means, first.means, rtol=1e-9)
+        np.testing.assert_allclose(again.covariances, first.covariances, rtol=1e-6)
+    with pytest.raises(InvalidInput, match="points"):
+        trace_mixture(points[:, :1], whole[2], iterations=1)
+
+
 def test_units_do_not_matter():
     points = random_mixture(3, 2, seed=6).sample(400, seed=7)
     plain, scaled = fit_mixture(points, 3), fit_mixture(points * [1e-3, 1e4], 3)
