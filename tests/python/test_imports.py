@@ -1,6 +1,7 @@
 """Data flow one way, and walls: a stage imports only what stands left of it, no family another."""
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,7 @@ import pytest
 import leadthrough
 import leadthrough_studies
 
+ROOT = Path(__file__).parents[2]
 PACKAGE = Path(leadthrough.__file__).parent
 STUDIES = Path(leadthrough_studies.__file__).parent
 STAGES = (
@@ -32,6 +34,23 @@ FAMILIES = ("dmp", "promp", "mixtures", "marching")
 # Files of the hall of models/ that know every family: what skills there are, and who holds them.
 OVER_FAMILIES = {"__init__", "skills", "library"}
 FREE = {"_core"}  # the compiled kernels know nothing of Python's stages
+# Users of the package, which see what is on the pages of the reference.
+USERS = [
+    *STUDIES.rglob("*.py"),
+    *(ROOT / "python" / "benchmarks").glob("*.py"),
+    *(ROOT / "python" / "demos").glob("[0-9]*.py"),
+]
+REFERENCE = {
+    name
+    for page in (ROOT / "docs" / "api").glob("*.md")
+    for name in re.findall(r"^::: (leadthrough\S+)$", page.read_text(), re.MULTILINE)
+}
+TYPES = ("check", "errors", "events", "motion", "shapes")
+# A study's digest covers the compiled core; one benchmark measures the time law's kernel alone.
+KERNELS = {
+    "study.py": {("leadthrough", "_core")},
+    "bench_time_law.py": {("leadthrough", "_core")},
+}
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")
 
 
@@ -88,15 +107,21 @@ def test_no_family_of_models_imports_another(path):
     assert not wrong, f"{path.name} imports {wrong}"
 
 
-def test_studies_import_only_public_names_of_the_package():
-    for path in STUDIES.rglob("*.py"):
-        package = ["leadthrough_studies", *path.relative_to(STUDIES).parts[:-1]]
-        private = [
-            module
-            for module in modules_imported(path.read_text(), package)
-            if module[0] == "leadthrough" and any(name.startswith("_") for name in module[1:])
-        ]
-        assert private in ([], [("leadthrough", "_core")]), f"{path.name} imports {private}"
+@pytest.mark.parametrize("path", USERS, ids=lambda path: path.name)
+def test_studies_benchmarks_and_demos_use_public_names_only(path):
+    private = {
+        module
+        for module in modules_imported(path.read_text(), ["leadthrough_studies", path.parent.name])
+        if module[0] == "leadthrough" and not is_public(module)
+    }
+    assert private <= KERNELS.get(path.name, set()), f"{path.name} imports {private}"
+
+
+def is_public(module):
+    """Whether a name of the package, as a tuple, is on a page of the reference or a plain type."""
+    if len(module) == 1 or module[1] in TYPES or (len(module) == 2 and module[1] in STAGES):
+        return True
+    return any(".".join(module[:count]) in REFERENCE for count in range(2, len(module) + 1))
 
 
 def test_every_way_to_import_is_seen():

@@ -18,7 +18,7 @@ import numpy as np
 from leadthrough import rotations
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import Demonstration, PoseTrajectory
-from leadthrough_studies import metrics
+from leadthrough.preprocess import dtw_distance
 from leadthrough_studies.robotasks.methods import METHODS, Shown
 from leadthrough_studies.robotasks.report import report
 from leadthrough_studies.study import Row, Study, Task
@@ -113,7 +113,7 @@ def _errors(method: str, shown: Shown, tested: PoseTrajectory) -> Row:
     angles = np.degrees(rotations.distance(orientations, turned))
     return {
         "mean_mm": 1e3 * float(apart.mean()),
-        "DTW_mm": 1e3 * metrics.dtw_distance(positions, wanted) / _COMPARED,
+        "DTW_mm": 1e3 * dtw_distance(positions, wanted) / _COMPARED,
         "mean_deg": float(angles.mean()),
         "largest_deg": float(angles.max()),
         "end_mm": 1e3 * float(apart[-1]),
