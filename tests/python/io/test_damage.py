@@ -69,8 +69,8 @@ def test_flipped_bytes_are_read_or_refused(whole, tmp_path, suffix):
 def test_files_that_are_cut_off_are_read_or_refused(whole, tmp_path, suffix):
     content = (whole / f"motion.{suffix}").read_bytes()
     path = tmp_path / f"cut.{suffix}"
-    for share in np.linspace(0.0, 1.0, 20, endpoint=False):
-        path.write_bytes(content[: int(share * len(content))])
+    for fraction in np.linspace(0.0, 1.0, 20, endpoint=False):
+        path.write_bytes(content[: int(fraction * len(content))])
         try:
             read(path)
         except InvalidInput as error:

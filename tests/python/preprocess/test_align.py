@@ -1,4 +1,4 @@
-"""Demonstrations brought onto one clock."""
+"""Demonstrations of different timing, aligned in time."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ ALIGN = [align_by_time_warping, align_by_arc_length]
 
 
 def paused(at, *, seed=0, noise=0.0):
-    """A curve whose hand stands still for a third of the time at a share of the way."""
+    """A curve whose hand rests for a third of the time at a fraction of its length."""
     t = np.linspace(0.0, 3.0, 900)
     u = np.interp(t, [0.0, 2.0 * at, 2.0 * at + 1.0, 3.0], [0.0, at, at, 1.0])
     points = np.column_stack([u, np.sin(6 * u)])
@@ -21,12 +21,12 @@ def paused(at, *, seed=0, noise=0.0):
 
 
 def spread(demonstrations):
-    """Root mean square distance from the mean at equal shares of the time."""
+    """Root mean square distance from the mean curve at equal fractions of the duration."""
     u = np.linspace(0.0, 1.0, 400)
     curves = []
     for each in demonstrations:
-        share = each.motion.times / each.motion.duration
-        curves.append([np.interp(u, share, column) for column in each.motion.positions.T])
+        fractions = each.motion.times / each.motion.duration
+        curves.append([np.interp(u, fractions, column) for column in each.motion.positions.T])
     return np.sqrt(np.var(curves, axis=0).sum(axis=0).mean())
 
 
