@@ -79,15 +79,11 @@ def open_view(
 
     Args:
         arm: the arm to show.
-        motion: of the joints, or of the tip, which the arm then follows; without it the skill's
-            own motion is planned and shown.
-        demonstrations: recordings to draw; in the live page also for model parameters that need a
-            new fit.
-        skill: its uncertainty is drawn as a tube. In the live page its goal and the obstacles can
-            be dragged, and it plans anew.
-        goal: of the skill: position (3,), m, or (position (3,), orientation (4,) w, x, y, z); by
-            default its own.
-        obstacles: shapes in the arm's base frame.
+        motion: of the joints or of the tip.
+        demonstrations: recordings to draw, and for parameters that need a new fit.
+        skill: what plans anew when something is dragged.
+        goal: where the skill's motion is to end at first.
+        obstacles: shapes in the arm's base frame, which can be dragged.
         port: port of the page; 0 picks a free one.
 
     Raises:
