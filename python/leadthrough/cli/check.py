@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from leadthrough.cli import options
+
+if TYPE_CHECKING:
+    from leadthrough.arm import Clearance
+    from leadthrough.timing import Peak
 
 
 def check(
@@ -50,13 +54,13 @@ def check(
         raise typer.Exit(1)
 
 
-def _peak(peak: Any, as_json: bool) -> Any:
+def _peak(peak: Peak | None, as_json: bool) -> object:
     if as_json:
         return peak and {"ratio": peak.ratio, "joint": peak.joint, "time": peak.time}
     return "not checked, the limit is not known" if peak is None else str(peak)
 
 
-def _approach(clearance: Any, as_json: bool) -> Any:
+def _approach(clearance: Clearance, as_json: bool) -> object:
     nearest = clearance.closest
     if as_json:
         return nearest and {

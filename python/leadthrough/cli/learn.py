@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from leadthrough.cli import options
 from leadthrough.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from leadthrough.models.protocol import Model
+    from leadthrough.motion import Demonstration
 
 # By the type of motion, where the model is not named.
 _USUAL = {"PoseTrajectory": "pose-dmp", "Trajectory": "dmp", "JointTrajectory": "dmp"}
@@ -91,7 +95,7 @@ def learn(
     tables.facts(found, as_json=as_json)
 
 
-def _model(name: str, parameters: dict[str, Any]) -> Any:
+def _model(name: str, parameters: dict[str, Any]) -> Model:
     from leadthrough import check, models
 
     known = {
@@ -107,12 +111,13 @@ def _model(name: str, parameters: dict[str, Any]) -> Any:
     for key in parameters:
         check.choice(key, "--set", kind.__dataclass_fields__)
     try:
-        return kind(**parameters)
+        made: Model = kind(**parameters)
     except InvalidInput as error:
         raise InvalidInput(f"--set {error}") from None
+    return made
 
 
-def _chosen(demonstrations: list[Any], numbers: list[int] | None) -> list[Any]:
+def _chosen(demonstrations: list[Demonstration], numbers: list[int] | None) -> list[Demonstration]:
     count = len(demonstrations)
     for number in numbers or ():
         if not 1 <= number <= count:
@@ -121,12 +126,12 @@ def _chosen(demonstrations: list[Any], numbers: list[int] | None) -> list[Any]:
 
 
 def _as_poses(
-    demonstrations: list[Any],
+    demonstrations: list[Demonstration],
     robot: str,
     limits: Path | None,
     base: str | None,
     tip: str | None,
-) -> list[Any]:
+) -> list[Demonstration]:
     from leadthrough.cli import robot as robots
     from leadthrough.motion import JointTrajectory
 

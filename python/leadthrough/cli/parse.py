@@ -10,6 +10,7 @@ import yaml
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.models.place import Place
 from leadthrough.motion import Motion, PoseTrajectory
 from leadthrough.shapes import Box, Capsule, Shape, Sphere
 
@@ -59,7 +60,7 @@ def _shape(text: str) -> Shape:
     return Sphere(size[0], position)
 
 
-def place(text: str, name: str) -> Any:
+def place(text: str, name: str) -> Place:
     """A point or joint positions, X,Y,Z, or a pose, X,Y,Z/W,X,Y,Z.
 
     Raises:
@@ -69,7 +70,7 @@ def place(text: str, name: str) -> Any:
     return position if turned is None else (position, turned)
 
 
-def end(text: str, shown: Motion, index: int, name: str) -> Any:
+def end(text: str, shown: Motion, index: int, name: str) -> Place:
     """A start or a goal, as by `place`; a pose without an orientation keeps the demonstrated one.
 
     Args:
@@ -87,7 +88,7 @@ def end(text: str, shown: Motion, index: int, name: str) -> Any:
     return asked, shown.orientations[index]
 
 
-def moved(text: str, shown: Motion, index: int, name: str) -> Any:
+def moved(text: str, shown: Motion, index: int, name: str) -> Place:
     """The first or last place of a motion, moved by an offset; arguments as for `end`.
 
     Raises:
@@ -111,7 +112,7 @@ def columns(given: Sequence[str]) -> dict[str, list[str]] | None:
 
 
 def parameters(given: Sequence[str]) -> dict[str, Any]:
-    """A model's parameters, from words such as weights=80.
+    """A model's parameters, from words such as weights=80, each of the type that YAML gives it.
 
     Raises:
         InvalidInput: for another form.

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from leadthrough.cli import options
+
+if TYPE_CHECKING:
+    from leadthrough.models.protocol import Place, Skill
+    from leadthrough.motion import JointTrajectory, Motion
 
 
 def plan(
@@ -84,7 +88,9 @@ def plan(
     tables.facts(found, as_json=as_json)
 
 
-def _end(learned: Any, given: str | None, moved: str | None, name: str, index: int) -> Any:
+def _end(
+    learned: Skill, given: str | None, moved: str | None, name: str, index: int
+) -> Place | None:
     from leadthrough.cli import parse
     from leadthrough.errors import InvalidInput
 
@@ -98,13 +104,13 @@ def _end(learned: Any, given: str | None, moved: str | None, name: str, index: i
 
 
 def _joints(
-    motion: Any,
+    motion: Motion,
     robot: str,
     limits: Path | None,
     base: str | None,
     tip: str | None,
     posture: str | None,
-) -> Any:
+) -> JointTrajectory:
     from leadthrough import check
     from leadthrough.cli import parse, reading
     from leadthrough.cli import robot as robots

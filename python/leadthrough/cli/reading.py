@@ -4,29 +4,44 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from leadthrough import io, preprocess
 from leadthrough.errors import InvalidInput
 from leadthrough.io import formats
+from leadthrough.io.headers import AngleUnit, QuaternionOrder
 from leadthrough.motion import Demonstration, Motion
 
 
-def cleaned(files: Sequence[Path], **request: Any) -> list[Demonstration]:
+def cleaned(
+    files: Sequence[Path],
+    *,
+    columns: Mapping[str, list[str]] | None,
+    rate: float | None,
+    angles: AngleUnit | None,
+    quaternions: QuaternionOrder | None,
+    topic: str | None,
+) -> list[Demonstration]:
     """The recordings in files, cleaned; what was removed is reported on stderr.
 
     Args:
         files: recordings to read, in this order.
-        request: the keywords of `leadthrough.io.read_recordings`.
+        columns: columns to read, by role; this and what follows as for `io.read_recordings`.
+        rate: sampling rate in Hz of recordings without times.
+        angles: unit of joint angles.
+        quaternions: order of their components.
+        topic: of a ROS bag.
 
     Raises:
         InvalidInput: if a file cannot be read or cleaned.
         MissingDependency: if its format needs an extra that is not installed.
     """
     demonstrations = []
-    for recording in io.read_recordings(files, **request):
+    recordings = io.read_recordings(
+        files, columns=columns, rate=rate, angles=angles, quaternions=quaternions, topic=topic
+    )
+    for recording in recordings:
         demonstration, report = preprocess.clean(recording)
         print(f"{recording.name}: {report}", file=sys.stderr)
         demonstrations.append(demonstration)

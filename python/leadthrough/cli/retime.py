@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from leadthrough.cli import options
+
+if TYPE_CHECKING:
+    from leadthrough.timing import Binding
 
 
 def retime(
@@ -65,12 +68,12 @@ def retime(
         "duration_before": path.duration,
         "duration": timed.duration,
         "samples": len(timed.times),
-        "limited_by": _shares(bindings),
+        "limited_by": _fractions(bindings),
     }
     tables.facts(found, as_json=as_json)
 
 
-def _shares(bindings: Sequence[Any]) -> list[str]:
+def _fractions(bindings: Sequence[Binding]) -> list[str]:
     """What limits the motion and in which fraction of its time, the largest first."""
     total = sum(each.end - each.start for each in bindings)
     lengths: dict[str, float] = {}
