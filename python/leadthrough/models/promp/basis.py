@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -16,7 +17,8 @@ from scipy.interpolate import BSpline
 from leadthrough import _core
 from leadthrough.check import Float64Array
 
-KINDS = ("bspline", "gaussian", "rhythmic")
+BasisKind: TypeAlias = Literal["bspline", "gaussian", "rhythmic"]
+KINDS = get_args(BasisKind)
 
 _DEGREE = 3
 # Fewer functions cannot bend, and a period needs three points.
@@ -34,7 +36,7 @@ class Basis:
             centres; B-splines ignore it.
     """
 
-    kind: str
+    kind: BasisKind
     count: int
     width: float = 1.0
 

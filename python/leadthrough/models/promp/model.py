@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,7 +22,7 @@ from leadthrough.models import archive
 from leadthrough.models.chart import Chart, chart_of, scales
 from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.promp import limits
-from leadthrough.models.promp.basis import KINDS, LEAST, Basis
+from leadthrough.models.promp.basis import KINDS, LEAST, Basis, BasisKind
 from leadthrough.models.promp.em import expectation_maximisation
 from leadthrough.models.promp.estimation import Shown
 from leadthrough.models.promp.gaussian import Gaussian
@@ -30,7 +30,7 @@ from leadthrough.models.promp.least_squares import least_squares
 from leadthrough.models.promp.skill import ProMPSkill
 from leadthrough.motion import Motion, MotionT, normalised_times
 
-ESTIMATORS = ("least_squares", "em")
+Estimator: TypeAlias = Literal["least_squares", "em"]
 
 # A curve fitted to a smaller part of the phases than this is free to do anything in the rest.
 _LEAST_COVERED = 0.9
@@ -57,16 +57,16 @@ class ProMP:
     """
 
     weights: int = 20
-    basis: str = "gaussian"
+    basis: BasisKind = "gaussian"
     width: float = 1.0
-    estimator: str = "least_squares"
+    estimator: Estimator = "least_squares"
     regularization: float = 1e-5
 
     def __post_init__(self) -> None:
         check.integer(self.weights, "weights", at_least=LEAST, at_most=10_000)
         check.choice(self.basis, "basis", KINDS)
         check.number(self.width, "width", at_least=0.3, at_most=3.0)
-        check.choice(self.estimator, "estimator", ESTIMATORS)
+        check.choice(self.estimator, "estimator", get_args(Estimator))
         check.number(self.regularization, "regularization", above=0.0)
 
     def fit(
@@ -140,7 +140,7 @@ def _model_of(settings: dict[str, Any]) -> ProMP:
     if "model" in settings:
         return ProMP(**settings["model"])
     count, width = int(settings["count"]), float(settings.get("width", ProMP.width))
-    return ProMP(weights=count, basis=str(settings["basis"]), width=width)
+    return ProMP(weights=count, basis=settings["basis"], width=width)
 
 
 def _basis_of(model: ProMP) -> Basis:
