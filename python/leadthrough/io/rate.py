@@ -53,7 +53,7 @@ def _interpolated(
     trajectory: JointTrajectory, velocities: Float64Array, times: Float64Array
 ) -> tuple[Float64Array, Float64Array]:
     """Positions and velocities at times (n,) from the trajectory's start, at rest at the end."""
-    from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415 (slow to load)
+    from scipy.interpolate import CubicHermiteSpline
 
     own = trajectory.times - trajectory.times[0]
     curve = CubicHermiteSpline(own, trajectory.positions, velocities)

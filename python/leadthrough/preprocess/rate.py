@@ -31,7 +31,7 @@ def sample_evenly(
     Raises:
         InvalidInput: if there is a single sample, or the rate is not positive or too high.
     """
-    from scipy.interpolate import PchipInterpolator  # noqa: PLC0415 (slow to load)
+    from scipy.interpolate import PchipInterpolator
 
     shown = several_samples(demonstration)
     motion, hertz = shown.motion, check.number(rate, "rate", above=0.0)

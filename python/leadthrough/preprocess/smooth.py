@@ -89,7 +89,7 @@ def smooth_by_spline(
 
 
 def _local_cubics(length: int, step: float) -> _Smoother:
-    from scipy.signal import savgol_filter  # noqa: PLC0415 (slow to load)
+    from scipy.signal import savgol_filter
 
     def smoothed(columns: Float64Array, order: int) -> Float64Array:
         fitted = savgol_filter(columns, length, _DEGREE, deriv=order, delta=step, axis=0)
@@ -99,7 +99,7 @@ def _local_cubics(length: int, step: float) -> _Smoother:
 
 
 def _splines(times: Float64Array, weight: float | None) -> _Smoother:
-    from scipy.interpolate import make_smoothing_spline  # noqa: PLC0415 (slow to load)
+    from scipy.interpolate import make_smoothing_spline
 
     def smoothed(columns: Float64Array, order: int) -> Float64Array:
         splines = [make_smoothing_spline(times, each, lam=weight) for each in columns.T]

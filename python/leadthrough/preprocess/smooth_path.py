@@ -52,7 +52,7 @@ def _fit(path: Float64Array, pieces: int) -> Float64Array:
     knots = np.concatenate([np.zeros(_DEGREE), inner, np.ones(_DEGREE)])
     weights = np.ones(len(samples))
     weights[[0, -1]] = _END_WEIGHT
-    from scipy.interpolate import make_lsq_spline  # noqa: PLC0415 (slow to load)
+    from scipy.interpolate import make_lsq_spline
 
     spline = make_lsq_spline(phase, samples, knots, k=_DEGREE, w=weights)
     spline.c[[0, -1]] = samples[[0, -1]]

@@ -26,7 +26,7 @@ def spikes(values: Float64Array, factor: float) -> NDArray[np.bool_]:
         values: finite.
         factor: a spike's distance in multiples of the usual noise and steps around it.
     """
-    from scipy.ndimage import median_filter, percentile_filter  # noqa: PLC0415 (slow to load)
+    from scipy.ndimage import median_filter, percentile_filter
 
     if len(values) <= _NEAR:
         return np.zeros(len(values), dtype=bool)

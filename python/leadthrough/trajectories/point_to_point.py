@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from leadthrough import optional
 from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, MissingDependency
+from leadthrough.errors import InvalidInput
 from leadthrough.trajectories.filters import limit_for, rate_limit
 from leadthrough.trajectories.minimum_jerk import State, checked_state
 from leadthrough.trajectories.spline import Spline
@@ -62,10 +63,7 @@ def point_to_point(
 def _solved(
     first: tuple[Float64Array, ...], last: tuple[Float64Array, ...], rates: list[Float64Array]
 ) -> Spline:
-    try:
-        import ruckig
-    except ImportError:
-        raise MissingDependency("ruckig", extra="ruckig") from None
+    ruckig = optional.load("ruckig", extra="ruckig")
     # Given fewer numbers than dimensions, or none, ruckig reads beyond its arrays: all have d here.
     task = ruckig.InputParameter(len(first[0]))
     task.current_position, task.current_velocity, task.current_acceleration = map(list, first)
