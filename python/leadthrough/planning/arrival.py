@@ -195,7 +195,7 @@ def _entries(values: Sequence[Any], name: str) -> list[Any]:
 
 
 def _count(maps: int, sources: int) -> int:
-    """How many problems so many maps and sources make."""
+    """Number of problems that the maps and sources make."""
     count = max(maps, sources)
     if {maps, sources} - {1, count}:
         raise InvalidInput(

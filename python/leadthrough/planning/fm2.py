@@ -7,7 +7,7 @@ obstacles is the exact Euclidean one, where the paper marches a wave from them.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,7 @@ from leadthrough.planning.arrival import arrival_times
 from leadthrough.planning.descent import descend
 from leadthrough.planning.distance import distance_transform
 from leadthrough.planning.grid import Grid
+from leadthrough.planning.march_input import Numbers
 
 Reason = Literal[
     "", "start_outside", "goal_outside", "start_in_wall", "goal_in_wall", "goal_enclosed"
@@ -147,7 +148,7 @@ def _no_path(grid: Grid, reason: Reason) -> Plan:
 
 
 def _descended(
-    arrival: Float64Array, speed: NDArray[Any], grid: Grid, start: Float64Array, goal: Float64Array
+    arrival: Float64Array, speed: Numbers, grid: Grid, start: Float64Array, goal: Float64Array
 ) -> Plan:
     try:
         path = descend(arrival, grid, start, goal)

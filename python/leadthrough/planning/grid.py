@@ -168,7 +168,7 @@ def bounds_of(cells: NDArray[np.bool_]) -> tuple[slice, ...] | None:
     """The smallest box around the True cells, None if there are none."""
     part: list[slice] = []
     for axis in range(cells.ndim):
-        # Axes done are cut already, so that the next looks at less.
+        # Axes already searched are cut, so that the next one searches fewer cells.
         inside = cells[tuple(part)]
         others = tuple(k for k in range(cells.ndim) if k != axis)
         where = np.flatnonzero(inside.any(axis=others))

@@ -19,7 +19,7 @@ Precision = np.dtype[Any]
 # Beyond this ratio squares of times leave the range of float32.
 MOST_SPEED_RATIO = 1e15
 
-# A field that is kept counts in units of up to this times its fastest speed.
+# An ArrivalField counts in units of up to this times its fastest speed.
 _HEADROOM = 4.0
 
 

@@ -153,7 +153,7 @@ def _differences(
     """Times (m,) and derivatives (m, joints) of a motion that starts and ends at rest."""
     if len(times) == 1:
         return times, np.zeros_like(positions)
-    rest = order - 1  # as many samples of standing still as a difference reaches beyond an end
+    rest = order - 1  # samples of standing still, as far as a difference reaches beyond an end
     t = times - times[0]
     before = t[0] - (t[1] - t[0]) * np.arange(rest, 0, -1)
     after = t[-1] + (t[-1] - t[-2]) * np.arange(1, rest + 1)

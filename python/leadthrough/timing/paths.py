@@ -19,7 +19,7 @@ from leadthrough.timing.request import Request
 from leadthrough.timing.sections import Rows, Section, Sections, between
 from leadthrough.trajectories import Curve, Spline
 
-# Curves other than splines, and splines that bend too sharply, are fitted through so many samples.
+# Number of samples through which curves are fitted that are not splines, or not smooth enough.
 _SAMPLES_OF_A_CURVE = 2000
 
 
@@ -123,7 +123,7 @@ def _cut_spline(path: Spline, request: Request) -> Sections:
 
 
 def _cut_way_points(points: Float64Array, request: Request) -> Sections:
-    # A way-point that repeats the one before is no way at all; what it holds, that one does.
+    # A way-point that repeats the one before is dropped; its hold goes to that one.
     apart = np.concatenate([[True], (np.diff(points, axis=0) != 0.0).any(axis=1)])
     new_row = np.cumsum(apart) - 1
     holds: dict[int, float] = {}

@@ -10,7 +10,7 @@ from leadthrough.check import Float64Array
 from leadthrough.trajectories import Spline
 from leadthrough.trajectories.minimum_jerk import QUINTIC
 
-# Directions that differ by less are one: rounding of way-points on a straight line.
+# Directions that differ by less are the same: rounding of way-points on a straight line.
 _SAME_DIRECTION = 1e-9
 
 
@@ -36,7 +36,7 @@ def blended_path(points: Float64Array, blend: float) -> Spline:
     lengths = np.sqrt(np.einsum("ij,ij->i", steps, steps))
     directions = steps / lengths[:, None]
     knots, pieces = [0.0], []
-    begin = 0.0  # how much of the line the last corner took
+    begin = 0.0  # length of the line that the last corner took
     for i, (length, direction) in enumerate(zip(lengths, directions, strict=True)):
         last = i == len(lengths) - 1
         cut = 0.0 if last else _cut(directions, lengths, i, blend)

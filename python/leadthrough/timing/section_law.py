@@ -238,7 +238,7 @@ def _places(length: Float64Array, path: _core.TimedPath, section: Section) -> Fl
     """Places (n,) of a motion, counted in way-points, samples or knots of the whole path."""
     parameters = np.interp(length, path.length, path.parameter)
     places = np.interp(parameters, section.parameters, section.rows)
-    places[[0, -1]] = section.rows[[0, -1]]  # the ends are exact, whatever rounding makes of them
+    places[[0, -1]] = section.rows[[0, -1]]  # exact at the ends, where rounding would miss them
     return places
 
 

@@ -142,7 +142,7 @@ class JerkFilter:
             InvalidInput: if it does not fit the limits.
         """
         u = check.array(direction, "direction", shape=("d",))
-        if not u.any():  # any limit does, where nothing moves
+        if not u.any():  # nothing moves: any limit will do
             return JerkFilter(1.0, 1.0, 1.0)
         limits = self._limits_of(len(u)).reshape(3, 2, len(u))  # rate, low and high, dimension
         with np.errstate(divide="ignore"):

@@ -18,7 +18,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.trajectories.spline import Spline
 
-# What rounding leaves of a phase that is not there, relative to the whole move.
+# A phase shorter than this, relative to the whole move, is rounding.
 _NO_PHASE = 1e-12
 
 
