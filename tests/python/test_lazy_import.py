@@ -37,8 +37,11 @@ def test_a_model_loads_no_family_but_its_own():
     assert loaded & families == {"leadthrough.models.dmp"}
 
 
-@pytest.mark.parametrize("module", ["io.formats", "preprocess", "motion"])
-def test_what_reads_and_holds_motions_loads_neither_scipy_nor_yaml(module):
+@pytest.mark.parametrize(
+    "module",
+    ["io.formats", "preprocess", "motion", "shapes", "planning", "trajectories", "timing"],
+)
+def test_what_reads_holds_plans_or_times_motions_loads_neither_scipy_nor_yaml(module):
     assert not modules_after(f"import leadthrough.{module}") & (HEAVY - {"numpy"})
 
 
