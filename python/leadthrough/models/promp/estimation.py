@@ -9,7 +9,7 @@ from leadthrough.check import Float64Array
 from leadthrough.models.promp.gaussian import Gaussian
 
 # The least standard deviation that a motion is believed to have, as a fraction of its reach.
-LEAST_SPREAD = 1e-3
+LEAST_SPREAD = 3e-2
 
 
 @dataclass(frozen=True, eq=False)

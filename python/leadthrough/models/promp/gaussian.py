@@ -41,6 +41,12 @@ class Gaussian:
         rounding = len(values) * np.finfo(np.float64).eps * values[-1]
         return np.asarray(vectors * np.sqrt(np.where(values > rounding, values, 0.0)))
 
+    @cached_property
+    def certain(self) -> Float64Array:
+        """An orthonormal basis (n, m) of the directions that do not vary."""
+        values, vectors = np.linalg.eigh(self.covariance)
+        return np.asarray(vectors[:, values <= CERTAIN**2 * values[-1]])
+
     def observe(
         self,
         rows: Float64Array,

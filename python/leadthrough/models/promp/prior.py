@@ -33,9 +33,19 @@ def smooth_prior(basis: Basis, spread: Float64Array) -> Float64Array:
     fit, inner = _fit_and_kernel(basis)
     one = _INNER * fit @ inner @ fit.T + _ROUGH * np.eye(basis.count)
     if not basis.is_rhythmic:
-        lines = _lines(basis)
-        one += lines @ lines.T
+        ends = lines(basis)
+        one += ends @ ends.T
     return np.asarray(np.kron(np.diag(spread**2), one))
+
+
+def inner_prior(basis: Basis) -> Float64Array:
+    """Covariance (k, k) of the weights of one column's deviations that vanish at both ends."""
+    fit, inner = _fit_and_kernel(basis)
+    free = np.eye(basis.count)
+    if not basis.is_rhythmic:
+        rows = basis(np.array([0.0, 1.0]))
+        free -= np.linalg.pinv(rows) @ rows
+    return np.asarray(fit @ inner @ fit.T + _ROUGH * free)
 
 
 def shaped_prior(basis: Basis, curves: Float64Array) -> Float64Array:
@@ -47,7 +57,7 @@ def shaped_prior(basis: Basis, curves: Float64Array) -> Float64Array:
     """
     fit, inner = _fit_and_kernel(basis)
     at_phases = curves @ basis(_phases(basis)).T
-    lines = _lines(basis)
+    ends_of = lines(basis)
     count, size = len(curves), curves.shape[1]
     result = np.zeros((size, basis.count, size, basis.count))
     for column in range(size):
@@ -58,7 +68,7 @@ def shaped_prior(basis: Basis, curves: Float64Array) -> Float64Array:
         else:
             own = own - ends @ _ramps(basis)
             spread = (ends**2).sum(axis=0) / (count - 1)
-            covariance = (lines * spread) @ lines.T
+            covariance = (ends_of * spread) @ ends_of.T
         profile = np.sqrt((own**2).sum(axis=0) / (count - 1))
         profile = np.maximum(profile, _LEAST_PROFILE * profile.max())
         reached = fit * profile
@@ -69,7 +79,7 @@ def shaped_prior(basis: Basis, curves: Float64Array) -> Float64Array:
 @lru_cache(maxsize=16)
 def _fit_and_kernel(basis: Basis) -> tuple[Float64Array, Float64Array]:
     """The map (k, n) from values at `_phases` to weights, and the kernel (n, n) in between."""
-    u = _phases(basis)
+    u, fit = _phases(basis), _fit(basis)
     gaps = u[:, None] - u
     if basis.is_rhythmic:
         kernel = np.exp(-((np.sin(np.pi * gaps) / (np.pi * _LENGTH)) ** 2) / 2.0)
@@ -77,13 +87,23 @@ def _fit_and_kernel(basis: Basis) -> tuple[Float64Array, Float64Array]:
         kernel = np.exp(-((gaps / _LENGTH) ** 2) / 2.0)
         known = kernel[:, [0, -1]]  # a deviation in between is zero at both ends
         kernel -= known @ np.linalg.solve(known[[0, -1]], known.T)
-    return np.asarray(np.linalg.pinv(basis(u), rcond=1e-6)), kernel
+        # Neither may its curve deviate there, although the functions cannot follow it everywhere.
+        rows = basis(u[[0, -1]])
+        fit = fit - np.linalg.pinv(rows) @ (rows @ fit)
+    return fit, kernel
+
+
+def _fit(basis: Basis) -> Float64Array:
+    """The map (k, n) from values at `_phases` to the weights of the nearest curve."""
+    return np.asarray(np.linalg.pinv(basis(_phases(basis)), rcond=1e-6))
 
 
 @lru_cache(maxsize=16)
-def _lines(basis: Basis) -> Float64Array:
-    """Weights (k, 2) of the straight lines from 1 to 0 and from 0 to 1."""
-    return np.asarray(_fit_and_kernel(basis)[0] @ _ramps(basis).T)
+def lines(basis: Basis) -> Float64Array:
+    """Weights (k, 2) of the lines from 1 to 0 and from 0 to 1, exact at both ends."""
+    fitted = _fit(basis) @ _ramps(basis).T
+    rows = basis(np.array([0.0, 1.0]))
+    return np.asarray(fitted + np.linalg.pinv(rows) @ (np.eye(2) - rows @ fitted))
 
 
 def _ramps(basis: Basis) -> Float64Array:

@@ -18,7 +18,7 @@ from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.even_times import even_times
 from leadthrough.models.parameters import Parameter, whole_number
 from leadthrough.models.place import Place
-from leadthrough.models.promp import limits, observation, task_space
+from leadthrough.models.promp import ends, limits, observation, task_space
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.clock import phases_at
 from leadthrough.models.promp.gaussian import Gaussian
@@ -98,7 +98,10 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
     ) -> MotionT_co:
-        """The mean motion, conditioned on a start and a goal where given.
+        """The mean motion, or one between a start and a goal.
+
+        Inside what was shown it is conditioned on them. Farther off it is shifted, and no phase
+        moves by more than one and a half times what the ends are moved by.
 
         Args:
             start: columns (d,) at the start; for poses (position (3,), orientation (4,) as
@@ -126,11 +129,29 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
             )
         check.number(dt, "dt", above=0.0)
         skill = self if duration is None else self.lasting(duration)
-        for name, place, phase in (("start", start, 0.0), ("goal", goal, 1.0)):
-            if place is not None:
-                wanted = self.chart.target(place, name, phase)[None]
-                skill = observation.of_values(skill, np.array([phase]), wanted, name=name)
+        asked = self._asked(start, goal)
+        if asked:
+            skill = ends.moved(skill, asked)
         return skill._motion(skill.weights.mean, even_times(skill.duration, dt))
+
+    def novelty(self, *, start: Place | None = None, goal: Place | None = None) -> float:
+        """How far a start and a goal lie from what was shown, in standard deviations.
+
+        The largest deviation along any principal axis of the distribution of these ends. From
+        about 3 on, the motion is an extrapolation: `generate` shifts it there.
+
+        Args:
+            start: as in `generate`.
+            goal: as in `generate`.
+
+        Returns:
+            0 for the mean ends; infinite where the motion is fixed to something else.
+
+        Raises:
+            InvalidInput: if an argument is wrong.
+        """
+        asked = self._asked(start, goal)
+        return ends.novelty(self, asked) if asked else 0.0
 
     def condition(
         self,
@@ -344,6 +365,13 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
             self.duration,
             self.bounds,
         )
+
+    def _asked(self, start: Place | None, goal: Place | None) -> list[ends.Asked]:
+        return [
+            ends.Asked(name, phase, self.chart.target(place, name, phase))
+            for name, place, phase in (("start", start, 0.0), ("goal", goal, 1.0))
+            if place is not None
+        ]
 
     def _inside(self, weights: Gaussian) -> Float64Array:
         assert self.bounds is not None

@@ -1,0 +1,178 @@
+"""Motions of a ProMP between a new start and a new goal, never farther off than they were moved.
+
+The covariance says how motions vary inside what was shown. Where all demonstrations share an end,
+it says next to nothing about another one, and conditioning alone would throw the motion: the gain
+from the end to the middle is a covariance over a vanishing variance. So the motion is carried in
+two ways, conditioned on the new ends, and shifted as a whole by offsets that fade from end to end.
+It is the conditioned one as far as the ends lie within what was shown, and as far as no phase
+moves by much more than the ends do; the rest is shifted.
+
+Source: Zhou, Gao and Asfour 2019, "Learning via-movement primitives with inter- and extrapolation
+capabilities", for the shift.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from leadthrough.check import Float64Array
+from leadthrough.models.promp import observation
+from leadthrough.models.promp.gaussian import CERTAIN, Gaussian
+from leadthrough.models.promp.prior import inner_prior, lines
+from leadthrough.motion import MotionT
+
+if TYPE_CHECKING:
+    from leadthrough.models.promp.skill import ProMPSkill
+
+# No phase is moved by more than this many times what the ends were moved by.
+_MOST_GAIN = 1.45
+# Standard deviations up to which ends count as shown.
+_USUAL = 3.0
+_PHASES_PER_WEIGHT = 4
+_ROUNDING = 1e-9  # fraction of the reach that counts as nothing
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """An end that a query asks for.
+
+    Attributes:
+        name: argument that asks for it.
+        phase: 0 at the start, 1 at the end.
+        values: the first columns (p,) there.
+    """
+
+    name: str
+    phase: float
+    values: Float64Array
+
+
+def moved(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> ProMPSkill[MotionT]:
+    """The skill whose mean motion has the ends asked for.
+
+    Args:
+        skill: the skill before.
+        asked: the ends, at least one.
+
+    Raises:
+        InvalidInput: if the motion is fixed to something else at an end.
+    """
+    conditioned = skill
+    for each in asked:
+        conditioned = observation.of_values(
+            conditioned, np.array([each.phase]), each.values[None], name=each.name
+        )
+    size = skill.chart.width
+    offsets = _offsets(skill, asked)
+    shift = _shift(skill, asked, offsets)
+    learned = (conditioned.weights.mean - skill.weights.mean).reshape(size, -1) - shift
+    shown = min(1.0, _USUAL / max(novelty(skill, asked), _USUAL))
+    rows = _rows(skill)
+    for group in _groups(skill):
+        limit = _MOST_GAIN * _moved_by(skill, asked, offsets, group)
+        inside = _fraction_inside(rows @ shift[group].T, rows @ learned[group].T, limit)
+        shift[group] += min(shown, inside) * learned[group]
+    mean = skill.weights.mean + shift.ravel()
+    return skill.with_weights(Gaussian(mean, conditioned.weights.covariance))
+
+
+def novelty(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> float:
+    """How far ends lie from what was shown.
+
+    Args:
+        skill: the skill that is asked.
+        asked: the ends, at least one.
+
+    Returns:
+        The largest number of standard deviations along any principal axis of the distribution of
+        these ends; infinite along an axis on which the motion is fixed.
+    """
+    offsets = _offsets(skill, asked)
+    selection, surprise = [], []
+    for each, offset in zip(asked, offsets, strict=True):
+        count = len(each.values)
+        row = skill.basis(np.array([each.phase]))[0]
+        unit = 1.0 / skill.scale[:count]
+        selection.append(np.kron(np.eye(skill.chart.width)[:count] * unit[:, None], row))
+        surprise.append(offset[:count] * unit)
+    rows = np.concatenate(selection)
+    variances, axes = np.linalg.eigh(rows @ skill.weights.covariance @ rows.T)
+    along = np.abs(axes.T @ np.concatenate(surprise))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        deviations = along / np.sqrt(np.where(variances > CERTAIN**2, variances, 0.0))
+    # Fixed and asked to be as it is, up to rounding: nothing new.
+    return float(np.where(along < _ROUNDING, 0.0, deviations).max())
+
+
+def _offsets(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> list[Float64Array]:
+    """What each end is moved by, (d,); 0 in columns that were not asked for."""
+    curves = skill.weights.mean.reshape(skill.chart.width, -1)
+    offsets = []
+    for each in asked:
+        offset = np.zeros(len(curves))
+        present = curves @ skill.basis(np.array([each.phase]))[0]
+        offset[: len(each.values)] = each.values - present[: len(each.values)]
+        offsets.append(offset)
+    return offsets
+
+
+def _shift(
+    skill: ProMPSkill[MotionT], asked: Sequence[Asked], offsets: Sequence[Float64Array]
+) -> Float64Array:
+    """Weights (d, k) of the shift; where the motion is fixed, at via points, it does not move."""
+    # A rhythmic motion ends where it starts: all of it is shifted.
+    fading = np.ones((skill.basis.count, 1)) if skill.basis.is_rhythmic else lines(skill.basis)
+    shift = np.zeros((skill.chart.width, skill.basis.count))
+    for each, offset in zip(asked, offsets, strict=True):
+        shift += np.outer(offset, fading[:, int(each.phase)])
+    fixed = skill.weights.certain
+    if fixed.shape[1] > 0:
+        smooth = np.kron(np.diag(skill.scale**2), inner_prior(skill.basis)) @ fixed
+        wrong = fixed.T @ shift.ravel()
+        shift -= (smooth @ np.linalg.pinv(fixed.T @ smooth) @ wrong).reshape(shift.shape)
+    return shift
+
+
+def _groups(skill: ProMPSkill[MotionT]) -> list[slice]:
+    """The columns that share a unit: points or joints; a pose's position and its rotation."""
+    size, width = skill.chart.size, skill.chart.width
+    return [slice(0, size)] if size == width else [slice(0, size), slice(size, width)]
+
+
+def _moved_by(
+    skill: ProMPSkill[MotionT],
+    asked: Sequence[Asked],
+    offsets: Sequence[Float64Array],
+    group: slice,
+) -> float:
+    """The largest offset of the ends in a group of columns, in its unit.
+
+    A pose's rotation that was not asked for may turn as much, relative to its reach, as the
+    position moved.
+    """
+    if any(len(each.values) >= group.stop for each in asked):
+        return max(float(np.linalg.norm(offset[group])) for offset in offsets)
+    position = slice(0, skill.chart.size)
+    reach = np.linalg.norm(skill.scale[group]) / np.linalg.norm(skill.scale[position])
+    return float(reach) * max(float(np.linalg.norm(offset[position])) for offset in offsets)
+
+
+def _rows(skill: ProMPSkill[MotionT]) -> Float64Array:
+    return skill.basis(np.linspace(0.0, 1.0, _PHASES_PER_WEIGHT * skill.basis.count + 1))
+
+
+def _fraction_inside(base: Float64Array, more: Float64Array, limit: float) -> float:
+    """The largest fraction in [0, 1] with |base + fraction more| <= limit in every row, (n, d).
+
+    Where the base is beyond the limit by itself, it is the limit.
+    """
+    squared = (more**2).sum(axis=1)
+    mixed = (base * more).sum(axis=1)
+    room = np.maximum(limit**2 - (base**2).sum(axis=1), 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        most = (np.sqrt(mixed**2 + squared * room) - mixed) / squared
+    return float(np.where(squared > 0.0, most, 1.0).min(initial=1.0))
