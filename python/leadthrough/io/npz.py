@@ -61,7 +61,7 @@ def table(path: Path) -> ArrayTable:
     return _named(found, tuple(labels))
 
 
-def arrays(path: Path) -> dict[str, NDArray[Any]]:
+def arrays(path: Path) -> dict[str, NDArray[Any]]:  # Any: of whatever type the archive has
     """The arrays of an archive, by name.
 
     Args:
