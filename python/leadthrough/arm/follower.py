@@ -36,6 +36,8 @@ _SAMPLE_ITERATIONS = 60
 # which halves the step of a joint that moves the tip by 0.1 m per rad.
 _DAMPINGS = (0.0, 1e-5, 1e-4, 1e-3, 1e-2)
 _HINTS = {
+    "unreachable": " (no joint positions reach the pose)",
+    "limits": " (the joint limits keep the tip from the pose)",
     "jump": " (the pose can be reached, but not from the sample before)",
     "too_fast": " (the arm's limits are too low for the motion's pace; slow the motion down)",
 }

@@ -52,12 +52,12 @@ def _shape(text: str) -> Shape:
     position, turned = _place(place, "place")
     turn = () if turned is None else (turned,)
     if kind == "box":
-        return Box(size, position, *turn)
+        return Box(size.tolist(), position, *turn)
     if kind == "capsule":
         return Capsule(float(size[0]), float(size[1]), position, *turn)
     if turned is not None:
         raise InvalidInput("a sphere takes no quaternion")
-    return Sphere(size[0], position)
+    return Sphere(float(size[0]), position)
 
 
 def place(text: str, name: str) -> Place:
@@ -80,9 +80,13 @@ def end(text: str, shown: Motion, index: int, name: str) -> Place:
         name: the option, for messages.
 
     Raises:
-        InvalidInput: if a part is no number.
+        InvalidInput: if a part is no number, or for an orientation where the skill takes none.
     """
     asked = place(text, name)
+    if isinstance(asked, tuple) and not isinstance(shown, PoseTrajectory):
+        raise InvalidInput(
+            f"{name}: expected no orientation for a skill of {type(shown).__name__}, got {text!r}"
+        )
     if isinstance(asked, tuple) or not isinstance(shown, PoseTrajectory):
         return asked
     return asked, shown.orientations[index]

@@ -60,10 +60,9 @@ def plan(
     from leadthrough.cli import parse, reading, tables
     from leadthrough.cli import robot as robots
     from leadthrough.io import write_motion
-    from leadthrough.models import load_skill
 
     reading.check_output(out, format)
-    learned = load_skill(skill)
+    learned = reading.saved_skill(skill)
     asked: dict[str, Any] = {
         "start": _end(learned, start, move_start, "start", 0),
         "goal": _end(learned, goal, move_goal, "goal", -1),

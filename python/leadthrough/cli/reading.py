@@ -11,6 +11,8 @@ from leadthrough import io, preprocess
 from leadthrough.errors import InvalidInput
 from leadthrough.io import formats
 from leadthrough.io.headers import AngleUnit, QuaternionOrder
+from leadthrough.models import load_skill
+from leadthrough.models.protocol import Skill
 from leadthrough.motion import Demonstration, Motion
 
 
@@ -74,6 +76,20 @@ def one_motion(file: Path) -> Motion:
     if len(found) != 1:
         raise InvalidInput(f"{file}: expected a file with one motion, got {len(found)}")
     return found[0].motion
+
+
+def saved_skill(file: Path) -> Skill:
+    """The skill in a file.
+
+    Raises:
+        InvalidInput: if there is no such file or it holds no skill.
+    """
+    if not file.is_file():
+        raise InvalidInput(f"{file}: no such file")
+    try:
+        return load_skill(file)
+    except InvalidInput as error:
+        raise InvalidInput(re.sub("^path: ", f"{file}: ", str(error))) from None
 
 
 def check_output(out: Path, format: str | None = None) -> None:

@@ -48,7 +48,6 @@ def view(
     from leadthrough.cli import parse, reading
     from leadthrough.cli import robot as robots
     from leadthrough.io import read_demonstrations
-    from leadthrough.models import load_skill
     from leadthrough.motion import JointTrajectory
     from leadthrough.show import viewing
 
@@ -64,7 +63,7 @@ def view(
         arm,
         asked,
         demonstrations=shown,
-        skill=None if skill is None else load_skill(skill),
+        skill=None if skill is None else reading.saved_skill(skill),
         goal=None if goal is None else parse.place(goal, "--goal"),
         obstacles=[parse.obstacle(text) for text in obstacle or ()],
         html=html,

@@ -217,6 +217,19 @@ def test_wrong_queries_are_told_in_one_line(shown, words, says):
     assert not Path("m.csv").exists()
 
 
+def test_an_orientation_is_refused_where_the_skill_takes_none(shown):
+    run("learn", "shown0.csv", "-o", "j.npz")
+    words = ["plan", "j.npz", "--goal", "0,0,0,0,0,0/1,0,0,0", "-o", "m.csv"]
+    assert "--goal: expected no orientation" in run(*words, code=2).stderr
+
+
+@pytest.mark.parametrize(
+    ("file", "says"), [("none.npz", "none.npz: no such file"), ("shown0.csv", "shown0.csv: ")]
+)
+def test_a_file_that_holds_no_skill_is_named(shown, file, says):
+    assert says in run("plan", file, "-o", "m.csv", code=2).stderr
+
+
 def test_both_a_goal_and_an_offset_are_refused(shown):
     run("learn", "shown0.csv", "-o", "s.npz")
     words = ["plan", "s.npz", "--goal", "0,0,0,0,0,0", "--move-goal", "0,0,0,0,0,0", "-o", "m.csv"]
