@@ -17,47 +17,51 @@ from leadthrough.check import Float64Array
 DECAY = float(-np.log(0.01))  # x ends at 1 %, as in Pastor et al. 2009
 MOST_WEIGHTS = 1000
 
-# What moves a guided hand lies below some 2 Hz: four kernels a second, and not fewer than usual.
-_WEIGHTS_A_SECOND = 4.0
+# A guided hand moves with frequencies below some 2 Hz: four kernels per second.
+_WEIGHTS_PER_SECOND = 4.0
 _USUAL_WEIGHTS = 50
 
-# A force is tabulated at this many even phases a weight, and is linear between them.
+# A force is tabulated at this many evenly spaced phases per weight, and is linear between them.
 _INTERVALS_PER_WEIGHT = 20
-# What a kernel is at its neighbour's centre.
+# Value of a kernel at its neighbour's centre; 1 at its own.
 _OVERLAP = 0.8
 
 
 def enough_weights(duration: float) -> int:
-    """Kernels that a motion of a duration, s, asks for: 4 a second, 50 to 1000."""
-    return int(min(max(_WEIGHTS_A_SECOND * duration, _USUAL_WEIGHTS), MOST_WEIGHTS))
+    """Number of kernels for a motion of a duration, s: 4 per second, from 50 to 1000."""
+    return int(min(max(_WEIGHTS_PER_SECOND * duration, _USUAL_WEIGHTS), MOST_WEIGHTS))
 
 
 @dataclass(frozen=True, eq=False)
 class Kernels:
-    """Kernels at even phases from 0 to 1.
+    """Kernels tabulated at evenly spaced phases from 0 to 1.
 
-    phases: (m,). kernels: (m, weights), not normalised. regressor: (m, weights), what a weight
-    multiplies where its kernel alone counts. fade: (m,) canonical state. rhythmic: of period 1.
+    Attributes:
+        phases: (m,).
+        values: (m, weights), not normalised.
+        regressor: (m, weights), what a weight multiplies where its kernel alone counts.
+        fade: (m,) canonical state.
+        rhythmic: whether they repeat with period 1.
     """
 
     phases: Float64Array
-    kernels: Float64Array
+    values: Float64Array
     regressor: Float64Array
     fade: Float64Array
     rhythmic: bool
 
     @property
-    def functions(self) -> Float64Array:
-        """(m, weights): the force is these times the weights."""
-        return np.asarray(self.kernels / self.kernels.sum(axis=1, keepdims=True) * self.regressor)
+    def features(self) -> Float64Array:
+        """Features (m, weights): the force is features @ weights."""
+        return np.asarray(self.values / self.values.sum(axis=1, keepdims=True) * self.regressor)
 
 
 @lru_cache(maxsize=8)
 def discrete(weights: int) -> Kernels:
-    """Gaussians in x, whose regressor is x / c_i.
+    """Gaussian kernels in the canonical state x, whose regressor is x / c_i.
 
-    The centres c_i = exp(-DECAY i / (weights - 1)) are even in time; the widths follow from the
-    overlap. Dividing by c_i, which the literature does not, makes all weights alike in size.
+    The centres c_i = exp(-DECAY i / (weights - 1)) are evenly spaced in time; the widths follow
+    from the overlap. The literature does not divide by c_i; it makes all weights similar in size.
     """
     centres = _canonical_state(np.linspace(0.0, 1.0, weights))
     gaps = -np.diff(centres)

@@ -17,10 +17,15 @@ from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, normalis
 
 @dataclass(frozen=True, eq=False)
 class MeanMotion:
-    """What primitives are fitted to.
+    """One motion that primitives are fitted to.
 
-    phases: (n,) from 0 to 1. positions: (n, d). orientations: (n, 4) w, x, y, z, or None.
-    duration: s. joint_names: of joint motions, else None. events: at phases.
+    Attributes:
+        phases: (n,) from 0 to 1.
+        positions: (n, d).
+        orientations: (n, 4) w, x, y, z, or None.
+        duration: s.
+        joint_names: of joint motions, else None.
+        events: at phases.
     """
 
     phases: Float64Array
@@ -39,22 +44,27 @@ class MeanMotion:
 def mean_motion(
     demonstrations: Demonstrations[Motion], kinds: tuple[type[Motion], ...]
 ) -> MeanMotion:
-    """The mean of at least one demonstration, all of the same one of the kinds of motion.
+    """The mean of demonstrations over normalised time.
 
     One alone is taken as it is, sample by sample. Several are stretched to their mean duration and
     averaged, positions and rotations, at as many evenly spaced times as the longest has samples;
     the events are those that most of them have.
 
+    Args:
+        demonstrations: at least one, all of the same kind.
+        kinds: types of motion that the model learns.
+
     Raises:
-        InvalidInput: as `motions_of`.
-        FitError: as `motions_of`, and where the orientations of several lie too far apart for a
-            mean.
+        InvalidInput: for other motions.
+        FitError: for one that does not move, and where the orientations of several lie too far
+            apart for a mean.
     """
     motions = motions_of(demonstrations, kinds=kinds)
     first = motions[0]
     names = first.joint_names if isinstance(first, JointTrajectory) else None
-    shares = [events.moved(each.events, each.times[[0, -1]], (0.0, 1.0)) for each in motions]
-    happened = events.agreed(shares)
+    happened = events.agreed(
+        [events.moved(each.events, each.times[[0, -1]], (0.0, 1.0)) for each in motions]
+    )
     if len(motions) == 1:
         turned = first.orientations if isinstance(first, PoseTrajectory) else None
         return MeanMotion(
@@ -83,4 +93,6 @@ def _mean_turn(motions: Sequence[Motion], phases: Float64Array) -> Float64Array 
     try:
         return rotations.align_signs(rotations.mean(np.stack(layers)))
     except InvalidInput as error:
-        raise FitError(f"demonstrations: have no mean orientation ({error})") from None
+        raise FitError(
+            f"demonstrations: their orientations have no mean orientation ({error})"
+        ) from None

@@ -13,9 +13,9 @@ tau = 1 in the literature's letters. The forms differ in r and in what multiplie
 - "ijspeert": r = g, and the force is scaled by g - y0, which must not be near 0 in any channel.
   Sources: Ijspeert et al. 2002; 2013, section 2.1.
 
-The last two come near the goal at the end and reach it after it, as springs do: what is left of a
-move of start or goal is 2.5 % with "hoffmann", whose canonical state ends at 1 %, and next to
-nothing with "ijspeert". The force stops at the end in all of them.
+The last two come near the goal at the end and reach it later, as springs do: 2.5 % of a move of
+start or goal is left with "hoffmann", whose canonical state ends at 1 %, and next to nothing with
+"ijspeert". The force stops at the end in all of them.
 """
 
 from __future__ import annotations
@@ -30,8 +30,7 @@ from scipy.interpolate import PPoly, make_interp_spline
 
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
-from leadthrough.models.dmp import kernels
-from leadthrough.models.dmp.kernels import Kernels
+from leadthrough.models.dmp.kernels import Kernels, discrete, rhythmic
 from leadthrough.trajectories.minimum_jerk import QUINTIC, quintic_coefficients
 
 FORMS = ("blended", "hoffmann", "ijspeert")
@@ -45,7 +44,14 @@ Via = Sequence[tuple[float, Float64Array]]
 
 @dataclass(frozen=True, eq=False)
 class Ends:
-    """Where channels begin and end: values and slopes over the phase, (channels,) each."""
+    """Where channels begin and end.
+
+    Attributes:
+        start: values (channels,) at phase 0.
+        goal: values (channels,) at phase 1; of a rhythm, its centre.
+        start_slope: derivatives (channels,) by the phase at 0.
+        goal_slope: derivatives (channels,) by the phase at 1.
+    """
 
     start: Float64Array
     goal: Float64Array
@@ -71,7 +77,10 @@ class Ends:
 class Springs:
     """Learned channels.
 
-    form: one of FORMS, or RHYTHMIC. weights: (weights, channels). ends: as demonstrated.
+    Attributes:
+        form: one of FORMS, or RHYTHMIC.
+        weights: (weights, channels).
+        ends: as demonstrated.
     """
 
     form: str
@@ -80,7 +89,7 @@ class Springs:
 
     @property
     def kernels(self) -> Kernels:
-        """The functions that the weights belong to."""
+        """The kernels that the weights belong to."""
         return kernels_of(self.form, len(self.weights))
 
     @cached_property
@@ -89,12 +98,17 @@ class Springs:
         return tabulated(self.kernels, self.weights)
 
     def arrays(self) -> dict[str, Float64Array]:
-        """Its parts by name, for a file."""
+        """Its arrays by name, for a file."""
         return {"weights": self.weights, **vars(self.ends)}
 
     @staticmethod
     def from_arrays(form: str, weights: int, arrays: Mapping[str, Any]) -> Springs:
-        """The ones whose `arrays` these are. Raises KeyError, InvalidInput."""
+        """The springs of which a file has the `arrays`.
+
+        Raises:
+            KeyError: if an array is missing.
+            InvalidInput: if one has another shape than it should.
+        """
         found = check.frozen(arrays["weights"], "weights", shape=(weights, "channels"))
         ends = [
             check.frozen(arrays[field.name], field.name, shape=(found.shape[1],))
@@ -107,21 +121,30 @@ class Springs:
 
 
 def kernels_of(form: str, weights: int) -> Kernels:
-    """The functions that so many weights of a form belong to."""
-    return kernels.rhythmic(weights) if form == RHYTHMIC else kernels.discrete(weights)
+    """The kernels of a form for a number of weights."""
+    return rhythmic(weights) if form == RHYTHMIC else discrete(weights)
 
 
-def tabulated(functions: Kernels, weights: Float64Array | None = None) -> _core.DmpForces:
-    """Forces of weights (weights, channels); without them, one channel a function."""
-    table = functions.functions if weights is None else functions.functions @ weights
+def tabulated(kernels: Kernels, weights: Float64Array | None = None) -> _core.DmpForces:
+    """Forces as the compiled core takes them.
+
+    Args:
+        kernels: of the force.
+        weights: (weights, channels); None: one channel for each kernel, of which the weight is 1.
+    """
+    table = kernels.features if weights is None else kernels.features @ weights
     nodes = np.ascontiguousarray(table)
-    return _core.DmpForces(nodes, functions.fade, RATE, functions.rhythmic)
+    return _core.DmpForces(nodes, kernels.fade, RATE, kernels.rhythmic)
 
 
 def course(form: str, ends: Ends, via: Via = (), *, amplitude: float = 1.0) -> _core.DmpCourse:
-    """What a query makes of the learned force: reference, gain and drive of every channel.
+    """The course of a query: reference of every channel, gain of its force, and drive.
 
-    via: (phase, offset (channels,)) from the motion that there would be without.
+    Args:
+        form: one of FORMS, or RHYTHMIC.
+        ends: where the channels begin and end.
+        via: (phase, offset (channels,)) from the motion without via points.
+        amplitude: of a rhythm.
     """
     count = len(ends.goal)
     gain, drive = np.full(count, amplitude), np.zeros(count)
@@ -139,7 +162,7 @@ def course(form: str, ends: Ends, via: Via = (), *, amplitude: float = 1.0) -> _
 
 
 def redirected(form: str, before: _core.DmpCourse, goal: Float64Array) -> _core.DmpCourse:
-    """The course with another goal (channels,); what lay behind the phase is as it was."""
+    """The course with another goal (channels,); value and slope go on as they were."""
     shift = goal - end_of(before)
     blend = _BLEND if form == "blended" else np.array([1.0, 0, 0, 0, 0, 0])
     breaks = before.breaks
@@ -181,8 +204,8 @@ def _taylor(curve: Any, breaks: Float64Array) -> Float64Array:
     return np.ascontiguousarray(np.stack(blocks, axis=1).reshape(-1, blocks[0].shape[1]))
 
 
-def end_of(asked: _core.DmpCourse) -> Float64Array:
-    """Where a course leads, (channels,)."""
-    breaks = asked.breaks
+def end_of(course: _core.DmpCourse) -> Float64Array:
+    """Values (channels,) at the end of a course."""
+    breaks = course.breaks
     powers = (1.0 - breaks[-2]) ** np.arange(6.0)
-    return np.asarray(powers @ asked.coefficients[-6:])
+    return np.asarray(powers @ course.coefficients[-6:])

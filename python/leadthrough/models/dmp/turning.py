@@ -1,21 +1,23 @@
 """Orientations as three coordinates that springs can move: what `PoseDMP(orientation=...)` chooses.
 
-A pose primitive's orientation is exp(offset(u)) G(u) E(e), with the coordinates e moved by springs.
+The orientation of a pose primitive is exp(offset(u)) G(u) E(e), where springs move the coordinates
+e.
 
-- "anchored": G turns with the demonstration. It is a C2 curve through orientations that lie 15
-  degrees of turning apart, run through by the angle turned up to phase u, so that pauses and bursts
-  do not make it swing. e, the rotation vector that is left, stays small, and no logarithm comes
-  near half a turn, however far and about whatever axes the tool turns. A start or goal turned from
-  the demonstrated one enters as the offset, blended from one end to the other by minimum jerk: the
-  number of turns is that of the demonstration, and the motion ends at the goal.
+- "anchored": G turns with the demonstration. It is a C2 curve through orientations that are 15
+  degrees of turning apart. The angle turned up to phase u says how far along the curve G is, so
+  that pauses and bursts do not make it swing. e, the rotation vector that is left, stays small, and
+  no logarithm comes near half a turn, however far and about whatever axes the tool turns. A start
+  or goal turned from the demonstrated one enters as the offset, blended from one end to the other
+  by minimum jerk: the number of turns is that of the demonstration, and the motion ends at the
+  goal.
 - "lifted": G is the goal, and e the continuous logarithm from there (Lauretti et al. 2023, eqs. 7
   to 9, with the angle counted past half a turn). Beside whole turns there is no such logarithm, and
   beyond about 220 degrees a changed start or goal may lead there: both are refused.
 - "log": as "lifted" with the plain logarithm, which jumps at half a turn.
 - "euler": e are ZYZ angles, which jump where they wrap and beside gimbal lock.
 
-The last two are what is compared with in Lauretti et al. 2023; motions that jump there are learned
-wrongly.
+The last two are the representations that Lauretti et al. 2023 compare with; motions that jump there
+are learned wrongly.
 """
 
 from __future__ import annotations
@@ -31,19 +33,19 @@ from scipy.ndimage import uniform_filter1d
 
 from leadthrough import _core, check, rotations
 from leadthrough.check import Float64Array
-from leadthrough.errors import FitError, NoContinuousLogarithm
+from leadthrough.errors import FitError, InvalidInput, NoContinuousLogarithm
 from leadthrough.models.archive import quaternions
 
 REPRESENTATIONS = ("anchored", "lifted", "log", "euler")
 
 _ANCHOR_SPACING = np.radians(15.0)  # of turning
-# Of the coordinates about the anchored curve, rad: what is good enough, and what is too much. Finer
-# curves follow bursts better and noise too.
+# Largest coordinates about the anchored curve, rad, that are good enough, and that are too much.
+# Finer curves follow bursts better, and noise too.
 _GOOD_ERROR = np.radians(3.0)
 _LARGEST_ERROR = np.radians(60.0)
 _REFINEMENTS = 3
-# The turning speed is tabulated at so many phases, and averaged twice over this share of the
-# motion, which makes it smooth.
+# The turning speed is tabulated in this many intervals of the phase, and smoothed by averaging
+# twice over this fraction of the motion.
 _INTERVALS = 1000
 _SMOOTHING = 0.02
 
@@ -55,9 +57,14 @@ _NOTHING = np.zeros(3)
 class Turning:
     """A learned relation between orientations and coordinates.
 
-    controls: (k + 3, 4) of the curve, a cumulative cubic B-spline in k pieces. speeds: (m,) of the
-    place on it, pieces a phase, at even phases. start, goal: (4,) as demonstrated. angle: rad, all
-    that the demonstration turns. rhythmic: whether the curve closes and goes on.
+    Attributes:
+        representation: one of REPRESENTATIONS.
+        controls: (k + 3, 4) of the curve G, a cumulative cubic B-spline of k pieces.
+        speeds: (m,) on the curve, in pieces per unit of phase, at evenly spaced phases.
+        start: orientation (4,) as demonstrated.
+        goal: orientation (4,) as demonstrated.
+        angle: rad, the whole angle that the demonstration turns.
+        rhythmic: whether the curve closes and repeats.
     """
 
     representation: str
@@ -70,7 +77,7 @@ class Turning:
 
     @cached_property
     def curve(self) -> _core.DmpCurve:
-        """What the kernels take."""
+        """The curve as the compiled core takes it."""
         turns = rotations.compose(rotations.inverse(self.controls[:-1]), self.controls[1:])
         covered = _covered(self.speeds)
         zyz = self.representation == "euler"
@@ -81,11 +88,19 @@ class Turning:
     def offsets(
         self, start: Float64Array, goal: Float64Array, near: Float64Array | None = None
     ) -> tuple[Float64Array, Float64Array]:
-        """The rotation vectors (3,) that the curve is turned by at the start and at the end.
+        """The rotation vectors that turn the curve at its start and at its end.
 
-        Of the goal's, the one nearest to `near`, by default the start's: the shortest way of
-        turning from one to the other. An offset of exactly half a turn is about the axis whose
-        first coordinate that is not 0 is positive.
+        An offset of exactly half a turn is about the axis whose first coordinate that is not 0 is
+        positive.
+
+        Args:
+            start: orientation (4,) that a motion starts with.
+            goal: orientation (4,) that it ends with.
+            near: (3,); of the rotation vectors for the goal the nearest to this one is taken, by
+                default to the one at the start, for the shortest way of turning between them.
+
+        Returns:
+            Offsets (3,) at start and goal, rad.
         """
         if self.representation == "euler":
             return _NOTHING, _NOTHING
@@ -104,9 +119,18 @@ class Turning:
         near: Float64Array,
         velocity: Float64Array = _NOTHING,
     ) -> tuple[Float64Array, Float64Array]:
-        """Coordinates (3,) of an orientation (4,), and their slope at an angular velocity (3,).
+        """Coordinates of an orientation, and their slope.
 
-        Of several, those nearest to `near`; those of "log" are at most half a turn long.
+        Args:
+            orientation: (4,).
+            phase: in [0, 1], or counting periods.
+            offsets: of the curve at both ends.
+            near: (3,); of several coordinates the nearest to these are taken. Those of "log" are at
+                most half a turn long.
+            velocity: angular, (3,) rad per unit of phase.
+
+        Returns:
+            Coordinates (3,) and their derivatives (3,) by the phase.
         """
         if self.representation == "log":
             near = _NOTHING
@@ -118,14 +142,20 @@ class Turning:
         values: Float64Array,
         offsets: tuple[Float64Array, Float64Array] = (_NOTHING, _NOTHING),
     ) -> Float64Array:
-        """Orientations (n, 4), sign-continuous, at phases (n,).
+        """Orientations of coordinates, sign-continuous.
 
-        values: (n, 3), or more columns, of which the last three are the coordinates.
+        Args:
+            phases: (n,).
+            values: (n, 3), or more columns, of which the last three are the coordinates.
+            offsets: of the curve at both ends.
+
+        Returns:
+            Orientations (n, 4), w, x, y, z.
         """
         return _core.dmp_orientations(self.curve, *offsets, phases, values)
 
     def arrays(self) -> dict[str, Float64Array]:
-        """Its parts by name, for a file."""
+        """Its arrays by name, for a file."""
         return {
             "controls": self.controls,
             "speeds": self.speeds,
@@ -138,10 +168,20 @@ class Turning:
     def from_arrays(
         representation: str, arrays: Mapping[str, Any], *, rhythmic: bool = False
     ) -> Turning:
-        """The one whose `arrays` these are. Raises KeyError, InvalidInput."""
+        """The turning of which a file has the `arrays`.
+
+        Args:
+            representation: one of REPRESENTATIONS.
+            arrays: by name.
+            rhythmic: whether the curve closes and repeats.
+
+        Raises:
+            KeyError: if an array is missing.
+            InvalidInput: if one is not what it should be.
+        """
         controls = quaternions(arrays, "controls", shape=("n", 4))
         if len(controls) < 4:
-            raise ValueError("too few controls")
+            raise InvalidInput(f"controls: expected at least 4, got {len(controls)}")
         return Turning(
             representation,
             controls,
@@ -159,9 +199,19 @@ class Turning:
 def learn(
     phases: Float64Array, orientations: Float64Array, representation: str
 ) -> tuple[Turning, Float64Array]:
-    """A turning, and the coordinates (n, 3) of orientations (n, 4), at phases (n,) from 0 to 1.
+    """A turning learned from orientations, and their coordinates.
 
-    Raises FitError where "lifted" finds no continuous logarithm.
+    Args:
+        phases: (n,) from 0 to 1.
+        orientations: (n, 4).
+        representation: one of REPRESENTATIONS.
+
+    Returns:
+        The turning, and coordinates (n, 3).
+
+    Raises:
+        FitError: where "lifted" finds no continuous logarithm, or the samples turn too far from one
+            to the next.
     """
     q = rotations.align_signs(orientations)
     if representation == "anchored":
@@ -187,7 +237,7 @@ def learn(
 
 
 def learn_closed(phases: Float64Array, orientations: Float64Array) -> tuple[Turning, Float64Array]:
-    """As `learn`, "anchored", for a motion whose last orientation is the first one again."""
+    """As `learn` with "anchored", for a motion that ends with its first orientation."""
     return _anchored(phases, rotations.align_signs(orientations), rhythmic=True)
 
 
@@ -211,12 +261,14 @@ def _anchored(
         if largest < _GOOD_ERROR:
             break
     if largest > _LARGEST_ERROR:
-        raise FitError("demonstrations: turn too much between samples to be followed")
+        raise FitError(
+            "demonstrations: turn too far from one sample to the next; record at a higher rate"
+        )
     return turning, error
 
 
 def _anchors(covered: Float64Array, q: Float64Array, spacing: float) -> Float64Array:
-    """Orientations at even shares of the angle turned, at most `spacing` apart, ends included."""
+    """Orientations at evenly spaced angles turned, at most `spacing` apart, ends included."""
     moving = np.concatenate([[True], np.diff(covered) > 0.0])
     at, samples = covered[moving], q[moving]
     if len(at) == 1:
@@ -228,14 +280,14 @@ def _anchors(covered: Float64Array, q: Float64Array, spacing: float) -> Float64A
 
 
 def _controls(anchors: Float64Array) -> Float64Array:
-    """The anchors, with the first and last step repeated: so the curve begins and ends at them."""
+    """The anchors, with the first and last step repeated: so the curve starts and ends there."""
     outwards = rotations.compose(anchors[[0, -1]], rotations.inverse(anchors[[1, -2]]))
     ends = rotations.compose(outwards, anchors[[0, -1]])
     return np.concatenate([ends[:1], anchors, ends[1:]])
 
 
 def _closed_controls(anchors: Float64Array) -> Float64Array:
-    """The anchors of a round, with the last one before it and the first one after it."""
+    """The anchors of a cycle, with the last one before it and the first one after it."""
     back = rotations.compose(rotations.inverse(anchors[-1:]), anchors[-2:-1])
     on = rotations.compose(rotations.inverse(anchors[:1]), anchors[1:2])
     before, after = rotations.compose(anchors[:1], back), rotations.compose(anchors[-1:], on)
@@ -245,7 +297,7 @@ def _closed_controls(anchors: Float64Array) -> Float64Array:
 def _speeds(
     phases: Float64Array, covered: Float64Array, pieces: int, smoothing: float, mode: str
 ) -> Float64Array:
-    """Pieces of the curve a phase, never negative, at even phases, (intervals + 1,)."""
+    """Speeds (intervals + 1,) >= 0 on the curve, in pieces per phase, at evenly spaced phases."""
     nodes = np.linspace(0.0, 1.0, _INTERVALS + 1)
     between = np.diff(np.interp(nodes, phases, covered))
     for _ in range(2):

@@ -124,11 +124,11 @@ def test_steps_lead_where_generate_does(form):
 
 def springs_of_the_paper(skill, phases, *, drive, gain):
     """The literature's equation, by SciPy: y'' = alpha (beta (g - y) - y') + force."""
-    ends, functions = skill.springs.ends, skill.springs.kernels
+    ends, kernels = skill.springs.ends, skill.springs.kernels
 
     def rates(u, y):
         x = np.exp(-DECAY * u)
-        row = [np.interp(u, functions.phases, f) for f in functions.functions.T]
+        row = [np.interp(u, kernels.phases, f) for f in kernels.features.T]
         force = gain * (row @ skill.springs.weights) + drive * x
         return [*y[3:], *(2 * RATE * (0.5 * RATE * (ends.goal - y[:3]) - y[3:]) + force)]
 
@@ -286,9 +286,9 @@ def test_long_motions_get_as_many_kernels_as_they_ask_for(duration, count):
 
 def test_kernels_sum_to_their_regressor():
     for basis in (discrete(12), rhythmic(12)):
-        share = basis.kernels / basis.kernels.sum(axis=1, keepdims=True)
+        share = basis.values / basis.values.sum(axis=1, keepdims=True)
         np.testing.assert_allclose(share.sum(axis=1), 1.0, atol=1e-12)
-    np.testing.assert_allclose(rhythmic(7).functions[0], rhythmic(7).functions[-1], atol=1e-12)
+    np.testing.assert_allclose(rhythmic(7).features[0], rhythmic(7).features[-1], atol=1e-12)
 
 
 @pytest.mark.parametrize(
