@@ -22,19 +22,31 @@ from leadthrough.trajectories.spline import Spline
 QUINTIC = np.array([[10.0, -6.0, -4.0], [-15.0, 8.0, 7.0], [6.0, -3.0, -3.0]])
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class State:
     """Position, velocity and acceleration of a motion; it rests by default.
 
     Attributes:
         position: (d,).
-        velocity: (d,), or one number for all dimensions.
-        acceleration: (d,), or one number for all dimensions.
+        velocity: (d,); one number holds for all dimensions.
+        acceleration: (d,); one number holds for all dimensions.
+
+    Raises:
+        InvalidInput: if they are not finite numbers of these shapes.
     """
 
-    position: ArrayLike
-    velocity: ArrayLike = 0.0
-    acceleration: ArrayLike = 0.0
+    position: Float64Array
+    velocity: Float64Array
+    acceleration: Float64Array
+
+    def __init__(
+        self, position: ArrayLike, velocity: ArrayLike = 0.0, acceleration: ArrayLike = 0.0
+    ) -> None:
+        x = check.frozen(position, "position", shape=("d",))
+        rates = {"velocity": velocity, "acceleration": acceleration}
+        vars(self).update(
+            position=x, **{name: _row(rate, name, len(x)) for name, rate in rates.items()}
+        )
 
 
 def minimum_jerk_rise(u: Float64Array, height: float | Float64Array = 1.0) -> Float64Array:
@@ -135,11 +147,13 @@ def checked_state(
     value: State | ArrayLike, name: str, width: int | None
 ) -> tuple[Float64Array, ...]:
     """Position, velocity and acceleration, (width,) each; a bare position rests."""
-    state = value if isinstance(value, State) else State(value)
-    position = check.array(state.position, f"{name} position", shape=(width or "d",))
-    rest = []
-    for part in ("velocity", "acceleration"):
-        row = getattr(state, part)
-        shape = () if np.ndim(row) == 0 else (len(position),)
-        rest.append(np.broadcast_to(check.array(row, f"{name} {part}", shape=shape), len(position)))
-    return position, *rest
+    bare = value.position if isinstance(value, State) else value
+    position = check.array(bare, f"{name} position", shape=(width or "d",))
+    state = value if isinstance(value, State) else State(position)
+    return position, state.velocity, state.acceleration
+
+
+def _row(value: ArrayLike, name: str, width: int) -> Float64Array:
+    """Numbers (width,), read-only; one number holds for all."""
+    row = check.frozen(value, name, shape=() if np.ndim(value) == 0 else (width,))
+    return np.broadcast_to(row, width)
