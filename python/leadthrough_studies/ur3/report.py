@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from leadthrough.show import plot
 from leadthrough_studies.demonstrator import Teaching
 from leadthrough_studies.study import Report, Row, selected
-from leadthrough_studies.ur3 import scenes
+from leadthrough_studies.ur3 import setups
 
 _NOT_IN_THE_TABLE = ("study", "path")
 
@@ -19,7 +19,7 @@ _NOT_IN_THE_TABLE = ("study", "path")
 def report(config: Any, rows: list[Row]) -> Report:
     """The experiments beside the paper's kappa; sweep and paces in figures and summary."""
     experiments, swept, taught = (
-        selected(rows, study=name) for name in ("scenes", "sweep", "teaching")
+        selected(rows, study=name) for name in ("setups", "sweep", "teaching")
     )
     figures = {}
     if experiments:
@@ -32,7 +32,7 @@ def report(config: Any, rows: list[Row]) -> Report:
         table=[_without(row, *_NOT_IN_THE_TABLE) for row in experiments],
         figures=figures,
         summary={
-            "assumptions": scenes.__doc__,
+            "assumptions": setups.__doc__,
             "teaching": [_without(row, "study") for row in taught],
         },
     )
@@ -47,17 +47,17 @@ def _scenes_figure(config: Any, rows: list[Row]) -> Figure:
     figure.subplots_adjust(left=0.01, right=0.97, wspace=0.15)
     for i, row in enumerate(rows):
         axes: Any = figure.add_subplot(1, len(rows), i + 1, projection="3d")
-        shown = scenes.demonstrations(row["scene"], Teaching(), config.seed)
+        shown = setups.demonstrations(row["setup"], Teaching(), config.seed)
         for demonstration in shown:
             axes.plot(*demonstration.motion.positions.T, **plot.DEMONSTRATION)
         path = np.array(row["path"])
         axes.plot(*path.T, **plot.PATH)
         axes.scatter(*path[[0, -1]].T, color="black", s=12)
-        for box in scenes.SCENES[row["scene"]].boxes():
+        for box in setups.SETUPS[row["setup"]].boxes():
             _draw_box(axes, box)
         axes.set_aspect("equal")
         met = "clear" if row["arm_ok"] else row["arm_hit"].replace("_link", "") + " collide"
-        title = f"{row['scene']}: {row['title']}\nkappa {row['kappa']:.2f}, arm: {met}"
+        title = f"{row['setup']}: {row['title']}\nkappa {row['kappa']:.2f}, arm: {met}"
         axes.set_title(title, fontsize=9)
         for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
             axis.set_major_locator(MaxNLocator(3))
@@ -71,16 +71,16 @@ def _draw_box(axes: Any, box: Any) -> None:
 
 
 def _sweep_figure(config: Any, rows: list[Row]) -> Figure:
-    figure = Figure(figsize=(4.0 * len(config.scenes), 3.4), layout="constrained")
-    panels = figure.subplots(1, len(config.scenes), squeeze=False).ravel()
-    for axes, scene in zip(panels, config.scenes, strict=True):
+    figure = Figure(figsize=(4.0 * len(config.setups), 3.4), layout="constrained")
+    panels = figure.subplots(1, len(config.setups), squeeze=False).ravel()
+    for axes, setup in zip(panels, config.setups, strict=True):
         for area in config.areas_of_influence:
-            own = selected(rows, scene=scene, area_of_influence=area)
+            own = selected(rows, setup=setup, area_of_influence=area)
             saturations = [row["saturation"] for row in own]
             label = f"area of influence {100 * area:.0f} cm"
             axes.plot(saturations, [row["kappa"] for row in own], "o-", label=label)
         axes.axhline(config.threshold, color="0.5", linewidth=0.8, linestyle="--")
-        axes.set_title(f"experiment {scene}")
+        axes.set_title(f"experiment {setup}")
         axes.set_xlabel("saturation")
     panels[0].set_ylabel("kappa")
     panels[0].legend(fontsize=7)

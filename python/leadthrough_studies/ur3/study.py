@@ -1,6 +1,6 @@
 """The workspace study: a UR3 beside a table, five experiments of Prados et al. 2023, section 4.2.
 
-`scenes` states what is assumed where the paper leaves something open. The setting is the paper's:
+`setups` states what is assumed where the paper leaves something open. The setting is the paper's:
 cells of 1 cm, area of influence of 5 cells, saturation 0.25; paths with kappa below 0.6 are
 learned. The arm follows every path, and the whole arm is checked, continuously between samples,
 against the table, the box and itself. Planning considers only the tip; the rows report what the
@@ -30,7 +30,7 @@ from leadthrough_studies.demonstrator import Teaching
 from leadthrough_studies.metrics import speed_along
 from leadthrough_studies.study import Row, Study, Task, cpu_time
 from leadthrough_studies.ur3.report import report
-from leadthrough_studies.ur3.scenes import SCENES, WORKSPACE, demonstrations, table
+from leadthrough_studies.ur3.setups import SETUPS, WORKSPACE, demonstrations, table
 
 PACES = {
     "slow": Teaching(duration=12.0, spread=0.005, bow=0.03, tremor=0.0015),
@@ -69,7 +69,7 @@ class Ur3Config:
     """The configuration of the study.
 
     Attributes:
-        scenes: numbers of experiments, keys of SCENES.
+        setups: numbers of experiments, keys of SETUPS.
         paces: paces of the person, keys of PACES.
         setting: parameters of the experiments.
         saturations: saturations of the sweep.
@@ -78,7 +78,7 @@ class Ur3Config:
         seed: seed of the simulated person.
     """
 
-    scenes: tuple[int, ...] = tuple(SCENES)
+    setups: tuple[int, ...] = tuple(SETUPS)
     paces: tuple[str, ...] = tuple(PACES)
     setting: Setting = Setting()
     saturations: tuple[float, ...] = (0.05, 0.1, 0.25, 0.5, 0.75, 1.0)
@@ -104,10 +104,10 @@ def tasks(config: Ur3Config) -> list[Task]:
         for area in config.areas_of_influence
     ]
     return [
-        *(Task(experiment, {"scene": n, "setting": setting, **common}) for n in config.scenes),
+        *(Task(experiment, {"setup": n, "setting": setting, **common}) for n in config.setups),
         *(
-            Task(sweep, {"scene": n, "setting": swept, **common})
-            for n in config.scenes
+            Task(sweep, {"setup": n, "setting": swept, **common})
+            for n in config.setups
             for swept in sweeps
         ),
         *(
@@ -117,21 +117,21 @@ def tasks(config: Ur3Config) -> list[Task]:
     ]
 
 
-def experiment(*, scene: int, setting: dict[str, float], threshold: float, seed: int) -> list[Row]:
+def experiment(*, setup: int, setting: dict[str, float], threshold: float, seed: int) -> list[Row]:
     """One row: the path of an experiment, its measures, and the motion of the arm along it."""
-    place = SCENES[scene]
-    shown = demonstrations(scene, Teaching(), seed)
-    row, made, skill = _plan(scene, setting, threshold, shown)
-    row |= _after_learning(skill, made, scene) if row["auto_learned"] else _NOT_LEARNED
-    row |= _on_the_arm(made, np.array(place.base), _obstacles(scene))
-    row |= _times(scene, setting, shown)
-    labels = {"study": "scenes", "title": place.title, "kappa_paper": place.kappa}
+    place = SETUPS[setup]
+    shown = demonstrations(setup, Teaching(), seed)
+    row, made, skill = _plan(setup, setting, threshold, shown)
+    row |= _after_learning(skill, made, setup) if row["auto_learned"] else _NOT_LEARNED
+    row |= _on_the_arm(made, np.array(place.base), _obstacles(setup))
+    row |= _times(setup, setting, shown)
+    labels = {"study": "setups", "title": place.title, "kappa_paper": place.kappa}
     return [{**labels, **row, "path": _even(made).round(3).tolist()}]
 
 
-def sweep(*, scene: int, setting: dict[str, float], threshold: float, seed: int) -> list[Row]:
+def sweep(*, setup: int, setting: dict[str, float], threshold: float, seed: int) -> list[Row]:
     """One row: an experiment at one saturation and one area of influence."""
-    row, _, _ = _plan(scene, setting, threshold, demonstrations(scene, Teaching(), seed))
+    row, _, _ = _plan(setup, setting, threshold, demonstrations(setup, Teaching(), seed))
     return [{"study": "sweep", **setting, **row}]
 
 
@@ -153,9 +153,9 @@ def teach(*, pace: str, setting: dict[str, float], seed: int) -> list[Row]:
 
 
 def _plan(
-    scene: int, setting: dict[str, float], threshold: float, shown: list[Demonstration[Trajectory]]
+    setup: int, setting: dict[str, float], threshold: float, shown: list[Demonstration[Trajectory]]
 ) -> tuple[Row, Trajectory, FastMarchingSkill[Trajectory]]:
-    place, obstacles = SCENES[scene], _obstacles(scene)
+    place, obstacles = SETUPS[setup], _obstacles(setup)
     skill = Setting(**setting).model().fit(shown)
     made = skill.generate(start=place.start, goal=place.goal, obstacles=obstacles)
     path = _even(made)
@@ -168,7 +168,7 @@ def _plan(
         for speed in (skill.velocity_map, with_obstacles)
     )
     row = {
-        "scene": scene,
+        "setup": setup,
         "kappa": kappa,
         "kappa_before_rescaling": (kappa - slowest) / (1.0 - slowest) if slowest < 1.0 else None,
         "kappa_with_obstacles": kappa - float((before - after).mean()),
@@ -182,18 +182,18 @@ def _plan(
     return row, made, skill
 
 
-def _after_learning(skill: FastMarchingSkill[Trajectory], made: Trajectory, scene: int) -> Row:
-    place = SCENES[scene]
+def _after_learning(skill: FastMarchingSkill[Trajectory], made: Trajectory, setup: int) -> Row:
+    place = SETUPS[setup]
     learned = skill.with_experience(made.positions)
-    again = learned.generate(start=place.start, goal=place.goal, obstacles=_obstacles(scene))
+    again = learned.generate(start=place.start, goal=place.goal, obstacles=_obstacles(setup))
     return {
         "kappa_after": learned.kappa(_even(again)),
         "length_after_m": float(arc_length(again.positions)[-1]),
     }
 
 
-def _times(scene: int, setting: dict[str, float], shown: list[Demonstration[Trajectory]]) -> Row:
-    place, model = SCENES[scene], Setting(**setting).model()
+def _times(setup: int, setting: dict[str, float], shown: list[Demonstration[Trajectory]]) -> Row:
+    place, model = SETUPS[setup], Setting(**setting).model()
     skill = model.fit(shown)
 
     def plan(obstacles: list[Shape]) -> Trajectory:
@@ -203,7 +203,7 @@ def _times(scene: int, setting: dict[str, float], shown: list[Demonstration[Traj
     return {
         "fit_cpu_s": cpu_time(lambda: model.fit(shown).velocity_map),
         "plan_cpu_s": cpu_time(lambda: plan([table()])),
-        "replan_cpu_s": cpu_time(lambda: plan(_obstacles(scene))),
+        "replan_cpu_s": cpu_time(lambda: plan(_obstacles(setup))),
     }
 
 
@@ -212,8 +212,8 @@ def _motion(demonstration: Demonstration) -> Trajectory:
     return demonstration.motion
 
 
-def _obstacles(scene: int) -> list[Shape]:
-    return [table(), *SCENES[scene].boxes()]
+def _obstacles(setup: int) -> list[Shape]:
+    return [table(), *SETUPS[setup].boxes()]
 
 
 def _clearance(motion: Trajectory, shape: Shape) -> float:

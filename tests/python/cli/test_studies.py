@@ -70,17 +70,17 @@ def test_experiment_writes_results_and_goes_on_where_it_was(tmp_path, monkeypatc
 
 
 def test_experiment_with_a_failure_says_so_and_ends_with_one(tmp_path, monkeypatch):
-    def fail(*, scene, **_):
-        raise ValueError(f"scene {scene} is out of paper")
+    def fail(*, setup, **_):
+        raise ValueError(f"setup {setup} is out of paper")
 
     broken = replace(
         STUDY,
-        tasks=lambda config: [study.Task(fail, {"scene": n}) for n in config.scenes],
+        tasks=lambda config: [study.Task(fail, {"setup": n}) for n in config.setups],
     )
     monkeypatch.setitem(catalogue.STUDIES, "ur3", broken)
     result = runner.invoke(cli.app, ["experiment", "ur3", "--out", str(tmp_path)])
     assert result.exit_code == 1
-    assert "scene 4 is out of paper" in " ".join(result.output.split())
+    assert "setup 4 is out of paper" in " ".join(result.output.split())
 
 
 @pytest.mark.parametrize("wrong", [["nothing"], ["lasa", "--seed", "-1"], ["ur3", "--jobs", "0"]])

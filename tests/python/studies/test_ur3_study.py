@@ -7,7 +7,7 @@ import pytest
 
 from leadthrough_studies.demonstrator import Teaching
 from leadthrough_studies.study import run, selected
-from leadthrough_studies.ur3.scenes import SCENES, demonstrations
+from leadthrough_studies.ur3.setups import SETUPS, demonstrations
 from leadthrough_studies.ur3.study import STUDY, Setting, Ur3Config, experiment
 
 COARSE = Setting(resolution=0.025)
@@ -24,7 +24,7 @@ def outcome(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def rows(outcome):
-    return {row["scene"]: row for row in selected(outcome[0].rows, study="scenes")}
+    return {row["setup"]: row for row in selected(outcome[0].rows, study="setups")}
 
 
 def test_all_five_experiments_reach_their_goal(outcome, rows):
@@ -32,7 +32,7 @@ def test_all_five_experiments_reach_their_goal(outcome, rows):
     assert sorted(rows) == [1, 2, 3, 4, 5]
     for row in rows.values():
         assert row["goal_error_m"] < 1e-9
-        assert row["length_m"] >= np.linalg.norm(np.subtract(*_ends(row["scene"]))) - 1e-9
+        assert row["length_m"] >= np.linalg.norm(np.subtract(*_ends(row["setup"]))) - 1e-9
 
 
 def test_paths_keep_clear_of_table_and_box(rows):
@@ -44,13 +44,13 @@ def test_paths_keep_clear_of_table_and_box(rows):
 
 
 def test_box_of_the_third_experiment_stands_across_what_was_shown():
-    (box,) = SCENES[3].boxes()
+    (box,) = SETUPS[3].boxes()
     for demonstration in demonstrations(3, Teaching(), 0):
         assert box.distance(demonstration.motion.positions).min() < 0.0
 
 
 def test_box_of_the_second_experiment_was_known():
-    (box,) = SCENES[2].boxes()
+    (box,) = SETUPS[2].boxes()
     for demonstration in demonstrations(2, Teaching(), 0):
         assert box.distance(demonstration.motion.positions).min() > 0.0
 
@@ -89,7 +89,7 @@ def test_rough_demonstrations_give_smooth_paths(outcome):
 
 
 def test_sweep_ends_with_the_straight_way_at_saturation_one(outcome):
-    for row in selected(outcome[0].rows, study="sweep", saturation=1.0, scene=4):
+    for row in selected(outcome[0].rows, study="sweep", saturation=1.0, setup=4):
         straight = np.linalg.norm(np.subtract(*_ends(4)))
         assert row["kappa"] == 1.0
         assert row["length_m"] == pytest.approx(straight, rel=0.05)
@@ -98,7 +98,7 @@ def test_sweep_ends_with_the_straight_way_at_saturation_one(outcome):
 def test_results_state_the_assumptions_and_the_times_in_the_whole_workspace(outcome):
     written = json.loads((outcome[1] / "results.json").read_text())
     assert "table" in written["summary"]["assumptions"]
-    for row in selected(written["rows"], study="scenes"):
+    for row in selected(written["rows"], study="setups"):
         assert row["cells"] == 60**3
         assert row["plan_cpu_s"] > 0.0
     for name in ("experiments", "sweep", "teaching"):
@@ -106,12 +106,12 @@ def test_results_state_the_assumptions_and_the_times_in_the_whole_workspace(outc
 
 
 def test_rows_are_the_same_again_but_for_the_times(outcome):
-    arguments = {"scene": 3, "setting": vars(COARSE), "threshold": 0.6, "seed": 0}
+    arguments = {"setup": 3, "setting": vars(COARSE), "threshold": 0.6, "seed": 0}
     (again,) = experiment(**arguments)
-    (first,) = selected(outcome[0].rows, study="scenes", scene=3)
+    (first,) = selected(outcome[0].rows, study="setups", setup=3)
     for name, value in again.items():
         assert name.endswith("_cpu_s") or value == first[name], name
 
 
-def _ends(scene):
-    return SCENES[scene].start, SCENES[scene].goal
+def _ends(setup):
+    return SETUPS[setup].start, SETUPS[setup].goal

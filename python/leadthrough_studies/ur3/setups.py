@@ -36,7 +36,7 @@ _BESIDE_THE_WAY = 0.10
 
 
 @dataclass(frozen=True)
-class Scene:
+class Setup:
     """An experiment.
 
     Attributes:
@@ -67,21 +67,21 @@ class Scene:
 
 _BASE_BY_THE_TABLE: Point = (0.05, 1.04, 0.85)
 
-SCENES = {
-    1: Scene("empty", (0.30, 1.30, 1.10), (0.40, 0.78, 0.87), _BASE_BY_THE_TABLE, "reach", 0.635),
-    2: Scene(
+SETUPS = {
+    1: Setup("empty", (0.30, 1.30, 1.10), (0.40, 0.78, 0.87), _BASE_BY_THE_TABLE, "reach", 0.635),
+    2: Setup(
         "box known while teaching", (0.30, 1.30, 1.10), (0.40, 0.78, 0.87), _BASE_BY_THE_TABLE,
         "over", 0.7894, ((0.14, 0.10, 0.30), (0.37, 0.98, 0.77)),
     ),
-    3: Scene(
+    3: Setup(
         "box appears later", (0.28, 1.30, 1.00), (0.25, 0.87, 0.89), _BASE_BY_THE_TABLE,
         "reach", 0.2096, ((0.26, 0.10, 0.48), (0.34, 1.08, 0.86)),
     ),
-    4: Scene(
+    4: Setup(
         "segregated demonstrations", (1.40, 0.05, 1.20), (1.00, 0.55, 0.70), (1.05, 0.20, 0.80),
         "vertical", 0.105,
     ),
-    5: Scene(
+    5: Setup(
         "useless demonstrations", (0.40, 0.87, 0.90), (0.40, 0.78, 0.87), _BASE_BY_THE_TABLE,
         "wander", None,
     ),
@@ -96,16 +96,16 @@ def table() -> Box:
 
 def demonstrations(number: int, teaching: Teaching, seed: int) -> list[Demonstration[Trajectory]]:
     """The demonstrations of an experiment; experiments 1 and 3 have the same."""
-    kind = SCENES[number].shown
-    scene = SCENES[1] if kind == "reach" else SCENES[number]
+    kind = SETUPS[number].shown
+    setup = SETUPS[1] if kind == "reach" else SETUPS[number]
     rng = np.random.default_rng([seed, 1 if kind == "reach" else number])
-    return [_shown(kind, scene, i, teaching, rng) for i in range(DEMONSTRATIONS)]
+    return [_shown(kind, setup, i, teaching, rng) for i in range(DEMONSTRATIONS)]
 
 
 def _shown(
-    kind: str, scene: Scene, index: int, teaching: Teaching, rng: np.random.Generator
+    kind: str, setup: Setup, index: int, teaching: Teaching, rng: np.random.Generator
 ) -> Demonstration[Trajectory]:
-    start, goal = np.array(scene.start), np.array(scene.goal)
+    start, goal = np.array(setup.start), np.array(setup.goal)
     if kind == "vertical":
         way = goal - start
         beside = np.array([way[1], -way[0], 0.0]) / np.hypot(way[0], way[1])
@@ -118,12 +118,12 @@ def _shown(
         middle = 0.5 * (start + goal)
         reach = np.full(3, _REACH_OF_WANDERING)
         return wander(middle - reach, middle + reach, teaching, rng)
-    via = [] if kind == "reach" else [_above(scene)]
+    via = [] if kind == "reach" else [_above(setup)]
     return guide(np.array([start, *via, goal]), teaching, rng)
 
 
-def _above(scene: Scene) -> Float64Array:
-    (box,) = scene.boxes()
+def _above(setup: Setup) -> Float64Array:
+    (box,) = setup.boxes()
     above = np.array(box.position)
     above[2] += 0.5 * box.size[2] + 0.10
     return above
