@@ -2,7 +2,7 @@
 
 The map of the demonstrations is made once, for a workspace; a query adds its obstacles and marches
 no farther than to the start, which is soon reached along the tubes. In such maps that is quicker
-than to keep a whole field of arrival times in repair: a box on the way casts a long shadow.
+than to update a whole field of arrival times: a box on the way changes all times behind it.
 """
 
 from __future__ import annotations
@@ -26,14 +26,20 @@ from leadthrough.shapes import Shape, check_shapes
 class LiveMap:
     """The map of all demonstrations over a workspace; made by `FastMarchingSkill.live_map`.
 
-    shown: the demonstrations. scales: with the workspace. Where `generate` marches at second order
-    and double precision, this does at first order and single precision; walls are as hard.
-    Raises InvalidInput for a demonstration outside the workspace.
+    Where `generate` marches at second order and double precision, this does at first order and
+    single precision; obstacles are kept clear of just as strictly.
+
+    Args:
+        known: demonstrations and learned paths.
+        scales: of the map, with the workspace.
+
+    Raises:
+        InvalidInput: if a path leaves the workspace.
     """
 
-    def __init__(self, shown: Sequence[Experience], scales: Scales) -> None:
-        paths = [each.path for each in shown]
-        self._shown = tuple(shown)
+    def __init__(self, known: Sequence[Experience], scales: Scales) -> None:
+        paths = [each.path for each in known]
+        self._known = tuple(known)
         self._grid, self._scales = route.grid_over(paths, (), scales)
         speed = experience_map(
             self._grid,
@@ -49,9 +55,16 @@ class LiveMap:
         return self._grid
 
     def route(self, start: Float64Array, goal: Float64Array, obstacles: Sequence[Shape]) -> Route:
-        """The quickest path between two points (d,) around obstacles, as by the method "map".
+        """The quickest path between two points around obstacles, as by the method "map".
 
-        Raises InvalidInput, also for points outside the workspace; NoPath.
+        Args:
+            start: (d,).
+            goal: (d,).
+            obstacles: shapes in the demonstrations' frame.
+
+        Raises:
+            InvalidInput: if an end is of another shape, or outside the workspace.
+            NoPath: where an end lies in an obstacle, or obstacles separate them.
         """
         ends = [
             check.array(value, name, shape=(self._grid.dimensions,))
@@ -67,7 +80,7 @@ class LiveMap:
             area_of_influence=self._scales.clearance,
         )
         path = route.quickest(self._grid, speed, ends[0], ends[1], order=1)
-        used = tuple(each.facing(ends[0], ends[1]) for each in self._shown)
+        used = tuple(each.facing(ends[0], ends[1]) for each in self._known)
         return route.route_along(
             path, self._grid, speed, used=used, weights=np.ones(len(used)), method="map"
         )

@@ -1,4 +1,4 @@
-"""Orientation along a path, from demonstrations of poses, by the share of the path covered."""
+"""Orientation along a path, from demonstrations of poses, by the fraction of the path covered."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def along(
 
     The weighted mean of the demonstrations' orientations, turned to start and goal where given: the
     offsets at both ends fade into each other along the path with a minimum-jerk blend, so that the
-    tool turns as it was shown to and no turn is added.
+    tool turns as it was known to and no turn is added.
 
     Args:
         used: the demonstrations.
@@ -54,11 +54,11 @@ def along(
     return rotations.align_signs(rotations.compose(turns, mean))
 
 
-def _at(shown: Experience, phases: Float64Array) -> Float64Array:
+def _at(known: Experience, phases: Float64Array) -> Float64Array:
     """Orientations at fractions of the demonstration's own path; where it rests, the last one."""
-    assert shown.orientations is not None
-    covered = arc_length(shown.path)
+    assert known.orientations is not None
+    covered = arc_length(known.path)
     moving = np.concatenate([np.diff(covered) > 0.0, [True]])
     fraction = covered[moving] / covered[-1]
     fraction[0] = 0.0
-    return rotations.interpolate(fraction, shown.orientations[moving], phases)
+    return rotations.interpolate(fraction, known.orientations[moving], phases)

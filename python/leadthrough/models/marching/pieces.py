@@ -3,7 +3,7 @@
 A speed map over space cannot tell the first pass through a place from the second, so a wave takes
 the short cut from one to the other wherever that is quicker than the way along the tube. Between
 two cuts there is none to take. Unlike a domain lifted by the phase, pieces need no further
-dimension and cost no accuracy.
+dimension and lose no accuracy.
 """
 
 from __future__ import annotations
@@ -27,10 +27,16 @@ _CAUTION = 1.5
 def cut_at_short_cuts(
     path: Float64Array, *, radius: float, saturation: float
 ) -> list[Float64Array]:
-    """Consecutive pieces of a path (n, d) in whose tubes no short cut is quicker than the way.
+    """Consecutive pieces of a path in whose tubes no short cut is quicker than the way.
 
-    radius, saturation: of the tube, whose speed falls linearly from 1 on the path to the saturation
-    one radius away. Neighbouring pieces share their end point. One piece where nothing is near.
+    Args:
+        path: (n, d).
+        radius: of the tube.
+        saturation: speed one radius away from the path; in between it falls linearly from 1.
+
+    Returns:
+        Pieces of which neighbours share their end point; one where the path does not come near
+        itself.
     """
     wanted = _SAMPLES_PER_RADIUS * float(arc_length(path)[-1]) / radius
     even = by_arc_length(path, int(min(max(np.ceil(wanted), 1), _MOST_SAMPLES)) + 1)
@@ -54,7 +60,7 @@ def _short_cuts(even: Float64Array, radius: float, saturation: float) -> NDArray
 
 
 def _time(distance: Float64Array, radius: float, saturation: float) -> Float64Array:
-    """From the middle of one tube straight to the middle of another: out, across, in."""
+    """Times straight from the middle of one tube to the middle of another: out, across, in."""
     out = np.minimum(0.5 * distance, radius)
     slope = (1.0 - saturation) / radius
     flank = -np.log1p(-slope * out) / slope if slope > 0.0 else out

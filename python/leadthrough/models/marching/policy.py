@@ -6,9 +6,9 @@ Source: Prados et al. 2023, section 3.7: the field is the control policy of the 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
@@ -20,8 +20,12 @@ from leadthrough.planning.grid import Grid
 class Policy:
     """Velocities that lead to a goal from wherever the tool was pushed.
 
-    grid, arrival: the field, marched from the goal. goal: (d,). speed: unit/s far from the goal.
-    slowing: distance to the goal within which the speed falls linearly to zero.
+    Attributes:
+        grid: cells of the field.
+        arrival: times in each cell, marched from the goal.
+        goal: (d,).
+        speed: far from the goal, in the grid's unit per second.
+        slowing: distance to the goal within which the speed falls linearly to zero.
     """
 
     grid: Grid
@@ -30,10 +34,15 @@ class Policy:
     speed: float
     slowing: float
 
-    def __call__(self, position: Any) -> Float64Array:
-        """The velocity (d,) at a position (d,), in the unit of the grid per second.
+    def __call__(self, position: ArrayLike) -> Float64Array:
+        """The velocity (d,) at a position, in the unit of the grid per second; zero at the goal.
 
-        Zero at the goal. Raises InvalidInput; NoPath outside the grid and in obstacles.
+        Args:
+            position: (d,).
+
+        Raises:
+            InvalidInput: if the position is of another shape.
+            NoPath: outside the grid and in obstacles.
         """
         point = check.array(position, "position", shape=(self.grid.dimensions,))
         left = float(np.linalg.norm(self.goal - point))

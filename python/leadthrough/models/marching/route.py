@@ -40,10 +40,10 @@ _LEAST_CELLS_PER_RADIUS = 2.0
 _MOST_DEFAULT_CELLS = 4_000_000
 # Grid noise is shorter than this many cells; the shapes of demonstrations are not.
 _CELLS_PER_KNOT = 8.0
-# Room around everything, in radii, and around obstacles, as a share of the extent.
+# Room around everything, in radii, and around obstacles, as a fraction of the extent.
 _MARGIN = 4.0
 _ROOM = 0.25
-# Room for a policy around its goal, as a share of the demonstrations' extent.
+# Room for a policy around its goal, as a fraction of the demonstrations' extent.
 _PUSHED = 1.25
 # Width of the weights over the demonstrations' starts, in their mean distance from each other.
 _START_WIDTH = 0.25
@@ -53,8 +53,12 @@ _START_WIDTH = 0.25
 class Route:
     """A path and how it was found.
 
-    path: (n, d), dense and smooth. speed: (n,) the map's speed along it, in (0, 1]. used: the
-    demonstrations that it follows, facing its way. weights: (k,) how much each one's timing counts.
+    Attributes:
+        path: (n, d), dense and smooth.
+        speed: (n,) the map's speed along it, in (0, 1].
+        used: the demonstrations that it follows, facing its way.
+        weights: (k,) how much each one's timing counts.
+        method: the method that found it.
     """
 
     path: Float64Array
@@ -64,22 +68,40 @@ class Route:
     method: str
 
 
-def through_map(shown: Sequence[Experience], query: Query, scales: Scales) -> Route:
-    """The quickest path in the map of all demonstrations. Raises NoPath."""
-    paths = [each.path for each in shown]
+def through_map(known: Sequence[Experience], query: Query, scales: Scales) -> Route:
+    """The quickest path in the map of all demonstrations.
+
+    Args:
+        known: demonstrations and learned paths, which may be none.
+        query: start, goal and obstacles.
+        scales: of the map.
+
+    Raises:
+        NoPath: where an end lies in an obstacle, or obstacles separate them.
+    """
+    paths = [each.path for each in known]
     grid, scales = grid_over([*paths, query.ends], query.obstacles, scales)
     speed = experience_map(
         grid, paths, area_of_influence=scales.radius, saturation=scales.saturation
     )
     speed = add_obstacles(speed, grid, query.obstacles, area_of_influence=scales.clearance)
     path = quickest(grid, speed, query.start, query.goal)
-    used = tuple(each.facing(query.start, query.goal) for each in shown)
+    used = tuple(each.facing(query.start, query.goal) for each in known)
     return route_along(path, grid, speed, used=used, weights=np.ones(len(used)), method="map")
 
 
-def from_start(shown: Sequence[Experience], query: Query, scales: Scales) -> Route:
-    """The quickest path where those demonstrations count that start near. Raises NoPath."""
-    used = tuple(each.facing(query.start, query.goal) for each in shown)
+def from_start(known: Sequence[Experience], query: Query, scales: Scales) -> Route:
+    """The quickest path in a map where demonstrations count by how near they start.
+
+    Args:
+        known: demonstrations and learned paths, at least one.
+        query: start, goal and obstacles.
+        scales: of the map.
+
+    Raises:
+        NoPath: where an end lies in an obstacle, or obstacles separate them.
+    """
+    used = tuple(each.facing(query.start, query.goal) for each in known)
     weights = _nearness(np.stack([each.path[0] for each in used]), query.start)
     paths = [each.path for each in used]
     grid, scales = grid_over([*paths, query.ends], query.obstacles, scales)
@@ -91,9 +113,18 @@ def from_start(shown: Sequence[Experience], query: Query, scales: Scales) -> Rou
     return route_along(path, grid, speed, used=used, weights=weights, method="start")
 
 
-def along_mean(shown: Sequence[Experience], query: Query, scales: Scales) -> Route:
-    """The quickest path in the tube around the demonstrations' mean path. Raises NoPath."""
-    faced = [each.facing(query.start, query.goal) for each in shown]
+def along_mean(known: Sequence[Experience], query: Query, scales: Scales) -> Route:
+    """The quickest path in the tube around the demonstrations' mean path.
+
+    Args:
+        known: demonstrations and learned paths, at least one.
+        query: start, goal and obstacles.
+        scales: of the map.
+
+    Raises:
+        NoPath: where an end lies in an obstacle, or obstacles separate them.
+    """
+    faced = [each.facing(query.start, query.goal) for each in known]
     mean = mean_path.predict([each.path for each in faced], query.start, query.goal)
     way = mean.path
     if scales.workspace is not None:
@@ -112,13 +143,26 @@ def along_mean(shown: Sequence[Experience], query: Query, scales: Scales) -> Rou
 
 
 def field_to(
-    shown: Sequence[Experience], goal: Float64Array, obstacles: Sequence[Shape], scales: Scales
+    known: Sequence[Experience], goal: Float64Array, obstacles: Sequence[Shape], scales: Scales
 ) -> tuple[Grid, Float64Array]:
-    """The grid and the arrival times of a wave from a goal through the map of all demonstrations.
+    """The field of a wave that starts at a goal, in the map of all demonstrations.
 
-    There is room for a tool that was pushed away. Raises InvalidInput, NoPath.
+    There is room in it for a tool that was pushed away.
+
+    Args:
+        known: demonstrations and learned paths, at least one.
+        goal: (d,).
+        obstacles: shapes in the same frame.
+        scales: of the map.
+
+    Returns:
+        The grid, and arrival times in its cells.
+
+    Raises:
+        InvalidInput: if the goal lies outside a workspace that was set.
+        NoPath: if the goal lies in an obstacle.
     """
-    paths = [each.path for each in shown]
+    paths = [each.path for each in known]
     room = _PUSHED * float(np.ptp(np.concatenate(paths), axis=0).max())
     around = np.concatenate([goal[None] - room, goal[None] + room, *paths])
     if scales.workspace is not None:
@@ -137,10 +181,17 @@ def field_to(
 def grid_over(
     points: Sequence[Float64Array], obstacles: Sequence[Shape], scales: Scales
 ) -> tuple[Grid, Scales]:
-    """A grid around points, each (n, d), and the scales made definite for it.
+    """A grid around points, and the scales made definite for it.
 
-    It leaves room to go around the obstacles among the points. Raises InvalidInput where it would
-    be too large.
+    It leaves room to go around those obstacles that lie among the points.
+
+    Args:
+        points: arrays (n, d).
+        obstacles: shapes in the same frame.
+        scales: of the map; a resolution of None is chosen here.
+
+    Raises:
+        InvalidInput: if the grid would be too large, or the points leave a workspace that was set.
     """
     corners, margin = _bounds(np.concatenate(points), obstacles, scales)
     resolution = scales.resolution
@@ -211,7 +262,7 @@ def _along_tube(mean: Float64Array, grid: Grid, free: Float64Array, scales: Scal
     try:
         for stretch, blocked in _stretches(mean, influenced):
             if blocked:
-                # A tube as wide as the detour may become: it leaves and rejoins the path gently.
+                # As wide a tube as the detour may become: it leaves and rejoins the path gently.
                 wide = replace(scales, radius=0.5 * float(arc_length(stretch)[-1]))
                 speed = free * _tube(stretch, grid, wide)
                 parts.append(quickest(grid, speed, stretch[0], stretch[-1]))
@@ -255,7 +306,18 @@ def _stretches(
 def quickest(
     grid: Grid, speed: NDArray[Any], start: Float64Array, goal: Float64Array, *, order: int = 2
 ) -> Float64Array:
-    """The path (n, d) of least time from start to goal, in the speed's precision. Raises NoPath."""
+    """The path (n, d) of least time, computed in the speed's precision.
+
+    Args:
+        grid: cells of the map.
+        speed: in each cell, 0 in obstacles.
+        start: (d,).
+        goal: (d,).
+        order: of the upwind differences, 1 or 2.
+
+    Raises:
+        NoPath: where an end lies in an obstacle, or obstacles separate them.
+    """
     start_cell, goal_cell = grid.cells_of(np.stack([start, goal]))
     for name, point, cell in (("start", start, start_cell), ("goal", goal, goal_cell)):
         if speed[tuple(cell)] == 0.0:
@@ -277,7 +339,16 @@ def route_along(
     weights: Float64Array,
     method: str,
 ) -> Route:
-    """A path (n, d) made smooth where walls allow, with the map's speed along it."""
+    """A path made smooth where obstacles allow, with the map's speed along it.
+
+    Args:
+        path: (n, d).
+        grid: cells of the map.
+        speed: in each cell, 0 in obstacles.
+        used: the demonstrations that it follows.
+        weights: (k,) how much each one's timing counts.
+        method: the method that found it.
+    """
     walls = speed == 0.0
     smoothed = smooth_path(
         path,

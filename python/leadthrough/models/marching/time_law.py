@@ -1,4 +1,4 @@
-"""When a planned path is where: its duration and its progress, from rest to rest."""
+"""The time law of a planned path: its duration and its progress, from rest to rest."""
 
 from __future__ import annotations
 
@@ -26,38 +26,54 @@ _DURATION_EXPONENT = 0.25
 def timed(
     route: Route, *, timing: str, duration: float | None, dt: float
 ) -> tuple[Trajectory, Float64Array]:
-    """The motion along a route, and the share of it (n,) that is covered at each sample.
+    """The motion along a route, and the fraction of the route covered at each sample.
 
-    timing: one of TIMINGS. duration: s; None: the usual one. dt: s, upper bound of the step.
-    Raises InvalidInput where nothing tells the duration.
+    Args:
+        route: the path, and the demonstrations that it follows.
+        timing: one of TIMINGS.
+        duration: s; None: the usual one.
+        dt: s, > 0, upper bound of the step.
+
+    Returns:
+        The motion of n samples, and fractions (n,) from 0 to 1.
+
+    Raises:
+        InvalidInput: if there is neither a duration nor a demonstration.
     """
     length = float(arc_length(route.path)[-1])
     if duration is None and not route.used:
-        raise InvalidInput("duration: expected a time, as there is no demonstration")
+        raise InvalidInput(
+            "duration: expected a number of seconds, as there is no demonstration to take it from"
+        )
     total = duration or usual_duration(route.used, route.weights, length)
     times = even_times(total, dt)
     happening = events.agreed([each.events for each in route.used], route.weights)
     if length == 0.0:
         still = np.repeat(route.path[:1], len(times), axis=0)
-        shares = np.linspace(0.0, 1.0, len(times))
-        return Trajectory(times, still, events.moved(happening, shares, times)), shares
+        covered = np.linspace(0.0, 1.0, len(times))
+        return Trajectory(times, still, events.moved(happening, covered, times)), covered
     even = by_arc_length(route.path, len(route.path))
     curve = CubicSpline(np.linspace(0.0, 1.0, len(even)), even)
-    shares = phase.progress_at(phase.rest_to_rest(_progress(route, timing)), times / total)
-    return Trajectory(times, curve(shares), events.moved(happening, shares, times)), shares
+    covered = phase.progress_at(phase.rest_to_rest(_progress(route, timing)), times / total)
+    return Trajectory(times, curve(covered), events.moved(happening, covered, times)), covered
 
 
 def usual_duration(used: Sequence[Experience], weights: Float64Array, length: float) -> float:
     """The weighted median of the demonstrations' durations, s, each adapted to a path's length.
 
     Longer paths take longer, but less than in proportion, as in human movements.
+
+    Args:
+        used: the demonstrations, at least one.
+        weights: (k,) of the demonstrations.
+        length: of the path, in its unit.
     """
     adapted = np.array(
         [each.duration * (length / each.length) ** _DURATION_EXPONENT for each in used]
     )
     order = np.argsort(adapted, kind="stable")
-    share = weights[order] / weights.sum()
-    return float(np.interp(0.5, np.cumsum(share) - 0.5 * share, adapted[order]))
+    fraction = weights[order] / weights.sum()
+    return float(np.interp(0.5, np.cumsum(fraction) - 0.5 * fraction, adapted[order]))
 
 
 def _progress(route: Route, timing: str) -> Float64Array:
