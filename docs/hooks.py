@@ -25,7 +25,7 @@ def _drawn(found: re.Match[str]) -> str:
     drawn = convert(html.unescape(found["latex"]), display=display)
     if "\\" in drawn:
         raise PluginError(f"a formula that cannot be drawn: {found['latex']}")
-    return drawn
+    return f'<div class="formula">{drawn}</div>' if display == "block" else drawn
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
