@@ -93,7 +93,7 @@ def _half_extents(obstacle: Shape) -> Float64Array:
 
 
 def bounding_radius(obstacle: Shape) -> float:
-    """Radius of the smallest ball about the obstacle's position that holds it, m."""
+    """Radius of the smallest ball around an obstacle's position that contains the obstacle, m."""
     if isinstance(obstacle, Box):
         return float(0.5 * np.linalg.norm(obstacle.size))
     if isinstance(obstacle, Capsule):

@@ -76,7 +76,14 @@ def tip_within(path: _core.TimedPath, jacobian: Jacobian, speed: float) -> Float
 def with_efforts(
     bounds: PathBounds, path: _core.TimedPath, dynamics: InverseDynamics, effort: Float64Array
 ) -> PathBounds:
-    """The bounds, with the joints' efforts kept inside +-effort (joints,), N m (N)."""
+    """The bounds, with the joints' efforts kept inside their limits.
+
+    Args:
+        bounds: those so far.
+        path: what the motion runs along.
+        dynamics: maps q, velocities and accelerations to efforts.
+        effort: limits (joints,), N m (N).
+    """
     still = np.zeros_like(path.positions)
     rest = efforts(dynamics, path.positions, still, still)
     gain = efforts(dynamics, path.positions, still, path.first) - rest

@@ -54,7 +54,14 @@ class Peak:
 
 @dataclass(frozen=True, eq=False)
 class LimitsReport:
-    """A trajectory's peaks; None for a quantity whose limits are not known."""
+    """A trajectory's peaks.
+
+    Attributes:
+        position: of the range of each joint.
+        velocity: of the velocity limits.
+        acceleration: of the acceleration limits; None if there are none.
+        jerk: of the jerk limits; None if there are none.
+    """
 
     position: Peak
     velocity: Peak

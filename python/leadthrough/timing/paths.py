@@ -45,7 +45,10 @@ class Path:
 
 
 def path_of(value: JointTrajectory | Curve | ArrayLike) -> Path:
-    """The path that a trajectory, a curve or way-points (n, joints) describe.
+    """The path that a trajectory, a curve or way-points describe.
+
+    Args:
+        value: a trajectory, a curve, or way-points (n, joints).
 
     Raises:
         InvalidInput: if it is none of these.

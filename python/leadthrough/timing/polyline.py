@@ -15,7 +15,13 @@ _SAME_DIRECTION = 1e-9
 
 
 def stops_of(points: Float64Array, *, blend: float, holds: Sequence[int]) -> list[int]:
-    """Way-points at which the motion rests: the ends, those held and, without a blend, corners."""
+    """Indices of the way-points at which the motion rests: the ends, those held, and corners.
+
+    Args:
+        points: way-points (n, d).
+        blend: with more than 0 corners are cut, so that the motion does not rest there.
+        holds: indices of the way-points to rest at.
+    """
     stops = [0, *holds, len(points) - 1]
     if blend == 0.0:
         stops += [i for i in range(1, len(points) - 1) if _turn(points, i) > _SAME_DIRECTION]

@@ -37,11 +37,21 @@ class Samples:
         return Samples(np.zeros(1), np.zeros(1), q[None], still, still)
 
     def held_before(self, time: float, rate: float) -> Samples:
-        """The motion after a rest of `time`, s."""
+        """The motion after a rest.
+
+        Args:
+            time: how long it rests, s.
+            rate: samples per second of the rest.
+        """
         return self._rest(0, time, rate).followed_by(self) if time > 0.0 else self
 
     def held(self, time: float, rate: float) -> Samples:
-        """The motion followed by a rest of `time`, s."""
+        """The motion followed by a rest.
+
+        Args:
+            time: how long it rests, s.
+            rate: samples per second of the rest.
+        """
         return self.followed_by(self._rest(-1, time, rate)) if time > 0.0 else self
 
     def followed_by(self, other: Samples) -> Samples:

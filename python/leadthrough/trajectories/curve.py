@@ -29,7 +29,12 @@ class Curve(Protocol):
         """Rising times (k,) between which the curve is smooth, the ends of the domain included."""
 
     def evaluate(self, t: ArrayLike, derivative: int = 0) -> Float64Array:
-        """Values or derivatives (n, d) at times (n,), or (d,) at one; see `PointCurve.evaluate`."""
+        """Values or derivatives of the curve.
+
+        Args:
+            t: times (n,) of the domain, for a result (n, d); or one, for a result (d,).
+            derivative: 0 for values, k for derivatives of order k.
+        """
 
 
 class PointCurve(ABC):
