@@ -93,7 +93,6 @@ class Replanner:
             )
         self.usual_duration = float(usual.duration)
         self._first: Float64Array | None = None
-        self._start = usual.positions[0]
         self._is_of_joints = isinstance(usual, JointTrajectory)
         self._is_of_poses = isinstance(usual, PoseTrajectory)
         self.goal_position, self.goal_orientation = self._usual_goal(usual)
