@@ -1,8 +1,8 @@
 """Makes a wheel that runs without the Debian packages it was built from.
 
-`python repair.py built.whl --out dist`: auditwheel copies the native libraries into the
-wheel and names the oldest glibc it runs on; their licences, and those of the headers that were
-compiled in, go beside the package's own.
+`python repair.py built.whl --out dist`: auditwheel copies the native libraries into the wheel and
+tags it with the oldest glibc that it runs on. The licences of these libraries and of the
+compiled-in headers are added beside the package's own.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ import tempfile
 from importlib.metadata import distribution
 from pathlib import Path
 
-# Packages whose headers are compiled in; libraries are found in the wheel.
+# Packages whose headers are compiled in; those of libraries are found from the wheel.
 HEADERS = ("libeigen3-dev", "liborocos-kdl-dev", "liburdfdom-dev", "liburdfdom-headers-dev")
 COMMON = Path("/usr/share/common-licenses")
 
 
 def main() -> None:
-    """Repairs the wheel named by the arguments, and prints where it went."""
+    """Repair the wheel that the command line names, and print where the result is."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("wheel", type=Path)
     parser.add_argument("--out", type=Path, required=True)
@@ -40,7 +40,7 @@ def main() -> None:
 
 
 def run(*command: object) -> str:
-    """What a command of this interpreter's environment, or of the system, prints."""
+    """The output of a command of this interpreter's environment or of the system."""
     paths = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     done = subprocess.run(
         list(map(str, command)),
@@ -53,7 +53,7 @@ def run(*command: object) -> str:
 
 
 def add_licences(content: Path) -> None:
-    """Writes the licence of all that is in the unpacked wheel into its metadata."""
+    """Add the licences of everything in the unpacked wheel to its metadata."""
     (metadata,) = content.glob("*.dist-info")
     licences = metadata / "licenses"
     packages = {package_of(library) for library in content.glob("*.libs/*.so*")}
@@ -69,7 +69,7 @@ def add_licences(content: Path) -> None:
 
 def package_of(library: Path) -> str:
     """The Debian package that a library in the wheel was copied from."""
-    # auditwheel puts a digest into the name: libtinyxml-93d2f.so.2.6.2
+    # auditwheel adds a digest to the name: libtinyxml-93d2f.so.2.6.2
     stem, _, version = library.name.partition(".so")
     original = f"{stem.rpartition('-')[0]}.so{version}"
     owner = run("dpkg", "-S", f"*/{original}").splitlines()[0]
@@ -77,12 +77,12 @@ def package_of(library: Path) -> str:
 
 
 def write(path: Path, text: str) -> None:
-    """The text into a file whose folder need not be there."""
+    """Write a text file; its folder is made if missing."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
     if shutil.which("dpkg") is None:
-        sys.exit("repair: needs dpkg, to find the licences of the libraries")
+        sys.exit("repair: dpkg is missing; it finds the licences of the libraries")
     main()

@@ -84,7 +84,7 @@ def test_every_subtask_is_reproduced_by_every_planner(rows):
 
 
 @pytest.mark.parametrize("planner", ["lifted", "anchored"])
-def test_planners_that_keep_count_of_turns_always_succeed(rows, planner):
+def test_planners_that_count_turns_always_succeed(rows, planner):
     for row in planned(rows, planner):
         assert row["succeeded"]
         assert row["npe"] < 0.05
@@ -150,7 +150,7 @@ def test_motions_of_a_real_arm_are_replayed(recordings, trial):
         assert row["mean_deg"] <= 0.2
 
 
-def test_the_paper_stands_beside_what_it_printed(outcome):
+def test_the_table_quotes_the_paper(outcome):
     table = {(row["task"], row["planner"]): row for row in outcome[0].report.table}
     assert table["harvesting", "euler"]["paper_sr_mod_percent"] == "< 40"
     assert table["all", "lifted"]["paper_noe"] == 0.07
@@ -204,7 +204,7 @@ def test_subtasks_begin_where_the_last_one_ended(task):
     assert names[0][0] == names[-1][-1] == "home"
 
 
-def test_a_task_for_a_target_between_ends_grasps_there(tmp_path):
+def test_a_task_for_a_target_between_others_grasps_at_it(tmp_path):
     learned = learn(ARM, "harvesting", PoseDMP(), (0, 1), seed=0)
     grid = targets("harvesting")
     between = 0.6 * grid[0] + 0.4 * grid[1]
@@ -228,7 +228,7 @@ def digging():
     return learn(ARM, "digging", PoseDMP(), (0, 1, 3, 4), seed=0)
 
 
-def test_whole_digging_is_done_near_the_posture_that_was_shown_and_only_there(digging):
+def test_digging_succeeds_only_near_the_demonstrated_posture(digging):
     """The wrist turns far: pulled to the middle of its ranges, the arm cannot go all the way."""
     whole = chain(digging, targets("digging")[0])
     row, joints = on_the_arm(ARM, whole.poses, whole.joints)
@@ -244,7 +244,7 @@ def test_whole_digging_is_done_near_the_posture_that_was_shown_and_only_there(di
         ARM.follow(whole.poses, seed=whole.joints.positions[0])
 
 
-def test_between_targets_interpolated_skills_are_nearer_to_what_is_shown_and_can_be_done(digging):
+def test_between_targets_interpolated_skills_are_closer_to_demonstrations_and_feasible(digging):
     subtask = TASKS["digging"][1]
     nearest, interpolated = (
         looked_up(ARM, digging, subtask, 0, lookup, seed=0) for lookup in LOOKUPS
@@ -265,7 +265,7 @@ def turning(degrees, *, off=0.0):
     return PoseTrajectory(u, u[:, None] * [1.0, 0.0, 0.0], rotations.compose(apart, turned))
 
 
-def test_errors_are_shares_of_what_was_turned():
+def test_orientation_errors_are_fractions_of_the_rotation():
     found = judged(turning(90, off=9), turning(90))
     assert found["npe"] == pytest.approx(0.0, abs=1e-12)
     assert found["mean_deg"] == pytest.approx(9 * 49 / 101)
@@ -275,7 +275,7 @@ def test_errors_are_shares_of_what_was_turned():
     assert not found["succeeded"]  # 9 degrees in 10 ms
 
 
-def test_what_comes_back_has_no_way_to_divide_by():
+def test_a_motion_that_returns_to_its_start_has_no_normalised_error():
     found = judged(turning(360), turning(360))
     assert found["noe"] is None
     assert found["turned_deg"] == pytest.approx(360)

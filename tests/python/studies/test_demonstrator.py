@@ -22,7 +22,7 @@ def shown(teaching, seed=0, points=ENDS):
     return guide(points, teaching, np.random.default_rng(seed)).motion
 
 
-def test_a_steady_hand_moves_straight_with_least_jerk():
+def test_a_steady_hand_moves_straight_with_minimum_jerk():
     motion = shown(STEADY)
     np.testing.assert_allclose(motion.positions[[0, -1]], ENDS, atol=1e-12)
     assert motion.duration == 2.0
@@ -55,7 +55,7 @@ def test_points_on_the_way_are_passed():
     assert gaps.min() < 0.01
 
 
-def test_the_same_seed_shows_the_same():
+def test_the_same_seed_gives_the_same_motion():
     first, again, other = (shown(Teaching(), seed) for seed in (1, 1, 2))
     assert first.positions.tobytes() == again.positions.tobytes()
     assert not np.allclose(first.positions, other.positions)
@@ -76,7 +76,7 @@ def recorded(teaching, seed=0):
     return guide_joints(POSTURES, teaching, np.random.default_rng(seed)).motion
 
 
-def test_joints_are_led_through_the_postures_and_no_farther():
+def test_joints_pass_through_the_postures_and_stay_between_them():
     motion = recorded(CALM)
     np.testing.assert_allclose(motion.positions[[0, -1]], POSTURES[[0, -1]], atol=1e-6)
     gaps = np.linalg.norm(motion.positions - POSTURES[1], axis=1)
@@ -90,7 +90,7 @@ def test_encoders_count_in_steps():
     np.testing.assert_allclose(steps, np.round(steps), atol=1e-9)
 
 
-def test_a_person_of_many_pauses_rests_on_the_way():
+def test_people_pause_up_to_the_given_number_of_times():
     hasty = replace(CALM, pauses=1, pause=(1.0, 1.0))
     rests = []
     for seed in range(20):
@@ -102,13 +102,13 @@ def test_a_person_of_many_pauses_rests_on_the_way():
     assert min(rests) == 0.0  # some do not pause
 
 
-def test_the_pace_varies_from_one_showing_to_the_next():
+def test_the_pace_varies_from_one_demonstration_to_the_next():
     durations = [recorded(JointTeaching(), seed).duration for seed in range(20)]
     assert min(durations) >= 10.0 - 0.02
     assert max(durations) <= 18.0
     assert np.std(durations) > 0.5
 
 
-def test_the_same_seed_shows_the_same_joints():
+def test_the_same_seed_gives_the_same_joints():
     first, again = (recorded(JointTeaching(), 3).positions for _ in range(2))
     assert first.tobytes() == again.tobytes()

@@ -35,7 +35,7 @@ def learned(rows, source, way):
     return selected(rows, study="learning", source=source, learned_from=way)
 
 
-def test_every_source_is_learned_in_every_way_and_stands_beside_the_claim(rows, outcome):
+def test_every_source_is_learned_in_every_way_and_compared_with_the_claim(rows, outcome):
     for source in SOURCES:
         for way in WAYS:
             assert [row["column"] for row in learned(rows, source, way)] == [
@@ -55,7 +55,7 @@ def test_both_sources_reach_the_same_place():
         assert np.linalg.norm(reached - wanted) < tolerance
 
 
-def test_peaks_are_lost_in_the_mean_over_unsteady_people_and_not_of_damped_least_squares(rows):
+def test_averaging_loses_the_peaks_of_people_but_not_of_damped_least_squares(rows):
     human, damped = (learned(rows, source, "all") for source in SOURCES)
     assert np.mean([row["peak_ratio"] for row in human]) < 0.85
     for row in damped:
@@ -73,7 +73,7 @@ def test_narrow_basis_functions_overshoot_and_oscillate_for_either_source(rows):
         assert narrow["reversals_learned"] > 3 * wide["reversals_learned"]
 
 
-def test_the_bell_is_the_time_laws(rows):
+def test_the_bell_comes_from_the_time_law(rows):
     own = selected(rows, study="time laws", weights=20, column="joint 3")
     far = {row["law"]: row["bell_distance_learned"] for row in own}
     assert far["line, minimum jerk"] < 0.15
@@ -107,7 +107,7 @@ def test_recorded_motions_of_an_arm_are_measured(recordings):
     assert len(rows) > 10
 
 
-def test_aligning_a_recorded_symbol_brings_its_peaks_back(recordings):
+def test_aligning_a_recorded_symbol_restores_its_peaks(recordings):
     rows = symbol(file=str(recordings / "panda_symbol" / "symbol17.mat"), weights=20)
     ratios = {(row["learned_from"], row["column"]): row["peak_ratio"] for row in rows}
     for column in "xy":
@@ -115,7 +115,7 @@ def test_aligning_a_recorded_symbol_brings_its_peaks_back(recordings):
         assert ratios["all, aligned", column] > 0.85
 
 
-def test_recordings_join_where_there_is_a_folder(recordings):
+def test_a_folder_of_recordings_adds_tasks(recordings):
     config = HumanConfig(recordings=str(recordings))
     assert len(tasks(config)) == len(tasks(HumanConfig())) + 3
 

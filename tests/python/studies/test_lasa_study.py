@@ -27,19 +27,19 @@ def splits(count, shown, seed=0):
     return [([each.name for each in chosen], tested) for chosen, tested in sets]
 
 
-def test_all_are_shown_where_the_tested_one_is_in():
+def test_all_demonstrations_are_learned_when_the_tested_one_is_left_in():
     for names, _ in splits(7, 7):
         assert names == list("0123456")
 
 
-def test_six_others_are_shown_where_one_is_left_out():
+def test_six_others_are_learned_when_one_is_left_out():
     for i, (names, tested) in enumerate(splits(7, 6)):
         assert names == [str(j) for j in range(7) if j != i]
         assert tested.positions[0, 1] == i
 
 
 @pytest.mark.parametrize("shown", [1, 3])
-def test_few_are_drawn_from_the_others_by_the_seed(shown):
+def test_the_seed_chooses_a_few_of_the_others(shown):
     drawn = [names for names, _ in splits(7, shown, seed=3)]
     for i, names in enumerate(drawn):
         assert len(set(names)) == shown

@@ -91,7 +91,7 @@ def test_more_damping_leaves_more_of_the_path(outcome):
     assert errors == sorted(errors)
 
 
-def test_the_paper_stands_beside_what_it_printed(outcome):
+def test_the_table_quotes_the_paper(outcome):
     table = {(row["approach"], row["method"]): row for row in outcome[0].report.table}
     assert table[1, "damped"]["paper_below_8_percent"] == 20.0
     assert table[1, "plain"]["paper_peak_velocity_7"] == -1.0

@@ -1,4 +1,4 @@
-"""The frame of the studies: what is known is not computed again, and nothing dies of one task."""
+"""The engine of the studies: known rows are not computed again; a failing task stops no other."""
 
 import csv
 import json
@@ -75,7 +75,7 @@ def test_results_hold_configuration_versions_rows_and_table(tmp_path):
     assert (tmp_path / "new" / "folder" / "empty.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_what_is_known_is_not_computed_again(tmp_path):
+def test_known_rows_are_not_computed_again(tmp_path):
     first = study.run(squares(), Config(), out=tmp_path)
     CALLS.clear()
     again = study.run(squares(), Config(numbers=(3, 4, 1)), out=tmp_path)
@@ -99,7 +99,7 @@ def test_a_study_that_was_stopped_goes_on_where_it_was(tmp_path):
     assert len(outcome.rows) == 6
 
 
-def test_other_code_is_computed_again(tmp_path, monkeypatch):
+def test_rows_are_computed_again_when_the_code_changes(tmp_path, monkeypatch):
     study.run(squares(), Config(), out=tmp_path)
     monkeypatch.setattr(study, "code_digest", lambda: "other")
     study.run(squares(), Config(), out=tmp_path)
@@ -160,7 +160,7 @@ def test_the_ambient_parallel_config_is_used_where_no_jobs_are_given(tmp_path):
 
 
 @pytest.mark.parametrize("jobs", [0, -1, 1.5])
-def test_a_number_of_jobs_that_is_none_is_refused(tmp_path, jobs):
+def test_an_invalid_number_of_jobs_is_refused(tmp_path, jobs):
     with pytest.raises(InvalidInput, match="jobs"):
         study.run(squares(), Config(), out=tmp_path, jobs=jobs)
 
@@ -178,7 +178,7 @@ def test_key_changes_with_every_argument():
     assert task.key != replace(task, function=not_finite).key
 
 
-def test_mean_and_selection_pass_over_what_is_missing():
+def test_mean_and_selection_skip_missing_columns():
     rows = [{"a": 1, "b": 2.0}, {"a": 1, "b": 4.0}, {"a": 2}]
     assert study.mean(study.selected(rows, a=1), "b") == 3.0
     assert study.mean(study.selected(rows, a=2), "b") is None

@@ -1,4 +1,4 @@
-"""The notes' statements come out as they are taught."""
+"""The statements of the lecture notes hold."""
 
 import pytest
 
@@ -26,7 +26,7 @@ def test_all_tasks_succeed_and_figures_are_drawn(outcome):
     assert (out / "phase_plane.png").stat().st_size > 1000
 
 
-def test_runge_s_function_defeats_even_nodes_only(values):
+def test_only_evenly_spaced_nodes_fail_on_runges_function(values):
     assert values["33 even nodes", "error"] > 100.0 * values["9 even nodes", "error"]
     assert values["33 chebyshev nodes", "error"] < 0.1 * values["9 chebyshev nodes", "error"]
 
@@ -43,7 +43,7 @@ def test_the_sampled_filter_neither_chatters_nor_overshoots(values):
     assert values["filter", "overshoot"] == 0.0
 
 
-def test_minimum_jerk_is_the_least(values):
+def test_minimum_jerk_has_the_smallest_jerk(values):
     costs = {what: value for (what, measure), value in values.items() if measure == "jerk"}
     assert min(costs, key=costs.get) == "minimum jerk"
 

@@ -55,7 +55,7 @@ def test_box_of_the_second_experiment_was_known():
         assert box.distance(demonstration.motion.positions).min() > 0.0
 
 
-def test_only_what_leaves_the_experience_is_learned(rows):
+def test_only_paths_outside_the_experience_are_learned(rows):
     for row in rows.values():
         assert 0.25 <= row["kappa"] <= 1.0
         assert row["kappa_with_obstacles"] <= row["kappa"] + 1e-12
@@ -64,7 +64,7 @@ def test_only_what_leaves_the_experience_is_learned(rows):
     assert rows[4]["kappa"] < rows[1]["kappa"]
 
 
-def test_joints_in_steps_of_a_tenth_of_a_degree_cost_less_than_a_millimetre(rows):
+def test_joint_steps_of_a_tenth_of_a_degree_cost_less_than_a_millimetre(rows):
     for row in rows.values():
         assert 0.0 < row["quantised_end_error_m"] <= row["quantised_error_m"] < 1e-3
 
@@ -105,7 +105,7 @@ def test_results_state_the_assumptions_and_the_times_in_the_whole_workspace(outc
         assert (outcome[1] / f"{name}.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_rows_are_the_same_again_but_for_the_times(outcome):
+def test_rows_are_reproducible_except_for_measured_times(outcome):
     arguments = {"setup": 3, "setting": vars(COARSE), "threshold": 0.6, "seed": 0}
     (again,) = experiment(**arguments)
     (first,) = selected(outcome[0].rows, study="setups", setup=3)
