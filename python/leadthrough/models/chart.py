@@ -32,18 +32,22 @@ from leadthrough.motion import (
 
 # Phases of the reference orientation.
 NODES = np.linspace(0.0, 1.0, 201)
-# Columns that vary less than this share of the widest are as good as constant.
-_LEAST_SHARE = 1e-3
-# Where all positions, or all orientations, stay: a millimetre, a milliradian.
+# Columns that vary less than this fraction of the widest are as good as constant.
+_LEAST_FRACTION = 1e-3
+# Reach where all positions, or all orientations, are the same: a millimetre, a milliradian.
 _STILL = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Chart(Generic[MotionT_co]):
-    """kind: "points", "joints" or "poses". size: columns of a point or joints.
+    """What the columns of a model are, and how they become motions again.
 
-    joint_names: of joints. reference: (201, 4) orientations w, x, y, z at even phases, or None.
-    events: at phases.
+    Attributes:
+        kind: "points", "joints" or "poses".
+        size: number of columns of a point, of the joints, or of a pose's position.
+        joint_names: of joints.
+        reference: (201, 4) orientations w, x, y, z at evenly spaced phases, or None.
+        events: at phases.
     """
 
     kind: str
@@ -63,9 +67,15 @@ class Chart(Generic[MotionT_co]):
         return np.arange(self.width, dtype=np.int64)
 
     def columns(self, motion: Motion, phases: Float64Array, name: str) -> Float64Array:
-        """The columns (n, width) of a motion whose samples stand at phases (n,).
+        """The columns (n, width) of a motion.
 
-        Raises InvalidInput for a motion of another type or size.
+        Args:
+            motion: of n samples.
+            phases: (n,) of its samples.
+            name: of the argument that it came in by, for errors.
+
+        Raises:
+            InvalidInput: if the motion is of another type or size.
         """
         if not isinstance(motion, _TYPES[self.kind]) or motion.positions.shape[1] != self.size:
             raise InvalidInput(
@@ -99,7 +109,15 @@ class Chart(Generic[MotionT_co]):
         velocities: Float64Array | None = None,
         accelerations: Float64Array | None = None,
     ) -> MotionT_co:
-        """The motion with these columns (n, width); only joints keep the derivatives."""
+        """A motion of the chart's type.
+
+        Args:
+            times: (n,) s.
+            phases: (n,) of the samples.
+            columns: (n, width).
+            velocities: (n, width) of joints; otherwise they are left out.
+            accelerations: (n, width) of joints; otherwise they are left out.
+        """
         happening = events.moved(self.events, phases, times)
         made: Motion
         if self.kind == "points":
@@ -113,9 +131,18 @@ class Chart(Generic[MotionT_co]):
         return cast(MotionT_co, made)  # of the type that the chart was made for
 
     def target(self, value: Place, name: str, phase: float) -> Float64Array:
-        """What a query asks for, as the first columns (width,), or (3,) for a position alone.
+        """A place that a query asks for, in columns.
 
-        A pose is (position (3,), orientation (4,)). Raises InvalidInput.
+        Args:
+            value: (d,), or for poses (position (3,), orientation (4,)) or the position alone.
+            name: of the argument, for errors.
+            phase: at which it is asked for.
+
+        Returns:
+            Values (width,), or (3,) for a position alone.
+
+        Raises:
+            InvalidInput: if the value is of another shape.
         """
         if self.kind != "poses":
             return check.array(value, name, shape=(self.size,))
@@ -140,7 +167,16 @@ class Chart(Generic[MotionT_co]):
 
     @staticmethod
     def from_archive(settings: dict[str, Any], arrays: Any) -> Chart:
-        """The chart that `settings` and `arrays` took apart. Raises KeyError, InvalidInput."""
+        """The chart that `settings` and `arrays` took apart.
+
+        Args:
+            settings: plain values of the file.
+            arrays: arrays of the file.
+
+        Raises:
+            KeyError: if a part is missing.
+            InvalidInput: if a part is not what it should be.
+        """
         shape = (len(NODES), 4)
         return Chart(
             check.choice(settings["chart"], "chart", _TYPES),
@@ -159,7 +195,12 @@ _TYPES: dict[str, type] = {
 
 
 def chart_of(motions: Sequence[MotionT], phases: Sequence[Float64Array]) -> Chart[MotionT]:
-    """The chart in which motions, their samples at phases in [0, 1], are near each other."""
+    """The chart in which motions are near each other.
+
+    Args:
+        motions: at least one, all of one type and size.
+        phases: (n,) in [0, 1] of the samples of each.
+    """
     kind = next(kind for kind, each in _TYPES.items() if isinstance(motions[0], each))
     names = motions[0].joint_names if isinstance(motions[0], JointTrajectory) else ()
     poses = [motion for motion in motions if isinstance(motion, PoseTrajectory)]
@@ -174,12 +215,17 @@ def chart_of(motions: Sequence[MotionT], phases: Sequence[Float64Array]) -> Char
 
 
 def scales(columns: Sequence[Float64Array], chart: Chart) -> Float64Array:
-    """How far the columns of motions (n, width) reach, (width,) > 0, in their units."""
+    """The reach of the columns of motions, (width,) > 0, in their units.
+
+    Args:
+        columns: (n, width) of each motion.
+        chart: of the motions.
+    """
     reach = np.sqrt(np.mean([each.var(axis=0) for each in columns], axis=0))
     wide = np.ones(chart.width)
     for group in (slice(0, chart.size), slice(chart.size, chart.width)):
-        wide[group] = reach[group].max(initial=0.0) or _STILL / _LEAST_SHARE
-    return np.asarray(np.maximum(reach, _LEAST_SHARE * wide))
+        wide[group] = reach[group].max(initial=0.0) or _STILL / _LEAST_FRACTION
+    return np.asarray(np.maximum(reach, _LEAST_FRACTION * wide))
 
 
 def _reference(motions: Sequence[PoseTrajectory], phases: Sequence[Float64Array]) -> Float64Array:

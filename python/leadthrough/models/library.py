@@ -6,11 +6,13 @@ are taken.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial import Delaunay, QhullError
 
 from leadthrough import check, events, rotations
@@ -22,17 +24,24 @@ from leadthrough.models.dmp.discrete import DMPSkill
 from leadthrough.models.dmp.pose import PoseDMPSkill
 from leadthrough.models.protocol import Skill
 from leadthrough.models.skills import restored
-from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
 
 _KIND = "library"
-# Targets this much off a line or plane, as a share of their spread, lie on it.
+# Targets this much off a line or plane, as a fraction of their spread, lie on it.
 _FLAT = 1e-9
 _SAMPLES = 401  # of the motions that are averaged
 
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """A skill, and what it is for. target: (d,)."""
+    """A skill, and what it is for.
+
+    Attributes:
+        task: name of the task.
+        subtask: name of the part of the task.
+        target: (d,), where the subtask was shown to go.
+        skill: that does it.
+    """
 
     task: str
     subtask: str
@@ -46,11 +55,20 @@ class SkillLibrary:
 
     entries: tuple[Entry, ...] = ()
 
-    def with_skill(self, skill: Skill, *, task: str, subtask: str, target: Any) -> SkillLibrary:
-        """A library that holds this skill too, instead of one for the same target.
+    def with_skill(
+        self, skill: Skill, *, task: str, subtask: str, target: ArrayLike
+    ) -> SkillLibrary:
+        """A library that also holds a skill; it replaces one for the same target.
 
-        target: (d,), where the subtask was shown to go, with as many coordinates as the others of
-        the subtask. Raises InvalidInput.
+        Args:
+            skill: a fitted skill.
+            task: name of the task.
+            subtask: name of the part of the task.
+            target: (d,), where the subtask was shown to go, with as many coordinates as the others
+                of the subtask.
+
+        Raises:
+            InvalidInput: if the target is of another shape, or an argument of another type.
         """
         if not hasattr(skill, "to_archive"):
             raise InvalidInput(f"skill: expected a fitted one, got {type(skill).__name__}")
@@ -65,43 +83,81 @@ class SkillLibrary:
         return replace(self, entries=(*kept, Entry(task, subtask, point, skill)))
 
     def subtasks(self, task: str) -> tuple[str, ...]:
-        """Subtasks of a task, in the order in which they were added. Raises InvalidInput."""
+        """Subtasks of a task, in the order in which they were added.
+
+        Args:
+            task: name of the task.
+
+        Raises:
+            InvalidInput: if it is no name.
+        """
         _check_names(task, "")
         return tuple(dict.fromkeys(e.subtask for e in self.entries if e.task == task))
 
-    def nearest(self, task: str, subtask: str, target: Any) -> Skill:
-        """The skill whose target is nearest to `target` (d,), the first of several.
+    def nearest(self, task: str, subtask: str, target: ArrayLike) -> Skill:
+        """The skill whose target is nearest, the first of several.
 
-        Raises InvalidInput, also where there is none for the subtask.
+        Args:
+            task: name of the task.
+            subtask: name of the part of the task.
+            target: (d,).
+
+        Raises:
+            InvalidInput: if there is no skill for the subtask, or the target is of another shape.
         """
         known, point = self._asked(task, subtask, target)
         gaps = [float(np.linalg.norm(each.target - point)) for each in known]
         return known[int(np.argmin(gaps))].skill
 
-    def interpolated(self, task: str, subtask: str, target: Any) -> Skill:
-        """A skill between those of the targets around `target` (d,).
+    def interpolated(self, task: str, subtask: str, target: ArrayLike) -> Skill:
+        """A skill between those of the targets around a new one.
 
         Their motions are averaged over normalised time with linear (barycentric) weights, and
-        learned anew with the settings of the nearest. Springs are linear: of points and joints this
-        is the interpolation of the weights. Outside of all targets it is the nearest skill.
-        Raises InvalidInput; UnsupportedQuery for other skills than of `DMP` and `PoseDMP`, and for
-        orientations too far apart for a mean.
+        learned anew with the settings of the nearest. Springs are linear: for points and joints
+        this interpolates the weights. Outside of all targets it is the nearest skill.
+
+        Args:
+            task: name of the task.
+            subtask: name of the part of the task.
+            target: (d,).
+
+        Raises:
+            InvalidInput: if there is no skill for the subtask, or the target is of another shape.
+            UnsupportedQuery: for other skills than of `DMP` and `PoseDMP`, and for orientations too
+                far apart for a mean.
         """
         known, point = self._asked(task, subtask, target)
-        share = _barycentric(np.array([each.target for each in known]), point)
-        used = [each.skill for each, part in zip(known, share, strict=True) if part > 0.0]
+        weights = _barycentric(np.array([each.target for each in known]), point)
+        used = [each.skill for each, own in zip(known, weights, strict=True) if own > 0.0]
         nearest = self.nearest(task, subtask, target)
         if len(used) < 2:
             return nearest
         if not isinstance(nearest, DMPSkill | PoseDMPSkill):
-            raise UnsupportedQuery(f"subtask: skills of kind {nearest.kind!r} have no mean")
+            raise UnsupportedQuery(
+                f"subtask: expected skills of DMP or PoseDMP, got one of kind {nearest.kind!r}; "
+                "ask for the nearest"
+            )
         if len({type(skill) for skill in used}) > 1:
-            raise UnsupportedQuery("subtask: its skills are of several kinds")
-        motion = _mean([_sampled(skill) for skill in used], share[share > 0.0])
-        return nearest.model.fit([Demonstration(motion)])
+            raise UnsupportedQuery(
+                f"subtask: expected skills of one kind, got {sorted({each.kind for each in used})}"
+            )
+        motions = [
+            skill.generate(dt=skill.duration / (_SAMPLES - 1))
+            for skill in used
+            if isinstance(skill, DMPSkill | PoseDMPSkill)
+        ]
+        motion = _mean(motions, weights[weights > 0.0])
+        return nearest.model.fit([motion])
 
     def save(self, path: StrPath) -> None:
-        """Writes all to one .npz file. Raises InvalidInput."""
+        """Writes all skills to one .npz file.
+
+        Args:
+            path: the file; one that exists is replaced in one go.
+
+        Raises:
+            InvalidInput: if the file cannot be written.
+        """
         heads: list[dict[str, Any]] = []
         arrays: dict[str, Any] = {}
         for i, each in enumerate(self.entries):
@@ -113,7 +169,14 @@ class SkillLibrary:
 
     @staticmethod
     def load(path: StrPath) -> SkillLibrary:
-        """The library in a file that `save` wrote. Raises InvalidInput."""
+        """The library in a file that `save` wrote.
+
+        Args:
+            path: the file.
+
+        Raises:
+            InvalidInput: if it is no library, is damaged, or of a newer format version.
+        """
         kind, settings, arrays = archive.read(path)
         if kind != _KIND:
             raise InvalidInput(f"path: expected a library of skills, got a skill of kind {kind!r}")
@@ -132,11 +195,15 @@ class SkillLibrary:
         _check_names(task, subtask)
         return [each for each in self.entries if (each.task, each.subtask) == (task, subtask)]
 
-    def _asked(self, task: str, subtask: str, target: Any) -> tuple[list[Entry], Float64Array]:
+    def _asked(
+        self, task: str, subtask: str, target: ArrayLike
+    ) -> tuple[list[Entry], Float64Array]:
         known = self._of(task, subtask)
         if not known:
             held = sorted({(each.task, each.subtask) for each in self.entries})
-            raise InvalidInput(f"subtask: expected one of {held}, got {(task, subtask)}")
+            raise InvalidInput(
+                f"subtask: expected one of the tasks and subtasks {held}, got {(task, subtask)}"
+            )
         return known, check.array(target, "target", shape=known[0].target.shape)
 
 
@@ -147,7 +214,7 @@ def _check_names(task: Any, subtask: Any) -> None:
 
 
 def _barycentric(targets: Float64Array, point: Float64Array) -> Float64Array:
-    """Weights (n,) >= 0 of targets (n, d) whose mean is the point's foot on their line or plane.
+    """Weights (n,) >= 0 of targets (n, d) whose mean is the projection of a point on their span.
 
     All 0 outside of the targets.
     """
@@ -161,8 +228,8 @@ def _barycentric(targets: Float64Array, point: Float64Array) -> Float64Array:
         right = int(np.searchsorted(flat[order, 0], foot[0]))
         if 0 < right < len(order):
             left_at, right_at = flat[order[[right - 1, right]], 0]
-            share = (foot[0] - left_at) / (right_at - left_at)
-            weights[order[[right - 1, right]]] = 1.0 - share, share
+            fraction = (foot[0] - left_at) / (right_at - left_at)
+            weights[order[[right - 1, right]]] = 1.0 - fraction, fraction
         return weights
     if len(axes) > 1:
         weights = _in_simplex(flat, foot)
@@ -179,29 +246,28 @@ def _in_simplex(targets: Float64Array, point: Float64Array) -> Float64Array:
     if simplex >= 0:
         transform = mesh.transform[simplex]
         inner = transform[:-1] @ (point - transform[-1])
-        shares = np.clip(np.append(inner, 1.0 - inner.sum()), 0.0, 1.0)
-        weights[mesh.simplices[simplex]] = shares / shares.sum()
+        corners = np.clip(np.append(inner, 1.0 - inner.sum()), 0.0, 1.0)
+        weights[mesh.simplices[simplex]] = corners / corners.sum()
     return weights
 
 
-def _sampled(skill: Any) -> Any:
-    return skill.generate(dt=skill.duration / (_SAMPLES - 1))
-
-
-def _mean(motions: list[Any], weights: Float64Array) -> Any:
+def _mean(motions: Sequence[Motion], weights: Float64Array) -> Motion:
     """The weighted mean of motions of one type over normalised time."""
     first = motions[0]
     positions = np.average([motion.positions for motion in motions], axis=0, weights=weights)
     duration = float(np.average([motion.duration for motion in motions], weights=weights))
     times = np.linspace(0.0, duration, _SAMPLES)
-    shares = [events.moved(each.events, each.times[[0, -1]], (0.0, 1.0)) for each in motions]
-    happening = events.moved(events.agreed(shares, weights), (0.0, 1.0), times[[0, -1]])
+    happened = [events.moved(each.events, each.times[[0, -1]], (0.0, 1.0)) for each in motions]
+    happening = events.moved(events.agreed(happened, weights), (0.0, 1.0), times[[0, -1]])
     if isinstance(first, PoseTrajectory):
-        layers = np.stack([motion.orientations for motion in motions])
+        poses = [motion for motion in motions if isinstance(motion, PoseTrajectory)]
+        layers = np.stack([motion.orientations for motion in poses])
         try:
             turned = rotations.mean(layers, weights=weights)
         except InvalidInput as error:
-            raise UnsupportedQuery(f"target: skills around it differ too much ({error})") from None
+            raise UnsupportedQuery(
+                f"target: expected skills around it that turn alike ({error}); ask for the nearest"
+            ) from None
         return PoseTrajectory(times, positions, turned, happening)
     if isinstance(first, JointTrajectory):
         return JointTrajectory(times, positions, joint_names=first.joint_names, events=happening)

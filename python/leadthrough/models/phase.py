@@ -1,4 +1,4 @@
-"""How a motion runs along its path: the share of the path covered over normalised time."""
+"""How a motion runs along its path: the fraction of the path covered over normalised time."""
 
 from __future__ import annotations
 
@@ -11,22 +11,27 @@ from leadthrough.motion import normalised_times
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.trajectories import minimum_jerk_rise
 
-SAMPLES = 1001  # of progress, at even normalised times
-# Shares of the duration. The speed is averaged twice over the first, which makes the acceleration
-# continuous and takes the noise out of recorded speeds, and rises from and falls to rest within
-# the second. Recordings are cut while the hand still moves: longer ramps would distort them.
+SAMPLES = 1001  # of progress, at evenly spaced normalised times
+# Fractions of the duration. The speed is averaged twice over the first, which makes the
+# acceleration continuous and takes the noise out of recorded speeds; it rises from rest and falls to
+# rest within the second. Recordings are cut while the hand still moves: longer ramps would distort
+# them.
 _SMOOTHING = 0.035
 _RAMP = 0.025
 
 
 def progress_of(times: Float64Array, path: Float64Array) -> Float64Array:
-    """Share of a path (n, d) covered at even normalised times, (1001,) from 0 to 1.
+    """The fraction of a path covered at evenly spaced normalised times, (1001,) from 0 to 1.
 
-    times: (n,) s, at least two. A path without length counts as a uniform motion.
+    A path without length counts as a uniform motion.
+
+    Args:
+        times: (n,) s, at least two.
+        path: (n, d).
     """
     covered = arc_length(path)
-    share = covered / covered[-1] if covered[-1] > 0 else np.linspace(0.0, 1.0, len(path))
-    return np.interp(np.linspace(0, 1, SAMPLES), normalised_times(times), share)
+    fraction = covered / covered[-1] if covered[-1] > 0 else np.linspace(0.0, 1.0, len(path))
+    return np.interp(np.linspace(0, 1, SAMPLES), normalised_times(times), fraction)
 
 
 def uniform_progress() -> Float64Array:
@@ -35,7 +40,12 @@ def uniform_progress() -> Float64Array:
 
 
 def progress_by_speed(path: Float64Array, speed: Float64Array) -> Float64Array:
-    """Progress (1001,) along a path (n, d) at a speed (n,) > 0 given there, of any unit."""
+    """Progress (1001,) along a path at a speed that is given.
+
+    Args:
+        path: (n, d).
+        speed: (n,) > 0 along the path, of any unit.
+    """
     pace = 1.0 / speed
     steps = np.diff(arc_length(path)) * 0.5 * (pace[1:] + pace[:-1])
     clock = np.concatenate([[0.0], np.cumsum(steps)])
@@ -57,7 +67,15 @@ def rest_to_rest(progress: Float64Array) -> Float64Array:
 
 
 def progress_at(progress: Float64Array, normalised_times: Float64Array) -> Float64Array:
-    """Share of the path covered at normalised times in [0, 1], with a continuous acceleration."""
+    """The fraction of the path covered at any times, with a continuous acceleration.
+
+    Args:
+        progress: (m,) at evenly spaced normalised times.
+        normalised_times: (n,) in [0, 1].
+
+    Returns:
+        Fractions (n,) in [0, 1].
+    """
     spline = CubicSpline(np.linspace(0.0, 1.0, len(progress)), progress, bc_type="clamped")
     return np.asarray(np.clip(spline(normalised_times), 0.0, 1.0))
 

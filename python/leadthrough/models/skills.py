@@ -35,12 +35,31 @@ _KINDS: dict[str, Callable[[dict[str, Any], archive.Arrays], Skill]] = {
 
 
 def load_skill(path: StrPath) -> Skill:
-    """The skill in a file that its `save` wrote. Raises InvalidInput."""
+    """The skill in a file that its `save` wrote.
+
+    It generates motions of the type that it was shown; a file does not tell a type checker which.
+
+    Args:
+        path: the file.
+
+    Raises:
+        InvalidInput: if it is no skill, is damaged, or of a newer format version.
+    """
     return restored(path, *archive.read(path))
 
 
 def restored(path: StrPath, kind: str, settings: dict[str, Any], arrays: archive.Arrays) -> Skill:
-    """The skill whose `to_archive` gave these, out of a file. Raises InvalidInput."""
+    """The skill that `to_archive` took apart.
+
+    Args:
+        path: the file that the parts came from, for errors.
+        kind: name that files have for this kind of skill.
+        settings: plain values by name.
+        arrays: by name.
+
+    Raises:
+        InvalidInput: if the kind is unknown, or a part is missing or not what it should be.
+    """
     if kind not in _KINDS:
         raise InvalidInput(f"path: expected a skill of {sorted(_KINDS)}, got {kind!r}")
     try:
