@@ -71,13 +71,14 @@ def read(path: StrPath) -> tuple[str, dict[str, Any], dict[str, NDArray[Any]]]:
         arrays = npz.arrays(Path(path))
         head = json.loads(str(arrays.pop("head")))
         if head["format"] != FORMAT:
-            raise InvalidInput(f"is of format {head['format']!r}")
+            raise InvalidInput(f"format: expected {FORMAT!r}, got {head['format']!r}")
         kind, version, settings = str(head["kind"]), int(head["version"]), dict(head["settings"])
     except (ValueError, KeyError, TypeError) as error:
         raise InvalidInput(f"path: expected a saved skill, got {path} ({error})") from None
     if version > VERSION:
         raise InvalidInput(
-            f"path: {path} is of format version {version}, this leadthrough reads up to {VERSION}"
+            f"path: expected a skill of format version {VERSION} or earlier, got {path} of version "
+            f"{version}; update leadthrough"
         )
     return kind, settings, arrays
 

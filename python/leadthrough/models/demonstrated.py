@@ -85,7 +85,7 @@ def _refuse_mixed(motions: Sequence[Motion]) -> None:
 
 def _refuse_unfit(motion: Motion, name: str) -> None:
     if len(motion.times) < 2:
-        raise FitError(f"{name}: has a single sample, needs at least two")
+        raise FitError(f"{name}: has a single sample, needs at least two; leave it out")
     turns = isinstance(motion, PoseTrajectory) and not _is_still(motion.orientations)
     if _is_still(motion.positions) and not turns:
         raise FitError(f"{name}: does not move; leave it out")

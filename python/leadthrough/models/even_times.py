@@ -35,9 +35,12 @@ def even_phases(duration: float, dt: float) -> Float64Array:
     """Those times as fractions (n,) of the duration, from 0 to 1; arguments as in `even_times`."""
     if not duration / dt <= MOST_SAMPLES:
         raise InvalidInput(
-            f"dt: expected at most {MOST_SAMPLES:.0e} samples in {duration:.6g} s, got {dt} s"
+            f"dt: expected at most {MOST_SAMPLES:.0e} samples in {duration:.6g} s, got steps of "
+            f"{dt} s; check the units of dt and duration"
         )
     steps = max(math.ceil(duration / dt - _ROUNDING), 1)
     if duration / steps < _SHORTEST:
-        raise InvalidInput(f"duration: expected at least {_SHORTEST:.3g} s a step, got {duration}")
+        raise InvalidInput(
+            f"duration: expected at least {_SHORTEST:.3g} s a step, got {duration} s in {steps}"
+        )
     return np.arange(steps + 1) / steps

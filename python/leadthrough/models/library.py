@@ -71,7 +71,7 @@ class SkillLibrary:
             InvalidInput: if the target is of another shape, or an argument of another type.
         """
         if not hasattr(skill, "to_archive"):
-            raise InvalidInput(f"skill: expected a fitted one, got {type(skill).__name__}")
+            raise InvalidInput(f"skill: expected a fitted skill, got {type(skill).__name__}")
         point = check.frozen(target, "target", shape=("d",))
         known = self._of(task, subtask)
         if known and len(known[0].target) != len(point):
@@ -210,7 +210,7 @@ class SkillLibrary:
 def _check_names(task: Any, subtask: Any) -> None:
     for name, value in (("task", task), ("subtask", subtask)):
         if not isinstance(value, str):
-            raise InvalidInput(f"{name}: expected a name, got {value!r}")
+            raise InvalidInput(f"{name}: expected a name as text, got {value!r}")
 
 
 def _barycentric(targets: Float64Array, point: Float64Array) -> Float64Array:

@@ -13,9 +13,9 @@ from leadthrough.trajectories import minimum_jerk_rise
 
 SAMPLES = 1001  # of progress, at evenly spaced normalised times
 # Fractions of the duration. The speed is averaged twice over the first, which makes the
-# acceleration continuous and takes the noise out of recorded speeds; it rises from rest and falls to
-# rest within the second. Recordings are cut while the hand still moves: longer ramps would distort
-# them.
+# acceleration continuous and takes the noise out of recorded speeds; it rises from rest and falls
+# to rest within the second. Recordings are cut while the hand still moves: longer ramps would
+# distort them.
 _SMOOTHING = 0.035
 _RAMP = 0.025
 

@@ -77,7 +77,7 @@ def check_constraints(
     shapes = check_shapes(obstacles)
     if shapes and dimensions not in (2, 3):
         raise UnsupportedQuery(
-            "obstacles: expected none, they stand in the way of points in two or three dimensions"
+            "obstacles: expected none; only points in two or three dimensions keep clear of them"
         )
     if limits is None:
         return Constraints(shapes, np.zeros(0), np.zeros(0))
@@ -157,7 +157,9 @@ def _check_ends(constraints: Constraints, start: Float64Array, goal: Float64Arra
     lower, upper = constraints.lower, constraints.upper
     for name, point in (("start", start), ("goal", goal)):
         if len(lower) and not ((lower <= point) & (point <= upper)).all():
-            raise InvalidInput(f"{name}: expected one inside the limits, got {point}")
+            raise InvalidInput(
+                f"{name}: expected a point inside the limits {lower} to {upper}, got {point}"
+            )
         if (_clearances(constraints.obstacles, point[None]) <= 0.0).any():
             raise NoPath(f"{name}: {point} lies in an obstacle", reason=f"{name}_in_wall")
 

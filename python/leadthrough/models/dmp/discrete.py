@@ -174,7 +174,10 @@ class DMPSkill(Primitive[DMP, _core.PointState], Generic[MotionT_co]):
     ) -> _core.PointState:
         """The state at the start, for `step`; arguments and errors as in `generate`."""
         if final_velocity is not None and self.model.form != "blended":
-            raise UnsupportedQuery(f"final_velocity: the form {self.model.form!r} ends at rest")
+            raise UnsupportedQuery(
+                f"final_velocity: the form {self.model.form!r} ends at rest; leave it out, or fit "
+                'with the form "blended"'
+            )
         total = check_duration(duration, self.duration)
         ends = ends_of(
             self.springs.ends,

@@ -109,7 +109,7 @@ def course_through(learned: Springs, ends: Ends, via: Via, *, count: int) -> _co
     """
     direct = springs.course(learned.form, ends)
     if not isinstance(via, Sequence):
-        raise InvalidInput(f"via: expected a sequence, got {type(via).__name__}")
+        raise InvalidInput(f"via: expected a sequence of (phase, point), got {type(via).__name__}")
     if len(via) == 0:
         return direct
     phases, points = _via(via, count)
@@ -130,7 +130,7 @@ def with_goal(learned: Springs, state: _core.PointState, goal: Place) -> _core.P
 def _via(via: Via, count: int) -> tuple[Float64Array, Float64Array]:
     pairs = list(via)
     if not all(isinstance(pair, tuple | list) and len(pair) == 2 for pair in pairs):
-        raise InvalidInput(f"via: expected pairs of phase and point, got {via!r}")
+        raise InvalidInput(f"via: expected pairs (phase, point), got {via!r}")
     phases = check.array([pair[0] for pair in pairs], "via", shape=("n",))
     points = [check_channels(pair[1], "via", count) for pair in pairs]
     if phases[0] <= 0.0 or phases[-1] >= 1.0 or (np.diff(phases) <= 0.0).any():

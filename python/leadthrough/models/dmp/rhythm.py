@@ -64,7 +64,7 @@ class Rhythm(Archived, Generic[SettingsT, StateT]):
         if not total / state.duration <= _MOST_PERIODS:
             raise InvalidInput(
                 f"period: expected at most {_MOST_PERIODS} periods in {total:.6g} s, "
-                f"got a period of {state.duration:.6g} s"
+                f"got a period of {state.duration:.6g} s; check the units"
             )
         times = even_times(total, step)
         values, slopes = _core.dmp_rollout(

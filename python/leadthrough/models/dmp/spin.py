@@ -35,7 +35,7 @@ def refuse_spin(springs: Springs, turning: Turning, state: _core.PoseState) -> N
     if not least - allowed <= ahead <= turning.angle + allowed:
         raise UnsupportedQuery(
             f'orientation="lifted": from here to this goal it would turn by '
-            f"{np.degrees(ahead):.0f} degrees, {np.degrees(turning.angle):.0f} were shown; "
+            f"{np.degrees(ahead):.0f} degrees, but {np.degrees(turning.angle):.0f} were shown; "
             'use "anchored"'
         )
 

@@ -61,7 +61,9 @@ class FastMarching:
         if self.workspace is not None:
             corners = check.array(self.workspace, "workspace", shape=(2, "d"))
             if not (corners[0] < corners[1]).all():
-                raise InvalidInput(f"workspace: expected lower < upper corners, got {corners}")
+                raise InvalidInput(
+                    f"workspace: expected corners (lower, upper) with lower < upper, got {corners}"
+                )
             plain = tuple(tuple(float(x) for x in corner) for corner in corners)
             object.__setattr__(self, "workspace", plain)
 

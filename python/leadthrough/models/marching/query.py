@@ -80,7 +80,9 @@ def _end(
             return np.asarray(np.mean([each.path[index] for each in demonstrated], axis=0))
         return check.array(value, name, shape=(demonstrated[0].path.shape[1],))
     if value is None:
-        raise InvalidInput(f"{name}: expected a point, as there is no demonstration")
+        raise InvalidInput(
+            f"{name}: expected a point, as there is no demonstration to take it from"
+        )
     point = check.array(value, name, shape=("d",))
     if len(point) not in (2, 3):
         raise InvalidInput(f"{name}: expected 2 or 3 coordinates, got {len(point)}")

@@ -214,8 +214,8 @@ def _bounds(
         corners = check.array(scales.workspace, "workspace", shape=(2, len(lower)))
         if (lower < corners[0]).any() or (upper > corners[1]).any():
             raise InvalidInput(
-                f"workspace: expected one around demonstrations, start and goal, from {lower} "
-                f"to {upper}, got {corners[0]} to {corners[1]}"
+                f"workspace: expected corners around demonstrations, start and goal, {lower} to "
+                f"{upper}, got {corners[0]} to {corners[1]}"
             )
         return corners, 0.0
     extent = float((upper - lower).max())

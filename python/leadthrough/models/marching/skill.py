@@ -110,7 +110,9 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
         """
         points = check.frozen(path, "path", shape=("n", self._dimensions()))
         if len(points) < 2 or not np.ptp(points, axis=0).any():
-            raise InvalidInput("path: expected at least two different points")
+            raise InvalidInput(
+                "path: expected at least two different points, got a path that does not move"
+            )
         if duration is not None:
             check.number(duration, "duration", above=0.0)
         found = added(points, self._all, duration=duration)
@@ -375,7 +377,9 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
 
     def _dimensions(self) -> int:
         if not self._all:
-            raise InvalidInput("skill: was fitted to no demonstration and has no map")
+            raise InvalidInput(
+                "skill: has no demonstration and no map; fit it to at least one demonstration"
+            )
         return int(self._all[0].path.shape[1])
 
     @property
