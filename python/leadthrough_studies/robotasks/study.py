@@ -1,10 +1,11 @@
-"""The study of RoboTasks: real kinesthetic demonstrations of poses, each left out in turn.
+"""The RoboTasks study: real kinesthetic demonstrations of poses, each left out in turn.
 
-A method sees the other demonstrations of a task as they were recorded, with their own timing, and
-the start and goal pose of the one left out. Its motion is compared with that one at evenly spaced
-times: mean distance and mean angle, and the distance under dynamic time warping, which forgives
-another timing. Recordings: Auddy et al. 2023, "Continual learning from demonstration of robotics
-skills", data set RoboTasks: positions in cm, quaternions w, x, y, z, 10 s each.
+A method learns from the other demonstrations of a task as they were recorded, with their own
+timing, and gets the start and goal pose of the left-out one. Its motion is compared with the
+left-out demonstration at evenly spaced times: mean distance, mean angle, and the distance under
+dynamic time warping, which ignores differences in timing. Recordings: Auddy et al. 2023, "Continual
+learning from demonstration of robotics skills", data set RoboTasks: positions in cm, quaternions w,
+x, y, z, 10 s each.
 """
 
 from __future__ import annotations
@@ -25,21 +26,21 @@ from leadthrough_studies.study import Row, Study, Task
 
 _FOLDER = "robotasks"
 _DURATION = 10.0  # s
-_EVERY = 5  # samples; of 1,000, far more than the hand's motion needs
-_COMPARED = 200  # evenly spaced times
-# Positions of a path kept for the figures.
+_EVERY = 5  # of 1,000 samples, far more than the motion of a hand needs
+_COMPARED = 200  # number of evenly spaced times
+# Number of positions of a path kept for the figures.
 _DRAWN = 60
 
 
 @dataclass(frozen=True)
 class RoboTasksConfig:
-    """What the study runs.
+    """The configuration of the study.
 
     Attributes:
-        files: one a task, (demonstrations, samples, 7).
-        methods: names in METHODS.
-        left_out: how many demonstrations of each task are left out, one after another.
-        seed: not used, as nothing is drawn.
+        files: one file per task, with an array (demonstrations, samples, 7).
+        methods: keys of METHODS.
+        left_out: number of demonstrations of each task that are left out in turn; None for all.
+        seed: recorded as in every study, but unused: there are no random numbers.
     """
 
     files: tuple[str, ...]
@@ -49,10 +50,10 @@ class RoboTasksConfig:
 
 
 def configure(quick: bool, seed: int) -> RoboTasksConfig:
-    """Every task in the folder of recordings, or two demonstrations of each.
+    """The configuration with all demonstrations in the folder of recordings, or two of each task.
 
     Raises:
-        InvalidInput: where LEADTHROUGH_DATA names no folder with recordings.
+        InvalidInput: if LEADTHROUGH_DATA names no folder with recordings.
     """
     folder = Path(os.environ.get("LEADTHROUGH_DATA", "")) / _FOLDER
     files = tuple(str(file) for file in sorted(folder.glob("*.npy")))
