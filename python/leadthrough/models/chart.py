@@ -7,7 +7,7 @@ the demonstrations stay near each other, however far all of them turn.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Generic, cast
@@ -20,6 +20,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event
 from leadthrough.models.archive import quaternions
+from leadthrough.models.mean_turning import mean_orientations
 from leadthrough.models.place import Place
 from leadthrough.motion import (
     JointTrajectory,
@@ -194,17 +195,26 @@ _TYPES: dict[str, type] = {
 }
 
 
-def chart_of(motions: Sequence[MotionT], phases: Sequence[Float64Array]) -> Chart[MotionT]:
+def chart_of(
+    motions: Sequence[MotionT],
+    phases: Sequence[Float64Array],
+    *,
+    middle: Callable[[Sequence[Float64Array]], Float64Array] = mean_orientations,
+) -> Chart[MotionT]:
     """The chart in which motions are near each other.
 
     Args:
-        motions: at least one, all of one type and size.
-        phases: (n,) in [0, 1] of the samples of each.
+        motions: at least one, all of one type.
+        phases: of each motion's samples (n,), in [0, 1].
+        middle: takes each motion's orientations (201, 4) at evenly spaced phases to the reference.
+
+    Raises:
+        FitError: if the orientations have no middle.
     """
     kind = next(kind for kind, each in _TYPES.items() if isinstance(motions[0], each))
     names = motions[0].joint_names if isinstance(motions[0], JointTrajectory) else ()
     poses = [motion for motion in motions if isinstance(motion, PoseTrajectory)]
-    reference = _reference(poses, phases) if poses else None
+    reference = middle(_at_nodes(poses, phases)) if poses else None
     happened = [
         each
         for motion, u in zip(motions, phases, strict=True)
@@ -228,22 +238,14 @@ def scales(columns: Sequence[Float64Array], chart: Chart) -> Float64Array:
     return np.asarray(np.maximum(reach, _LEAST_FRACTION * wide))
 
 
-def _reference(motions: Sequence[PoseTrajectory], phases: Sequence[Float64Array]) -> Float64Array:
-    """The mean orientations of motions whose samples stand at phases, at the nodes (201, 4)."""
-    return mean_orientations(
-        [
-            rotations.interpolate(at, motion.orientations, np.clip(NODES, at[0], at[-1]))
-            for motion, at in zip(motions, phases, strict=True)
-        ]
-    )
-
-
-def mean_orientations(layers: Sequence[Float64Array]) -> Float64Array:
-    """Means (n, 4) of several rows of orientations; the first where they are far apart."""
-    try:
-        return rotations.align_signs(rotations.mean(np.stack(layers)))
-    except InvalidInput:  # of which the mean is not unique
-        return rotations.align_signs(layers[0])
+def _at_nodes(
+    motions: Sequence[PoseTrajectory], phases: Sequence[Float64Array]
+) -> list[Float64Array]:
+    """The orientations (201, 4) at the nodes of motions whose samples stand at phases."""
+    return [
+        rotations.interpolate(at, motion.orientations, np.clip(NODES, at[0], at[-1]))
+        for motion, at in zip(motions, phases, strict=True)
+    ]
 
 
 def carried(before: Float64Array, after: Float64Array) -> Float64Array:

@@ -15,13 +15,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import Delaunay, QhullError
 
-from leadthrough import check, events, rotations
+from leadthrough import check, events
 from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, UnsupportedQuery
+from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
 from leadthrough.models.dmp.discrete import DMPSkill
 from leadthrough.models.dmp.pose import PoseDMPSkill
+from leadthrough.models.mean_turning import mean_orientations
 from leadthrough.models.protocol import Skill
 from leadthrough.models.skills import restored
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
@@ -261,12 +262,13 @@ def _mean(motions: Sequence[Motion], weights: Float64Array) -> Motion:
     happening = events.moved(events.agreed(happened, weights), (0.0, 1.0), times[[0, -1]])
     if isinstance(first, PoseTrajectory):
         poses = [motion for motion in motions if isinstance(motion, PoseTrajectory)]
-        layers = np.stack([motion.orientations for motion in poses])
+        layers = [motion.orientations for motion in poses]
         try:
-            turned = rotations.mean(layers, weights=weights)
-        except InvalidInput as error:
+            turned = mean_orientations(layers, weights=weights)
+        except FitError:
             raise UnsupportedQuery(
-                f"target: expected skills around it that turn alike ({error}); ask for the nearest"
+                "target: the orientations of the skills around it lie too far apart for a mean; "
+                "use nearest, or teach a target between them"
             ) from None
         return PoseTrajectory(times, positions, turned, happening)
     if isinstance(first, JointTrajectory):

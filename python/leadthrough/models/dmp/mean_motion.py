@@ -9,9 +9,9 @@ import numpy as np
 
 from leadthrough import events, rotations
 from leadthrough.check import Float64Array
-from leadthrough.errors import FitError, InvalidInput
 from leadthrough.events import Event
 from leadthrough.models.demonstrated import Demonstrations, motions_of
+from leadthrough.models.mean_turning import mean_orientations
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, normalised_times
 
 
@@ -56,8 +56,8 @@ def mean_motion(
 
     Raises:
         InvalidInput: for other motions.
-        FitError: for one that does not move, and where the orientations of several lie too far
-            apart for a mean.
+        FitError: for one that does not move, and where the orientations of several have no
+            mean; the message names the demonstrations and what to do.
     """
     motions = motions_of(demonstrations, kinds=kinds)
     first = motions[0]
@@ -88,11 +88,4 @@ def _mean_turn(motions: Sequence[Motion], phases: Float64Array) -> Float64Array 
         for motion in motions
         if isinstance(motion, PoseTrajectory)
     ]
-    if not layers:
-        return None
-    try:
-        return rotations.align_signs(rotations.mean(np.stack(layers)))
-    except InvalidInput as error:
-        raise FitError(
-            f"demonstrations: their orientations have no mean orientation ({error})"
-        ) from None
+    return mean_orientations(layers) if layers else None

@@ -13,6 +13,7 @@ from leadthrough.errors import InvalidInput
 from leadthrough.models import archive
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.marching.experience import Experience, experience_of
+from leadthrough.models.marching.orientation import refuse_opposed
 from leadthrough.models.marching.skill import FastMarchingSkill
 from leadthrough.models.marching.time_law import TIMINGS
 from leadthrough.motion import MotionT
@@ -76,9 +77,13 @@ class FastMarching:
 
         Raises:
             InvalidInput: for other motions.
-            FitError: for a demonstration of a single sample, or whose position does not move.
+            FitError: for a demonstration of a single sample, or whose position does not move, and
+                for demonstrations of one path whose orientations along it have no mean.
         """
-        return FastMarchingSkill(self, experience_of(demonstrations))
+        shown = experience_of(demonstrations)
+        if len(shown) > 1:
+            refuse_opposed(shown)
+        return FastMarchingSkill(self, shown)
 
 
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> FastMarchingSkill:

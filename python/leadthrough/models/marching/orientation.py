@@ -8,30 +8,63 @@ import numpy as np
 
 from leadthrough import rotations
 from leadthrough.check import Float64Array
+from leadthrough.errors import FitError
 from leadthrough.models.marching.experience import Experience
-from leadthrough.preprocess.resample import arc_length
+from leadthrough.models.mean_turning import groups_of, mean_orientations
+from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.trajectories import minimum_jerk_rise
 
 _NODES = 101  # of the mean orientation along the path
+# Paths nearer to each other than this fraction of their length are followed together.
+_SAME_WAY = 0.1
+
+
+def refuse_opposed(shown: Sequence[Experience]) -> None:
+    """Checks that demonstrations of the same path have a mean orientation along it.
+
+    Demonstrations elsewhere may turn as they like: they are not averaged with these.
+
+    Args:
+        shown: the demonstrations.
+
+    Raises:
+        FitError: if two groups of demonstrations follow the same path but turn differently.
+    """
+    faced = [each.facing(shown[0].path[0], shown[0].path[-1]) for each in shown]
+    if any(each.orientations is None for each in faced):
+        return
+    phases = np.linspace(0.0, 1.0, _NODES)
+    layers = [_at(each, phases) for each in faced]
+    try:
+        mean_orientations(layers)
+    except FitError:
+        near, far, *_ = groups_of(layers)
+        lengths = [each.length for each in faced]
+        for i, j in ((i, j) for i in near for j in far):
+            if _gap(faced[i].path, faced[j].path) < _SAME_WAY * max(lengths[i], lengths[j]):
+                raise
 
 
 def along(
     used: Sequence[Experience],
     weights: Float64Array,
     *,
+    path: Float64Array,
     start: Float64Array | None,
     goal: Float64Array | None,
     fractions: Float64Array,
 ) -> Float64Array:
     """Orientations along a path that follows demonstrations of poses.
 
-    The weighted mean of the demonstrations' orientations, turned to start and goal where given: the
-    offsets at both ends fade into each other along the path with a minimum-jerk blend, so that the
-    tool turns as it was known to and no turn is added.
+    The weighted mean of the demonstrations' orientations, or, where these fall into two groups
+    without a mean, of the group with the path nearest to this. They are turned to start and goal
+    where given: the offsets at both ends fade into each other along the path with a minimum-jerk
+    blend, so that the tool turns as it was shown to and no turn is added.
 
     Args:
         used: the demonstrations.
         weights: (k,) of the demonstrations.
+        path: (n, d) that the orientations are for.
         start: orientation (4,) at the start of the path, or None.
         goal: orientation (4,) at its end, or None.
         fractions: (n,) of the path covered, in [0, 1].
@@ -40,8 +73,8 @@ def along(
         Orientations (n, 4), w, x, y, z.
     """
     phases = np.linspace(0.0, 1.0, _NODES)
-    nodes = rotations.mean(np.stack([_at(each, phases) for each in used]), weights=weights)
-    nodes = rotations.align_signs(nodes)
+    kept = [i for i, weight in enumerate(weights) if weight > 0.0]
+    nodes = _agreed([used[i] for i in kept], weights[kept], path)
     mean = rotations.squad(phases, nodes, fractions)
     offsets = [
         np.zeros((1, 3))
@@ -52,6 +85,31 @@ def along(
     blend = minimum_jerk_rise(fractions)[:, None]
     turns = rotations.exp((1.0 - blend) * offsets[0] + blend * offsets[1])
     return rotations.align_signs(rotations.compose(turns, mean))
+
+
+def _agreed(used: Sequence[Experience], weights: Float64Array, path: Float64Array) -> Float64Array:
+    """The mean turning (n, 4) of demonstrations, or of the group that has the one nearest a path.
+
+    Args:
+        used: the demonstrations.
+        weights: (k,) of the demonstrations.
+        path: (n, d).
+    """
+    phases = np.linspace(0.0, 1.0, _NODES)
+    layers = [_at(each, phases) for each in used]
+    try:
+        return mean_orientations(layers, weights=weights)
+    except FitError:
+        groups = groups_of(layers)[:2]
+        nearest = int(np.argmin([_gap(each.path, path) for each in used]))
+        kept = groups[0] if nearest in groups[0] else groups[1]
+        return _agreed([used[i] for i in kept], weights[kept], path)
+
+
+def _gap(one: Float64Array, other: Float64Array) -> float:
+    """Root mean square distance of two paths at the same fractions of their lengths."""
+    gaps = by_arc_length(one, _NODES) - by_arc_length(other, _NODES)
+    return float(np.sqrt((gaps**2).sum(axis=1).mean()))
 
 
 def _at(known: Experience, phases: Float64Array) -> Float64Array:

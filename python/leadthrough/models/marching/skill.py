@@ -198,7 +198,12 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
         made: Trajectory | PoseTrajectory = motion
         if self._has_orientations:
             turned = orientation.along(
-                found.used, found.weights, start=turns[0], goal=turns[1], fractions=covered
+                found.used,
+                found.weights,
+                path=found.path,
+                start=turns[0],
+                goal=turns[1],
+                fractions=covered,
             )
             made = PoseTrajectory(motion.times, motion.positions, turned, motion.events)
         return cast(MotionT_co, made)  # poses where poses were shown

@@ -54,7 +54,7 @@ def added(path: Float64Array, known: Sequence[Experience], *, duration: float | 
     length, turned = float(covered[-1]), None
     if known[0].orientations is not None:
         turned = orientation.along(
-            known, weights, start=None, goal=None, fractions=covered / length
+            known, weights, path=path, start=None, goal=None, fractions=covered / length
         )
     own = duration or usual_duration(known, weights, length)
     happened = events.agreed([each.events for each in known])

@@ -51,7 +51,8 @@ class GMR:
 
         Raises:
             InvalidInput: if the demonstrations differ in type.
-            FitError: if there is none, or one does not move.
+            FitError: if there is none, one does not move, or the orientations of poses have no
+                mean.
         """
         shown = sampled(demonstrations)
         if self.components is None:

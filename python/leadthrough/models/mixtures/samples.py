@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Generic
 
@@ -11,6 +11,7 @@ import numpy as np
 from leadthrough.check import Float64Array
 from leadthrough.models.chart import Chart, chart_of
 from leadthrough.models.demonstrated import Demonstrations, motions_of
+from leadthrough.models.mean_turning import mean_orientations
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
 
 # Points of each demonstration, so that all count the same and the work is bounded.
@@ -46,19 +47,24 @@ class Sampled(Generic[MotionT_co]):
         return np.asarray(np.mean([each[[0, -1], 1:] for each in self.rows], axis=0))
 
 
-def sampled(demonstrations: Demonstrations[MotionT]) -> Sampled[MotionT]:
+def sampled(
+    demonstrations: Demonstrations[MotionT],
+    *,
+    middle: Callable[[Sequence[Float64Array]], Float64Array] = mean_orientations,
+) -> Sampled[MotionT]:
     """Demonstrations, resampled at evenly spaced times.
 
     Args:
         demonstrations: one or more demonstrations, or motions, of one type.
+        middle: reference orientations of poses, as in `chart_of`.
 
     Raises:
         InvalidInput: if they are not of one type of motion.
-        FitError: if there is none, or one does not move.
+        FitError: if there is none, one does not move, or orientations have no middle.
     """
     motions = motions_of(demonstrations)
     phases = [normalised_times(motion.times) for motion in motions]
-    chart = chart_of(motions, phases)
+    chart = chart_of(motions, phases, middle=middle)
     duration = float(np.median([motion.duration for motion in motions]))
     return Sampled(
         motions, phases, chart, duration, timed_columns(motions, phases, chart, duration)

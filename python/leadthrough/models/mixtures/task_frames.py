@@ -19,8 +19,9 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
-from leadthrough.models.chart import NODES, Chart, carried, mean_orientations
+from leadthrough.errors import FitError, InvalidInput
+from leadthrough.models.chart import NODES, Chart, carried
+from leadthrough.models.mean_turning import mean_orientations
 from leadthrough.motion import Motion, MotionT, PoseTrajectory
 
 # Largest entry of axes.T @ axes - identity that passes for rounding.
@@ -137,7 +138,10 @@ def common_chart(
     if chart.kind != "poses":
         return chart
     predicted = [_predicted(each, frame, NODES) for each, frame in zip(own, frames, strict=True)]
-    return replace(chart, reference=mean_orientations(predicted))
+    try:
+        return replace(chart, reference=mean_orientations(predicted))
+    except FitError:  # frames turned against each other, which a situation may ask for
+        return replace(chart, reference=_between(predicted))
 
 
 def placed(frame: Frame, own: Chart, common: Chart, means: Float64Array, duration: float) -> Placed:
@@ -202,6 +206,14 @@ def checked_frames(
             f"got {', '.join(map(str, numbers))}"
         )
     return given
+
+
+def _between(predicted: Sequence[Float64Array]) -> Float64Array:
+    """Orientations (n, 4) between several rows of them, without a jump where they are far apart."""
+    back = rotations.inverse(predicted[0])
+    turns = [rotations.lift(rotations.compose(back, each)) for each in predicted]
+    middle = rotations.exp(np.mean(turns, axis=0))
+    return rotations.align_signs(rotations.compose(predicted[0], middle))
 
 
 def _predicted(own: Chart, frame: Frame, phases: Float64Array) -> Float64Array:

@@ -20,6 +20,7 @@ from leadthrough.check import Float64Array
 from leadthrough.models import archive
 from leadthrough.models.chart import Chart, chart_of
 from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.mean_turning import middle_orientations
 from leadthrough.models.mixtures.em import Blocks, fit_blocks
 from leadthrough.models.mixtures.fitting import column_moments
 from leadthrough.models.mixtures.mixture import Mixture
@@ -64,9 +65,10 @@ class TaskGMR:
 
         Raises:
             InvalidInput: if the demonstrations differ in type or the frames do not fit them.
-            FitError: if there is no demonstration, or one does not move.
+            FitError: if there is no demonstration, one does not move, or the orientations of poses
+                fall into two groups.
         """
-        shown = sampled(demonstrations)
+        shown = sampled(demonstrations, middle=middle_orientations)
         seen_from = (
             [(Frame.of_sample(motion, 0), Frame.of_sample(motion, -1)) for motion in shown.motions]
             if frames is None
@@ -75,7 +77,7 @@ class TaskGMR:
         charts, seen = [], []
         for own in zip(*seen_from, strict=True):
             local = [frame.local(motion) for frame, motion in zip(own, shown.motions, strict=True)]
-            charts.append(chart_of(local, shown.phases))
+            charts.append(chart_of(local, shown.phases, middle=middle_orientations))
             rows = timed_columns(local, shown.phases, charts[-1], shown.duration)
             seen.append(np.concatenate(rows))
         components = _fitted(seen, self.components, self.seed)

@@ -1,0 +1,140 @@
+"""The mean of motions that turn, for every model that averages orientations.
+
+Rotations have one mean where all lie within a quarter turn of a middle (Afsari 2011, "Riemannian
+L^p center of mass"). Elsewhere any choice, such as the first demonstration, would be arbitrary.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from leadthrough import rotations
+from leadthrough.check import Float64Array
+from leadthrough.errors import FitError, InvalidInput
+from leadthrough.preprocess.curve_distance import frechet_distance
+
+# For a middle without a quarter turn around it: how much more the rotations must agree on it than
+# on any other, as a fraction, and how far off it one may be, short of the half turn of its
+# antipode, where rotation vectors jump.
+_AGREED = 0.25
+_FARTHEST = np.radians(150.0)
+# Within a quarter turn, a mean turns at most 4 / pi times as fast as the rotations do. More than
+# that is a jump from one side to the other, between two samples that both have a mean.
+_FASTEST = 1.5
+_ROUNDING = 1e-6  # rad
+# Nearer than a quarter turn throughout, once warped in time: the same turning at other times.
+_ALIKE = np.pi / 2  # rad
+# The Frobenius distance of two rotation matrices is this times the sine of half their angle.
+_CHORD = 2.0 * np.sqrt(2.0)
+
+
+def mean_orientations(
+    layers: Sequence[Float64Array], *, weights: Float64Array | None = None
+) -> Float64Array:
+    """The mean turning of several motions; it does not depend on their order.
+
+    Args:
+        layers: for each demonstration, its orientations (n, 4) at n common phases, w, x, y, z.
+        weights: weights (k,) of the demonstrations, >= 0; by default equal.
+
+    Returns:
+        Orientations (n, 4) with continuous signs.
+
+    Raises:
+        FitError: if the orientations of some phase have no mean, or the mean would jump from one
+            phase to the next. The message names the demonstrations of both groups.
+    """
+    stacked = np.stack(layers)
+    try:
+        means = rotations.mean(stacked, weights=weights)
+    except InvalidInput:
+        raise FitError(_disagreement(stacked)) from None
+    if _jumps(means, stacked):
+        raise FitError(_disagreement(stacked))
+    return rotations.align_signs(means)
+
+
+def middle_orientations(layers: Sequence[Float64Array]) -> Float64Array:
+    """A middle of the turning of several motions; it does not depend on their order.
+
+    The mean where there is one. Where single motions are off it by more than a quarter turn, but
+    most agree, it is the chordal mean, which suits as a reference for rotation vectors.
+
+    Args:
+        layers: for each demonstration, its orientations (n, 4) at n common phases, w, x, y, z.
+
+    Returns:
+        Orientations (n, 4) with continuous signs.
+
+    Raises:
+        FitError: if they fall into two groups, or spread too far. The message names both groups.
+
+    Source: Markley et al. 2007, "Averaging quaternions".
+    """
+    try:
+        return mean_orientations(layers)
+    except FitError:
+        stacked = np.stack(layers)
+        moments = np.einsum("kni,knj->nij", stacked, stacked) / len(stacked)
+        values, vectors = np.linalg.eigh(moments)
+        middles = rotations.align_signs(vectors[:, :, -1])
+        off = max(float(rotations.distance(each, middles).max()) for each in stacked)
+        divided = float((values[:, -1] - values[:, -2]).min()) < _AGREED
+        if divided or off > _FARTHEST or _jumps(middles, stacked):
+            raise
+        return middles
+
+
+def _jumps(means: Float64Array, stacked: Float64Array) -> bool:
+    """Whether means (n, 4) turn faster than rotations (k, n, 4) that they are means of."""
+    jumps = rotations.distance(means[1:], means[:-1])
+    steps = [rotations.distance(layer[1:], layer[:-1]) for layer in stacked]
+    return bool((jumps > _FASTEST * np.max(steps, axis=0) + _ROUNDING).any())
+
+
+def groups_of(layers: Sequence[Float64Array]) -> tuple[list[int], list[int], int, float]:
+    """Two groups of demonstrations, each around one of the two that come to lie farthest apart.
+
+    Args:
+        layers: for each demonstration, its orientations (n, 4) at n common phases.
+
+    Returns:
+        The indices of the demonstrations in either group, in rising order and with the first
+        demonstration in the first group; the phase's index where the two lie farthest apart, and
+        their angle there, rad.
+    """
+    stacked = np.stack(layers)
+    count = len(stacked)
+    apart = np.zeros((count, count, stacked.shape[1]))
+    for i in range(count):
+        for j in range(i):
+            apart[i, j] = apart[j, i] = rotations.distance(stacked[i], stacked[j])
+    one, other, at = np.unravel_index(int(np.argmax(apart)), apart.shape)
+    nearer = apart[one, :, at] <= apart[other, :, at]
+    near = [i for i in range(count) if nearer[i] == nearer[0]]
+    far = [i for i in range(count) if nearer[i] != nearer[0]]
+    return near, far, int(at), float(apart[one, other, at])
+
+
+def _disagreement(stacked: Float64Array) -> str:
+    """What to tell about demonstrations without a mean turning, and what to do."""
+    near, far, at, angle = groups_of(list(stacked))
+    fraction = at / max(stacked.shape[1] - 1, 1)
+    text = (
+        f"demonstrations: no mean orientation: at {fraction:.0%} of the motion, demonstrations "
+        f"{near} and {far} turn up to {np.degrees(angle):.0f} degrees apart; "
+    )
+    if all(_same_turning(stacked[near[0]], stacked[i]) for i in far):
+        return text + (
+            "they turn alike, but at different times: bring them into step with "
+            "preprocess.align_by_time_warping"
+        )
+    return text + "fit each group alone, or leave one out"
+
+
+def _same_turning(one: Float64Array, other: Float64Array) -> bool:
+    """Whether two turnings (n, 4) are near each other once one is warped in time."""
+    chord = frechet_distance(*(rotations.to_matrix(each).reshape(-1, 9) for each in (one, other)))
+    return 2.0 * float(np.arcsin(min(chord / _CHORD, 1.0))) < _ALIKE
