@@ -8,6 +8,7 @@ from scipy.ndimage import uniform_filter1d
 
 from leadthrough.check import Float64Array
 from leadthrough.motion import normalised_times
+from leadthrough.preprocess.noise import without_noise
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.trajectories import minimum_jerk_rise
 
@@ -23,15 +24,14 @@ _RAMP = 0.025
 def progress_of(times: Float64Array, path: Float64Array) -> Float64Array:
     """The fraction of a path covered at evenly spaced normalised times, (1001,) from 0 to 1.
 
-    A path without length counts as a uniform motion.
+    White noise in the recording adds nothing to it. A path without length counts as a uniform
+    motion.
 
     Args:
         times: (n,) s, at least two.
-        path: (n, d).
+        path: (n, d), as recorded.
     """
-    covered = arc_length(path)
-    fraction = covered / covered[-1] if covered[-1] > 0 else np.linspace(0.0, 1.0, len(path))
-    return np.interp(np.linspace(0, 1, SAMPLES), normalised_times(times), fraction)
+    return _progress(times, without_noise(path))
 
 
 def uniform_progress() -> Float64Array:
@@ -51,7 +51,7 @@ def progress_by_speed(path: Float64Array, speed: Float64Array) -> Float64Array:
     clock = np.concatenate([[0.0], np.cumsum(steps)])
     if clock[-1] == 0.0:
         return uniform_progress()
-    return progress_of(*_rising(clock, path))
+    return _progress(*_rising(clock, path))
 
 
 def rest_to_rest(progress: Float64Array) -> Float64Array:
@@ -78,6 +78,12 @@ def progress_at(progress: Float64Array, normalised_times: Float64Array) -> Float
     """
     spline = CubicSpline(np.linspace(0.0, 1.0, len(progress)), progress, bc_type="clamped")
     return np.asarray(np.clip(spline(normalised_times), 0.0, 1.0))
+
+
+def _progress(times: Float64Array, path: Float64Array) -> Float64Array:
+    covered = arc_length(path)
+    fraction = covered / covered[-1] if covered[-1] > 0 else np.linspace(0.0, 1.0, len(path))
+    return np.interp(np.linspace(0, 1, SAMPLES), normalised_times(times), fraction)
 
 
 def _rising(clock: Float64Array, path: Float64Array) -> tuple[Float64Array, Float64Array]:

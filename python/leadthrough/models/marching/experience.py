@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from leadthrough.events import Event
 from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.phase import SAMPLES, progress_of
 from leadthrough.motion import MotionT, PoseTrajectory, Trajectory
+from leadthrough.preprocess.noise import without_noise
 from leadthrough.preprocess.resample import arc_length
 
 
@@ -23,7 +25,7 @@ class Experience:
     """A path that was demonstrated, or learned since, and how it was run through.
 
     Attributes:
-        path: (n, d) in the demonstrations' unit.
+        path: (n, d) in the demonstrations' unit, as recorded.
         duration: s.
         progress: (1001,) fraction of the path covered, at evenly spaced times.
         orientations: (n, 4) w, x, y, z along the path, or None.
@@ -36,10 +38,15 @@ class Experience:
     orientations: Float64Array | None = None
     events: tuple[Event, ...] = ()
 
-    @property
+    @cached_property
+    def way(self) -> Float64Array:
+        """The path (n, d) without white noise; a smooth one is the path itself."""
+        return without_noise(self.path)
+
+    @cached_property
     def length(self) -> float:
-        """Arc length, in the path's unit."""
-        return float(arc_length(self.path)[-1])
+        """Arc length of the way, in its unit: noise does not add to it."""
+        return float(arc_length(self.way)[-1])
 
     def facing(self, start: Float64Array, goal: Float64Array) -> Experience:
         """Itself, or reversed where that brings its ends nearer to start and goal, (d,) each."""
@@ -47,7 +54,7 @@ class Experience:
             np.linalg.norm(first - start) + np.linalg.norm(last - goal)
             for first, last in ((self.path[0], self.path[-1]), (self.path[-1], self.path[0]))
         ]
-        return self if gaps[0] <= gaps[1] else self._reversed()
+        return self if gaps[0] <= gaps[1] else self._reversed
 
     def arrays(self) -> dict[str, Float64Array]:
         """Its arrays by name, for a file."""
@@ -85,6 +92,7 @@ class Experience:
             happening,
         )
 
+    @cached_property
     def _reversed(self) -> Experience:
         turned = None if self.orientations is None else self.orientations[::-1].copy()
         happened = tuple(Event(1.0 - each.time, each.name) for each in reversed(self.events))
@@ -115,7 +123,7 @@ def experience_of(demonstrations: Demonstrations[MotionT]) -> tuple[Experience, 
 
 
 def _experience(motion: Trajectory | PoseTrajectory) -> Experience:
-    covered = arc_length(motion.positions)
+    covered = arc_length(without_noise(motion.positions))
     return Experience(
         motion.positions,
         motion.duration,

@@ -38,7 +38,7 @@ class LiveMap:
     """
 
     def __init__(self, known: Sequence[Experience], scales: Scales) -> None:
-        paths = [each.path for each in known]
+        paths = [each.way for each in known]
         self._known = tuple(known)
         self._grid, self._scales = route.grid_over(paths, (), scales)
         speed = experience_map(

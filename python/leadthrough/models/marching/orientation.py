@@ -115,7 +115,7 @@ def _gap(one: Float64Array, other: Float64Array) -> float:
 def _at(known: Experience, phases: Float64Array) -> Float64Array:
     """Orientations at fractions of the demonstration's own path; where it rests, the last one."""
     assert known.orientations is not None
-    covered = arc_length(known.path)
+    covered = arc_length(known.way)
     moving = np.concatenate([np.diff(covered) > 0.0, [True]])
     fraction = covered[moving] / covered[-1]
     fraction[0] = 0.0

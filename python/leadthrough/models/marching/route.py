@@ -79,7 +79,7 @@ def through_map(known: Sequence[Experience], query: Query, scales: Scales) -> Ro
     Raises:
         NoPath: where an end lies in an obstacle, or obstacles separate them.
     """
-    paths = [each.path for each in known]
+    paths = [each.way for each in known]
     grid, scales = grid_over([*paths, query.ends], query.obstacles, scales)
     speed = experience_map(
         grid, paths, area_of_influence=scales.radius, saturation=scales.saturation
@@ -103,7 +103,7 @@ def from_start(known: Sequence[Experience], query: Query, scales: Scales) -> Rou
     """
     used = tuple(each.facing(query.start, query.goal) for each in known)
     weights = _nearness(np.stack([each.path[0] for each in used]), query.start)
-    paths = [each.path for each in used]
+    paths = [each.way for each in used]
     grid, scales = grid_over([*paths, query.ends], query.obstacles, scales)
     speed = tube_map(
         grid, paths, weights, area_of_influence=scales.radius, saturation=scales.saturation
@@ -125,7 +125,7 @@ def along_mean(known: Sequence[Experience], query: Query, scales: Scales) -> Rou
         NoPath: where an end lies in an obstacle, or obstacles separate them.
     """
     faced = [each.facing(query.start, query.goal) for each in known]
-    mean = mean_path.predict([each.path for each in faced], query.start, query.goal)
+    mean = mean_path.predict([each.way for each in faced], query.start, query.goal)
     way = mean.path
     if scales.workspace is not None:
         way = np.clip(way, *scales.workspace)  # start and goal decide whether that is an error
@@ -162,7 +162,7 @@ def field_to(
         InvalidInput: if the goal lies outside a workspace that was set.
         NoPath: if the goal lies in an obstacle.
     """
-    paths = [each.path for each in known]
+    paths = [each.way for each in known]
     room = _PUSHED * float(np.ptp(np.concatenate(paths), axis=0).max())
     around = np.concatenate([goal[None] - room, goal[None] + room, *paths])
     if scales.workspace is not None:

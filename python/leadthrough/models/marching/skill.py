@@ -359,10 +359,11 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
     @cached_property
     def _map(self) -> tuple[Grid, Float64Array]:
         self._dimensions()
-        grid, scales = route.grid_over(self.experience, (), self._map_scales)
+        ways = [each.way for each in self._all]
+        grid, scales = route.grid_over(ways, (), self._map_scales)
         speed = experience_map(
             grid,
-            self.experience,
+            ways,
             area_of_influence=scales.radius,
             saturation=scales.saturation,
         )
@@ -393,5 +394,5 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
 
 
 def _is_near(known: Sequence[Experience], query: Query) -> bool:
-    faced = (each.facing(query.start, query.goal).path for each in known)
+    faced = (each.facing(query.start, query.goal).way for each in known)
     return mean_path.is_trusted(faced, query.start, query.goal)

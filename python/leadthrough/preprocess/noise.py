@@ -1,0 +1,107 @@
+"""White noise of recorded paths: how strong it is, and the path without it.
+
+A length summed over noisy samples grows with their number, not with the motion. The second
+differences of white noise alternate in sign, those of a motion sampled finely enough do not: what
+does not alternate is kept to the bit.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from leadthrough.check import Float64Array
+
+# Noise s gives neighbouring second differences the covariance -4 s^2.
+_COVARIANCE = -4.0
+# A path of fewer samples is a polygon: its corners are meant, also where they alternate.
+_LEAST_SAMPLES = 20
+_ROUNDING = 1e-9  # of the path's extent
+_ORDER = 3  # of the differences that smoothing penalises: parabolas stay as they are
+# log10 of the penalty: from too weak to change anything to as strong as rounding allows, which
+# smooths over 200 samples; a path of many more is averaged over neighbours first.
+_WEAKEST, _STRONGEST, _TOLERANCE = -3.0, 12.0, 1e-3
+_MOST_SAMPLES = 2000
+
+
+def noise_of(path: Float64Array) -> float:
+    """Standard deviation of the white noise in each coordinate of a path; 0 for a smooth one.
+
+    Args:
+        path: (n, d), evenly sampled in time.
+    """
+    if len(path) < _LEAST_SAMPLES:
+        return 0.0
+    bends = np.diff(path, 2, axis=0)
+    alternating = float((bends[1:] * bends[:-1]).mean())
+    noise = float(np.sqrt(max(alternating / _COVARIANCE, 0.0)))
+    return noise if noise > _ROUNDING * float(np.ptp(path, axis=0).max()) else 0.0
+
+
+def without_noise(path: Float64Array) -> Float64Array:
+    """The path smoothed until what it loses is as large as its white noise.
+
+    A path without white noise comes back as it is.
+
+    Args:
+        path: (n, d), evenly sampled in time.
+
+    Returns:
+        Points (n, d).
+
+    Source: Whittaker 1923, "On a new method of graduation"; the strength by Morozov's discrepancy
+    principle.
+    """
+    if noise_of(path) == 0.0:
+        return path
+    together = -(-len(path) // _MOST_SAMPLES)
+    if together == 1:
+        return _without(path, noise_of(path))
+    index = np.arange(len(path), dtype=np.float64)
+    means, middles = (_means(values, together) for values in (path, index[:, None]))
+    smooth = _without(means, noise_of(means))
+    return np.column_stack([np.interp(index, middles[:, 0], x) for x in smooth.T])
+
+
+def _means(values: Float64Array, together: int) -> Float64Array:
+    """Means (m, d) over `together` neighbours of values (n, d), fewer at the end."""
+    first = np.arange(0, len(values), together)
+    counts = np.diff(np.append(first, len(values)))
+    return np.asarray(np.add.reduceat(values, first, axis=0) / counts[:, None])
+
+
+def _without(path: Float64Array, noise: float) -> Float64Array:
+    """The path smoothed until it has lost a given noise, > 0, or none."""
+    if noise == 0.0:
+        return path
+    from scipy.optimize import brentq
+
+    bands = _penalty(len(path))
+
+    def excess(strength: float) -> float:
+        lost = _smoothed(path, bands, strength) - path
+        return float(np.sqrt((lost**2).mean())) / noise - 1.0
+
+    if excess(_WEAKEST) >= 0.0:
+        return path
+    if excess(_STRONGEST) <= 0.0:
+        return _smoothed(path, bands, _STRONGEST)
+    return _smoothed(path, bands, brentq(excess, _WEAKEST, _STRONGEST, xtol=_TOLERANCE))
+
+
+def _penalty(count: int) -> Float64Array:
+    """Lower bands (4, n) of D'D, with D the third differences of n samples."""
+    weights = np.array([-1.0, 3.0, -3.0, 1.0])
+    bands = np.zeros((_ORDER + 1, count))
+    rows = count - _ORDER
+    for below in range(_ORDER + 1):
+        for column in range(_ORDER + 1 - below):
+            bands[below, column : column + rows] += weights[column] * weights[column + below]
+    return bands
+
+
+def _smoothed(path: Float64Array, bands: Float64Array, strength: float) -> Float64Array:
+    from scipy.linalg import solveh_banded
+
+    system = 10.0**strength * bands
+    system[0] += 1.0
+    return np.asarray(solveh_banded(system, path, lower=True))

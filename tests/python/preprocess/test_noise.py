@@ -1,0 +1,58 @@
+"""White noise of recorded paths, and the paths without it."""
+
+import numpy as np
+import pytest
+
+from leadthrough.io import lasa
+from leadthrough.preprocess.noise import noise_of, without_noise
+from leadthrough.preprocess.resample import arc_length
+
+
+def reach(count):
+    """A bow of 1.09 m in minimum-jerk time."""
+    t = np.linspace(0.0, 1.0, count)
+    u = 10 * t**3 - 15 * t**4 + 6 * t**5
+    return np.column_stack([u, 0.2 * np.sin(np.pi * u)])
+
+
+@pytest.mark.parametrize("count", [200, 1000, 5000, 30_000])
+@pytest.mark.parametrize("noise", [0.003, 0.01, 0.03])
+def test_noise_is_measured_and_adds_no_length(count, noise):
+    clean = reach(count)
+    noisy = clean + np.random.default_rng(count).normal(0.0, noise, clean.shape)
+    assert noise_of(noisy) == pytest.approx(noise, rel=0.1)
+    length = arc_length(clean)[-1]
+    assert arc_length(noisy)[-1] > 1.3 * length
+    assert arc_length(without_noise(noisy))[-1] == pytest.approx(length, rel=0.08)
+    assert np.linalg.norm(without_noise(noisy) - clean, axis=1).max() < 2.5 * noise
+
+
+@pytest.mark.parametrize("name", lasa.motions())
+def test_clean_recordings_are_kept_to_the_bit(name):
+    for demonstration in lasa.load(name):
+        path = demonstration.motion.positions
+        assert without_noise(path) is path
+
+
+def test_straight_lines_and_polygons_are_kept():
+    line = np.linspace([0.1, 0.2], [0.7, 0.9], 300)
+    zigzag = np.array([[0.0, 0.0], [1.0, 1.0], [2.0, 0.0], [3.0, 1.0], [4.0, 0.0], [5.0, 1.0]])
+    still = np.zeros((50, 3))
+    for path in (line, zigzag, still, line[:2]):
+        assert without_noise(path) is path
+
+
+def test_one_sample_moved_a_little_changes_the_path_a_little():
+    clean = reach(400)
+    for off in (1e-9, 1e-6, 1e-3):
+        spiked = clean.copy()
+        spiked[150, 1] += off
+        assert np.linalg.norm(without_noise(spiked) - clean, axis=1).max() <= 1.01 * off
+
+
+def test_noise_scales_with_the_unit_and_turns_with_the_frame():
+    noisy = reach(300) + np.random.default_rng(2).normal(0.0, 0.01, (300, 2))
+    angle = np.deg2rad(37.0)
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    moved = without_noise(1000.0 * noisy @ turn.T + 5.0)
+    np.testing.assert_allclose(moved, 1000.0 * without_noise(noisy) @ turn.T + 5.0, atol=1e-6)
