@@ -16,7 +16,7 @@ from .mixtures.task_gmr import TaskGMR
 from .mixtures.task_gmr_skill import TaskGMRSkill
 from .parameters import Parameter
 from .promp.combination import blend, combine
-from .promp.inference import Inference, infer
+from .promp.inference import Inference, Region, infer
 from .promp.model import ProMP
 from .promp.skill import ProMPSkill
 from .protocol import Skill
@@ -39,6 +39,7 @@ __all__ = [
     "PoseDMPSkill",
     "ProMP",
     "ProMPSkill",
+    "Region",
     "RhythmicDMP",
     "RhythmicDMPSkill",
     "RhythmicPoseDMP",

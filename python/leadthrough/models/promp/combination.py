@@ -54,9 +54,7 @@ def combine(
         )
     powers = np.ones(len(skills)) if activations is None else _powers(activations, len(skills))
     weights = product([each.weights for each in skills], [float(power) for power in powers])
-    if skills[0].bounds is None:
-        return replace(skills[0], weights=weights)
-    return replace(skills[0], weights=weights).within(*skills[0].bounds)
+    return skills[0].with_weights(weights)
 
 
 def blend(
@@ -130,4 +128,4 @@ def _about(skill: ProMPSkill[MotionT], chart: Chart[MotionT]) -> ProMPSkill[Moti
     mean[3 * count :] = (fit @ here).T.ravel()
     covariance = change @ skill.weights.covariance @ change.T
     weights = Gaussian(mean, 0.5 * (covariance + covariance.T))
-    return replace(skill, chart=chart, weights=weights)
+    return replace(skill, chart=chart, weights=weights, experience=None)

@@ -18,7 +18,7 @@ import numpy as np
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
 from leadthrough.models.promp.basis import Basis
-from leadthrough.models.promp.estimation import LEAST_SPREAD, Fit, Shown
+from leadthrough.models.promp.estimation import LEAST_COVERED, LEAST_SPREAD, Fit, Shown
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.prior import smooth_prior
 
@@ -76,11 +76,19 @@ def expectation_maximisation(basis: Basis, shown: Shown) -> Fit:
     base = smooth_prior(basis, np.ones(size)) * _spread_of(sums, basis) ** 2
     first = Gaussian(_common_curve(sums, basis), base)
     weights, noise, history = _iterated(sums, first, base, _TOLERANCE * len(pooled) * size)
+    estimates, _ = _expectation(sums, weights, noise)
     floor = smooth_prior(basis, np.full(size, LEAST_SPREAD))
     unit = np.repeat(scale, basis.count)
-    mean = weights.mean * unit + np.repeat(middle, basis.count)
+    offset = np.repeat(middle, basis.count)
+    mean = weights.mean * unit + offset
     covariance = (weights.covariance + floor) * unit * unit[:, None]
-    return Fit(Gaussian(mean, covariance), noise * scale**2, history)
+    whole = [
+        each.mean * unit + offset
+        for each, u in zip(estimates, shown.phases, strict=True)
+        if u[-1] - u[0] >= LEAST_COVERED
+    ]
+    curves = np.reshape(whole, (len(whole), len(mean)))
+    return Fit(Gaussian(mean, covariance), noise * scale**2, curves, history)
 
 
 def _iterated(

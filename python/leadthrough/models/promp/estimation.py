@@ -10,6 +10,8 @@ from leadthrough.models.promp.gaussian import Gaussian
 
 # The least standard deviation that a motion is believed to have, as a fraction of its reach.
 LEAST_SPREAD = 3e-2
+# A curve fitted to a smaller part of the phases than this is free to do anything in the rest.
+LEAST_COVERED = 0.9
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,9 +36,11 @@ class Fit:
     Attributes:
         weights: distribution of the weights (d k,), one column after the other.
         noise: variances (d,) of the samples about their curves.
+        curves: weights (m, d k) of the m demonstrations that show the whole motion.
         history: log posterior density at every iteration; empty for least squares.
     """
 
     weights: Gaussian
     noise: Float64Array
+    curves: Float64Array
     history: tuple[float, ...] = ()

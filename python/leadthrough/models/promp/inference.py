@@ -1,37 +1,64 @@
 """Which motion has begun, how fast it goes and how it will go on, from its first samples.
 
-Source: Maeda et al. 2017, "Phase estimation for fast action recognition and trajectory generation
-in human-robot collaboration".
+The weights of a motion have a t distribution (`belief`), whose scale the left-out demonstrations
+correct; its duration is uncertain too. What comes out is a mixture over the durations.
+
+Sources: Maeda et al. 2017, "Phase estimation for fast action recognition and trajectory generation
+in human-robot collaboration"; Murphy 2012, "Machine learning: a probabilistic perspective",
+section 4.6.3.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Generic
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import minimize_scalar
+from scipy.stats import chi2
+from scipy.stats import f as fisher
 
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.promp import observation
 from leadthrough.models.promp.alike import check_alike
+from leadthrough.models.promp.belief import common_noise
+from leadthrough.models.promp.durations import Continuation
 from leadthrough.models.promp.skill import ProMPSkill
 from leadthrough.motion import Motion, MotionT, MotionT_co
 
-# More samples add nothing: neighbours are not independent.
-_MOST_SAMPLES = 50
-# Durations that are tried, relative to the skill's.
-_PACES = np.geomspace(0.4, 2.5, 37)
-# A motion's deviation from a skill is not white noise: neighbouring samples deviate alike. So
-# deviations up to this fraction of the reach do not count against a skill; nor does it count
-# against one that its demonstrations were less precise than another's.
-_FORGIVEN = 0.03
-# Standard deviation of the logarithm of people's durations.
-_PACE_SPREAD = 0.25
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """Ellipsoids that a motion is expected to be in, one at each of n times.
+
+    Attributes:
+        mean: their centres (n, d).
+        shape: matrices (n, d, d); y is inside where (y - mean) @ inv(shape) @ (y - mean) <= 1.
+    """
+
+    mean: Float64Array
+    shape: Float64Array
+
+    @property
+    def reach(self) -> Float64Array:
+        """How far (n, d) the ellipsoids reach to either side of the mean in each column."""
+        return np.asarray(np.sqrt(np.einsum("nii->ni", self.shape)))
+
+    def contains(self, columns: ArrayLike) -> Float64Array:
+        """Whether each of n points (n, d) lies in its ellipsoid, (n,).
+
+        Args:
+            columns: points (n, d); for poses as `Chart.columns` gives them.
+
+        Raises:
+            InvalidInput: if there is not one point per ellipsoid.
+        """
+        away = check.array(columns, "columns", shape=self.mean.shape) - self.mean
+        solved = np.linalg.solve(self.shape, away[:, :, None])[:, :, 0]
+        return np.asarray((away * solved).sum(axis=1) <= 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,20 +67,55 @@ class Inference(Generic[MotionT_co]):
 
     Attributes:
         probabilities: probability (k,) of each skill.
-        durations: the most likely duration (k,) of the whole motion under each skill, s.
+        durations: the expected duration (k,) of the whole motion under each skill, s.
         phases: the phase (k,) at which the observed part ends, in (0, 1].
-        skills: the k skills conditioned on the observed part, with the new durations.
+        skills: the k skills conditioned on the observed part, with the new durations. Their
+            `distribution` is the mean and the covariance of the forecast, whose uncertainty
+            includes that the demonstrations tell mean, covariance and duration only so well.
+        freedom: degrees of freedom (k,) of the t distributions with these moments.
     """
 
     probabilities: Float64Array
     durations: Float64Array
     phases: Float64Array
     skills: tuple[ProMPSkill[MotionT_co], ...]
+    freedom: Float64Array
 
     @property
     def best(self) -> int:
         """Index of the most probable skill."""
         return int(np.argmax(self.probabilities))
+
+    def region(
+        self, times: ArrayLike, *, skill: int | None = None, probability: float = 0.95
+    ) -> Region:
+        """Where the motion is expected to be, its samples as noisy as the demonstrations.
+
+        The ellipsoids hold the motion with this probability at each time on its own, not at all
+        times at once. They are those of a t distribution with `freedom` degrees of freedom and
+        the moments that the skill's `distribution` gives.
+
+        Args:
+            times: times (n,) since the start of the motion, s, in [0, duration].
+            skill: index of the skill; by default the most probable one.
+            probability: probability that a region holds, in (0, 1).
+
+        Raises:
+            InvalidInput: if an argument is out of range.
+        """
+        check.number(probability, "probability", above=0.0, below=1.0)
+        chosen = self.best if skill is None else skill
+        check.integer(chosen, "skill", at_least=0, at_most=len(self.skills) - 1)
+        mean, covariance = self.skills[chosen].distribution(times)
+        covariance = covariance + np.diag(self.skills[chosen].noise)
+        return Region(mean, covariance * self._radius(mean.shape[1], chosen, probability))
+
+    def _radius(self, size: int, skill: int, probability: float) -> float:
+        """Squared Mahalanobis distance, by the covariance, at which a region ends."""
+        freedom = float(self.freedom[skill])
+        if np.isinf(freedom):
+            return float(chi2.ppf(probability, size))
+        return size * float(fisher.ppf(probability, size, freedom)) * (freedom - 2.0) / freedom
 
 
 def infer(
@@ -61,8 +123,10 @@ def infer(
 ) -> Inference[MotionT]:
     """Probability, duration and continuation of a motion under each of several skills.
 
-    The probabilities treat the skills' distributions as known: with a dozen demonstrations per
-    skill or fewer they come out too close to 0 and 1.
+    A skill as it was fitted is taken with all the uncertainty that few demonstrations leave about
+    it: see `Inference.region`. One that has been conditioned or combined since, or was saved
+    by version 0.1, is taken as the normal distribution that it is, and its probability comes
+    out too close to 0 or 1, its region too small, with a dozen demonstrations or fewer.
 
     Args:
         observed: first part of a motion, from its start on, at least two samples, of the skills'
@@ -77,71 +141,23 @@ def infer(
     check_alike(skills)
     observation.check_seen(observed, "observed")
     before = _prior(prior, len(skills))
-    noise = _common_noise(skills)
-    found = [_Pace(observed, skill, noise) for skill in skills]
+    noise = common_noise([each.noise for each in skills], [each.scale for each in skills])
+    found = [Continuation(observed, skill, noise) for skill in skills]
     with np.errstate(divide="ignore"):
-        evidence = np.log(before) + [pace.evidence for pace in found]
+        evidence = np.log(before) + [each.evidence for each in found]
     probabilities = np.exp(evidence - evidence.max())
-    durations = np.array([pace.duration for pace in found])
+    durations = np.array([each.duration for each in found])
+    forecasts = [each.forecast() for each in found]
     return Inference(
         probabilities / probabilities.sum(),
         durations,
-        observed.duration / durations,
-        tuple(pace.conditioned() for pace in found),
+        np.minimum(observed.duration / durations, 1.0),
+        tuple(
+            skill.with_weights(forecast.weights).lasting(float(duration))
+            for skill, forecast, duration in zip(skills, forecasts, durations, strict=True)
+        ),
+        np.array([each.freedom for each in forecasts]),
     )
-
-
-class _Pace(Generic[MotionT_co]):
-    """The most likely duration of a partly observed motion under a skill."""
-
-    def __init__(
-        self, observed: Motion, skill: ProMPSkill[MotionT_co], noise: Float64Array
-    ) -> None:
-        chosen = np.unique(np.linspace(0, len(observed.times) - 1, _MOST_SAMPLES).round())
-        self._rows = chosen.astype(int)
-        self._observed, self._skill = observed, skill
-        self._judged = replace(skill, noise=noise)
-        least = max(np.log(observed.duration / skill.duration), np.log(_PACES[0]))
-        paces = np.unique(np.maximum(np.log(_PACES), least))
-        scores = np.array([self._score(pace) for pace in paces])
-        self.duration = skill.duration * float(np.exp(self._refined(paces, scores)))
-        # The probability of the skill is that of all its durations together.
-        steps = np.gradient(paces) if len(paces) > 1 else np.ones(1)
-        best = float(scores.max())
-        self.evidence = best + float(np.log((np.exp(scores - best) * steps).sum()))
-
-    def conditioned(self) -> ProMPSkill[MotionT_co]:
-        """The skill conditioned on the observed part, with the most likely duration."""
-        phases, values = self._seen(self.duration)
-        return observation.along(self._skill, phases, values).lasting(self.duration)
-
-    def _refined(self, paces: Float64Array, scores: Float64Array) -> float:
-        """The best pace, searched between the neighbours of the best one of a grid."""
-        top = int(scores.argmax())
-        around = paces[max(top - 1, 0)], paces[min(top + 1, len(paces) - 1)]
-        pace = float(paces[top])
-        if around[0] < around[1]:
-            found = minimize_scalar(lambda x: -self._score(x), bounds=around, method="bounded")
-            pace = pace if -found.fun < scores[top] else float(found.x)
-        return pace
-
-    def _score(self, pace: float) -> float:
-        """Log density of the observed part at a pace, the log of the duration's ratio."""
-        duration = self._skill.duration * float(np.exp(pace))
-        believed = -0.5 * (pace / _PACE_SPREAD) ** 2
-        return believed + observation.log_density(self._judged, *self._seen(duration))
-
-    def _seen(self, duration: float) -> tuple[Float64Array, Float64Array]:
-        phases = np.minimum((self._observed.times - self._observed.times[0]) / duration, 1.0)
-        values = self._skill.chart.columns(self._observed, phases, "observed")
-        return phases[self._rows], values[self._rows]
-
-
-def _common_noise(skills: Sequence[ProMPSkill]) -> Float64Array:
-    """Variances (d,) of deviations that do not count against any of the skills."""
-    noise = np.mean([each.noise for each in skills], axis=0)
-    reach = np.mean([each.scale for each in skills], axis=0)
-    return np.asarray(noise + (_FORGIVEN * reach) ** 2)
 
 
 def _prior(value: ArrayLike | None, size: int) -> Float64Array:

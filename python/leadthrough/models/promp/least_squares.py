@@ -45,7 +45,7 @@ def least_squares(basis: Basis, shown: Shown, regularization: float) -> Fit:
     free = max(samples - len(curves) * basis.count, 1)
     noise = np.sum(residuals, axis=0) / free + (_LEAST_NOISE * shown.scale) ** 2
     stacked = np.stack([curve.T.ravel() for curve in curves])
-    return Fit(shrunk(stacked, basis, shown.scale), noise)
+    return Fit(shrunk(stacked, basis, shown.scale), noise, stacked)
 
 
 class CurveFit:

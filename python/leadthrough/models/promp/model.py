@@ -23,17 +23,15 @@ from leadthrough.models.chart import Chart, chart_of, scales
 from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.promp import limits
 from leadthrough.models.promp.basis import KINDS, LEAST, Basis, BasisKind
+from leadthrough.models.promp.belief import Experience
 from leadthrough.models.promp.em import expectation_maximisation
-from leadthrough.models.promp.estimation import Shown
+from leadthrough.models.promp.estimation import LEAST_COVERED, Shown
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.least_squares import least_squares
 from leadthrough.models.promp.skill import ProMPSkill
 from leadthrough.motion import Motion, MotionT, normalised_times
 
 Estimator: TypeAlias = Literal["least_squares", "em"]
-
-# A curve fitted to a smaller part of the phases than this is free to do anything in the rest.
-_LEAST_COVERED = 0.9
 
 
 @dataclass(frozen=True)
@@ -108,7 +106,20 @@ class ProMP:
             fit = least_squares(basis, shown, self.regularization)
         whole = [m.duration / float(u[-1] - u[0]) for m, u in zip(motions, at, strict=True)]
         duration = float(np.median(whole))
-        return ProMPSkill(self, basis, chart, fit.weights, fit.noise, shown.scale, duration)
+        experience = None
+        if len(fit.curves) > 0:
+            paces = np.log(np.divide(whole, duration))
+            experience = Experience(basis, fit.curves, paces, fit.noise, shown.scale)
+        return ProMPSkill(
+            self,
+            basis,
+            chart,
+            fit.weights,
+            fit.noise,
+            shown.scale,
+            duration,
+            experience=experience,
+        )
 
 
 # Any: settings are whatever JSON holds.
@@ -131,8 +142,13 @@ def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> ProMPSkill
     bounds = None
     if "lower" in arrays:
         bounds = limits.checked(arrays["lower"], arrays["upper"], chart.width)
+    experience = None
+    if "curves" in arrays:
+        curves = check.frozen(arrays["curves"], "curves", shape=("m", size))
+        paces = check.frozen(arrays["paces"], "paces", shape=("n",))
+        experience = Experience(basis, curves, paces, noise, scale)
     duration = float(settings["duration"])
-    return ProMPSkill(model, basis, chart, weights, noise, scale, duration, bounds)
+    return ProMPSkill(model, basis, chart, weights, noise, scale, duration, bounds, experience)
 
 
 def _model_of(settings: dict[str, Any]) -> ProMP:
@@ -173,7 +189,7 @@ def _checked_phases(
 
 def _refuse_parts(phases: Sequence[Float64Array]) -> None:
     for i, u in enumerate(phases):
-        if u[-1] - u[0] < _LEAST_COVERED:
+        if u[-1] - u[0] < LEAST_COVERED:
             raise FitError(
                 f"demonstrations[{i}]: covers only the phases {u[0]:.3g} to {u[-1]:.3g}; "
                 'set estimator="em", which takes parts of a motion'

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, cast
 
 import numpy as np
@@ -20,8 +20,10 @@ from leadthrough.models.parameters import Parameter, whole_number
 from leadthrough.models.place import Place
 from leadthrough.models.promp import ends, limits, observation, task_space
 from leadthrough.models.promp.basis import Basis
+from leadthrough.models.promp.belief import Experience
 from leadthrough.models.promp.clock import phases_at
 from leadthrough.models.promp.gaussian import Gaussian
+from leadthrough.models.promp.saved import taken_apart
 from leadthrough.models.promp.task_space import TaskMap
 from leadthrough.motion import Motion, MotionT_co, normalised_times
 from leadthrough.shapes import Shape
@@ -46,6 +48,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         scale: reach (d,) of the motion.
         duration: duration of the motion, s.
         bounds: lower and upper limits (d,) each, or None.
+        experience: the demonstrations, as long as the skill is as it was fitted.
     """
 
     model: ProMP
@@ -56,6 +59,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
     scale: Float64Array
     duration: float
     bounds: limits.Bounds | None = None
+    experience: Experience | None = None
 
     kind: ClassVar[str] = "promp"
 
@@ -69,6 +73,10 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         self, times: ArrayLike, *, order: int = 0
     ) -> tuple[Float64Array, Float64Array]:
         """Mean and covariance of the columns, without the noise of the demonstrations.
+
+        They are those of `weights`, which an estimator found: that few demonstrations tell mean
+        and covariance only roughly is not part of them, nor of `sample` and `condition`. The
+        skills that `infer` returns have covariances of which it is part.
 
         Args:
             times: times (n,), s, in [0, duration]; of a rhythmic motion any.
@@ -164,6 +172,8 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
     ) -> ProMPSkill[MotionT_co]:
         """A skill whose motions pass one or several via points; call it again for more.
 
+        The covariance of `weights` counts as known: see `distribution`.
+
         Args:
             time: time of the via point, s, in [0, duration]; (m,) for several.
             position: the values (p,) there, for poses as in `generate`; (m, p) for several.
@@ -247,10 +257,11 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
             InvalidInput: if the limits are wrong, or if via points lie outside them.
         """
         bounds = limits.checked(lower, upper, self.chart.width)
-        return replace(self, bounds=bounds).with_weights(self.weights)
+        bounded = replace(self, bounds=bounds).with_weights(self.weights)
+        return replace(bounded, experience=self.experience)
 
     def sample(self, count: int, *, seed: int, dt: float = 0.01) -> list[MotionT_co]:
-        """Random motions, inside the limits.
+        """Random motions, inside the limits, from `distribution`.
 
         Args:
             count: number of motions, >= 1.
@@ -327,21 +338,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
     # Any: settings are whatever JSON holds.
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         """Settings and arrays that `model.from_archive` turns into the skill again."""
-        settings = {
-            "model": asdict(self.model),
-            "duration": self.duration,
-            **self.chart.settings(),
-        }
-        arrays = {
-            "mean": self.weights.mean,
-            "covariance": self.weights.covariance,
-            "noise": self.noise,
-            "scale": self.scale,
-            **self.chart.arrays(),
-        }
-        if self.bounds is not None:
-            arrays["lower"], arrays["upper"] = self.bounds
-        return settings, arrays
+        return taken_apart(self)
 
     def with_weights(self, weights: Gaussian) -> ProMPSkill[MotionT_co]:
         """The skill with another distribution of the weights, moved inside the limits.

@@ -1,0 +1,141 @@
+"""How a motion that has begun goes on, and how sure that is."""
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+import leadthrough as lt
+from leadthrough.errors import InvalidInput
+from leadthrough.models import infer
+from leadthrough.models.promp.basis import Basis
+from leadthrough.models.promp.belief import Belief
+from leadthrough.models.promp.forecast import Seen
+from leadthrough.models.promp.gaussian import Gaussian
+
+U = np.linspace(0.0, 1.0, 101)
+SEEN = 31  # of 101 samples
+
+
+def random_family(rng, *, factors=5, size=2, functions=12):
+    """Draws motions whose weights of another basis have a random covariance of this rank."""
+    centres = np.linspace(0.0, 1.0, functions)
+    rows = np.exp(-0.5 * ((U[:, None] - centres) * (functions - 1)) ** 2)
+    rows /= rows.sum(axis=1, keepdims=True)
+    mean = np.cumsum(0.1 * rng.normal(size=(functions, size)), axis=0)
+    loads = 0.14 / np.sqrt(factors) * rng.normal(size=(factors, functions, size))
+
+    def draw(count):
+        drawn = mean + np.einsum("nf,fkd->nkd", rng.normal(size=(count, factors)), loads)
+        return rows @ drawn + 0.001 * rng.normal(size=(count, len(U), size))
+
+    return draw
+
+
+def forecasts(count, *, families=20, tests=4, weights=20, pace=0.0, rate=0.0, **family):
+    """Errors at the end: of the forecasts, of plain means; whether the regions held it."""
+    errors, plain, inside, normal = [], [], [], []
+    for seed in range(families):
+        rng = np.random.default_rng(seed)
+        draw = random_family(rng, **family)
+
+        def performed(path, rng=rng):
+            warped = U + rate * rng.normal() * U * (1.0 - U)
+            path = np.stack([np.interp(warped, U, column) for column in path.T], axis=1)
+            return lt.Trajectory(2.0 * np.exp(pace * rng.normal()) * U, path)
+
+        skill = lt.ProMP(weights=weights).fit([performed(path) for path in draw(count)])
+        for motion in map(performed, draw(tests)):
+            begun = lt.Trajectory(motion.times[:SEEN], motion.positions[:SEEN])
+            found = infer(begun, [skill])
+            (ahead,) = found.skills
+            mean, covariance = ahead.distribution([ahead.duration])
+            missed = motion.positions[-1] - mean[0]
+            errors.append(np.linalg.norm(missed))
+            plain.append(np.linalg.norm(motion.positions[-1] - skill.generate().positions[-1]))
+            inside.append(found.region([ahead.duration]).contains(motion.positions[-1:])[0])
+            squared = missed @ np.linalg.solve(covariance[0] + np.diag(ahead.noise), missed)
+            normal.append(squared <= chi2.ppf(0.95, len(missed)))
+    return np.mean(errors) / np.mean(plain), np.mean(inside), np.mean(normal)
+
+
+@pytest.mark.parametrize(("count", "most"), [(4, 1.1), (6, 1.02), (12, 0.75), (40, 0.62)])
+def test_forecasts_are_nearer_than_the_mean_and_know_how_near(count, most):
+    few, many = (forecasts(count, factors=factors) for factors in (5, 10))
+    assert max(few[0], many[0]) <= most
+    assert 0.9 <= 0.5 * (few[1] + many[1]) <= 0.99  # the regions
+    assert 0.9 <= 0.5 * (few[2] + many[2]) <= 0.99  # those of a normal distribution
+
+
+def test_regions_hold_for_other_columns_weights_paces_and_durations():
+    for count in (4, 12):
+        error, inside, _ = forecasts(
+            count, size=3, functions=8, weights=12, pace=0.15, rate=0.3, families=10
+        )
+        assert error <= 1.0
+        assert inside >= 0.9
+
+
+def test_a_forecast_is_the_posterior_of_a_t_distribution():
+    rng = np.random.default_rng(0)
+    basis, noise, freedom = Basis("gaussian", 6), np.array([0.01]), 6.0
+    root = rng.normal(size=(6, 6))
+    belief = Belief(Gaussian(rng.normal(size=6), root @ root.T), freedom)
+    phases = np.linspace(0.0, 0.5, 7)
+    rows = basis(phases)
+    values = (rows @ (belief.spread.mean + root @ rng.normal(size=6)))[:, None]
+    # By importance sampling from the prior, over the factor alone.
+    factors = 0.5 * freedom / rng.gamma(0.5 * freedom, size=20_000)
+    missed = (values - rows @ belief.spread.mean[:, None])[:, 0]
+    scores, means = [], []
+    for factor in factors:
+        spread = factor * rows @ belief.spread.covariance @ rows.T + 0.01 * np.eye(7)
+        solved = np.linalg.solve(spread, missed)
+        scores.append(-0.5 * (missed @ solved + np.linalg.slogdet(2.0 * np.pi * spread)[1]))
+        means.append(factor * belief.spread.covariance @ rows.T @ solved)
+    likely = np.exp(scores)
+    seen = Seen(belief, basis, phases, values, noise)
+    assert seen.evidence == pytest.approx(np.log(likely.mean()), abs=0.02)
+    expected = belief.spread.mean + likely @ np.array(means) / likely.sum()
+    np.testing.assert_allclose(seen.forecast().weights.mean, expected, atol=0.02)
+
+
+def test_a_saved_skill_forecasts_the_same_and_an_older_file_as_a_normal_distribution(
+    skills, family, tmp_path
+):
+    seen = lt.Trajectory(*(each[:40] for each in _arrays(family(0.11, count=1, seed=4)[0].motion)))
+    skills[0].save(tmp_path / "skill.npz")
+    found, again = infer(seen, skills[:1]), infer(seen, [lt.load_skill(tmp_path / "skill.npz")])
+    np.testing.assert_array_equal(found.skills[0].weights.mean, again.skills[0].weights.mean)
+    with np.load(tmp_path / "skill.npz") as arrays:
+        kept = {name: arrays[name] for name in arrays.files if name not in ("curves", "paces")}
+    np.savez(tmp_path / "old.npz", **kept)
+    old = infer(seen, [lt.load_skill(tmp_path / "old.npz")])
+    assert np.isinf(old.freedom[0])
+    assert np.isfinite(old.region([0.5]).reach).all()
+
+
+def test_a_region_is_that_of_a_skill_and_a_probability(skills, family):
+    seen = lt.Trajectory(*(each[:40] for each in _arrays(family(0.11, count=1, seed=4)[0].motion)))
+    found = infer(seen, skills)
+    times = np.linspace(0.0, found.durations[0], 5)
+    narrow, wide = (found.region(times, probability=p) for p in (0.5, 0.99))
+    assert (narrow.reach < wide.reach).all()
+    assert narrow.contains(narrow.mean).all()
+    assert not narrow.contains(narrow.mean + wide.reach).any()
+    np.testing.assert_array_equal(found.region(times, skill=0).mean, narrow.mean)
+    for wrong in ({"probability": 1.0}, {"skill": 2}):
+        with pytest.raises(InvalidInput, match=next(iter(wrong))):
+            found.region(times, **wrong)
+
+
+def test_single_demonstrations_and_partial_ones_forecast_too(family):
+    seen = lt.Trajectory(*(each[:40] for each in _arrays(family(0.11, count=1, seed=4)[0].motion)))
+    for count in (1, 2, 3):
+        shown = family(0.1, count=count)
+        for estimator in ("least_squares", "em"):
+            skill = lt.ProMP(weights=8, estimator=estimator).fit(shown)
+            assert np.isfinite(infer(seen, [skill]).region([1.0]).reach).all()
+
+
+def _arrays(motion):
+    return motion.times, motion.positions
