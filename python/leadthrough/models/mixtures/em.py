@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +27,8 @@ from leadthrough.models.mixtures.kmeans import clustered, seeds
 LEAST_VARIANCE = 1e-6
 _TOLERANCE = 1e-6  # gain of the mean log-likelihood per point
 _MOST_ITERATIONS = 500
-# Starts, iterations for which each is tried, and how many of the best go on to the end.
-_STARTS, _TRIAL_ITERATIONS, _FINALISTS = 10, 20, 2
+# Ways to begin that are tried for each start, and for how many iterations; the best go on.
+_TRIALS, _TRIAL_ITERATIONS = 4, 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,32 +47,61 @@ class Blocks:
 
 
 def fit_blocks(
-    blocks: Sequence[Float64Array], clustering: Float64Array, count: int, seed: int
+    blocks: Sequence[Float64Array],
+    clustering: Float64Array,
+    count: int,
+    *,
+    seed: int,
+    starts: int,
 ) -> tuple[Blocks, list[float]]:
-    """The most likely components of points given in blocks of columns.
+    """The most likely components of points given in blocks of columns, whatever their order.
+
+    A single start is that of k-means. For several, four times as many are tried for some
+    iterations, and the most likely ones go on to the end.
 
     Args:
         blocks: columns (n, d) of the points in each block, of variance about one.
-        clustering: columns (n, c) in which k-means finds the starts.
+        clustering: columns (n, c) in which the starts are found.
         count: number of components, k.
-        seed: seed of the random number generator that starts k-means.
+        seed: seed of the random number generator that draws the starts.
+        starts: number of starts that are followed to the end.
 
     Returns:
         The components, and the mean log-likelihood per point at every iteration.
     """
     rng = np.random.default_rng(seed)
+    order = np.lexsort(np.hstack(blocks).T[::-1])
+    blocks, clustering = [block[order] for block in blocks], clustering[order]
     steps = Steps(blocks)
-    trials = []
-    for _ in range(_STARTS if count > 1 else 1):
+    first = np.eye(count)
+    if count == 1 or starts == 1:
         labels = clustered(clustering, seeds(clustering, count, rng)).labels
-        start = steps.maximise(np.eye(count)[labels])
+        return steps.run(steps.maximise(first[labels]), _MOST_ITERATIONS)
+    trials = []
+    for i in range(_TRIALS * starts):
+        start = steps.maximise(first[_cells(clustering, count, i, rng)])
         trials.append(steps.run(start, _TRIAL_ITERATIONS))
     trials.sort(key=lambda trial: -trial[1][-1])
     ends = []
-    for components, history in trials[:_FINALISTS]:
+    for components, history in trials[:starts]:
         end, more = steps.run(components, _MOST_ITERATIONS)
         ends.append((end, history + more[1:]))
     return max(ends, key=lambda end: end[1][-1])
+
+
+def _cells(
+    points: Float64Array, count: int, trial: int, rng: np.random.Generator
+) -> NDArray[np.integer[Any]]:
+    """For each of the points (n, c) the number of its cell in a trial.
+
+    In turn the clusters of k-means, and the cells around the points that it would start from:
+    EM ends at other maxima from each.
+    """
+    centres = seeds(points, count, rng)
+    if trial % 2 == 0:
+        return clustered(points, centres).labels
+    squared = ((points[:, None] - centres) ** 2).sum(axis=2)
+    return np.asarray(squared.argmin(axis=1))
 
 
 class Steps:

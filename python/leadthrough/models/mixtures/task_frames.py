@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array
-from leadthrough.errors import FitError, InvalidInput
+from leadthrough.errors import FitError, InvalidInput, NoContinuousLogarithm
 from leadthrough.models.chart import NODES, Chart, carried
 from leadthrough.models.mean_turning import mean_orientations
 from leadthrough.motion import Motion, MotionT, PoseTrajectory
@@ -209,9 +209,15 @@ def checked_frames(
 
 
 def _between(predicted: Sequence[Float64Array]) -> Float64Array:
-    """Orientations (n, 4) between several rows of them, without a jump where they are far apart."""
+    """Orientations (n, 4) between several rows of them, without a jump where they are far apart.
+
+    Those of the first frame where even that cannot be: frames half a turn apart.
+    """
     back = rotations.inverse(predicted[0])
-    turns = [rotations.lift(rotations.compose(back, each)) for each in predicted]
+    try:
+        turns = [rotations.lift(rotations.compose(back, each)) for each in predicted]
+    except NoContinuousLogarithm:
+        return rotations.align_signs(predicted[0])
     middle = rotations.exp(np.mean(turns, axis=0))
     return rotations.align_signs(rotations.compose(predicted[0], middle))
 

@@ -17,6 +17,7 @@ from leadthrough.models.mixtures.em import Blocks
 from leadthrough.models.mixtures.ends import wanted_ends
 from leadthrough.models.mixtures.gmr import GMR
 from leadthrough.models.mixtures.gmr_skill import MOST_COMPONENTS, GMRSkill
+from leadthrough.models.mixtures.moved import bounded
 from leadthrough.models.mixtures.task_frames import Frame, checked_frames, common_chart, placed
 from leadthrough.models.mixtures.task_product import multiplied
 from leadthrough.models.parameters import Parameter, fitted_again
@@ -76,9 +77,9 @@ class TaskGMRSkill(Archived, Generic[MotionT_co]):
             placed(frame, own, chart, means, self.duration)
             for frame, own, means in zip(given, self.charts, self.components.means, strict=True)
         ]
-        mixture = multiplied(self.components, seen)
+        mixture = multiplied(self.components, seen, poses=chart.kind == "poses")
         ends, _ = mixture.regress([[0.0], [self.duration]], inputs=[0])
-        model = GMR(self.model.components, self.model.seed)
+        model = GMR(self.model.components, self.model.seed, self.model.starts)
         return GMRSkill(model, chart, mixture, self.duration, ends, 1)
 
     def generate(
@@ -91,6 +92,10 @@ class TaskGMRSkill(Archived, Generic[MotionT_co]):
         obstacles: Sequence[Shape] = (),
     ) -> MotionT_co:
         """The mean motion from a start to a goal.
+
+        The frames carry it as far as the demonstrations support that, and no phase farther than
+        1.45 times the way of the ends; a turned end counts as the way of the motion's farthest
+        point about it.
 
         Args:
             start: where the frame at the start is now: columns (d,); for poses (position (3,),
@@ -113,11 +118,21 @@ class TaskGMRSkill(Archived, Generic[MotionT_co]):
                 "frames: this skill was fitted with frames of its own; "
                 "call skill.at(frames).generate() with the frames of the situation"
             )
+        usual = self._between(self.ends, duration, dt, obstacles)
+        if start is None and goal is None:
+            return usual
         ends = wanted_ends(self.chart, self.ends, start, goal)
-        shown = self.chart.motion(np.array([0.0, 1.0]), np.array([0.0, 1.0]), ends)
-        return self.at([Frame.of_sample(shown, 0), Frame.of_sample(shown, -1)]).generate(
-            start=_place(shown, 0),
-            goal=_place(shown, -1),
+        return bounded(self._between(ends, duration, dt, obstacles), usual)
+
+    def _between(
+        self, ends: Float64Array, duration: float | None, dt: float, obstacles: Sequence[Shape]
+    ) -> MotionT_co:
+        """What the frames make of a start and a goal (2, d), in the columns of `chart`."""
+        placed_at = self.chart.motion(np.array([0.0, 1.0]), np.array([0.0, 1.0]), ends)
+        frames = [Frame.of_sample(placed_at, row) for row in (0, -1)]
+        return self.at(frames).generate(
+            start=_place(placed_at, 0),
+            goal=_place(placed_at, -1),
             duration=duration,
             dt=dt,
             obstacles=obstacles,

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from leadthrough.check import Float64Array
+from leadthrough.models.bounded import MOST_GAIN, fraction_inside
 from leadthrough.models.promp import observation
 from leadthrough.models.promp.gaussian import CERTAIN, Gaussian
 from leadthrough.models.promp.prior import inner_prior, lines
@@ -28,8 +29,6 @@ from leadthrough.motion import MotionT
 if TYPE_CHECKING:
     from leadthrough.models.promp.skill import ProMPSkill
 
-# No phase is moved by more than this many times what the ends were moved by.
-_MOST_GAIN = 1.45
 # Standard deviations up to which ends count as shown.
 _USUAL = 3.0
 _PHASES_PER_WEIGHT = 4
@@ -73,8 +72,8 @@ def moved(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> ProMPSkill[Moti
     shown = min(1.0, _USUAL / max(novelty(skill, asked), _USUAL))
     rows = _rows(skill)
     for group in _groups(skill):
-        limit = _MOST_GAIN * _moved_by(skill, asked, offsets, group)
-        inside = _fraction_inside(rows @ shift[group].T, rows @ learned[group].T, limit)
+        limit = MOST_GAIN * _moved_by(skill, asked, offsets, group)
+        inside = fraction_inside(rows @ shift[group].T, rows @ learned[group].T, limit)
         shift[group] += min(shown, inside) * learned[group]
     mean = skill.weights.mean + shift.ravel()
     return skill.with_weights(Gaussian(mean, conditioned.weights.covariance))
@@ -163,16 +162,3 @@ def _moved_by(
 
 def _rows(skill: ProMPSkill[MotionT]) -> Float64Array:
     return skill.basis(np.linspace(0.0, 1.0, _PHASES_PER_WEIGHT * skill.basis.count + 1))
-
-
-def _fraction_inside(base: Float64Array, more: Float64Array, limit: float) -> float:
-    """The largest fraction in [0, 1] with |base + fraction more| <= limit in every row, (n, d).
-
-    Where the base is beyond the limit by itself, it is the limit.
-    """
-    squared = (more**2).sum(axis=1)
-    mixed = (base * more).sum(axis=1)
-    room = np.maximum(limit**2 - (base**2).sum(axis=1), 0.0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        most = (np.sqrt(mixed**2 + squared * room) - mixed) / squared
-    return float(np.where(squared > 0.0, most, 1.0).min(initial=1.0))
