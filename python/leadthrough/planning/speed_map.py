@@ -85,10 +85,8 @@ def add_obstacles(
 ) -> Speeds:
     """The speed map with walls (speed 0) at the obstacles and slower cells beside them.
 
-    The speed grows from 0 at an obstacle to its own value one area of influence away, so that a
-    path keeps that distance wherever there is room. The paper's eq. 7 takes the smaller of both
-    maps, and only below the saturation: that leaves a step in the speed, whose corners the path
-    would follow.
+    The product with the obstacles' own map: the speed grows from 0 at an obstacle to its own value
+    one area of influence away, so that a path keeps that distance wherever there is room.
 
     Args:
         speed: the map without obstacles, of grid.shape.
@@ -96,15 +94,57 @@ def add_obstacles(
         obstacles: in the grid's unit.
         area_of_influence: in the grid's unit.
     """
+    part, beside = _beside(grid, obstacles, area_of_influence)
+    if part is None:
+        return speed
+    result = speed.copy()
+    result[part] *= beside
+    return result
+
+
+def add_saturated_obstacles(
+    speed: Speeds,
+    grid: Grid,
+    obstacles: Sequence[Shape],
+    *,
+    area_of_influence: float,
+    saturation: float,
+) -> Speeds:
+    """The speed map with walls at the obstacles and slower cells close beside them.
+
+    The smaller of both maps where that of the obstacles is below the saturation, and the map
+    unchanged elsewhere. The step in the speed between them may show in a path as a corner.
+
+    Args:
+        speed: the map without obstacles, of grid.shape.
+        grid: of the map.
+        obstacles: in the grid's unit.
+        area_of_influence: distance over which the obstacles' own map grows from 0 to 1, in the
+            grid's unit.
+        saturation: in (0, 1].
+
+    Source: Prados et al. 2023, eq. 7.
+    """
+    part, beside = _beside(grid, obstacles, area_of_influence)
+    if part is None:
+        return speed
+    result = speed.copy()
+    low = beside < saturation
+    result[part][low] = np.minimum(result[part], beside)[low]
+    return result
+
+
+def _beside(
+    grid: Grid, obstacles: Sequence[Shape], area_of_influence: float
+) -> tuple[tuple[slice, ...] | None, Float64Array]:
+    """The obstacles' own map, 0 in them to 1 one area of influence away, and where it is not 1."""
     # A path may pass a free cell's corner, half a diagonal from the centre that was tested.
     walls = occupied(grid, obstacles, margin=0.5 * float(np.linalg.norm(grid.spacing)))
     if not walls.any():
-        return speed
+        return None, np.ones(0)
     part = _around(walls, grid, area_of_influence)
     distance = distance_transform(walls[part], spacing=grid.spacing)
-    result = speed.copy()
-    result[part] *= np.minimum(distance / area_of_influence, 1.0)
-    return result
+    return part, np.minimum(distance / area_of_influence, 1.0)
 
 
 def _cells_near(grid: Grid, points: Float64Array, radius: float) -> CellArray:

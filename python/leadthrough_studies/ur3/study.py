@@ -22,7 +22,6 @@ from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.models import FastMarching, FastMarchingSkill
 from leadthrough.motion import Demonstration, JointTrajectory, Trajectory
-from leadthrough.planning.speed_map import add_obstacles
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.shapes import Shape
 from leadthrough_studies import metrics
@@ -160,9 +159,7 @@ def _plan(
     made = skill.generate(start=place.start, goal=place.goal, obstacles=obstacles)
     path = _even(made)
     kappa, slowest = skill.kappa(path), setting["saturation"]
-    with_obstacles = add_obstacles(
-        skill.velocity_map, skill.grid, obstacles, area_of_influence=setting["area_of_influence"]
-    )
+    with_obstacles = skill.map_with(obstacles)
     before, after = (
         speed_along(path, skill.grid, speed, slowest)
         for speed in (skill.velocity_map, with_obstacles)

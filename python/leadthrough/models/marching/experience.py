@@ -19,6 +19,10 @@ from leadthrough.motion import MotionT, PoseTrajectory, Trajectory
 from leadthrough.preprocess.noise import without_noise
 from leadthrough.preprocess.resample import arc_length
 
+# A demonstration is reversed where that brings its ends nearer to start and goal, in sum, by half
+# and by a fraction of its length: those that return to their start go round as they were shown.
+_CLEARLY, _AT_LEAST = 0.5, 0.1
+
 
 @dataclass(frozen=True, eq=False)
 class Experience:
@@ -49,12 +53,16 @@ class Experience:
         return float(arc_length(self.way)[-1])
 
     def facing(self, start: Float64Array, goal: Float64Array) -> Experience:
-        """Itself, or reversed where that brings its ends nearer to start and goal, (d,) each."""
+        """Itself, or reversed where its ends are clearly nearer then to start and goal, (d,) each.
+
+        The direction of a motion that returns to its start is as shown.
+        """
         gaps = [
             np.linalg.norm(first - start) + np.linalg.norm(last - goal)
             for first, last in ((self.path[0], self.path[-1]), (self.path[-1], self.path[0]))
         ]
-        return self if gaps[0] <= gaps[1] else self._reversed
+        clearly = min(_CLEARLY * gaps[0], gaps[0] - _AT_LEAST * self.length)
+        return self._reversed if gaps[1] < clearly else self
 
     def arrays(self) -> dict[str, Float64Array]:
         """Its arrays by name, for a file."""

@@ -8,19 +8,27 @@ than to update a whole field of arrival times: a box on the way changes all time
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.marching import route
 from leadthrough.models.marching.experience import Experience
+from leadthrough.models.marching.extent import grid_over
+from leadthrough.models.marching.hindrance import hindered
 from leadthrough.models.marching.route import Route
 from leadthrough.models.marching.scales import Scales
 from leadthrough.planning.grid import Grid
-from leadthrough.planning.speed_map import add_obstacles, experience_map
+from leadthrough.planning.speed_map import experience_map
 from leadthrough.shapes import Shape, check_shapes
+
+if TYPE_CHECKING:
+    from leadthrough.models.marching.model import FastMarching
 
 
 class LiveMap:
@@ -40,7 +48,7 @@ class LiveMap:
     def __init__(self, known: Sequence[Experience], scales: Scales) -> None:
         paths = [each.way for each in known]
         self._known = tuple(known)
-        self._grid, self._scales = route.grid_over(paths, (), scales)
+        self._grid, self._scales = grid_over(paths, (), scales)
         speed = experience_map(
             self._grid,
             paths,
@@ -73,14 +81,25 @@ class LiveMap:
         for end, name in zip(ends, ("start", "goal"), strict=True):
             if not self._grid.contains(end[None])[0]:
                 raise InvalidInput(f"{name}: expected a point inside the workspace, got {end}")
-        speed = add_obstacles(
-            self._free,
-            self._grid,
-            check_shapes(obstacles),
-            area_of_influence=self._scales.clearance,
-        )
+        speed = hindered(self._free, self._grid, check_shapes(obstacles), self._scales)
         path = route.quickest(self._grid, speed, ends[0], ends[1], order=1)
         used = tuple(each.facing(ends[0], ends[1]) for each in self._known)
         return route.route_along(
             path, self._grid, speed, used=used, weights=np.ones(len(used)), method="map"
         )
+
+
+def live_model(
+    model: FastMarching, workspace: ArrayLike, cells: int, dimensions: int
+) -> FastMarching:
+    """The settings of a live map, from those of a skill and the arguments of its `live_map`.
+
+    Raises:
+        InvalidInput: if an argument is of another shape or range.
+    """
+    corners = check.array(workspace, "workspace", shape=(2, dimensions))
+    count = check.integer(cells, "cells", at_least=1000)
+    lengths = np.maximum(corners[1] - corners[0], 0.0)
+    edge = float((lengths.prod() / count) ** (1.0 / dimensions))
+    space = (tuple(corners[0]), tuple(corners[1]))
+    return replace(model, method="map", workspace=space, resolution=edge)

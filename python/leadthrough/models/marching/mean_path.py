@@ -7,16 +7,20 @@ on human handwriting.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 
 _SAMPLES = 1000
 _TURNED_FRACTION = 1.0 / 3.0
+# Between these ratios of a demonstration's chord to its length, turning fades in: a motion that
+# returns to its start has no direction to turn from.
+_RETURNING = (0.05, 0.1)
 # Turning by more than 154 degrees or scaling by more than 5 says little about the new motion.
 _LEAST_COSINE = -0.9
 _SCALES = (0.2, 5.0)
@@ -27,6 +31,16 @@ _SAME_WAY = 0.1
 # off the demonstrations say little about the way, and bending them to it gives detours.
 _NEAR_OF_DISTANCE = 0.5
 _NEAR_OF_LENGTH = 0.1
+_NEAR_OF_EXTENT = 0.5
+# One of several that resembles none of the others may have its ends there by accident: it has to
+# come nearer if it returns, or if it is this many times as long as its extent.
+_VERY_NEAR = 0.3
+_STRAYING = 3.0
+# Root mean square distance of two that resemble each other, of the length or three extents.
+_COMPANY, _USUAL = 0.05, 3.0
+_COARSE_SAMPLES = 100
+# A path is moved at most so much farther than its ends.
+_MOST_DEVIATION = 1.45
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +56,12 @@ class MeanPath:
     weights: Float64Array
 
 
-def predict(paths: Sequence[Float64Array], start: Float64Array, goal: Float64Array) -> MeanPath:
-    """The weighted mean of the demonstrations, each carried to a new start and goal.
+def ways(
+    paths: Sequence[Float64Array], start: Float64Array, goal: Float64Array
+) -> Iterator[MeanPath]:
+    """The ways to do the task that were shown, that of the nearest start first.
+
+    Each is the weighted mean of its demonstrations, carried to a new start and goal.
 
     Args:
         paths: of the demonstrations, each (n, d), at least one.
@@ -53,14 +71,17 @@ def predict(paths: Sequence[Float64Array], start: Float64Array, goal: Float64Arr
     curves = np.stack([by_arc_length(path, _SAMPLES) for path in paths])
     shifted = np.stack([_shifted(curve, start, goal) for curve in curves])
     length = float(np.mean([arc_length(path)[-1] for path in paths]))
-    weights = _weights(curves[:, 0], start, _same_way(shifted, curves[:, 0], start, length))
-    carried = np.stack(
-        [_carried(curve, moved, start, goal) for curve, moved in zip(curves, shifted, strict=True)]
-    )
-    return MeanPath(np.einsum("j,jnd->nd", weights, carried), weights)
+    carried = _all_carried(curves, shifted, start, goal)
+    usual = curves[:, 0].mean(axis=0), curves[:, -1].mean(axis=0)
+    for chosen in _same_ways(shifted, curves[:, 0], start, length):
+        weights = _weights(curves[:, 0], start, chosen)
+        path = np.einsum("j,jnd->nd", weights, carried)
+        if not all(np.array_equal(*ends) for ends in zip((start, goal), usual, strict=True)):
+            path = _bounded(path, _usual_way(curves, chosen, *usual), start, goal)
+        yield MeanPath(path, weights)
 
 
-def is_trusted(paths: Iterable[Float64Array], start: Float64Array, goal: Float64Array) -> bool:
+def is_trusted(paths: Sequence[Float64Array], start: Float64Array, goal: Float64Array) -> bool:
     """Whether a demonstration's ends lie near enough to start and goal to predict the way.
 
     Args:
@@ -68,14 +89,78 @@ def is_trusted(paths: Iterable[Float64Array], start: Float64Array, goal: Float64
         start: (d,).
         goal: (d,).
     """
+    near, nearly = _nearness(paths, start, goal)
+    return bool(near.any() or (nearly.any() and (nearly & in_company(paths)).any()))
+
+
+def trusted(
+    paths: Sequence[Float64Array], start: Float64Array, goal: Float64Array
+) -> NDArray[np.bool_]:
+    """Which demonstrations' ends lie near enough to start and goal, (k,), as by `is_trusted`."""
+    near, nearly = _nearness(paths, start, goal)
+    return near | (nearly & in_company(paths))
+
+
+def in_company(paths: Sequence[Float64Array]) -> NDArray[np.bool_]:
+    """Which demonstrations (k,) go the way of another, so that it is no accident, or are alone."""
+    if len(paths) == 1:
+        return np.ones(1, dtype=bool)
+    curves = np.stack([by_arc_length(path, _COARSE_SAMPLES) for path in paths])
+    lengths = np.array([arc_length(curve)[-1] for curve in curves])
+    apart = curves[:, None] - curves[None]
+    u = np.linspace(0.0, 1.0, _COARSE_SAMPLES)[:, None]
+    apart -= (1.0 - u) * apart[:, :, :1] + u * apart[:, :, -1:]
+    extents = np.linalg.norm(np.ptp(curves, axis=1), axis=1)
+    size = np.minimum(lengths, _USUAL * extents)[:, None]
+    alike = np.sqrt((apart**2).sum(axis=3).mean(axis=2)) < _COMPANY * size
+    np.fill_diagonal(alike, val=False)
+    return np.asarray(alike.any(axis=1))
+
+
+def _nearness(
+    paths: Sequence[Float64Array], start: Float64Array, goal: Float64Array
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which paths' ends are near to start and goal, and which are if the path is no accident."""
     distance = float(np.linalg.norm(goal - start))
     ends = np.stack([start, goal])
-    for path in paths:
-        gaps = np.linalg.norm(path[[0, -1]] - ends, axis=1)
-        length = float(arc_length(path)[-1])
-        if gaps.max() <= max(_NEAR_OF_DISTANCE * distance, _NEAR_OF_LENGTH * length):
-            return True
-    return False
+    gaps = np.array([np.linalg.norm(path[[0, -1]] - ends, axis=1).max() for path in paths])
+    lengths = np.array([arc_length(path)[-1] for path in paths])
+    extents = np.array([np.linalg.norm(np.ptp(path, axis=0)) for path in paths])
+    close = np.minimum(_NEAR_OF_LENGTH * lengths, _NEAR_OF_EXTENT * extents)
+    closer = _VERY_NEAR * close
+    straying = (lengths > _STRAYING * extents) & (len(paths) > 1)
+    near = gaps <= np.maximum(np.where(straying, 0.0, _NEAR_OF_DISTANCE * distance), closer)
+    return near, gaps <= np.maximum(_NEAR_OF_DISTANCE * distance, close)
+
+
+def _usual_way(
+    curves: Float64Array, chosen: NDArray[np.bool_], start: Float64Array, goal: Float64Array
+) -> Float64Array:
+    """The mean (n, d) of those chosen among demonstrations (k, n, d) where the ends are usual."""
+    shifted = np.stack([_shifted(curve, start, goal) for curve in curves])
+    weights = _weights(curves[:, 0], start, chosen)
+    return np.asarray(np.einsum("j,jnd->nd", weights, _all_carried(curves, shifted, start, goal)))
+
+
+def _bounded(
+    path: Float64Array, usual: Float64Array, start: Float64Array, goal: Float64Array
+) -> Float64Array:
+    """The path, drawn to the shifted usual one until it is no farther from that than its ends.
+
+    Neither turning nor a change of weights then moves the way much more than the ends are moved.
+    """
+    shifted = _shifted(usual, start, goal)
+    moved = max(float(np.linalg.norm(start - usual[0])), float(np.linalg.norm(goal - usual[-1])))
+    bound = _MOST_DEVIATION * moved
+    off, change = shifted - usual, path - shifted
+    if np.linalg.norm(off + change, axis=1).max() <= bound:
+        return path
+    # The largest fraction of the change with |off + fraction * change| <= bound everywhere.
+    a, b = (change**2).sum(axis=1), (off * change).sum(axis=1)
+    c = np.minimum((off**2).sum(axis=1) - bound**2, 0.0)
+    inside = a > 0.0
+    roots = (-b[inside] + np.sqrt(b[inside] ** 2 - a[inside] * c[inside])) / a[inside]
+    return np.asarray(shifted + min(float(roots.min()), 1.0) * change)
 
 
 def _shifted(curve: Float64Array, start: Float64Array, goal: Float64Array) -> Float64Array:
@@ -90,7 +175,10 @@ def _carried(
     turned = _turned(curve, start, goal)
     if turned is None:
         return shifted
-    return np.asarray((1.0 - _TURNED_FRACTION) * shifted + _TURNED_FRACTION * turned)
+    chord = float(np.linalg.norm(curve[-1] - curve[0])) / float(arc_length(curve)[-1])
+    directed = (chord - _RETURNING[0]) / (_RETURNING[1] - _RETURNING[0])
+    fraction = _TURNED_FRACTION * min(max(directed, 0.0), 1.0)
+    return np.asarray((1.0 - fraction) * shifted + fraction * turned)
 
 
 def _turned(curve: Float64Array, start: Float64Array, goal: Float64Array) -> Float64Array | None:
@@ -112,20 +200,32 @@ def _turned(curve: Float64Array, start: Float64Array, goal: Float64Array) -> Flo
     return np.asarray(goal + lengths[1] / lengths[0] * rotated)
 
 
-def _same_way(
-    shifted: Float64Array, starts: Float64Array, start: Float64Array, length: float
+def _all_carried(
+    curves: Float64Array, shifted: Float64Array, start: Float64Array, goal: Float64Array
 ) -> Float64Array:
-    """Which demonstrations are connected, by small steps, to the one with the nearest start."""
+    return np.stack(
+        [_carried(curve, moved, start, goal) for curve, moved in zip(curves, shifted, strict=True)]
+    )
+
+
+def _same_ways(
+    shifted: Float64Array, starts: Float64Array, start: Float64Array, length: float
+) -> Iterator[NDArray[np.bool_]]:
+    """Which demonstrations are connected by small steps, those with the nearest start first."""
     gaps = np.sqrt(((shifted[:, None] - shifted[None]) ** 2).sum(axis=3).mean(axis=2))
     neighbours = gaps < _SAME_WAY * length
-    chosen = np.zeros(len(shifted), dtype=bool)
-    chosen[int(np.argmin(np.linalg.norm(starts - start, axis=1)))] = True
-    for _ in shifted:
-        chosen = chosen | neighbours[chosen].any(axis=0)
-    return chosen
+    distance = np.linalg.norm(starts - start, axis=1)
+    left = np.ones(len(shifted), dtype=bool)
+    while left.any():
+        chosen = np.zeros(len(shifted), dtype=bool)
+        chosen[int(np.argmin(np.where(left, distance, np.inf)))] = True
+        for _ in shifted:
+            chosen = chosen | neighbours[chosen].any(axis=0)
+        yield chosen
+        left &= ~chosen
 
 
-def _weights(starts: Float64Array, start: Float64Array, chosen: Float64Array) -> Float64Array:
+def _weights(starts: Float64Array, start: Float64Array, chosen: NDArray[np.bool_]) -> Float64Array:
     """Gaussian weights in the distance of the starts, as wide as these are spread; sum 1."""
     squared = ((starts - start) ** 2).sum(axis=1)
     spread = float(starts.var(axis=0, ddof=1).sum()) if len(starts) > 1 else 0.0

@@ -6,13 +6,14 @@ Source: Prados et al. 2023, Appl. Sci. 13:2028, Algorithm 1.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 from leadthrough import check, events
 from leadthrough.errors import InvalidInput
 from leadthrough.models import archive
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.marching.experience import Experience, experience_of
+from leadthrough.models.marching.hindrance import OBSTACLE_MAPS
 from leadthrough.models.marching.orientation import refuse_opposed
 from leadthrough.models.marching.skill import FastMarchingSkill
 from leadthrough.models.marching.time_law import TIMINGS
@@ -40,6 +41,10 @@ class FastMarching:
             proportional to the map's; "constant". Motions start and end at rest in all of them.
         workspace: (lower, upper) corners (d,) each, which no path leaves and the map fills; None:
             as much room as is needed.
+        obstacle_map: "product", the speed grows from 0 at an obstacle to its own value half an area
+            of influence away ("mean_path": a whole one, as its detours have room); "minimum",
+            eq. 7 of the paper, slows the wave down only below the saturation, so that paths come
+            nearer to obstacles.
 
     Raises:
         InvalidInput: if a setting is outside its range.
@@ -51,6 +56,7 @@ class FastMarching:
     method: str = "auto"
     timing: str = "demonstrations"
     workspace: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+    obstacle_map: Literal["product", "minimum"] = "product"
 
     def __post_init__(self) -> None:
         check.number(self.saturation, "saturation", above=0.0, at_most=1.0)
@@ -59,6 +65,7 @@ class FastMarching:
                 check.number(getattr(self, name), name, above=0.0)
         check.choice(self.method, "method", METHODS)
         check.choice(self.timing, "timing", TIMINGS)
+        check.choice(self.obstacle_map, "obstacle_map", OBSTACLE_MAPS)
         if self.workspace is not None:
             corners = check.array(self.workspace, "workspace", shape=(2, "d"))
             if not (corners[0] < corners[1]).all():

@@ -31,6 +31,7 @@ class Scales:
             space.
         growth: how much wider than the radius the tubes may become there.
         workspace: corners of the grid; None: as much as is needed.
+        obstacle_map: how obstacles enter the map, "product" or "minimum".
     """
 
     radius: float
@@ -39,6 +40,7 @@ class Scales:
     resolution: float | None
     growth: float = 1.0
     workspace: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+    obstacle_map: str = "product"
 
 
 def scales_of(model: FastMarching, lengths: Sequence[float], fraction: float) -> Scales:
@@ -58,4 +60,5 @@ def scales_of(model: FastMarching, lengths: Sequence[float], fraction: float) ->
         resolution=model.resolution,
         growth=1.0 if given else _GROWTH,
         workspace=model.workspace,
+        obstacle_map=model.obstacle_map,
     )

@@ -18,15 +18,18 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.archive import Archived, Arrays
 from leadthrough.models.demonstrated import Demonstrations
-from leadthrough.models.marching import mean_path, orientation, route
+from leadthrough.models.marching import orientation
+from leadthrough.models.marching.choice import planned
 from leadthrough.models.marching.dragged import parameters_of
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.marching.live_map import LiveMap
-from leadthrough.models.marching.policy import Policy
+from leadthrough.models.marching.extent import grid_over
+from leadthrough.models.marching.hindrance import hindered
+from leadthrough.models.marching.live_map import LiveMap, live_model
+from leadthrough.models.marching.policy import Policy, field_to
 from leadthrough.models.marching.preview import Preview
 from leadthrough.models.marching.query import Query, query_of, split
 from leadthrough.models.marching.route import Route
-from leadthrough.models.marching.scales import MAP_RADIUS, TUBE_RADIUS, Scales, scales_of
+from leadthrough.models.marching.scales import MAP_RADIUS, Scales, scales_of
 from leadthrough.models.marching.teaching import added, mean_speed
 from leadthrough.models.marching.time_law import timed
 from leadthrough.models.parameters import Parameter
@@ -76,6 +79,18 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
     def velocity_map(self) -> Float64Array:
         """Speeds in [saturation, 1] over `grid`, from the raw experience: Algorithm 1's F."""
         return self._map[1]
+
+    def map_with(self, obstacles: Sequence[Shape]) -> Float64Array:
+        """The velocity map with obstacles in it, as the method "map" plans in.
+
+        Args:
+            obstacles: shapes in the demonstrations' frame.
+
+        Raises:
+            InvalidInput: if one is no shape.
+        """
+        grid, speed = self._map
+        return hindered(speed, grid, check_shapes(obstacles), self._map_scales)
 
     def kappa(self, path: ArrayLike) -> float:
         """Mean of the velocity map along a path: 1 deep in the experience.
@@ -227,15 +242,9 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
             NoPath: as `generate`.
         """
         query = self.query(start=start, goal=goal, obstacles=obstacles)
-        method = self.model.method
-        if (
-            not self._all
-            or method == "map"
-            or (method == "auto" and not _is_near(self._all, query))
-        ):
-            return route.through_map(self._all, query, self._scales(MAP_RADIUS, query))
-        find = route.from_start if method == "start" else route.along_mean
-        return find(self._all, query, self._scales(TUBE_RADIUS, query))
+        return planned(
+            self.model.method, self._all, query, lambda fraction: self._scales(fraction, query)
+        )
 
     def query(
         self,
@@ -270,12 +279,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
             InvalidInput: if the corners leave a demonstration outside, or an argument is of another
                 shape or range.
         """
-        corners = check.array(workspace, "workspace", shape=(2, self._dimensions()))
-        count = check.integer(cells, "cells", at_least=1000)
-        lengths = np.maximum(corners[1] - corners[0], 0.0)
-        edge = float((lengths.prod() / count) ** (1.0 / len(lengths)))
-        space = (tuple(corners[0]), tuple(corners[1]))
-        model = replace(self.model, method="map", workspace=space, resolution=edge)
+        model = live_model(self.model, workspace, cells, self._dimensions())
         return LiveMap(self._all, replace(self, model=model)._map_scales)
 
     def preview(self) -> Preview[MotionT_co]:
@@ -318,7 +322,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
         self._dimensions()
         asked = self.query(goal=goal, obstacles=obstacles)
         scales = self._map_scales
-        grid, arrival = route.field_to(self._all, asked.goal, asked.obstacles, scales)
+        grid, arrival = field_to(self._all, asked.goal, asked.obstacles, scales)
         pace = float(np.mean([each.length / each.duration for each in self._all]))
         return Policy(grid, arrival, asked.goal, pace, scales.radius)
 
@@ -360,7 +364,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
     def _map(self) -> tuple[Grid, Float64Array]:
         self._dimensions()
         ways = [each.way for each in self._all]
-        grid, scales = route.grid_over(ways, (), self._map_scales)
+        grid, scales = grid_over(ways, (), self._map_scales)
         speed = experience_map(
             grid,
             ways,
@@ -391,8 +395,3 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
     @property
     def _has_orientations(self) -> bool:
         return bool(self._all) and self._all[0].orientations is not None
-
-
-def _is_near(known: Sequence[Experience], query: Query) -> bool:
-    faced = (each.facing(query.start, query.goal).way for each in known)
-    return mean_path.is_trusted(faced, query.start, query.goal)

@@ -61,19 +61,23 @@ def timed(
 def usual_duration(used: Sequence[Experience], weights: Float64Array, length: float) -> float:
     """The weighted median of the demonstrations' durations, s, each adapted to a path's length.
 
-    Longer paths take longer, but less than in proportion, as in human movements.
+    Longer paths take longer, but less than in proportion, as in human movements. To stand still
+    takes as long as the demonstrations.
 
     Args:
         used: the demonstrations, at least one.
         weights: (k,) of the demonstrations.
         length: of the path, in its unit.
     """
-    adapted = np.array(
-        [each.duration * (length / each.length) ** _DURATION_EXPONENT for each in used]
-    )
+    adapted = np.array([each.duration * _adapted(length / each.length) for each in used])
     order = np.argsort(adapted, kind="stable")
     fraction = weights[order] / weights.sum()
     return float(np.interp(0.5, np.cumsum(fraction) - 0.5 * fraction, adapted[order]))
+
+
+def _adapted(ratio: float) -> float:
+    """The factor on a duration where the path has another length; 1 for standing still."""
+    return float(ratio**_DURATION_EXPONENT) if ratio > 0.0 else 1.0
 
 
 def _progress(route: Route, timing: str) -> Float64Array:

@@ -1,0 +1,157 @@
+"""The third kind of path: through the tube around the way that the demonstrations predict.
+
+The tube is cut where it meets itself. Where obstacles block the way and another one was shown too,
+that one is taken before untaught ground.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from leadthrough.check import Float64Array
+from leadthrough.errors import NoPath
+from leadthrough.models.marching import mean_path
+from leadthrough.models.marching.experience import Experience
+from leadthrough.models.marching.extent import grid_over
+from leadthrough.models.marching.mean_path import MeanPath
+from leadthrough.models.marching.pieces import cut_at_short_cuts
+from leadthrough.models.marching.query import Query
+from leadthrough.models.marching.route import Route, quickest, route_along
+from leadthrough.models.marching.scales import Scales
+from leadthrough.planning.grid import Grid
+from leadthrough.planning.speed_map import add_obstacles, tube_map
+from leadthrough.preprocess.resample import arc_length
+from leadthrough.shapes import Shape
+
+
+def along_mean(known: Sequence[Experience], query: Query, scales: Scales) -> Route:
+    """The quickest path in the tube around the demonstrations' mean path.
+
+    Of several ways that were shown it takes the one of the nearest start or, where obstacles stand
+    on that, the next one that is clear; where they stand on all of them, the quickest.
+
+    Args:
+        known: demonstrations and learned paths, at least one.
+        query: start, goal and obstacles.
+        scales: of the map.
+
+    Raises:
+        NoPath: where an end lies in an obstacle, or obstacles separate them.
+    """
+    faced = [each.facing(query.start, query.goal) for each in known]
+    blocked: list[MeanPath] = []
+    for mean in mean_path.ways([each.way for each in faced], query.start, query.goal):
+        if not _hits(mean.path, query.obstacles):
+            return _through(mean, faced, query, scales)
+        blocked.append(mean)
+    return _quickest_of([_attempt(mean, faced, query, scales) for mean in blocked])
+
+
+def _quickest_of(attempts: Sequence[Route | NoPath]) -> Route:
+    """The route of least travel time. Raises the first error where there is none."""
+    found = [each for each in attempts if isinstance(each, Route)]
+    if not found:
+        (first, *_) = (each for each in attempts if isinstance(each, NoPath))
+        raise first
+    return min(found, key=lambda route: route.travel_time)
+
+
+def _attempt(
+    mean: MeanPath, faced: Sequence[Experience], query: Query, scales: Scales
+) -> Route | NoPath:
+    try:
+        return _through(mean, faced, query, scales)
+    except NoPath as error:
+        return error
+
+
+def _hits(path: Float64Array, obstacles: Sequence[Shape]) -> bool:
+    """Whether a path (n, d) runs into an obstacle between its ends, which cannot be moved."""
+    points = np.zeros((len(path), 3))
+    points[:, : path.shape[1]] = path
+    return any(bool((obstacle.distance(points) <= 0.0).any()) for obstacle in obstacles)
+
+
+def _through(mean: MeanPath, faced: Sequence[Experience], query: Query, scales: Scales) -> Route:
+    """The quickest path in the tube around one way. Raises NoPath."""
+    way = mean.path
+    if scales.workspace is not None:
+        way = np.clip(way, *scales.workspace)  # start and goal decide whether that is an error
+        way[[0, -1]] = query.ends
+    grid, scales = grid_over([way], query.obstacles, scales)
+    beside = add_obstacles(
+        np.ones(grid.shape), grid, query.obstacles, area_of_influence=scales.clearance
+    )
+    path = _along_tube(way, grid, beside, scales)
+    speed = _joined(beside, _tube(way, grid, scales), scales)
+    chosen = mean.weights > 0.0
+    used = tuple(each for each, wanted in zip(faced, chosen, strict=True) if wanted)
+    weights = np.ones(len(used))  # whose start is nearest says nothing about the pace
+    return route_along(path, grid, speed, used=used, weights=weights, method="mean_path")
+
+
+def _joined(beside: Float64Array, tube: Float64Array, scales: Scales) -> Float64Array:
+    """The map of a tube with that of the obstacles: their product, or the paper's eq. 7."""
+    if scales.obstacle_map == "minimum":
+        return np.where(beside < scales.saturation, np.minimum(beside, tube), tube)
+    return beside * tube
+
+
+def _along_tube(
+    mean: Float64Array, grid: Grid, beside: Float64Array, scales: Scales
+) -> Float64Array:
+    """The path through the tube around a mean path, piece by piece. Raises NoPath.
+
+    It makes a detour where the obstacles' map `beside`, (0 to 1), changes the speed on the way.
+    """
+    most = scales.saturation if scales.obstacle_map == "minimum" else 1.0
+    influenced = beside[tuple(grid.cells_of(mean).T)] < most
+    parts = []
+    try:
+        for stretch, blocked in _stretches(mean, influenced):
+            if blocked:
+                # As wide a tube as the detour may become: it leaves and rejoins the path gently.
+                wide = replace(scales, radius=0.5 * float(arc_length(stretch)[-1]))
+                speed = _joined(beside, _tube(stretch, grid, wide), scales)
+                parts.append(quickest(grid, speed, stretch[0], stretch[-1]))
+                continue
+            for piece in cut_at_short_cuts(
+                stretch, radius=scales.radius, saturation=scales.saturation
+            ):
+                parts.append(quickest(grid, _tube(piece, grid, scales), piece[0], piece[-1]))
+    except NoPath:
+        # An end of a detour may be enclosed although start and goal are not.
+        speed = _joined(beside, _tube(mean, grid, scales), scales)
+        parts = [quickest(grid, speed, mean[0], mean[-1])]
+    return np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
+
+
+def _tube(path: Float64Array, grid: Grid, scales: Scales) -> Float64Array:
+    return tube_map(
+        grid, [path], [1.0], area_of_influence=scales.radius, saturation=scales.saturation
+    )
+
+
+def _stretches(
+    path: Float64Array, influenced: NDArray[np.bool_]
+) -> list[tuple[Float64Array, bool]]:
+    """Consecutive parts of a path (n, d) and whether each is a detour around an obstacle.
+
+    influenced: (n,). A detour begins and ends half its obstacle's stretch early and late, so that
+    there is way to leave the path and to come back. Neighbours share their end point.
+    """
+    blocked = np.zeros(len(path), dtype=bool)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], influenced, [0]])))
+    for first, end in edges.reshape(-1, 2):
+        extra = (end - first + 1) // 2
+        blocked[max(first - extra, 0) : end + extra] = True
+    changes = np.flatnonzero(np.diff(blocked)) + 1
+    bounds = [0, *(int(change) for change in changes), len(path) - 1]
+    return [
+        (path[a : b + 1], bool(blocked[a])) for a, b in pairwise(bounds) if b > a or len(path) == 1
+    ]

@@ -1,0 +1,44 @@
+"""Which of the three ways to plan a query is for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from leadthrough.models.marching import mean_path
+from leadthrough.models.marching.along_mean import along_mean
+from leadthrough.models.marching.experience import Experience
+from leadthrough.models.marching.query import Query
+from leadthrough.models.marching.route import Route, from_start, through_map
+from leadthrough.models.marching.scales import MAP_RADIUS, TUBE_RADIUS, Scales
+from leadthrough.models.marching.useful import useful
+
+
+def planned(
+    method: str, known: Sequence[Experience], query: Query, scales: Callable[[float], Scales]
+) -> Route:
+    """The route that a method finds for a query.
+
+    Args:
+        method: one of METHODS. "auto" follows the mean path where start and goal lie near a
+            demonstration's ends, and otherwise plans in the map of those demonstrations that are
+            useful for the query.
+        known: demonstrations and learned paths, which may be none.
+        query: start, goal and obstacles.
+        scales: of the map whose radius is a fraction of the demonstrations' length.
+
+    Raises:
+        NoPath: where an end lies in an obstacle, or obstacles separate them.
+    """
+    if not known or method == "map":
+        return through_map(known, query, scales(MAP_RADIUS))
+    # A prediction would lead a reach away from its start and back again.
+    stands_still = bool((query.start == query.goal).all())
+    if (method == "auto" or stands_still) and not _is_near(known, query):
+        return through_map(known, query, scales(MAP_RADIUS), useful=useful(known, query))
+    find = from_start if method == "start" else along_mean
+    return find(known, query, scales(TUBE_RADIUS))
+
+
+def _is_near(known: Sequence[Experience], query: Query) -> bool:
+    faced = [each.facing(query.start, query.goal).way for each in known]
+    return mean_path.is_trusted(faced, query.start, query.goal)

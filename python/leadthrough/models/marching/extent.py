@@ -1,0 +1,88 @@
+"""The grid that a map of demonstrations is made on, and the scales made definite for it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from leadthrough import check
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.models.marching.scales import Scales
+from leadthrough.planning.grid import Grid
+from leadthrough.planning.obstacles import bounding_radius
+from leadthrough.shapes import Shape
+
+_CELLS_PER_RADIUS = 5.0
+# A tube of a thinner radius is not a tube.
+_LEAST_CELLS_PER_RADIUS = 2.0
+# Beyond this many cells a default resolution gets coarser: 160 cubed, half a second to march.
+_MOST_DEFAULT_CELLS = 4_000_000
+# Room around everything, in radii, and around obstacles, as a fraction of the extent.
+_MARGIN = 4.0
+_ROOM = 0.25
+
+
+def grid_over(
+    points: Sequence[Float64Array], obstacles: Sequence[Shape], scales: Scales
+) -> tuple[Grid, Scales]:
+    """A grid around points, and the scales made definite for it.
+
+    It leaves room to go around those obstacles that lie among the points.
+
+    Args:
+        points: arrays (n, d).
+        obstacles: shapes in the same frame.
+        scales: of the map; a resolution of None is chosen here.
+
+    Raises:
+        InvalidInput: if the grid would be too large, or the points leave a workspace that was set.
+    """
+    corners, margin = _bounds(np.concatenate(points), obstacles, scales)
+    resolution = scales.resolution
+    if resolution is None:
+        sides = np.ptp(corners, axis=0) + 2.0 * margin
+        coarsest = float((sides.prod() / _MOST_DEFAULT_CELLS) ** (1.0 / len(sides)))
+        widest = scales.growth * scales.radius / _LEAST_CELLS_PER_RADIUS
+        resolution = min(max(scales.radius / _CELLS_PER_RADIUS, coarsest), widest)
+    radius = max(scales.radius, _LEAST_CELLS_PER_RADIUS * resolution)
+    grid = Grid.covering(corners, margin=margin, spacing=resolution)
+    return grid, replace(scales, radius=radius, resolution=resolution)
+
+
+def _bounds(
+    points: Float64Array, obstacles: Sequence[Shape], scales: Scales
+) -> tuple[Float64Array, float]:
+    """Points that the grid covers and the margin around them. Raises InvalidInput."""
+    lower, upper = points.min(axis=0), points.max(axis=0)
+    if scales.workspace is not None:
+        corners = check.array(scales.workspace, "workspace", shape=(2, len(lower)))
+        if (lower < corners[0]).any() or (upper > corners[1]).any():
+            raise InvalidInput(
+                f"workspace: expected corners around demonstrations, start and goal, {lower} to "
+                f"{upper}, got {corners[0]} to {corners[1]}"
+            )
+        return corners, 0.0
+    extent = float((upper - lower).max())
+    margin = _MARGIN * scales.radius
+    if obstacles:
+        margin = max(margin, _ROOM * extent)
+    return np.stack([lower, upper, *_obstacle_corners(obstacles, lower, upper, extent)]), margin
+
+
+def _obstacle_corners(
+    obstacles: Sequence[Shape], lower: Float64Array, upper: Float64Array, extent: float
+) -> list[Float64Array]:
+    """Corners of the boxes around those obstacles that reach between lower and upper.
+
+    Clipped to one extent beyond them: a floor that goes on for ever must not fill the grid.
+    """
+    corners = []
+    for obstacle in obstacles:
+        centre, reach = obstacle.position[: len(lower)], bounding_radius(obstacle)
+        if (centre + reach >= lower).all() and (centre - reach <= upper).all():
+            corners.append(np.maximum(centre - reach, lower - extent))
+            corners.append(np.minimum(centre + reach, upper + extent))
+    return corners
