@@ -54,11 +54,17 @@ def progress_by_speed(path: Float64Array, speed: Float64Array) -> Float64Array:
     return _progress(*_rising(clock, path))
 
 
-def rest_to_rest(progress: Float64Array) -> Float64Array:
-    """The progress (1001,), smoothed, starting and ending at rest."""
+def speed_of(progress: Float64Array) -> Float64Array:
+    """The smoothed change of a progress (1001,) from sample to sample, (1001,)."""
     speed = np.gradient(progress)
     for _ in range(2):
         speed = uniform_filter1d(speed, int(_SMOOTHING * SAMPLES), mode="nearest")
+    return np.asarray(speed)
+
+
+def rest_to_rest(progress: Float64Array) -> Float64Array:
+    """The progress (1001,), smoothed, starting and ending at rest."""
+    speed = speed_of(progress)
     u = np.linspace(0.0, 1.0, SAMPLES)
     x = np.clip(np.minimum(u, 1.0 - u) / _RAMP, 0.0, 1.0)
     speed = minimum_jerk_rise(x, speed)

@@ -6,26 +6,97 @@ Source: Prados et al. 2023, section 3.7: the field is the control policy of the 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.errors import NoPath
+from leadthrough.errors import InvalidInput, NoPath
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.extent import grid_over
+from leadthrough.models.marching.gate import Gate, gate_at
 from leadthrough.models.marching.hindrance import hindered
+from leadthrough.models.marching.paces import Paces
 from leadthrough.models.marching.scales import Scales
 from leadthrough.planning.arrival import arrival_times
+from leadthrough.planning.arrival_field import ArrivalField
 from leadthrough.planning.descent import direction
 from leadthrough.planning.grid import Grid
+from leadthrough.planning.march_input import FloatArray
 from leadthrough.planning.speed_map import experience_map
-from leadthrough.shapes import Shape
+from leadthrough.shapes import Shape, check_shapes
 
 # Room for a policy around its goal, as a fraction of the demonstrations' extent.
 _PUSHED = 1.25
+# From any point in a gate into free cells beyond it, in the gate's half thickness.
+_PAST_GATE = 4.0
+
+
+class Surroundings:
+    """The map of a policy without obstacles, and the field that is repaired while they move.
+
+    Args:
+        grid: cells of the map.
+        speed: of grid.shape.
+        goal: (d,).
+        scales: of the map.
+    """
+
+    def __init__(self, grid: Grid, speed: Float64Array, goal: Float64Array, scales: Scales) -> None:
+        self._grid, self._speed, self._goal, self._scales = grid, speed, goal, scales
+        self._free: NDArray[np.float32] | None = None
+        self._field: ArrivalField | None = None
+
+    def arrival(self, obstacles: Sequence[Shape]) -> FloatArray:
+        """Arrival times of second order, marched anew. Raises NoPath for a goal in an obstacle."""
+        speed = hindered(self._speed, self._grid, obstacles, self._scales)
+        self._check_goal(speed)
+        source = self._grid.cells_of(self._goal[None])
+        return arrival_times(speed, source, spacing=self._grid.spacing)
+
+    def until(self, obstacles: Sequence[Shape], position: Float64Array) -> FloatArray:
+        """Arrival times of first order, marched no farther than to a position (d,).
+
+        Raises:
+            NoPath: for a goal in an obstacle, or a position that is not reached.
+        """
+        speed = self._hindered(obstacles)
+        source, stop = self._grid.cells_of(np.stack([self._goal, position]))
+        times = arrival_times(
+            speed, source[None], spacing=self._grid.spacing, order=1, dtype=np.float32, stop=stop
+        )
+        if np.isinf(times[tuple(stop)]):
+            raise NoPath(
+                f"position: {position} lies in an obstacle, or obstacles part it from the goal",
+                reason="goal_enclosed",
+            )
+        return times
+
+    def repaired(self, obstacles: Sequence[Shape]) -> FloatArray:
+        """Arrival times of first order, marched anew only where obstacles have moved.
+
+        Raises:
+            NoPath: for a goal in an obstacle.
+        """
+        speed = self._hindered(obstacles)
+        if self._field is None:
+            self._field = ArrivalField(speed, self._grid, self._goal, dtype=np.float32)
+        else:
+            self._field.update(speed)
+        return self._field.times
+
+    def _hindered(self, obstacles: Sequence[Shape]) -> NDArray[np.float32]:
+        if self._free is None:
+            self._free = self._speed.astype(np.float32)
+        speed = hindered(self._free, self._grid, obstacles, self._scales)
+        self._check_goal(speed)
+        return speed
+
+    def _check_goal(self, speed: FloatArray) -> None:
+        if speed[tuple(self._grid.cells_of(self._goal[None])[0])] == 0.0:
+            raise NoPath(f"goal: {self._goal} lies in an obstacle", reason="goal_in_wall")
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,16 +106,20 @@ class Policy:
     Attributes:
         grid: cells of the field.
         arrival: times in each cell, marched from the goal.
-        goal: (d,).
-        speed: far from the goal, in the grid's unit per second.
-        slowing: distance to the goal within which the speed falls linearly to zero.
+        goal: (d,) where the tool comes to rest.
+        paces: speeds that the demonstrations teach.
+        slowing: distance to the goal within which the speed falls linearly to zero, from the
+            demonstrations' mean one.
+        gate: across the start of a motion that returns to it, or None.
     """
 
     grid: Grid
-    arrival: Float64Array
+    arrival: FloatArray
     goal: Float64Array
-    speed: float
+    paces: Paces
     slowing: float
+    gate: Gate | None
+    _surroundings: Surroundings = field(repr=False)
 
     def __call__(self, position: ArrayLike) -> Float64Array:
         """The velocity (d,) at a position, in the unit of the grid per second; zero at the goal.
@@ -57,18 +132,57 @@ class Policy:
             NoPath: outside the grid and in obstacles.
         """
         point = check.array(position, "position", shape=(self.grid.dimensions,))
-        left = float(np.linalg.norm(self.goal - point))
-        if left <= float(self.grid.spacing.max()):  # the field means nothing within the goal's cell
-            ahead = self.goal - point
-            return np.asarray(ahead * (self.speed / self.slowing))
-        ahead = direction(self.arrival, self.grid, point[None])[0]
-        return np.asarray(ahead * self.speed * min(left / self.slowing, 1.0))
+        cell = float(self.grid.spacing.max())
+        speed = self.paces.at(point, blur=cell)
+        if self.gate is not None and self.gate.is_passed(point):
+            if self._is_at(self.gate, point):
+                return np.asarray(speed * self.gate.normal)
+            return np.asarray(direction(self.arrival, self.grid, point[None])[0] * speed)
+        ahead = self.goal - point
+        left = float(np.linalg.norm(ahead))
+        rate = self.paces.mean / self.slowing
+        if left <= cell:  # the field means nothing within the goal's cell
+            return np.asarray(ahead * min(rate, speed / cell))
+        return np.asarray(
+            direction(self.arrival, self.grid, point[None])[0] * min(speed, rate * left)
+        )
+
+    def around(self, obstacles: Sequence[Shape], *, position: ArrayLike | None = None) -> Policy:
+        """The policy for the same goal among other obstacles, which may have moved.
+
+        At first order and single precision.
+
+        Args:
+            obstacles: shapes in the demonstrations' frame, instead of those so far.
+            position: (d,) of the tool: the field is marched no farther than to there, which on
+                a demonstrated way takes tens of milliseconds, and the policy holds for the way from
+                there. None: for the whole map; the first call marches all of it, further ones
+                where obstacles have come or gone.
+
+        Raises:
+            InvalidInput: if one is no shape, or the position is of another shape or outside the
+                grid.
+            NoPath: for a goal in an obstacle, or a position that the goal cannot be reached from.
+        """
+        shapes = check_shapes(obstacles)
+        if position is None:
+            return replace(self, arrival=self._surroundings.repaired(shapes))
+        point = check.array(position, "position", shape=(self.grid.dimensions,))
+        if not self.grid.contains(point[None])[0]:
+            raise InvalidInput(f"position: expected a point inside the grid, got {point}")
+        if self.gate is not None and self._is_at(self.gate, point):
+            point = point + _PAST_GATE * self.gate.thickness * self.gate.normal
+        return replace(self, arrival=self._surroundings.until(shapes, point))
+
+    def _is_at(self, gate: Gate, point: Float64Array) -> bool:
+        """Whether a point's cell, or one that a look at the field needs, belongs to the gate."""
+        return bool(gate.holds(point - np.outer([0.0, 1.0], self.grid.spacing * gate.normal)).any())
 
 
-def field_to(
+def policy_to(
     known: Sequence[Experience], goal: Float64Array, obstacles: Sequence[Shape], scales: Scales
-) -> tuple[Grid, Float64Array]:
-    """The field of a wave that starts at a goal, in the map of all demonstrations.
+) -> Policy:
+    """The policy to a goal in the map of all demonstrations.
 
     There is room in it for a tool that was pushed away.
 
@@ -77,9 +191,6 @@ def field_to(
         goal: (d,).
         obstacles: shapes in the same frame.
         scales: of the map.
-
-    Returns:
-        The grid, and arrival times in its cells.
 
     Raises:
         InvalidInput: if the goal lies outside a workspace that was set.
@@ -94,8 +205,22 @@ def field_to(
     speed = experience_map(
         grid, paths, area_of_influence=scales.radius, saturation=scales.saturation
     )
-    speed = hindered(speed, grid, obstacles, scales)
-    cell = grid.cells_of(goal[None])
-    if speed[tuple(cell[0])] == 0.0:
-        raise NoPath(f"goal: {goal} lies in an obstacle", reason="goal_in_wall")
-    return grid, arrival_times(speed, cell, spacing=grid.spacing)
+    gate = gate_at(known, goal, grid, scales)
+    if gate is not None:
+        goal = gate.goal
+        speed[_cells_in(gate, grid)] = 0.0
+    surroundings = Surroundings(grid, speed, goal, scales)
+    arrival = surroundings.arrival(obstacles)
+    return Policy(grid, arrival, goal, Paces(known), scales.radius, gate, surroundings)
+
+
+def _cells_in(gate: Gate, grid: Grid) -> tuple[np.ndarray, ...]:
+    """Indices of the cells whose centres lie in a gate."""
+    reach = gate.width + gate.thickness
+    corners = grid.coordinates(np.stack([gate.middle - reach, gate.middle + reach]))
+    low = np.maximum(np.floor(corners[0]).astype(int), 0)
+    high = np.minimum(np.ceil(corners[1]).astype(int) + 1, grid.shape)
+    cells = np.stack(np.meshgrid(*map(np.arange, low, high), indexing="ij"), axis=-1)
+    cells = cells.reshape(-1, grid.dimensions)
+    inside = gate.holds(grid.points_at(cells.astype(np.float64)))
+    return tuple(cells[inside].T)

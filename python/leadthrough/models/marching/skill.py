@@ -25,7 +25,7 @@ from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.extent import grid_over
 from leadthrough.models.marching.hindrance import hindered
 from leadthrough.models.marching.live_map import LiveMap, live_model
-from leadthrough.models.marching.policy import Policy, field_to
+from leadthrough.models.marching.policy import Policy, policy_to
 from leadthrough.models.marching.preview import Preview
 from leadthrough.models.marching.query import Query, query_of, split
 from leadthrough.models.marching.route import Route
@@ -308,8 +308,10 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
     ) -> Policy:
         """A policy for a goal, among obstacles; what it needs is computed here, once.
 
-        It goes by the map of all demonstrations, at their mean speed, slower near the goal. Where
-        they cross themselves it takes the short cut: a place does not tell how far the task is.
+        It goes by the map of all demonstrations, at the speed that they teach at each place. Where
+        they cross themselves it takes the short cut: a place does not tell how far the task is. A
+        motion that returns to its start goes round and ends four cells before it. While obstacles
+        move, `policy.around(obstacles)` repairs the field.
 
         Args:
             goal: (d,), by default the centroid of the demonstrations' goals.
@@ -321,10 +323,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
         """
         self._dimensions()
         asked = self.query(goal=goal, obstacles=obstacles)
-        scales = self._map_scales
-        grid, arrival = field_to(self._all, asked.goal, asked.obstacles, scales)
-        pace = float(np.mean([each.length / each.duration for each in self._all]))
-        return Policy(grid, arrival, asked.goal, pace, scales.radius)
+        return policy_to(self._all, asked.goal, asked.obstacles, self._map_scales)
 
     def parameters(
         self,
