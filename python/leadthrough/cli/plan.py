@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,6 +13,9 @@ from leadthrough.cli import options
 if TYPE_CHECKING:
     from leadthrough.models.protocol import Place, Skill
     from leadthrough.motion import JointTrajectory, Motion
+
+# Standard deviations of the demonstrated ends from which on an end is new.
+_NOVEL = 3.0
 
 
 def plan(
@@ -72,6 +76,7 @@ def plan(
     # What a skill has no say in is left out, so that it need not refuse it.
     asked = {name: value for name, value in asked.items() if value is not None}
     robots.refuse_without(robot, limits=limits, base=base, tip=tip, posture=posture)
+    _warn_of_novelty(learned, asked)
     with tables.busy("planning"):
         motion = learned.generate(dt=dt, **asked)
         if robot is not None:
@@ -100,6 +105,26 @@ def _end(
     if moved is not None:
         return parse.moved(moved, learned.generate(), index, f"--move-{name}")
     return None
+
+
+def _warn_of_novelty(learned: Skill, asked: dict[str, Any]) -> None:
+    """Says on stderr which end lies far from those that the skill was shown."""
+    novelty = getattr(learned, "novelty", None)
+    if novelty is None:
+        return
+    ends: list[str] = [name for name in ("start", "goal") if name in asked]
+    far: dict[str, float] = {name: novelty(**{name: asked[name]}) for name in ends}
+    # Either may be usual by itself, and not both at once.
+    if len(ends) == 2 and max(far.values()) < _NOVEL:
+        far = {"start and goal together": novelty(**{name: asked[name] for name in ends})}
+    for name, deviations in far.items():
+        if deviations >= _NOVEL:
+            print(
+                f"warning: {name}: {deviations:.3g} standard deviations from what was "
+                "demonstrated, so the motion there is a guess; check it before an arm moves, "
+                "choose a nearer one or add a demonstration of it",
+                file=sys.stderr,
+            )
 
 
 def _joints(

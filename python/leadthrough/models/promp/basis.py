@@ -34,11 +34,13 @@ class Basis:
         count: number of functions, k.
         width: standard deviation of the Gaussian and rhythmic functions, in spacings of their
             centres; B-splines ignore it.
+        margin: how far the first and the last Gaussian centre lie outside [0, 1], in spacings.
     """
 
     kind: BasisKind
     count: int
     width: float = 1.0
+    margin: float = 1.0
 
     @property
     def is_rhythmic(self) -> bool:
@@ -63,11 +65,11 @@ class Basis:
 
     @cached_property
     def centres(self) -> Float64Array:
-        """Centres (k,) of the functions; the outermost two Gaussian ones lie outside [0, 1]."""
+        """Centres (k,) of the functions."""
         if self.is_rhythmic:
             return np.asarray(np.arange(self.count) / self.count)
         if self.kind == "gaussian":
-            return np.asarray((np.arange(self.count) - 1.0) / (self.count - 3.0))
+            return np.asarray((np.arange(self.count) - self.margin) / self._spacings)
         knots = self._spline.t
         means = [float(knots[i + 1 : i + 1 + _DEGREE].mean()) for i in range(self.count)]
         return np.asarray(means)
@@ -93,4 +95,9 @@ class Basis:
         """One over the variance of a Gaussian function, or a von Mises one's concentration."""
         if self.is_rhythmic:
             return (self.count / (2.0 * np.pi * self.width)) ** 2
-        return ((self.count - 3.0) / self.width) ** 2
+        return (self._spacings / self.width) ** 2
+
+    @property
+    def _spacings(self) -> float:
+        """How many spacings of Gaussian centres the motion is long."""
+        return self.count - 1.0 - 2.0 * self.margin

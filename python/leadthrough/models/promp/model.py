@@ -33,6 +33,11 @@ from leadthrough.motion import Motion, MotionT, normalised_times
 
 Estimator: TypeAlias = Literal["least_squares", "em"]
 
+# Margins of the basis: of files which do not say, and of fewer functions than these, which cannot
+# be spared outside the motion.
+_EARLIER_MARGIN, _LEAST_MARGIN = 1.0, 0.25
+_FEW = 15
+
 
 @dataclass(frozen=True)
 class ProMP:
@@ -49,6 +54,10 @@ class ProMP:
             or "em", which weighs noisy samples against each other and takes demonstrations of only
             a part of the motion.
         regularization: cost of a wiggle of a least-squares curve relative to that of an error, > 0.
+        margin: how far the outermost Gaussian functions lie beyond the ends of the motion, in
+            spacings of the centres, 0 to 1. The less, the finer is the detail that as many
+            functions resolve; the more, the smoother is the motion at its ends. By default 1, and
+            0.25 for fewer than 15 functions.
 
     Raises:
         InvalidInput: if a setting is out of range.
@@ -59,6 +68,7 @@ class ProMP:
     width: float = 1.0
     estimator: Estimator = "least_squares"
     regularization: float = 1e-5
+    margin: float | None = None
 
     def __post_init__(self) -> None:
         check.integer(self.weights, "weights", at_least=LEAST, at_most=10_000)
@@ -66,6 +76,8 @@ class ProMP:
         check.number(self.width, "width", at_least=0.3, at_most=3.0)
         check.choice(self.estimator, "estimator", get_args(Estimator))
         check.number(self.regularization, "regularization", above=0.0)
+        if self.margin is not None:
+            check.number(self.margin, "margin", at_least=0.0, at_most=1.0)
 
     def fit(
         self,
@@ -152,15 +164,18 @@ def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> ProMPSkill
 
 
 def _model_of(settings: dict[str, Any]) -> ProMP:
-    """The model in a file; one of version 0.1 has only its basis, in three entries."""
+    """The model in a file; the earliest ones have only its basis, in three entries."""
     if "model" in settings:
-        return ProMP(**settings["model"])
+        return ProMP(**{"margin": _EARLIER_MARGIN, **settings["model"]})
     count, width = int(settings["count"]), float(settings.get("width", ProMP.width))
-    return ProMP(weights=count, basis=settings["basis"], width=width)
+    return ProMP(weights=count, basis=settings["basis"], width=width, margin=_EARLIER_MARGIN)
 
 
 def _basis_of(model: ProMP) -> Basis:
-    return Basis(model.basis, model.weights, float(model.width))
+    margin = model.margin
+    if margin is None:
+        margin = _EARLIER_MARGIN if model.weights >= _FEW else _LEAST_MARGIN
+    return Basis(model.basis, model.weights, float(model.width), float(margin))
 
 
 def _checked_phases(

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+import leadthrough as lt
 from leadthrough.models.promp.basis import KINDS, Basis
+from leadthrough.models.promp.model import from_archive
 
 PHASES = np.linspace(0.0, 1.0, 301)
 
@@ -46,3 +48,36 @@ def test_straight_lines_are_not_rough():
     for kind in ("bspline", "gaussian"):
         line = np.linspace(-1.0, 2.0, 12)
         assert line @ Basis(kind, 12).roughness @ line == pytest.approx(0.0, abs=1e-12)
+
+
+def in_the_peers_layout(count):
+    """movement_primitives' functions: all centres inside, their overlap 0.7."""
+    centres = np.linspace(0.0, 1.0, count)
+    variance = -1.0 / (8.0 * count**2 * np.log(0.7))
+    rows = np.exp(-((PHASES[:, None] - centres) ** 2) / (2.0 * variance))
+    return rows / rows.sum(axis=1, keepdims=True)
+
+
+@pytest.mark.parametrize("count", [6, 10, 14])
+@pytest.mark.parametrize("length", [0.3, 0.15, 0.1])
+def test_as_few_functions_resolve_as_much_as_the_peers(length, count):
+    rng = np.random.default_rng(0)
+    gaps = (PHASES[:, None] - PHASES) / length
+    root = np.linalg.cholesky(np.exp(-0.5 * gaps**2) + 1e-9 * np.eye(len(PHASES)))
+    drawn = np.einsum("ij,mjk->mik", root, rng.normal(size=(20, len(PHASES), 7)))
+    curves = (root @ rng.normal(size=(len(PHASES), 7))) + 0.2 * drawn
+    skill = lt.ProMP(weights=count).fit([lt.JointTrajectory(PHASES, each) for each in curves])
+    rows = in_the_peers_layout(count)
+    theirs = rows @ np.linalg.pinv(rows) @ curves.mean(axis=0) - curves.mean(axis=0)
+    ours = skill.distribution(PHASES)[0] - curves.mean(axis=0)
+    assert np.sqrt((ours**2).mean()) <= np.sqrt((theirs**2).mean())
+
+
+def test_files_without_a_margin_have_the_one_of_their_time():
+    shown = [lt.Trajectory(PHASES, np.column_stack([PHASES, PHASES**2]))]
+    skill = lt.ProMP(weights=8, margin=1.0).fit(shown)
+    settings, arrays = skill.to_archive()
+    settings["model"].pop("margin")
+    again = from_archive(settings, arrays)
+    np.testing.assert_array_equal(again.generate().positions, skill.generate().positions)
+    assert lt.ProMP(weights=8).fit(shown).basis.centres[0] == pytest.approx(-0.25 / 6.5)

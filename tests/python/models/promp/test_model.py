@@ -22,7 +22,7 @@ def test_mean_and_spread_are_those_of_the_demonstrations(shown):
 
 @pytest.mark.parametrize("count", [6, 60])
 def test_known_distribution_is_recovered_as_well_as_by_the_sample_covariance(count):
-    basis, size = Basis("gaussian", 8), 2
+    basis, size = Basis("gaussian", 8, margin=0.25), 2
     truth = smooth_prior(basis, np.array([0.3, 0.5]))
     u = np.linspace(0.0, 1.0, 60)
     rows = np.kron(np.eye(size), basis(u))

@@ -1,0 +1,51 @@
+"""`leadthrough plan`: warnings about what was not demonstrated."""
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import leadthrough as lt
+from leadthrough import cli
+
+U = np.linspace(0.0, 1.0, 60)
+
+
+@pytest.fixture
+def skill(tmp_path, monkeypatch):
+    """A file with a skill whose starts deviate by 0.1 m along y, and the goals with them."""
+    monkeypatch.chdir(tmp_path)
+    shown = [
+        lt.Trajectory(2.0 * U, np.column_stack([U, y + 0.0 * U, 0.3 * U**2]))
+        for y in (-0.1, 0.0, 0.1)
+    ]
+    lt.ProMP().fit(shown).save("skill.npz")
+    return "skill.npz"
+
+
+def stderr_of(*words):
+    result = CliRunner().invoke(cli.app, ["plan", *words, "-o", "motion.csv"])
+    assert result.exit_code == 0, result.output
+    return result.stderr
+
+
+def test_an_end_three_deviations_off_is_warned_of(skill):
+    assert "warning" not in stderr_of(skill)
+    assert "warning" not in stderr_of(skill, "--move-start=0,0.2,0")
+    said = stderr_of(skill, "--move-goal=0,0.8,0", "--move-start=0,0.1,0")
+    assert "goal" in said and "standard deviations" in said and "demonstration" in said
+    assert "warning: start" not in said
+    deviations = float(said.split("goal: ")[1].split()[0])
+    expected = lt.load_skill(skill).novelty(goal=(1.0, 0.8, 0.3))
+    assert deviations == pytest.approx(expected, rel=0.01)
+    assert deviations >= 3.0
+
+
+def test_ends_that_were_never_shown_together_are_warned_of(skill):
+    said = stderr_of(skill, "--move-start=0,0.25,0", "--move-goal=0,-0.25,0")
+    assert "warning: start and goal together" in said
+
+
+def test_skills_without_a_distribution_do_not_warn(skill, tmp_path):
+    motion = lt.load_skill(skill).generate()
+    lt.DMP().fit([motion]).save("dmp.npz")
+    assert "warning" not in stderr_of("dmp.npz", "--move-goal=0,0.5,0")
