@@ -21,7 +21,7 @@ using dmp::Chart;
 using dmp::Course;
 using dmp::Curve;
 using dmp::Forces;
-using dmp::Offsets;
+using dmp::Path;
 using dmp::Turn;
 using dmp::Vector;
 using VectorIn = Eigen::Ref<const Vector>;
@@ -38,10 +38,10 @@ struct PointState {
 
 struct PoseState : PointState {
   std::shared_ptr<Curve> curve;
-  Offsets offsets;
+  std::shared_ptr<Path> offset;
 
   so3::Quaternion orientation() const {
-    return dmp::orientation_at(*curve, offsets, state.phase, state.value.tail<3>());
+    return dmp::orientation_at(*curve, *offset, state.phase, state.value.tail<3>());
   }
 
   // An array that owns its numbers is made quicker than one that refers to a matrix.
@@ -53,9 +53,15 @@ struct PoseState : PointState {
   }
 
   Turn turn() const {
-    return dmp::turn_at(*curve, offsets, state.phase, state.value.tail<3>(), state.slope.tail<3>());
+    return dmp::turn_at(*curve, *offset, state.phase, state.value.tail<3>(), state.slope.tail<3>());
   }
 };
+
+// Callers of before: offsets of both ends.
+std::shared_ptr<Path> between(const so3::Vector3& first, const so3::Vector3& last) {
+  if (first.isZero(0.0) && last.isZero(0.0)) return std::make_shared<Path>();
+  return std::make_shared<Path>(dmp::minimum_jerk(first, last));
+}
 
 Canonical canonical_of(bool rhythmic) {
   return rhythmic ? Canonical::kRhythmic : Canonical::kDiscrete;
@@ -67,12 +73,40 @@ std::shared_ptr<Forces> make_forces(const RowsIn& nodes, const VectorIn& fade, d
   return std::make_shared<Forces>(Forces{nodes, fade, rate, canonical_of(rhythmic)});
 }
 
+Path path_of(const VectorIn& breaks, const RowsIn& coefficients) {
+  require(breaks.size() >= 2 && coefficients.rows() == 6 * (breaks.size() - 1));
+  return {breaks, coefficients};
+}
+
+std::shared_ptr<Path> make_path(const VectorIn& breaks, const RowsIn& coefficients) {
+  return std::make_shared<Path>(path_of(breaks, coefficients));
+}
+
+Vector first_of(const Path& path) { return path.coefficients.row(0); }
+
+// A value of a path of rotation vectors; an empty one is at 0.
+Vector offset_at(const Path& path, Vector (*value)(const Path&)) {
+  return path.empty() ? Vector(Vector::Zero(3)) : value(path);
+}
+
+Path corrected(const Path& path, double phase, double until, const VectorIn& value,
+               const VectorIn& slope, const VectorIn& shift) {
+  require(phase < until && value.size() == shift.size() && slope.size() == shift.size());
+  require(path.empty() || path.coefficients.cols() == shift.size());
+  return dmp::superposed(path, {phase, until, value, slope, shift});
+}
+
 std::shared_ptr<Course> make_course(const VectorIn& breaks, const RowsIn& coefficients,
                                     const VectorIn& gain, const VectorIn& drive) {
   const Eigen::Index channels = coefficients.cols();
-  require(breaks.size() >= 2 && coefficients.rows() == 6 * (breaks.size() - 1));
   require(gain.size() == channels && drive.size() == channels);
-  return std::make_shared<Course>(Course{breaks, coefficients, gain, drive});
+  return std::make_shared<Course>(Course{path_of(breaks, coefficients), gain, drive});
+}
+
+Course corrected_course(const Course& course, double phase, double until, const VectorIn& value,
+                        const VectorIn& slope, const VectorIn& shift) {
+  return {corrected(course.reference, phase, until, value, slope, shift), course.gain,
+          course.drive};
 }
 
 std::shared_ptr<Curve> make_curve(const Eigen::Ref<const so3::Quaternions>& controls,
@@ -88,24 +122,22 @@ std::shared_ptr<Curve> make_curve(const Eigen::Ref<const so3::Quaternions>& cont
 
 PointState make_point_state(std::shared_ptr<Course> course, const VectorIn& value,
                             const VectorIn& slope, double phase, double duration) {
-  require(value.size() == course->coefficients.cols() && slope.size() == value.size());
+  require(value.size() == course->reference.coefficients.cols() && slope.size() == value.size());
   return {std::move(course), {value, slope, phase}, duration};
 }
 
 PoseState make_pose_state(std::shared_ptr<Course> course, const VectorIn& value,
                           const VectorIn& slope, double phase, double duration,
-                          std::shared_ptr<Curve> curve, const so3::Vector3& start_offset,
-                          const so3::Vector3& goal_offset) {
-  require(value.size() == 6);
-  return {make_point_state(std::move(course), value, slope, phase, duration),
-          std::move(curve),
-          {start_offset, goal_offset}};
+                          std::shared_ptr<Curve> curve, std::shared_ptr<Path> offset) {
+  require(value.size() == 6 && (offset->empty() || offset->coefficients.cols() == 3));
+  return {make_point_state(std::move(course), value, slope, phase, duration), std::move(curve),
+          std::move(offset)};
 }
 
 py::tuple rollout(const Forces& forces, const Course& course, const VectorIn& value,
                   const VectorIn& slope, const VectorIn& phases) {
   const Eigen::Index channels = forces.nodes.cols();
-  require(course.coefficients.cols() == channels && value.size() == channels &&
+  require(course.reference.coefficients.cols() == channels && value.size() == channels &&
           slope.size() == channels && phases.size() >= 1);
   dmp::Rollout result;
   {
@@ -125,7 +157,7 @@ Vector push_of(const PoseState& state, const VectorIn& acceleration) {
   Vector push = state.duration * state.duration * acceleration;
   if (push.size() == 6 && !push.tail<3>().isZero(0.0))
     push.tail<3>() =
-        dmp::coordinate_push(*state.curve, state.offsets, state.state.phase,
+        dmp::coordinate_push(*state.curve, *state.offset, state.state.phase,
                              state.state.value.tail<3>(), so3::Vector3(push.tail<3>()));
   return push;
 }
@@ -187,7 +219,7 @@ py::tuple rollout_around(const Forces& forces, const Course& course,
                          const dmp::Surroundings& surroundings, const VectorIn& value,
                          const VectorIn& slope, const VectorIn& phases) {
   const Eigen::Index channels = forces.nodes.cols();
-  require(course.coefficients.cols() == channels && value.size() == channels &&
+  require(course.reference.coefficients.cols() == channels && value.size() == channels &&
           slope.size() == channels && phases.size() >= 1 && fits(surroundings, channels));
   dmp::Passage result;
   {
@@ -210,21 +242,19 @@ State step_around(const State& before, const Forces& forces, double dt,
   return after;
 }
 
-so3::Quaternions orientations(const Curve& curve, const so3::Vector3& start_offset,
-                              const so3::Vector3& goal_offset, const VectorIn& phases,
+so3::Quaternions orientations(const Curve& curve, const Path& offset, const VectorIn& phases,
                               const RowsIn& values) {
   require(phases.size() == values.rows() && values.cols() >= 3);
   const py::gil_scoped_release release;
-  return dmp::orientations_at(curve, {start_offset, goal_offset}, phases, values);
+  return dmp::orientations_at(curve, offset, phases, values);
 }
 
 // Value and slope of the coordinates of an orientation and its angular velocity per phase.
-py::tuple coordinates(const Curve& curve, const so3::Vector3& start_offset,
-                      const so3::Vector3& goal_offset, double phase,
+py::tuple coordinates(const Curve& curve, const Path& offset, double phase,
                       const so3::Quaternion& orientation, const so3::Vector3& velocity,
                       const so3::Vector3& near) {
   const dmp::Coordinates result =
-      dmp::coordinates_of(curve, {start_offset, goal_offset}, phase, {orientation, velocity}, near);
+      dmp::coordinates_of(curve, offset, phase, {orientation, velocity}, near);
   return py::make_tuple(result.value, result.slope);
 }
 
@@ -249,12 +279,23 @@ void bind_dmp(py::module_& module) {
   py::class_<Forces, std::shared_ptr<Forces>>(module, "DmpForces")
       .def(py::init(&make_forces), py::arg("nodes").noconvert(), py::arg("fade").noconvert(),
            py::arg("rate"), py::arg("rhythmic"));
+  py::class_<Path, std::shared_ptr<Path>>(module, "DmpPath")
+      .def(py::init<>())
+      .def(py::init(&make_path), py::arg("breaks").noconvert(), py::arg("coefficients").noconvert())
+      .def_property_readonly("start", [](const Path& p) { return offset_at(p, &first_of); })
+      .def_property_readonly("end", [](const Path& p) { return offset_at(p, &dmp::end_of); })
+      .def("superposed", &corrected, py::arg("phase"), py::arg("until"),
+           py::arg("value").noconvert(), py::arg("slope").noconvert(),
+           py::arg("shift").noconvert());
   py::class_<Course, std::shared_ptr<Course>>(module, "DmpCourse")
       .def(py::init(&make_course), py::arg("breaks").noconvert(),
            py::arg("coefficients").noconvert(), py::arg("gain").noconvert(),
            py::arg("drive").noconvert())
-      .def_readonly("breaks", &Course::breaks)
-      .def_readonly("coefficients", &Course::coefficients)
+      .def_property_readonly("breaks", [](const Course& c) { return c.reference.breaks; })
+      .def_property_readonly("coefficients",
+                             [](const Course& c) { return c.reference.coefficients; })
+      .def("superposed", &corrected_course, py::arg("phase"), py::arg("until"),
+           py::arg("value").noconvert(), py::arg("slope").noconvert(), py::arg("shift").noconvert())
       .def_readonly("gain", &Course::gain)
       .def_readonly("drive", &Course::drive);
   py::class_<Curve, std::shared_ptr<Curve>>(module, "DmpCurve")
@@ -280,15 +321,30 @@ void bind_dmp(py::module_& module) {
   py::class_<PoseState> pose(module, "PoseState");
   pose.def(py::init(&make_pose_state), py::arg("course"), py::arg("value").noconvert(),
            py::arg("slope").noconvert(), py::arg("phase"), py::arg("duration"), py::arg("curve"),
-           py::arg("start_offset").noconvert(), py::arg("goal_offset").noconvert())
+           py::arg("offset"))
+      .def(py::init([](std::shared_ptr<Course> course, const VectorIn& value, const VectorIn& slope,
+                       double phase, double duration, std::shared_ptr<Curve> curve,
+                       const so3::Vector3& first, const so3::Vector3& last) {
+        return make_pose_state(std::move(course), value, slope, phase, duration, std::move(curve),
+                               between(first, last));
+      }))
       .def_property_readonly(
           "position", [](const PoseState& s) { return so3::Vector3(s.state.value.head<3>()); })
       .def_property_readonly(
           "velocity",
           [](const PoseState& s) { return so3::Vector3(s.state.slope.head<3>() / s.duration); })
       .def_property_readonly("curve", [](const PoseState& s) { return s.curve; })
-      .def_property_readonly("start_offset", [](const PoseState& s) { return s.offsets.start; })
-      .def_property_readonly("goal_offset", [](const PoseState& s) { return s.offsets.goal; })
+      .def_property_readonly("offset", [](const PoseState& s) { return s.offset; })
+      .def_property_readonly("start_offset",
+                             [](const PoseState& s) -> so3::Vector3 {
+                               if (s.offset->empty()) return so3::Vector3::Zero();
+                               return s.offset->coefficients.row(0).transpose();
+                             })
+      .def_property_readonly("goal_offset",
+                             [](const PoseState& s) -> so3::Vector3 {
+                               if (s.offset->empty()) return so3::Vector3::Zero();
+                               return dmp::end_of(*s.offset);
+                             })
       .def_property_readonly("orientation", &PoseState::orientation)
       .def_property_readonly("pose", &PoseState::pose)
       .def_property_readonly("angular_velocity", [](const PoseState& s) {
@@ -304,13 +360,22 @@ void bind_dmp(py::module_& module) {
              py::arg("phases").noconvert());
   module.def("dmp_offset", &dmp::offset_between, py::arg("wanted").noconvert(),
              py::arg("shown").noconvert(), py::arg("near").noconvert());
-  module.def("dmp_orientations", &orientations, py::arg("curve"),
-             py::arg("start_offset").noconvert(), py::arg("goal_offset").noconvert(),
+  module.def("dmp_orientations", &orientations, py::arg("curve"), py::arg("offset"),
              py::arg("phases").noconvert(), py::arg("values").noconvert());
-  module.def("dmp_coordinates", &coordinates, py::arg("curve"), py::arg("start_offset").noconvert(),
-             py::arg("goal_offset").noconvert(), py::arg("phase"),
+  module.def("dmp_coordinates", &coordinates, py::arg("curve"), py::arg("offset"), py::arg("phase"),
              py::arg("orientation").noconvert(), py::arg("velocity").noconvert(),
              py::arg("near").noconvert());
+  module.def("dmp_orientations",
+             [](const Curve& curve, const so3::Vector3& first, const so3::Vector3& last,
+                const VectorIn& phases, const RowsIn& values) {
+               return orientations(curve, *between(first, last), phases, values);
+             });
+  module.def("dmp_coordinates",
+             [](const Curve& curve, const so3::Vector3& first, const so3::Vector3& last,
+                double phase, const so3::Quaternion& orientation, const so3::Vector3& velocity,
+                const so3::Vector3& near) {
+               return coordinates(curve, *between(first, last), phase, orientation, velocity, near);
+             });
 }
 
 }  // namespace leadthrough

@@ -38,16 +38,7 @@ Vector3d in_space(const Vector& channels, Eigen::Index dimensions) {
   return result;
 }
 
-Vector start_of(const Course& course) { return course.coefficients.row(0); }
-
-Vector end_of(const Course& course) {
-  const Eigen::Index last = course.breaks.size() - 2;
-  const double length = 1.0 - course.breaks[last];
-  Vector result = course.coefficients.row(6 * last + 5);
-  for (Eigen::Index power = 4; power >= 0; --power)
-    result = (result * length + course.coefficients.row(6 * last + power).transpose()).eval();
-  return result;
-}
+Vector start_of(const Course& course) { return course.reference.coefficients.row(0); }
 
 // Across a unit vector, away from the middle; as long as 1.
 Vector3d sideways(const Vector3d& direction, const Vector3d& to_middle) {
@@ -128,7 +119,8 @@ class Guard {
     senses_.reserve(surroundings.obstacles.size());
     for (const Obstacle& obstacle : surroundings.obstacles)
       senses_.push_back(sense_of_passing(obstacle.shape, in_space(start_of(course), dimensions_),
-                                         in_space(end_of(course), dimensions_), dimensions_));
+                                         in_space(end_of(course.reference), dimensions_),
+                                         dimensions_));
   }
 
   // Adds to the push; returns whether it did.

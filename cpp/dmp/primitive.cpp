@@ -25,22 +25,13 @@ void with_channels(Eigen::Index channels, const Work& work) {
 // Of a number that is not negative and far below 2^63; quicker than std::floor.
 double floored(double x) { return static_cast<double>(static_cast<std::int64_t>(x)); }
 
-// Phase since the break before it, and the coefficients that hold there.
-double place_in_piece(const Course& course, double phase, const double** coefficients) {
-  const double* first = course.breaks.data() + 1;
-  const Eigen::Index pieces = course.breaks.size() - 1;
-  const Eigen::Index piece = std::upper_bound(first, first + pieces - 1, phase) - first;
-  *coefficients = course.coefficients.data() + 6 * piece * course.coefficients.cols();
-  return std::min(phase, 1.0) - course.breaks[piece];
-}
-
 // Writes a state plus `sign` times r and dr/du to another, which may be the same.
 template <typename Channels>
-void add_reference(Channels channels, const Course& course, double phase, double sign,
+void add_reference(Channels channels, const Path& reference, double phase, double sign,
                    const State& from, State& to) {
   const double* c = nullptr;
-  const double s = place_in_piece(course, phase, &c);
-  const double slope_sign = phase < 1.0 ? sign : 0.0;
+  const double s = place_in_piece(reference, phase, &c);
+  const double slope_sign = phase < reference.end() ? sign : 0.0;
   for (Eigen::Index i = 0; i < channels; ++i) {
     double value = c[5 * channels + i];
     double slope = 0.0;
@@ -159,21 +150,22 @@ class Motion {
 void advance(const Forces& forces, const Course& course, const Vector& push, double span,
              State& state) {
   with_channels(state.value.size(), [&](auto channels) {
-    add_reference(channels, course, state.phase, -1.0, state, state);
+    add_reference(channels, course.reference, state.phase, -1.0, state, state);
     Motion(channels, forces, course, push).advance(state.phase, state.phase + span, state);
     state.phase += span;
-    add_reference(channels, course, state.phase, 1.0, state, state);
+    add_reference(channels, course.reference, state.phase, 1.0, state, state);
   });
 }
 
 void acceleration(const Forces& forces, const Course& course, const State& state, Vector& result) {
   const double* c = nullptr;
-  const double s = place_in_piece(course, state.phase, &c);
-  const Eigen::Index channels = course.coefficients.cols();
-  const bool moves = state.phase < 1.0;
+  const double s = place_in_piece(course.reference, state.phase, &c);
+  const Eigen::Index channels = course.reference.coefficients.cols();
+  const bool moves = state.phase < course.reference.end();
   const auto intervals = static_cast<double>(forces.nodes.rows() - 1);
-  const bool forced = moves || forces.canonical == Canonical::kRhythmic;
-  const double turn = moves ? 0.0 : std::floor(state.phase);
+  const bool rhythmic = forces.canonical == Canonical::kRhythmic;
+  const bool forced = state.phase < 1.0 || rhythmic;
+  const double turn = state.phase < 1.0 ? 0.0 : std::floor(state.phase);
   const double place = forced ? intervals * (state.phase - turn) : 0.0;
   const auto node = std::min(static_cast<Eigen::Index>(place), forces.nodes.rows() - 2);
   const double share = place - static_cast<double>(node);
@@ -202,10 +194,10 @@ Rollout rollout(const Forces& forces, const Course& course, State state,
   with_channels(state.value.size(), [&](auto channels) {
     const Motion motion(channels, forces, course, no_push);
     State error = state;
-    add_reference(channels, course, phases[0], -1.0, state, error);
+    add_reference(channels, course.reference, phases[0], -1.0, state, error);
     for (Eigen::Index n = 0; n < count; ++n) {
       if (n > 0) motion.advance(phases[n - 1], phases[n], error);
-      add_reference(channels, course, phases[n], 1.0, error, state);
+      add_reference(channels, course.reference, phases[n], 1.0, error, state);
       result.values.row(n) = state.value;
       result.slopes.row(n) = state.slope;
     }

@@ -9,11 +9,9 @@
 // f is piecewise linear over even phases, and every step is the exact solution: stable, and the
 // same motion, however long the steps are. Ijspeert et al. 2013, eq. 2.1.
 
-#include "base/matrix.hpp"
+#include "dmp/path.hpp"
 
 namespace leadthrough::dmp {
-
-using Vector = Eigen::VectorXd;
 
 enum class Canonical { kDiscrete, kRhythmic };  // beyond phase 1 there is no force, or it repeats
 
@@ -27,10 +25,9 @@ struct Forces {
 
 // What a query makes of it.
 struct Course {
-  Vector breaks;      // (pieces + 1), from 0 to 1; beyond 1 the reference rests
-  Rows coefficients;  // (6 pieces, channels), of the powers 0 to 5 of u - breaks[piece]
-  Vector gain;        // (channels), multiplies the learned force
-  Vector drive;       // (channels), multiplies the fade, which is added to the force
+  Path reference;  // r, from phase 0, or from where it was changed last
+  Vector gain;     // (channels), multiplies the learned force
+  Vector drive;    // (channels), multiplies the fade, which is added to the force
 };
 
 struct State {

@@ -71,20 +71,21 @@ struct Progress {
   double share, speed;
 };
 
-Progress minimum_jerk(double phase) {
-  const double u = std::clamp(phase, 0.0, 1.0);
-  const double rest = 1.0 - u;
-  return {u * u * u * (10.0 + u * (6.0 * u - 15.0)), 30.0 * u * u * rest * rest};
-}
-
 template <typename Product>
-void turn_by_offsets(const Offsets& offsets, double phase, Product& product) {
-  const Vector3 difference = offsets.goal - offsets.start;
-  if (difference.isZero(0.0) && offsets.start.isZero(0.0)) return;
-  const Progress s = minimum_jerk(phase);
-  const Vector3 vector = offsets.start + s.share * difference;
-  product.times(so3::exp(vector),
-                [&]() -> Vector3 { return so3::left_jacobian(vector) * (s.speed * difference); });
+void turn_by_offset(const Path& offset, double phase, Product& product) {
+  if (offset.empty()) return;
+  const double* c = nullptr;
+  const double s = place_in_piece(offset, phase, &c);
+  Vector3 vector = Eigen::Map<const Vector3>(c + 15);
+  Vector3 slope = Vector3::Zero();
+  for (Eigen::Index power = 4; power >= 0; --power) {
+    slope = slope * s + vector;
+    vector = vector * s + Eigen::Map<const Vector3>(c + 3 * power);
+  }
+  const bool moves = phase < offset.end();
+  product.times(so3::exp(vector), [&]() -> Vector3 {
+    return moves ? Vector3(so3::left_jacobian(vector) * slope) : Vector3(Vector3::Zero());
+  });
 }
 
 // The place on the curve. Beyond phase 1 it stands, or runs on.
@@ -135,9 +136,9 @@ void turn_by_coordinates(Chart chart, const Vector3& value, const Vector3& slope
 }
 
 template <typename Product>
-Product reference(const Curve& curve, const Offsets& offsets, double phase) {
+Product reference(const Curve& curve, const Path& offset, double phase) {
   Product product;
-  turn_by_offsets(offsets, phase, product);
+  turn_by_offset(offset, phase, product);
   turn_along(curve, phase, product);
   return product;
 }
@@ -193,16 +194,16 @@ Vector3 offset_between(const Quaternion& wanted, const Quaternion& shown, const 
   return nearest_log(turn, near);
 }
 
-Turn turn_at(const Curve& curve, const Offsets& offsets, double phase, const Vector3& value,
+Turn turn_at(const Curve& curve, const Path& offset, double phase, const Vector3& value,
              const Vector3& slope) {
-  Moving product = reference<Moving>(curve, offsets, phase);
+  Moving product = reference<Moving>(curve, offset, phase);
   turn_by_coordinates(curve.chart, value, slope, product);
   return product.turn;
 }
 
-Coordinates coordinates_of(const Curve& curve, const Offsets& offsets, double phase,
-                           const Turn& turn, const Vector3& near) {
-  const Turn base = reference<Moving>(curve, offsets, phase).turn;
+Coordinates coordinates_of(const Curve& curve, const Path& offset, double phase, const Turn& turn,
+                           const Vector3& near) {
+  const Turn base = reference<Moving>(curve, offset, phase).turn;
   const Quaternion back = so3::inverse(base.orientation);
   const Quaternion relative = so3::compose(back, turn.orientation);
   const Vector3 value = curve.chart == Chart::kRotationVector ? nearest_log(relative, near)
@@ -210,29 +211,29 @@ Coordinates coordinates_of(const Curve& curve, const Offsets& offsets, double ph
   return {value, slope_of(curve.chart, value, rotate(back, turn.velocity - base.velocity))};
 }
 
-Vector3 coordinate_push(const Curve& curve, const Offsets& offsets, double phase,
-                        const Vector3& value, const Vector3& angular) {
-  const Quaternion base = reference<Still>(curve, offsets, phase).orientation;
+Vector3 coordinate_push(const Curve& curve, const Path& offset, double phase, const Vector3& value,
+                        const Vector3& angular) {
+  const Quaternion base = reference<Still>(curve, offset, phase).orientation;
   return slope_of(curve.chart, value, rotate(so3::inverse(base), angular));
 }
 
-Quaternion orientation_at(const Curve& curve, const Offsets& offsets, double phase,
+Quaternion orientation_at(const Curve& curve, const Path& offset, double phase,
                           const Vector3& value) {
-  Still product = reference<Still>(curve, offsets, phase);
+  Still product = reference<Still>(curve, offset, phase);
   turn_by_coordinates(curve.chart, value, Vector3::Zero(), product);
   // Rounding has left it so near to unit length that one step of Newton's makes it that.
   const double excess = product.orientation.squaredNorm() - 1.0;
   return product.orientation * (1.0 - 0.5 * excess);
 }
 
-so3::Quaternions orientations_at(const Curve& curve, const Offsets& offsets,
+so3::Quaternions orientations_at(const Curve& curve, const Path& offset,
                                  const Eigen::Ref<const Vector>& phases,
                                  const Eigen::Ref<const Rows>& values) {
   so3::Quaternions result(phases.size(), 4);
   Quaternion previous = Quaternion::Zero();
   for (Eigen::Index n = 0; n < phases.size(); ++n) {
     const Vector3 value = values.row(n).tail<3>();
-    const Quaternion q = orientation_at(curve, offsets, phases[n], value);
+    const Quaternion q = orientation_at(curve, offset, phases[n], value);
     previous = q.dot(previous) < 0.0 ? Quaternion(-q) : q;
     result.row(n) = previous;
   }

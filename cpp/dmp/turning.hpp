@@ -1,12 +1,13 @@
 #pragma once
 
 // Orientations of a pose primitive. Three of its channels are coordinates e of a rotation relative
-// to a curve G that turns with the demonstration; offsets of start and goal turn the whole:
+// to a curve G that turns with the demonstration; an offset turns the whole:
 //
-//   q(u) = exp((1 - s(u)) start + s(u) goal) G(c(u)) E(e)
+//   q(u) = exp(offset(u)) G(c(u)) E(e)
 //
-// s is the minimum-jerk blend. G is a cumulative cubic B-spline (Kim, Kim and Shin 1995, "A general
-// construction scheme for unit quaternion curves with simple high order derivatives"), C2 in c.
+// The offset is a path of rotation vectors in the base frame; an empty one turns nothing. G is a
+// cumulative cubic B-spline (Kim, Kim and Shin 1995, "A general construction scheme for unit
+// quaternion curves with simple high order derivatives"), C2 in c.
 
 #include "dmp/primitive.hpp"
 #include "rotation/so3.hpp"
@@ -24,17 +25,13 @@ struct Curve {
   Canonical canonical;
 };
 
-struct Offsets {
-  so3::Vector3 start, goal;  // rotation vectors, base frame
-};
-
 // The rotation vector that turns `shown` into `wanted`, of those, 2 pi apart on a line, the one
 // nearest to `near`; near 0, the shortest. Half a turn is about the axis whose first coordinate
 // that is not 0 is positive.
 so3::Vector3 offset_between(const so3::Quaternion& wanted, const so3::Quaternion& shown,
                             const so3::Vector3& near);
 
-so3::Quaternion orientation_at(const Curve& curve, const Offsets& offsets, double phase,
+so3::Quaternion orientation_at(const Curve& curve, const Path& offset, double phase,
                                const so3::Vector3& value);
 
 // A rotation and its angular velocity in the base frame, per unit of phase.
@@ -43,22 +40,22 @@ struct Turn {
   so3::Vector3 velocity;
 };
 
-Turn turn_at(const Curve& curve, const Offsets& offsets, double phase, const so3::Vector3& value,
+Turn turn_at(const Curve& curve, const Path& offset, double phase, const so3::Vector3& value,
              const so3::Vector3& slope);
 
 // Coordinates of a turn, of the logarithms of a rotation the one nearest to `near`.
 struct Coordinates {
   so3::Vector3 value, slope;
 };
-Coordinates coordinates_of(const Curve& curve, const Offsets& offsets, double phase,
-                           const Turn& turn, const so3::Vector3& near);
+Coordinates coordinates_of(const Curve& curve, const Path& offset, double phase, const Turn& turn,
+                           const so3::Vector3& near);
 
 // The acceleration of the coordinates that an angular acceleration in the base frame makes.
-so3::Vector3 coordinate_push(const Curve& curve, const Offsets& offsets, double phase,
+so3::Vector3 coordinate_push(const Curve& curve, const Path& offset, double phase,
                              const so3::Vector3& value, const so3::Vector3& angular);
 
 // One row a phase, sign-continuous. The last three columns of the values are the coordinates.
-so3::Quaternions orientations_at(const Curve& curve, const Offsets& offsets,
+so3::Quaternions orientations_at(const Curve& curve, const Path& offset,
                                  const Eigen::Ref<const Vector>& phases,
                                  const Eigen::Ref<const Rows>& values);
 

@@ -376,6 +376,24 @@ class DmpForces:
         self, nodes: Float64Array, fade: Float64Array, rate: float, rhythmic: bool
     ) -> None: ...
 
+class DmpPath:
+    @overload
+    def __init__(self) -> None: ...
+    @overload
+    def __init__(self, breaks: Float64Array, coefficients: Float64Array) -> None: ...
+    @property
+    def start(self) -> Float64Array: ...
+    @property
+    def end(self) -> Float64Array: ...
+    def superposed(
+        self,
+        phase: float,
+        until: float,
+        value: Float64Array,
+        slope: Float64Array,
+        shift: Float64Array,
+    ) -> DmpPath: ...
+
 class DmpCourse:
     def __init__(
         self,
@@ -392,6 +410,14 @@ class DmpCourse:
     def gain(self) -> Float64Array: ...
     @property
     def drive(self) -> Float64Array: ...
+    def superposed(
+        self,
+        phase: float,
+        until: float,
+        value: Float64Array,
+        slope: Float64Array,
+        shift: Float64Array,
+    ) -> DmpCourse: ...
 
 class DmpCurve:
     def __init__(
@@ -460,8 +486,7 @@ class PoseState:
         phase: float,
         duration: float,
         curve: DmpCurve,
-        start_offset: Float64Array,
-        goal_offset: Float64Array,
+        offset: DmpPath,
     ) -> None: ...
     @property
     def course(self) -> DmpCourse: ...
@@ -476,9 +501,7 @@ class PoseState:
     @property
     def curve(self) -> DmpCurve: ...
     @property
-    def start_offset(self) -> Float64Array: ...
-    @property
-    def goal_offset(self) -> Float64Array: ...
+    def offset(self) -> DmpPath: ...
     def coast(self, forces: DmpForces, dt: float) -> PoseState: ...
     def tick(self, forces: DmpForces, dt: float) -> PoseState | None: ...
     def pushed(self, forces: DmpForces, dt: float, acceleration: Float64Array) -> PoseState: ...
@@ -518,15 +541,13 @@ def dmp_rollout_around(
 def dmp_offset(wanted: Float64Array, shown: Float64Array, near: Float64Array) -> Float64Array: ...
 def dmp_orientations(
     curve: DmpCurve,
-    start_offset: Float64Array,
-    goal_offset: Float64Array,
+    offset: DmpPath,
     phases: Float64Array,
     values: Float64Array,
 ) -> Float64Array: ...
 def dmp_coordinates(
     curve: DmpCurve,
-    start_offset: Float64Array,
-    goal_offset: Float64Array,
+    offset: DmpPath,
     phase: float,
     orientation: Float64Array,
     velocity: Float64Array,

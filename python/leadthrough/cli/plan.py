@@ -37,7 +37,10 @@ def plan(
         str | None, typer.Option(help="Offset of the goal, in the form of --move-start.")
     ] = None,
     duration: Annotated[
-        float | None, typer.Option(help="Duration, in s; by default the demonstrated one.")
+        float | None,
+        typer.Option(
+            help="Duration, in s; by default the demonstrated one, or what the skill needs."
+        ),
     ] = None,
     dt: Annotated[float, typer.Option(help="Time between samples, in s.")] = 0.01,
     obstacle: options.Obstacles = None,
@@ -89,6 +92,8 @@ def plan(
         "start": motion.positions[0].tolist(),
         "goal": motion.positions[-1].tolist(),
     }
+    if reason := _lengthened(learned, asked):
+        found["lengthened"] = reason
     tables.facts(found, as_json=as_json)
 
 
@@ -125,6 +130,22 @@ def _warn_of_novelty(learned: Skill, asked: dict[str, Any]) -> None:
                 "choose a nearer one or add a demonstration of it",
                 file=sys.stderr,
             )
+
+
+def _lengthened(learned: Skill, asked: dict[str, Any]) -> str | None:
+    """Why a primitive takes longer than demonstrated, if it does."""
+    from leadthrough.models.dmp.primitive import Primitive
+
+    if not isinstance(learned, Primitive) or "duration" in asked:
+        return None
+    ends = {name: asked[name] for name in ("start", "goal") if name in asked}
+    needed = learned.default_duration(**ends)
+    if needed == learned.duration:
+        return None
+    return (
+        f"from {learned.duration:.4g} to {needed:.4g} s, so that the moved start or goal does not "
+        "make the motion more than 1.3 times as fast as demonstrated; --duration sets another"
+    )
 
 
 def _joints(

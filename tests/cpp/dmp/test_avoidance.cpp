@@ -17,9 +17,9 @@ Obstacle obstacle_of(ShapeKind kind) {
 const Forces kStill{Rows::Zero(2, 3), Vector::Zero(2), 12.5, Canonical::kDiscrete};
 
 Course straight() {
-  Course course{Vector(2), Rows::Zero(6, 3), Vector::Ones(3), Vector::Zero(3)};
-  course.breaks << 0, 1;
-  course.coefficients.col(0) << 0, 0, 0, 10, -15, 6;
+  Course course{{Vector(2), Rows::Zero(6, 3)}, Vector::Ones(3), Vector::Zero(3)};
+  course.reference.breaks << 0, 1;
+  course.reference.coefficients.col(0) << 0, 0, 0, 10, -15, 6;
   return course;
 }
 

@@ -18,10 +18,10 @@ Forces wavy(Canonical canonical) {
 
 // From (0, 1) to (1, 1) with a reference that moves, a gain and a drive.
 Course busy() {
-  Course course{Vector(2), Rows::Zero(6, 2), Vector(2), Vector(2)};
-  course.breaks << 0, 1;
-  course.coefficients.col(0) << 0, 0, 0, 10, -15, 6;
-  course.coefficients(0, 1) = 1.0;
+  Course course{{Vector(2), Rows::Zero(6, 2)}, Vector(2), Vector(2)};
+  course.reference.breaks << 0, 1;
+  course.reference.coefficients.col(0) << 0, 0, 0, 10, -15, 6;
+  course.reference.coefficients(0, 1) = 1.0;
   course.gain << 1.0, -0.5;
   course.drive << 3.0, 0.0;
   return course;
@@ -94,7 +94,7 @@ TEST(Dmp, AConstantPushMovesTheRestByPushOverStiffness) {
 
 TEST(Dmp, RhythmicMotionRepeats) {
   const Forces forces = wavy(Canonical::kRhythmic);
-  Course centre{busy().breaks, Rows::Zero(6, 2), Vector::Ones(2), Vector::Zero(2)};
+  Course centre{{busy().reference.breaks, Rows::Zero(6, 2)}, Vector::Ones(2), Vector::Zero(2)};
   State state = rest();
   advance(forces, centre, Vector::Zero(2), 5.0, state);
   const State before = state;
@@ -103,10 +103,10 @@ TEST(Dmp, RhythmicMotionRepeats) {
 }
 
 TEST(Dmp, PiecesOfAReferenceJoin) {
-  Course course{Vector(3), Rows::Zero(12, 1), Vector::Ones(1), Vector::Zero(1)};
-  course.breaks << 0, 0.5, 1;
-  course.coefficients(1, 0) = 2.0;  // from 0 to 1 at even speed
-  course.coefficients(6, 0) = 1.0;  // then rest
+  Course course{{Vector(3), Rows::Zero(12, 1)}, Vector::Ones(1), Vector::Zero(1)};
+  course.reference.breaks << 0, 0.5, 1;
+  course.reference.coefficients(1, 0) = 2.0;  // from 0 to 1 at even speed
+  course.reference.coefficients(6, 0) = 1.0;  // then rest
   const Forces still{Rows::Zero(2, 1), Vector::Zero(2), kRate, Canonical::kDiscrete};
   const Vector phases = Vector::LinSpaced(5, 0.0, 1.0);
   const Rollout result =

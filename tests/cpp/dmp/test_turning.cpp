@@ -31,7 +31,8 @@ Curve winding(Chart chart, Canonical canonical = Canonical::kDiscrete) {
   return curve;
 }
 
-const Offsets kOffsets{Vector3(0.3, -0.2, 0.9), Vector3(-0.5, 1.0, 0.1)};
+const Vector3 kLast(-0.5, 1.0, 0.1);
+const Path kOffset = minimum_jerk(Vector3(0.3, -0.2, 0.9), kLast);
 const Vector3 kValue(0.3, 0.5, -0.2);
 const Vector3 kSlope(1.0, -2.0, 0.5);
 
@@ -40,11 +41,11 @@ TEST(Turning, VelocityIsTheDerivativeOfTheOrientation) {
     const Curve curve = winding(chart);
     for (const double phase : {0.01, 0.37, 0.5, 0.93}) {
       constexpr double kStep = 1e-6;
-      const Turn turn = turn_at(curve, kOffsets, phase, kValue, kSlope);
+      const Turn turn = turn_at(curve, kOffset, phase, kValue, kSlope);
       const Quaternion before =
-          orientation_at(curve, kOffsets, phase - kStep, kValue - kStep * kSlope);
+          orientation_at(curve, kOffset, phase - kStep, kValue - kStep * kSlope);
       const Quaternion after =
-          orientation_at(curve, kOffsets, phase + kStep, kValue + kStep * kSlope);
+          orientation_at(curve, kOffset, phase + kStep, kValue + kStep * kSlope);
       const Vector3 rate = so3::log(so3::compose(after, so3::inverse(before))) / (2.0 * kStep);
       EXPECT_LT((rate - turn.velocity).norm(), 1e-4) << phase;
     }
@@ -57,7 +58,7 @@ TEST(Turning, CurveIsSmoothWhereItsPiecesJoin) {
   for (int piece = 1; piece < 24; ++piece) {
     const double join = piece / 24.0;
     const auto velocity = [&](double phase) {
-      return turn_at(curve, kOffsets, phase, zero, zero).velocity;
+      return turn_at(curve, kOffset, phase, zero, zero).velocity;
     };
     constexpr double kStep = 1e-5;
     EXPECT_LT((velocity(join + 1e-9) - velocity(join - 1e-9)).norm(), 1e-5);
@@ -70,8 +71,8 @@ TEST(Turning, CurveIsSmoothWhereItsPiecesJoin) {
 TEST(Turning, CoordinatesComeBack) {
   for (const Chart chart : {Chart::kRotationVector, Chart::kZyz}) {
     const Curve curve = winding(chart);
-    const Turn turn = turn_at(curve, kOffsets, 0.4, kValue, kSlope);
-    const Coordinates back = coordinates_of(curve, kOffsets, 0.4, turn, kValue);
+    const Turn turn = turn_at(curve, kOffset, 0.4, kValue, kSlope);
+    const Coordinates back = coordinates_of(curve, kOffset, 0.4, turn, kValue);
     EXPECT_LT((back.value - kValue).norm(), 1e-9);
     EXPECT_LT((back.slope - kSlope).norm(), 1e-8);
   }
@@ -80,14 +81,14 @@ TEST(Turning, CoordinatesComeBack) {
 TEST(Turning, NearestCoordinatesCountTurns) {
   const Curve curve = winding(Chart::kRotationVector);
   const Vector3 long_way = kValue * (1.0 + 4.0 * kPi / kValue.norm());
-  const Turn turn = turn_at(curve, kOffsets, 0.4, kValue, kSlope);
-  const Coordinates back = coordinates_of(curve, kOffsets, 0.4, turn, long_way);
+  const Turn turn = turn_at(curve, kOffset, 0.4, kValue, kSlope);
+  const Coordinates back = coordinates_of(curve, kOffset, 0.4, turn, long_way);
   EXPECT_LT((back.value - long_way).norm(), 1e-9);
 }
 
 TEST(Turning, ShortAndLongCoordinatesAgreeWithTheExponential) {
   const Curve curve = winding(Chart::kRotationVector);
-  const Offsets none{Vector3::Zero(), Vector3::Zero()};
+  const Path none;
   const Quaternion base = orientation_at(curve, none, 0.2, Vector3::Zero());
   for (const double angle : {0.0, 1e-9, 0.1, 0.529, 0.5291, 0.53, 2.0, 9.0}) {
     const Vector3 vector = angle * Vector3(2.0, -1.0, 2.0) / 3.0;
@@ -99,12 +100,12 @@ TEST(Turning, ShortAndLongCoordinatesAgreeWithTheExponential) {
 TEST(Turning, StandsAfterTheEndOrGoesRoundAgain) {
   const Vector3 zero = Vector3::Zero();
   const Curve once = winding(Chart::kRotationVector);
-  const Turn end = turn_at(once, kOffsets, 1.0, zero, zero);
-  const Turn later = turn_at(once, kOffsets, 7.5, zero, zero);
+  const Turn end = turn_at(once, kOffset, 1.0, zero, zero);
+  const Turn later = turn_at(once, kOffset, 7.5, zero, zero);
   EXPECT_EQ(end.orientation, later.orientation);
   EXPECT_EQ(later.velocity, zero);
   const Curve round = winding(Chart::kRotationVector, Canonical::kRhythmic);
-  const Offsets same{kOffsets.goal, kOffsets.goal};
+  const Path same = minimum_jerk(kLast, kLast);
   EXPECT_LT(so3::distance(orientation_at(round, same, 0.25, zero),
                           orientation_at(round, same, 3.25, zero)),
             1e-12);

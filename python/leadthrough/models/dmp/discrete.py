@@ -9,8 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar, Generic, cast
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
@@ -21,14 +23,13 @@ from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.dmp.constraints import Constraints, check_constraints
 from leadthrough.models.dmp.kernels import MOST_WEIGHTS, enough_weights
 from leadthrough.models.dmp.mean_motion import mean_motion
+from leadthrough.models.dmp.pace import JOINTS, MOVING, Part
 from leadthrough.models.dmp.primitive import Primitive, take_settings
+from leadthrough.models.dmp.progress import Progress, progress_of, speeds_of
 from leadthrough.models.dmp.query import (
     Via,
     check_channels,
-    check_duration,
-    course_through,
     ends_of,
-    with_goal,
 )
 from leadthrough.models.dmp.refit import weights_of
 from leadthrough.models.dmp.regression import REGRESSIONS, fit
@@ -133,7 +134,8 @@ class DMPSkill(Primitive[DMP, _core.PointState], Generic[MotionT_co]):
         Args:
             start: (d,), by default as demonstrated.
             goal: (d,), by default as demonstrated.
-            duration: s, > 0, by default the demonstrations'.
+            duration: s, > 0, by default `default_duration`: the demonstrations', or longer where a
+                moved start or goal would make the motion more than 1.3 times as fast.
             dt: s, > 0, upper bound of the sampling step; the motion does not depend on it.
             obstacles: in the demonstrations' frame; a drawing of two dimensions lies in the plane
                 z = 0.
@@ -178,7 +180,7 @@ class DMPSkill(Primitive[DMP, _core.PointState], Generic[MotionT_co]):
                 f"final_velocity: the form {self.model.form!r} ends at rest; leave it out, or fit "
                 'with the form "blended"'
             )
-        total = check_duration(duration, self.duration)
+        total = self._duration(duration, start, goal)
         ends = ends_of(
             self.springs.ends,
             start=start,
@@ -187,7 +189,7 @@ class DMPSkill(Primitive[DMP, _core.PointState], Generic[MotionT_co]):
             final_velocity=final_velocity,
             duration=total,
         )
-        course = course_through(self.springs, ends, via, count=len(ends.start))
+        course = self._course(ends, via, count=len(ends.start))
         return _core.PointState(course, ends.start, ends.start_slope, 0.0, total)
 
     def step(
@@ -249,6 +251,22 @@ class DMPSkill(Primitive[DMP, _core.PointState], Generic[MotionT_co]):
         settings = {**asdict(self.model), **self._settings(), "joint_names": names}
         return settings, self.springs.arrays()
 
+    @cached_property
+    def progress(self) -> Progress:
+        """How far each channel has come at each phase, in replay."""
+        speeds = speeds_of(self._shown.velocities)
+        return progress_of(np.repeat(speeds[:, None], len(self.springs.ends.start), axis=1))
+
+    @cached_property
+    def _shown(self) -> Part:
+        values, slopes = self._replayed()
+        extent = float(np.linalg.norm(values - values[0], axis=1).max())
+        return Part(MOVING if self.joint_names is None else JOINTS, slopes, extent)
+
+    def _lengthening(self, state: _core.PointState) -> float:
+        _, slopes = self._looked_at(state)
+        return self._shown.lengthening(slopes, self.duration)
+
     def _motion(
         self, duration: float, phases: Float64Array, positions: Float64Array, slopes: Float64Array
     ) -> Trajectory | JointTrajectory:
@@ -274,7 +292,9 @@ class DMPSkill(Primitive[DMP, _core.PointState], Generic[MotionT_co]):
         return check_channels(coupling, "coupling", len(self.springs.ends.goal))
 
     def _redirected(self, state: _core.PointState, goal: Place) -> _core.PointState:
-        return with_goal(self.springs, state, goal)
+        wanted = check_channels(goal, "goal", len(self.springs.ends.goal))
+        course = self._course_to(state, wanted)
+        return _core.PointState(course, state.value, state.slope, state.phase, state.duration)
 
     def _moved(self, state: _core.PointState, measured: Place) -> _core.PointState:
         value = check_channels(measured, "measured", len(self.springs.ends.goal))

@@ -9,26 +9,35 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+from leadthrough import _core, check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.models import archive
 from leadthrough.models.demonstrated import Demonstrations
-from leadthrough.models.dmp import springs, turning
+from leadthrough.models.dmp import turning
 from leadthrough.models.dmp.constraints import Constraints, check_constraints
 from leadthrough.models.dmp.kernels import MOST_WEIGHTS, enough_weights
 from leadthrough.models.dmp.mean_motion import mean_motion
+from leadthrough.models.dmp.pace import (
+    COARSE_PHASES,
+    MOVING,
+    PHASES,
+    TURNING,
+    Part,
+    pose_progress,
+    spins_of,
+)
 from leadthrough.models.dmp.primitive import Primitive, take_settings
+from leadthrough.models.dmp.progress import Progress, corrected_until
 from leadthrough.models.dmp.query import (
     Via,
     as_pose,
     check_channels,
-    check_duration,
-    course_through,
     ends_of,
     pose_acceleration,
 )
@@ -42,10 +51,9 @@ from leadthrough.models.place import Place
 from leadthrough.motion import Motion, PoseTrajectory, computed
 from leadthrough.shapes import Shape
 
-Offsets = tuple[Float64Array, Float64Array]
-
 _FORM = "blended"
 _NOTHING = np.zeros(3)
+_SAME_TURN = 1e-12  # rad; a goal turned by less than this is the one before
 
 
 @dataclass(frozen=True)
@@ -138,7 +146,8 @@ class PoseDMPSkill(Primitive[PoseDMP, _core.PoseState]):
             start: a position (3,), or (position (3,), orientation (4,)); what is left out is as
                 demonstrated.
             goal: as start.
-            duration: s, > 0, by default the demonstrations'.
+            duration: s, > 0, by default `default_duration`: the demonstrations', or longer where a
+                moved start or goal would make the tool move or turn more than 1.3 times as fast.
             dt: s, > 0, upper bound of the sampling step; the motion does not depend on it.
             obstacles: in the demonstrations' frame; the position keeps clear of them, the
                 orientation does not take them into account.
@@ -162,12 +171,11 @@ class PoseDMPSkill(Primitive[PoseDMP, _core.PoseState]):
             final_velocity=final_velocity,
         )
         phases, values, _ = self._rolled(state, step, constraints)
-        offsets = state.start_offset, state.goal_offset
         return computed(
             PoseTrajectory,
             times=state.duration * phases,
             positions=values[:, :3].copy(),
-            orientations=self.turning.orientations(phases, values, offsets),
+            orientations=self.turning.orientations(phases, values, state.offset),
             events=self._events(state.duration),
         )
 
@@ -182,7 +190,7 @@ class PoseDMPSkill(Primitive[PoseDMP, _core.PoseState]):
         final_velocity: ArrayLike | None = None,
     ) -> _core.PoseState:
         """The state at the start, for `step`; arguments and errors as in `generate`."""
-        total = check_duration(duration, self.duration)
+        total = self._duration(duration, start, goal)
         first, first_turned = as_pose(start, "start")
         last, last_turned = as_pose(goal, "goal")
         positions = ends_of(
@@ -193,11 +201,11 @@ class PoseDMPSkill(Primitive[PoseDMP, _core.PoseState]):
             final_velocity=final_velocity,
             duration=total,
         )
-        turned, offsets = self._turned_ends(first_turned, last_turned)
+        turned, offset = self._turned_ends(first_turned, last_turned)
         ends = positions.joined(turned)
-        course = course_through(self.springs, ends, via, count=3)
+        course = self._course(ends, via, count=3)
         state = _core.PoseState(
-            course, ends.start, ends.start_slope, 0.0, total, self.turning.curve, *offsets
+            course, ends.start, ends.start_slope, 0.0, total, self.turning.curve, offset
         )
         as_demonstrated = first_turned is None and last_turned is None
         return state if as_demonstrated else self._without_spin(state)
@@ -261,19 +269,49 @@ class PoseDMPSkill(Primitive[PoseDMP, _core.PoseState]):
 
     def _turned_ends(
         self, start: Float64Array | None, goal: Float64Array | None
-    ) -> tuple[Ends, Offsets]:
-        """Ends of the orientation's coordinates, and the offsets of the curve."""
+    ) -> tuple[Ends, _core.DmpPath]:
+        """Ends of the orientation's coordinates, and the offset of the curve."""
         learned, known = self.springs.ends.part(slice(3, 6)), self.turning
         if start is None and goal is None:
-            return learned, (_NOTHING, _NOTHING)
+            return learned, _core.DmpPath()
         first = known.start if start is None else start
         last = known.goal if goal is None else goal
-        offsets = known.offsets(first, last)
+        offset = self._offset(*known.offsets(first, last))
         if known.representation == "anchored":
-            return learned, offsets
-        at_start, _ = known.coordinates(first, phase=0.0, offsets=offsets, near=learned.start)
-        at_goal, _ = known.coordinates(last, phase=1.0, offsets=offsets, near=learned.goal)
-        return replace(learned, start=at_start, goal=at_goal), offsets
+            return learned, offset
+        at_start, _ = known.coordinates(first, phase=0.0, offset=offset, near=learned.start)
+        at_goal, _ = known.coordinates(last, phase=1.0, offset=offset, near=learned.goal)
+        return replace(learned, start=at_start, goal=at_goal), offset
+
+    def _offset(self, first: Float64Array, last: Float64Array) -> _core.DmpPath:
+        """The path between offsets (3,) of the curve, by the orientation's own progress."""
+        if not (first.any() or last.any()):
+            return _core.DmpPath()
+        turning = self.progress.part(slice(3, 6))
+        return _core.DmpPath(turning.breaks, turning.shift(first, last))
+
+    @cached_property
+    def progress(self) -> Progress:
+        """How far each channel has come at each phase, in replay."""
+        return pose_progress(*self._shown)
+
+    @cached_property
+    def _shown(self) -> tuple[Part, Part]:
+        """The position and the orientation, as replayed."""
+        values, slopes = self._replayed()
+        q = self.turning.orientations(PHASES, values)
+        moved = float(np.linalg.norm(values[:, :3] - values[0, :3], axis=1).max())
+        turned = float(rotations.distance(q, np.repeat(q[:1], len(q), axis=0)).max())
+        return Part(MOVING, slopes[:, :3], moved), Part(TURNING, spins_of(q), turned)
+
+    def _lengthening(self, state: _core.PoseState) -> float:
+        values, slopes = self._looked_at(state)
+        spins = spins_of(self.turning.orientations(COARSE_PHASES, values, state.offset))
+        moving, turning = self._shown
+        return max(
+            moving.lengthening(slopes[:, :3], self.duration),
+            turning.lengthening(spins, self.duration),
+        )
 
     def _constraints(
         self, obstacles: Sequence[Shape], limits: tuple[ArrayLike, ArrayLike] | None
@@ -286,35 +324,44 @@ class PoseDMPSkill(Primitive[PoseDMP, _core.PoseState]):
     def _redirected(self, state: _core.PoseState, goal: Place) -> _core.PoseState:
         position, turned = as_pose(goal, "goal")
         wanted = np.concatenate([check_channels(position, "goal", 3), self.springs.ends.goal[3:]])
+        known, before = self.turning, state.offset.end
         if turned is None:
-            course = springs.redirected(_FORM, state.course, wanted)
-            return self._with(state, course, state.value, state.slope)
-        old = state.start_offset, state.goal_offset
-        new = self.turning.offsets(self.turning.start, turned, near=old[1])
-        if self.turning.representation == "anchored":
-            new = old[0], new[1]
-        else:
-            at_goal, _ = self.turning.coordinates(turned, phase=1.0, offsets=new, near=wanted[3:])
-            wanted[3:] = at_goal
-        course = springs.redirected(_FORM, state.course, wanted)
-        value, slope = self._coordinates_of(state, state.orientation, new)
-        return self._without_spin(self._with(state, course, value, slope, new))
+            return self._with(state, self._course_to(state, wanted), state.value, state.slope)
+        _, last = known.offsets(known.start, turned, near=before)
+        if known.representation == "anchored":
+            course = self._course_to(state, wanted)
+            offset = self._offset_to(state, last - before)
+            return self._with(state, course, state.value, state.slope, offset)
+        offset = self._offset(last, last)
+        wanted[3:], _ = known.coordinates(turned, phase=1.0, offset=offset, near=wanted[3:])
+        value, slope = self._coordinates_of(state, state.orientation, offset)
+        jumps = value - state.value, slope - state.slope
+        course = self._course_to(state, wanted, *jumps)
+        return self._without_spin(self._with(state, course, value, slope, offset))
+
+    def _offset_to(self, state: _core.PoseState, shift: Float64Array) -> _core.DmpPath:
+        if np.abs(shift).max() <= _SAME_TURN:
+            return state.offset
+        if state.phase == 0.0:
+            return self._offset(state.offset.start, state.offset.end + shift)
+        until = corrected_until(state.phase, self.progress.end)
+        return state.offset.superposed(state.phase, until, _NOTHING, _NOTHING, shift)
 
     def _moved(self, state: _core.PoseState, measured: Place) -> _core.PoseState:
         position, turned = as_pose(measured, "measured")
         q = state.orientation if turned is None else turned
-        value, slope = self._coordinates_of(state, q, (state.start_offset, state.goal_offset))
+        value, slope = self._coordinates_of(state, q, state.offset)
         value[:3] = check_channels(position, "measured", 3)
         return self._without_spin(self._with(state, state.course, value, slope))
 
     def _coordinates_of(
-        self, state: _core.PoseState, orientation: Float64Array, offsets: Offsets
+        self, state: _core.PoseState, orientation: Float64Array, offset: _core.DmpPath
     ) -> tuple[Float64Array, Float64Array]:
-        """Value and slope (6,) of the state, with another orientation or under other offsets."""
+        """Value and slope (6,) of the state, with another orientation or under another offset."""
         e, e_slope = self.turning.coordinates(
             orientation,
             phase=state.phase,
-            offsets=offsets,
+            offset=offset,
             near=state.value[3:],
             velocity=state.angular_velocity * state.duration,
         )
@@ -326,12 +373,10 @@ class PoseDMPSkill(Primitive[PoseDMP, _core.PoseState]):
         course: _core.DmpCourse,
         value: Float64Array,
         slope: Float64Array,
-        offsets: Offsets | None = None,
+        offset: _core.DmpPath | None = None,
     ) -> _core.PoseState:
-        turned_by = offsets or (state.start_offset, state.goal_offset)
-        return _core.PoseState(
-            course, value, slope, state.phase, state.duration, state.curve, *turned_by
-        )
+        by = state.offset if offset is None else offset
+        return _core.PoseState(course, value, slope, state.phase, state.duration, state.curve, by)
 
     def _without_spin(self, state: _core.PoseState) -> _core.PoseState:
         """The same state. Raises UnsupportedQuery where "lifted" would spin from it to the end."""

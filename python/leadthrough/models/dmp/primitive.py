@@ -14,15 +14,21 @@ from leadthrough import _core, check, events
 from leadthrough.check import Float64Array
 from leadthrough.events import Event, Events
 from leadthrough.models.archive import Archived
+from leadthrough.models.dmp import springs
 from leadthrough.models.dmp.constraints import Constraints, roll, step_within
-from leadthrough.models.dmp.query import check_step
-from leadthrough.models.dmp.springs import Springs
+from leadthrough.models.dmp.pace import COARSE_PHASES, PHASES
+from leadthrough.models.dmp.progress import Progress, corrected_until
+from leadthrough.models.dmp.query import Via, check_duration, check_step, course_through
+from leadthrough.models.dmp.springs import Ends, Springs
 from leadthrough.models.even_times import even_phases
 from leadthrough.models.place import Place
 from leadthrough.models.protocol import Model
 from leadthrough.shapes import Shape
 
 ModelT = TypeVar("ModelT", bound=Model)
+# A goal nearer than this fraction of the motion's size to the one before is the same.
+_SAME_GOAL = 1e-13
+
 StateT = TypeVar("StateT", _core.PointState, _core.PoseState)
 
 
@@ -35,6 +41,97 @@ class Primitive(Archived, Generic[ModelT, StateT]):
     duration: float
     size: float
     events: tuple[Event, ...]
+
+    @property
+    @abstractmethod
+    def progress(self) -> Progress:
+        """How far each channel has come at each phase, in replay."""
+
+    @abstractmethod
+    def begin(
+        self,
+        *,
+        start: Place | None = None,
+        goal: Place | None = None,
+        duration: float | None = None,
+    ) -> StateT:
+        """The state at the start, for `step`."""
+
+    def default_duration(self, *, start: Place | None = None, goal: Place | None = None) -> float:
+        """How long a motion takes by default, s: as demonstrated, or longer.
+
+        A start or goal that is moved along the motion's own way makes the motion quicker. It then
+        takes as much longer as keeps the highest linear, angular or joint speed within 1.3 times
+        the demonstrated one. Speeds up to 0.05 m/s and 0.25 rad/s are never held back, and a tool
+        that was shown to move by less than 2 mm, or to turn by less than 0.05 rad, sets no pace
+        for that. The forms of the literature keep the demonstrated duration.
+
+        Args:
+            start: as in `generate`.
+            goal: as in `generate`.
+
+        Raises:
+            InvalidInput: if one is of another shape or range.
+        """
+        if (start is None and goal is None) or self.springs.form != "blended":
+            return self.duration
+        state = self.begin(start=start, goal=goal, duration=self.duration)
+        return self.duration * self._lengthening(state)
+
+    def _looked_at(self, state: StateT) -> tuple[Float64Array, Float64Array]:
+        """Values and slopes (n, channels) of the motion from a state on, at COARSE_PHASES."""
+        return _core.dmp_rollout(
+            self.springs.forces, state.course, state.value, state.slope, COARSE_PHASES
+        )
+
+    def _duration(self, duration: float | None, start: Place | None, goal: Place | None) -> float:
+        """The duration of a query, s. Raises InvalidInput."""
+        if duration is None:
+            return self.default_duration(start=start, goal=goal)
+        return check_duration(duration, self.duration)
+
+    def _course(self, ends: Ends, via: Via, *, count: int) -> _core.DmpCourse:
+        """The course between ends and through via points, of the first `count` channels."""
+        learned = self.springs
+        if learned.form != "blended" or ends.equal(learned.ends):
+            direct = springs.course(learned.form, ends)
+        else:
+            direct = springs.moved_course(learned.ends, ends, self.progress)
+        return course_through(learned, direct, ends, via, count=count)
+
+    def _course_to(
+        self,
+        state: StateT,
+        goal: Float64Array,
+        value: Float64Array | None = None,
+        slope: Float64Array | None = None,
+    ) -> _core.DmpCourse:
+        """The course of a state on its way to another goal (channels,).
+
+        Args:
+            state: so far.
+            goal: the new one.
+            value: jump (channels,) of the coordinates themselves, by default none.
+            slope: jump (channels,) of their slope.
+        """
+        before, form = state.course, self.springs.form
+        if form != "blended":
+            return springs.redirected(form, before, goal)
+        shift = goal - springs.end_of(before)
+        if value is None or slope is None:
+            if np.abs(shift).max() <= _SAME_GOAL * max(self.size, float(np.abs(goal).max())):
+                return before
+            if state.phase == 0.0:
+                return springs.shifted(before, self.progress, shift)
+            value = slope = np.zeros(len(shift))
+        until = corrected_until(state.phase, self.progress.end)
+        return before.superposed(state.phase, until, value, slope, shift)
+
+    def _replayed(self) -> tuple[Float64Array, Float64Array]:
+        """Values and slopes (n, channels) at PHASES, as demonstrated."""
+        ends = self.springs.ends
+        plain = springs.course(self.springs.form, ends)
+        return _core.dmp_rollout(self.springs.forces, plain, ends.start, ends.start_slope, PHASES)
 
     def _advanced(
         self,
@@ -86,6 +183,10 @@ class Primitive(Archived, Generic[ModelT, StateT]):
             "size": self.size,
             "events": events.to_plain(self.events),
         }
+
+    @abstractmethod
+    def _lengthening(self, state: StateT) -> float:
+        """The factor >= 1 by which the motion from a state at the start on must take longer."""
 
     @abstractmethod
     def _redirected(self, state: StateT, goal: Place) -> StateT:

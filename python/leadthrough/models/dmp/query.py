@@ -95,11 +95,14 @@ def ends_of(
     )
 
 
-def course_through(learned: Springs, ends: Ends, via: Via, *, count: int) -> _core.DmpCourse:
-    """The course from end to end through via points.
+def course_through(
+    learned: Springs, direct: _core.DmpCourse, ends: Ends, via: Via, *, count: int
+) -> _core.DmpCourse:
+    """A course made to pass via points.
 
     Args:
         learned: the springs.
+        direct: the course from end to end.
         ends: of all channels.
         via: (phase in (0, 1), point (count,)), in order.
         count: number of the first channels, which pass the via points.
@@ -107,7 +110,6 @@ def course_through(learned: Springs, ends: Ends, via: Via, *, count: int) -> _co
     Raises:
         InvalidInput: if via is not of this form.
     """
-    direct = springs.course(learned.form, ends)
     if not isinstance(via, Sequence):
         raise InvalidInput(f"via: expected a sequence of (phase, point), got {type(via).__name__}")
     if len(via) == 0:
@@ -117,14 +119,7 @@ def course_through(learned: Springs, ends: Ends, via: Via, *, count: int) -> _co
     values, _ = _core.dmp_rollout(learned.forces, direct, ends.start, ends.start_slope, asked)
     offsets = np.zeros_like(values[1:])
     offsets[:, :count] = points - values[1:, :count]
-    return springs.course(learned.form, ends, list(zip(phases, offsets, strict=True)))
-
-
-def with_goal(learned: Springs, state: _core.PointState, goal: Place) -> _core.PointState:
-    """The state of a point on its way to another goal (channels,). Raises InvalidInput."""
-    wanted = check_channels(goal, "goal", len(learned.ends.goal))
-    course = springs.redirected(learned.form, state.course, wanted)
-    return _core.PointState(course, state.value, state.slope, state.phase, state.duration)
+    return springs.with_via(direct, list(zip(phases, offsets, strict=True)))
 
 
 def _via(via: Via, count: int) -> tuple[Float64Array, Float64Array]:

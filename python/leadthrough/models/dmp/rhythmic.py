@@ -17,7 +17,7 @@ from leadthrough.models import archive
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.dmp import springs
 from leadthrough.models.dmp.cycle import mean_cycle
-from leadthrough.models.dmp.query import check_channels, with_goal
+from leadthrough.models.dmp.query import check_channels
 from leadthrough.models.dmp.refit import weights_of
 from leadthrough.models.dmp.regression import fit_rhythm
 from leadthrough.models.dmp.rhythm import (
@@ -169,7 +169,9 @@ class RhythmicDMPSkill(Rhythm[RhythmicDMP, _core.PointState], Generic[MotionT_co
         return JointTrajectory(times, positions, velocities, None, self.joint_names, happening)
 
     def _redirected(self, state: _core.PointState, goal: ArrayLike) -> _core.PointState:
-        return with_goal(self.springs, state, goal)
+        centre = check_channels(goal, "goal", len(self.springs.ends.goal))
+        course = springs.redirected(RHYTHMIC, state.course, centre)
+        return _core.PointState(course, state.value, state.slope, state.phase, state.duration)
 
     def _acceleration(self, coupling: ArrayLike) -> Float64Array:
         return check_channels(coupling, "coupling", len(self.springs.ends.goal))

@@ -117,8 +117,7 @@ class RhythmicPoseDMPSkill(Rhythm[RhythmicPoseDMP, _core.PoseState]):
         refuse_obstacles(obstacles)
         state = self.begin(start=start, goal=goal, period=period, amplitude=amplitude)
         times, values, _ = self._rolled(state, duration, dt)
-        offsets = state.start_offset, state.goal_offset
-        turned = self.turning.orientations(times / state.duration, values, offsets)
+        turned = self.turning.orientations(times / state.duration, values, state.offset)
         return PoseTrajectory(times, values[:, :3], turned, self._events(times, state.duration))
 
     def begin(
@@ -139,11 +138,12 @@ class RhythmicPoseDMPSkill(Rhythm[RhythmicPoseDMP, _core.PoseState]):
         )
         turned = self.turning.goal if centre_turned is None else centre_turned
         offsets = self.turning.offsets(turned if first_turned is None else first_turned, turned)
+        offset = _core.DmpPath(np.array([0.0, 1.0]), springs.between(*offsets))
         gain = np.repeat([scale, 1.0], 3)
         plain = springs.course(RHYTHMIC, ends)
         course = _core.DmpCourse(plain.breaks, plain.coefficients, gain, plain.drive)
         return _core.PoseState(
-            course, ends.start, ends.start_slope, 0.0, total, self.turning.curve, *offsets
+            course, ends.start, ends.start_slope, 0.0, total, self.turning.curve, offset
         )
 
     def step(
@@ -186,7 +186,7 @@ class RhythmicPoseDMPSkill(Rhythm[RhythmicPoseDMP, _core.PoseState]):
         return _core.PoseState(
             springs.redirected(RHYTHMIC, state.course, centre),
             *(state.value, state.slope, state.phase, state.duration),
-            *(state.curve, state.start_offset, state.goal_offset),
+            *(state.curve, state.offset),
         )
 
     def _acceleration(self, coupling: ArrayLike) -> Float64Array:

@@ -27,11 +27,10 @@ def refuse_spin(springs: Springs, turning: Turning, state: _core.PoseState) -> N
     """
     if state.phase >= 1.0:
         return
-    offsets = state.start_offset, state.goal_offset
     phases = np.linspace(state.phase, 1.0, _SAMPLES)
-    ahead = _angle(_orientations(springs, turning, state, phases, offsets))
+    ahead = _angle(_orientations(springs, turning, state, phases))
     least = turning.angle if state.phase == 0.0 else 0.0
-    allowed = _SPIN + max(float(np.linalg.norm(offset)) for offset in offsets)
+    allowed = _SPIN + float(np.linalg.norm(state.offset.end))
     if not least - allowed <= ahead <= turning.angle + allowed:
         raise UnsupportedQuery(
             f'orientation="lifted": from here to this goal it would turn by '
@@ -74,10 +73,9 @@ def _orientations(
     turning: Turning,
     state: _core.PoseState,
     phases: Float64Array,
-    offsets: tuple[Float64Array, Float64Array] | None = None,
 ) -> Float64Array:
     values, _ = _core.dmp_rollout(springs.forces, state.course, state.value, state.slope, phases)
-    return turning.orientations(phases, values, *([] if offsets is None else [offsets]))
+    return turning.orientations(phases, values, state.offset)
 
 
 def _angle(orientations: Float64Array) -> float:

@@ -21,7 +21,7 @@ start or goal is left with "hoffmann", whose canonical state ends at 1 %, and ne
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -31,13 +31,13 @@ from scipy.interpolate import PPoly, make_interp_spline
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.models.dmp.kernels import Kernels, discrete, rhythmic
-from leadthrough.trajectories.minimum_jerk import QUINTIC, quintic_coefficients
+from leadthrough.models.dmp.progress import Progress
+from leadthrough.trajectories.minimum_jerk import quintic_coefficients
 
 FORMS = ("blended", "hoffmann", "ijspeert")
 RHYTHMIC = "rhythmic"  # r is the centre of the motion, and the force repeats
 
 RATE = 12.5  # per unit of phase: alpha = 25, beta = 6.25
-_BLEND = np.append(np.zeros(3), QUINTIC[:, 0])  # minimum jerk from 0 to 1
 
 Via = Sequence[tuple[float, Float64Array]]
 
@@ -66,6 +66,11 @@ class Ends:
             self.start_slope[channels],
             self.goal_slope[channels],
         )
+
+    def equal(self, other: Ends) -> bool:
+        """Whether all values are those of others."""
+        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
+        return all(mine is theirs or np.array_equal(mine, theirs) for mine, theirs in pairs)
 
     def joined(self, other: Ends) -> Ends:
         """These channels followed by others."""
@@ -137,13 +142,12 @@ def tabulated(kernels: Kernels, weights: Float64Array | None = None) -> _core.Dm
     return _core.DmpForces(nodes, kernels.fade, RATE, kernels.rhythmic)
 
 
-def course(form: str, ends: Ends, via: Via = (), *, amplitude: float = 1.0) -> _core.DmpCourse:
-    """The course of a query: reference of every channel, gain of its force, and drive.
+def course(form: str, ends: Ends, *, amplitude: float = 1.0) -> _core.DmpCourse:
+    """The course between ends: reference of every channel, gain of its force, and drive.
 
     Args:
         form: one of FORMS, or RHYTHMIC.
         ends: where the channels begin and end.
-        via: (phase, offset (channels,)) from the motion without via points.
         amplitude: of a rhythm.
     """
     count = len(ends.goal)
@@ -157,19 +161,71 @@ def course(form: str, ends: Ends, via: Via = (), *, amplitude: float = 1.0) -> _
         drive = -(RATE**2) * (ends.goal - ends.start)
     elif form == "ijspeert":
         gain = ends.goal - ends.start
-    breaks, coefficients = _with_via(reference, via)
-    return _core.DmpCourse(breaks, coefficients, gain, drive)
+    return _core.DmpCourse(np.array([0.0, 1.0]), np.ascontiguousarray(reference), gain, drive)
+
+
+def moved_course(learned: Ends, ends: Ends, progress: Progress) -> _core.DmpCourse:
+    """The course of the form "blended" between other ends than those learned.
+
+    The learned one, shifted by (1 - c) of the start's offset and c of the goal's.
+
+    Args:
+        learned: the ends as demonstrated.
+        ends: those asked for.
+        progress: c.
+    """
+    start, goal = ends.start - learned.start, ends.goal - learned.goal
+    plain = minimum_jerk(replace(ends, start=learned.start, goal=learned.goal))
+    coefficients = progress.expanded(plain) + progress.shift(start, goal)
+    return _core.DmpCourse(progress.breaks, coefficients, np.ones_like(start), np.zeros_like(goal))
+
+
+def with_via(before: _core.DmpCourse, via: Via) -> _core.DmpCourse:
+    """A course with detours: the minimum-jerk spline through them, at rest and 0 at both ends.
+
+    Args:
+        before: the course without via points.
+        via: (phase, offset (channels,)) from its motion, at least one.
+    """
+    phases = np.array([0.0, *(phase for phase, _ in via), 1.0])
+    nothing = np.zeros(len(before.gain))
+    offsets = np.array([nothing, *(offset for _, offset in via), nothing])
+    rest = [(1, nothing), (2, nothing)]
+    detour = make_interp_spline(phases, offsets, k=5, bc_type=(rest, rest))
+    return _added(before, detour, phases)
+
+
+def shifted(before: _core.DmpCourse, progress: Progress, goal: Float64Array) -> _core.DmpCourse:
+    """A course whose goal is shifted before it has begun: the shift enters by the progress.
+
+    Args:
+        before: the course, from phase 0.
+        progress: of the channels.
+        goal: shift (channels,).
+    """
+    return _added(before, progress.scaled(goal), progress.breaks)
 
 
 def redirected(form: str, before: _core.DmpCourse, goal: Float64Array) -> _core.DmpCourse:
-    """The course with another goal (channels,); value and slope go on as they were."""
+    """The course with another goal (channels,), to which the springs lead at once.
+
+    Args:
+        form: of the literature, or RHYTHMIC.
+        before: the course so far.
+        goal: the goal, or the centre of a rhythm.
+    """
     shift = goal - end_of(before)
-    blend = _BLEND if form == "blended" else np.array([1.0, 0, 0, 0, 0, 0])
-    breaks = before.breaks
-    coefficients = before.coefficients + _expanded(np.outer(blend, shift), breaks)
+    coefficients = before.coefficients.copy()
+    coefficients[::6] += shift
     gain = before.gain + shift if form == "ijspeert" else before.gain
     drive = before.drive - RATE**2 * shift if form == "hoffmann" else before.drive
-    return _core.DmpCourse(breaks, coefficients, gain, drive)
+    return _core.DmpCourse(before.breaks, coefficients, gain, drive)
+
+
+def between(start: Float64Array, goal: Float64Array) -> Float64Array:
+    """Coefficients (6, channels) of the powers of u of the minimum-jerk motion between values."""
+    rest = np.zeros_like(start)
+    return np.ascontiguousarray(minimum_jerk(Ends(start, goal, rest, rest)))
 
 
 def minimum_jerk(ends: Ends) -> Float64Array:
@@ -177,25 +233,12 @@ def minimum_jerk(ends: Ends) -> Float64Array:
     return quintic_coefficients(ends.start, ends.goal, ends.start_slope, ends.goal_slope)
 
 
-def _with_via(reference: Float64Array, via: Via) -> tuple[Float64Array, Float64Array]:
-    """Breaks (pieces + 1,) and coefficients (6 pieces, channels) of a reference with detours.
-
-    The detour is the minimum-jerk spline through the offsets, at rest and 0 at both ends.
-    """
-    if not via:
-        return np.array([0.0, 1.0]), np.ascontiguousarray(reference)
-    phases = np.array([0.0, *(phase for phase, _ in via), 1.0])
-    nothing = np.zeros(reference.shape[1])
-    offsets = np.array([nothing, *(offset for _, offset in via), nothing])
-    rest = [(1, nothing), (2, nothing)]
-    spline = make_interp_spline(phases, offsets, k=5, bc_type=(rest, rest))
-    breaks = np.ascontiguousarray(phases)
-    return breaks, _taylor(spline, breaks) + _expanded(reference, breaks)
-
-
-def _expanded(polynomial: Float64Array, breaks: Float64Array) -> Float64Array:
-    """A polynomial (6, channels) about 0 as one about each break, (6 pieces, channels)."""
-    return _taylor(PPoly(polynomial[::-1, None, :], [0.0, 1.0]), breaks)
+def _added(before: _core.DmpCourse, curve: Any, breaks: Float64Array) -> _core.DmpCourse:
+    """A course plus a curve (channels,) whose pieces join at breaks."""
+    powers = before.coefficients.reshape(-1, 6, len(before.gain)).transpose(1, 0, 2)[::-1]
+    joined = np.union1d(before.breaks, breaks)
+    coefficients = _taylor(PPoly(powers, before.breaks), joined) + _taylor(curve, joined)
+    return _core.DmpCourse(joined, coefficients, before.gain, before.drive)
 
 
 def _taylor(curve: Any, breaks: Float64Array) -> Float64Array:
@@ -207,5 +250,5 @@ def _taylor(curve: Any, breaks: Float64Array) -> Float64Array:
 def end_of(course: _core.DmpCourse) -> Float64Array:
     """Values (channels,) at the end of a course."""
     breaks = course.breaks
-    powers = (1.0 - breaks[-2]) ** np.arange(6.0)
+    powers = (breaks[-1] - breaks[-2]) ** np.arange(6.0)
     return np.asarray(powers @ course.coefficients[-6:])

@@ -7,9 +7,9 @@ e.
   degrees of turning apart. The angle turned up to phase u says how far along the curve G is, so
   that pauses and bursts do not make it swing. e, the rotation vector that is left, stays small, and
   no logarithm comes near half a turn, however far and about whatever axes the tool turns. A start
-  or goal turned from the demonstrated one enters as the offset, blended from one end to the other
-  by minimum jerk: the number of turns is that of the demonstration, and the motion ends at the
-  goal.
+  or goal turned from the demonstrated one enters as the offset, which goes from one end to the
+  other as the demonstration turns: the number of turns is that of the demonstration, and the motion
+  ends at the goal.
 - "lifted": G is the goal, and e the continuous logarithm from there (Lauretti et al. 2023, eqs. 7
   to 9, with the angle counted past half a turn). Beside whole turns there is no such logarithm, and
   beyond about 220 degrees a changed start or goal may lead there: both are refused.
@@ -49,8 +49,18 @@ _REFINEMENTS = 3
 _INTERVALS = 1000
 _SMOOTHING = 0.02
 
+# Recorded noise, rad for each axis, that the curve is smoothed for; less is left to the weights.
+# It is averaged twice over twice this fraction of the motion.
+_NOISY = 0.004
+_CALMING = 0.03
+# Variance of second differences of the steps of white noise, and the median of a squared length in
+# three dimensions, both over the variance of the noise.
+_DIFFERENCED = 20.0
+_MEDIAN = 2.366
+
 _IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 _NOTHING = np.zeros(3)
+_UNTURNED = _core.DmpPath()
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +125,7 @@ class Turning:
         orientation: Float64Array,
         *,
         phase: float,
-        offsets: tuple[Float64Array, Float64Array],
+        offset: _core.DmpPath,
         near: Float64Array,
         velocity: Float64Array = _NOTHING,
     ) -> tuple[Float64Array, Float64Array]:
@@ -124,7 +134,7 @@ class Turning:
         Args:
             orientation: (4,).
             phase: in [0, 1], or counting periods.
-            offsets: of the curve at both ends.
+            offset: path of the rotation vector that turns the curve.
             near: (3,); of several coordinates the nearest to these are taken. Those of "log" are at
                 most half a turn long.
             velocity: angular, (3,) rad per unit of phase.
@@ -134,25 +144,25 @@ class Turning:
         """
         if self.representation == "log":
             near = _NOTHING
-        return _core.dmp_coordinates(self.curve, *offsets, phase, orientation, velocity, near)
+        return _core.dmp_coordinates(self.curve, offset, phase, orientation, velocity, near)
 
     def orientations(
         self,
         phases: Float64Array,
         values: Float64Array,
-        offsets: tuple[Float64Array, Float64Array] = (_NOTHING, _NOTHING),
+        offset: _core.DmpPath = _UNTURNED,
     ) -> Float64Array:
         """Orientations of coordinates, sign-continuous.
 
         Args:
             phases: (n,).
             values: (n, 3), or more columns, of which the last three are the coordinates.
-            offsets: of the curve at both ends.
+            offset: path of the rotation vector that turns the curve, by default none.
 
         Returns:
             Orientations (n, 4), w, x, y, z.
         """
-        return _core.dmp_orientations(self.curve, *offsets, phases, values)
+        return _core.dmp_orientations(self.curve, offset, phases, values)
 
     def arrays(self) -> dict[str, Float64Array]:
         """Its arrays by name, for a file."""
@@ -244,19 +254,20 @@ def learn_closed(phases: Float64Array, orientations: Float64Array) -> tuple[Turn
 def _anchored(
     phases: Float64Array, q: Float64Array, *, rhythmic: bool = False
 ) -> tuple[Turning, Float64Array]:
-    steps = rotations.distance(q[:-1], q[1:])
+    calm = q if rhythmic else _calmed(q)
+    steps = rotations.distance(calm[:-1], calm[1:])
     covered = np.concatenate([[0.0], np.cumsum(steps)])
     controls_of, mode = (_closed_controls, "wrap") if rhythmic else (_controls, "nearest")
     for refinement in range(_REFINEMENTS + 1):
         finer = 0.5**refinement
-        anchors = _anchors(covered, q, _ANCHOR_SPACING * finer)
+        anchors = _anchors(covered, calm, _ANCHOR_SPACING * finer)
         speeds = _speeds(phases, covered, len(anchors) - 1, _SMOOTHING * finer, mode)
         controls = controls_of(anchors)
         turning = Turning("anchored", controls, speeds, q[0], q[-1], float(covered[-1]), rhythmic)
         # Phase 1 of a closed curve is its phase 0.
         inside = np.minimum(phases, np.nextafter(1.0, 0.0))
         curve = turning.orientations(inside, np.zeros((len(q), 3)))
-        error = rotations.log(rotations.compose(rotations.inverse(curve), q))
+        error = rotations.log(rotations.compose(rotations.inverse(curve), calm))
         largest = np.linalg.norm(error, axis=1).max()
         if largest < _GOOD_ERROR:
             break
@@ -264,7 +275,34 @@ def _anchored(
         raise FitError(
             "demonstrations: turn too far from one sample to the next; record at a higher rate"
         )
+    if calm is not q:
+        error = rotations.log(rotations.compose(rotations.inverse(curve), q))
     return turning, error
+
+
+def _calmed(q: Float64Array) -> Float64Array:
+    """The orientations (n, 4), or smoothed ones where they are noisy; the ends stay."""
+    if _noise(q) < _NOISY:
+        return q
+    calm = q
+    for _ in range(2):
+        size = max(int(_CALMING * len(q)), 1)
+        calm = uniform_filter1d(calm, 2 * size + 1, axis=0, mode="nearest")
+        calm = calm / np.linalg.norm(calm, axis=1, keepdims=True)
+    calm[[0, -1]] = q[[0, -1]]
+    return np.asarray(rotations.align_signs(calm))
+
+
+def _noise(q: Float64Array) -> float:
+    """The standard deviation, rad for each axis, of the noise in orientations (n, 4).
+
+    A motion is smooth: what second differences of its steps leave is noise.
+    """
+    if len(q) < 5:
+        return 0.0
+    steps = rotations.log(rotations.compose(rotations.inverse(q[:-1]), q[1:]))
+    rough = (np.diff(steps, n=2, axis=0) ** 2).sum(axis=1)
+    return float(np.sqrt(np.median(rough) / (_MEDIAN * _DIFFERENCED)))
 
 
 def _anchors(covered: Float64Array, q: Float64Array, spacing: float) -> Float64Array:
