@@ -18,7 +18,7 @@ from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.even_times import even_times
 from leadthrough.models.parameters import Parameter, whole_number
 from leadthrough.models.place import Place
-from leadthrough.models.promp import ends, limits, observation, task_space
+from leadthrough.models.promp import ends, limits, observation, resolution, task_space
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.belief import Experience
 from leadthrough.models.promp.clock import phases_at
@@ -184,8 +184,9 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
                 those of the position or of the position and the orientation.
 
         Raises:
-            InvalidInput: if an argument is wrong, if several via points are given for poses, or if
-                the motion is already fixed to something else at that time.
+            InvalidInput: if an argument is wrong, if several via points are given for poses, if
+                the motion is already fixed to something else at that time, or if exact via points
+                are so close to each other that the basis can only throw the motion elsewhere.
         """
         check.integer(order, "order", at_least=0, at_most=2)
         several = isinstance(time, list | tuple) or getattr(time, "ndim", 0) > 0
@@ -199,9 +200,13 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
             chosen = observation.chosen(columns, self.chart)
             shape = (len(phases), len(chosen)) if several else (len(chosen),)
             values = check.array(position, "position", shape=shape).reshape(-1, len(chosen))
-        return observation.of_values(
+        skill = observation.of_values(
             self, phases, values, covariance, columns=chosen, order=order, name="position"
         )
+        if covariance is None and order == 0:
+            columns_of = self.chart.every[: values.shape[1]] if chosen is None else chosen
+            resolution.refuse_too_close(self, skill, phases, values, columns_of)
+        return skill
 
     def condition_task(
         self,

@@ -120,3 +120,23 @@ def test_contradicting_via_points_are_refused(skill):
         fixed.condition(1.0, [0.6, 1.0, 1.5])
     with pytest.raises(InvalidInput, match="start"):
         skill.condition(0.0, [0.0, 0.0, 0.1]).generate(start=[0.0, 0.0, 0.2])
+
+
+def test_via_points_too_close_for_the_basis_are_refused_with_their_times(skill):
+    mean = skill.distribution([1.0, 1.02])[0]
+    apart = 0.3 * np.array([[1.0], [-1.0]]) * skill.scale
+    with pytest.raises(InvalidInput, match=r"1 s and 1\.02 s; the 20 weights .* from 0\.\d+ s"):
+        skill.condition([1.0, 1.02], mean + apart)
+    first = skill.condition(1.0, mean[0] + apart[0])
+    with pytest.raises(InvalidInput, match=r"1\.02 s right beside a point fixed before"):
+        first.condition(1.02, mean[1] + apart[1])
+
+
+@pytest.mark.parametrize("gap", [0.01, 0.25, 0.6])
+def test_via_points_that_the_basis_resolves_do_not_throw_the_motion(skill, gap):
+    times = [1.0, 1.0 + gap]
+    together = skill.distribution(times)[0] + 0.3 * skill.scale
+    before = skill.distribution(TIMES)[0]
+    led = skill.condition(times, together)
+    assert np.abs((led.distribution(TIMES)[0] - before) / skill.scale).max() < 5 * 0.3
+    np.testing.assert_allclose(led.distribution(times)[0], together, atol=1e-6)
