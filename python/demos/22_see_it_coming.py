@@ -42,7 +42,9 @@ for axes, fraction in zip(figure.subplots(1, 3), (0.15, 0.4, 0.7), strict=True):
     came = np.stack([np.interp(ahead / ahead[-1], phases, x) for x in whole.positions.T], axis=1)
     missed = np.linalg.norm(region.mean - came, axis=1).max()
     inside = region.contains(came).mean()
-    print(f"{fraction:.0%} seen: at most {missed:.1f} mm off, {inside:.0%} of the rest in its region")
+    print(
+        f"{fraction:.0%} seen: at most {missed:.1f} mm off, {inside:.0%} of the rest in its region"
+    )
 axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
 figure.savefig(folder / "forecast.png", dpi=110)
 print(f"wrote {folder / 'forecast.png'}")
