@@ -2,7 +2,7 @@ from .dmp.discrete import DMP, DMPSkill
 from .dmp.pose import PoseDMP, PoseDMPSkill
 from .dmp.rhythmic import RhythmicDMP, RhythmicDMPSkill
 from .dmp.rhythmic_pose import RhythmicPoseDMP, RhythmicPoseDMPSkill
-from .library import SkillLibrary
+from .library import OutsideTargets, SkillLibrary
 from .marching.model import FastMarching
 from .marching.skill import FastMarchingSkill
 from .mixtures.fitting import FittedMixture, choose_components, fit_mixture, trace_mixture
@@ -34,6 +34,7 @@ __all__ = [
     "GMRSkill",
     "Inference",
     "Mixture",
+    "OutsideTargets",
     "Parameter",
     "PoseDMP",
     "PoseDMPSkill",

@@ -6,6 +6,7 @@ are taken.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,6 +14,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import nnls
 from scipy.spatial import Delaunay, QhullError
 
 from leadthrough import check, events
@@ -31,6 +33,14 @@ _KIND = "library"
 # Targets this much off a line or plane, as a fraction of their spread, lie on it.
 _FLAT = 1e-9
 _SAMPLES = 401  # of the motions that are averaged
+
+
+# Weight of the condition that weights sum to 1, against distances of at most 1.
+_HEAVY = 1e4
+
+
+class OutsideTargets(UserWarning):
+    """A skill was looked up outside of the targets that were shown; the message tells how far."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,12 +120,31 @@ class SkillLibrary:
         gaps = [float(np.linalg.norm(each.target - point)) for each in known]
         return known[int(np.argmin(gaps))].skill
 
+    def distance(self, task: str, subtask: str, target: ArrayLike) -> float:
+        """How far a target lies outside of those that were shown, in their unit.
+
+        Args:
+            task: name of the task.
+            subtask: name of the part of the task.
+            target: (d,).
+
+        Returns:
+            The distance from their convex hull; 0 inside.
+
+        Raises:
+            InvalidInput: if there is no skill for the subtask, or the target is of another shape.
+        """
+        known, point = self._asked(task, subtask, target)
+        return _distance_from_hull(np.array([each.target for each in known]), point)
+
     def interpolated(self, task: str, subtask: str, target: ArrayLike) -> Skill:
         """A skill between those of the targets around a new one.
 
         Their motions are averaged over normalised time with linear (barycentric) weights, and
         learned anew with the settings of the nearest. Springs are linear: for points and joints
-        this interpolates the weights. Outside of all targets it is the nearest skill.
+        this interpolates the weights. Outside of all targets it is the nearest skill, and beside
+        targets on a line or plane that of the foot there, with an `OutsideTargets` warning that
+        tells the distance.
 
         Args:
             task: name of the task.
@@ -128,6 +157,9 @@ class SkillLibrary:
                 far apart for a mean.
         """
         known, point = self._asked(task, subtask, target)
+        outside = self.distance(task, subtask, target)
+        if outside > 0.0:
+            warnings.warn(_told(subtask, point, outside), OutsideTargets, stacklevel=2)
         weights = _barycentric(np.array([each.target for each in known]), point)
         used = [each.skill for each, own in zip(known, weights, strict=True) if own > 0.0]
         nearest = self.nearest(task, subtask, target)
@@ -212,6 +244,30 @@ def _check_names(task: Any, subtask: Any) -> None:
     for name, value in (("task", task), ("subtask", subtask)):
         if not isinstance(value, str):
             raise InvalidInput(f"{name}: expected a name as text, got {value!r}")
+
+
+def _told(subtask: str, point: Float64Array, outside: float) -> str:
+    return (
+        f"target: {np.round(point, 6).tolist()} lies {outside:.3g} outside of the targets shown "
+        f"for {subtask!r}, and the skill is that of the nearest place inside or of the nearest "
+        "target; demonstrate this target, or check the motion before it runs"
+    )
+
+
+def _distance_from_hull(targets: Float64Array, point: Float64Array) -> float:
+    """The distance of a point (d,) from the convex hull of targets (n, d), 0 inside."""
+    apart = targets - point
+    scale = float(np.abs(apart).max())
+    if scale == 0.0:
+        return 0.0
+    # Weights >= 0 whose sum is held at 1 by a heavy row; then exactly 1 for those that count.
+    rows = np.vstack([apart.T / scale, np.full(len(targets), _HEAVY)])
+    weights, _ = nnls(rows, np.append(np.zeros(len(point)), _HEAVY))
+    corners = apart[weights > 0.0]
+    sides = (corners[1:] - corners[0]).T
+    along = np.linalg.lstsq(sides, -corners[0], rcond=None)[0] if sides.size else np.zeros(0)
+    gap = float(np.linalg.norm(corners[0] + sides @ along))
+    return gap if gap > _FLAT * scale else 0.0
 
 
 def _barycentric(targets: Float64Array, point: Float64Array) -> Float64Array:

@@ -62,9 +62,9 @@ def execution(*, file: str, joints: list[int], weights: int) -> list[Row]:
 def symbol(*, file: str, weights: int) -> list[Row]:
     """A row for every way of learning a traced symbol and for every coordinate that moves."""
     shown = [_thinned(each) for each in read_demonstrations([file], rate=_SYMBOL_RATE)]
-    aligned = align_by_time_warping(shown)
+    # Aligned demonstrations take the timing of the quickest, which they are compared with.
     chosen = int(np.argmin([each.motion.duration for each in shown]))
-    # Aligned demonstrations are compared with the one that keeps its own timing.
+    aligned = align_by_time_warping(shown, reference=chosen)
     ways = {
         "one": (shown[:1], shown[:1]),
         "all": (shown, shown),

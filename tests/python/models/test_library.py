@@ -1,11 +1,14 @@
 """A library of skills."""
 
+import warnings
+
 import numpy as np
 import pytest
 
 import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.errors import InvalidInput, UnsupportedQuery
+from leadthrough.models import OutsideTargets
 
 TIMES = np.linspace(0.0, 2.0, 200)
 S = (TIMES / 2.0) ** 3 * (10.0 - 15.0 * TIMES / 2.0 + 6.0 * (TIMES / 2.0) ** 2)
@@ -77,10 +80,52 @@ def test_targets_on_a_line_are_enough():
 
 
 def test_outside_of_all_targets_the_nearest_is_taken():
-    far = LIBRARY.interpolated("digging", "reach", (0.6, 0.0, 0.1))
+    with pytest.warns(OutsideTargets, match=r"lies 0\.2 outside .* 'reach'"):
+        far = LIBRARY.interpolated("digging", "reach", (0.6, 0.0, 0.1))
     assert far is LIBRARY.nearest("digging", "reach", (0.6, 0.0, 0.1))
     one = lt.SkillLibrary().with_skill(far, task="t", subtask="s", target=(0.0, 0.0))
-    assert one.interpolated("t", "s", (1.0, 1.0)) is far
+    with pytest.warns(OutsideTargets, match=r"lies 1\.41 outside"):
+        assert one.interpolated("t", "s", (1.0, 1.0)) is far
+
+
+@pytest.mark.parametrize(
+    ("target", "outside"),
+    [
+        ((0.3, 0.02, 0.1), 0.0),
+        ((0.2, -0.1, 0.1), 0.0),
+        ((0.4, 0.03, 0.1), 0.0),
+        ((0.45, 0.03, 0.1), 0.05),
+        ((0.43, 0.14, 0.1), 0.05),
+        ((0.3, 0.0, 0.13), 0.03),
+        ((0.1, 0.0, -0.1), np.sqrt(0.05)),
+    ],
+)
+def test_distance_tells_how_far_outside_a_target_is(target, outside):
+    assert LIBRARY.distance("digging", "reach", target) == pytest.approx(outside, abs=1e-12)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        LIBRARY.interpolated("digging", "reach", target)
+    assert [each.category for each in told] == ([OutsideTargets] if outside else [])
+
+
+def test_distance_from_targets_in_space_or_at_one_place():
+    rng = np.random.default_rng(0)
+    skill, library = LIBRARY.entries[0].skill, lt.SkillLibrary()
+    corners = rng.standard_normal((12, 3))
+    for corner in corners:
+        library = library.with_skill(skill, task="t", subtask="s", target=corner)
+    for _ in range(20):
+        inside = rng.dirichlet(np.ones(12)) @ corners
+        assert library.distance("t", "s", inside) == 0.0
+        normal = rng.standard_normal(3)
+        normal /= np.linalg.norm(normal)
+        highest = corners[np.argmax(corners @ normal)]
+        away = library.distance("t", "s", highest + 0.7 * normal)
+        assert away == pytest.approx(0.7, rel=1e-9)
+    one = lt.SkillLibrary().with_skill(skill, task="t", subtask="s", target=(1.0, 2.0))
+    assert one.distance("t", "s", (4.0, 6.0)) == 5.0
+    with pytest.raises(InvalidInput, match="target"):
+        one.distance("t", "s", (4.0,))
 
 
 def test_library_comes_back_from_its_file(tmp_path):

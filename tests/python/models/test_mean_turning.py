@@ -8,6 +8,7 @@ from leadthrough import rotations
 from leadthrough.errors import FitError
 from leadthrough.models import TaskGMR
 from leadthrough.models.mean_turning import mean_orientations
+from leadthrough.preprocess import align_by_time_warping
 
 U = np.linspace(0.0, 1.0, 120)
 MODELS = {
@@ -82,11 +83,17 @@ def test_the_mean_never_jumps_between_samples_that_have_one():
 
 
 def test_the_same_turning_at_other_times_is_told_with_its_cure():
-    late = np.clip(3.0 * U - 2.0, 0.0, 1.0)
-    early = np.clip(3.0 * U, 0.0, 1.0)
-    shown = [turning(200.0, at=at) for at in (early, late, early)]
+    early, late = np.clip(3.0 * U, 0.0, 1.0), np.clip(3.0 * U - 2.0, 0.0, 1.0)
+    shown = []
+    for at in (early, late, early):
+        points = np.column_stack([0.3 * at, 0.1 * np.sin(np.pi * at), 0.1 * at])
+        turned = rotations.exp(np.outer(at, [0.0, 0.0, np.radians(200.0)]))
+        shown.append(lt.PoseTrajectory(2.0 * U, points, turned))
     with pytest.raises(FitError, match=r"\[0, 2\] and \[1\].*align_by_time_warping"):
         lt.PoseDMP().fit(shown)
+    made = lt.PoseDMP().fit(align_by_time_warping(shown)).generate()
+    turns = rotations.distance(made.orientations[1:], made.orientations[:-1])
+    assert np.degrees(turns.sum()) == pytest.approx(200.0, abs=2.0)
 
 
 def test_ways_apart_may_turn_differently_in_fast_marching():
