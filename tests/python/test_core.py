@@ -1,0 +1,186 @@
+"""Every binding of the core at work on small problems with plain answers.
+
+`./do sanitize` runs this file with a core built with AddressSanitizer, and sees that it calls all
+functions of it.
+"""
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough import planning, preprocess, rotations
+from leadthrough import trajectories as tr
+from leadthrough.arm import (
+    DirectionTask,
+    ElbowTask,
+    JointLimitTask,
+    JointState,
+    ObstacleTask,
+    PoseTask,
+    PositionTask,
+    PostureTask,
+    TaskStack,
+    resolve,
+)
+from leadthrough.arm.yang import follow_path
+
+HOME = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])
+U = np.linspace(0.0, 1.0, 40)
+OBSTACLES = (
+    lt.Sphere(0.05, (0.9, 0.1, 0.4)),
+    lt.Box((0.1, 0.1, 0.1), (1.5, 0.0, 0.0)),
+    lt.Capsule(0.1, 0.2, (0.0, 1.5, 0.0)),
+)
+
+
+@pytest.fixture(scope="module")
+def panda():
+    return lt.Arm.load("panda")
+
+
+@pytest.fixture(scope="module")
+def poses(panda):
+    positions, orientations = panda.forward_kinematics(HOME + np.outer(0.2 * U, np.ones(7)))
+    return lt.PoseTrajectory(2.0 * U, positions, rotations.align_signs(orientations))
+
+
+def test_rotations_come_back():
+    vectors = np.array([[0.1, 0.2, -0.3], [3.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    q = rotations.exp(vectors)
+    np.testing.assert_allclose(rotations.log(q), vectors, atol=1e-12)
+    np.testing.assert_allclose(
+        rotations.lift(rotations.exp(np.outer(8.0 * U, [0, 0, 1])))[-1, 2], 8
+    )
+    again = rotations.from_matrix(rotations.to_matrix(q))
+    assert rotations.distance(again, q).max() < 1e-7
+    assert rotations.distance(rotations.mean(q[None, :1]), q[:1]).max() < 1e-7
+    half = rotations.slerp(q[2:], q[1:2], [0.5])
+    np.testing.assert_allclose(half, rotations.exp([[1.5, 0.0, 0.0]]), atol=1e-12)
+    turning = np.tile([0.0, 0.0, 1.0], (40, 1))
+    whole = rotations.integrate(U, turning, q[2])
+    assert rotations.distance(whole[-1:], rotations.exp([[0.0, 0.0, 1.0]]))[0] < 1e-7
+    product = rotations.left_jacobian(vectors) @ rotations.left_jacobian_inverse(vectors)
+    np.testing.assert_allclose(product, np.tile(np.eye(3), (3, 1, 1)), atol=1e-9)
+
+
+def test_an_arm_moves_as_its_derivatives_say(panda):
+    rows = np.stack([HOME, HOME + 0.1])
+    speeds = 0.1 * np.ones((2, 7))
+    assert panda.jacobian(rows).shape == (2, 6, 7)
+    ahead, behind = (panda.jacobian(HOME + sign * 1e-6 * speeds[0]) for sign in (1, -1))
+    rate = (ahead - behind) / 2e-6
+    np.testing.assert_allclose(panda.jacobian_derivative(HOME, speeds[0]), rate, atol=1e-6)
+    assert panda.jacobian_second_derivative(rows, speeds, speeds).shape == (2, 6, 7)
+    mass = panda.mass_matrix(HOME)
+    still = panda.inverse_dynamics(HOME, np.zeros(7), np.zeros(7))
+    moving = panda.inverse_dynamics(HOME, np.zeros(7), np.ones(7))
+    np.testing.assert_allclose(moving - still, mass @ np.ones(7), atol=1e-9)
+
+
+def test_postures_are_found_and_reach(panda, poses):
+    position, orientation = panda.forward_kinematics(HOME)
+    one = panda.inverse_kinematics(position, orientation, seed=HOME + 0.1)
+    assert one.success
+    assert panda.inverse_kinematics_all(position, orientation).success.all()
+    assert panda.damped_inverse_kinematics(position, orientation, seed=HOME).success
+    many = poses.positions[::10], poses.orientations[::10]
+    assert panda.inverse_kinematics_batch(*many, threads=2).success.all()
+    assert panda.damped_inverse_kinematics_batch(*many, seeds=HOME).q.shape == (4, 7)
+    slowed = panda.follow(poses, seed=HOME)
+    assert slowed.duration >= poses.duration
+    strayed = panda.follow(poses, seed=HOME, too_fast="deviate", deviation=(0.01, 0.05))
+    assert strayed.duration == poses.duration
+    exact = panda.follow(poses, seed=HOME, too_fast="exceed_limits")
+    damped = follow_path(panda, poses, start=HOME)
+    assert np.isfinite(damped.positions).all()
+    assert panda.path_report(exact, poses).position_error.max() < 1e-5
+
+
+def test_priorities_are_kept(panda):
+    position, orientation = panda.forward_kinematics(HOME)
+    stack = TaskStack(
+        panda,
+        [
+            JointLimitTask(),
+            *(ObstacleTask(shape, 0.05) for shape in OBSTACLES),
+            PoseTask(position + np.array([0.0, 0.01, 0.0]), orientation),
+            ElbowTask("panda_link4", 0.5),
+            PostureTask(HOME),
+        ],
+    )
+    assert np.isfinite(stack.solve(HOME).motion).all()
+    aimed = [PositionTask(position), DirectionTask((0, 0, 1), (0, 0, -1))]
+    coned = [PositionTask(position), DirectionTask((0, 0, 1), (0, 0, -1), within=0.3)]
+    for tasks in (aimed, coned):
+        assert np.isfinite(TaskStack(panda, tasks).solve(HOME).motion).all()
+    np.testing.assert_allclose(resolve([np.eye(2)], [np.ones(2)]), 1.0, atol=1e-6)
+    after = lt.DifferentialIk(panda, dt=0.01).step(
+        JointState(HOME, np.zeros(7)), position, orientation
+    )
+    np.testing.assert_allclose(panda.forward_kinematics(after.q)[0], position, atol=1e-4)
+
+
+def test_collisions_are_seen(panda, poses):
+    followed = panda.follow(poses, seed=HOME)
+    report = panda.check(followed, OBSTACLES)
+    assert report.minimum_distance <= panda.distance(HOME, OBSTACLES) + 1e-9
+    assert panda.self_distance(HOME) > 0.0
+
+
+def test_waves_and_ways():
+    speed = np.ones((20, 15))
+    speed[8:12, 5:10] = 0.0
+    grid = lt.Grid((0.0, 0.0), 1.0, speed.shape)
+    for dtype in (np.float32, np.float64):
+        for order in (1, 2):
+            times = lt.arrival_times(speed, [(2, 2)], dtype=dtype, order=order)
+            assert np.isinf(times[9, 7])
+        both = planning.arrival_times_batch(np.stack([speed] * 2), [[(2, 2)]] * 2, dtype=dtype)
+        np.testing.assert_array_equal(both[0], both[1])
+        field = planning.ArrivalField(speed, grid, (2.0, 2.0), dtype=dtype)
+        field.update(np.maximum(speed, 0.5))
+        assert np.isfinite(field.times).all()
+    path = planning.descend(times, grid, (17.0, 12.0), (2.0, 2.0))
+    np.testing.assert_allclose(path[-1], (2.0, 2.0))
+    heading = planning.direction(times, grid, [(17.0, 12.0)])
+    np.testing.assert_allclose(np.linalg.norm(heading), 1.0)
+    labels = planning.nearest_sources(speed, [(2, 2), (17, 12)])
+    assert set(np.unique(labels)) >= {0, 1}
+    assert planning.distance_transform(speed == 0.0)[0, 0] > 5.0
+
+
+def test_primitives_end_at_their_goals(poses):
+    shown = [
+        lt.Trajectory(U, np.column_stack([U + 0.1 * i * U**2, np.sin(3.0 * U)])) for i in (0, 1, 2)
+    ]
+    steered = (
+        lt.DMP(weights=10).fit(shown[:1]).generate(obstacles=[lt.Sphere(0.05, (0.5, 0.9, 0.0))])
+    )
+    np.testing.assert_allclose(steered.positions[-1], shown[0].positions[-1], atol=1e-6)
+    skill = lt.PoseDMP(weights=10).fit([poses])
+    turn = rotations.exp([[0.0, 0.0, 0.2]])
+    goal = poses.positions[-1] + 0.05, rotations.compose(turn, poses.orientations[-1:])[0]
+    made = skill.generate(goal=goal)
+    assert rotations.distance(made.orientations[-1:], goal[1][None])[0] < 1e-3
+    state = skill.begin(goal=goal)
+    state = skill.step(state, 0.01, measured=(poses.positions[0], poses.orientations[0]))
+    assert 0.0 < state.phase < 1.0
+    family = lt.ProMP(weights=8).fit(shown)
+    via = family.condition(0.5, (0.5, 1.0), covariance=1e-6 * np.eye(2)).generate(dt=0.5)
+    np.testing.assert_allclose(via.positions[1], (0.5, 1.0), atol=1e-2)
+
+
+def test_curves_are_compared_and_timed():
+    a, b = (np.column_stack([U, offset + 0.0 * U]) for offset in (0.0, 1.0))
+    assert preprocess.dtw_distance(a, b) == pytest.approx(40.0)
+    assert preprocess.frechet_distance(a, b) == pytest.approx(1.0)
+    pair = [lt.Demonstration(lt.Trajectory(U, each)) for each in (a, b)]
+    assert len(preprocess.align_by_time_warping(pair)) == 2
+    limits = lt.Arm.load("panda").limits
+    assert lt.retime(HOME + np.outer(0.2 * U, np.ones(7)), limits, rate=100).duration > 0.0
+    jerky = tr.JerkFilter(1.0, 2.0, 10.0)
+    state = tr.FilterState(np.zeros(2), np.zeros(2), np.zeros(2))
+    for step in (jerky.step, jerky.step_together):
+        assert (step(state, np.ones(2), 0.01).position >= 0.0).all()
+    assert (jerky.durations(state, np.ones(2)) > 0.0).all()
+    np.testing.assert_allclose(jerky.resting_place(state), 0.0)
