@@ -92,7 +92,7 @@ def test_postures_are_found_and_reach(panda, poses):
     assert strayed.duration == poses.duration
     exact = panda.follow(poses, seed=HOME, too_fast="exceed_limits")
     damped = follow_path(panda, poses, start=HOME)
-    assert np.isfinite(damped.positions).all()
+    assert damped.position_error.max() < 0.05
     assert panda.path_report(exact, poses).position_error.max() < 1e-5
 
 
