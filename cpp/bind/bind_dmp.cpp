@@ -57,12 +57,6 @@ struct PoseState : PointState {
   }
 };
 
-// Callers of before: offsets of both ends.
-std::shared_ptr<Path> between(const so3::Vector3& first, const so3::Vector3& last) {
-  if (first.isZero(0.0) && last.isZero(0.0)) return std::make_shared<Path>();
-  return std::make_shared<Path>(dmp::minimum_jerk(first, last));
-}
-
 Canonical canonical_of(bool rhythmic) {
   return rhythmic ? Canonical::kRhythmic : Canonical::kDiscrete;
 }
@@ -322,12 +316,6 @@ void bind_dmp(py::module_& module) {
   pose.def(py::init(&make_pose_state), py::arg("course"), py::arg("value").noconvert(),
            py::arg("slope").noconvert(), py::arg("phase"), py::arg("duration"), py::arg("curve"),
            py::arg("offset"))
-      .def(py::init([](std::shared_ptr<Course> course, const VectorIn& value, const VectorIn& slope,
-                       double phase, double duration, std::shared_ptr<Curve> curve,
-                       const so3::Vector3& first, const so3::Vector3& last) {
-        return make_pose_state(std::move(course), value, slope, phase, duration, std::move(curve),
-                               between(first, last));
-      }))
       .def_property_readonly(
           "position", [](const PoseState& s) { return so3::Vector3(s.state.value.head<3>()); })
       .def_property_readonly(
@@ -335,16 +323,6 @@ void bind_dmp(py::module_& module) {
           [](const PoseState& s) { return so3::Vector3(s.state.slope.head<3>() / s.duration); })
       .def_property_readonly("curve", [](const PoseState& s) { return s.curve; })
       .def_property_readonly("offset", [](const PoseState& s) { return s.offset; })
-      .def_property_readonly("start_offset",
-                             [](const PoseState& s) -> so3::Vector3 {
-                               if (s.offset->empty()) return so3::Vector3::Zero();
-                               return s.offset->coefficients.row(0).transpose();
-                             })
-      .def_property_readonly("goal_offset",
-                             [](const PoseState& s) -> so3::Vector3 {
-                               if (s.offset->empty()) return so3::Vector3::Zero();
-                               return dmp::end_of(*s.offset);
-                             })
       .def_property_readonly("orientation", &PoseState::orientation)
       .def_property_readonly("pose", &PoseState::pose)
       .def_property_readonly("angular_velocity", [](const PoseState& s) {
@@ -365,17 +343,6 @@ void bind_dmp(py::module_& module) {
   module.def("dmp_coordinates", &coordinates, py::arg("curve"), py::arg("offset"), py::arg("phase"),
              py::arg("orientation").noconvert(), py::arg("velocity").noconvert(),
              py::arg("near").noconvert());
-  module.def("dmp_orientations",
-             [](const Curve& curve, const so3::Vector3& first, const so3::Vector3& last,
-                const VectorIn& phases, const RowsIn& values) {
-               return orientations(curve, *between(first, last), phases, values);
-             });
-  module.def("dmp_coordinates",
-             [](const Curve& curve, const so3::Vector3& first, const so3::Vector3& last,
-                double phase, const so3::Quaternion& orientation, const so3::Vector3& velocity,
-                const so3::Vector3& near) {
-               return coordinates(curve, *between(first, last), phase, orientation, velocity, near);
-             });
 }
 
 }  // namespace leadthrough

@@ -2,6 +2,8 @@ from .dmp.discrete import DMP, DMPSkill
 from .dmp.pose import PoseDMP, PoseDMPSkill
 from .dmp.rhythmic import RhythmicDMP, RhythmicDMPSkill
 from .dmp.rhythmic_pose import RhythmicPoseDMP, RhythmicPoseDMPSkill
+from .frame import Frame
+from .framed import Framed, FramedSkill
 from .library import OutsideTargets, SkillLibrary
 from .marching.model import FastMarching
 from .marching.skill import FastMarchingSkill
@@ -11,7 +13,6 @@ from .mixtures.gmr_skill import GMRSkill
 from .mixtures.kmeans import Clusters, kmeans
 from .mixtures.mixture import Mixture
 from .mixtures.stiffness import stiffness_profile
-from .mixtures.task_frames import Frame
 from .mixtures.task_gmr import TaskGMR
 from .mixtures.task_gmr_skill import TaskGMRSkill
 from .parameters import Parameter
@@ -31,6 +32,8 @@ __all__ = [
     "FastMarchingSkill",
     "FittedMixture",
     "Frame",
+    "Framed",
+    "FramedSkill",
     "GMRSkill",
     "Inference",
     "Mixture",

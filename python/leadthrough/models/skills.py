@@ -7,12 +7,13 @@ from typing import Any
 
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath
-from leadthrough.models import archive
+from leadthrough.models import archive, framed
 from leadthrough.models.dmp import discrete, pose, rhythmic, rhythmic_pose
 from leadthrough.models.dmp.discrete import DMPSkill
 from leadthrough.models.dmp.pose import PoseDMPSkill
 from leadthrough.models.dmp.rhythmic import RhythmicDMPSkill
 from leadthrough.models.dmp.rhythmic_pose import RhythmicPoseDMPSkill
+from leadthrough.models.framed import FramedSkill
 from leadthrough.models.marching import model as marching
 from leadthrough.models.marching.skill import FastMarchingSkill
 from leadthrough.models.mixtures import gmr, task_gmr
@@ -22,9 +23,22 @@ from leadthrough.models.promp import model as promp
 from leadthrough.models.promp.skill import ProMPSkill
 from leadthrough.models.protocol import Skill
 
+
+def _framed(settings: dict[str, Any], arrays: archive.Arrays) -> FramedSkill:
+    """A skill in the frame of its task, with the skill inside."""
+    inside = {
+        name.removeprefix("skill_"): value
+        for name, value in arrays.items()
+        if name.startswith("skill_")
+    }
+    skill = _KINDS[settings["kind"]](settings["skill"], inside)
+    return framed.from_archive(skill, settings, arrays)
+
+
 _KINDS: dict[str, Callable[[dict[str, Any], archive.Arrays], Skill]] = {
     DMPSkill.kind: discrete.from_archive,
     FastMarchingSkill.kind: marching.from_archive,
+    FramedSkill.kind: _framed,
     GMRSkill.kind: gmr.from_archive,
     PoseDMPSkill.kind: pose.from_archive,
     ProMPSkill.kind: promp.from_archive,

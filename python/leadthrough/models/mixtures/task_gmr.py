@@ -20,12 +20,13 @@ from leadthrough.check import Float64Array
 from leadthrough.models import archive
 from leadthrough.models.chart import Chart, chart_of
 from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.frame import Frame
 from leadthrough.models.mean_turning import middle_orientations
 from leadthrough.models.mixtures.em import Blocks, fit_blocks
 from leadthrough.models.mixtures.fitting import column_moments
 from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.samples import SAMPLES, sampled, timed_columns
-from leadthrough.models.mixtures.task_frames import Frame, checked_frames
+from leadthrough.models.mixtures.task_frames import checked_frames
 from leadthrough.models.mixtures.task_gmr_skill import TaskGMRSkill
 from leadthrough.motion import MotionT
 

@@ -13,12 +13,13 @@ from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Archived, Arrays
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.frame import Frame
 from leadthrough.models.mixtures.em import Blocks
 from leadthrough.models.mixtures.ends import wanted_ends
 from leadthrough.models.mixtures.gmr import GMR
 from leadthrough.models.mixtures.gmr_skill import MOST_COMPONENTS, GMRSkill
 from leadthrough.models.mixtures.moved import bounded
-from leadthrough.models.mixtures.task_frames import Frame, checked_frames, common_chart, placed
+from leadthrough.models.mixtures.task_frames import checked_frames, common_chart, placed
 from leadthrough.models.mixtures.task_product import multiplied
 from leadthrough.models.parameters import Parameter, fitted_again
 from leadthrough.models.place import Place

@@ -1,0 +1,115 @@
+"""Frames of reference that move with a task."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leadthrough import check, rotations
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory
+
+# Largest entry of axes.T @ axes - identity that passes for rounding.
+_ORTHONORMAL = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A frame of reference in the task: at a start, a goal or an object.
+
+    Attributes:
+        origin: origin (d,) in the base frame, m; for joints a configuration, rad.
+        axes: orthonormal axes (d, d) as columns, by default those of the base frame. For poses
+            (3, 3) and right-handed.
+
+    Raises:
+        InvalidInput: if the shapes do not fit or the axes are not orthonormal.
+    """
+
+    origin: Float64Array
+    axes: Float64Array
+
+    def __init__(self, origin: ArrayLike, axes: ArrayLike | None = None) -> None:
+        own_origin = check.frozen(origin, "origin", shape=("d",))
+        size = len(own_origin)
+        given = np.eye(size) if axes is None else axes
+        own_axes = check.frozen(given, "axes", shape=(size, size))
+        off = float(np.abs(own_axes.T @ own_axes - np.eye(size)).max())
+        if off > _ORTHONORMAL:
+            raise InvalidInput(
+                f"axes: expected orthonormal columns, got axes.T @ axes off by {off:.3g}"
+            )
+        object.__setattr__(self, "origin", own_origin)
+        object.__setattr__(self, "axes", own_axes)
+
+    @staticmethod
+    def of_pose(position: ArrayLike, orientation: ArrayLike) -> Frame:
+        """The frame of a tool.
+
+        Args:
+            position: position (3,) of the tool in the base frame, m.
+            orientation: orientation (4,) of the tool, w, x, y, z.
+
+        Raises:
+            InvalidInput: if the shapes differ or the quaternion is not of length one.
+        """
+        given = check.array(orientation, "orientation", shape=(4,))
+        return Frame(position, rotations.to_matrix(given[None])[0])
+
+    @staticmethod
+    def of_sample(motion: Motion, row: int) -> Frame:
+        """The frame at a sample of a motion; of poses with the tool's axes there.
+
+        Args:
+            motion: a motion in the base frame.
+            row: index of the sample.
+        """
+        if isinstance(motion, PoseTrajectory):
+            return Frame.of_pose(motion.positions[row], motion.orientations[row])
+        return Frame(motion.positions[row])
+
+    def local(self, motion: Motion) -> Motion:
+        """A motion seen from this frame, without events and derivatives.
+
+        Args:
+            motion: the motion in the base frame.
+        """
+        positions = np.asarray((motion.positions - self.origin) @ self.axes)
+        if not isinstance(motion, PoseTrajectory):
+            return type(motion)(motion.times, positions)
+        back = rotations.inverse(self.orientations(len(motion.times)))
+        turned = rotations.compose(back, motion.orientations)
+        return PoseTrajectory(motion.times, positions, rotations.align_signs(turned))
+
+    def base(self, motion: MotionT) -> MotionT:
+        """A motion that is seen from this frame, in the base frame.
+
+        Args:
+            motion: the motion in this frame; velocities of joints are turned with it.
+        """
+        positions = motion.positions @ self.axes.T + self.origin
+        if isinstance(motion, PoseTrajectory):
+            turned = rotations.compose(self.orientations(len(motion.times)), motion.orientations)
+            turned = rotations.align_signs(turned)
+            return replace(motion, positions=positions, orientations=turned)
+        if isinstance(motion, JointTrajectory):
+            rates = [motion.velocities, motion.accelerations]
+            velocities, accelerations = (None if r is None else r @ self.axes.T for r in rates)
+            return replace(
+                motion, positions=positions, velocities=velocities, accelerations=accelerations
+            )
+        return replace(motion, positions=positions)
+
+    def orientations(self, count: int) -> Float64Array:
+        """The frame's orientation, repeated.
+
+        Args:
+            count: number of rows.
+
+        Returns:
+            Orientations (count, 4), w, x, y, z.
+        """
+        return np.repeat(rotations.from_matrix(self.axes[None]), count, axis=0)

@@ -1,0 +1,154 @@
+"""A start or goal that was not shown moves a motion by no more than it is moved itself.
+
+A family joins with a line of MODELS.
+"""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough import rotations
+from leadthrough.trajectories import minimum_jerk_rise
+
+# Fréchet distance to the motion between the ends as shown, over the offset.
+MOST = 1.5
+OFFSETS = (0.01, 0.1, 1.0, 3.0)  # in sizes of the motion, or rad
+SAMPLES = 81
+
+MODELS = {
+    "movement primitive": (lt.DMP(), "points"),
+    "movement primitive of joints": (lt.DMP(), "joints"),
+    "movement primitive of poses": (lt.PoseDMP(), "poses"),
+}
+
+
+@pytest.fixture(params=[(name, count) for name in MODELS for count in (2, 40)], ids=str)
+def skill(request):
+    name, count = request.param
+    return fitted(name, count)
+
+
+@pytest.fixture(
+    params=[(n, count) for n, (_, kind) in MODELS.items() if kind == "poses" for count in (2, 40)],
+    ids=str,
+)
+def turning_skill(request):
+    name, count = request.param
+    return fitted(name, count)
+
+
+@cache
+def fitted(name, count):
+    model, kind = MODELS[name]
+    return model.fit([lt.Demonstration(shown(kind, seed)) for seed in range(count)])
+
+
+def shown(kind, seed, *, pace=1.0):
+    """A reach with a bow and a hold, each time a little different."""
+    rng = np.random.default_rng(seed)
+    u = np.linspace(0.0, 1.0, 121)
+    s = minimum_jerk_rise(np.clip(u / rng.uniform(0.65, 0.75), 0.0, 1.0))
+    bow = np.sin(np.pi * s) * rng.uniform(0.08, 0.12)
+    off = rng.normal(0.0, 0.01, 3)
+    points = np.column_stack([0.3 * s, bow, 0.1 * s**2]) + np.outer(1.0 - s, off)
+    times = pace * rng.uniform(1.8, 2.2) * u
+    if kind == "points":
+        return lt.Trajectory(times, points)
+    if kind == "joints":
+        return lt.JointTrajectory(times, points, joint_names=("a", "b", "c"))
+    axis = np.array([0.2, 0.6, 0.8]) + rng.normal(0.0, 0.02, 3)
+    return lt.PoseTrajectory(times, points, rotations.exp(np.outer(1.5 * s, axis)))
+
+
+def sampled(motion):
+    rows = np.linspace(0, len(motion.times) - 1, SAMPLES).round().astype(int)
+    return motion.positions[rows], getattr(motion, "orientations", motion.positions)[rows]
+
+
+def frechet(distances):
+    """The discrete Fréchet distance of two curves with distances (n, m) between their samples."""
+    reach = np.maximum.accumulate(distances[0])
+    for row in distances[1:]:
+        before, reach = reach, np.empty_like(row)
+        reach[0] = max(before[0], row[0])
+        for j in range(1, len(row)):
+            reach[j] = max(row[j], min(before[j], before[j - 1], reach[j - 1]))
+    return reach[-1]
+
+
+def apart(one, other):
+    return frechet(np.linalg.norm(one[:, None] - other[None], axis=2))
+
+
+def directions(seed, count=3):
+    found = np.random.default_rng(seed).normal(size=(count, 3))
+    return found / np.linalg.norm(found, axis=1)[:, None]
+
+
+def end(motion, index, moved):
+    """The start or the goal, moved."""
+    position = motion.positions[index] + moved
+    return (position, motion.orientations[index]) if hasattr(motion, "orientations") else position
+
+
+@pytest.mark.parametrize("offset", OFFSETS)
+@pytest.mark.parametrize(("name", "index"), [("start", 0), ("goal", -1)])
+def test_moved_end_moves_no_more_than_its_offset(skill, name, index, offset):
+    plain = skill.generate(dt=0.02)
+    way = offset * np.linalg.norm(np.ptp(plain.positions, axis=0))
+    for direction in directions(1):
+        made = skill.generate(**{name: end(plain, index, way * direction)}, dt=0.02)
+        assert apart(sampled(plain)[0], sampled(made)[0]) <= MOST * way
+
+
+def test_both_ends_moved_move_no_more_than_the_larger_offset(skill):
+    plain = skill.generate(dt=0.02)
+    for one, other in zip(directions(2), directions(3), strict=True):
+        query = {"start": end(plain, 0, 0.2 * one), "goal": end(plain, -1, 0.3 * other)}
+        made = skill.generate(**query, dt=0.02)
+        assert apart(sampled(plain)[0], sampled(made)[0]) <= MOST * 0.3
+
+
+@pytest.mark.parametrize("angle", OFFSETS)
+@pytest.mark.parametrize(("name", "index"), [("start", 0), ("goal", -1)])
+def test_turned_end_turns_no_more_than_its_offset(turning_skill, name, index, angle):
+    skill = turning_skill
+    plain = skill.generate(dt=0.02)
+    for axis in directions(4):
+        turn = rotations.exp(angle * axis[None])
+        wanted = rotations.compose(turn, plain.orientations[[index]])[0]
+        made = skill.generate(**{name: (plain.positions[index], wanted)}, dt=0.02)
+        q, p = sampled(plain)[1], sampled(made)[1]
+        between = 2.0 * np.arccos(np.clip(np.abs(q @ p.T), 0.0, 1.0))
+        assert frechet(between) <= MOST * angle + 1e-6
+
+
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("pace", [0.1, 10.0])
+def test_time_scale_does_not_matter(name, pace):
+    model, kind = MODELS[name]
+    plain, scaled = (
+        model.fit([lt.Demonstration(shown(kind, seed, pace=p)) for seed in range(3)])
+        for p in (1.0, pace)
+    )
+    goal = end(plain.generate(), -1, (0.02, -0.03, 0.01))
+    here = plain.generate(goal=goal, duration=2.0, dt=0.02)
+    there = scaled.generate(goal=goal, duration=2.0 * pace, dt=0.02 * pace)
+    np.testing.assert_allclose(there.positions, here.positions, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_a_millimetre_in_one_sample_changes_the_motion_by_a_few_at_most(name):
+    model, kind = MODELS[name]
+    motions = [shown(kind, seed) for seed in range(3)]
+    goal = end(motions[0], -1, (0.05, -0.05, 0.02))
+    plain = model.fit([lt.Demonstration(m) for m in motions]).generate(goal=goal, duration=2.0)
+    for row in (0, 40, 120):
+        moved = motions[0].positions.copy()
+        moved[row] += (1e-3, 0.0, 0.0)
+        changed = [replace(motions[0], positions=moved), *motions[1:]]
+        made = model.fit([lt.Demonstration(m) for m in changed]).generate(goal=goal, duration=2.0)
+        assert np.linalg.norm(made.positions - plain.positions, axis=1).max() <= 3e-3
