@@ -1,0 +1,108 @@
+"""How far a moved start or goal, another pace or one wrong sample may change a motion."""
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough.models.marching import mean_path
+from leadthrough.preprocess import frechet_distance
+from leadthrough.preprocess.resample import by_arc_length
+
+OFFSETS = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)  # of the demonstrations' size
+DIRECTIONS = np.deg2rad([20.0, 140.0, 260.0])
+SHARE = np.linspace(0.0, 1.0, 120)
+RISE = 10 * SHARE**3 - 15 * SHARE**4 + 6 * SHARE**5
+
+
+def family(seed, count, *, closed=False, slower=1.0):
+    """Curves of one kind in the plane, with scattered ends; closed ones return to their start."""
+    rng = np.random.default_rng(seed)
+    bends, ends = rng.normal(0.0, 0.15, (4, 2)), rng.normal(0.0, 0.3, (2, 2))
+    waves = np.stack([np.sin(np.pi * (k + 1) * RISE) for k in range(4)], axis=1)
+    made = []
+    for _ in range(count):
+        own, (first, last) = (
+            values + rng.normal(0.0, 0.02, values.shape) for values in (bends, ends)
+        )
+        last = first + rng.normal(0.0, 0.01, 2) if closed else last
+        points = first + np.outer(RISE, last - first) + waves @ own
+        made.append(lt.Trajectory(slower * (1.5 + 0.2 * rng.random()) * SHARE, points))
+    return made
+
+
+def size_of(skill):
+    return float(np.linalg.norm(np.ptp(np.concatenate(skill.experience), axis=0)))
+
+
+@pytest.mark.parametrize("closed", [False, True])
+@pytest.mark.parametrize("count", [2, 5, 40])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_moved_ends_move_the_motion_in_proportion(seed, count, closed):
+    skill = lt.FastMarching().fit(family(seed, count, closed=closed))
+    usual, query, size = skill.plan(), skill.query(), size_of(skill)
+    wanted = by_arc_length(usual.path, 200)
+    for index, offset in enumerate(OFFSETS):
+        angle = DIRECTIONS[index % 3]
+        move = offset * size * np.array([np.cos(angle), np.sin(angle)])
+        for start, goal in ((move, 0.0), (0.0, move), (move, move)):
+            found = skill.plan(start=query.start + start, goal=query.goal + goal)
+            if found.method == usual.method:
+                off = frechet_distance(wanted, by_arc_length(found.path, 200))
+                assert off <= 1.5 * offset * size + skill.area_of_influence
+                continue
+            region = np.concatenate([*skill.experience, found.path[[0, -1]]])
+            beyond = np.maximum(region.min(axis=0) - found.path, found.path - region.max(axis=0))
+            assert beyond.max() <= offset * size
+
+
+def test_moved_poses_turn_no_farther_than_their_ends():
+    flat = [each.positions for each in family(3, 5)]
+    shown = [
+        lt.PoseTrajectory(
+            2.0 * SHARE,
+            np.column_stack([path, 0.1 * RISE]),
+            lt.rotations.exp(np.outer(RISE, [0.2, 0.1, 1.2]) + 0.02 * index),
+        )
+        for index, path in enumerate(flat)
+    ]
+    skill = lt.FastMarching().fit(shown)
+    usual = skill.generate()
+    for angle in (0.01, 0.3, 1.0):
+        turn = lt.rotations.exp([[0.0, angle, 0.0]])
+        ends = lt.rotations.compose(turn, usual.orientations[-1:])[0]
+        made = skill.generate(goal=(usual.positions[-1], ends))
+        assert np.allclose(made.positions, usual.positions)
+        off = lt.rotations.distance(made.orientations, usual.orientations)
+        assert off.max() <= 1.5 * angle
+
+
+@pytest.mark.parametrize("slower", [0.1, 10.0])
+def test_time_scales_nothing_but_time(slower):
+    usual = lt.FastMarching().fit(family(1, 4)).generate(dt=0.01)
+    scaled = lt.FastMarching().fit(family(1, 4, slower=slower)).generate(dt=0.01 * slower)
+    assert scaled.duration == pytest.approx(slower * usual.duration)
+    np.testing.assert_allclose(scaled.positions, usual.positions, atol=1e-6)
+
+
+@pytest.mark.parametrize("sample", [0, 36, 60, 119])
+def test_one_sample_off_by_a_millimetre_changes_the_way_by_less(sample):
+    for seed in range(4):
+        shown = family(seed, 5)
+        points = shown[0].positions.copy()
+        points[sample] += (0.001, 0.0)
+        changed = [lt.Trajectory(shown[0].times, points), *shown[1:]]
+        skills = [lt.FastMarching().fit(motions) for motions in (shown, changed)]
+        ways = [_way(skill) for skill in skills]
+        assert np.linalg.norm(ways[0] - ways[1], axis=1).max() < 0.001
+        # Where the way meets itself, the place at which its tube is cut may jump: then the path
+        # differs within the tube, whose radius is half an area of influence.
+        paths = [by_arc_length(skill.plan().path, 200) for skill in skills]
+        limit = 0.004 if seed == 1 else 0.5 * skills[0].area_of_influence
+        assert frechet_distance(*paths) < limit
+
+
+def _way(skill):
+    """The predicted path between the usual ends."""
+    query = skill.query()
+    shown = [each.way for each in skill.demonstrated]
+    return next(mean_path.ways(shown, query.start, query.goal)).path
