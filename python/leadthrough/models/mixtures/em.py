@@ -26,6 +26,8 @@ from leadthrough.models.mixtures.kmeans import clustered, seeds
 # maximises the likelihood under that bound, so that EM still never loses any.
 LEAST_VARIANCE = 1e-6
 _TOLERANCE = 1e-6  # gain of the mean log-likelihood per point
+# To which the best end goes on: how the units round shall not be seen in the motion.
+_LAST_TOLERANCE = 1e-9
 _MOST_ITERATIONS = 500
 # Ways to begin that are tried for each start, and for how many iterations; the best go on.
 _TRIALS, _TRIAL_ITERATIONS = 4, 40
@@ -86,7 +88,9 @@ def fit_blocks(
     for components, history in trials[:starts]:
         end, more = steps.run(components, _MOST_ITERATIONS)
         ends.append((end, history + more[1:]))
-    return max(ends, key=lambda end: end[1][-1])
+    best, history = max(ends, key=lambda end: end[1][-1])
+    end, more = steps.run(best, _MOST_ITERATIONS, tolerance=_LAST_TOLERANCE)
+    return end, history + more[1:]
 
 
 def _cells(
@@ -120,12 +124,15 @@ class Steps:
         self._monomials = [_monomials(block) for block in blocks]
         self._before = before
 
-    def run(self, components: Blocks, iterations: int) -> tuple[Blocks, list[float]]:
+    def run(
+        self, components: Blocks, iterations: int, *, tolerance: float = _TOLERANCE
+    ) -> tuple[Blocks, list[float]]:
         """The components after EM, and the mean log-likelihood per point at every iteration.
 
         Args:
             components: where to start.
             iterations: largest number of iterations; fewer where the likelihood stops growing.
+            tolerance: gain of the mean log-likelihood per point at which it has stopped.
         """
         history: list[float] = []
         best = components
@@ -135,7 +142,7 @@ class Steps:
                 break  # rounding is all that is left
             history.append(likelihood)
             best = components
-            if len(history) > 1 and history[-1] - history[-2] < _TOLERANCE:
+            if len(history) > 1 and history[-1] - history[-2] < tolerance:
                 break
             components = self.maximise(responsibilities)
         return best, history
