@@ -20,9 +20,26 @@ using Joints = std::vector<const Joint*>;
 
 std::string quoted(const std::string& name) { return "'" + name + "'"; }
 
-// The shortest rotation that takes z to `axis`.
+// The shortest rotation that takes z to `axis`. Eigen's own would do, but finds the axis of half a
+// turn by a singular value decomposition, which takes longer to compile than the rest of this file.
 Eigen::Matrix3d turn_z_to(const Eigen::Vector3d& axis) {
-  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).toRotationMatrix();
+  constexpr double kHalfTurn = 1e-12;  // of the cosine
+  const Eigen::Vector3d unit = axis.normalized();
+  const Eigen::Vector3d across = Eigen::Vector3d::UnitZ().cross(unit);
+  const double cosine = unit.z();
+  Eigen::Quaterniond turn;
+  if (cosine < kHalfTurn - 1.0) {
+    const double half = 0.5 * (1.0 + std::max(cosine, -1.0));
+    const bool exactly = across.isZero(0.0);
+    turn.vec() =
+        std::sqrt(1.0 - half) * (exactly ? Eigen::Vector3d::UnitX() : across.normalized().eval());
+    turn.w() = std::sqrt(half);
+  } else {
+    const double twice_w = std::sqrt(2.0 * (1.0 + cosine));
+    turn.vec() = across * (1.0 / twice_w);
+    turn.w() = 0.5 * twice_w;
+  }
+  return turn.toRotationMatrix();
 }
 
 int find_link(const Robot& robot, const std::string& name) {

@@ -14,10 +14,6 @@ namespace leadthrough {
 
 namespace {
 
-bool fits(Eigen::Index rows, Eigen::Index orientations) {
-  return orientations == rows || orientations == 0;
-}
-
 IkTarget to_target(const Eigen::Ref<const Eigen::Vector3d>& position,
                    const Eigen::Ref<const Eigen::VectorXd>& orientation) {
   IkTarget target{position, std::nullopt};
@@ -92,7 +88,7 @@ py::tuple solve_columns(int joints, const Solve& solve) {
 py::tuple solve_one(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>& position,
                     const Eigen::Ref<const Eigen::VectorXd>& orientation,
                     const Eigen::Ref<const Eigen::VectorXd>& seed, const IkOptions& options) {
-  require(seed.size() == chain.joints() && fits(4, orientation.size()));
+  require(seed.size() == chain.joints() && orientations_fit(4, orientation.size()));
   require_sizes(chain, options, orientation.size() > 0);
   IkResult result;
   {
@@ -106,7 +102,7 @@ py::tuple solve_batch(const Chain& chain, const Eigen::Ref<const Rows3>& positio
                       const Eigen::Ref<const Rows4>& orientations,
                       const Eigen::Ref<const Rows>& seeds, const IkOptions& options, int threads) {
   require(seeds.rows() == positions.rows() && seeds.cols() == chain.joints() &&
-          fits(positions.rows(), orientations.rows()));
+          orientations_fit(positions.rows(), orientations.rows()));
   require_sizes(chain, options, orientations.rows() > 0);
   return solve_columns(chain.joints(), [&] {
     return solve_ik_batch(chain, positions, orientations, seeds, options, threads);
@@ -117,7 +113,7 @@ py::tuple solve_all(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>&
                     const Eigen::Ref<const Eigen::VectorXd>& orientation,
                     const Eigen::Ref<const Eigen::VectorXd>& seed, const IkOptions& options,
                     int count, double separation) {
-  require(seed.size() == chain.joints() && fits(4, orientation.size()) && count >= 0);
+  require(seed.size() == chain.joints() && orientations_fit(4, orientation.size()) && count >= 0);
   require_sizes(chain, options, orientation.size() > 0);
   return solve_columns(chain.joints(), [&] {
     return solve_ik_all(chain, to_target(position, orientation), seed, options, count, separation);
@@ -129,7 +125,7 @@ py::tuple solve_plainly(const Chain& chain, const Eigen::Ref<const Rows3>& posit
                         const Eigen::Ref<const Rows>& seeds, const IkTolerance& tolerance,
                         int max_iterations, const YangOptions& options, int threads) {
   require(seeds.rows() == positions.rows() && seeds.cols() == chain.joints() &&
-          fits(positions.rows(), orientations.rows()));
+          orientations_fit(positions.rows(), orientations.rows()));
   return solve_columns(chain.joints(), [&] {
     return solve_yang_batch(chain, positions, orientations, seeds, tolerance, max_iterations,
                             options, threads);
@@ -141,7 +137,7 @@ py::tuple step_along(const Chain& chain, const Eigen::Ref<const Rows3>& position
                      const Eigen::Ref<const Eigen::VectorXd>& start,
                      const Eigen::Ref<const Eigen::VectorXd>& steps, const YangOptions& options) {
   require(start.size() == chain.joints() && steps.size() == positions.rows() &&
-          fits(positions.rows(), orientations.rows()));
+          orientations_fit(positions.rows(), orientations.rows()));
   YangPath path;
   {
     const py::gil_scoped_release release;

@@ -9,9 +9,10 @@ namespace leadthrough {
 
 namespace {
 
-using Columns = Eigen::Ref<const AxisColumns>;
+using AxisColumnsRef = Eigen::Ref<const AxisColumns>;
 
-void require_axes(const Columns& states, const Columns& limits, const AxisTargets& targets) {
+void require_axes(const AxisColumnsRef& states, const AxisColumnsRef& limits,
+                  const AxisTargets& targets) {
   require(states.rows() == 3 && limits.rows() == 6 && limits.cols() == states.cols() &&
           targets.size() == states.cols());
 }
@@ -21,7 +22,7 @@ void require_axes(const Columns& states, const Columns& limits, const AxisTarget
 void bind_jerk_filter(py::module_& module) {
   module.def(
       "resting_places",
-      [](const Columns& states, const Columns& limits) {
+      [](const AxisColumnsRef& states, const AxisColumnsRef& limits) {
         require(states.rows() == 3 && limits.rows() == 6 && limits.cols() == states.cols());
         const py::gil_scoped_release release;
         return resting_places({states, limits});
@@ -29,7 +30,7 @@ void bind_jerk_filter(py::module_& module) {
       py::arg("states").noconvert(), py::arg("limits").noconvert());
   module.def(
       "times_to_rest",
-      [](const Columns& states, const Columns& limits, const AxisTargets& targets) {
+      [](const AxisColumnsRef& states, const AxisColumnsRef& limits, const AxisTargets& targets) {
         require_axes(states, limits, targets);
         const py::gil_scoped_release release;
         return times_to_rest({states, limits}, targets);
@@ -38,8 +39,8 @@ void bind_jerk_filter(py::module_& module) {
   const auto def_step = [&](const char* name, auto step) {
     module.def(
         name,
-        [step](const Columns& states, const Columns& limits, const AxisTargets& targets,
-               double period) {
+        [step](const AxisColumnsRef& states, const AxisColumnsRef& limits,
+               const AxisTargets& targets, double period) {
           require_axes(states, limits, targets);
           const py::gil_scoped_release release;
           return step({states, limits}, targets, period);

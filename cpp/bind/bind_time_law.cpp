@@ -13,10 +13,10 @@ using Vector = Eigen::Ref<const Eigen::VectorXd>;
 using Table = Eigen::Ref<const Rows>;
 
 // The path and its grid, which the caller may read to add bounds of its own.
-class TimedPath {
+class GriddedPath {
  public:
-  TimedPath(const Vector& breaks, const Table& coefficients, const Vector& scale,
-            Eigen::Index points)
+  GriddedPath(const Vector& breaks, const Table& coefficients, const Vector& scale,
+              Eigen::Index points)
       : path_{breaks, coefficients} {
     require(breaks.size() > 1 && coefficients.rows() >= path_.pieces() &&
             coefficients.rows() % path_.pieces() == 0 && scale.size() == path_.joints() &&
@@ -58,23 +58,23 @@ class TimedPath {
 }  // namespace
 
 void bind_time_law(py::module_& module) {
-  py::class_<TimedPath>(module, "TimedPath")
+  py::class_<GriddedPath>(module, "TimedPath")
       .def(py::init<const Vector&, const Table&, const Vector&, Eigen::Index>(),
            py::arg("breaks").noconvert(), py::arg("coefficients").noconvert(),
            py::arg("scale").noconvert(), py::arg("points"))
-      .def_property_readonly("length", [](const TimedPath& path) { return path.grid().length; })
-      .def_property_readonly("parameter", [](const TimedPath& path) { return path.grid().s; })
-      .def_property_readonly("slope", [](const TimedPath& path) { return path.grid().slope; })
+      .def_property_readonly("length", [](const GriddedPath& path) { return path.grid().length; })
+      .def_property_readonly("parameter", [](const GriddedPath& path) { return path.grid().s; })
+      .def_property_readonly("slope", [](const GriddedPath& path) { return path.grid().slope; })
       .def_property_readonly("positions",
-                             [](const TimedPath& path) { return path.grid().positions; })
-      .def_property_readonly("first", [](const TimedPath& path) { return path.grid().first; })
-      .def_property_readonly("second", [](const TimedPath& path) { return path.grid().second; })
-      .def("time_law", &TimedPath::time_law, py::arg("velocity").noconvert(),
+                             [](const GriddedPath& path) { return path.grid().positions; })
+      .def_property_readonly("first", [](const GriddedPath& path) { return path.grid().first; })
+      .def_property_readonly("second", [](const GriddedPath& path) { return path.grid().second; })
+      .def("time_law", &GriddedPath::time_law, py::arg("velocity").noconvert(),
            py::arg("acceleration").noconvert(), py::arg("jerk").noconvert(),
            py::arg("fastest").noconvert(), py::arg("gain").noconvert(), py::arg("bend").noconvert(),
            py::arg("lower").noconvert(), py::arg("upper").noconvert(), py::arg("period"),
            py::arg("start_speed"), py::arg("end_speed"), py::arg("longest"))
-      .def("positions_at", &TimedPath::positions_at, py::arg("lengths").noconvert());
+      .def("positions_at", &GriddedPath::positions_at, py::arg("lengths").noconvert());
 }
 
 }  // namespace leadthrough

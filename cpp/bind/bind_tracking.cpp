@@ -10,10 +10,6 @@ namespace leadthrough {
 
 namespace {
 
-bool fits(Eigen::Index rows, Eigen::Index orientations) {
-  return orientations == rows || orientations == 0;
-}
-
 bool fits(const Chain& chain, Eigen::Index rows, const Eigen::Ref<const Rows>& postures,
           const Eigen::Ref<const Eigen::VectorXd>& shares) {
   return postures.rows() == rows && postures.cols() == chain.joints() && shares.size() == rows;
@@ -30,7 +26,7 @@ py::tuple track_path(const Chain& chain, const Eigen::Ref<const Rows3>& position
                      const Eigen::Ref<const Rows>& postures,
                      const Eigen::Ref<const Eigen::VectorXd>& shares, const TrackOptions& options) {
   require(start.size() == chain.joints() && fits(chain, positions.rows(), postures, shares) &&
-          fits(positions.rows(), orientations.rows()));
+          orientations_fit(positions.rows(), orientations.rows()));
   Track path;
   {
     const py::gil_scoped_release release;
@@ -48,7 +44,7 @@ py::tuple pursue_path(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd
                       const PursuitOptions& options) {
   require(times.size() == positions.rows() && start.size() == chain.joints() &&
           fits(chain, positions.rows(), postures, shares) &&
-          fits(positions.rows(), orientations.rows()) &&
+          orientations_fit(positions.rows(), orientations.rows()) &&
           options.velocity.size() == chain.joints() &&
           options.acceleration.size() == chain.joints());
   Track path;

@@ -2,6 +2,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include <Eigen/Core>
 #include <stdexcept>
 
 namespace leadthrough {
@@ -25,6 +26,11 @@ void bind_tracking(pybind11::module_& module);
 // The Python layer says what is wrong; this keeps the kernels inside their arrays.
 inline void require(bool sizes_agree) {
   if (!sizes_agree) throw std::invalid_argument("sizes of the arrays and of the chain differ");
+}
+
+// Orientations may have no rows.
+inline bool orientations_fit(Eigen::Index rows, Eigen::Index orientations) {
+  return orientations == rows || orientations == 0;
 }
 
 }  // namespace leadthrough

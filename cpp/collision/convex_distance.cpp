@@ -20,11 +20,11 @@ using minkowski::Vertex;
 
 constexpr double kTolerance = 1e-10;  // m, between the distance found and the one proven
 // Nearer cores are treated as overlapping, m: their direction would be lost in rounding.
-constexpr double kTouching = 1e-7;
+constexpr double kCoresTouch = 1e-7;
 constexpr int kMaxIterations = 100;
 
 // normal: unit, from a to b; distance: of the cores, below zero where they overlap.
-struct Nearest {
+struct NearestOfCores {
   double distance;
   Vector3d normal, on_a, on_b;
 };
@@ -33,7 +33,7 @@ bool is_segment(const Convex& body) {
   return body.core == Core::kPoint || body.core == Core::kSegment;
 }
 
-Nearest between(const Vector3d& on_a, const Vector3d& on_b) {
+NearestOfCores between(const Vector3d& on_a, const Vector3d& on_b) {
   const Vector3d way = on_b - on_a;
   const double distance = way.norm();
   return {distance, way / distance, on_a, on_b};
@@ -54,7 +54,8 @@ Vector3d direction_across(const Vector3d& a, const Vector3d& b) {
 }
 
 // From the middle of a to that of b; half: from a middle to an end. Ericson 2005, section 5.1.9.
-Nearest between_segments(const Vector3d& half_a, const Vector3d& middle_b, const Vector3d& half_b) {
+NearestOfCores between_segments(const Vector3d& half_a, const Vector3d& middle_b,
+                                const Vector3d& half_b) {
   const auto inside = [](double share) { return std::min(std::max(share, -1.0), 1.0); };
   const double aa = half_a.squaredNorm();
   const double bb = half_b.squaredNorm();
@@ -65,7 +66,7 @@ Nearest between_segments(const Vector3d& half_a, const Vector3d& middle_b, const
   double s = denominator > 1e-16 * aa * bb ? inside((a_way * bb - b_way * ab) / denominator) : 0.0;
   const double t = bb > 0.0 ? inside((ab * s - b_way) / bb) : 0.0;
   s = aa > 0.0 ? inside((ab * t + a_way) / aa) : 0.0;
-  Nearest found = between(s * half_a, middle_b + t * half_b);
+  NearestOfCores found = between(s * half_a, middle_b + t * half_b);
   if (found.distance < 1e-12) found.normal = direction_across(half_a, half_b);
   return found;
 }
@@ -96,25 +97,25 @@ double nearest_share(const Vector3d& middle, const Vector3d& half, const Vector3
   return low - slope_low * (high - low) / (slope_high - slope_low);
 }
 
-Nearest overlapping(const Difference& difference) {
+NearestOfCores overlapping(const Difference& difference) {
   const minkowski::Depth found = minkowski::penetration(difference);
   return {-found.depth, found.normal, found.on_a, found.on_b};
 }
 
-Nearest box_to_segment(const Difference& difference) {
+NearestOfCores box_to_segment(const Difference& difference) {
   const Vector3d half_b = difference.b.half.z() * difference.R_a_b.col(2);
   const Vector3d& box = difference.a.half;
   const Vector3d on_b = difference.p_a_b + nearest_share(difference.p_a_b, half_b, box) * half_b;
-  const Nearest found = between(on_b.cwiseMax(-box).cwiseMin(box), on_b);
-  return found.distance < kTouching ? overlapping(difference) : found;
+  const NearestOfCores found = between(on_b.cwiseMax(-box).cwiseMin(box), on_b);
+  return found.distance < kCoresTouch ? overlapping(difference) : found;
 }
 
 // Gilbert, Johnson and Keerthi 1988. `nearest` is a point of a - b, `proven` a distance that a
 // plane across it keeps.
-Nearest iterate(const Difference& difference, double cutoff) {
+NearestOfCores iterate(const Difference& difference, double cutoff) {
   Simplex simplex;
   Vector3d nearest = -difference.p_a_b;
-  if (nearest.squaredNorm() < kTouching * kTouching) nearest = Vector3d::UnitX();
+  if (nearest.squaredNorm() < kCoresTouch * kCoresTouch) nearest = Vector3d::UnitX();
   double length = nearest.norm();
   double proven = -kInfinity;
   for (int i = 0; i < kMaxIterations; ++i) {
@@ -126,7 +127,7 @@ Nearest iterate(const Difference& difference, double cutoff) {
     simplex.add(vertex);
     nearest = simplex.reduce();
     const double shorter = nearest.norm();
-    if (simplex.size == 4 || shorter < kTouching) return overlapping(difference);
+    if (simplex.size == 4 || shorter < kCoresTouch) return overlapping(difference);
     if (i > 0 && shorter >= length) {  // rounding
       simplex = before;
       break;
@@ -137,12 +138,12 @@ Nearest iterate(const Difference& difference, double cutoff) {
                  minkowski::blend(simplex, simplex.weights, &Vertex::on_b));
 }
 
-Nearest swapped(const Nearest& nearest, const Difference& from) {
+NearestOfCores swapped(const NearestOfCores& nearest, const Difference& from) {
   const auto back = [&](const Vector3d& p) -> Vector3d { return from.R_a_b * p + from.p_a_b; };
   return {nearest.distance, -(from.R_a_b * nearest.normal), back(nearest.on_b), back(nearest.on_a)};
 }
 
-Nearest between_cores(const Difference& difference, double cutoff) {
+NearestOfCores between_cores(const Difference& difference, double cutoff) {
   const Convex& a = difference.a;
   const Convex& b = difference.b;
   if (is_segment(a) && is_segment(b))
@@ -187,7 +188,7 @@ Separation separation(const Convex& a, const Pose& T_base_a, const Convex& b, co
   const Difference difference{a, b, R_a_base * T_base_b.rotation,
                               R_a_base * (T_base_b.position - T_base_a.position)};
   const double rounding = a.rounding + b.rounding;
-  const Nearest cores = between_cores(difference, cutoff + rounding);
+  const NearestOfCores cores = between_cores(difference, cutoff + rounding);
   const auto to_base = [&](const Vector3d& p) -> Vector3d {
     return T_base_a.rotation * p + T_base_a.position;
   };

@@ -9,6 +9,9 @@ namespace leadthrough {
 
 // Damping in units of the squared error.
 constexpr double kErrorDamping = 0.05;
+// Keeps the damped matrix regular at singularities: (1 mm)^2, for a full step of a joint that
+// moves the tip 1 m a rad a bias of a millionth.
+constexpr double kDampingFloor = 1e-6;
 
 // The step that takes every joint that has a wish a share of its way there.
 inline JointArray pull_to(const JointArray& wish, int joints, const JointArray& q, double share) {

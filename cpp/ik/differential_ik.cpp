@@ -7,8 +7,6 @@ namespace leadthrough {
 
 namespace {
 
-// (1 mm)^2: for a joint that moves the tip 1 m a rad a bias of a millionth of the step.
-constexpr double kDampingFloor = 1e-6;
 // Of the null space's projector: it leaks at most half the root of this, in m a rad.
 constexpr double kProjectorDamping = 1e-14;
 // Of the acceleration limit, the share that a step counts on to brake; the rest is for the

@@ -19,10 +19,6 @@ struct DescentEnd {
   int iterations = 0;
 };
 
-// Keeps the damped matrix regular at singularities: (1 mm)^2, for a full step of a joint that
-// moves the tip 1 m a rad a bias of a millionth.
-constexpr double kDampingFloor = 1e-6;
-
 template <int M, typename Target = IkTarget>
 class PoseDescent {
  public:

@@ -88,7 +88,7 @@ class PoseSearch {
   }
 
   // Moves a redundant arm towards the goal; the tool stays.
-  void approach(const Pull& goal, double share) {
+  void approach(const SelfMotionGoal& goal, double share) {
     if (n_ <= M) return;
     SelfMotion<M, Target> motion(chain_, target_, limits_, options_.tolerance, q_);
     motion.run(goal, share, options_.max_iterations - iterations_);

@@ -7,13 +7,13 @@
 namespace leadthrough {
 
 // Where self-motion goes; joints that are not pulled follow as the task wants.
-struct Pull {
+struct SelfMotionGoal {
   JointArray q{};
   std::array<bool, kMaxJoints> pulled{};
 };
 
-inline Pull towards(const JointVector& posture) {
-  Pull goal;
+inline SelfMotionGoal towards(const JointVector& posture) {
+  SelfMotionGoal goal;
   for (Eigen::Index i = 0; i < posture.size(); ++i) {
     goal.q[static_cast<std::size_t>(i)] = posture[i];
     goal.pulled[static_cast<std::size_t>(i)] = true;
@@ -22,8 +22,8 @@ inline Pull towards(const JointVector& posture) {
 }
 
 // The middle of the ranges; joints without one are not pulled.
-inline Pull towards_middle(const Chain& chain) {
-  Pull goal = towards(middle(chain));
+inline SelfMotionGoal towards_middle(const Chain& chain) {
+  SelfMotionGoal goal = towards(middle(chain));
   for (int i = 0; i < chain.joints(); ++i)
     goal.pulled[static_cast<std::size_t>(i)] = std::isfinite(chain.lower[i] + chain.upper[i]);
   return goal;
@@ -46,7 +46,7 @@ class SelfMotion {
   // Steps in the exact null space, I - J^+ J of the undamped J over the joints that no limit
   // holds, each put back onto the target and kept where it brought the joints nearer to the goal.
   // `share` of the way is tried first.
-  void run(const Pull& goal, double share, int max_iterations) {
+  void run(const SelfMotionGoal& goal, double share, int max_iterations) {
     constexpr int kSteps = 40;
     constexpr double kLeastGain = 1e-5;        // of the distance, in a full step
     constexpr double kWellConditioned = 1e-9;  // pivots of J J^T: next to a singularity stay
@@ -98,7 +98,7 @@ class SelfMotion {
     return true;
   }
 
-  JointArray moved(const Pull& goal, double share) const {
+  JointArray moved(const SelfMotionGoal& goal, double share) const {
     // Regular where joints are held; elsewhere what it leaves of the pull moves the tool by less
     // than rounding would.
     constexpr double kUndamped = 1e-12;  // m^2
@@ -116,7 +116,7 @@ class SelfMotion {
     return trial;
   }
 
-  double distance_to(const Pull& goal, const JointArray& q) const {
+  double distance_to(const SelfMotionGoal& goal, const JointArray& q) const {
     double sum = 0.0;
     for (std::size_t i = 0; i < static_cast<std::size_t>(joints()); ++i)
       if (goal.pulled[i]) sum += (goal.q[i] - q[i]) * (goal.q[i] - q[i]);

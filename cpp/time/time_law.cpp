@@ -34,7 +34,7 @@ constexpr int kMostCoarseRounds = 8, kRoundsOfPush = 4, kMostLocalRounds = 16, k
 // Excess of a limit that long strides leave to all samples.
 constexpr double kCoarseExcess = 1e-3;
 // Differences at 1 kHz carry rounding of 1e-9 of usual limits.
-constexpr double kRounding = 5e-7;
+constexpr double kAllowedExcess = 5e-7;
 
 struct Windows {
   Index first, second;  // samples; their sum is even
@@ -170,7 +170,7 @@ class TimeLawSearch {
     Index stride = stride_;
     for (int k = 0; k < kMostRounds; ++k) {
       if (!round(stride, law)) return false;
-      if (stride == 1 && excess() <= 1.0 + kRounding) return true;
+      if (stride == 1 && excess() <= 1.0 + kAllowedExcess) return true;
       if (k == 0 && cap_by_jerk()) continue;
       const bool near = excess() <= 1.0 + kCoarseExcess || k + 1 >= kMostCoarseRounds;
       if (stride > 1 && near) {
@@ -178,7 +178,7 @@ class TimeLawSearch {
       } else if (k < kMostLocalRounds) {
         hold_back((stride_ / stride) * windows_.reach() + 1, k >= kRoundsOfPush);
       } else {
-        slowness_ /= excess() * (1.0 + kRounding);
+        slowness_ /= excess() * (1.0 + kAllowedExcess);
       }
     }
     return fail(law, TimeLawStatus::kNotSettled, -1);
