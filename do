@@ -4,7 +4,7 @@ set -euo pipefail
 cd "$(dirname "$0")"
 
 readonly BUILD_PACKAGES=(g++ cmake ninja-build libeigen3-dev liborocos-kdl-dev liburdfdom-dev)
-readonly TEST_PACKAGES=(ccache chromium libfcl-dev libgtest-dev)
+readonly TEST_PACKAGES=(chromium libfcl-dev libgtest-dev)
 
 usage() {
   cat <<'TEXT'
@@ -12,7 +12,8 @@ usage: ./do COMMAND [OPTIONS]
 
   demo       demonstrations in, a checked robot trajectory out (leadthrough demo)
   test       all tests, C++ and Python; options go to pytest
-  sanitize   the C++ tests with AddressSanitizer, UndefinedBehaviorSanitizer and ThreadSanitizer
+  sanitize   the C++ tests with AddressSanitizer, UndefinedBehaviorSanitizer and ThreadSanitizer,
+             and calls of every binding with the first two
   bench      benchmarks against other libraries; options go to python/benchmarks/run.py
   docs       the documentation, build/docs/index.html
   wheel      a wheel in dist/ that runs without the Debian packages
@@ -72,28 +73,56 @@ sources_digest() {
     xargs -d '\n' sha256sum | sha256sum | cut -d' ' -f1
 }
 
-# install_package EXTRAS: the package, editable, with these extras; nothing if nothing changed.
-install_package() {
+# Whether a step's stamp says that it was done with the sources of this digest.
+done_with() { [ "$(cat ".venv/$1" 2>/dev/null)" = "$2" ]; }
+
+# The core, compiled in build/core, and the package, editable; nothing if nothing changed.
+install_core() {
   need "${BUILD_PACKAGES[@]}"
   make_environment
-  local stamp=".venv/installed-$1" digest
+  local digest
   digest=$(sources_digest)
-  [ "$(cat "$stamp" 2>/dev/null)" = "$digest" ] && return
-  echo "building and installing leadthrough[$1]"
+  done_with installed-core "$digest" && return
+  echo "building and installing leadthrough"
   .venv/bin/pip install -q --disable-pip-version-check 'scikit-build-core>=0.10' 'pybind11>=2.13'
   .venv/bin/pip install -q --disable-pip-version-check --no-build-isolation --no-deps \
-    --config-settings=build-dir=build/python \
+    --config-settings=build-dir=build/core \
     --config-settings=cmake.define.LEADTHROUGH_WERROR=ON -e .
-  # What it depends on, by name: some of it builds from source and needs isolation for that.
-  .venv/bin/pip install -q --disable-pip-version-check "leadthrough[$1]"
-  echo "$digest" >"$stamp"
+  echo "$digest" >.venv/installed-core
 }
 
-# run_cpp_tests PRESET
+# install_package EXTRAS: the package and what these extras need.
+install_package() {
+  install_core
+  local digest
+  digest=$(sha256sum pyproject.toml)
+  done_with "installed-$1" "$digest" && return
+  echo "installing what leadthrough[$1] needs"
+  # By name: some of it builds from source and needs isolation for that.
+  .venv/bin/pip install -q --disable-pip-version-check "leadthrough[$1]"
+  echo "$digest" >".venv/installed-$1"
+}
+
+# The C++ tests, linked to the libraries that the package was made from.
 run_cpp_tests() {
-  [ -f "build/$1/build.ninja" ] || cmake --preset "$1" >/dev/null
+  cmake build/core -DLEADTHROUGH_TESTS=ON >/dev/null
+  cmake --build build/core -- --quiet
+  ctest --test-dir build/core --output-on-failure --no-tests=error
+}
+
+# run_sanitized_tests PRESET CMAKE_OPTION...
+run_sanitized_tests() {
+  [ -f "build/$1/build.ninja" ] || cmake --preset "$@" >/dev/null
   cmake --build --preset "$1" -- --quiet
   ctest --preset "$1"
+}
+
+# Calls every binding with AddressSanitizer; Python itself leaks by design.
+run_sanitized_bindings() {
+  local runtimes
+  runtimes="$(g++ -print-file-name=libasan.so) $(g++ -print-file-name=libstdc++.so)"
+  LD_PRELOAD="$runtimes" ASAN_OPTIONS=detect_leaks=0 LEADTHROUGH_CORE=build/asan/cpp/bind \
+    .venv/bin/python -m pytest -q -p no:cacheprovider tests/python/test_bindings.py
 }
 
 # A wheel of the sources as they are, with the native libraries and all licences inside.
@@ -123,13 +152,16 @@ main() {
     test)
       need "${TEST_PACKAGES[@]}"
       install_package test
-      run_cpp_tests release
+      run_cpp_tests
       .venv/bin/python -m pytest "$@"
       ;;
     sanitize)
-      need "${BUILD_PACKAGES[@]}" "${TEST_PACKAGES[@]}"
-      run_cpp_tests asan
-      run_cpp_tests tsan
+      need "${TEST_PACKAGES[@]}"
+      install_package test
+      run_sanitized_tests asan -DLEADTHROUGH_PYTHON=ON "-DPython_EXECUTABLE=$PWD/.venv/bin/python" \
+        "-Dpybind11_DIR=$(.venv/bin/python -m pybind11 --cmakedir)"
+      run_sanitized_bindings
+      run_sanitized_tests tsan
       ;;
     bench)
       install_package bench
