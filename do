@@ -119,10 +119,12 @@ run_sanitized_tests() {
 
 # Calls every binding with AddressSanitizer; Python itself leaks by design.
 run_sanitized_bindings() {
-  local runtimes
+  local runtimes core
   runtimes="$(g++ -print-file-name=libasan.so) $(g++ -print-file-name=libstdc++.so)"
-  LD_PRELOAD="$runtimes" ASAN_OPTIONS=detect_leaks=0 LEADTHROUGH_CORE=build/asan/cpp/bind \
-    .venv/bin/python -m pytest -q -p no:cacheprovider tests/python/test_bindings.py
+  core=$(echo "$PWD"/build/asan/cpp/bind/_core*.so)
+  LD_PRELOAD="$runtimes" ASAN_OPTIONS=detect_leaks=0 LEADTHROUGH_CORE="$core" \
+    PYTHONPATH=tests/python .venv/bin/python -m pytest -q -p sanitized_core -p no:cacheprovider \
+    tests/python/test_core.py
 }
 
 # A wheel of the sources as they are, with the native libraries and all licences inside.
@@ -153,7 +155,7 @@ main() {
       need "${TEST_PACKAGES[@]}"
       install_package test
       run_cpp_tests
-      .venv/bin/python -m pytest "$@"
+      .venv/bin/python -m pytest -n "$(nproc)" "$@"
       ;;
     sanitize)
       need "${TEST_PACKAGES[@]}"
