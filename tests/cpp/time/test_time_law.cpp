@@ -12,17 +12,13 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
 // A straight line of one joint, of length 1 over the parameter 0 to 1.
-PolynomialPath line() {
-  Rows coefficients(2, 1);
-  coefficients << 0.0, 1.0;
-  return {Eigen::Vector2d(0.0, 1.0), coefficients};
-}
+PolynomialPath line() { return {Eigen::Vector2d(0.0, 1.0), Eigen::Vector2d(0.0, 1.0)}; }
 
 // Two joints around a bend, smooth and of changing pace.
 PolynomialPath bend() {
-  Rows coefficients(5, 2);
-  coefficients << 0.0, 0.0, 0.3, 0.1, 1.5, -1.0, -0.4, 2.0, 0.2, -0.5;
-  return {Eigen::Vector2d(0.0, 1.0), coefficients};
+  PolynomialPath path{Eigen::Vector2d(0.0, 1.0), Rows(5, 2)};
+  path.coefficients << 0.0, 0.0, 0.3, 0.1, 1.5, -1.0, -0.4, 2.0, 0.2, -0.5;
+  return path;
 }
 
 PathBounds no_bounds(const PathGrid& grid) {
