@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import FunctionType
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -15,6 +16,8 @@ from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.shapes import Shape
+
+_ARM = "leadthrough.arm.arm"  # module of the class that users see
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +36,14 @@ class ArmDefinition:
     mesh_folders: tuple[str, ...] = field(default=(), repr=False)
     _robot: _core.Robot = field(init=False, repr=False)
     _chain: _core.Chain = field(init=False, repr=False)
+
+    def __init_subclass__(cls) -> None:
+        """Names each group's methods as users call them: errors of a call say `Arm.follow()`."""
+        if cls.__module__.partition(".arm.")[0] != "leadthrough":
+            return  # a class that derives from Arm
+        for name, function in vars(cls).items():
+            if isinstance(function, FunctionType) and not name.startswith("_"):
+                function.__module__, function.__qualname__ = _ARM, f"Arm.{name}"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "held", holding.checked(self.held))

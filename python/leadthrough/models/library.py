@@ -22,10 +22,8 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
-from leadthrough.models.dmp.discrete import DMPSkill
-from leadthrough.models.dmp.pose import PoseDMPSkill
 from leadthrough.models.mean_turning import mean_orientations
-from leadthrough.models.protocol import Skill
+from leadthrough.models.protocol import Relearned, Skill
 from leadthrough.models.skills import restored
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
 
@@ -165,7 +163,7 @@ class SkillLibrary:
         nearest = self.nearest(task, subtask, target)
         if len(used) < 2:
             return nearest
-        if not isinstance(nearest, DMPSkill | PoseDMPSkill):
+        if not isinstance(nearest, Relearned):
             raise UnsupportedQuery(
                 f"subtask: expected skills of DMP or PoseDMP, got one of kind {nearest.kind!r}; "
                 "ask for the nearest"
@@ -174,13 +172,8 @@ class SkillLibrary:
             raise UnsupportedQuery(
                 f"subtask: expected skills of one kind, got {sorted({each.kind for each in used})}"
             )
-        motions = [
-            skill.generate(dt=skill.duration / (_SAMPLES - 1))
-            for skill in used
-            if isinstance(skill, DMPSkill | PoseDMPSkill)
-        ]
-        motion = _mean(motions, weights[weights > 0.0])
-        return nearest.model.fit([motion])
+        motions = [skill.replay(_SAMPLES) for skill in used if isinstance(skill, Relearned)]
+        return nearest.relearned(_mean(motions, weights[weights > 0.0]))
 
     def save(self, path: StrPath) -> None:
         """Writes all skills to one .npz file.

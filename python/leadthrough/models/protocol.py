@@ -16,7 +16,16 @@ from leadthrough.models.place import Place
 from leadthrough.motion import Motion, MotionT_co
 from leadthrough.shapes import Shape
 
-__all__ = ["Conditioned", "Distributed", "Generator", "Model", "Place", "Previewed", "Skill"]
+__all__ = [
+    "Conditioned",
+    "Distributed",
+    "Generator",
+    "Model",
+    "Place",
+    "Previewed",
+    "Relearned",
+    "Skill",
+]
 
 
 class Model(Protocol):
@@ -133,3 +142,14 @@ class Conditioned(Protocol):
 
     def condition(self, time: ArrayLike, position: Place) -> Skill:
         """The skill that passes a position at a time, s."""
+
+
+@runtime_checkable
+class Relearned(Protocol):
+    """A skill of one motion, which can be learned anew from a mean of it and of others."""
+
+    def replay(self, samples: int) -> Motion:
+        """Its own motion, evenly sampled."""
+
+    def relearned(self, motion: Motion) -> Skill:
+        """The skill of another motion of the same type, learned with the same settings."""

@@ -143,3 +143,18 @@ def test_the_limits_must_be_the_chains():
     limits = JointLimits(("turn", "twist"), [-1, -1], [1, 1], [1, 1])
     with pytest.raises(InvalidInput, match="limits"):
         lt.Arm(planar(), "base", "tool", limits)
+
+
+def test_a_wrong_keyword_is_refused_in_the_words_of_the_call():
+    arm = lt.Arm.from_urdf(planar())
+    with pytest.raises(TypeError, match=r"^Arm\.inverse_kinematics\(\) got an unexpected keyword"):
+        arm.inverse_kinematics([0, 0, 0], seeds=[0.0])
+    assert pickle.loads(pickle.dumps(lt.Arm.follow)) is lt.Arm.follow
+
+
+def test_methods_of_a_class_of_ones_own_keep_their_names():
+    class Mine(lt.Arm):
+        def wave(self):
+            return self.joint_names
+
+    assert Mine.wave.__qualname__.endswith("Mine.wave")

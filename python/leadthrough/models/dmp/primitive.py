@@ -22,7 +22,8 @@ from leadthrough.models.dmp.query import Via, check_duration, check_step, course
 from leadthrough.models.dmp.springs import Ends, Springs
 from leadthrough.models.even_times import even_phases
 from leadthrough.models.place import Place
-from leadthrough.models.protocol import Model
+from leadthrough.models.protocol import Model, Skill
+from leadthrough.motion import Motion
 from leadthrough.shapes import Shape
 
 ModelT = TypeVar("ModelT", bound=Model)
@@ -56,6 +57,30 @@ class Primitive(Archived, Generic[ModelT, StateT]):
         duration: float | None = None,
     ) -> StateT:
         """The state at the start, for `step`."""
+
+    @abstractmethod
+    def generate(self, *, dt: float = 0.01) -> Motion:
+        """The motion from start to goal."""
+
+    def replay(self, samples: int) -> Motion:
+        """The demonstrated motion, evenly sampled.
+
+        Args:
+            samples: their number, 2 or more.
+        """
+        return self.generate(dt=self.duration / (samples - 1))
+
+    def relearned(self, motion: Motion) -> Skill:
+        """The skill of another motion, learned with the same settings.
+
+        Args:
+            motion: of the type that was shown.
+
+        Raises:
+            InvalidInput: for a motion of another type.
+            FitError: for one that does not move.
+        """
+        return self.model.fit([motion])
 
     def default_duration(self, *, start: Place | None = None, goal: Place | None = None) -> float:
         """How long a motion takes by default, s: as demonstrated, or longer.
