@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -9,8 +10,18 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+# How messages begin: "rate: ...", "frames[2]: ...", perhaps behind a file: "day.csv: rate: ...".
+_ARGUMENT = re.compile(r"(?:^|: )(?P<name>[a-z_]\w*(?:\[[^\]]*\])?): ")
+
+
 class LeadthroughError(Exception):
     """Root of the package's errors; each can be pickled, so a worker process may raise it."""
+
+    @property
+    def argument(self) -> str | None:
+        """Name of the argument at fault, such as "rate"; None if the message names none."""
+        found = _ARGUMENT.search(str(self))
+        return found["name"] if found else None
 
     def __reduce__(self) -> tuple[Any, ...]:  # Any: the type that Exception declares
         # Exception's own version calls the class with the message alone; some need more.

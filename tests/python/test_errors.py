@@ -47,3 +47,18 @@ def test_errors_travel_between_processes(error):
     assert type(copy) is type(error)
     assert str(copy) == str(error)
     assert copy.__dict__.keys() == error.__dict__.keys()
+
+
+@pytest.mark.parametrize(
+    ("message", "argument"),
+    [
+        ("rate: needed, the file has no time", "rate"),
+        ("shown/day 3.csv: rate: needed", "rate"),
+        ("day.csv: line 3: angles: joints reach 7", "angles"),
+        ("frames[2]: expected 3 dimensions, got 2", "frames[2]"),
+        ("columns['joints']: no column 'q7'; there are: q1", "columns['joints']"),
+        ("no path from here to there: too narrow", None),
+    ],
+)
+def test_an_error_knows_the_argument_that_its_message_names(message, argument):
+    assert errors.InvalidInput(message).argument == argument

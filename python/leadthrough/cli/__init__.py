@@ -8,12 +8,14 @@ import typer
 
 from leadthrough.cli.check import check
 from leadthrough.cli.clean import clean
+from leadthrough.cli.command import Command, Commands
 from leadthrough.cli.demo import demo
-from leadthrough.cli.errors import Commands
+from leadthrough.cli.example import example
 from leadthrough.cli.experiment import experiment
 from leadthrough.cli.info import info
 from leadthrough.cli.learn import learn
 from leadthrough.cli.plan import plan
+from leadthrough.cli.profile import FILE
 from leadthrough.cli.retime import retime
 from leadthrough.cli.view import view
 
@@ -24,16 +26,32 @@ _ENDINGS = (
     "positions that reach the goal, a study with failures); 2 wrong input or usage."
 )
 
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        print(f"leadthrough {version('leadthrough')}")
+        raise typer.Exit
+
+
 app = typer.Typer(
     cls=Commands, no_args_is_help=True, pretty_exceptions_enable=False, epilog=_ENDINGS
 )
-for command in (demo, info, clean, learn, plan, retime, check, view, experiment):
-    app.command()(command)
+for command in (demo, example, info, clean, learn, plan, retime, check, view, experiment):
+    app.command(cls=Command)(command)
 
 
 @app.callback()
 def leadthrough(
     debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+    no_profile: Annotated[
+        bool, typer.Option("--no-profile", help=f"Ignore the file {FILE} in this folder.")
+    ] = False,
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_version, is_eager=True, help="Show the version."),
+    ] = False,
 ) -> None:
     """Hand-guided demonstrations in, executable robot-arm motion out."""
 

@@ -1,14 +1,18 @@
-"""Errors on the command line: one line in the words of the command line, and an exit code."""
+"""Errors on the command line: one line in the words of the command line, and an exit code.
+
+The library's errors name its arguments. A command's parameters have the same names, so that each
+error can be told in the options that were typed.
+"""
 
 from __future__ import annotations
 
+import json
 import re
 import sys
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 
 import typer
-from typer.core import TyperGroup
 
 from leadthrough.errors import (
     FitError,
@@ -21,42 +25,86 @@ from leadthrough.errors import (
 
 # The input was right, and there is no such motion.
 _NO = (FitError, IkFailure, LimitsInfeasible, NoContinuousLogarithm, NoPath)
+_OPTION = re.compile(r"(?:^|: )(--[a-z-]+)")
 
 
-class Commands(TyperGroup):
-    """Commands whose expected errors are one line on stderr, with a traceback only for --debug."""
+@contextmanager
+def naming(**words: str) -> Iterator[None]:
+    """Tells the errors of a block in words of the command line.
 
-    def invoke(self, ctx: typer.Context) -> Any:  # type: ignore[override]
-        try:
-            return super().invoke(ctx)
-        except BrokenPipeError:  # a reader such as `head` has seen enough
-            raise
-        except (LeadthroughError, OSError) as error:
-            if ctx.params.get("debug"):
-                raise
-            command = self.get_command(ctx, ctx.invoked_subcommand or "")
-            text = _in_options(str(error), command.params if command else ())
-            print(f"leadthrough: {text}", file=sys.stderr)
-            raise typer.Exit(1 if isinstance(error, _NO) else 2) from None
+    Args:
+        words: what the command line calls an argument of the library, by the argument's name.
+
+    Raises:
+        LeadthroughError: the block's own, with another message.
+    """
+    try:
+        yield
+    except LeadthroughError as error:
+        error.args = (in_words(str(error), words), *error.args[1:])
+        raise
 
 
-def _in_options(message: str, parameters: Iterable[Any]) -> str:
-    """The message with the command's options where the library names its arguments.
+def in_words(message: str, words: Mapping[str, str]) -> str:
+    """The message with the command line's words where the library names its arguments.
 
     "rate: needed" becomes "--rate: needed", angles='degrees' becomes --angles degrees, and
     columns['joints'] becomes --column joints.
+
+    Args:
+        message: of an error of the library.
+        words: as for `naming`.
     """
-    options: dict[str, str] = {
-        name: parameter.opts[0]
-        for parameter in parameters
-        if parameter.param_type_name == "option"
-        for name in (parameter.name, f"{parameter.name}s")
-    }
-    argument = rf"\b(?P<name>{'|'.join(options) or '(?!)'})"
+    argument = rf"(?<![\w-])(?P<name>{'|'.join(map(re.escape, words)) or '(?!)'})"
 
-    def option(found: re.Match[str]) -> str:
-        value = f" {found['value']}" if found["value"] else ""
-        return options[found["name"]] + value
+    def word(found: re.Match[str]) -> str:
+        said = words[found["name"]]
+        value = found.groupdict().get("value")
+        # An option takes its value after a blank; a parameter of a model is --set NAME=VALUE.
+        return said if value is None else f"{said}{'=' if ' ' in said else ' '}{value}"
 
-    message = re.sub(rf"(?:^|(?<=: )){argument}(?P<value>)(?=: |\[\d+\]: )", option, message)
-    return re.sub(rf"{argument}(?:\['|=')(?P<value>\w+)'\]?", option, message)
+    message = re.sub(rf"(?:^|(?<=: )){argument}(?=: |\[\d+\]: )", word, message)
+    message = re.sub(rf"(?<=\bset ){argument}\b(?!=)", word, message)
+    message = re.sub(rf"{argument}\['(?P<value>\w+)'\]", word, message)
+    return re.sub(rf"{argument}=(?P<quote>['\"]?)(?P<value>[\w.+-]+)(?P=quote)", word, message)
+
+
+def ending(error: Exception, words: Mapping[str, str], *, as_json: bool) -> typer.Exit:
+    """Prints an error, as a line on stderr or as JSON on stdout; how the process is to exit.
+
+    Args:
+        error: what the library or the operating system raised.
+        words: as for `naming`.
+        as_json: whether to print JSON: type, message and argument of the error.
+    """
+    message = in_words(_text(error), words)
+    if as_json:
+        print_json(type(error).__name__, message, _argument(error, message, words))
+    else:
+        print(f"leadthrough: {message}", file=sys.stderr)
+    return typer.Exit(1 if isinstance(error, _NO) else 2)
+
+
+def print_json(kind: str, message: str, argument: str | None) -> None:
+    """Prints an error as the only JSON object on stdout.
+
+    Args:
+        kind: the type of the error, such as "InvalidInput".
+        message: what is wrong.
+        argument: the option or argument that is; None if it is none of them.
+    """
+    error = {"type": kind, "message": message, "argument": argument}
+    print(json.dumps({"error": error}, allow_nan=False))
+
+
+def _text(error: Exception) -> str:
+    if isinstance(error, OSError) and error.strerror and not isinstance(error, LeadthroughError):
+        return f"{error.filename or 'input or output'}: {error.strerror}"
+    return str(error)
+
+
+def _argument(error: Exception, message: str, words: Mapping[str, str]) -> str | None:
+    if option := _OPTION.search(message):
+        return option[1]
+    named = getattr(error, "argument", None)
+    return None if named is None else words.get(named.partition("[")[0], named)

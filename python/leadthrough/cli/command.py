@@ -1,0 +1,101 @@
+"""What all commands have in common: options from the profile, and how errors end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+
+from leadthrough.cli import errors, profile
+from leadthrough.errors import LeadthroughError
+
+# Typer's root of what is wrong with the words of a command line.
+_UsageError: Any = typer.BadParameter.__bases__[0]
+
+
+class Command(TyperCommand):
+    """A command that takes options from the profile and tells errors in the options' names."""
+
+    def make_context(self, info_name: str | None, args: list[str], **extra: Any) -> Any:  # type: ignore[override]
+        parent = extra.get("parent")
+        wanted = "--help" not in args and not (parent and parent.params.get("no_profile"))
+        if wanted and any(parameter.name == "robot" for parameter in self.params):
+            extra["default_map"] = profile.read()
+        return super().make_context(info_name, args, **extra)
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        rest = super().parse_args(ctx, args)
+        if _source(ctx, "robot") == "COMMANDLINE":
+            for name in profile.OF_THE_ROBOT:
+                if _source(ctx, name) == "DEFAULT_MAP":
+                    ctx.params[name] = None
+        return rest
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError:  # a reader such as `head` has seen enough
+            raise
+        except (LeadthroughError, OSError) as error:
+            if ctx.find_root().params.get("debug"):
+                raise
+            raise errors.ending(error, _words(ctx), as_json=_wants_json(ctx)) from None
+
+
+class Commands(TyperGroup):
+    """The commands; what is wrong with the words of a command line is JSON too where asked for."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        ctx.meta[_JSON] = "--json" in args
+        with _usage_errors(ctx):
+            return super().parse_args(ctx, args)
+
+    def invoke(self, ctx: Any) -> Any:
+        with _usage_errors(ctx):
+            return super().invoke(ctx)
+
+
+_JSON = "leadthrough.json"
+
+
+@contextmanager
+def _usage_errors(ctx: Any) -> Iterator[None]:
+    try:
+        yield
+    except LeadthroughError as error:  # of the profile, or of a command with --debug
+        if ctx.params.get("debug"):
+            raise
+        raise errors.ending(error, {}, as_json=_wants_json(ctx)) from None
+    except _UsageError as error:
+        if not _wants_json(ctx):
+            raise
+        parameter = getattr(error, "param", None)
+        argument = parameter.opts[0] if parameter else getattr(error, "option_name", None)
+        errors.print_json("UsageError", error.format_message(), argument)
+        raise typer.Exit(error.exit_code) from None
+
+
+def _wants_json(ctx: Any) -> bool:
+    return bool(ctx.meta.get(_JSON))
+
+
+def _source(ctx: Any, name: str) -> str | None:
+    """Where a parameter's value comes from: "COMMANDLINE", "DEFAULT_MAP" (the profile), ..."""
+    source = ctx.get_parameter_source(name)
+    return None if source is None else source.name
+
+
+def _words(ctx: Any) -> dict[str, str]:
+    """What the user wrote for the library's arguments: the option, or the profile's key."""
+    words: dict[str, str] = {}
+    for parameter in ctx.command.params:
+        option = parameter.opts[0]
+        if option == f"--{parameter.name.replace('_', '-')}":
+            said = option
+            if _source(ctx, parameter.name) == "DEFAULT_MAP":
+                said = words[option] = f"{profile.FILE}: {parameter.name}"
+            words[parameter.name] = words[f"{parameter.name}s"] = said
+    return words

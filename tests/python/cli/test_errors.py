@@ -1,0 +1,81 @@
+"""How errors end: in words of the command line, or as JSON."""
+
+import json
+
+import pytest
+from cli.command_line import run
+
+import leadthrough as lt
+from leadthrough.cli.errors import in_words
+
+WORDS = {
+    "rate": "--rate",
+    "angles": "--angles",
+    "columns": "--column",
+    "format": "--format",
+    "limits": "leadthrough.toml: limits",
+    "orientation": "--set orientation",
+}
+
+
+@pytest.mark.parametrize(
+    ("message", "said"),
+    [
+        ("rate: needed", "--rate: needed"),
+        ("day.csv: rate: needed", "day.csv: --rate: needed"),
+        ("angles: two turns; set angles='degrees'", "--angles: two turns; set --angles degrees"),
+        ("columns['joints']: no column 'q7'", "--column joints: no column 'q7'"),
+        ("limits: cannot be read", "leadthrough.toml: limits: cannot be read"),
+        ("change it or set format", "change it or set --format"),
+        ('use orientation="log" or rate=20.5', "use --set orientation=log or --rate 20.5"),
+        ("a corporate: rate", "a corporate: rate"),
+        ("accelerate: the rate is 3", "accelerate: the rate is 3"),
+        ("--rate: needed", "--rate: needed"),
+    ],
+)
+def test_arguments_of_the_library_become_options(message, said):
+    assert in_words(message, WORDS) == said
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run("example", "reach", ".")
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "kind", "argument"),
+    [
+        (["learn", "none.csv", "-o", "s.npz"], 2, "InvalidInput", None),
+        (["learn", "shown/reach1.csv", "--rate", "9", "-o", "s.npz"], 2, "InvalidInput", "--rate"),
+        (["learn", "shown/reach1.csv", "--column", "joints=a", "-o", "s.npz"], 2, "InvalidInput",
+         "--column"),
+        (["learn", "shown/reach1.csv", "--rate", "x", "-o", "s.npz"], 2, "UsageError", "--rate"),
+        (["learn", "shown/reach1.csv"], 2, "UsageError", "--out"),
+        (["learn", "shown/reach1.csv", "--no-such"], 2, "UsageError", "--no-such"),
+        (["nonsense"], 2, "UsageError", None),
+        (["check", "shown/reach1.csv", "--obstacle", "box:1@0,0,0"], 2, "InvalidInput",
+         "--obstacle"),
+        (["plan", "s.npz", "--move-goal=3,0,0", "-o", "m.json"], 1, "IkFailure", None),
+    ],
+)  # fmt: skip
+def test_errors_are_one_json_object_where_json_is_asked_for(folder, words, code, kind, argument):
+    if "s.npz" in words[1:2]:
+        run("learn", "shown/reach1.csv", "-o", "s.npz")
+    result = run(*words, "--json", code=code)
+    error = json.loads(result.stdout)["error"]
+    assert (error["type"], error["argument"]) == (kind, argument)
+    assert error["message"]
+    assert "leadthrough:" not in result.stderr
+
+
+def test_without_json_an_error_is_a_line_on_stderr(folder):
+    result = run("learn", "none.csv", "-o", "s.npz", code=2)
+    assert result.stdout == ""
+    assert result.stderr.startswith("leadthrough: none.csv: ")
+    assert result.stderr.count("\n") == 1
+
+
+def test_the_version_is_told():
+    assert run("--version").stdout == f"leadthrough {lt.__version__}\n"
