@@ -2,6 +2,7 @@
 
 #include "bind/parts.hpp"
 #include "learn/bells.hpp"
+#include "learn/bouncing.hpp"
 #include "learn/gaussian.hpp"
 
 namespace py = pybind11;
@@ -9,6 +10,18 @@ namespace py = pybind11;
 namespace leadthrough {
 
 void bind_gaussian(py::module_& module) {
+  module.def(
+      "bounced",
+      [](const Eigen::Ref<const Rows>& walls, const Eigen::Ref<const Eigen::VectorXd>& limits,
+         const Eigen::Ref<const Eigen::VectorXd>& start, const Eigen::Ref<const Rows>& velocities) {
+        require(limits.size() == walls.rows() && start.size() == walls.cols() &&
+                velocities.cols() == walls.cols() &&
+                (walls.rowwise().squaredNorm().array() > 0.0).all());
+        const py::gil_scoped_release release;
+        return bounced(walls, limits, start, velocities);
+      },
+      py::arg("walls").noconvert(), py::arg("limits").noconvert(), py::arg("start").noconvert(),
+      py::arg("velocities").noconvert());
   module.def(
       "condition_weights",
       [](const Eigen::Ref<const Eigen::VectorXd>& mean, const Eigen::Ref<const Rows>& covariance,

@@ -553,6 +553,9 @@ def dmp_coordinates(
     velocity: Float64Array,
     near: Float64Array,
 ) -> tuple[Float64Array, Float64Array]: ...
+def bounced(
+    walls: Float64Array, limits: Float64Array, start: Float64Array, velocities: Float64Array
+) -> Float64Array: ...
 def condition_weights(
     mean: Float64Array,
     covariance: Float64Array,

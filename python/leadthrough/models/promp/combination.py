@@ -53,7 +53,7 @@ def combine(
             "fit them with the same ProMP"
         )
     powers = np.ones(len(skills)) if activations is None else _powers(activations, len(skills))
-    weights = product([each.weights for each in skills], [float(power) for power in powers])
+    weights = product([each.free for each in skills], [float(power) for power in powers])
     return skills[0].with_weights(weights)
 
 
@@ -111,7 +111,7 @@ def _about(skill: ProMPSkill[MotionT], chart: Chart[MotionT]) -> ProMPSkill[Moti
     if skill.chart.kind != "poses" or skill.chart is chart:
         return skill
     rows, count = skill.basis(NODES), skill.basis.count
-    own = rows @ skill.weights.mean.reshape(-1, count)[3:].T
+    own = rows @ skill.free.mean.reshape(-1, count)[3:].T
     turned = rotations.compose(skill.chart.reference_at(NODES), rotations.exp(own))
     here = chart.tangent(turned, NODES)
     farthest = float(np.linalg.norm(here, axis=1).max())
@@ -124,8 +124,8 @@ def _about(skill: ProMPSkill[MotionT], chart: Chart[MotionT]) -> ProMPSkill[Moti
     change = np.eye(6 * count)
     blocks = np.einsum("iu,uab,uj->aibj", fit, carried(own, here), rows)
     change[3 * count :, 3 * count :] = blocks.reshape(3 * count, 3 * count)
-    mean = skill.weights.mean.copy()
+    mean = skill.free.mean.copy()
     mean[3 * count :] = (fit @ here).T.ravel()
-    covariance = change @ skill.weights.covariance @ change.T
+    covariance = change @ skill.free.covariance @ change.T
     weights = Gaussian(mean, 0.5 * (covariance + covariance.T))
-    return replace(skill, chart=chart, weights=weights, experience=None)
+    return replace(skill, chart=chart, free=weights, experience=None)

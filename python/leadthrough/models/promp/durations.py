@@ -45,7 +45,7 @@ class Continuation:
         self._rows = chosen.astype(int)
         self._observed, self._skill, self._noise = observed, skill, noise
         experience = skill.experience
-        self._belief = Belief(skill.weights) if experience is None else experience.belief
+        self._belief = Belief(skill.free) if experience is None else experience.belief
         self._usual = _usual_pace(experience)
         paces = self._first_paces()
         seen = [self._seen(pace) for pace in paces]

@@ -68,15 +68,15 @@ def moved(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> ProMPSkill[Moti
     size = skill.chart.width
     offsets = _offsets(skill, asked)
     shift = _shift(skill, asked, offsets)
-    learned = (conditioned.weights.mean - skill.weights.mean).reshape(size, -1) - shift
+    learned = (conditioned.free.mean - skill.free.mean).reshape(size, -1) - shift
     shown = min(1.0, _USUAL / max(novelty(skill, asked), _USUAL))
     rows = _rows(skill)
     for group in _groups(skill):
         limit = MOST_GAIN * _moved_by(skill, asked, offsets, group)
         inside = fraction_inside(rows @ shift[group].T, rows @ learned[group].T, limit)
         shift[group] += min(shown, inside) * learned[group]
-    mean = skill.weights.mean + shift.ravel()
-    return skill.with_weights(Gaussian(mean, conditioned.weights.covariance))
+    mean = skill.free.mean + shift.ravel()
+    return skill.with_weights(Gaussian(mean, conditioned.free.covariance))
 
 
 def novelty(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> float:
@@ -99,7 +99,7 @@ def novelty(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> float:
         selection.append(np.kron(np.eye(skill.chart.width)[:count] * unit[:, None], row))
         surprise.append(offset[:count] * unit)
     rows = np.concatenate(selection)
-    variances, axes = np.linalg.eigh(rows @ skill.weights.covariance @ rows.T)
+    variances, axes = np.linalg.eigh(rows @ skill.free.covariance @ rows.T)
     along = np.abs(axes.T @ np.concatenate(surprise))
     with np.errstate(divide="ignore", invalid="ignore"):
         deviations = along / np.sqrt(np.where(variances > CERTAIN**2, variances, 0.0))
@@ -109,7 +109,7 @@ def novelty(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> float:
 
 def _offsets(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> list[Float64Array]:
     """What each end is moved by, (d,); 0 in columns that were not asked for."""
-    curves = skill.weights.mean.reshape(skill.chart.width, -1)
+    curves = skill.free.mean.reshape(skill.chart.width, -1)
     offsets = []
     for each in asked:
         offset = np.zeros(len(curves))
@@ -128,7 +128,7 @@ def _shift(
     shift = np.zeros((skill.chart.width, skill.basis.count))
     for each, offset in zip(asked, offsets, strict=True):
         shift += np.outer(offset, fading[:, int(each.phase)])
-    fixed = skill.weights.certain
+    fixed = skill.free.certain
     if fixed.shape[1] > 0:
         smooth = np.kron(np.diag(skill.scale**2), inner_prior(skill.basis)) @ fixed
         wrong = fixed.T @ shift.ravel()

@@ -1,4 +1,4 @@
-"""Motions of a ProMP moved inside limits: the most likely ones that keep them."""
+"""The most likely motion of a ProMP that keeps limits."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from leadthrough.models.promp.gaussian import Gaussian
 _PHASES_PER_WEIGHT = 10
 # A motion stays this fraction of its reach inside the limits, so that it also keeps them between
 # the phases that are checked.
-_MARGIN = 1e-3
+MARGIN = 1e-3
 _MOST_ROUNDS = 30
 # The programme's residual is zero where it has no solution; far beyond any standard deviation.
 _INFEASIBLE = 1e-7
@@ -68,7 +68,7 @@ def moved_inside(
     Raises:
         InvalidInput: if the covariance allows no weights that keep the limits.
     """
-    rows = basis(np.linspace(0.0, 1.0, _PHASES_PER_WEIGHT * basis.count + 1))
+    rows = basis(phases_of(basis))
     active: list[tuple[int, int, int]] = []  # sample, column, side
     mean = weights.mean
     for _ in range(_MOST_ROUNDS):
@@ -81,6 +81,11 @@ def moved_inside(
         limits = np.array([_limit(each, bounds, scale) for each in active])
         mean = _solved(weights, constraints, limits)
     raise _fixed_outside()
+
+
+def phases_of(basis: Basis) -> Float64Array:
+    """The phases (n,) at which limits are checked."""
+    return np.linspace(0.0, 1.0, _PHASES_PER_WEIGHT * basis.count + 1)
 
 
 def _fixed_outside() -> InvalidInput:
@@ -113,7 +118,7 @@ def _constraint(rows: Float64Array, active: tuple[int, int, int], size: int) -> 
 def _limit(active: tuple[int, int, int], bounds: Bounds, scale: Float64Array) -> float:
     _, column, side = active
     inside = float(bounds[1][column] if side else -bounds[0][column])
-    return inside - _MARGIN * float(scale[column])
+    return inside - MARGIN * float(scale[column])
 
 
 def _solved(weights: Gaussian, constraints: Float64Array, limits: Float64Array) -> Float64Array:

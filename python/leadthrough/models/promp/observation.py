@@ -54,7 +54,7 @@ def of_values(
         pace = skill.duration**-order
         rows, scale = rows * pace, scale * pace
     return skill.with_weights(
-        of_columns(skill.weights, rows, chosen, values, noise, scale=scale, name=name)
+        of_columns(skill.free, rows, chosen, values, noise, scale=scale, name=name)
     )
 
 
@@ -174,22 +174,6 @@ def log_density(skill: ProMPSkill, phases: Float64Array, values: Float64Array) -
     log_volume = 2.0 * float(np.log(np.diag(evidence.lower)).sum())
     squared = float((evidence.residual**2 / skill.noise).sum() - evidence.white @ evidence.white)
     return -0.5 * (squared + log_noise + log_volume)
-
-
-def along(
-    skill: ProMPSkill[MotionT], phases: Float64Array, values: Float64Array
-) -> ProMPSkill[MotionT]:
-    """The skill after observing noisy samples.
-
-    Args:
-        skill: the skill before.
-        phases: phases (n,) of the samples.
-        values: columns (n, d) of the samples.
-    """
-    evidence = _Evidence(skill, phases, values)
-    shrunk = np.linalg.solve(evidence.lower, skill.weights.root.T)
-    mean = skill.weights.mean + shrunk.T @ evidence.white
-    return skill.with_weights(Gaussian(mean, shrunk.T @ shrunk))
 
 
 class _Evidence:

@@ -43,10 +43,10 @@ def refuse_too_close(
         InvalidInput: if they are too close to each other, or to a point fixed before.
     """
     size, count = before.chart.width, before.basis.count
-    curves = before.weights.mean.reshape(size, count)
+    curves = before.free.mean.reshape(size, count)
     asked = np.abs(values - before.basis(phases) @ curves[columns].T) / before.scale[columns]
     rows = before.basis(np.linspace(0.0, 1.0, _PHASES_PER_WEIGHT * count + 1))
-    change = rows @ (after.weights.mean.reshape(size, count) - curves).T / before.scale
+    change = rows @ (after.free.mean.reshape(size, count) - curves).T / before.scale
     if np.abs(change).max() <= _MOST_GAIN * float(asked.max()) + _ROUNDING:
         return
     spacing = float(np.diff(before.basis.centres).max())  # B-splines stand closer at the ends
@@ -74,5 +74,5 @@ def _is_determined(skill: ProMPSkill, phases: Float64Array, columns: NDArray[np.
     """Whether points fixed before, close by, leave a via point little freedom."""
     picked = np.eye(skill.chart.width)[columns]
     rows = np.concatenate([np.kron(picked, row) for row in skill.basis(phases)])
-    known = ((rows @ skill.weights.certain) ** 2).sum(axis=1)
+    known = ((rows @ skill.free.certain) ** 2).sum(axis=1)
     return bool((known > _MOST_DETERMINED * (rows**2).sum(axis=1)).any())

@@ -20,8 +20,8 @@ def taken_apart(skill: ProMPSkill) -> tuple[dict[str, Any], Arrays]:
         **skill.chart.settings(),
     }
     arrays = {
-        "mean": skill.weights.mean,
-        "covariance": skill.weights.covariance,
+        "mean": skill.free.mean,
+        "covariance": skill.free.covariance,
         "noise": skill.noise,
         "scale": skill.scale,
         **skill.chart.arrays(),

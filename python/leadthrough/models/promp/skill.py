@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, cast
 
 import numpy as np
@@ -25,6 +26,7 @@ from leadthrough.models.promp.clock import phases_at
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.saved import taken_apart
 from leadthrough.models.promp.task_space import TaskMap
+from leadthrough.models.promp.truncation import Truncated
 from leadthrough.motion import Motion, MotionT_co, normalised_times
 from leadthrough.shapes import Shape
 
@@ -43,7 +45,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         basis: the k basis functions of the phase.
         chart: what the d columns are: the coordinates of points, the joints, or for poses the
             position and a rotation vector from a reference orientation.
-        weights: distribution of the weights (d k,), one column after the other.
+        free: distribution of the weights (d k,), one column after the other, before the limits.
         noise: variances (d,) of the demonstrations about their curves.
         scale: reach (d,) of the motion.
         duration: duration of the motion, s.
@@ -54,7 +56,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
     model: ProMP
     basis: Basis
     chart: Chart[MotionT_co]
-    weights: Gaussian
+    free: Gaussian
     noise: Float64Array
     scale: Float64Array
     duration: float
@@ -62,6 +64,11 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
     experience: Experience | None = None
 
     kind: ClassVar[str] = "promp"
+
+    @cached_property
+    def weights(self) -> Gaussian:
+        """Mean and covariance of the weights (d k,), inside the limits; `free` without limits."""
+        return self.free if self.bounds is None else self._truncated.moments
 
     @property
     def supports(self) -> frozenset[str]:
@@ -251,8 +258,10 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
     def within(self, lower: ArrayLike, upper: ArrayLike) -> ProMPSkill[MotionT_co]:
         """A skill whose mean and samples keep limits.
 
-        They are moved as little as the covariance allows, and only where it is not zero, so that
-        via points stay.
+        Its distribution is that of the motions that keep the limits, cut off where they do not:
+        `distribution` gives its mean and covariance, to a few hundredths of the standard deviation,
+        `generate` its mean, `sample` draws from it. Via points stay. `condition` and `generate`
+        with a start or goal observe first and cut off then, in whatever order they are called.
 
         Args:
             lower: lower limits (d,), -inf where there is none.
@@ -262,7 +271,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
             InvalidInput: if the limits are wrong, or if via points lie outside them.
         """
         bounds = limits.checked(lower, upper, self.chart.width)
-        bounded = replace(self, bounds=bounds).with_weights(self.weights)
+        bounded = replace(self, bounds=bounds).with_weights(self.free)
         return replace(bounded, experience=self.experience)
 
     def sample(self, count: int, *, seed: int, dt: float = 0.01) -> list[MotionT_co]:
@@ -295,12 +304,10 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         """
         size = check.integer(count, "count", at_least=1)
         rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
-        normal = rng.standard_normal((size, len(self.weights.mean)))
-        drawn = self.weights.mean + normal @ self.weights.root.T
-        if self.bounds is None:
-            return drawn
-        spread = self.weights.covariance
-        return np.stack([self._inside(Gaussian(weights, spread)) for weights in drawn])
+        if self.bounds is not None:
+            return self._truncated.draw(size, rng)
+        normal = rng.standard_normal((size, len(self.free.mean)))
+        return self.free.mean + normal @ self.free.root.T
 
     def log_likelihood(self, trajectory: Motion) -> float:
         """Log density of a motion whose samples are as noisy as the demonstrations'.
@@ -346,7 +353,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         return taken_apart(self)
 
     def with_weights(self, weights: Gaussian) -> ProMPSkill[MotionT_co]:
-        """The skill with another distribution of the weights, moved inside the limits.
+        """The skill with another distribution of the weights, before the limits.
 
         Args:
             weights: distribution of the weights (d k,), one column after the other.
@@ -355,7 +362,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
             InvalidInput: if the limits cannot be kept.
         """
         if self.bounds is not None:
-            weights = Gaussian(self._inside(weights), weights.covariance)
+            limits.moved_inside(weights, self.basis, self.bounds, self.scale)
         # Spelled out, as `replace` takes longer and controllers condition in a loop.
         return ProMPSkill(
             self.model,
@@ -375,9 +382,10 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
             if place is not None
         ]
 
-    def _inside(self, weights: Gaussian) -> Float64Array:
+    @cached_property
+    def _truncated(self) -> Truncated:
         assert self.bounds is not None
-        return limits.moved_inside(weights, self.basis, self.bounds, self.scale)
+        return Truncated(self.free, self.basis, self.bounds, self.scale)
 
     def _phases(self, times: ArrayLike, name: str) -> Float64Array:
         repeats = self.basis.is_rhythmic

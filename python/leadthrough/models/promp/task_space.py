@@ -56,7 +56,7 @@ def through(
             value.
     """
     wanted = check.array(value, "value", shape=("p",))
-    q = rows @ skill.weights.mean
+    q = rows @ skill.free.mean
     for _ in range(_MOST_STEPS):
         reached, jacobian = _evaluated(task, q, len(wanted))
         scale = np.linalg.norm(jacobian * skill.scale, axis=1)
@@ -64,7 +64,7 @@ def through(
         if not scale.max() > 0.0:
             raise InvalidInput("task: expected a Jacobian that is not zero")
         linear = wanted - reached + jacobian @ q
-        weights = skill.weights.observe(jacobian @ rows, linear, noise, scale=scale, name="value")
+        weights = skill.free.observe(jacobian @ rows, linear, noise, scale=scale, name="value")
         step = rows @ weights.mean - q
         q = q + step
         if np.abs(step / skill.scale).max() < _REACHED:

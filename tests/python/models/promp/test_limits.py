@@ -5,6 +5,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
+from leadthrough.models.promp.limits import checked, moved_inside
 
 
 def test_limits_hold_for_mean_and_samples_and_via_points_stay(skill):
@@ -31,13 +32,14 @@ def test_limits_that_a_via_point_breaks_are_refused(skill):
 
 def test_moved_inside_is_the_nearest_in_the_covariances_measure(shown):
     skill = lt.ProMP(weights=8).fit(shown())
-    limited = skill.within([-9.0] * 3, [0.9, 9.0, 9.0])
-    step = limited.weights.mean - skill.weights.mean
+    bounds = checked([-9.0] * 3, [0.9, 9.0, 9.0], 3)
+    moved = moved_inside(skill.weights, skill.basis, bounds, skill.scale)
+    step = moved - skill.weights.mean
     cost = step @ np.linalg.solve(skill.weights.covariance, step)
     rng = np.random.default_rng(0)
     rows = np.kron([1.0, 0.0, 0.0], skill.basis(np.linspace(0, 1, 81)))
     for _ in range(200):
-        other = limited.weights.mean + 0.02 * skill.weights.root @ rng.standard_normal(24)
-        if (rows @ other <= (rows @ limited.weights.mean).max()).all():
+        other = moved + 0.02 * skill.weights.root @ rng.standard_normal(24)
+        if (rows @ other <= (rows @ moved).max()).all():
             away = other - skill.weights.mean
             assert away @ np.linalg.solve(skill.weights.covariance, away) >= cost - 1e-6

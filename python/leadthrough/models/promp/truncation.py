@@ -1,0 +1,124 @@
+"""A ProMP's weights inside limits: their normal distribution, cut off where motions leave them.
+
+The limits along the phases are walls in the space of the weights. Motions are drawn between them by
+exact Hamiltonian Monte Carlo, and mean and covariance are those of many draws with fixed seed. Only
+directions that the walls see are drawn; in the others the distribution stays normal.
+
+Source: Pakman and Paninski 2014, "Exact Hamiltonian Monte Carlo for truncated multivariate
+Gaussians".
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from leadthrough import _core
+from leadthrough.check import Float64Array
+from leadthrough.models.promp.basis import Basis
+from leadthrough.models.promp.gaussian import CERTAIN, Gaussian
+from leadthrough.models.promp.limits import MARGIN, Bounds, moved_inside, phases_of
+
+# Walls farther than this many standard deviations from the motions are never reached.
+_NEAR = 5.0
+# Directions that the walls see less than this, relative to the one seen most, are not seen.
+_UNSEEN = 1e-9
+# Draws before the first that counts; draws for mean and covariance; from one motion to the next.
+_FIRST, _MANY, _STRIDE = 30, 2000, 8
+
+
+class Truncated:
+    """A normal distribution of weights, cut off at limits of the motion.
+
+    Args:
+        free: distribution of the weights (d k,) before, one column after the other.
+        basis: the k basis functions.
+        bounds: lower and upper limits (d,) each.
+        scale: reach (d,) of the motion.
+
+    Raises:
+        InvalidInput: if the covariance allows no weights that keep the limits.
+    """
+
+    def __init__(self, free: Gaussian, basis: Basis, bounds: Bounds, scale: Float64Array) -> None:
+        self._free, self._basis, self._bounds, self._scale = free, basis, bounds, scale
+        mode = moved_inside(free, basis, bounds, scale)
+        rows, room, at_mode = self._near(mode)
+        # Deviations are root @ z with z standard normal; the walls see only few directions of z.
+        reached = rows @ free.root
+        across, lengths, along = np.linalg.svd(reached, full_matrices=False)
+        seen = lengths > _UNSEEN * lengths.max(initial=0.0)
+        self._seen = along[seen]
+        self._walls = np.ascontiguousarray(across[:, seen] * lengths[seen])
+        self._room = room
+        self._start = (across[:, seen] / lengths[seen]).T @ at_mode
+
+    @cached_property
+    def moments(self) -> Gaussian:
+        """The normal distribution of the weights that has the same mean and covariance."""
+        if len(self._seen) == 0:
+            return self._free
+        drawn = self._drawn(_matched(np.random.default_rng(0), _MANY, len(self._seen)), 1)
+        middle = drawn.mean(axis=0)
+        change = (drawn - middle).T @ (drawn - middle) / _MANY - np.eye(len(middle))
+        root = self._free.root
+        reach = root @ self._seen.T
+        covariance = root @ root.T + reach @ change @ reach.T
+        return Gaussian(self._free.mean + reach @ middle, 0.5 * (covariance + covariance.T))
+
+    def draw(self, count: int, rng: np.random.Generator) -> Float64Array:
+        """Random weights (count, d k), all inside the limits."""
+        normal = rng.standard_normal((count, len(self._free.mean)))
+        if len(self._seen) > 0:
+            velocities = rng.standard_normal((count * _STRIDE, len(self._seen)))
+            drawn = self._drawn(velocities, _STRIDE)
+            normal += (drawn - normal @ self._seen.T) @ self._seen
+        weights = self._free.mean + normal @ self._free.root.T
+        # In what the walls hardly see, a motion may still leave the limits: it is moved back.
+        spread = self._free.covariance
+        return np.stack([self._kept(Gaussian(each, spread)) for each in weights])
+
+    def _kept(self, weights: Gaussian) -> Float64Array:
+        return moved_inside(weights, self._basis, self._bounds, self._scale)
+
+    def _near(self, mode: Float64Array) -> tuple[Float64Array, Float64Array, Float64Array]:
+        """Rows (m, d k) of walls in reach, the way to each from the free mean, and to the mode."""
+        size, count = len(self._scale), self._basis.count
+        basis = self._basis(phases_of(self._basis))
+        blocks = self._free.root.reshape(size, count, -1)
+        rows, room, at_mode = [np.zeros((0, size * count))], [np.zeros(0)], [np.zeros(0)]
+        for column, scale in enumerate(self._scale):
+            spread = np.sqrt(((basis @ blocks[column]) ** 2).sum(axis=1))
+            free, moved = (basis @ w.reshape(size, count)[column] for w in (self._free.mean, mode))
+            for side, bound in ((-1.0, self._bounds[0]), (1.0, self._bounds[1])):
+                ahead = side * (bound[column] - free)
+                done = side * (moved - free)
+                near = np.minimum(ahead, ahead - done) < _NEAR * spread
+                near &= spread > CERTAIN * scale
+                # Half of the margin that the mode keeps is left for what lies between the phases.
+                ahead -= 0.5 * np.minimum(MARGIN * scale, ahead - done)
+                chosen = np.zeros((int(near.sum()), size, count))
+                chosen[:, column] = side * basis[near]
+                rows.append(chosen.reshape(len(chosen), size * count))
+                room.append(ahead[near])
+                at_mode.append(done[near])
+        return np.concatenate(rows), np.concatenate(room), np.concatenate(at_mode)
+
+    def _drawn(self, velocities: Float64Array, stride: int) -> Float64Array:
+        """Every `stride`-th draw of what the walls see, one for each velocity, after the first."""
+        first = np.random.default_rng(0).standard_normal((_FIRST, velocities.shape[1]))
+        all_of = np.concatenate([first, velocities])
+        drawn = _core.bounced(self._walls, self._room, self._start, all_of)
+        return np.asarray(drawn[_FIRST + stride - 1 :: stride])
+
+
+def _matched(rng: np.random.Generator, count: int, size: int) -> Float64Array:
+    """Normal vectors (count, size) whose mean is 0 and covariance 1, to rounding.
+
+    Draws that meet no wall then have the moments of the normal distribution itself.
+    """
+    normal = rng.standard_normal((count, size))
+    normal -= normal.mean(axis=0)
+    lower = np.linalg.cholesky(normal.T @ normal / count)
+    return np.ascontiguousarray(np.linalg.solve(lower, normal.T).T)

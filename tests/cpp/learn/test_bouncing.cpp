@@ -1,0 +1,46 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "base/constants.hpp"
+#include "learn/bouncing.hpp"
+
+using leadthrough::bounced;
+using leadthrough::Rows;
+
+namespace {
+
+constexpr Eigen::Index kDraws = 20000;
+
+Rows velocities(Eigen::Index size) {
+  std::mt19937 generator(1);
+  std::normal_distribution<double> normal;
+  return Rows::NullaryExpr(kDraws, size, [&] { return normal(generator); });
+}
+
+}  // namespace
+
+TEST(Bouncing, WithoutAWallInReachTheDrawsAreTheVelocities) {
+  const Rows drawn = bounced(Rows::Identity(2, 2), Eigen::Vector2d::Constant(100.0),
+                             Eigen::Vector2d(3.0, -2.0), velocities(2));
+  EXPECT_TRUE(drawn.isApprox(velocities(2), 1e-12));
+}
+
+TEST(Bouncing, BehindOneWallIsHalfANormalDistribution) {
+  const Rows wall = (Rows(1, 2) << 3.0, 4.0).finished();
+  const Rows drawn =
+      bounced(wall, Eigen::VectorXd::Zero(1), Eigen::Vector2d(-0.3, -0.4), velocities(2));
+  const Eigen::ArrayXd along = drawn * wall.row(0).transpose() / 5.0;
+  EXPECT_LE(along.maxCoeff(), 1e-12);
+  EXPECT_NEAR(along.mean(), -std::sqrt(2.0 / leadthrough::kPi), 0.02);
+  EXPECT_NEAR(along.square().mean(), 1.0, 0.03);
+}
+
+TEST(Bouncing, ANarrowWedgeIsNeverLeft) {
+  const Rows walls = (Rows(3, 2) << 1.0, 0.05, -1.0, 0.05, 0.0, -1.0).finished();
+  const Eigen::Vector3d limits(0.02, 0.02, 2.0);
+  const Rows drawn = bounced(walls, limits, Eigen::Vector2d(0.0, -1.0), velocities(2));
+  const Eigen::VectorXd outside = (drawn * walls.transpose()).colwise().maxCoeff();
+  EXPECT_LE((outside - limits).maxCoeff(), 1e-9);
+}
