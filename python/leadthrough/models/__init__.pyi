@@ -1,5 +1,6 @@
 from .dmp.discrete import DMP, DMPSkill
-from .dmp.pose import PoseDMP, PoseDMPSkill
+from .dmp.pose import PoseDMP
+from .dmp.pose_skill import PoseDMPSkill
 from .dmp.rhythmic import RhythmicDMP, RhythmicDMPSkill
 from .dmp.rhythmic_pose import RhythmicPoseDMP, RhythmicPoseDMPSkill
 from .frame import Frame

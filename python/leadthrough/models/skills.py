@@ -10,7 +10,7 @@ from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive, framed
 from leadthrough.models.dmp import discrete, pose, rhythmic, rhythmic_pose
 from leadthrough.models.dmp.discrete import DMPSkill
-from leadthrough.models.dmp.pose import PoseDMPSkill
+from leadthrough.models.dmp.pose_skill import PoseDMPSkill
 from leadthrough.models.dmp.rhythmic import RhythmicDMPSkill
 from leadthrough.models.dmp.rhythmic_pose import RhythmicPoseDMPSkill
 from leadthrough.models.framed import FramedSkill

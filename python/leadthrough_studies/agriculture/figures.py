@@ -19,6 +19,7 @@ _TITLES = {
     "euler": "Euler angles ZYZ",
     "log": "plain logarithm",
     "lifted": "dynamic parameterisation",
+    "lauretti": "Lauretti et al.",
     "anchored": "anchored",
 }
 _ANGLES = (r"$\alpha$", r"$\beta$", r"$\gamma$")

@@ -17,6 +17,7 @@ COLORS = {
     "euler": palette.AMBER,
     "log": palette.VERMILION,
     "lifted": palette.GREEN,
+    "lauretti": palette.PINK,
     "anchored": palette.BLUE,
 }
 _PAPER: Style = {"color": "black", "linewidth": 1.0, "linestyle": ":"}

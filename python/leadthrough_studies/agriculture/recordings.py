@@ -15,6 +15,7 @@ from leadthrough.models import PoseDMP
 from leadthrough.motion import Demonstration, PoseTrajectory
 from leadthrough.preprocess import segment
 from leadthrough_studies.agriculture.measures import judged
+from leadthrough_studies.agriculture.planners import planner_of
 from leadthrough_studies.study import Row, Task
 
 _FOLDER = "panda_execution"
@@ -42,13 +43,13 @@ def replay(*, file: str, planner: str, weights: str = "by duration") -> list[Row
 
     Args:
         file: path of the recording.
-        planner: orientation of the PoseDMP.
+        planner: name in PLANNERS.
         weights: key of WEIGHTS.
     """
     recording = read_demonstrations([file], columns=_COLUMNS, rate=_RATE)[0]
     labels = {"study": "recordings", "file": Path(file).name, "planner": planner}
     labels |= {"weights": weights}
-    model = PoseDMP(WEIGHTS[weights], planner)
+    model = planner_of(planner, weights=WEIGHTS[weights])
     return [
         {**labels, "motion": number} | _replayed(motion, model)
         for number, motion in enumerate(segment(recording), start=1)

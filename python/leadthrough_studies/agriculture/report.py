@@ -16,6 +16,12 @@ remains small, because the spin is short, and it reaches its end; so NOE reveals
 than SR-MOD. NPE is smaller than the paper's by an order of magnitude: it compares the primitive
 with the recording, without the control of a robot, and 50 kernels are fitted to replay it.
 
+"lauretti", the paper's planner by its own equations, has an NPE of .020, an NOE of .023 and no
+discontinuity, as the paper claims; only one of 144 motions counts as a failure, an irrigation that
+is 31 degrees off on the way. Its errors are ten to twenty times those of "lifted": locally weighted
+regression fits each kernel by itself. Of 75 motions of a real arm it refuses two, of which a
+channel ends where it began.
+
 arm_did: the joints followed the tool's motion, kept all limits after slowing down, and nothing
 collided. The arm has one redundant joint and three wrist joints with small ranges. If it is pulled
 to the middle of its ranges, large tool rotations drive a wrist joint to its limit, and only a jump

@@ -3,9 +3,9 @@
 After Lauretti et al. 2023, sections 2.2 and 3: 16 subtasks and nine targets, with one demonstration
 and one reproduction in 10 s by each planner. The paper's recordings are not public; a simulated
 person (`demonstrator`) demonstrates the subtasks through the postures of `tasks`. The planners are
-the orientations of `PoseDMP`: Euler angles ZYZ and the plain logarithm, with which the paper
-compares its own; "lifted", the paper's dynamic parameterisation; and "anchored", ours. `measures`
-defines the measures.
+those of `planners`: Euler angles ZYZ and the plain logarithm, with which the paper compares its
+own; "lifted", the paper's dynamic parameterisation; "lauretti", its whole planner by its own
+equations; and "anchored", ours. `measures` defines the measures.
 
 The arm follows every reproduction, slows down to its limits, and is checked as a whole, with its
 hand, against itself and the floor. The redundant arm stays near the demonstrated posture. Whole
@@ -27,11 +27,11 @@ from leadthrough import rotations
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, IkFailure, InvalidInput, LimitsInfeasible
-from leadthrough.models import PoseDMP
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory
 from leadthrough.timing import check_limits, scale_to_limits
 from leadthrough_studies.agriculture import recordings
 from leadthrough_studies.agriculture.measures import at_phases, gaps, judged
+from leadthrough_studies.agriculture.planners import PLANNERS, planner_of
 from leadthrough_studies.agriculture.report import report
 from leadthrough_studies.agriculture.skills import (
     DURATION,
@@ -55,7 +55,6 @@ from leadthrough_studies.agriculture.tasks import (
 )
 from leadthrough_studies.study import Row, Study, Task, cpu_time
 
-PLANNERS = ("euler", "log", "lifted", "anchored")
 _PLANNED_STEP = 0.01  # s, step of the motions whose planning is timed: 1000 steps
 _CLEARANCE = 1e-3  # m, tolerance of the check between samples
 _DRAWN = "4-4"  # the subtask of the paper's figures 8 to 10
@@ -69,7 +68,7 @@ class AgricultureConfig:
     Attributes:
         tasks: names of tasks, keys of TASKS.
         repetitions: numbers of targets, 0 to 8.
-        planners: orientations of PoseDMP.
+        planners: names in PLANNERS.
         between: whether to also run tasks for positions between four targets.
         recordings: folder with panda_execution/*.csv; empty for none.
         seed: seed of the simulated person.
@@ -77,7 +76,7 @@ class AgricultureConfig:
 
     tasks: tuple[str, ...] = tuple(TASKS)
     repetitions: tuple[int, ...] = tuple(range(9))
-    planners: tuple[str, ...] = PLANNERS
+    planners: tuple[str, ...] = tuple(PLANNERS)
     between: bool = True
     recordings: str = ""
     seed: int = 0
@@ -108,7 +107,7 @@ def perform(
 ) -> list[Row]:
     """A row for every subtask and target, every whole task and every look-up of one planner."""
     arm = load_arm()
-    learned = learn(arm, task, PoseDMP(orientation=planner), repetitions, seed=seed)
+    learned = learn(arm, task, planner_of(planner), repetitions, seed=seed)
     labels = {"task": task, "planner": planner}
     subtasks = [
         {"study": "subtasks", **labels, "subtask": subtask.number, "title": subtask.title}

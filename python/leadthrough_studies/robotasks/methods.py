@@ -94,6 +94,7 @@ METHODS: dict[str, Method] = {
     "GMR": generated_by(GMR()),
     "TaskGMR": generated_by(TaskGMR()),
     "FastMarching": generated_by(FastMarching()),
+    "Lauretti et al.": generated_by(PoseDMP.lauretti()),
     "nearest demonstration, shifted": nearest_shifted,
 }
 if find_spec("movement_primitives"):

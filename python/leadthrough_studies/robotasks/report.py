@@ -21,6 +21,7 @@ def report(config: Any, rows: list[Row]) -> Report:
             "task": task,
             "method": method,
             "n": len(own),
+            "refused": sum("refused" in row for row in own),
             **{error: mean(own, error) for error in ERRORS},
         }
         for task in names
@@ -36,14 +37,15 @@ def report(config: Any, rows: list[Row]) -> Report:
 
 
 def _places(table: list[Row]) -> list[str]:
-    return [row["method"] for row in sorted(table, key=lambda row: row["DTW_mm"])]
+    rated = [row for row in table if row["DTW_mm"] is not None]
+    return [row["method"] for row in sorted(rated, key=lambda row: row["DTW_mm"])]
 
 
 def _errors_figure(names: list[str], table: list[Row]) -> Figure:
     figure = Figure(figsize=(4.5 * len(names) + 2.5, 3.8), layout="constrained")
     both = figure.subplots(1, 2 * len(names), sharey=True, squeeze=False)[0]
     for i, task in enumerate(names):
-        own = selected(table, task=task)
+        own = [row for row in selected(table, task=task) if row["refused"] < row["n"]]
         methods = [row["method"] for row in own]
         for axes, error, unit in zip(
             both[2 * i : 2 * i + 2], ("DTW_mm", "mean_deg"), ("mm", "degrees"), strict=True
@@ -62,8 +64,9 @@ def _paths_figure(names: list[str], rows: list[Row]) -> Figure:
         own = selected(rows, task=task, tested=0)
         shown = np.array(own[0]["shown"])
         axes.plot(shown[:, 0], shown[:, 2], color="0.6", linewidth=4.0, label="left out")
+        made = [row for row in own if "path" in row]
         for method in _DRAWN:
-            for row in selected(own, method=method):
+            for row in selected(made, method=method):
                 path = np.array(row["path"])
                 axes.plot(path[:, 0], path[:, 2], label=method)
         axes.set_title(task)

@@ -1,11 +1,12 @@
 """The RoboTasks study: real kinesthetic demonstrations of poses, each left out in turn.
 
 A method learns from the other demonstrations of a task as they were recorded, with their own
-timing, and gets the start and goal pose of the left-out one. Its motion is compared with the
-left-out demonstration at evenly spaced times: mean distance, mean angle, and the distance under
-dynamic time warping, which ignores differences in timing. Recordings: Auddy et al. 2023, "Continual
-learning from demonstration of robotics skills", data set RoboTasks: positions in cm, quaternions w,
-x, y, z, 10 s each.
+timing, and gets the start and goal pose of the left-out one. Its motion is compared with the left-
+out demonstration at evenly spaced times: mean distance, mean angle, and the distance under dynamic
+time warping, which ignores differences in timing. Where a method refuses, as the planner of
+Lauretti et al. does where a channel of the mean ends where it began, the row says why. Recordings:
+Auddy et al. 2023, "Continual learning from demonstration of robotics skills", data set RoboTasks:
+positions in cm, quaternions w, x, y, z, 10 s each.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from leadthrough import rotations
-from leadthrough.errors import InvalidInput
+from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
 from leadthrough.motion import Demonstration, PoseTrajectory
 from leadthrough.preprocess import dtw_distance
 from leadthrough_studies.robotasks.methods import METHODS, Shown
@@ -107,9 +108,13 @@ def _unit(quaternions: np.ndarray) -> np.ndarray:
 
 def _errors(method: str, shown: Shown, tested: PoseTrajectory) -> Row:
     ends = [(tested.positions[i], tested.orientations[i]) for i in (0, -1)]
-    made = METHODS[method](shown, ends[0], ends[1])
-    positions, orientations = _sampled(made)
     wanted, turned = _sampled(tested)
+    drawn = {"shown": wanted[:: _COMPARED // _DRAWN].round(4).tolist()}
+    try:
+        made = METHODS[method](shown, ends[0], ends[1])
+    except (FitError, UnsupportedQuery) as error:
+        return {"refused": str(error), **drawn}
+    positions, orientations = _sampled(made)
     apart = np.linalg.norm(positions - wanted, axis=1)
     angles = np.degrees(rotations.distance(orientations, turned))
     return {
@@ -120,7 +125,7 @@ def _errors(method: str, shown: Shown, tested: PoseTrajectory) -> Row:
         "end_mm": 1e3 * float(apart[-1]),
         "duration_s": made.duration,
         "path": positions[:: _COMPARED // _DRAWN].round(4).tolist(),
-        "shown": wanted[:: _COMPARED // _DRAWN].round(4).tolist(),
+        **drawn,
     }
 
 

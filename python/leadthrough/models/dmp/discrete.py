@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
-from leadthrough.errors import UnsupportedQuery
 from leadthrough.models import archive
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.dmp.constraints import Constraints, check_constraints
@@ -29,6 +28,7 @@ from leadthrough.models.dmp.progress import Progress, progress_of, speeds_of
 from leadthrough.models.dmp.query import (
     Via,
     check_channels,
+    check_final_velocity,
     ends_of,
 )
 from leadthrough.models.dmp.refit import weights_of
@@ -175,11 +175,7 @@ class DMPSkill(Primitive[DMP, _core.PointState], Generic[MotionT_co]):
         final_velocity: ArrayLike | None = None,
     ) -> _core.PointState:
         """The state at the start, for `step`; arguments and errors as in `generate`."""
-        if final_velocity is not None and self.model.form != "blended":
-            raise UnsupportedQuery(
-                f"final_velocity: the form {self.model.form!r} ends at rest; leave it out, or fit "
-                'with the form "blended"'
-            )
+        check_final_velocity(final_velocity, self.model.form)
         total = self._duration(duration, start, goal)
         ends = ends_of(
             self.springs.ends,

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.demonstrated import LARGEST
 from leadthrough.models.dmp import springs
 from leadthrough.models.dmp.springs import Ends, Springs
@@ -31,6 +31,19 @@ def check_step(dt: float, lag: float, duration: float) -> float:
     """The time by which the motion goes on in a step of dt s. Raises InvalidInput."""
     span = check.number(dt, "dt", above=0.0, at_most=_LONGEST_STEP * duration)
     return span / (1.0 + check.number(lag, "lag", at_least=0.0))
+
+
+def check_final_velocity(velocity: ArrayLike | None, form: str) -> None:
+    """Refuses a final velocity with a form that ends at rest.
+
+    Raises:
+        UnsupportedQuery: if there is one and the form is not "blended".
+    """
+    if velocity is not None and form != "blended":
+        raise UnsupportedQuery(
+            f"final_velocity: the form {form!r} ends at rest; leave it out, or fit with the form "
+            '"blended"'
+        )
 
 
 def check_channels(value: Any, name: str, count: int) -> Float64Array:

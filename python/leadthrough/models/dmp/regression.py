@@ -12,10 +12,12 @@ The last two are the literature's; second differences amplify the noise of the s
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.integrate import trapezoid
 
 from leadthrough import _core
@@ -40,6 +42,8 @@ REGRESSIONS = ("replay", "ridge", "lwr")
 _RIDGE = 1e-8
 # A motion as short as this beside its range cannot scale a force.
 _SHORTEST = 1e-3
+# A channel that moves less than this fraction of its group's largest range needs no force.
+_STILL = 1e-6
 _SWUNG_IN = 4.0  # periods
 
 
@@ -53,6 +57,7 @@ class _Target:
         values: (n, channels).
         kernels: of the force.
         ends: first and last values, at rest.
+        groups: channels that have a unit in common, each.
     """
 
     form: str
@@ -60,17 +65,50 @@ class _Target:
     values: Float64Array
     kernels: Kernels
     ends: Ends
+    groups: Sequence[slice]
 
     @property
     def scale(self) -> Float64Array:
-        """What multiplies the force, (channels,)."""
+        """What multiplies the force, (channels,); 1 for channels that need none."""
         if self.form != "ijspeert":
             return np.ones(len(self.ends.goal))
-        return self.ends.goal - self.ends.start
+        return np.where(self._unmoved, 1.0, self.ends.goal - self.ends.start)
+
+    def check_scale(self) -> None:
+        """Refuses a goal that cannot scale a force.
+
+        Raises:
+            FitError: with the form "ijspeert", where a channel moves, but ends where it began.
+        """
+        short = ~self._unmoved & (np.abs(self.scale) < _SHORTEST * self._reach)
+        if self.form == "ijspeert" and short.any():
+            raise FitError(
+                f"demonstrations: channel {int(np.argmax(short))} ends where it began, so the goal "
+                'cannot scale its force; use the form "blended" or "hoffmann"'
+            )
+
+    @property
+    def _reach(self) -> Float64Array:
+        """The range of the channel of each one's group that moves most, (channels,)."""
+        ranges = np.ptp(self.values, axis=0)
+        for group in self.groups:
+            ranges[group] = ranges[group].max()
+        return np.asarray(ranges)
+
+    @property
+    def _unmoved(self) -> NDArray[np.bool_]:
+        """Which channels (channels,) move so little that they need no force."""
+        return np.asarray(np.ptp(self.values, axis=0) <= _STILL * self._reach)
 
 
 def fit(
-    phases: Float64Array, values: Float64Array, *, weights: int, form: str, regression: str
+    phases: Float64Array,
+    values: Float64Array,
+    *,
+    weights: int,
+    form: str,
+    regression: str,
+    groups: Sequence[slice] = (slice(None),),
 ) -> Springs:
     """Springs that move through values at phases.
 
@@ -80,14 +118,15 @@ def fit(
         weights: number of kernels per channel.
         form: one of FORMS.
         regression: one of REGRESSIONS.
+        groups: channels that have a unit in common, each; by default all have.
 
     Raises:
         FitError: where values overflow or, with the form "ijspeert", a channel ends where it began.
     """
     rest = np.zeros(values.shape[1])
     ends = Ends(values[0].copy(), values[-1].copy(), rest, rest)
-    target = _Target(form, phases, values, kernels_of(form, weights), ends)
-    _check_scale(target)
+    target = _Target(form, phases, values, kernels_of(form, weights), ends, groups)
+    target.check_scale()
     with np.errstate(all="ignore"):  # what is not finite is refused below
         found, slopes = (
             _by_replay(target) if regression == "replay" else _by_force(target, regression)
@@ -237,13 +276,3 @@ def _settled(
     """
     excess = constraints.T @ found
     return np.asarray(found - correction @ np.linalg.solve(constraints.T @ correction, excess))
-
-
-def _check_scale(target: _Target) -> None:
-    reach = np.ptp(target.values, axis=0).max()
-    short = np.abs(target.scale) < _SHORTEST * reach
-    if target.form == "ijspeert" and short.any():
-        raise FitError(
-            f"demonstrations: channel {int(np.argmax(short))} ends where it began, so the goal "
-            'cannot scale its force; use the form "blended" or "hoffmann"'
-        )

@@ -222,6 +222,13 @@ def redirected(form: str, before: _core.DmpCourse, goal: Float64Array) -> _core.
     return _core.DmpCourse(before.breaks, coefficients, gain, drive)
 
 
+def scaled_by(before: _core.DmpCourse, channels: slice, gain: Float64Array) -> _core.DmpCourse:
+    """The course with other gains (count,) of the forces of some channels."""
+    gains = before.gain.copy()
+    gains[channels] = gain
+    return _core.DmpCourse(before.breaks, before.coefficients, gains, before.drive)
+
+
 def between(start: Float64Array, goal: Float64Array) -> Float64Array:
     """Coefficients (6, channels) of the powers of u of the minimum-jerk motion between values."""
     rest = np.zeros_like(start)
