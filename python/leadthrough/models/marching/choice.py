@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from leadthrough.models.marching import mean_path
+import numpy as np
+from numpy.typing import NDArray
+
+from leadthrough.models.marching import trust
 from leadthrough.models.marching.along_mean import along_mean
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.query import Query
 from leadthrough.models.marching.route import Route, from_start, through_map
 from leadthrough.models.marching.scales import MAP_RADIUS, TUBE_RADIUS, Scales
-from leadthrough.models.marching.useful import useful
+from leadthrough.models.marching.useful import NO_DETOUR, useful
 
 
 def planned(
@@ -34,11 +37,25 @@ def planned(
     # A prediction would lead a reach away from its start and back again.
     stands_still = bool((query.start == query.goal).all())
     if (method == "auto" or stands_still) and not _is_near(known, query):
-        return through_map(known, query, scales(MAP_RADIUS), useful=useful(known, query))
+        return _through_useful(known, query, scales(MAP_RADIUS))
     find = from_start if method == "start" else along_mean
     return find(known, query, scales(TUBE_RADIUS))
 
 
+def _through_useful(known: Sequence[Experience], query: Query, scales: Scales) -> Route:
+    """The route in the map of useful demonstrations; wandering ones may not make it longer."""
+    found = useful(known, query)
+    plain = through_map(known, query, scales, useful=_chosen(known, found.certain))
+    if not found.passing.any():
+        return plain
+    route = through_map(known, query, scales, useful=_chosen(known, found.certain | found.passing))
+    return route if route.length <= NO_DETOUR * plain.length else plain
+
+
+def _chosen(known: Sequence[Experience], wanted: NDArray[np.bool_]) -> list[Experience]:
+    return [each for each, is_wanted in zip(known, wanted, strict=True) if is_wanted]
+
+
 def _is_near(known: Sequence[Experience], query: Query) -> bool:
     faced = [each.facing(query.start, query.goal).way for each in known]
-    return mean_path.is_trusted(faced, query.start, query.goal)
+    return trust.is_trusted(faced, query.start, query.goal)

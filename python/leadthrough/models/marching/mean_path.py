@@ -26,19 +26,6 @@ _LEAST_COSINE = -0.9
 _SCALES = (0.2, 5.0)
 # Demonstrations farther apart than this fraction of their length do the task in different ways.
 _SAME_WAY = 0.1
-# A mean path is trusted where a demonstration's ends are nearer to start and goal than this
-# fraction of the distance between these, or, for motions that return, of its own length. Farther
-# off the demonstrations say little about the way, and bending them to it gives detours.
-_NEAR_OF_DISTANCE = 0.5
-_NEAR_OF_LENGTH = 0.1
-_NEAR_OF_EXTENT = 0.5
-# One of several that resembles none of the others may have its ends there by accident: it has to
-# come nearer if it returns, or if it is this many times as long as its extent.
-_VERY_NEAR = 0.3
-_STRAYING = 3.0
-# Root mean square distance of two that resemble each other, of the length or three extents.
-_COMPANY, _USUAL = 0.05, 3.0
-_COARSE_SAMPLES = 100
 # A path is moved at most so much farther than its ends.
 _MOST_DEVIATION = 1.45
 
@@ -79,58 +66,6 @@ def ways(
         if not all(np.array_equal(*ends) for ends in zip((start, goal), usual, strict=True)):
             path = _bounded(path, _usual_way(curves, chosen, *usual), start, goal)
         yield MeanPath(path, weights)
-
-
-def is_trusted(paths: Sequence[Float64Array], start: Float64Array, goal: Float64Array) -> bool:
-    """Whether a demonstration's ends lie near enough to start and goal to predict the way.
-
-    Args:
-        paths: each (n, d).
-        start: (d,).
-        goal: (d,).
-    """
-    near, nearly = _nearness(paths, start, goal)
-    return bool(near.any() or (nearly.any() and (nearly & in_company(paths)).any()))
-
-
-def trusted(
-    paths: Sequence[Float64Array], start: Float64Array, goal: Float64Array
-) -> NDArray[np.bool_]:
-    """Which demonstrations' ends lie near enough to start and goal, (k,), as by `is_trusted`."""
-    near, nearly = _nearness(paths, start, goal)
-    return near | (nearly & in_company(paths))
-
-
-def in_company(paths: Sequence[Float64Array]) -> NDArray[np.bool_]:
-    """Which demonstrations (k,) go the way of another, so that it is no accident, or are alone."""
-    if len(paths) == 1:
-        return np.ones(1, dtype=bool)
-    curves = np.stack([by_arc_length(path, _COARSE_SAMPLES) for path in paths])
-    lengths = np.array([arc_length(curve)[-1] for curve in curves])
-    apart = curves[:, None] - curves[None]
-    u = np.linspace(0.0, 1.0, _COARSE_SAMPLES)[:, None]
-    apart -= (1.0 - u) * apart[:, :, :1] + u * apart[:, :, -1:]
-    extents = np.linalg.norm(np.ptp(curves, axis=1), axis=1)
-    size = np.minimum(lengths, _USUAL * extents)[:, None]
-    alike = np.sqrt((apart**2).sum(axis=3).mean(axis=2)) < _COMPANY * size
-    np.fill_diagonal(alike, val=False)
-    return np.asarray(alike.any(axis=1))
-
-
-def _nearness(
-    paths: Sequence[Float64Array], start: Float64Array, goal: Float64Array
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which paths' ends are near to start and goal, and which are if the path is no accident."""
-    distance = float(np.linalg.norm(goal - start))
-    ends = np.stack([start, goal])
-    gaps = np.array([np.linalg.norm(path[[0, -1]] - ends, axis=1).max() for path in paths])
-    lengths = np.array([arc_length(path)[-1] for path in paths])
-    extents = np.array([np.linalg.norm(np.ptp(path, axis=0)) for path in paths])
-    close = np.minimum(_NEAR_OF_LENGTH * lengths, _NEAR_OF_EXTENT * extents)
-    closer = _VERY_NEAR * close
-    straying = (lengths > _STRAYING * extents) & (len(paths) > 1)
-    near = gaps <= np.maximum(np.where(straying, 0.0, _NEAR_OF_DISTANCE * distance), closer)
-    return near, gaps <= np.maximum(_NEAR_OF_DISTANCE * distance, close)
 
 
 def _usual_way(

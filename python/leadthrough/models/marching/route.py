@@ -25,6 +25,7 @@ from leadthrough.planning.arrival import arrival_times
 from leadthrough.planning.descent import descend
 from leadthrough.planning.grid import Grid
 from leadthrough.planning.speed_map import experience_map, tube_map
+from leadthrough.preprocess.resample import arc_length
 from leadthrough.preprocess.smooth_path import smooth_path
 
 # Grid noise is shorter than this many cells; the shapes of demonstrations are not.
@@ -51,6 +52,11 @@ class Route:
     used: tuple[Experience, ...]
     weights: Float64Array
     method: str
+
+    @property
+    def length(self) -> float:
+        """Arc length of the path, in its unit."""
+        return float(arc_length(self.path)[-1])
 
     @property
     def travel_time(self) -> float:

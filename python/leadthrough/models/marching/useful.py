@@ -2,57 +2,73 @@
 
 Those that go somewhere, and whose stretch past start and goal brings the tool nearer to the goal
 about as fast as the demonstration itself gets on. A wandering demonstration does neither, so the
-wave in a map of it would make detours that nobody has shown.
+wave in a map of it would make detours that nobody has shown. It may still pass by both places in
+nearly a straight line; whether the wave then keeps to that stretch shows when it is planned.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
-from leadthrough.models.marching import mean_path
+from leadthrough.models.marching import trust
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.query import Query
 from leadthrough.preprocess.resample import arc_length
 
 # A detour up to this ratio to the straight line does no harm.
-_NO_DETOUR = 1.1
-# Distance from the first to the last point of a demonstration that goes somewhere, over its length.
-_STRAIGHT = 0.5
+NO_DETOUR = 1.1
 # Progress towards the goal for each length of way, as a fraction of the demonstration's own.
 _AS_FAST = 0.5
 
 
-def useful(known: Sequence[Experience], query: Query) -> tuple[Experience, ...]:
-    """The demonstrations that the map for a query is made of, in their order.
+@dataclass(frozen=True)
+class Useful:
+    """Which demonstrations (k,) of a skill are useful for a query.
+
+    Attributes:
+        certain: those that lead from start to goal.
+        passing: wandering ones that pass by both, nearly in a straight line.
+    """
+
+    certain: NDArray[np.bool_]
+    passing: NDArray[np.bool_]
+
+
+def useful(known: Sequence[Experience], query: Query) -> Useful:
+    """Which demonstrations the map for a query is made of.
 
     Args:
-        known: demonstrations and learned paths, which may be none.
+        known: demonstrations and learned paths, at least one.
         query: start and goal.
     """
-    if not known:
-        return ()
     faced = [each.facing(query.start, query.goal) for each in known]
     ways = [each.way for each in faced]
-    near = mean_path.trusted(ways, query.start, query.goal)
-    alike = mean_path.in_company(ways)
-    return tuple(
-        each
-        for each, is_near, has_company in zip(faced, near, alike, strict=True)
-        if is_near or _leads(each, query, straight=_STRAIGHT if not has_company else 0.0)
-    )
+    near = trust.trusted(ways, query.start, query.goal)
+    alike = trust.in_company(ways)
+    least = np.where(alike, 0.0, trust.STRAIGHT)
+    leading = [_leads(*each, query) for each in zip(faced, least, strict=True)]
+    certain = near | np.array(leading)
+    passing = np.array([_passes_by(each, query) for each in faced])
+    return Useful(certain | (passing & alike), passing & ~certain & ~alike)
 
 
-def _leads(one: Experience, query: Query, *, straight: float) -> bool:
+def _leads(one: Experience, straight: float, query: Query) -> bool:
     """Whether a stretch of a demonstration, at least so straight, leads from start to goal."""
-    distance = float(np.linalg.norm(query.goal - query.start))
-    first, last, gap, stretch = _stretch(one.way, query)
-    if gap + stretch <= _NO_DETOUR * distance:
-        return True
+    first, last, _, stretch = _stretch(one.way, query)
     own = float(np.linalg.norm(one.way[-1] - one.way[0])) / one.length
     return own >= straight and _progress(first, last, query) >= _AS_FAST * own * stretch > 0.0
+
+
+def _passes_by(one: Experience, query: Query) -> bool:
+    """Whether the way past the demonstration's stretch is nearly as short as the straight one."""
+    distance = float(np.linalg.norm(query.goal - query.start))
+    _, _, gap, stretch = _stretch(one.way, query)
+    return gap + stretch <= NO_DETOUR * distance
 
 
 def _stretch(way: Float64Array, query: Query) -> tuple[Float64Array, Float64Array, float, float]:

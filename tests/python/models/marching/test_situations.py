@@ -33,14 +33,29 @@ def test_wandering_demonstrations_give_no_detour(seed):
     assert length_of(path) <= 1.1 * straight
 
 
+# Seeds whose walks, once, had their ends near start and goal, passed by both of them, or were
+# taken for alike, and led to detours of up to 26 times the straight line.
+MISLEADING = {2: [36, 65, 135, 159], 3: [8, 26, 40, 56]}
+
+
 @pytest.mark.parametrize("dimensions", [2, 3])
-@pytest.mark.parametrize("seed", range(8))
-def test_random_walks_give_no_detour(dimensions, seed):
-    rng = np.random.default_rng(seed)
-    walks = [in_time(rng.normal(0.0, 0.02, (200, dimensions)).cumsum(axis=0)) for _ in range(4)]
-    start, goal = rng.uniform(-0.2, 0.2, (2, dimensions))
-    path = lt.FastMarching().fit(walks).plan(start=start, goal=goal).path
-    assert length_of(path) <= 1.1 * np.linalg.norm(goal - start)
+@pytest.mark.parametrize("seeds", [range(40), MISLEADING], ids=["first", "misleading"])
+def test_random_walks_give_no_detour(dimensions, seeds):
+    """For none of the first 600 seeds, of which some are tested here."""
+    for seed in seeds[dimensions] if isinstance(seeds, dict) else seeds:
+        rng = np.random.default_rng(seed)
+        walks = [in_time(rng.normal(0.0, 0.02, (200, dimensions)).cumsum(axis=0)) for _ in range(4)]
+        start, goal = rng.uniform(-0.2, 0.2, (2, dimensions))
+        route = lt.FastMarching().fit(walks).plan(start=start, goal=goal)
+        assert route.length <= 1.1 * np.linalg.norm(goal - start), seed
+
+
+def test_a_wandering_demonstration_predicts_the_way_between_its_own_ends_only():
+    rng = np.random.default_rng(5)
+    walks = [rng.normal(0.0, 0.02, (200, 2)).cumsum(axis=0) for _ in range(4)]
+    skill = lt.FastMarching().fit([in_time(walk) for walk in walks])
+    assert skill.plan(start=walks[2][0], goal=walks[2][-1]).method == "mean_path"
+    assert skill.plan(start=walks[2][0] + 0.03, goal=walks[2][-1]).method == "map"
 
 
 def test_a_useful_demonstration_beside_the_way_is_followed():
