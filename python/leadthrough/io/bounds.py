@@ -1,4 +1,9 @@
-"""The gate before every reader: how much a file may claim, and how damage is reported."""
+"""The gate before every reader: how much one file may take, and how damage is reported.
+
+Each reader makes a `Gate` and asks it before it takes memory, so that what counts is what a file
+inflates to and not its size on the disk. With these bounds reading one file takes at most 1.5 GiB
+of memory and 20 s. Libraries that inflate without asking work apart, see `leadthrough.io.apart`.
+"""
 
 from __future__ import annotations
 
@@ -8,45 +13,96 @@ from pathlib import Path
 
 from leadthrough.errors import InvalidInput, LeadthroughError
 
-LARGEST = 2**30  # bytes of numbers in one file: two days of seven joints at 100 Hz
-LARGEST_TEXT = 2**28  # bytes of text, which takes some ten times as much once it is split
+MOST_BYTES = 2**28  # of a file, once all of it is inflated
+MOST_NUMBERS = 2**25  # eleven hours of seven joints at 100 Hz; several copies are made of them
+MOST_ITEMS = 2**23  # lines, lists or fields: each becomes an object of some hundred bytes
+MOST_COLUMNS = 10_000
+MOST_LINE = 2**20  # characters in a line of a table
+DEEPEST = 32  # levels of nesting; no recording nests so deep
 WIDEST = 256  # numbers per sample; more is a picture
 
+_CURE = "cut the recording into shorter files"
 
-def check_claim(size: int, what: str) -> None:
-    """Refuses numbers that would take more than a GiB.
+
+class Gate:
+    """What one file may still take. Each method counts further claims, or refuses them.
+
+    `what` is the part of the file that makes the claim, for the message. Every method raises
+    InvalidInput where the file's claims together pass the bound.
+    """
+
+    def __init__(self) -> None:
+        self._taken = {"bytes": 0, "numbers": 0, "items": 0}
+
+    def bytes(self, count: int, what: str) -> None:
+        """Counts bytes that are read or inflated."""
+        self._take("bytes", count, MOST_BYTES, what)
+
+    def numbers(self, count: int, what: str) -> None:
+        """Counts numbers, of whatever size they are in the file: here each takes eight bytes."""
+        self._take("numbers", count, MOST_NUMBERS, what)
+
+    def items(self, count: int, what: str) -> None:
+        """Counts lines, lists, fields and other parts that become an object each."""
+        self._take("items", count, MOST_ITEMS, what)
+
+    def columns(self, count: int, what: str) -> None:
+        """Checks the number of columns."""
+        _refuse_more("columns", count, MOST_COLUMNS, what)
+
+    def depth(self, levels: int, what: str) -> None:
+        """Checks how deep a part is nested."""
+        _refuse_more("levels of nesting", levels, DEEPEST, what)
+
+    def _take(self, unit: str, count: int, bound: int, what: str) -> None:
+        if count < 0:
+            raise InvalidInput(f"{what}: expected a number of {unit} >= 0, it claims {count:,}")
+        self._taken[unit] += count
+        _refuse_more(unit, self._taken[unit], bound, what)
+
+
+def content(path: Path, gate: Gate) -> bytes:
+    """All bytes of a file.
 
     Args:
-        size: bytes.
-        what: part of the file that claims them, for the message.
+        path: of the file.
+        gate: counts them.
 
     Raises:
         InvalidInput: if there are too many.
+        OSError: if it cannot be read.
     """
-    if size > LARGEST:
-        raise InvalidInput(
-            f"{what}: expected at most {LARGEST:,} bytes of numbers, it claims {size:,}; "
-            "cut the recording into shorter files"
-        )
+    gate.bytes(path.stat().st_size, "the file")
+    with path.open("rb") as file:
+        found = file.read(MOST_BYTES + 1)  # a file may grow
+    _refuse_more("bytes", len(found), MOST_BYTES, "the file")
+    return found
 
 
-def text(path: Path) -> str:
+def text(path: Path, gate: Gate, *, most: int = MOST_BYTES // 2) -> str:
     """The text of a file, without a byte order mark.
+
+    Args:
+        path: of the file.
+        gate: counts its bytes.
+        most: bytes of plain text; of other letters a quarter, since one of them can make
+            every character take four bytes.
 
     Raises:
         InvalidInput: if the file is too long or not UTF-8.
         OSError: if it cannot be read.
     """
-    size = path.stat().st_size
-    if size > LARGEST_TEXT:
-        raise InvalidInput(
-            f"expected at most {LARGEST_TEXT:,} bytes of text, got {size:,}; "
-            "cut the recording into shorter files"
-        )
+    found = content(path, gate)
+    _refuse_more("bytes of text", len(found), most if found.isascii() else most // 4, "the file")
     try:
-        return path.read_text(encoding="utf-8-sig")
+        return found.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError:
-        raise InvalidInput("expected UTF-8 text, got other bytes") from None
+        raise not_text() from None
+
+
+def not_text() -> InvalidInput:
+    """The error for a file that should be text and is none."""
+    return InvalidInput("expected UTF-8 text, got other bytes")
 
 
 @contextmanager
@@ -67,6 +123,15 @@ def reading(
         yield
     except LeadthroughError:
         raise
+    except MemoryError:
+        raise InvalidInput(f"expected a {what} that fits into memory; {_CURE}") from None
     except damage as error:
         reason = " ".join(str(error).split())[:200] or type(error).__name__
         raise InvalidInput(f"not a readable {what} ({reason})") from None
+
+
+def _refuse_more(unit: str, count: int, bound: int, what: str) -> None:
+    if count > bound:
+        raise InvalidInput(
+            f"{what}: expected at most {bound:,} {unit} in one file, it claims {count:,}; {_CURE}"
+        )

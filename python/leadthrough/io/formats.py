@@ -9,6 +9,7 @@ from typing import Any
 
 from leadthrough.errors import InvalidInput
 from leadthrough.io import (
+    apart,
     csv,
     joint_trajectory,
     lerobot,
@@ -17,12 +18,13 @@ from leadthrough.io import (
     robomimic,
     rosbag,
     rosbag_writer,
+    text_table,
     urscript,
 )
 from leadthrough.io import franka as franka_csv
 from leadthrough.io.atomic import StrPath
 from leadthrough.io.request import Request
-from leadthrough.io.table import Table
+from leadthrough.io.table import ArrayTable, Table
 
 Read = Callable[[Path, Request], Sequence[Table]]
 Write = Callable[[Any, StrPath], None]  # Any: each checks whether it can write the motion
@@ -74,8 +76,20 @@ def _all(read: Callable[[Path], Sequence[Table]]) -> Read:
     return lambda path, _: read(path)
 
 
+def _apart(
+    read: Callable[..., Sequence[ArrayTable]], module: str, extra: str, *, asked: bool = False
+) -> Read:
+    """A reader that works apart; `asked` if it also takes the request."""
+
+    def tables(path: Path, request: Request) -> Sequence[Table]:
+        apart.require(module, extra=extra)
+        return apart.tables(read, path, request if asked else None)
+
+    return tables
+
+
 FORMATS = (
-    Format("csv", "text table", (".csv", ".tsv", ".txt"), _one(csv.table), csv.write),
+    Format("csv", "text table", (".csv", ".tsv", ".txt"), _one(text_table.read), csv.write),
     Format("npz", "NumPy archive", (".npz",), _one(npz.table), npz.write),
     Format("mat", "MATLAB 5 to 7.2", (".mat",), _all(mat.tables)),
     Format(
@@ -96,17 +110,23 @@ FORMATS = (
         "rosbag",
         "ROS bag",
         (".mcap", ".db3", ".bag"),
-        rosbag.tables,
+        _apart(rosbag.tables, "rosbags.highlevel", "ros", asked=True),
         rosbag_writer.write,
         marker="metadata.yaml",
         extra="ros",
     ),
-    Format("robomimic", "robomimic HDF5", (".hdf5", ".h5"), _all(robomimic.tables), extra="hdf5"),
+    Format(
+        "robomimic",
+        "robomimic HDF5",
+        (".hdf5", ".h5"),
+        _apart(robomimic.tables, "h5py", "hdf5"),
+        extra="hdf5",
+    ),
     Format(
         "lerobot",
         "LeRobot Parquet",
         (".parquet",),
-        _all(lerobot.tables),
+        _apart(lerobot.tables, "pyarrow.parquet", "lerobot"),
         marker="meta/info.json",
         extra="lerobot",
     ),

@@ -132,7 +132,9 @@ def table_of_json(path: Path) -> ArrayTable:
     Raises:
         InvalidInput: if the file has no such message.
     """
-    text = bounds.text(path)
+    gate = bounds.Gate()
+    text = bounds.text(path, gate)
+    gate.items(sum(map(text.count, "[{:,")), "the values")
     with bounds.reading(_FORMAT, damage=_DAMAGE):
         return table(json.loads(text))
 
@@ -143,9 +145,8 @@ def table_of_yaml(path: Path) -> ArrayTable:
     Raises:
         InvalidInput: if the file has no such message.
     """
-    text = bounds.text(path)
     with bounds.reading(_FORMAT, damage=_DAMAGE):
-        return table(safe_yaml.load(text))
+        return table(safe_yaml.load(path))
 
 
 def table(content: Any) -> ArrayTable:  # Any: whatever a file holds; reading it is the check

@@ -37,13 +37,15 @@ def tables(path: Path) -> list[ArrayTable]:
     if not files:
         raise InvalidInput("expected files data/**/*.parquet in the folder, got none")
     names = _state_names(path)
+    gate = bounds.Gate()
+    gate.items(len(files), "the folder")
     with bounds.reading("Parquet file"):
-        return [table for file in files for table in _episodes(parquet, file, names)]
+        return [table for file in files for table in _episodes(parquet, file, names, gate)]
 
 
-def _episodes(parquet: Any, file: Path, names: Columns) -> Iterator[ArrayTable]:
+def _episodes(parquet: Any, file: Path, names: Columns, gate: bounds.Gate) -> Iterator[ArrayTable]:
     with parquet.ParquetFile(file) as opened:
-        columns = _columns(opened)
+        columns = _columns(opened, gate)
     if _STATE not in columns:
         raise InvalidInput(f"expected a column {_STATE!r}, got {', '.join(columns) or 'none'}")
     state = columns.pop(_STATE)
@@ -63,15 +65,17 @@ def _episodes(parquet: Any, file: Path, names: Columns) -> Iterator[ArrayTable]:
         yield ArrayTable(own, roles=roles, label=f"episode_{int(number)}")
 
 
-def _columns(file: Any) -> dict[str, Float64Array]:
+def _columns(file: Any, gate: bounds.Gate) -> dict[str, Float64Array]:
     """The columns of numbers, and those of lists of numbers of one length."""
     schema = file.schema_arrow
     wanted = [field.name for field in schema if _is_numeric(field.type)]
     # The metadata of single columns would tell more, but damage in it makes pyarrow crash.
-    bounds.check_claim(8 * file.metadata.num_rows * max(len(wanted), 1), "the columns")
+    gate.columns(len(wanted), "the file")
+    gate.numbers(file.metadata.num_rows * max(len(wanted), 1), "the columns")
     found = {}
     for name in wanted:
-        values = _array(file.read(columns=[name]).column(0), name)
+        read = file.read(columns=[name], use_threads=False)
+        values = _array(read.column(0), name, gate)
         if values is not None:
             found[name] = values
     return found
@@ -84,9 +88,10 @@ def _is_numeric(kind: Any) -> bool:
     return bool(types.is_integer(kind) or types.is_floating(kind))
 
 
-def _array(column: Any, name: str) -> Float64Array | None:
+def _array(column: Any, name: str, gate: bounds.Gate) -> Float64Array | None:
     rows = len(column)
     chunks = [chunk.flatten() if hasattr(chunk, "flatten") else chunk for chunk in column.chunks]
+    gate.numbers(max(sum(map(len, chunks)) - rows, 0), name)
     flat = np.concatenate(
         [np.asarray(chunk.to_numpy(zero_copy_only=False), np.float64) for chunk in chunks]
         or [np.zeros(0)]
@@ -96,7 +101,8 @@ def _array(column: Any, name: str) -> Float64Array | None:
     width = len(flat) // rows if rows else 0
     if column.null_count or len(flat) != rows * width or not 0 < width <= bounds.WIDEST:
         return None
-    lengths = {len(each) for each in column.to_pylist()} if rows else {width}
+    compute = optional.load("pyarrow.compute", extra="lerobot")
+    lengths = set(compute.list_value_length(column).unique().to_pylist()) if rows else {width}
     if lengths != {width}:
         raise InvalidInput(f"{name}: expected lists of one length, got {sorted(lengths)}")
     return flat.reshape(rows, width)
@@ -113,7 +119,7 @@ def _state_names(path: Path) -> Columns:
 
 def _names_in(info: Path) -> Columns:
     try:
-        names = json.loads(bounds.text(info))["features"][_STATE]["names"]
+        names = json.loads(bounds.text(info, bounds.Gate()))["features"][_STATE]["names"]
     except (ValueError, TypeError, KeyError, RecursionError):
         return ()
     if isinstance(names, dict) and len(names) == 1:

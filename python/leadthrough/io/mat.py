@@ -22,10 +22,11 @@ def tables(path: Path) -> list[ArrayTable]:
     """One table per recording.
 
     Raises:
-        InvalidInput: if the file is damaged or has structures in several variables.
+        InvalidInput: if the file is damaged, inflates too far or has structures in several
+            variables.
     """
-    bounds.check_claim(path.stat().st_size, "the file")
-    variables = mat5.variables(path.read_bytes())
+    gate = bounds.Gate()
+    variables = mat5.variables(bounds.content(path, gate), gate)
     structures = {name: list(_structures(value)) for name, value in variables.items()}
     filled = {name: found for name, found in structures.items() if found}
     if len(filled) > 1:

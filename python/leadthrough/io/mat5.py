@@ -32,109 +32,123 @@ _COMPLEX = 0x0800
 _NUMBER_TYPES = {
     1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"
 }  # fmt: skip
-_DEEPEST = 32  # levels of cells within cells; no recording nests so deep
+_MOST_AXES = 32
+# An element takes as much memory, and far more time, than several lines of a text.
+_ITEMS_PER_ELEMENT = 8
 
 _DAMAGE = (ValueError, KeyError, IndexError, StopIteration, MemoryError, struct.error, zlib.error)
 
 
-def variables(content: bytes) -> dict[str, Value]:
+def variables(content: bytes, gate: bounds.Gate | None = None) -> dict[str, Value]:
     """The variables of a file, by name.
 
     Args:
         content: all bytes of the file.
+        gate: counts what they inflate to; by default a new one.
 
     Raises:
-        InvalidInput: if it is no MATLAB file of versions 5 to 7.2, or damaged.
+        InvalidInput: if it is no MATLAB file of versions 5 to 7.2, is damaged or inflates too far.
     """
     order = {b"IM": "<", b"MI": ">"}.get(content[126:_HEADER_SIZE])
     if order is None:
         raise InvalidInput("expected a MATLAB file of version 5 to 7.2, got something else")
     if struct.unpack_from(order + "H", content, 124)[0] != 0x0100:
         raise InvalidInput("expected MATLAB 7.2 or older; save with -v7")
-    found = {}
     with bounds.reading("MATLAB file", damage=_DAMAGE):
-        for kind, data in _elements(memoryview(content)[_HEADER_SIZE:], order):
+        return _Reader(order, gate or bounds.Gate()).variables(content)
+
+
+class _Reader:
+    """Reads elements of one byte order, and has the gate count each before it is made."""
+
+    def __init__(self, order: str, gate: bounds.Gate) -> None:
+        self._order, self._gate = order, gate
+
+    def variables(self, content: bytes) -> dict[str, Value]:
+        found = {}
+        for kind, data in self._elements(memoryview(content)[_HEADER_SIZE:]):
             if kind == _COMPRESSED:
-                kind, data = next(_elements(memoryview(_inflated(data)), order))  # noqa: PLW2901
+                kind, data = next(self._elements(self._inflated(data)))  # noqa: PLW2901
             if kind == _MATRIX:
-                name, value = _matrix(data, order, 0)
+                name, value = self._matrix(data, 0)
                 found[name] = value
-    return found
+        return found
 
+    def _inflated(self, data: memoryview) -> memoryview:
+        inflater = zlib.decompressobj()
+        content = inflater.decompress(data, bounds.MOST_BYTES)
+        self._gate.bytes(len(content) + bool(inflater.unconsumed_tail), "a compressed element")
+        if not inflater.eof:
+            raise ValueError("a compressed element is cut off")
+        return memoryview(content)
 
-def _inflated(data: memoryview) -> bytes:
-    inflater = zlib.decompressobj()
-    content = inflater.decompress(data, bounds.LARGEST)
-    if not inflater.eof:
-        raise ValueError("a compressed element is cut off, or larger than a GiB")
-    return content
+    def _elements(self, data: memoryview) -> Elements:
+        """Kind and content of each element.
 
+        An element of up to four bytes has its kind, size and content in eight bytes together.
+        """
+        at = 0
+        while at < len(data):
+            self._gate.items(_ITEMS_PER_ELEMENT, "the elements")
+            (word,) = struct.unpack_from(self._order + "I", data, at)
+            if small := word >> 16:
+                kind, size, start, following = word & 0xFFFF, small, at + 4, at + 8
+            else:
+                (size,) = struct.unpack_from(self._order + "I", data, at + 4)
+                kind, start = word, at + 8
+                padding = 0 if kind == _COMPRESSED else -size % 8
+                following = start + size + padding
+            if start + size > min(len(data), following):
+                raise ValueError(f"an element of {size} bytes is cut off")
+            yield kind, data[start : start + size]
+            at = following
 
-def _elements(data: memoryview, order: str) -> Elements:
-    """Kind and content of each element.
+    def _matrix(self, data: memoryview, depth: int) -> tuple[str, Value]:
+        if len(data) == 0:
+            return "", np.zeros((0, 0))
+        self._gate.depth(depth, "a cell array")
+        parts = self._elements(data)
+        flags = int(self._numbers(next(parts))[0])
+        sizes = self._numbers(next(parts))
+        shape = sizes[: _MOST_AXES + 1].astype(int).tolist()
+        if not 0 < len(shape) <= _MOST_AXES or min(shape) < 0:
+            raise ValueError(f"an array of shape {shape}")
+        name = bytes(next(parts)[1]).decode("utf-8")
+        kind = flags & 0xFF
+        if kind == _CELL:
+            return name, self._matrices(parts, math.prod(shape), depth)
+        if kind == _STRUCTURE:
+            return name, self._structures(parts, math.prod(shape), depth)
+        if kind in _NUMBERS and not flags & _COMPLEX:
+            return name, self._numbers(next(parts)).reshape(shape, order="F")
+        return name, None
 
-    An element of up to four bytes has its kind, size and content in eight bytes together.
-    """
-    at = 0
-    while at < len(data):
-        (word,) = struct.unpack_from(order + "I", data, at)
-        if small := word >> 16:
-            kind, size, start, following = word & 0xFFFF, small, at + 4, at + 8
-        else:
-            (size,) = struct.unpack_from(order + "I", data, at + 4)
-            kind, start = word, at + 8
-            padding = 0 if kind == _COMPRESSED else -size % 8
-            following = start + size + padding
-        if start + size > min(len(data), following):
-            raise ValueError(f"an element of {size} bytes is cut off")
-        yield kind, data[start : start + size]
-        at = following
+    def _matrices(self, parts: Elements, count: int, depth: int) -> list[Value]:
+        values = [self._matrix(data, depth + 1)[1] for _, data in islice(parts, count)]
+        if len(values) != count:
+            raise ValueError(f"{count} elements announced, {len(values)} found")
+        return values
 
+    def _structures(self, parts: Elements, count: int, depth: int) -> list[Value]:
+        width = int(self._numbers(next(parts))[0])
+        text = bytes(next(parts)[1])
+        if width <= 0:
+            raise ValueError(f"field names of {width} bytes")
+        self._gate.columns(len(text) // width, "a structure")
+        names = [
+            text[i : i + width].split(b"\0")[0].decode("ascii") for i in range(0, len(text), width)
+        ]
+        if not names:
+            return []
+        return [
+            dict(zip(names, self._matrices(parts, len(names), depth), strict=True))
+            for _ in range(count)
+        ]
 
-def _matrix(data: memoryview, order: str, depth: int) -> tuple[str, Value]:
-    if len(data) == 0:
-        return "", np.zeros((0, 0))
-    if depth > _DEEPEST:
-        raise ValueError(f"nested deeper than {_DEEPEST}")
-    parts = _elements(data, order)
-    flags = int(_numbers(next(parts), order)[0])
-    shape = [int(size) for size in _numbers(next(parts), order)]
-    if not shape or min(shape) < 0:
-        raise ValueError(f"an array of shape {shape}")
-    name = bytes(next(parts)[1]).decode("utf-8")
-    kind = flags & 0xFF
-    if kind == _CELL:
-        return name, _matrices(parts, math.prod(shape), order, depth)
-    if kind == _STRUCTURE:
-        return name, _structures(parts, math.prod(shape), order, depth)
-    if kind in _NUMBERS and not flags & _COMPLEX:
-        return name, _numbers(next(parts), order).reshape(shape, order="F")
-    return name, None
-
-
-def _matrices(parts: Elements, count: int, order: str, depth: int) -> list[Value]:
-    values = [_matrix(data, order, depth + 1)[1] for _, data in islice(parts, count)]
-    if len(values) != count:
-        raise ValueError(f"{count} elements announced, {len(values)} found")
-    return values
-
-
-def _structures(parts: Elements, count: int, order: str, depth: int) -> list[Value]:
-    width = int(_numbers(next(parts), order)[0])
-    text = bytes(next(parts)[1])
-    if width <= 0:
-        raise ValueError(f"field names of {width} bytes")
-    names = [
-        text[i : i + width].split(b"\0")[0].decode("ascii") for i in range(0, len(text), width)
-    ]
-    if not names:
-        return []
-    return [
-        dict(zip(names, _matrices(parts, len(names), order, depth), strict=True))
-        for _ in range(count)
-    ]
-
-
-def _numbers(element: tuple[int, memoryview], order: str) -> NDArray[Any]:
-    kind, data = element
-    return np.frombuffer(bytes(data), order + _NUMBER_TYPES[kind]) if len(data) else np.zeros(0)
+    def _numbers(self, element: tuple[int, memoryview]) -> NDArray[Any]:
+        kind, data = element
+        if len(data) == 0:
+            return np.zeros(0)
+        numbers = np.frombuffer(data, self._order + _NUMBER_TYPES[kind])
+        self._gate.numbers(len(numbers), "an array")
+        return numbers

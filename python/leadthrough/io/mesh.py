@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from array import array
+from collections.abc import Iterator
+from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
 
@@ -11,9 +14,9 @@ from numpy.typing import NDArray
 from leadthrough import optional
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.io import bounds
+from leadthrough.io import apart, bounds
 
-_Mesh = tuple[Float64Array, NDArray[np.int64]]
+Mesh = tuple[Float64Array, NDArray[np.int64]]
 
 _STL_HEADER = 84  # bytes, the last four the number of triangles
 _STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -50,16 +53,18 @@ def read_triangles(path: Path) -> tuple[Float64Array, NDArray[np.int64]]:
     return vertices, faces
 
 
-def _read(path: Path) -> _Mesh:
+def _read(path: Path) -> Mesh:
+    gate = bounds.Gate()
     try:
-        with bounds.reading("mesh", damage=(OSError, ValueError, RuntimeError)):
+        with bounds.reading("mesh", damage=(OSError, ValueError, OverflowError, RuntimeError)):
             match path.suffix.lower():
                 case ".stl":
-                    mesh = _stl(path.read_bytes())
+                    mesh = _stl(bounds.content(path, gate), gate)
                 case ".obj":
-                    mesh = _obj(path.read_bytes())
+                    mesh = _obj(bounds.content(path, gate), gate)
                 case _:
-                    mesh = _through_coal(path)
+                    apart.require("coal", extra="mesh")
+                    mesh = apart.mesh(through_coal, path)
     except InvalidInput as error:
         raise InvalidInput(f"{path}: {error}") from None
     if len(mesh[0]) == 0 or not np.isfinite(mesh[0]).all():
@@ -67,39 +72,62 @@ def _read(path: Path) -> _Mesh:
     return mesh
 
 
-def _stl(content: bytes) -> _Mesh:
+def _stl(content: bytes, gate: bounds.Gate) -> Mesh:
     # A binary file may begin with "solid" like a text; its length tells which it is.
     triangles = int.from_bytes(content[_STL_HEADER - 4 : _STL_HEADER], "little")
     if len(content) != _STL_HEADER + triangles * _STL_TRIANGLE.itemsize:
-        vertices = _after_word(content, b"vertex")
+        vertices = _after_word(content, b"vertex", gate)
     else:
+        gate.numbers(9 * triangles, "the triangles")
         body = np.frombuffer(content, _STL_TRIANGLE, offset=_STL_HEADER)
         vertices = body["corners"].reshape(-1, 3).astype(np.float64)
     whole = len(vertices) - len(vertices) % 3
     return vertices, np.arange(whole).reshape(-1, 3)
 
 
-def _obj(content: bytes) -> _Mesh:
-    vertices = _after_word(content, b"v")
-    faces = []
-    for line in content.splitlines():
+def _obj(content: bytes, gate: bounds.Gate) -> Mesh:
+    vertices = _after_word(content, b"v", gate)
+    faces = array("q")
+    for line in _lines(content):
         word, *corners = line.split() or [b""]
         if word == b"f":
+            gate.numbers(3 * len(corners), "the faces")
             # Vertex, texture and normal by slashes; negative numbers count from the end.
             numbers = [int(corner.split(b"/")[0]) for corner in corners]
             polygon = [n - 1 if n > 0 else n + len(vertices) for n in numbers]
-            faces += [(polygon[0], b, c) for b, c in pairwise(polygon[1:])]
+            for b, c in pairwise(polygon[1:]):
+                faces.extend((polygon[0], b, c))
     return vertices, np.array(faces, dtype=np.int64).reshape(-1, 3)
 
 
-def _after_word(content: bytes, word: bytes) -> Float64Array:
-    lines = (line.split() for line in content.splitlines())
-    rows = [line[1:4] for line in lines if line and line[0] == word]
-    return np.array(rows, dtype=np.float64).reshape(-1, 3)
+def _after_word(content: bytes, word: bytes, gate: bounds.Gate) -> Float64Array:
+    numbers = array("d")
+    for line in _lines(content):
+        gate.items(1, "the lines")
+        own, *cells = line.split(None, 4) or [b""]
+        if own == word:
+            gate.numbers(3, "the vertices")
+            x, y, z = map(float, cells[:3])
+            numbers.extend((x, y, z))
+    return np.array(numbers, dtype=np.float64).reshape(-1, 3)
 
 
-def _through_coal(path: Path) -> _Mesh:
+def _lines(content: bytes) -> Iterator[bytes]:
+    return iter(BytesIO(content.replace(b"\r", b"\n")))
+
+
+def through_coal(path: Path) -> Mesh:
+    """Vertices (n, 3) and triangles (m, 3) of a mesh that coal reads.
+
+    Raises:
+        InvalidInput: if the mesh is too large.
+        MissingDependency: if coal is not installed.
+        RuntimeError: if coal cannot read the file.
+    """
     coal = optional.load("coal", extra="mesh")
+    gate = bounds.Gate()
+    gate.bytes(path.stat().st_size, "the file")
     mesh = coal.MeshLoader().load(str(path), np.ones(3))
+    gate.numbers(3 * (mesh.num_vertices + mesh.num_tris), "the mesh")
     faces = [[mesh.tri_indices(i)[k] for k in range(3)] for i in range(mesh.num_tris)]
     return np.array(mesh.vertices()), np.array(faces, dtype=np.int64).reshape(-1, 3)

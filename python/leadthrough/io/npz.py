@@ -75,7 +75,7 @@ def arrays(path: Path) -> dict[str, NDArray[Any]]:  # Any: of whatever type the 
         warnings.catch_warnings(),  # NumPy warns of headers as Python 2 wrote them
     ):
         warnings.simplefilter("ignore", UserWarning)
-        _check_claims(path)
+        _check_claims(path, bounds.Gate())
         # NumPy leaves a file open that it opened itself and could not read.
         with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
@@ -143,19 +143,27 @@ def _events(found: Mapping[str, NDArray[Any]]) -> Events:
     return tuple(Event(time, name) for time, name in zip(times.tolist(), names, strict=True))
 
 
-def _check_claims(path: Path) -> None:
+def _check_claims(path: Path, gate: bounds.Gate) -> None:
     """Refuses archives whose arrays claim too many numbers, before any memory is taken."""
     with zipfile.ZipFile(path) as archive:
         members = archive.infolist()
-        bounds.check_claim(sum(member.file_size for member in members), "the archive")
+        gate.columns(len(members), "the archive")
+        gate.bytes(sum(member.file_size for member in members), "the archive")
         for member in members:
+            if not member.filename.endswith(".npy"):
+                continue
             with archive.open(member) as file:
-                size = _claimed(file) if member.filename.endswith(".npy") else 0
-            bounds.check_claim(size, member.filename)
+                count, size = _claimed(file)
+            gate.numbers(count, member.filename)
+            if size > member.file_size:  # NumPy would take the memory before it misses the bytes
+                raise InvalidInput(
+                    f"{member.filename}: its header claims {size:,} bytes of "
+                    f"{member.file_size:,}; the archive is damaged"
+                )
 
 
-def _claimed(file: Any) -> int:
-    """Bytes that an array takes according to its header."""
+def _claimed(file: Any) -> tuple[int, int]:
+    """How many numbers an array has according to its header, and their bytes."""
     version = np.lib.format.read_magic(file)
     read = {
         (1, 0): np.lib.format.read_array_header_1_0,
@@ -164,4 +172,5 @@ def _claimed(file: Any) -> int:
     if read is None:
         raise InvalidInput(f"expected arrays in version 1 or 2 of the format, got {version}")
     shape, _, dtype = read(file)
-    return int(math.prod(shape) * dtype.itemsize)
+    count = math.prod(shape)
+    return count * max(1, dtype.itemsize // 8), count * dtype.itemsize

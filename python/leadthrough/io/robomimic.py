@@ -1,13 +1,14 @@
 """Demonstrations of robomimic and robosuite: HDF5 with a group `data/demo_<i>` for each.
 
-The columns are the arrays of `obs` with one or two axes: `robot0_joint_pos` are the joints,
-`robot0_eef_pos` and `robot0_eef_quat` (x, y, z, w) the poses. The rate is the control frequency
-in `env_args`, where there is one. Needs the extra `hdf5`.
+The columns are the arrays of `obs` with one or two axes that lie in the file itself:
+`robot0_joint_pos` are the joints, `robot0_eef_pos` and `robot0_eef_quat` (x, y, z, w) the poses.
+The rate is the control frequency in `env_args`, where there is one. Needs the extra `hdf5`.
 """
 
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -43,12 +44,14 @@ def _tables(file: Any) -> list[ArrayTable]:
     if not names:
         raise InvalidInput("expected groups data/demo_<i>, as robomimic writes them, got none")
     rate = _control_rate(data.attrs.get("env_args"))
-    claimed = 0
+    gate = bounds.Gate()
     found = []
     for name in sorted(names, key=_number):
         sets = _sets(data[name].get("obs", {}))
-        claimed += sum(each.nbytes for each in sets.values())
-        bounds.check_claim(claimed, "the arrays of obs")
+        gate.columns(len(sets), f"{name}/obs")
+        gate.numbers(sum(each.size for each in sets.values()), f"{name}/obs")
+        for each in sets.values():  # a chunk is inflated as a whole
+            bounds.Gate().numbers(math.prod(each.chunks or ()), f"{name}/obs: a chunk")
         arrays = {own: np.asarray(each[()]) for own, each in sets.items()}
         roles = {role: (own,) for role, own in _ROLES.items() if own in arrays}
         found.append(
@@ -66,6 +69,7 @@ def _sets(group: Any) -> dict[str, Any]:
         if isinstance(name, str)  # h5py returns damaged names as bytes
         and hasattr(each, "dtype")
         and each.dtype.kind in "fiu"
+        and not (each.external or each.is_virtual)  # numbers from anywhere on the disk
         and (each.ndim == 1 or (each.ndim == 2 and each.shape[1] <= bounds.WIDEST))
     }
 

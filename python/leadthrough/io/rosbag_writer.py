@@ -7,6 +7,7 @@ on `/events`.
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -201,6 +202,8 @@ class _Bag:
 def _bag(path: StrPath) -> Iterator[_Bag]:
     rosbag2 = optional.load("rosbags.rosbag2", extra="ros")
     types = humble_types()
+    if not isinstance(path, str | os.PathLike):
+        raise InvalidInput(f"path: expected a path, got {path!r}")
     suffix = Path(path).suffix.lower()
     if suffix == ".bag":
         raise InvalidInput(

@@ -10,7 +10,7 @@ from typing import Any
 
 from leadthrough.arm import Arm
 from leadthrough.errors import InvalidInput
-from leadthrough.io import formats, rosbag
+from leadthrough.io import apart, formats, rosbag
 from leadthrough.io.atomic import StrPath
 from leadthrough.io.columns import recording
 from leadthrough.io.reading import blaming, names_of
@@ -117,11 +117,11 @@ def _recordings(path: Path, found: formats.Format, request: Request) -> FileInfo
 
 
 def _bag(path: Path, title: str, request: Request) -> FileInfo:
-    topics = rosbag.topics(path)
+    topics = apart.plain(rosbag.topics, path)
     summaries = []
     for topic in rosbag.motions(topics):
         asked = Request(**{**vars(request), "topic": topic})
-        for table in rosbag.tables(path, asked):
+        for table in apart.tables(rosbag.tables, path, asked):
             summaries.append(summarize(recording(table, asked, name=topic)))
     facts = {"topics": [f"{name} ({kind})" for name, kind in topics.items()]}
     return FileInfo(str(path), title, "recordings", facts, tuple(summaries))

@@ -70,5 +70,5 @@ def test_a_claim_of_ten_gigabytes_is_refused_before_it_takes_memory(tmp_path):
         file.create_dataset(
             "data/demo_0/obs/robot0_joint_pos", (200_000_000, 7), "f4", chunks=(1000, 7)
         )
-    with pytest.raises(InvalidInput, match="it claims 5,600,000,000"):
+    with pytest.raises(InvalidInput, match="it claims 1,400,000,000"):
         lt.read_demonstrations(tmp_path / "huge.h5", rate=20)

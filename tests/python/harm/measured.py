@@ -1,0 +1,48 @@
+"""Reads a file in a process of its own and tells what came, how long it took and how much memory.
+
+The memory is the sum of what this process and that of `leadthrough.io.apart` took at most.
+"""
+
+import json
+import subprocess
+import sys
+
+PROGRAM = """
+import json, resource, sys, time
+from pathlib import Path
+import leadthrough as lt
+from leadthrough.errors import LeadthroughError
+from leadthrough.io import apart, mesh
+
+told = []
+for name in sys.argv[1:]:
+    path = Path(name)
+    start = time.monotonic()
+    try:
+        if path.suffix in (".stl", ".obj", ".dae"):
+            mesh.read_triangles(path)
+        else:
+            lt.io.read_recordings(path)
+        answer = "read"
+    except LeadthroughError as error:
+        answer = str(error)
+    told.append([answer, time.monotonic() - start])
+apart.end()
+kinds = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+print(json.dumps([told, sum(resource.getrusage(kind).ru_maxrss for kind in kinds) * 1024]))
+"""
+
+
+def read(*paths):
+    """For each file what came and its seconds, and the bytes of memory taken at most.
+
+    What comes is "read" or the message of a typed error; any other error raises here.
+    """
+    # The peak of a process counts from that of the one it was started from, so that another one,
+    # small as it is, stands between the tests' and the one that is measured.
+    between = "import subprocess, sys; sys.exit(subprocess.call(sys.argv[1:]))"
+    command = [sys.executable, "-c", between, sys.executable, "-c", PROGRAM, *map(str, paths)]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    told, memory = json.loads(run.stdout)
+    return [tuple(each) for each in told], memory

@@ -1,0 +1,20 @@
+"""Small files that inflate far, nest deep or never end are refused before they take the machine."""
+
+import pytest
+from harm import bombs, measured
+
+MOST_MEMORY = 1.5 * 2**30  # bytes
+MOST_SECONDS = 20.0
+ALL = [(suffix, makers) for suffix, makers in {**bombs.RECORDINGS, **bombs.MESHES}.items()]
+
+
+@pytest.mark.parametrize(("suffix", "makers"), ALL, ids=[suffix for suffix, _ in ALL])
+def test_bombs_are_refused_within_the_bounds(tmp_path, suffix, makers):
+    paths = [tmp_path / f"{maker.__name__}.{suffix}" for maker in makers]
+    for maker, path in zip(makers, paths, strict=True):
+        maker(path)
+    told, memory = measured.read(*paths)
+    for path, (answer, seconds) in zip(paths, told, strict=True):
+        assert path.name in answer
+        assert seconds < MOST_SECONDS, path.name
+    assert memory < MOST_MEMORY
