@@ -20,7 +20,7 @@ from leadthrough.errors import FitError
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.estimation import LEAST_COVERED, LEAST_SPREAD, Fit, Shown
 from leadthrough.models.promp.gaussian import Gaussian
-from leadthrough.models.promp.prior import smooth_prior
+from leadthrough.models.promp.prior import raised, smooth_prior
 
 # The prior counts as much as this many demonstrations.
 _PRIOR_COUNT = 0.1
@@ -77,11 +77,10 @@ def expectation_maximisation(basis: Basis, shown: Shown) -> Fit:
     first = Gaussian(_common_curve(sums, basis), base)
     weights, noise, history = _iterated(sums, first, base, _TOLERANCE * len(pooled) * size)
     estimates, _ = _expectation(sums, weights, noise)
-    floor = smooth_prior(basis, np.full(size, LEAST_SPREAD))
     unit = np.repeat(scale, basis.count)
     offset = np.repeat(middle, basis.count)
     mean = weights.mean * unit + offset
-    covariance = (weights.covariance + floor) * unit * unit[:, None]
+    covariance = raised(weights.covariance, basis, LEAST_SPREAD) * unit * unit[:, None]
     whole = [
         each.mean * unit + offset
         for each, u in zip(estimates, shown.phases, strict=True)

@@ -17,10 +17,13 @@ from leadthrough.check import Float64Array
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.estimation import LEAST_SPREAD, Fit, Shown
 from leadthrough.models.promp.gaussian import Gaussian
-from leadthrough.models.promp.prior import shaped_prior, smooth_prior
+from leadthrough.models.promp.prior import raised, shaped_prior, smooth_prior
 
 # One demonstration says nothing about the spread of others: a tenth of its reach is assumed.
 _UNKNOWN_SPREAD = 0.1
+# The prior counts as at least this many demonstrations: the estimate knows nothing of it where two
+# demonstrations deviate from their mean in opposite ways, as any two do.
+_LEAST_SHRINKAGE = 0.5
 _LEAST_NOISE = 1e-6  # standard deviation as a fraction of the reach
 
 
@@ -100,9 +103,11 @@ def shrunk(stacked: Float64Array, basis: Basis, scale: Float64Array) -> Gaussian
     sample = centred.T @ centred / (count - 1)
     target = shaped_prior(basis, centred.reshape(count, len(scale), basis.count))
     distance = float(((sample - target) ** 2).sum())
-    shrinkage = min(_variance_of_sample(centred) / distance, 1.0) if distance > 0.0 else 0.0
+    shrinkage = _LEAST_SHRINKAGE / count
+    if distance > 0.0:
+        shrinkage = max(shrinkage, min(_variance_of_sample(centred) / distance, 1.0))
     covariance = (1.0 - shrinkage) * sample + shrinkage * target
-    covariance += smooth_prior(basis, np.full(len(scale), LEAST_SPREAD))
+    covariance = raised(covariance, basis, LEAST_SPREAD)
     return Gaussian(mean, covariance * unit * unit[:, None])
 
 

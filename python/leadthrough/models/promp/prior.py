@@ -21,6 +21,10 @@ _INNER = 0.3
 _ROUGH = 1e-3
 # No phase is taken to vary less than this fraction of the one that varies the most.
 _LEAST_PROFILE = 0.1
+# Nor is the kernel in between, which vanishes at the ends, taken to be smaller than this there.
+_LEAST_OWN = 0.1
+# Fraction of the least spread that is added everywhere, so that nothing is ruled out.
+_EVERYWHERE = 0.1
 
 
 def smooth_prior(basis: Basis, spread: Float64Array) -> Float64Array:
@@ -55,25 +59,52 @@ def shaped_prior(basis: Basis, curves: Float64Array) -> Float64Array:
         basis: the k basis functions.
         curves: weights (m, d, k) of the m demonstrations, minus their mean.
     """
-    fit, inner = _fit_and_kernel(basis)
     at_phases = curves @ basis(_phases(basis)).T
-    ends_of = lines(basis)
-    count, size = len(curves), curves.shape[1]
-    result = np.zeros((size, basis.count, size, basis.count))
-    for column in range(size):
-        own = at_phases[:, column]
-        ends = own[:, [0, -1]]
-        if basis.is_rhythmic:
-            covariance = np.zeros((basis.count, basis.count))
-        else:
-            own = own - ends @ _ramps(basis)
-            spread = (ends**2).sum(axis=0) / (count - 1)
-            covariance = (ends_of * spread) @ ends_of.T
-        profile = np.sqrt((own**2).sum(axis=0) / (count - 1))
-        profile = np.maximum(profile, _LEAST_PROFILE * profile.max())
-        reached = fit * profile
-        result[column, :, column] = covariance + reached @ inner @ reached.T
-    return result.reshape(size * basis.count, -1)
+    variances = (at_phases**2).sum(axis=0) / (len(curves) - 1)
+    profile = _left_between(basis, variances)
+    profile = np.maximum(profile, _LEAST_PROFILE * profile.max(axis=1, keepdims=True))
+    return _profiled(basis, variances[:, [0, -1]], profile)
+
+
+def raised(covariance: Float64Array, basis: Basis, least: float) -> Float64Array:
+    """A covariance (d k, d k), raised where some phase of the motion varies too little.
+
+    Args:
+        covariance: covariance of the weights, one column after the other.
+        basis: the k basis functions.
+        least: least standard deviation of each column.
+    """
+    rows, size = basis(_phases(basis)), len(covariance) // basis.count
+    blocks = np.einsum("iaib->iab", covariance.reshape(size, basis.count, size, basis.count))
+    missing = np.maximum(least**2 - ((rows @ blocks) * rows).sum(axis=2), 0.0)
+    added = _profiled(basis, missing[:, [0, -1]], _left_between(basis, missing))
+    return covariance + added + smooth_prior(basis, np.full(size, _EVERYWHERE * least))
+
+
+def _left_between(basis: Basis, variances: Float64Array) -> Float64Array:
+    """What deviations in between add to those of the ends, for variances (d, n) in all.
+
+    Returns:
+        Standard deviations (d, n) that the kernel in between is scaled by.
+    """
+    fit, inner = _fit_and_kernel(basis)
+    reached = basis(_phases(basis)) @ fit
+    own = ((reached @ inner) * reached).sum(axis=1)
+    left = variances
+    if not basis.is_rhythmic:
+        left = variances - variances[:, [0, -1]] @ _ramps(basis) ** 2
+    return np.sqrt(np.maximum(left, 0.0) / np.maximum(own, _LEAST_OWN))
+
+
+def _profiled(basis: Basis, ends: Float64Array, profile: Float64Array) -> Float64Array:
+    """Covariance (d k, d k) from variances (d, 2) of the ends and deviations (d, n) in between."""
+    fit, inner = _fit_and_kernel(basis)
+    result = np.zeros((len(ends), basis.count, len(ends), basis.count))
+    ramps = np.zeros((basis.count, 2)) if basis.is_rhythmic else lines(basis)
+    for column, (of_ends, between) in enumerate(zip(ends, profile, strict=True)):
+        reached = fit * between
+        result[column, :, column] = (ramps * of_ends) @ ramps.T + reached @ inner @ reached.T
+    return result.reshape(len(ends) * basis.count, -1)
 
 
 @lru_cache(maxsize=16)
