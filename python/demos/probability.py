@@ -9,10 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Ellipse
 
 from leadthrough.check import Float64Array
+from leadthrough.drawing import palette
 from leadthrough.models import Clusters, Mixture
 from leadthrough.models.promp.basis import Basis
 from leadthrough.motion import Motion
-from leadthrough.show import palette
 from leadthrough.show.plot import Style
 
 BAND: Style = {"color": palette.BLUE, "alpha": 0.2, "linewidth": 0.0}

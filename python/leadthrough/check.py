@@ -249,6 +249,8 @@ def _numeric(value: object, name: str) -> Float64Array:
         return value
     try:
         raw = np.asarray(value)
+    except InvalidInput:  # of one of our own types, which is asked for its parts
+        raise InvalidInput(f"{name}: expected numbers, got a {type(value).__name__}") from None
     except ValueError:
         raise InvalidInput(
             f"{name}: expected a regular array of numbers, got ragged rows"

@@ -40,6 +40,10 @@ class FitError(LeadthroughError):
     """No model can be fitted to these demonstrations."""
 
 
+class NotFitted(LeadthroughError, AttributeError):
+    """A model was asked for what only a fitted skill has."""
+
+
 class NoPath(LeadthroughError):
     """No path exists between start and goal.
 

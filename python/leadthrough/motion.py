@@ -10,26 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
+from leadthrough.brief import one_line
 from leadthrough.check import Float64Array
+from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing.motions import of_joints, of_points, of_poses
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event, Events
 from leadthrough.events import checked as checked_events
-
-
-class _Timed:
-    """What all motions have."""
-
-    times: Float64Array
-    events: Events
-
-    @property
-    def duration(self) -> float:
-        """Time from the first sample to the last, s."""
-        return float(self.times[-1] - self.times[0])
+from leadthrough.sampled import Sampled
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Trajectory(_Timed):
+class Trajectory(Sampled):
     """Timed points.
 
     Attributes:
@@ -56,9 +48,27 @@ class Trajectory(_Timed):
             events=checked_events(events, clock),
         )
 
+    def at(self, time: ArrayLike) -> Float64Array:
+        """Where the motion is at a time; between samples it moves straight.
+
+        Args:
+            time: s, or several times (m,), not before the first sample or after the last.
+
+        Returns:
+            Point (d,), or (m, d) for several times.
+
+        Raises:
+            InvalidInput: if a time lies outside the motion.
+        """
+        several, _, points = self._places(time)
+        return points if several else points[0]
+
+    def _panels(self, deviations: Float64Array | None = None) -> list[Panel]:
+        return of_points(self.times, self.positions, self.events, deviations=deviations)
+
 
 @dataclass(frozen=True, eq=False, init=False)
-class PoseTrajectory(_Timed):
+class PoseTrajectory(Sampled):
     """Timed poses in one frame.
 
     Attributes:
@@ -95,9 +105,39 @@ class PoseTrajectory(_Timed):
             times=clock, positions=points, orientations=continuous, events=kept_events
         )
 
+    def at(self, time: ArrayLike) -> tuple[Float64Array, Float64Array]:
+        """Where the motion is at a time, as skills take a start or goal.
+
+        Between samples it moves straight and turns at constant velocity.
+
+        Args:
+            time: s, or several times (m,), not before the first sample or after the last.
+
+        Returns:
+            Position (3,) and orientation (4,), or (m, 3) and (m, 4) for several times.
+
+        Raises:
+            InvalidInput: if a time lies outside the motion.
+        """
+        several, at, points = self._places(time)
+        if len(self.times) == 1:
+            turned = np.repeat(self.orientations, len(at), axis=0)
+        else:
+            turned = rotations.interpolate(self.times, self.orientations, at)
+        return (points, turned) if several else (points[0], turned[0])
+
+    def _panels(self, deviations: Float64Array | None = None) -> list[Panel]:
+        return of_poses(
+            self.times, self.positions, self.orientations, self.events, deviations=deviations
+        )
+
+    def _way(self) -> list[str]:
+        turned = float(rotations.distance(self.orientations[:1], self.orientations[-1:])[0])
+        return [f"{super()._way()[0]} m, turned by {turned:.3g} rad"]
+
 
 @dataclass(frozen=True, eq=False, init=False)
-class JointTrajectory(_Timed):
+class JointTrajectory(Sampled):
     """Timed joint configurations; prismatic joints have m where others have rad.
 
     Attributes:
@@ -144,6 +184,34 @@ class JointTrajectory(_Timed):
             events=kept_events,
         )
 
+    def at(self, time: ArrayLike) -> Float64Array:
+        """The joints at a time; between samples they move straight.
+
+        Args:
+            time: s, or several times (m,), not before the first sample or after the last.
+
+        Returns:
+            Joint positions (joints,), or (m, joints) for several times.
+
+        Raises:
+            InvalidInput: if a time lies outside the motion.
+        """
+        several, _, joints = self._places(time)
+        return joints if several else joints[0]
+
+    def _panels(self, deviations: Float64Array | None = None) -> list[Panel]:
+        return of_joints(
+            self.times, self.positions, self.velocities, self.joint_names, self.events,
+            deviations=deviations,
+        )  # fmt: skip
+
+    def _way(self) -> list[str]:
+        count = self.positions.shape[1]
+        told = f"{self.joint_names[0]} ... {self.joint_names[-1]}, " if self.joint_names else ""
+        lacking = [name for name in ("velocities", "accelerations") if getattr(self, name) is None]
+        without = [f"without {' and '.join(lacking)}"] if lacking else []
+        return [f"{told}{count} joints", *without]
+
 
 Motion = Trajectory | PoseTrajectory | JointTrajectory
 MotionT = TypeVar("MotionT", bound=Motion)
@@ -151,6 +219,8 @@ if TYPE_CHECKING:
     # Type checkers bring typing_extensions. By the default, a plain `Demonstration` is one of any
     # motion; typing.TypeVar takes defaults from Python 3.13 on.
     from typing_extensions import TypeVar as _TypeVar
+
+    from leadthrough.drawing.panels import Panel
 
     MotionT_co = _TypeVar("MotionT_co", bound=Motion, default=Motion, covariant=True)
 else:
@@ -198,7 +268,7 @@ def checked_motion(value: MotionT, name: str) -> MotionT:
 
 
 @dataclass(frozen=True, eq=False)
-class Demonstration(Generic[MotionT_co]):
+class Demonstration(Drawn, Generic[MotionT_co]):
     """One motion that was shown to the robot, such as a `Demonstration[JointTrajectory]`.
 
     Attributes:
@@ -219,6 +289,12 @@ class Demonstration(Generic[MotionT_co]):
     def events(self) -> Events:
         """Events of the motion."""
         return self.motion.events
+
+    def _brief_parts(self) -> list[str]:
+        return [repr(self.name), one_line(self.motion)]
+
+    def _panels(self) -> list[Panel]:
+        return self.motion._panels()
 
 
 def as_demonstration(value: Demonstration[MotionT] | MotionT, name: str) -> Demonstration[MotionT]:

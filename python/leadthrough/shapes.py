@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
@@ -16,7 +17,7 @@ _UNTURNED = (1.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Box:
+class Box(Brief):
     """A box about its centre.
 
     Attributes:
@@ -56,7 +57,7 @@ class Box:
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Sphere:
+class Sphere(Brief):
     """A ball.
 
     Attributes:
@@ -90,7 +91,7 @@ class Sphere:
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Capsule:
+class Capsule(Brief):
     """A cylinder along its own z axis with a half ball at each end.
 
     Attributes:

@@ -25,7 +25,7 @@ from rich.progress import track
 
 import leadthrough
 from leadthrough import _core, check
-from leadthrough.show import style
+from leadthrough.drawing import style
 from leadthrough_studies import results
 
 Row = dict[str, Any]

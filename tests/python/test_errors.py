@@ -10,6 +10,7 @@ EXAMPLES = [
     errors.InvalidInput("message"),
     errors.UnsupportedQuery("message"),
     errors.FitError("message"),
+    errors.NotFitted("message"),
     errors.NoPath("message", reason="goal_enclosed"),
     errors.NoContinuousLogarithm("message", index=3),
     errors.IkFailure("message", index=3, status="stuck", residual=(0.1, 0.2), q=np.zeros(2)),

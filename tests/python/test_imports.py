@@ -15,9 +15,12 @@ STUDIES = Path(leadthrough_studies.__file__).parent
 STAGES = (
     "errors",
     "optional",
+    "brief",
     "check",
     "events",
     "rotations",
+    "drawing",
+    "sampled",
     "motion",
     "shapes",
     "io",

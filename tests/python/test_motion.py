@@ -82,3 +82,53 @@ def test_motions_compare_by_identity_and_can_be_hashed():
     assert a == a  # noqa: PLR0124
     assert a != b
     assert len({a, b}) == 2
+
+
+def test_a_slice_keeps_times_rows_and_the_events_between():
+    times = np.arange(10.0)
+    happened = [lt.Event(1.0, "opened"), lt.Event(4.5, "closed")]
+    rows = np.column_stack([times, -times])
+    motion = lt.JointTrajectory(times, rows, 2.0 * rows, joint_names=("a", "b"), events=happened)
+    piece = motion[3:7]
+    assert len(motion) == 10
+    assert len(piece) == 4
+    assert piece.times.tolist() == [3.0, 4.0, 5.0, 6.0]
+    assert np.array_equal(piece.velocities, 2.0 * piece.positions)
+    assert piece.accelerations is None
+    assert piece.joint_names == ("a", "b")
+    assert [event.name for event in piece.events] == ["closed"]
+    assert np.array_equal(motion[::3].positions, rows[::3])
+
+
+@pytest.mark.parametrize("samples", [3, slice(5, 5), "a", slice(None, None, -1)])
+def test_what_is_no_piece_of_a_motion_is_refused(samples):
+    with pytest.raises(InvalidInput, match=r"samples: |times: "):
+        lt.Trajectory(np.arange(10.0), np.zeros((10, 2)))[samples]
+
+
+def test_a_motion_is_not_taken_for_an_array():
+    with pytest.raises(InvalidInput, match="positions: expected numbers, got a Trajectory"):
+        lt.Trajectory(TIMES, lt.Trajectory(TIMES, np.zeros((3, 2))))
+
+
+def test_between_samples_a_motion_is_straight_and_turns_steadily():
+    points = np.array([[0.0, 1.0], [1.0, 1.0], [1.0, 0.0]])
+    motion = lt.Trajectory(TIMES, points)
+    assert np.array_equal(motion.at(0.25), [0.5, 1.0])
+    assert np.array_equal(motion.at([0.0, 2.0]), points[[0, 2]])
+    turned = lt.rotations.exp(np.outer([0.0, 1.0, 2.5], [0.0, 0.0, 1.0]))
+    poses = lt.PoseTrajectory(TIMES, np.zeros((3, 3)), turned)
+    position, orientation = poses.at(1.25)
+    assert position.tolist() == [0.0, 0.0, 0.0]
+    np.testing.assert_allclose(lt.rotations.log(orientation[None])[0], [0.0, 0.0, 1.75])
+    positions, orientations = poses.at(TIMES)
+    assert positions.shape == (3, 3)
+    np.testing.assert_allclose(orientations, turned)
+    assert lt.PoseTrajectory([1.0], np.zeros((1, 3)), UNIT[:1]).at(1.0)[1].shape == (4,)
+    assert lt.JointTrajectory(TIMES, points).at(0.25).tolist() == [0.5, 1.0]
+
+
+@pytest.mark.parametrize("time", [-0.1, 2.1, np.nan, "now", [0.0, 3.0]])
+def test_a_time_outside_the_motion_is_refused(time):
+    with pytest.raises(InvalidInput, match="time: "):
+        lt.Trajectory(TIMES, np.zeros((3, 2))).at(time)

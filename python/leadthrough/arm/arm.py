@@ -52,18 +52,36 @@ class Arm(
     """
 
     @staticmethod
-    def load(name: str) -> Arm:
-        """An arm that comes with the package, with its limits and collision geometry.
+    def load(
+        name: str,
+        *,
+        base: str | None = None,
+        tip: str | None = None,
+        limits: JointLimits | str | PathLike[str] | None = None,
+    ) -> Arm:
+        """An arm by its name; those that come with the package have all limits and shapes.
 
         Args:
             name: "panda" (tip: the hand's tool centre point), "ur3" (tip: tool0) or "tiago" (tip:
-                the last link of the wrist).
+                the last link of the wrist); or a robot of example-robot-data or
+                robot_descriptions, where these are installed, such as "xarm7". The latter
+                downloads a robot when it is first used.
+            base: name of the first link, as for `from_urdf`.
+            tip: name of the last link, as there; many robots of other packages need it.
+            limits: as for `from_urdf`; by default those that come with the robot.
 
         Raises:
-            InvalidInput: if there is no such arm.
+            InvalidInput: if there is no such robot, or a name does not fit it.
+            InvalidRobot: if a robot of another package is not one that can be used.
         """
-        folder = robots.find_robot(name)
-        return Arm.from_urdf(folder / f"{name}.urdf", limits=folder / "limits.toml")
+        files = robots.find_robot(name)
+        return Arm.from_urdf(
+            files.urdf,
+            base=base,
+            tip=tip,
+            limits=files.limits if limits is None else limits,
+            mesh_folders=files.mesh_folders,
+        )
 
     @staticmethod
     def from_urdf(

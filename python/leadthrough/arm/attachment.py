@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, rotations
+from leadthrough.brief import Brief, numbers_text
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.shapes import Box, Capsule, Shape, Sphere
@@ -18,7 +19,7 @@ _INERTIA_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Load:
+class Load(Brief):
     """A rigid body.
 
     Attributes:
@@ -41,7 +42,7 @@ class Load:
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Attachment:
+class Attachment(Brief):
     """All that is fixed to a link, in that link's frame.
 
     Attributes:
@@ -69,6 +70,13 @@ class Attachment:
         object.__setattr__(self, "orientation", unit)
         object.__setattr__(self, "loads", loads)
         object.__setattr__(self, "shapes", shapes)
+
+    def told(self) -> list[str]:
+        """What is carried, in a few words each."""
+        parts = [f"tool at {numbers_text(self.position)} m"] if self.position.any() else []
+        mass = sum(load.mass for load in self.loads)
+        parts += [f"carries {mass:.3g} kg"] if mass else []
+        return parts + ([f"holds {len(self.shapes)} shapes"] if self.shapes else [])
 
     def with_tool(self, position: ArrayLike, orientation: ArrayLike) -> Attachment:
         """The attachment with the tip at a pose given in the frame of the present tip.

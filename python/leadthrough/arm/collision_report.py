@@ -6,11 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
+from leadthrough.drawing import palette
+from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing.panels import Line, Panel
+from leadthrough.errors import InvalidInput
 
 
 @dataclass(frozen=True, eq=False)
-class Approach:
+class Approach(Brief):
     """Two bodies where they are nearest.
 
     Attributes:
@@ -34,7 +39,7 @@ class Approach:
 
 
 @dataclass(frozen=True, eq=False)
-class Clearance:
+class Clearance(Brief):
     """How near the arm comes to obstacles, or to itself.
 
     Attributes:
@@ -57,7 +62,7 @@ class Clearance:
 
 
 @dataclass(frozen=True, eq=False)
-class CollisionReport:
+class CollisionReport(Drawn):
     """What a check found; a motion that hits something is a finding, not an error.
 
     The two clearances are apart because parts of an arm are near each other by design.
@@ -100,6 +105,22 @@ class CollisionReport:
         """The smaller distance (m,) of both kinds at the samples in m."""
         return np.minimum(self.obstacles.distances, self.itself.distances)
 
+    def _brief_parts(self) -> list[str]:
+        return [f"ok={self.ok}", str(self)]
+
+    def _panels(self) -> list[Panel]:
+        lines = []
+        for name, each in (("obstacles", self.obstacles), ("itself", self.itself)):
+            if each.closest is not None:
+                samples = np.arange(len(each.distances), dtype=np.float64)
+                lines.append(Line(samples, each.distances, name))
+                margin = np.full(2, each.margin)
+                ends = samples[[0, -1]]
+                lines.append(Line(ends, margin, colour=palette.VERMILION, dashed=True))
+        if not lines:
+            raise InvalidInput("report: there was nothing to hit, so there is nothing to draw")
+        return [Panel("distance in m, margins dashed", lines, "sample")]
+
     def __str__(self) -> str:
         if self.closest is None:
             return "clear: there is nothing to hit"
@@ -109,7 +130,7 @@ class CollisionReport:
 
 
 @dataclass(frozen=True, eq=False)
-class CollisionPairs:
+class CollisionPairs(Brief):
     """Which bodies of an arm are checked against each other, and why the others are not.
 
     Attributes:

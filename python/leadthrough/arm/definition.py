@@ -5,23 +5,27 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import FunctionType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
-from leadthrough.arm import holding
+from leadthrough.arm import holding, picture
 from leadthrough.arm.attachment import Attachment
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array
+from leadthrough.drawing.drawn import Drawn
 from leadthrough.errors import InvalidInput
 from leadthrough.shapes import Shape
+
+if TYPE_CHECKING:
+    from leadthrough.drawing.panels import Panel
 
 _ARM = "leadthrough.arm.arm"  # module of the class that users see
 
 
 @dataclass(frozen=True, eq=False)
-class ArmDefinition:
+class ArmDefinition(Drawn):
     """The fields of an `Arm`, from which each group of its methods derives.
 
     The groups are one file each: kinematics, dynamics, inverse kinematics, following, collision.
@@ -39,11 +43,24 @@ class ArmDefinition:
 
     def __init_subclass__(cls) -> None:
         """Names each group's methods as users call them: errors of a call say `Arm.follow()`."""
+        super().__init_subclass__()
         if cls.__module__.partition(".arm.")[0] != "leadthrough":
             return  # a class that derives from Arm
         for name, function in vars(cls).items():
             if isinstance(function, FunctionType) and not name.startswith("_"):
                 function.__module__, function.__qualname__ = _ARM, f"Arm.{name}"
+
+    def _brief_parts(self) -> list[str]:
+        names = self.joint_names
+        parts = [f"{self._robot.name!r}, {self.base} to {self.tip}"]
+        parts.append(f"{len(names)} joints {names[0]} ... {names[-1]}")
+        parts += [f"holds {', '.join(self.held)} still"] if self.held else []
+        lacking = [name for name in ("acceleration", "jerk") if getattr(self.limits, name) is None]
+        parts += [f"without {' and '.join(lacking)} limits"] if lacking else []
+        return [*parts, *self.attachment.told()]
+
+    def _panels(self) -> list[Panel]:
+        return picture.panels(self)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "held", holding.checked(self.held))

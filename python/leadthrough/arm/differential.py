@@ -12,6 +12,7 @@ from leadthrough import _core, check
 from leadthrough.arm import magnitudes
 from leadthrough.arm.arm import Arm
 from leadthrough.arm.limits import known_acceleration
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
@@ -20,7 +21,7 @@ _STILL = np.zeros(6)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class JointState:
+class JointState(Brief):
     """Where the joints are and how they move.
 
     Attributes:
@@ -38,7 +39,7 @@ class JointState:
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class DifferentialIk:
+class DifferentialIk(Brief):
     """Steps an arm's joints towards a target that may move, inside the limits.
 
         ik = lt.DifferentialIk(arm)

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
@@ -32,7 +33,7 @@ _RATES = ("velocity", "effort", "acceleration", "jerk")
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class JointLimits:
+class JointLimits(Brief):
     """Limits of an arm's joints, one value per joint; infinite where there is no limit.
 
     Attributes:

@@ -12,6 +12,8 @@ from leadthrough.arm.first_posture import margins
 from leadthrough.arm.limits import JointLimits
 from leadthrough.arm.tracks import TipPath
 from leadthrough.check import Float64Array
+from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing.panels import Panel, over
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
 
@@ -20,7 +22,7 @@ _ROUNDING = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class PathReport:
+class PathReport(Drawn):
     """How joints keep to a path of the tip and to the arm's limits; every array is (n,).
 
     The ratios are differences of the samples around each sample over the limit, the largest of all
@@ -63,6 +65,13 @@ class PathReport:
 
     def summary(self) -> str:
         """The worst value of each quantity and its time, one per line."""
+        lines = [f"{len(self.times)} samples, {'ok' if self.ok else 'not ok'}"]
+        for name, value, unit, time in self._worst():
+            lines.append(f"{name:<18} {value:9.3g} {unit:<12} at {time:.6g} s")
+        return "\n".join(lines)
+
+    def _worst(self) -> list[tuple[str, float, str, float]]:
+        """Name, worst value, unit and time of each quantity."""
         rows = [
             ("position error", self.position_error, "m", np.argmax),
             ("orientation error", self.orientation_error, "rad", np.argmax),
@@ -72,11 +81,26 @@ class PathReport:
         ]
         if self.acceleration_ratio is not None:
             rows.append(("acceleration", self.acceleration_ratio, "of the limit", np.argmax))
-        lines = [f"{len(self.times)} samples, {'ok' if self.ok else 'not ok'}"]
+        found = []
         for name, values, unit, worst in rows:
             i = int(worst(values))
-            lines.append(f"{name:<18} {values[i]:9.3g} {unit:<12} at {self.times[i]:.6g} s")
-        return "\n".join(lines)
+            found.append((name, float(values[i]), unit, float(self.times[i])))
+        return found
+
+    def _brief_parts(self) -> list[str]:
+        told = [f"{name} {value:.3g} {unit}".strip() for name, value, unit, _ in self._worst()]
+        return [f"ok={self.ok}", f"{len(self.times)} samples", *told]
+
+    def _panels(self) -> list[Panel]:
+        errors = np.column_stack([self.position_error, self.orientation_error])
+        ratios = {"velocity": self.velocity_ratio, "margin": self.margin}
+        if self.acceleration_ratio is not None:
+            ratios["acceleration"] = self.acceleration_ratio
+        used = np.column_stack(list(ratios.values()))
+        return [
+            over(self.times, errors, ("position, m", "orientation, rad"), title="errors"),
+            over(self.times, used, list(ratios), title="of the limits, and margin to them"),
+        ]
 
 
 def path_report(

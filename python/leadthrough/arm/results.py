@@ -8,6 +8,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 
 IkStatus = Literal["converged", "unreachable", "limits", "budget"]
@@ -28,7 +29,7 @@ Columns = tuple[
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class IkResult:
+class IkResult(Brief):
     """One solution, or the closest configuration found.
 
     Attributes:
@@ -54,7 +55,7 @@ class IkResult:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class IkBatch:
+class IkBatch(Brief):
     """Solutions of many targets, one row per target; the fields mean what those of IkResult mean.
 
     Attributes:

@@ -7,12 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
+from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing.panels import Panel, over
 from leadthrough.motion import JointTrajectory
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class TaskReport:
+class TaskReport(Brief):
     """How each task fared; every array is (tasks,).
 
     Attributes:
@@ -30,7 +33,7 @@ class TaskReport:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class StackSolution:
+class StackSolution(Brief):
     """The motion for one interval.
 
     Attributes:
@@ -43,7 +46,7 @@ class StackSolution:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class StackRun:
+class StackRun(Drawn):
     """A closed-loop run; the arrays are (samples, tasks) and mean what those of TaskReport mean.
 
     Attributes:
@@ -59,3 +62,8 @@ class StackRun:
     miss: Float64Array
     activation: Float64Array
     limited: NDArray[np.bool_]
+
+    def _panels(self) -> list[Panel]:
+        names = [f"task {i + 1}" for i in range(self.error.shape[1])]
+        errors = over(self.trajectory.times, self.error, names, title="errors in m and rad")
+        return [*self.trajectory._panels()[:1], errors]

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.arm import magnitudes
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
@@ -29,7 +30,7 @@ FrameOf = Callable[[str | None, Float64Array], _core.Frame]
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class ArmTask(ABC):
+class ArmTask(Brief, ABC):
     """A task for a `TaskStack`: something to reach, or to keep away from.
 
     Attributes:

@@ -24,6 +24,8 @@ from leadthrough import _core, check
 from leadthrough.arm.definition import ArmDefinition
 from leadthrough.arm.tracks import TipPath
 from leadthrough.check import Float64Array
+from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing.panels import Panel, over
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
 
@@ -70,7 +72,7 @@ class DampedLeastSquares:
 
 
 @dataclass(frozen=True, eq=False)
-class DampedPath:
+class DampedPath(Drawn):
     """Joints along a motion, and what the step that led to each sample was like.
 
     Attributes:
@@ -86,6 +88,14 @@ class DampedPath:
     damping: Float64Array
     position_error: Float64Array
     orientation_error: Float64Array
+
+    def _panels(self) -> list[Panel]:
+        errors = np.column_stack([self.position_error, self.orientation_error])
+        names = ("position, m", "orientation, rad")
+        return [
+            *self.joints._panels()[:1],
+            over(self.joints.times, errors, names, title="errors of the tip"),
+        ]
 
 
 def follow_path(

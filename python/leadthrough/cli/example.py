@@ -59,11 +59,12 @@ def _reach(seed: int) -> dict[str, str | Demonstration]:
     from leadthrough.arm.robots import find_robot
     from leadthrough_studies.example import ROBOT, reaches
 
-    arm, source = Arm.load(ROBOT), find_robot(ROBOT)
+    arm, files = Arm.load(ROBOT), find_robot(ROBOT)
+    assert files.limits is not None  # the package's own have one
     recordings = reaches(arm.joint_names, seed=seed)
     return {
-        f"{ROBOT}.urdf": (source / f"{ROBOT}.urdf").read_text(encoding="utf-8"),
-        f"{ROBOT}.toml": (source / "limits.toml").read_text(encoding="utf-8"),
+        f"{ROBOT}.urdf": files.urdf.read_text(encoding="utf-8"),
+        f"{ROBOT}.toml": files.limits.read_text(encoding="utf-8"),
         profile.FILE: _PROFILE.format(robot=ROBOT, tip=arm.tip),
         **{f"shown/{shown.name}.csv": shown for shown in recordings},
     }

@@ -15,22 +15,17 @@ from leadthrough.motion import JointTrajectory, Motion
 def load(
     name: str, limits: Path | None = None, base: str | None = None, tip: str | None = None
 ) -> Arm:
-    """The arm of a bundled robot, by its name, or of a URDF, by its path.
+    """The arm of a robot, by its name, or of a URDF, by its path.
 
     Raises:
-        InvalidInput: for an unknown name, or options that only go with a URDF.
+        InvalidInput: for an unknown name, or options that do not fit the robot.
         InvalidRobot: if the URDF describes no arm.
     """
     is_path = "/" in name or name.lower().endswith((".urdf", ".xml"))
-    if not is_path and (limits or base or tip):
-        raise InvalidInput(
-            "--limits, --base and --tip: only used with a URDF; give its path as --robot, "
-            f"got --robot {name}"
-        )
     try:
         if is_path:
             return Arm.from_urdf(Path(name), base=base, tip=tip, limits=limits)
-        return Arm.load(name)
+        return Arm.load(name, base=base, tip=tip, limits=limits)
     except InvalidInput as error:
         raise InvalidInput(re.sub("^(name|path_or_xml): ", "--robot: ", str(error))) from None
 

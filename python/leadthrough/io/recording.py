@@ -9,13 +9,14 @@ from typing import Literal
 from numpy.typing import ArrayLike
 
 from leadthrough import check
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.events import Event, Events
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Recording:
+class Recording(Brief):
     """One recorded motion with its faults, which `leadthrough.preprocess.clean` removes.
 
     Times, positions, orientations and derivatives may hold NaN and infinity.

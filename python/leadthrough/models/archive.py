@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
@@ -16,6 +16,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io import npz
 from leadthrough.io.atomic import StrPath, replacing
+from leadthrough.models.shown import ShownSkill
 
 FORMAT = "leadthrough skill"
 VERSION = 1
@@ -23,8 +24,8 @@ VERSION = 1
 Arrays = Mapping[str, NDArray[Any]]
 
 
-class Archived(ABC):
-    """What can be written to a file as settings and arrays."""
+class Archived(ShownSkill):
+    """A skill that can be written to a file as settings and arrays."""
 
     kind: ClassVar[str]
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import check, events, rotations
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event
@@ -40,7 +41,7 @@ _STILL = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Chart(Generic[MotionT_co]):
+class Chart(Brief, Generic[MotionT_co]):
     """What the columns of a model are, and how they become motions again.
 
     Attributes:

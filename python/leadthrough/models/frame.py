@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory
@@ -17,7 +18,7 @@ _ORTHONORMAL = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class Frame(Brief):
     """A frame of reference in the task: at a start, a goal or an object.
 
     Attributes:

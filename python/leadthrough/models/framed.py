@@ -22,12 +22,13 @@ from leadthrough.models.frame import Frame
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.place import Place
 from leadthrough.models.protocol import Model, Skill
+from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory
 from leadthrough.shapes import Shape, check_shapes
 
 
 @dataclass(frozen=True)
-class Framed:
+class Framed(Unfitted):
     """A model that learns in the frame of the task.
 
     Attributes:

@@ -7,6 +7,7 @@ are taken.
 from __future__ import annotations
 
 import warnings
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,6 +19,7 @@ from scipy.optimize import nnls
 from scipy.spatial import Delaunay, QhullError
 
 from leadthrough import check, events
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
 from leadthrough.io.atomic import StrPath
@@ -42,7 +44,7 @@ class OutsideTargets(UserWarning):
 
 
 @dataclass(frozen=True, eq=False)
-class Entry:
+class Entry(Brief):
     """A skill, and what it is for.
 
     Attributes:
@@ -59,10 +61,14 @@ class Entry:
 
 
 @dataclass(frozen=True, eq=False)
-class SkillLibrary:
+class SkillLibrary(Brief):
     """Skills by task, subtask and target; adding one gives a new library."""
 
     entries: tuple[Entry, ...] = ()
+
+    def _brief_parts(self) -> list[str]:
+        counts = Counter(f"{each.task}/{each.subtask}" for each in self.entries)
+        return [f"{len(self.entries)} skills", *(f"{name} {n}" for name, n in counts.items())]
 
     def with_skill(
         self, skill: Skill, *, task: str, subtask: str, target: ArrayLike

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Generic
 
+from leadthrough.brief import Brief
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.motion import Motion, MotionT, MotionT_co
 
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Parameter(Generic[MotionT_co]):
+class Parameter(Brief, Generic[MotionT_co]):
     """A number of a skill's model that may be changed.
 
     Attributes:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from numpy.typing import ArrayLike
 
 from leadthrough.check import Float64Array
 from leadthrough.io.atomic import StrPath
-from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.place import Place
 from leadthrough.motion import Motion, MotionT_co
 from leadthrough.shapes import Shape
+
+if TYPE_CHECKING:
+    from leadthrough.models.chart import Chart
 
 __all__ = [
     "Conditioned",

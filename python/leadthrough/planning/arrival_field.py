@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from leadthrough import _core
+from leadthrough.brief import Brief
 from leadthrough.errors import InvalidInput
 from leadthrough.planning.grid import Grid, bounds_of
 from leadthrough.planning.march_input import (
@@ -35,7 +36,7 @@ Kind = Literal["none", "repair", "full_march"]
 
 
 @dataclass(frozen=True)
-class FieldUpdate:
+class FieldUpdate(Brief):
     """What an update did.
 
     Attributes:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath
 from leadthrough.planning.arrival import arrival_times
@@ -27,7 +28,7 @@ Reason = Literal[
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Plan(Brief):
     """A path, or why there is none.
 
     Attributes:

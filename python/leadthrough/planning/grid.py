@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
@@ -20,7 +21,7 @@ MOST_CELLS = 200_000_000
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Grid:
+class Grid(Brief):
     """Cells about the points origin + index * spacing, in C order.
 
     Attributes:

@@ -18,9 +18,10 @@ from leadthrough.motion import Demonstration, Motion, MotionT
 from leadthrough.preprocess.activity import rests
 from leadthrough.preprocess.rate import sample_evenly
 from leadthrough.preprocess.report import CleaningReport, Span
-from leadthrough.preprocess.rows import chosen, rows_of
+from leadthrough.preprocess.rows import chosen
 from leadthrough.preprocess.smooth import smoothed_over
 from leadthrough.preprocess.spikes import spikes
+from leadthrough.sampled import rows_of
 
 _GAP = 5.0  # median steps without a sample
 _LARGEST = 1e100  # no recorder measures more; squares of more overflow

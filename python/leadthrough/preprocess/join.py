@@ -13,7 +13,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event
 from leadthrough.motion import Motion, MotionT, PoseTrajectory, checked_motion
-from leadthrough.preprocess.rows import rows_of
+from leadthrough.sampled import rows_of
 
 # m (or the unit of the positions) or rad between the end of a motion and the start of the next:
 # rounding stays below, and with more the arm would jump.

@@ -10,7 +10,8 @@ import numpy as np
 from leadthrough import check, events, rotations
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import Demonstration, MotionT, PoseTrajectory
-from leadthrough.preprocess.rows import rows_of, several_samples
+from leadthrough.preprocess.rows import several_samples
+from leadthrough.sampled import rows_of
 
 _MOST = 10_000_000  # samples
 

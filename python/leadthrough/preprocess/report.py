@@ -5,13 +5,17 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing.panels import Panel, spans_over_time
+from leadthrough.errors import InvalidInput
+
 Span = tuple[float, float]  # from and to, s
 
 _LISTED = 5
 
 
 @dataclass(frozen=True)
-class CleaningReport:
+class CleaningReport(Drawn):
     """Faults of a recording and what was done about them.
 
     Times are s on the recording's clock; samples are counted from 0 in the order of the file.
@@ -55,6 +59,20 @@ class CleaningReport:
     def as_dict(self) -> dict[str, Any]:  # Any: numbers and lists of them
         """The fields, as values that JSON can hold."""
         return asdict(self)
+
+    def _brief_parts(self) -> list[str]:
+        return str(self).splitlines()
+
+    def _panels(self) -> list[Panel]:
+        spikes = [(time, time) for time in self.spikes]
+        rows = [
+            (name, spans)
+            for name, spans in (("pauses", self.pauses), ("gaps", self.gaps), ("spikes", spikes))
+            if spans
+        ]
+        if not rows:
+            raise InvalidInput("report: no pauses, gaps or spikes, so there is nothing to draw")
+        return [spans_over_time(rows, title="pauses, gaps and spikes")]
 
     def __str__(self) -> str:
         missing = _some(self.invalid)

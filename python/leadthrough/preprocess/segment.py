@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.motion import Demonstration, MotionT, as_demonstration
 from leadthrough.preprocess.activity import HYSTERESIS, activity, runs
-from leadthrough.preprocess.rows import piece_of
 
 
 def segment(
@@ -50,7 +51,7 @@ def segment(
         if motion.times[piece.stop - 1] - motion.times[piece.start] >= least
     ]
     return [
-        Demonstration(piece_of(motion, piece), name=f"{shown.name} {number}".strip())
+        Demonstration(cast(MotionT, motion[piece]), name=f"{shown.name} {number}".strip())
         for number, piece in enumerate(pieces, start=1)
     ]
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from leadthrough.brief import Brief
 from leadthrough.errors import InvalidInput
 from leadthrough.io.recording import Recording
 from leadthrough.preprocess.clean import clean
@@ -19,7 +20,7 @@ _FARTHEST = 20.0  # m from an arm's base
 
 
 @dataclass(frozen=True)
-class RecordingSummary:
+class RecordingSummary(Brief):
     """What one recording holds.
 
     Attributes:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from leadthrough.arm import Arm
+from leadthrough.brief import Brief
 from leadthrough.errors import InvalidInput
 from leadthrough.io import apart, formats, rosbag
 from leadthrough.io.atomic import StrPath
@@ -22,7 +23,7 @@ _ROBOTS = (".urdf", ".xml")
 
 
 @dataclass(frozen=True)
-class FileInfo:
+class FileInfo(Brief):
     """A summary of one file.
 
     Attributes:

@@ -12,10 +12,10 @@ from matplotlib.patches import Rectangle
 
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array
+from leadthrough.drawing import palette, style
 from leadthrough.models.marching.skill import FastMarchingSkill
 from leadthrough.motion import JointTrajectory
 from leadthrough.shapes import Box
-from leadthrough.show import palette, style
 
 Style = dict[str, Any]  # keyword arguments of matplotlib, each of its own type
 

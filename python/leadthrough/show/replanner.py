@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.arm import Arm
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LeadthroughError
 from leadthrough.models.parameters import Parameter
@@ -26,7 +27,7 @@ _STEP = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class Answer(Brief):
     """A motion that was planned, or the reason why there is none.
 
     Attributes:

@@ -14,14 +14,16 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.arm import Arm
+from leadthrough.arm.link_poses import link_poses
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
+from leadthrough.drawing import palette
+from leadthrough.drawing.palette import Colour
 from leadthrough.errors import InvalidInput
 from leadthrough.models.protocol import Distributed, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion
 from leadthrough.shapes import Shape, check_shapes
-from leadthrough.show import palette, solids
-from leadthrough.show.link_poses import link_poses
-from leadthrough.show.palette import Colour
+from leadthrough.show import solids
 from leadthrough.show.solids import Mesh
 from leadthrough.show.urdf_geometry import Part, parts_by_link
 
@@ -47,7 +49,7 @@ _ROD_RADIUS = 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class Item:
+class Item(Brief):
     """One surface.
 
     Attributes:
@@ -68,7 +70,7 @@ class Item:
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class Scene(Brief):
     """Surfaces and the motion of the links that carry some of them.
 
     Attributes:

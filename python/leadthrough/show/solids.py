@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import rotations
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Box, Capsule, Shape, Sphere
@@ -20,7 +21,7 @@ _UNTURNED = np.eye(3)
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh:
+class Mesh(Brief):
     """A surface of triangles.
 
     Attributes:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from leadthrough.show import palette
+from leadthrough.drawing import palette
+from leadthrough.drawing.palette import Colour
 from leadthrough.show.creases import creased
-from leadthrough.show.palette import Colour
 from leadthrough.show.scene import SMOOTH, Item, Scene
 
 if TYPE_CHECKING:

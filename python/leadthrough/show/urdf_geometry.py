@@ -11,10 +11,10 @@ import numpy as np
 from leadthrough import rotations
 from leadthrough.arm.meshes import find_mesh
 from leadthrough.check import Float64Array
+from leadthrough.drawing.palette import Colour
 from leadthrough.errors import InvalidInput, MissingDependency
 from leadthrough.io.mesh import read_triangles
 from leadthrough.show import solids
-from leadthrough.show.palette import Colour
 from leadthrough.show.solids import Mesh
 
 

@@ -14,17 +14,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from leadthrough.arm.limits import JointLimits
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
+from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing.panels import Panel, bars
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory
 
 # A ratio above 1 by less is rounding: third differences of positions sampled at 1 kHz carry 1e-6
 # rad/s^3 of it, and a position given with seven digits 1e-7 rad.
 ROUNDING = 1e-6
+_QUANTITIES = ("position", "velocity", "acceleration", "jerk")
+_LONGEST_BAR = 3.0  # of a drawing, in multiples of the limit
 
 
 @dataclass(frozen=True, eq=False)
-class Peak:
+class Peak(Brief):
     """How much of one quantity's limits a trajectory uses at most.
 
     Attributes:
@@ -53,7 +58,7 @@ class Peak:
 
 
 @dataclass(frozen=True, eq=False)
-class LimitsReport:
+class LimitsReport(Drawn):
     """A trajectory's peaks.
 
     Attributes:
@@ -71,13 +76,27 @@ class LimitsReport:
     @property
     def ok(self) -> bool:
         """Whether every quantity that has limits keeps them."""
-        peaks = (self.position, self.velocity, self.acceleration, self.jerk)
-        return all(peak is None or peak.ok for peak in peaks)
+        return all(peak is None or peak.ok for peak in self._peaks().values())
 
     @property
     def unchecked(self) -> tuple[str, ...]:
         """The quantities without limits."""
         return tuple(name for name in ("acceleration", "jerk") if getattr(self, name) is None)
+
+    def _peaks(self) -> dict[str, Peak | None]:
+        return {name: getattr(self, name) for name in _QUANTITIES}
+
+    def _brief_parts(self) -> list[str]:
+        told = [f"{name} {peak or 'not checked'}" for name, peak in self._peaks().items()]
+        return [f"ok={self.ok}", *told]
+
+    def _panels(self) -> list[Panel]:
+        rows = [
+            (name, 0.0, min(peak.ratio, _LONGEST_BAR))
+            for name, peak in self._peaks().items()
+            if peak is not None
+        ]
+        return [bars(rows, title="limits used", x_label="fraction of the limit", limit=1.0)]
 
 
 def check_limits(trajectory: JointTrajectory, limits: JointLimits) -> LimitsReport:

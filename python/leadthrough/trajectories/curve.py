@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
@@ -37,7 +38,7 @@ class Curve(Protocol):
         """
 
 
-class PointCurve(ABC):
+class PointCurve(Brief, ABC):
     """A `Curve` of points that can be transformed and slowed down."""
 
     if TYPE_CHECKING:  # some curves have a field of this name, which a property would hide

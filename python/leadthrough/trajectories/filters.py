@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
@@ -26,7 +27,7 @@ _SHORTEST_PERIOD, _LONGEST_PERIOD = 1e-7, 1e5
 
 
 @dataclass(frozen=True, eq=False)
-class FilterState:
+class FilterState(Brief):
     """Position, velocity and acceleration of a reference.
 
     Filters that do not bound the jerk return the mean acceleration of the last step, and need none.
@@ -55,7 +56,7 @@ class FilterState:
         return FilterState(x, np.zeros_like(x), np.zeros_like(x))
 
 
-class LinearFilter(ABC):
+class LinearFilter(Brief, ABC):
     """A filter whose distance from its target follows a linear equation, solved exactly."""
 
     def step(
@@ -160,7 +161,7 @@ class SecondOrderFilter(LinearFilter):
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class TimeOptimalFilter:
+class TimeOptimalFilter(Brief):
     """The fastest way to rest at a target inside limits of velocity and acceleration.
 
     The bang-bang law of the phase plane chatters when sampled; this is its sampled form. From the

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.trajectories import curve
 from leadthrough.trajectories.bezier import Bezier
@@ -23,7 +24,7 @@ QUINTIC = np.array([[10.0, -6.0, -4.0], [-15.0, 8.0, 7.0], [6.0, -3.0, -3.0]])
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class State:
+class State(Brief):
     """Position, velocity and acceleration of a motion; it rests by default.
 
     Attributes:

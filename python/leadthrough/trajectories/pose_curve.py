@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import PoseTrajectory
@@ -19,7 +20,7 @@ _SAME = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class PoseCurve:
+class PoseCurve(Brief):
     """Positions in 3-D and rotations over one domain.
 
     Attributes:

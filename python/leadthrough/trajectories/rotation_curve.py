@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import _core, check, rotations
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.rotations.interpolation import squad_controls
@@ -27,7 +28,7 @@ _MOST_POINTS = 50
 _LEAST_ARC = 1e-6
 
 
-class RotationCurve(ABC):
+class RotationCurve(Brief, ABC):
     """A curve of rotations over an interval of times."""
 
     @property

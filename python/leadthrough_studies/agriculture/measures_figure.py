@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from leadthrough.show import palette
+from leadthrough.drawing import palette
 from leadthrough.show.plot import Style
 from leadthrough_studies.agriculture.paper import BELOW_40, PRINTED, SIGNIFICANT
 from leadthrough_studies.study import Row, selected

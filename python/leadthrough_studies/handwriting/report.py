@@ -12,11 +12,12 @@ from matplotlib.figure import Figure
 
 from leadthrough import io
 from leadthrough.arm import Arm, JointLimits
+from leadthrough.drawing import style
 from leadthrough.io import joint_trajectory
 from leadthrough.io.atomic import replacing
 from leadthrough.motion import Demonstration, Trajectory
 from leadthrough.shapes import Box
-from leadthrough.show import page, plot, style
+from leadthrough.show import page, plot
 from leadthrough.show.scene import Scene, arm_scene
 from leadthrough_studies.handwriting.demo import Handwriting, HandwritingConfig, pen
 from leadthrough_studies.results import save_figure

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from leadthrough.show import palette
+from leadthrough.drawing import palette
 from leadthrough_studies.human import demonstrations, measures
 from leadthrough_studies.study import Report, Row, mean, selected
 

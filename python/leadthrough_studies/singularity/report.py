@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from leadthrough.show import palette
+from leadthrough.drawing import palette
 from leadthrough_studies.singularity import paths
 from leadthrough_studies.singularity.paths import APPROACHES
 from leadthrough_studies.study import Report, Row, selected

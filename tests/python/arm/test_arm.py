@@ -158,3 +158,35 @@ def test_methods_of_a_class_of_ones_own_keep_their_names():
             return self.joint_names
 
     assert Mine.wave.__qualname__.endswith("Mine.wave")
+
+
+def test_a_file_is_sent_to_from_urdf():
+    for name in ("x.urdf", "robots/x", "x.xacro"):
+        with pytest.raises(InvalidInput, match=r"read a file with Arm\.from_urdf\('"):
+            lt.Arm.load(name)
+
+
+def test_a_robot_of_example_robot_data_is_found_by_its_name():
+    pytest.importorskip("importlib.metadata").distribution("example-robot-data")
+    arm = lt.Arm.load("xarm7", tip="link7")
+    assert arm.joint_names == tuple(f"joint{i}" for i in range(1, 8))
+    assert arm.self_distance(np.zeros(7)) > 0.0  # its meshes are found
+    assert lt.Arm.load("ur5", tip="tool0").joint_names == lt.Arm.load("ur3").joint_names
+    with pytest.raises(InvalidInput, match="several robots 'anymal'"):
+        lt.Arm.load("anymal")
+
+
+def test_a_robot_of_robot_descriptions_is_found_by_its_name(tmp_path, monkeypatch):
+    package = tmp_path / "robot_descriptions"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "planar.urdf").write_text(planar())
+    (package / "planar_description.py").write_text(
+        f"URDF_PATH = {str(package / 'planar.urdf')!r}\nPACKAGE_PATH = {str(package)!r}\n"
+    )
+    (package / "other_mj_description.py").write_text("MJCF_PATH = 'other.xml'\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    for name in ("planar", "planar_description"):
+        assert lt.Arm.load(name).joint_names == ("turn",)
+    with pytest.raises(InvalidInput, match="has no URDF"):
+        lt.Arm.load("other_mj")

@@ -36,12 +36,13 @@ from leadthrough.models.dmp.regression import REGRESSIONS, fit
 from leadthrough.models.dmp.springs import FORMS, Springs
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.place import Place
+from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import JointTrajectory, Motion, MotionT, MotionT_co, Trajectory, computed
 from leadthrough.shapes import Shape
 
 
 @dataclass(frozen=True)
-class DMP:
+class DMP(Unfitted):
     """Dynamic movement primitives of points in any number of dimensions, or of joints.
 
     Attributes:

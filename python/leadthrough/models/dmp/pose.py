@@ -25,13 +25,14 @@ from leadthrough.models.dmp.regression import REGRESSIONS, fit
 from leadthrough.models.dmp.spin import replayed_angle
 from leadthrough.models.dmp.springs import FORMS, Springs
 from leadthrough.models.dmp.turning import REPRESENTATIONS, Turning
+from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import Motion, PoseTrajectory
 
 _POSITION, _ORIENTATION = slice(3), slice(3, 6)  # channels
 
 
 @dataclass(frozen=True)
-class PoseDMP:
+class PoseDMP(Unfitted):
     """Dynamic movement primitives of poses; `lauretti` makes the planner of Lauretti et al. 2023.
 
     Attributes:

@@ -23,6 +23,7 @@ from leadthrough.models.dmp.query import check_duration, check_step, ends_of
 from leadthrough.models.dmp.springs import RHYTHMIC, Ends, Springs
 from leadthrough.models.even_times import even_times
 from leadthrough.models.place import Place
+from leadthrough.models.unfitted import Unfitted
 from leadthrough.shapes import Shape, check_shapes
 
 SettingsT = TypeVar("SettingsT", bound="Settings")
@@ -32,7 +33,7 @@ _MOST_PERIODS = 10_000  # in one query; more come from a wrong unit
 
 
 @dataclass(frozen=True)
-class Settings:
+class Settings(Unfitted):
     """Settings of rhythmic primitives; they are documented where they are public."""
 
     weights: int = 25

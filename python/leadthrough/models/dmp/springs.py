@@ -29,6 +29,7 @@ import numpy as np
 from scipy.interpolate import PPoly, make_interp_spline
 
 from leadthrough import _core, check
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.models.dmp.kernels import Kernels, discrete, rhythmic
 from leadthrough.models.dmp.progress import Progress
@@ -43,7 +44,7 @@ Via = Sequence[tuple[float, Float64Array]]
 
 
 @dataclass(frozen=True, eq=False)
-class Ends:
+class Ends(Brief):
     """Where channels begin and end.
 
     Attributes:
@@ -79,7 +80,7 @@ class Ends:
 
 
 @dataclass(frozen=True, eq=False)
-class Springs:
+class Springs(Brief):
     """Learned channels.
 
     Attributes:

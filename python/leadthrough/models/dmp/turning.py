@@ -32,6 +32,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from leadthrough import _core, check, rotations
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput, NoContinuousLogarithm
 from leadthrough.models.archive import quaternions
@@ -64,7 +65,7 @@ _UNTURNED = _core.DmpPath()
 
 
 @dataclass(frozen=True, eq=False)
-class Turning:
+class Turning(Brief):
     """A learned relation between orientations and coordinates.
 
     Attributes:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough import check, events
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput
 from leadthrough.events import Event
@@ -25,7 +26,7 @@ _CLEARLY, _AT_LEAST = 0.5, 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class Experience:
+class Experience(Brief):
     """A path that was demonstrated, or learned since, and how it was run through.
 
     Attributes:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 
@@ -31,7 +32,7 @@ _MOST_DEVIATION = 1.45
 
 
 @dataclass(frozen=True, eq=False)
-class MeanPath:
+class MeanPath(Brief):
     """A predicted path.
 
     Attributes:

@@ -17,13 +17,14 @@ from leadthrough.models.marching.hindrance import OBSTACLE_MAPS
 from leadthrough.models.marching.orientation import refuse_opposed
 from leadthrough.models.marching.skill import FastMarchingSkill
 from leadthrough.models.marching.time_law import TIMINGS
+from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import MotionT
 
 METHODS = ("auto", "map", "start", "mean_path")
 
 
 @dataclass(frozen=True)
-class FastMarching:
+class FastMarching(Unfitted):
     """Fast Marching Learning of point-to-point motions in two or three dimensions.
 
     Lengths are in the demonstrations' unit.

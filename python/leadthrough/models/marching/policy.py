@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath
 from leadthrough.models.marching.experience import Experience
@@ -100,7 +101,7 @@ class Surroundings:
 
 
 @dataclass(frozen=True, eq=False)
-class Policy:
+class Policy(Brief):
     """Velocities that lead to a goal from wherever the tool was pushed.
 
     Attributes:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import NoPath
 from leadthrough.models.marching.experience import Experience
@@ -35,7 +36,7 @@ _START_WIDTH = 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Route:
+class Route(Brief):
     """A path and how it was found.
 
     Attributes:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
 from leadthrough.models.mixtures.em import Blocks, Steps, fit_blocks
@@ -22,7 +23,7 @@ _PATIENCE = 3
 
 
 @dataclass(frozen=True, eq=False)
-class FittedMixture:
+class FittedMixture(Brief):
     """A mixture fitted by EM.
 
     Attributes:

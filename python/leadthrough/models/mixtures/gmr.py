@@ -18,11 +18,12 @@ from leadthrough.models.mixtures.fitting import choose_components, fit_mixture
 from leadthrough.models.mixtures.gmr_skill import GMRSkill
 from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.samples import SAMPLES, sampled
+from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import MotionT
 
 
 @dataclass(frozen=True)
-class GMR:
+class GMR(Unfitted):
     """Gaussian mixture regression of points, joints or poses over time.
 
     Attributes:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
@@ -19,7 +20,7 @@ _MOST_STEPS = 300
 
 
 @dataclass(frozen=True, eq=False)
-class Clusters:
+class Clusters(Brief):
     """Points divided into clusters.
 
     Attributes:

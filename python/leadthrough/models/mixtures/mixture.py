@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
@@ -21,7 +22,7 @@ _SUM_TOLERANCE = 1e-6  # of weights that were rounded in a file
 
 
 @dataclass(frozen=True, eq=False)
-class Mixture:
+class Mixture(Brief):
     """A mixture of k normal distributions of d columns.
 
     Attributes:

@@ -28,11 +28,12 @@ from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.samples import SAMPLES, sampled, timed_columns
 from leadthrough.models.mixtures.task_frames import checked_frames
 from leadthrough.models.mixtures.task_gmr_skill import TaskGMRSkill
+from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import MotionT
 
 
 @dataclass(frozen=True)
-class TaskGMR:
+class TaskGMR(Unfitted):
     """A task-parameterised Gaussian mixture regression of points, joints or poses over time.
 
     Attributes:

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from leadthrough import _core
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 
 BasisKind: TypeAlias = Literal["bspline", "gaussian", "rhythmic"]
@@ -26,7 +27,7 @@ LEAST = 4
 
 
 @dataclass(frozen=True)
-class Basis:
+class Basis(Brief):
     """Basis functions of one kind over the phase of a motion.
 
     Attributes:

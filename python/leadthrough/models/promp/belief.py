@@ -19,6 +19,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.special import gammaln
 
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.gaussian import Gaussian
@@ -46,7 +47,7 @@ _ROUGH = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Belief:
+class Belief(Brief):
     """A t distribution of the weights of a motion.
 
     Given a factor f, the weights are normal with covariance f times `spread.covariance`; f has the
@@ -62,7 +63,7 @@ class Belief:
 
 
 @dataclass(frozen=True, eq=False)
-class Experience:
+class Experience(Brief):
     """The demonstrations of a skill, and what they tell of another motion.
 
     Attributes:

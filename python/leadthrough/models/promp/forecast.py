@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.belief import Belief
@@ -22,7 +23,7 @@ _UNSEEN = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Forecast:
+class Forecast(Brief):
     """What is expected of the weights of a motion that has been seen in part.
 
     Attributes:

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
@@ -19,7 +20,7 @@ _CONTRADICTION = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Gaussian:
+class Gaussian(Brief):
     """A normal distribution of a vector.
 
     Attributes:

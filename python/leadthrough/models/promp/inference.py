@@ -20,6 +20,7 @@ from scipy.stats import chi2
 from scipy.stats import f as fisher
 
 from leadthrough import check
+from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.promp import observation
@@ -31,7 +32,7 @@ from leadthrough.motion import Motion, MotionT, MotionT_co
 
 
 @dataclass(frozen=True, eq=False)
-class Region:
+class Region(Brief):
     """Ellipsoids that a motion is expected to be in, one at each of n times.
 
     Attributes:
@@ -62,7 +63,7 @@ class Region:
 
 
 @dataclass(frozen=True, eq=False)
-class Inference(Generic[MotionT_co]):
+class Inference(Brief, Generic[MotionT_co]):
     """What the beginning of a motion tells; entry i is about skill i.
 
     Attributes:

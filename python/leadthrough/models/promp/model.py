@@ -29,6 +29,7 @@ from leadthrough.models.promp.estimation import LEAST_COVERED, Shown
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.least_squares import least_squares
 from leadthrough.models.promp.skill import ProMPSkill
+from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import Motion, MotionT, normalised_times
 
 Estimator: TypeAlias = Literal["least_squares", "em"]
@@ -40,7 +41,7 @@ _FEW = 15
 
 
 @dataclass(frozen=True)
-class ProMP:
+class ProMP(Unfitted):
     """A probabilistic movement primitive of points, joints or poses.
 
     Attributes:

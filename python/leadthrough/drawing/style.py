@@ -12,7 +12,7 @@ from typing import Any
 from cycler import cycler
 from matplotlib import rc_context
 
-from leadthrough.show import palette
+from leadthrough.drawing import palette
 
 _LINE = "#b8c0c9"
 STYLE: Any = {  # matplotlib's rcParams: the type of their names is not the same in all its versions

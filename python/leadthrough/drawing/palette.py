@@ -19,6 +19,7 @@ BLACK = "#1d2733"
 GREY = "#8a94a0"
 
 CYCLE = (BLUE, VERMILION, GREEN, AMBER, PINK, SKY, GREY, BLACK)
+LIGHT_AND_DARK = CYCLE[:-1]  # those that are seen on a white and on a black page
 
 DEMONSTRATION = GREY
 PATH = BLUE

@@ -8,8 +8,14 @@ import pytest
 from matplotlib.figure import Figure
 
 import leadthrough as lt
-from leadthrough.show import palette, plot
+from leadthrough.drawing import palette
+from leadthrough.show import plot
 from leadthrough_studies import study
+
+
+@pytest.fixture(scope="module")
+def panda():
+    return lt.Arm.load("panda")
 
 
 @pytest.fixture

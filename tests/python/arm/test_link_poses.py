@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import leadthrough as lt
+from leadthrough.arm.link_poses import link_poses
 from leadthrough.errors import InvalidInput, InvalidRobot
-from leadthrough.show.link_poses import link_poses
 
 MIMICRY = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/><link name="side"/>
 <joint name="slide" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>

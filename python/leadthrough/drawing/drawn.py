@@ -1,0 +1,44 @@
+"""Objects that draw themselves: in a notebook by themselves, and by `plot` into a figure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from typing import TYPE_CHECKING
+
+from leadthrough.brief import Brief
+from leadthrough.drawing.svg import drawing
+from leadthrough.errors import LeadthroughError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from leadthrough.drawing.panels import Panel
+
+
+class Drawn(Brief):
+    """Classes that derive from this one show a drawing in notebooks, and have `plot`."""
+
+    __slots__ = ()
+
+    def plot(self) -> Figure:
+        """A figure of matplotlib, which `savefig` writes to a file.
+
+        Raises:
+            LeadthroughError: where there is nothing to draw, with the reason.
+        """
+        from leadthrough.drawing.figure import figure
+
+        return figure(self._panels())
+
+    def _panels(self) -> Sequence[Panel]:
+        """What to draw, side by side."""
+        raise NotImplementedError
+
+    def _repr_html_(self) -> str:
+        """A drawing with the short text below it; the text alone where nothing can be drawn."""
+        try:
+            picture = drawing(self._panels())
+        except LeadthroughError as error:
+            picture = f"<p>{escape(str(error))}</p>"
+        return f"<div>{picture}<pre>{escape(repr(self))}</pre></div>"

@@ -1,0 +1,42 @@
+"""What every skill shows at the prompt and in a notebook."""
+
+from xml.etree import ElementTree
+
+import pytest
+from contracts.test_models import MODELS, demonstrations
+
+from leadthrough.errors import NotFitted
+
+
+@pytest.fixture(scope="module", params=MODELS, ids=str)
+def skill(request):
+    model, space = MODELS[request.param]
+    return model.fit(demonstrations(space))
+
+
+def test_skill_is_told_in_a_few_lines(skill):
+    text = repr(skill)
+    assert text.startswith(f"{type(skill).__name__}({type(skill.model).__name__}(")
+    assert "supports" in text
+    assert len(text.splitlines()) <= 5
+    assert max(map(len, text.splitlines())) <= 100
+
+
+def test_skill_draws_its_motion(skill):
+    page = ElementTree.fromstring(skill._repr_html_())
+    (picture,) = page.iter("{http://www.w3.org/2000/svg}svg")
+    assert len(list(picture.iter("{http://www.w3.org/2000/svg}polyline"))) >= 2
+    assert len(ElementTree.tostring(page)) < 60_000
+    titles = [axes.get_title(loc="left") for axes in skill.plot().axes]
+    assert any("position" in title for title in titles)
+
+
+@pytest.mark.parametrize("name", ["generate", "plot", "save", "supports"])
+def test_model_says_that_it_is_to_be_fitted_first(name):
+    for model, _ in MODELS.values():
+        kind = type(model).__name__
+        with pytest.raises(NotFitted, match=rf"{name}: {kind} .* {kind}\(\)\.fit\(demonstrations"):
+            getattr(model, name)
+        assert not hasattr(model, name)
+    with pytest.raises(AttributeError, match="no attribute"):
+        getattr(model, name[:3])
