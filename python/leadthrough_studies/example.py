@@ -16,7 +16,7 @@ _POSTURES = ((0.0, -1.6, 1.9, -1.9, -1.6, 0.0), (0.9, -1.3, 1.6, -1.9, -1.5, 0.6
 _RECORDINGS = 3
 _SPREAD = 0.01  # rad, standard deviation of each joint of the postures at both ends
 _REST = (0.3, 0.8)  # s, shortest and longest time that the arm stands still before and after
-_TEACHING = JointTeaching(duration=(2.4, 3.2), pauses=0, tremor=5e-4)
+_TEACHING = JointTeaching(duration=(2.4, 3.2), pauses=0, tremor=5e-4, encoder=2**16)
 
 
 def reaches(joint_names: Sequence[str], *, seed: int) -> list[Demonstration[JointTrajectory]]:

@@ -16,12 +16,20 @@ if TYPE_CHECKING:
     from leadthrough import _core
     from leadthrough.arm.arm import Arm
 
-_COLUMNS = ("joint", "type", "lower", "upper", "velocity", "acceleration", "jerk", "effort")
-_WIDEST = 200  # characters; a table is as wide as it needs to be
-_INCOMPLETE = (
-    "A URDF states no acceleration or jerk; complete this file and pass it as limits to "
-    "Arm.from_urdf:"
-)
+# Quantities, with a heading that is no wider than its numbers, so that 80 columns do.
+_COLUMNS = {
+    "lower": "lower\nrad (deg)",
+    "upper": "upper\nrad (deg)",
+    "velocity": "speed\nrad/s",
+    "acceleration": "accel.\nrad/s^2",
+    "jerk": "jerk\nrad/s^3",
+    "effort": "effort\nN m",
+}
+_WIDEST = 200  # characters; a table is as wide as its joints' names need it to be
+_SLIDING = "; prismatic: m instead of rad, N instead of N m"
+_INCOMPLETE = """\
+The URDF states no acceleration or jerk. A limits file does; complete this one
+or let `leadthrough info --write-limits` write one with assumed values:"""
 
 
 def describe(arm: Arm) -> str:
@@ -34,25 +42,28 @@ def describe(arm: Arm) -> str:
 
 def _head(arm: Arm) -> str:
     count = len(arm.joint_names)
+    slides = any(joint.kind == "prismatic" for joint in arm._robot.path(arm.base, arm.tip))
     return (
         f"{arm._robot.name}: from {arm.base} to {arm.tip}, {count} joint{'s' * (count > 1)}\n"
         f"reach at most {arm._chain.reach:.3g} m from the first joint, "
         f"moving mass {arm._chain.mass:.4g} kg\n"
-        "angles in rad (degrees), lengths in m, efforts in N m or N, rates per s, s^2, s^3"
+        f"joints are revolute unless a type is given{_SLIDING * slides}"
     )
 
 
 def _joints(arm: Arm) -> str:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for column in _COLUMNS:
-        table.add_column(column, justify="left" if column in ("joint", "type") else "right")
+    table = Table(box=box.SIMPLE_HEAD, padding=0)
+    table.add_column("joint")
+    for heading in _COLUMNS.values():
+        table.add_column(heading, justify="right")
     for joint in arm._robot.path(arm.base, arm.tip):
         if joint.name in arm.held:
             table.add_row(joint.name, f"held at {arm.held[joint.name]:.4g}")
         elif joint.mimic is not None:
             table.add_row(joint.name, _mimicry(joint.mimic))
         elif joint.kind != "fixed":
-            table.add_row(joint.name, joint.kind, *_limits(arm, joint))
+            kind = "" if joint.kind == "revolute" else f" {joint.kind}"
+            table.add_row(joint.name + kind, *_limits(arm, joint))
     return _rendered(table)
 
 
@@ -62,15 +73,21 @@ def _mimicry(mimic: _core.Mimic) -> str:
 
 def _limits(arm: Arm, joint: _core.Joint) -> Iterator[str]:
     i = arm.joint_names.index(joint.name)
-    for name in _COLUMNS[2:]:
+    for name in _COLUMNS:
         column = getattr(arm.limits, name)
         if column is None:
             yield "unknown"
         elif not np.isfinite(column[i]):
             yield "none"
         else:
-            degrees = name in ("lower", "upper") and joint.kind != "prismatic"
-            yield _number(column[i]) + f" ({np.degrees(column[i]):.1f})" * degrees
+            yield _number(column[i]) + _unit(name, joint, float(column[i]))
+
+
+def _unit(name: str, joint: _core.Joint, value: float) -> str:
+    """The same value in degrees for a limit of an angle; the unit for a limit of a length."""
+    if name not in ("lower", "upper"):
+        return ""
+    return " m" if joint.kind == "prismatic" else f" ({np.degrees(value):.4g})"
 
 
 def _carried(arm: Arm) -> Iterator[str]:
@@ -85,7 +102,7 @@ def _carried(arm: Arm) -> Iterator[str]:
     yield f"load: {mass:.4g} kg"
     shapes = arm._robot.collisions.items()
     listed = ", ".join(f"{link} {count}" for link, count in shapes) or "none"
-    yield textwrap.fill(f"collision shapes per link: {listed}", width=100, subsequent_indent="  ")
+    yield textwrap.fill(f"collision shapes per link: {listed}", width=80, subsequent_indent="  ")
     for shape in arm.attached:
         yield f"holds: {type(shape).__name__} at {_numbers(shape.position)} m in {arm.tip}"
 

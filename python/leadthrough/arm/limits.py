@@ -103,11 +103,14 @@ class JointLimits(Brief):
     def template(self) -> str:
         """The text of a limits file for `Arm.from_urdf`, with ? for each value to fill in."""
         lines = [
-            "# rad/s, rad/s^2, rad/s^3 (m); bounds and effort override the URDF's.",
+            "# rad/s, rad/s^2, rad/s^3 (m); bounds, velocity and effort override the URDF's.",
             "[joints]",
         ]
         for i, name in enumerate(self.joint_names):
-            values = {key: getattr(self, key) for key in ("velocity", "acceleration", "jerk")}
+            # The URDF states a velocity that is known.
+            unstated = () if np.isfinite(self.velocity[i]) else ("velocity",)
+            keys = (*unstated, "acceleration", "jerk")
+            values = {key: getattr(self, key) for key in keys}
             row = ", ".join(
                 f"{key} = {'?' if column is None else _toml_number(column[i])}"
                 for key, column in values.items()
@@ -178,7 +181,8 @@ def _load(path: str | PathLike[str]) -> dict[str, Any]:
     try:
         document = tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, TypeError) as error:
-        raise InvalidInput(f"limits: cannot read {path!r}: {error}") from None
+        reason = getattr(error, "strerror", None) or error
+        raise InvalidInput(f"limits: cannot read {path} ({reason})") from None
     except tomllib.TOMLDecodeError as error:
         raise InvalidInput(f"{path}: not a TOML document: {error}") from None
     unknown = sorted(set(document) - {"robot", "sources", "joints"})

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadthrough.cli import options
+from leadthrough.cli import chain, options
 
 if TYPE_CHECKING:
     from leadthrough.arm import Clearance
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
 
 def check(
+    ctx: typer.Context,
     motion: options.MotionFile,
     robot: options.RobotName,
     limits: options.LimitsFile = None,
@@ -49,9 +51,25 @@ def check(
         "nearest_itself": _approach(clearance.itself, as_json),
         "duration": joints.duration,
     }
-    tables.facts(found, as_json=as_json)
+    tables.facts(found, as_json=as_json, units={"duration": "s"})
+    if not as_json:
+        _hint(ctx, motion, limits_kept=kept.ok, clear=clearance.ok)
     if not found["ok"]:
         raise typer.Exit(1)
+
+
+def _hint(ctx: typer.Context, motion: Path, *, limits_kept: bool, clear: bool) -> None:
+    arm = chain.arm(ctx)
+    if not clear:
+        chain.advise("plan with a larger --obstacle or another --posture, then retime and check")
+    elif not limits_kept:
+        chain.hint(
+            "leadthrough", "retime", motion, *arm, "-o", motion.with_stem(f"{motion.stem}-timed")
+        )
+    else:
+        obstacles = (word for text in ctx.params["obstacle"] or () for word in ("--obstacle", text))
+        page = motion.with_suffix(".html")
+        chain.hint("leadthrough", "view", motion, *arm, *obstacles, "--html", page)
 
 
 def _peak(peak: Peak | None, as_json: bool) -> object:

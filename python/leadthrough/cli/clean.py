@@ -7,13 +7,15 @@ from typing import Annotated
 
 import typer
 
-from leadthrough.cli import options
+from leadthrough.cli import chain, options
 
 
 def clean(
-    file: Annotated[
-        Path,
-        typer.Argument(help="Recording file, in any format that `leadthrough info` reads."),
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            help="Recordings, in any format that `leadthrough info` reads, or folders of them."
+        ),
     ],
     out: options.Output,
     column: options.Columns = None,
@@ -38,7 +40,7 @@ def clean(
 ) -> None:
     """Remove faulty samples from recordings and report what was removed.
 
-    If the file holds several recordings, each is written to its own numbered file.
+    If there are several recordings, each is written to its own numbered file.
 
     leadthrough clean day.csv --longest-pause 0.3 --smoothing 0.2 -o clean.csv
     """
@@ -51,7 +53,7 @@ def clean(
     if new_rate is not None:
         check.number(new_rate, "--new-rate", above=0.0)
     recordings = io.read_recordings(
-        file,
+        reading.listed(files),
         columns=parse.columns(column or []),
         rate=rate,
         angles=angles,
@@ -69,12 +71,16 @@ def clean(
         for each in recordings
     ]
     several = len(cleaned) > 1
+    files_written = []
     found = []
     for number, (shown, report) in enumerate(cleaned, start=1):
         path = out.with_name(f"{out.stem}_{number}{out.suffix}") if several else out
         io.write_motion(shown.motion, path)
+        files_written.append(path)
         found.append({"recording": shown.name, "file": str(path), "report": report.as_dict()})
         if not as_json:
             print(f"{shown.name}: {path}\n{report}")
     if as_json:
         print(json.dumps(found, allow_nan=False))
+    else:
+        chain.hint("leadthrough", "learn", *files_written, "-o", "skill.npz")

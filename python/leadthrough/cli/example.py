@@ -50,7 +50,9 @@ def example(
         else:
             io.write_motion(content.motion, folder / path)
     tables.facts({"folder": str(folder), "files": list(files)}, as_json=as_json)
-    chain.hint("cd", folder, "&&", "leadthrough", "info", "shown", unless=as_json)
+    if not as_json:
+        here = () if folder.resolve() == Path.cwd() else ("cd", folder, "&&")
+        chain.hint(*here, "leadthrough", "info", "shown")
 
 
 def _reach(seed: int) -> dict[str, str | Demonstration]:

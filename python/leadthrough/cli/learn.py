@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from leadthrough.cli import options
+from leadthrough.cli import chain, options
 from leadthrough.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -20,9 +20,12 @@ _USUAL = {"PoseTrajectory": "pose-dmp", "Trajectory": "dmp", "JointTrajectory": 
 
 
 def learn(
+    ctx: typer.Context,
     files: Annotated[
         list[Path],
-        typer.Argument(help="Recording files, in any format that `leadthrough info` reads."),
+        typer.Argument(
+            help="Recordings, in any format that `leadthrough info` reads, or folders of them."
+        ),
     ],
     out: Annotated[Path, typer.Option("--out", "-o", help="Skill file to write, an .npz.")],
     model: Annotated[
@@ -67,13 +70,13 @@ def learn(
 
     leadthrough learn day.csv --cut --motion 3 --rate 50 --model fast-marching -o reach.npz
     """
-    from leadthrough.cli import parse, reading, tables
+    from leadthrough.cli import errors, parse, reading, tables
     from leadthrough.cli import robot as robots
     from leadthrough.io import read_demonstrations
 
     read = reading.cleaned if clean else read_demonstrations
     demonstrations = read(
-        files,
+        reading.listed(files),
         columns=parse.columns(column or []),
         rate=rate,
         angles=angles,
@@ -88,11 +91,14 @@ def learn(
         demonstrations = _as_poses(demonstrations, robot, limits, base, tip)
     kind = model or _USUAL[type(demonstrations[0].motion).__name__]
     chosen = _model(kind, parse.parameters(parameter or []))
-    with tables.busy("learning"):
+    with tables.busy("learning"), errors.naming(**_as_parameters(chosen), path="--out"):
         skill = chosen.fit(demonstrations)
         skill.save(out)
     found = {"skill": str(out), "model": kind, "demonstrations": [d.name for d in demonstrations]}
     tables.facts(found, as_json=as_json)
+    if not as_json:
+        motion = "motion.csv" if robot is None else "motion.json"
+        chain.hint("leadthrough", "plan", out, *chain.arm(ctx), "-o", motion)
 
 
 def _model(name: str, parameters: dict[str, Any]) -> Model:
@@ -115,6 +121,11 @@ def _model(name: str, parameters: dict[str, Any]) -> Model:
     except InvalidInput as error:
         raise InvalidInput(f"--set {error}") from None
     return made
+
+
+def _as_parameters(model: Model) -> dict[str, str]:
+    """What the command line calls the parameters of a model."""
+    return {name: f"--set {name}" for name in type(model).__dataclass_fields__}  # type: ignore[attr-defined]
 
 
 def _chosen(demonstrations: list[Demonstration], numbers: list[int] | None) -> list[Demonstration]:

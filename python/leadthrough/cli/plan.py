@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from leadthrough.cli import options
+from leadthrough.cli import chain, options
 
 if TYPE_CHECKING:
     from leadthrough.models.protocol import Place, Skill
@@ -19,6 +19,7 @@ _NOVEL = 3.0
 
 
 def plan(
+    ctx: typer.Context,
     skill: Annotated[Path, typer.Argument(help="Skill file, as written by `leadthrough learn`.")],
     out: options.Output,
     start: Annotated[
@@ -64,9 +65,11 @@ def plan(
 
     leadthrough plan reach.npz --goal 0.5,0.1,0.3 --obstacle sphere:0.08@0.4,0,0.3 -o path.csv
     """
-    from leadthrough.cli import parse, reading, tables
+    from leadthrough.cli import errors, parse, reading, tables
     from leadthrough.cli import robot as robots
     from leadthrough.io import write_motion
+    from leadthrough.motion import JointTrajectory
+    from leadthrough.timing import differentiate
 
     reading.check_output(out, format)
     learned = reading.saved_skill(skill)
@@ -82,9 +85,12 @@ def plan(
     _warn_of_novelty(learned, asked)
     with tables.busy("planning"):
         motion = learned.generate(dt=dt, **asked)
+        if isinstance(motion, JointTrajectory):
+            motion = differentiate(motion)
         if robot is not None:
             motion = _joints(motion, robot, limits, base, tip, posture)
-    write_motion(motion, out, format=format)
+    with errors.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
+        write_motion(motion, out, format=format)
     found = {
         "motion": str(out),
         "type": type(motion).__name__,
@@ -94,7 +100,20 @@ def plan(
     }
     if reason := _lengthened(learned, asked):
         found["lengthened"] = reason
-    tables.facts(found, as_json=as_json)
+    unit = "rad (m)" if hasattr(motion, "joint_names") else "m"
+    units = {"duration": "s", "start": unit, "goal": unit}
+    tables.facts(found, as_json=as_json, units=units)
+    if not as_json:
+        chain.hint(*_next(ctx, skill, out, moves_joints=hasattr(motion, "joint_names")))
+
+
+def _next(
+    ctx: typer.Context, skill: Path, out: Path, *, moves_joints: bool
+) -> tuple[str | Path, ...]:
+    arm = chain.arm(ctx) if ctx.params["robot"] else ("--robot", "ROBOT")
+    if not moves_joints:  # no arm has been asked for yet
+        return ("leadthrough", "plan", skill, *arm, "-o", out.with_suffix(".json"))
+    return ("leadthrough", "retime", out, *arm, "-o", out.with_stem(f"{out.stem}-timed"))
 
 
 def _end(

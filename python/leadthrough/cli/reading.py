@@ -16,6 +16,48 @@ from leadthrough.models.protocol import Skill
 from leadthrough.motion import Demonstration, Motion
 
 
+def listed(paths: Sequence[Path], *, also: Sequence[str] = ()) -> list[Path]:
+    """The paths, with the recordings in a folder, by their names, instead of the folder.
+
+    A folder that is a ROS 2 bag or a data set stays.
+
+    Args:
+        paths: files and folders.
+        also: suffixes to take from a folder besides those that can be read, in lower case.
+
+    Raises:
+        InvalidInput: if there is nothing to read in a folder.
+    """
+    files = []
+    for path in paths:
+        found = _inside(path, also) if path.is_dir() and not can_read(path) else [path]
+        if not found:
+            raise InvalidInput(
+                f"{path}: nothing to read in this folder; name one with recordings, such as .csv, "
+                ".npz or .mcap files"
+            )
+        files += found
+    return files
+
+
+def _inside(folder: Path, also: Sequence[str]) -> list[Path]:
+    return [
+        path
+        for path in sorted(folder.iterdir())
+        if not path.name.startswith(".")
+        and (can_read(path) or (path.is_file() and path.suffix.lower() in also))
+    ]
+
+
+def can_read(path: Path) -> bool:
+    """Whether a file or folder is there whose format can be read."""
+    try:
+        formats.of_file(path)
+    except InvalidInput:
+        return False
+    return True
+
+
 def cleaned(
     files: Sequence[Path],
     *,

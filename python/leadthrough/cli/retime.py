@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadthrough.cli import options
+from leadthrough.cli import chain, options
 
 if TYPE_CHECKING:
     from leadthrough.timing import Binding
 
 
 def retime(
+    ctx: typer.Context,
     motion: options.MotionFile,
     robot: options.RobotName,
     out: options.Output,
@@ -43,7 +44,7 @@ def retime(
     leadthrough retime motion.csv --robot ur5.urdf --limits ur5.toml --rate 500 -o timed.script
     """
     from leadthrough import timing
-    from leadthrough.cli import reading, tables
+    from leadthrough.cli import errors, reading, tables
     from leadthrough.cli import robot as robots
     from leadthrough.io import write_motion
 
@@ -61,16 +62,24 @@ def retime(
             jacobian=None if tip_speed is None else arm.jacobian,
             inverse_dynamics=arm.inverse_dynamics if torques else None,
         )
-    write_motion(timed, out, format=format)
+    with errors.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
+        write_motion(timed, out, format=format)
     bindings = timing.binding_limits(timed, arm.limits)
     found = {
         "motion": str(out),
         "duration_before": path.duration,
         "duration": timed.duration,
         "samples": len(timed.times),
+        "rate": rate,
         "limited_by": _fractions(bindings),
     }
-    tables.facts(found, as_json=as_json)
+    units = {"duration_before": "s", "duration": "s", "rate": "Hz"}
+    tables.facts(found, as_json=as_json, units=units)
+    if not as_json:
+        if reading.can_read(out):
+            chain.hint("leadthrough", "check", out, *chain.arm(ctx))
+        else:
+            chain.advise(f"run {out} on the robot")
 
 
 def _fractions(bindings: Sequence[Binding]) -> list[str]:

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import json
+import textwrap
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
+from types import MappingProxyType
 from typing import Any
 
 from rich import box
 from rich.console import Console
 from rich.table import Table
+
+_WIDTH = 80  # characters
+_WHOLE_WORDS: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
 
 
 def table(rows: list[dict[str, Any]]) -> Table:
@@ -25,15 +30,24 @@ def table(rows: list[dict[str, Any]]) -> Table:
     return printed
 
 
-def facts(found: Mapping[str, Any], *, as_json: bool) -> None:
-    """Prints a name and its value per line, or all as one JSON object."""
+def facts(
+    found: Mapping[str, Any], *, as_json: bool, units: Mapping[str, str] = MappingProxyType({})
+) -> None:
+    """Prints a name and its value per line, or all as one JSON object.
+
+    Args:
+        found: the values, by their names.
+        as_json: whether to print JSON.
+        units: of values, by their names, for people; in JSON they follow from the name.
+    """
     if as_json:
         print(json.dumps(found, allow_nan=False))
         return
     width = max(map(len, found)) + 2
     for name, value in found.items():
         label = name.replace("_", " ")
-        print(f"{label:<{width}}{_text(value)}")
+        text = f"{label:<{width}}{_text(value)} {units.get(name, '')}".rstrip()
+        print(textwrap.fill(text, _WIDTH, subsequent_indent=" " * width, **_WHOLE_WORDS))
 
 
 def busy(what: str) -> AbstractContextManager[Any]:
@@ -48,6 +62,8 @@ def _text(value: Any) -> str:
 
 
 def _cell(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     if isinstance(value, float):
-        return f"{value:.3g}"
+        return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
     return "" if value is None else str(value)

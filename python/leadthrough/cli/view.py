@@ -20,7 +20,8 @@ def view(
     base: options.BaseLink = None,
     tip: options.TipLink = None,
     demonstrations: Annotated[
-        list[Path] | None, typer.Option(help="Recording to draw; may be repeated.")
+        list[Path] | None,
+        typer.Option(help="Recording to draw, or a folder of them; may be repeated."),
     ] = None,
     skill: Annotated[
         Path | None,
@@ -58,7 +59,7 @@ def view(
     shown = []
     if demonstrations:
         named = parse.columns(column or [])
-        shown = read_demonstrations(demonstrations, columns=named, rate=rate)
+        shown = read_demonstrations(reading.listed(demonstrations), columns=named, rate=rate)
     viewing.view(
         arm,
         asked,
@@ -70,4 +71,4 @@ def view(
         port=port,
     )
     if html is not None:
-        print(f"wrote {html}")
+        print(f"wrote {html}: open it in a browser")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -17,6 +18,8 @@ _ANY_GAP = 1e300  # s
 _FASTEST = 1e5  # Hz; no arm is recorded so fast
 _SLOWEST = 0.5  # Hz; times in ms or ns that are read as s look slower
 _FARTHEST = 20.0  # m from an arm's base
+_UNITS = {"joints": "rad (m)", "poses": "m", "points": "m"}
+_WRAPPED: dict[str, Any] = {"width": 78, "subsequent_indent": "    ", "break_long_words": False}
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,11 @@ class RecordingSummary(Brief):
     report: CleaningReport | None
     remarks: tuple[str, ...]
 
+    @property
+    def has_faults(self) -> bool:
+        """Whether `clean` would leave samples out or put some right, or something looks wrong."""
+        return bool(self.remarks) or self.report is None or self.report.faults > 0
+
     def as_dict(self) -> dict[str, Any]:  # Any: numbers, texts and lists of them
         """The fields, as values that JSON can hold."""
         return asdict(self)
@@ -58,13 +66,15 @@ class RecordingSummary(Brief):
         if self.report is not None:
             spans = zip(self.lower, self.upper, strict=True)
             lines[0] += f", {self.duration:.4g} s at {self.rate:.4g} Hz"
-            lines.append("range " + ", ".join(f"{low:.3g} to {high:.3g}" for low, high in spans))
+            ranges = ", ".join(f"{low:.3g} to {high:.3g}" for low, high in spans)
+            lines.append(f"range in {_UNITS[self.kind]}: {ranges}")
             lines += str(self.report).splitlines()[1:]
         if self.joints:
             lines.append(f"joints {', '.join(self.joints)}")
         if self.events:
             lines.append(f"events {', '.join(self.events)}")
-        return "\n  ".join([*lines, *(f"! {remark}" for remark in self.remarks)])
+        lines += [f"! {remark}" for remark in self.remarks]
+        return "\n  ".join(textwrap.fill(line, **_WRAPPED) for line in lines)
 
 
 def summarize(recording: Recording) -> RecordingSummary:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,6 +21,12 @@ from leadthrough.models import archive
 from leadthrough.preprocess.summary import RecordingSummary, summarize
 
 _ROBOTS = (".urdf", ".xml")
+_WRAPPED: dict[str, Any] = {
+    "width": 80,
+    "subsequent_indent": "  ",
+    "break_long_words": False,
+    "break_on_hyphens": False,
+}
 
 
 @dataclass(frozen=True)
@@ -57,11 +64,12 @@ class FileInfo(Brief):
 
     def __str__(self) -> str:
         lines = [f"{self.path}: {self.format}, {self.kind}"]
-        for name, value in self.facts.items():
+        facts = {} if self.text else self.facts  # a description tells them itself
+        for name, value in facts.items():
             if value is None or value == []:
                 continue
             text = ", ".join(map(str, value)) if isinstance(value, list | tuple) else str(value)
-            lines.append(f"{name.replace('_', ' ')}: {text}")
+            lines.append(textwrap.fill(f"{name.replace('_', ' ')}: {text}", **_WRAPPED))
         lines += [str(each) for each in self.recordings]
         lines += [self.text] if self.text else []
         return "\n".join(lines + ([f"! {self.problem}"] if self.problem else []))
@@ -139,5 +147,6 @@ def _skill(path: Path) -> FileInfo | None:
 
 def _robot(path: Path, limits: StrPath | None, base: str | None, tip: str | None) -> FileInfo:
     arm = Arm.from_urdf(path, base=base, tip=tip, limits=limits)
-    facts = {"joints": list(arm.joint_names)}
+    unknown = [name for name in ("acceleration", "jerk") if getattr(arm.limits, name) is None]
+    facts = {"joints": list(arm.joint_names), "unknown_limits": unknown}
     return FileInfo(str(path), "URDF", "robot", facts, text=arm.describe())

@@ -21,7 +21,7 @@ def test_a_summary_tells_what_there_is():
     assert (found.events, found.remarks, found.report.faults) == (("grasp",), (), 0)
     assert str(found).splitlines() == [
         "arm: joints, 101 samples, 2 s at 50 Hz",
-        "  range 0 to 1, 0 to 2",
+        "  range in rad (m): 0 to 1, 0 to 2",
         "  joints a, b",
         "  events grasp",
     ]

@@ -71,7 +71,7 @@ def test_a_robot_tells_its_joints():
     found = describe(UR3)
     assert found.kind == "robot"
     assert found.facts["joints"] == list(lt.Arm.load("ur3").joint_names)
-    assert "shoulder_pan_joint    revolute" in str(found)
+    assert "wrist_3_joint continuous" in str(found)
 
 
 @pytest.mark.parametrize("path", [None, "missing.csv", "missing.urdf", "."])

@@ -1,0 +1,62 @@
+"""Folders where files are taken: their recordings, by their names."""
+
+from pathlib import Path
+
+import pytest
+from cli.command_line import facts, run
+
+import leadthrough as lt
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder with the example, as the working directory."""
+    monkeypatch.chdir(tmp_path)
+    run("example", "reach", ".")
+    Path("shown/notes.md").write_text("not a recording")
+    Path("shown/.hidden.csv").write_text("not one either")
+    return tmp_path
+
+
+def test_a_folder_stands_for_its_recordings(folder):
+    assert facts("learn", "shown", "-o", "s.npz")["demonstrations"] == [
+        "reach1",
+        "reach2",
+        "reach3",
+    ]
+    files = sorted(Path("shown").glob("reach*.csv"))
+    learned = facts("learn", *files, "-o", "t.npz")
+    assert learned["demonstrations"] == ["reach1", "reach2", "reach3"]
+    assert Path("s.npz").read_bytes() == Path("t.npz").read_bytes()
+
+
+def test_every_command_that_takes_recordings_takes_a_folder(folder):
+    told = facts("info", "shown", "ur3.urdf")
+    assert [Path(each["path"]).name for each in told] == [
+        "reach1.csv",
+        "reach2.csv",
+        "reach3.csv",
+        "ur3.urdf",
+    ]
+    assert {each["kind"] for each in facts("info", ".")} == {"robot"}
+    assert len(facts("clean", "shown", "-o", "clean.csv")) == 3
+    run("learn", "shown", "-o", "s.npz")
+    run("plan", "s.npz", "-o", "m.json")
+    run("view", "m.json", "--demonstrations", "shown", "--html", "page.html")
+
+
+def test_a_folder_that_is_a_recording_stays_one(folder):
+    pytest.importorskip("rosbags")
+    (shown,) = lt.read_demonstrations("shown/reach1.csv")
+    Path("bags").mkdir()
+    lt.write_motion(lt.differentiate(shown.motion), "bags/one", format="rosbag")
+    assert [each["path"] for each in facts("info", "bags/one")] == ["bags/one"]
+    assert [each["path"] for each in facts("info", "bags")] == ["bags/one"]
+
+
+@pytest.mark.parametrize("words", [["learn", "-o", "s.npz"], ["info"], ["clean", "-o", "c.csv"]])
+def test_a_folder_without_recordings_is_an_error(folder, words):
+    Path("empty").mkdir()
+    Path("empty/notes.md").write_text("nothing")
+    result = run(words[0], "empty", *words[1:], code=2)
+    assert "empty: nothing to read in this folder" in result.stderr
