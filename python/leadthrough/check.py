@@ -228,6 +228,26 @@ def choice(value: object, name: str, options: Collection[Text]) -> Text:
     raise InvalidInput(f"{name}: expected one of {names}, got {_short(value)}")
 
 
+def names(value: Sequence[str], name: str, *, count: int) -> tuple[str, ...]:
+    """The names of columns, one for each, or none at all.
+
+    Args:
+        value: the user's names.
+        name: of the argument, for messages.
+        count: number of columns.
+
+    Raises:
+        InvalidInput: if it is no sequence of texts, or they are more or fewer than the columns.
+    """
+    if isinstance(value, str) or not isinstance(value, Sequence):
+        raise InvalidInput(f"{name}: expected a sequence of names, got {value!r}")
+    if not all(isinstance(each, str) for each in value):
+        raise InvalidInput(f"{name}: expected names as text, got {value!r}")
+    if value and len(value) != count:
+        raise InvalidInput(f"{name}: expected {count} names, one per column, got {len(value)}")
+    return tuple(value)
+
+
 def _of_shape(result: Float64Array, name: str, shape: Sequence[int | str]) -> Float64Array:
     if result.shape != shape and not _fits(result.shape, shape):
         raise InvalidInput(f"{name}: expected shape {_shape_text(shape)}, got {result.shape}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
@@ -28,6 +28,7 @@ class Trajectory(Sampled):
         times: (n,) s, strictly increasing.
         positions: (n, d) m; drawings may use any unit.
         events: at times between the first and the last sample, in their order.
+        joints: as of a `PoseTrajectory`.
 
     Raises:
         InvalidInput: if a shape is wrong, a number is not finite, the times do not increase, or an
@@ -37,15 +38,21 @@ class Trajectory(Sampled):
     times: Float64Array
     positions: Float64Array
     events: Events
+    joints: JointTrajectory | None = None
 
     def __init__(
-        self, times: ArrayLike, positions: ArrayLike, events: Sequence[Event] = ()
+        self,
+        times: ArrayLike,
+        positions: ArrayLike,
+        events: Sequence[Event] = (),
+        joints: JointTrajectory | None = None,
     ) -> None:
         clock = check.times(times, "times")
         vars(self).update(
             times=clock,
             positions=_rows(positions, "positions", len(clock), "d"),
             events=checked_events(events, clock),
+            joints=_joints(joints, clock),
         )
 
     def at(self, time: ArrayLike) -> Float64Array:
@@ -76,6 +83,9 @@ class PoseTrajectory(Sampled):
         positions: (n, 3) m.
         orientations: (n, 4) w, x, y, z; normalised and made sign-continuous on entry.
         events: at times between the first and the last sample, in their order.
+        joints: of the arm that moved so, n samples on the motion's own clock, or None. In a motion
+            that a skill generated they are those that the arm was shown with at the same phase:
+            where a start or goal is new, the posture to stay near to.
 
     Raises:
         InvalidInput: if a shape is wrong, a number is not finite, a quaternion's length is not 1,
@@ -86,6 +96,7 @@ class PoseTrajectory(Sampled):
     positions: Float64Array
     orientations: Float64Array
     events: Events
+    joints: JointTrajectory | None = None
 
     def __init__(
         self,
@@ -93,6 +104,7 @@ class PoseTrajectory(Sampled):
         positions: ArrayLike,
         orientations: ArrayLike,
         events: Sequence[Event] = (),
+        joints: JointTrajectory | None = None,
     ) -> None:
         clock = check.times(times, "times")
         count = len(clock)
@@ -102,7 +114,11 @@ class PoseTrajectory(Sampled):
         continuous = rotations.group.aligned(quaternions)
         continuous.setflags(write=False)
         vars(self).update(
-            times=clock, positions=points, orientations=continuous, events=kept_events
+            times=clock,
+            positions=points,
+            orientations=continuous,
+            events=kept_events,
+            joints=_joints(joints, clock),
         )
 
     def at(self, time: ArrayLike) -> tuple[Float64Array, Float64Array]:
@@ -180,7 +196,7 @@ class JointTrajectory(Sampled):
             times=clock,
             positions=angles,
             **derivatives,
-            joint_names=_joint_names(joint_names, angles.shape[1]),
+            joint_names=check.names(joint_names, "joint_names", count=angles.shape[1]),
             events=kept_events,
         )
 
@@ -234,18 +250,30 @@ def normalised_times(times: Float64Array) -> Float64Array:
     return np.asarray((times - times[0]) / (times[-1] - times[0]))
 
 
-def computed(kind: type[MotionT], *, events: Events, **arrays: Float64Array) -> MotionT:
+def joints_with(motion: Motion) -> JointTrajectory | None:
+    """The joints that go along with a motion of the tip, if it has any."""
+    return None if isinstance(motion, JointTrajectory) else motion.joints
+
+
+def computed(
+    kind: type[MotionT],
+    *,
+    events: Events,
+    joints: JointTrajectory | None = None,
+    **arrays: Float64Array,
+) -> MotionT:
     """A motion of arrays just computed, which are not checked or copied and become read-only.
 
     Args:
-        kind: type of the motion.
+        kind: type of the motion, of points or poses.
         events: inside the motion's times, in their order.
+        joints: at the motion's times, or None.
         arrays: the other fields, by name, as the constructor would make them.
     """
     motion = object.__new__(kind)
     for array in arrays.values():
         array.setflags(write=False)
-    vars(motion).update(arrays, events=events)
+    vars(motion).update(arrays, events=events, joints=joints)
     return motion
 
 
@@ -267,28 +295,39 @@ def checked_motion(value: MotionT, name: str) -> MotionT:
     return value
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Demonstration(Drawn, Generic[MotionT_co]):
     """One motion that was shown to the robot, such as a `Demonstration[JointTrajectory]`.
 
     Attributes:
-        motion: what was shown.
+        motion: what was shown; `joints` that are given become the motion's own.
         name: for messages and files.
 
     Raises:
-        InvalidInput: if the motion is none.
+        InvalidInput: if the motion is none, or the joints do not fit it.
     """
 
     motion: MotionT_co
-    name: str = ""
+    name: str
 
-    def __post_init__(self) -> None:
-        checked_motion(self.motion, "motion")
+    def __init__(
+        self, motion: MotionT_co, name: str = "", joints: JointTrajectory | None = None
+    ) -> None:
+        shown = checked_motion(motion, "motion")
+        if joints is not None:
+            shown = _with_joints(shown, joints)
+        vars(self).update(motion=shown, name=name)
 
     @property
     def events(self) -> Events:
         """Events of the motion."""
         return self.motion.events
+
+    @property
+    def joints(self) -> JointTrajectory | None:
+        """The arm's joints while its tip moved so, or None; of joints, the motion itself."""
+        shown: Motion = self.motion
+        return shown if isinstance(shown, JointTrajectory) else shown.joints
 
     def _brief_parts(self) -> list[str]:
         return [repr(self.name), one_line(self.motion)]
@@ -314,18 +353,41 @@ def as_demonstration(value: Demonstration[MotionT] | MotionT, name: str) -> Demo
     raise InvalidInput(f"{name}: expected a Demonstration or a motion, got {type(value).__name__}")
 
 
+def _with_joints(motion: MotionT, joints: JointTrajectory) -> MotionT:
+    """The motion with joints that were recorded beside it, at the motion's times."""
+    if isinstance(motion, JointTrajectory):
+        raise InvalidInput("joints: the motion consists of joints itself; leave them out")
+    if not isinstance(joints, JointTrajectory):
+        raise InvalidInput(f"joints: expected a JointTrajectory, got {type(joints).__name__}")
+    apart = np.abs(joints.times[[0, -1]] - motion.times[[0, -1]]).max()
+    step = np.diff(joints.times).max(initial=0.0)
+    if not (apart <= step or np.array_equal(joints.times, motion.times)):
+        (a, b), (c, d) = motion.times[[0, -1]], joints.times[[0, -1]]
+        raise InvalidInput(
+            f"joints: expected the motion's times, {a:.6g} to {b:.6g} s, got {c:.6g} to {d:.6g} s"
+        )
+    rows = [np.interp(motion.times, joints.times, column) for column in joints.positions.T]
+    names = joints.joint_names
+    own = JointTrajectory(motion.times, np.column_stack(rows), joint_names=names)
+    return replace(motion, joints=own)
+
+
+def _joints(joints: JointTrajectory | None, clock: Float64Array) -> JointTrajectory | None:
+    """Positions and names of joints, one sample for each of the motion's, on its clock."""
+    if joints is None:
+        return None
+    if not isinstance(joints, JointTrajectory):
+        raise InvalidInput(f"joints: expected a JointTrajectory, got {type(joints).__name__}")
+    if len(joints.times) != len(clock):
+        raise InvalidInput(
+            f"joints: expected {len(clock)} samples, one for each of the motion's, "
+            f"got {len(joints.times)}"
+        )
+    return JointTrajectory(clock, joints.positions, joint_names=joints.joint_names)
+
+
 def _rows(value: ArrayLike, name: str, count: int, width: int | str) -> Float64Array:
     rows = check.frozen(value, name, shape=(count, width))
     if rows.shape[1] == 0:
         raise InvalidInput(f"{name}: expected at least one column, got none")
     return rows
-
-
-def _joint_names(names: Sequence[str], count: int) -> tuple[str, ...]:
-    if isinstance(names, str) or not isinstance(names, Sequence):
-        raise InvalidInput(f"joint_names: expected a sequence of names, got {names!r}")
-    if not all(isinstance(name, str) for name in names):
-        raise InvalidInput(f"joint_names: expected names as text, got {names!r}")
-    if names and len(names) != count:
-        raise InvalidInput(f"joint_names: expected {count} names, one per column, got {len(names)}")
-    return tuple(names)

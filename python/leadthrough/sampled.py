@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Self
 
@@ -24,7 +25,24 @@ def rows_of(recorded: object) -> dict[str, Any]:
     Any: type checkers would refuse exact types where `dataclasses.replace` takes them.
     """
     found = {name: getattr(recorded, name, None) for name in _FIELDS}
+    if (joints := getattr(recorded, "joints", None)) is not None:
+        found["joints"] = joints.positions
     return {name: rows for name, rows in found.items() if rows is not None}
+
+
+def fields_of(recorded: object, rows: Mapping[str, Any]) -> dict[str, Any]:
+    """The arrays as `rows_of` returns them, as the fields of a motion or recording.
+
+    Args:
+        recorded: the motion or recording that they come from.
+        rows: arrays (n, k), or None, by their fields.
+    """
+    joints, own = rows.get("joints"), getattr(recorded, "joints", None)
+    if joints is None or own is None:
+        return dict(rows)
+    # The motion puts them on its own clock.
+    counted = type(own)(range(len(joints)), joints, joint_names=own.joint_names)
+    return {**rows, "joints": counted}
 
 
 class Sampled(Drawn):
@@ -52,7 +70,7 @@ class Sampled(Drawn):
         between = within(self.events, float(times[0]), float(times[-1]))
         rows = {name: rows[samples] for name, rows in rows_of(self).items()}
         motion: Any = self  # a dataclass, of whichever type
-        piece: Self = replace(motion, times=times, events=between, **rows)
+        piece: Self = replace(motion, times=times, events=between, **fields_of(self, rows))
         return piece
 
     def _places(self, times: ArrayLike) -> tuple[bool, Float64Array, Float64Array]:

@@ -9,6 +9,7 @@ Sources: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for 
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
@@ -19,6 +20,7 @@ from leadthrough import _core, check, events
 from leadthrough.arm.first_posture import Start, first_postures, seeded
 from leadthrough.arm.limits import JointLimits, known_acceleration
 from leadthrough.arm.options import ik_options, tolerance
+from leadthrough.arm.recorded import shown_joints
 from leadthrough.arm.results import STATUSES
 from leadthrough.arm.tracks import TipPath, Track, solve_sample
 from leadthrough.check import Float64Array
@@ -61,9 +63,10 @@ def follow(
 ) -> JointTrajectory:
     """See `Arm.follow`."""
     tip = TipPath.of(motion)
-    path = replace(tip, postures=_postures(chain, posture, tip.times))
-    if seed is None and isinstance(posture, JointTrajectory):
-        seed = path.postures[0]
+    shown = shown_joints(chain, motion) if posture is None else None
+    wished = posture if shown is None else shown
+    path = replace(tip, postures=_postures(chain, wished, tip.times))
+    nearby = path.postures[0] if seed is None and isinstance(wished, JointTrajectory) else seed
     allowed = (position_tolerance, orientation_tolerance)
     follower = _Follower(
         chain=chain,
@@ -76,7 +79,8 @@ def follow(
     check.choice(too_fast, "too_fast", get_args(TooFast))
     stated = _deviation(deviation, too_fast, allowed)
     rate = check.number(midrange, "midrange", at_least=0.0)
-    track = _best(follower, _starts(follower, seed, rate), too_fast, stated)
+    starts = _starts(follower, nearby, rate, others=shown is not None and seed is None)
+    track = _best(follower, starts, too_fast, stated)
     if track.reached < len(path):
         raise _failure(follower, track, too_fast)
     times = _slowed(chain, path.times, track.q, limits) if too_fast == "slow" else path.times
@@ -189,21 +193,25 @@ def _deviation(
     )
 
 
-def _starts(follower: _Follower, seed: Float64Array | None, midrange: float) -> list[Start]:
+def _starts(
+    follower: _Follower, seed: Float64Array | None, midrange: float, *, others: bool
+) -> Iterator[Start]:
+    """Where the path may start: next to the seed; without one, or as well, anywhere."""
     rate = midrange if len(follower.chain.joint_names) > follower.path.dimension else 0.0
     if seed is not None:
-        return seeded(follower.chain, follower.path, seed, rate)
-    return first_postures(
-        follower.chain,
-        follower.path,
-        velocity=follower.limits.velocity,
-        midrange=rate,
-        tracking=(follower.tolerance, _SAMPLE_ITERATIONS, follower.max_step),
-    )
+        yield from seeded(follower.chain, follower.path, seed, rate)
+    if seed is None or others:
+        yield from first_postures(
+            follower.chain,
+            follower.path,
+            velocity=follower.limits.velocity,
+            midrange=rate,
+            tracking=(follower.tolerance, _SAMPLE_ITERATIONS, follower.max_step),
+        )
 
 
 def _best(
-    follower: _Follower, starts: list[Start], too_fast: TooFast, deviation: tuple[float, float]
+    follower: _Follower, starts: Iterable[Start], too_fast: TooFast, deviation: tuple[float, float]
 ) -> Track:
     """The first track that reaches the end and stays on the path, else the best one."""
     best: Track | None = None

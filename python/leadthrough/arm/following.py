@@ -35,7 +35,8 @@ class ArmFollowing(ArmDefinition):
         Args:
             motion: poses, or points in 3-D that leave the orientation free.
             seed: configuration (joints,) where the search for the first sample's posture starts.
-                Without it several postures are followed ahead, and the best one is kept.
+                Without it, and without a posture to stay near to, several postures are followed
+                ahead, and the best one is kept.
             too_fast: what to do where the arm's velocity and acceleration limits are too low for
                 the motion's pace, as beside a singularity.
                 "slow": stretch the times just there; the path is kept.
@@ -51,9 +52,11 @@ class ArmFollowing(ArmDefinition):
             max_step: the most that a joint may move between two samples, rad or m, > 0; a larger
                 step is a jump.
             posture: the configuration (joints,) towards which a redundant arm moves in its null
-                space; or a JointTrajectory, for example of the joints while the motion was
-                demonstrated, taken at the same fraction of its duration. By default the middle of
-                the joints' ranges. Without a seed the search starts where a trajectory begins.
+                space; or a JointTrajectory, taken at the same fraction of its duration. By default
+                the motion's own `joints`, those that the arm was shown with, if they are this
+                arm's; otherwise the middle of the joints' ranges. Without a seed the search starts
+                where a trajectory begins. Only where the motion's own joints lead to a dead end
+                does the arm start in another posture.
             midrange: rate in 1/s, >= 0, of the motion towards `posture`.
             position_tolerance: error in m that counts as reached, > 0. All samples but those
                 beside a singularity come ten times closer.
@@ -119,17 +122,19 @@ class ArmFollowing(ArmDefinition):
 
         Args:
             trajectory: a JointTrajectory. It may have other joints as well, such as a gripper's.
-                Without names it has just the arm's joints, in the arm's order.
+                Without names it has just the arm's joints, in the arm's order. Where a joint
+                without limits leaps by more than half a turn between two samples, as encoders do
+                at a whole turn, it is made continuous.
 
         Raises:
             InvalidInput: for another kind of motion, or if one of the arm's joints is missing.
         """
-        return recorded.joints_of(trajectory, self.joint_names)
+        return recorded.joints_of(self._chain, trajectory)
 
     def poses(self, trajectory: Motion) -> PoseTrajectory:
-        """The poses that the tip goes through, with the recording's times and events.
+        """The poses that the tip goes through, with the recording's times, events and joints.
 
-        `follow` is the way back.
+        `follow` is the way back, in the posture of the joints.
 
         Args:
             trajectory: the joints, as `joints_of` takes them.

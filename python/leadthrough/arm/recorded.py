@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from leadthrough import _core
+from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, joints_with
 
 
-def joints_of(trajectory: Motion, names: tuple[str, ...]) -> JointTrajectory:
+def joints_of(chain: _core.Chain, trajectory: Motion) -> JointTrajectory:
     """See `Arm.joints_of`."""
+    names = tuple(chain.joint_names)
     if not isinstance(trajectory, JointTrajectory):
         got = type(trajectory).__name__
         raise InvalidInput(f"trajectory: expected a JointTrajectory, got {got}")
@@ -21,11 +25,37 @@ def joints_of(trajectory: Motion, names: tuple[str, ...]) -> JointTrajectory:
     )
     return replace(
         trajectory,
-        positions=trajectory.positions[:, columns],
+        positions=_unwrapped(chain, trajectory.positions[:, columns]),
         velocities=velocities,
         accelerations=accelerations,
         joint_names=names,
     )
+
+
+def shown_joints(chain: _core.Chain, motion: Motion) -> JointTrajectory | None:
+    """The arm's own joints that go along with a motion of the tip.
+
+    None where there are none, or those of another arm.
+    """
+    shown = joints_with(motion)
+    if shown is None:
+        return None
+    try:
+        return joints_of(chain, shown)
+    except InvalidInput:
+        return None
+
+
+def _unwrapped(chain: _core.Chain, positions: Float64Array) -> Float64Array:
+    """Joints (n, joints) without the leaps of whole turns that encoders make.
+
+    Only joints that turn without end can leap so.
+    """
+    endless = ~(np.isfinite(chain.lower) & np.isfinite(chain.upper))
+    leaps = endless & (np.abs(np.diff(positions, axis=0)) > np.pi).any(axis=0)
+    if not leaps.any():
+        return positions
+    return np.where(leaps, np.unwrap(positions, axis=0), positions)
 
 
 def _columns(trajectory: JointTrajectory, names: tuple[str, ...]) -> list[int]:
@@ -48,6 +78,6 @@ def _columns(trajectory: JointTrajectory, names: tuple[str, ...]) -> list[int]:
 
 def poses(chain: _core.Chain, trajectory: Motion) -> PoseTrajectory:
     """See `Arm.poses`."""
-    own = joints_of(trajectory, tuple(chain.joint_names))
+    own = joints_of(chain, trajectory)
     positions, orientations = chain.forward_kinematics(own.positions)
-    return PoseTrajectory(own.times, positions, orientations, own.events)
+    return PoseTrajectory(own.times, positions, orientations, own.events, own)

@@ -28,6 +28,7 @@ class Recording(Brief):
         joint_names: None where the positions are not joints, empty where the joints have no names.
         velocities: (n, joints) rad/s, or None.
         accelerations: (n, joints) rad/s^2, or None.
+        joints: of the arm whose tip moved so, n samples in the same order, or None.
         events: on the same clock.
         name: of the recording; for messages and demonstrations.
 
@@ -41,6 +42,7 @@ class Recording(Brief):
     joint_names: tuple[str, ...] | None
     velocities: Float64Array | None
     accelerations: Float64Array | None
+    joints: JointTrajectory | None
     events: Events
     name: str
 
@@ -53,6 +55,7 @@ class Recording(Brief):
         joint_names: Sequence[str] | None = None,
         velocities: ArrayLike | None = None,
         accelerations: ArrayLike | None = None,
+        joints: JointTrajectory | None = None,
         events: Sequence[Event] = (),
         name: str = "",
     ) -> None:
@@ -71,6 +74,7 @@ class Recording(Brief):
             times=clock,
             positions=rows,
             joint_names=None if joint_names is None else tuple(joint_names),
+            joints=joints,
             events=tuple(events),
             name=name,
         )
@@ -98,8 +102,9 @@ class Recording(Brief):
                 self.events,
             )
         if self.orientations is not None:
-            return PoseTrajectory(self.times, self.positions, self.orientations, self.events)
-        return Trajectory(self.times, self.positions, self.events)
+            shown = (self.orientations, self.events, self.joints)
+            return PoseTrajectory(self.times, self.positions, *shown)
+        return Trajectory(self.times, self.positions, self.events, self.joints)
 
 
 def recording_of(demonstration: Demonstration) -> Recording:
@@ -117,7 +122,12 @@ def recording_of(demonstration: Demonstration) -> Recording:
         )
     turned = motion.orientations if isinstance(motion, PoseTrajectory) else None
     return Recording(
-        motion.times, motion.positions, turned, events=motion.events, name=demonstration.name
+        motion.times,
+        motion.positions,
+        turned,
+        joints=motion.joints,
+        events=motion.events,
+        name=demonstration.name,
     )
 
 

@@ -23,6 +23,7 @@ from leadthrough.events import Event
 from leadthrough.models.archive import quaternions
 from leadthrough.models.mean_turning import mean_orientations
 from leadthrough.models.place import Place
+from leadthrough.models.posture import Posture, arrays_of, settings_of, shown_posture
 from leadthrough.motion import (
     JointTrajectory,
     Motion,
@@ -50,6 +51,7 @@ class Chart(Brief, Generic[MotionT_co]):
         joint_names: of joints.
         reference: (201, 4) orientations w, x, y, z at evenly spaced phases, or None.
         events: at phases.
+        posture: the arm's joints at phases, or None.
     """
 
     kind: str
@@ -57,6 +59,7 @@ class Chart(Brief, Generic[MotionT_co]):
     joint_names: tuple[str, ...] = ()
     reference: Float64Array | None = None
     events: tuple[Event, ...] = ()
+    posture: Posture | None = None
 
     @property
     def width(self) -> int:
@@ -121,15 +124,16 @@ class Chart(Brief, Generic[MotionT_co]):
             accelerations: (n, width) of joints; otherwise they are left out.
         """
         happening = events.moved(self.events, phases, times)
+        joints = None if self.posture is None else self.posture.along(times, phases)
         made: Motion
         if self.kind == "points":
-            made = Trajectory(times, columns, happening)
+            made = Trajectory(times, columns, happening, joints)
         elif self.kind == "joints":
             names = self.joint_names
             made = JointTrajectory(times, columns, velocities, accelerations, names, happening)
         else:
             turned = self.orientations(columns[:, 3:], phases)
-            made = PoseTrajectory(times, columns[:, :3], turned, happening)
+            made = PoseTrajectory(times, columns[:, :3], turned, happening, joints)
         return cast(MotionT_co, made)  # of the type that the chart was made for
 
     def target(self, value: Place, name: str, phase: float) -> Float64Array:
@@ -156,7 +160,8 @@ class Chart(Brief, Generic[MotionT_co]):
 
     def arrays(self) -> dict[str, Any]:
         """Its arrays by name, for a file."""
-        return {} if self.reference is None else {"reference": self.reference}
+        reference = {} if self.reference is None else {"reference": self.reference}
+        return reference | arrays_of(self.posture)
 
     def settings(self) -> dict[str, Any]:
         """Its plain values by name, for a file."""
@@ -165,6 +170,7 @@ class Chart(Brief, Generic[MotionT_co]):
             "size": self.size,
             "joint_names": list(self.joint_names),
             "events": events.to_plain(self.events),
+            **settings_of(self.posture),
         }
 
     @staticmethod
@@ -186,6 +192,7 @@ class Chart(Brief, Generic[MotionT_co]):
             tuple(settings["joint_names"]),
             quaternions(arrays, "reference", shape=shape) if "reference" in arrays else None,
             events.from_plain(settings.get("events", ())),
+            Posture.from_archive(dict(settings), arrays),
         )
 
 
@@ -210,6 +217,7 @@ def chart_of(
         middle: takes each motion's orientations (201, 4) at evenly spaced phases to the reference.
 
     Raises:
+        InvalidInput: if the arms' joints beside the motions differ.
         FitError: if the orientations have no middle.
     """
     kind = next(kind for kind, each in _TYPES.items() if isinstance(motions[0], each))
@@ -222,7 +230,8 @@ def chart_of(
         for each in events.by_round(events.moved(motion.events, motion.times, u), u[0], u[-1])
     ]
     size = motions[0].positions.shape[1]
-    return Chart(kind, size, names, reference, events.agreed(happened))
+    posture = shown_posture(motions, phases)
+    return Chart(kind, size, names, reference, events.agreed(happened), posture)
 
 
 def scales(columns: Sequence[Float64Array], chart: Chart) -> Float64Array:

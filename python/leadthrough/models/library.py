@@ -25,9 +25,16 @@ from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
 from leadthrough.models.mean_turning import mean_orientations
+from leadthrough.models.posture import shown_posture
 from leadthrough.models.protocol import Relearned, Skill
 from leadthrough.models.skills import restored
-from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
+from leadthrough.motion import (
+    JointTrajectory,
+    Motion,
+    PoseTrajectory,
+    Trajectory,
+    normalised_times,
+)
 
 _KIND = "library"
 # Targets this much off a line or plane, as a fraction of their spread, lie on it.
@@ -315,6 +322,10 @@ def _mean(motions: Sequence[Motion], weights: Float64Array) -> Motion:
     times = np.linspace(0.0, duration, _SAMPLES)
     happened = [events.moved(each.events, each.times[[0, -1]], (0.0, 1.0)) for each in motions]
     happening = events.moved(events.agreed(happened, weights), (0.0, 1.0), times[[0, -1]])
+    if isinstance(first, JointTrajectory):
+        return JointTrajectory(times, positions, joint_names=first.joint_names, events=happening)
+    posture = shown_posture(motions, [normalised_times(each.times) for each in motions], weights)
+    joints = None if posture is None else posture.along(times, normalised_times(times))
     if isinstance(first, PoseTrajectory):
         poses = [motion for motion in motions if isinstance(motion, PoseTrajectory)]
         layers = [motion.orientations for motion in poses]
@@ -325,7 +336,5 @@ def _mean(motions: Sequence[Motion], weights: Float64Array) -> Motion:
                 "target: the orientations of the skills around it lie too far apart for a mean; "
                 "use nearest, or teach a target between them"
             ) from None
-        return PoseTrajectory(times, positions, turned, happening)
-    if isinstance(first, JointTrajectory):
-        return JointTrajectory(times, positions, joint_names=first.joint_names, events=happening)
-    return Trajectory(times, positions, happening)
+        return PoseTrajectory(times, positions, turned, happening, joints)
+    return Trajectory(times, positions, happening, joints)

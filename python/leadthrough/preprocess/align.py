@@ -151,6 +151,9 @@ def _retimed(motion: MotionT, fractions: Float64Array, times: Float64Array) -> M
         parts["orientations"] = rotations.interpolate(own, motion.orientations, fractions)
     if isinstance(motion, JointTrajectory):
         parts |= {"velocities": None, "accelerations": None}
+    elif (joints := motion.joints) is not None:
+        rows = _positions_at(joints, fractions)
+        parts["joints"] = JointTrajectory(times, rows, joint_names=joints.joint_names)
     return replace(motion, **parts)
 
 

@@ -21,7 +21,7 @@ from leadthrough.preprocess.report import CleaningReport, Span
 from leadthrough.preprocess.rows import chosen
 from leadthrough.preprocess.smooth import smoothed_over
 from leadthrough.preprocess.spikes import spikes
-from leadthrough.sampled import rows_of
+from leadthrough.sampled import fields_of, rows_of
 
 _GAP = 5.0  # median steps without a sample
 _LARGEST = 1e100  # no recorder measures more; squares of more overflow
@@ -277,4 +277,4 @@ def _shortened(motion: MotionT, pauses: Sequence[Span], longest: float) -> Motio
     rows = np.flatnonzero(kept)[fresh]
     parts: dict[str, Any] = {name: values[rows] for name, values in rows_of(motion).items()}
     kept_events = events.clipped(events.moved(motion.events, old, new), times[fresh])
-    return replace(motion, times=times[fresh], events=kept_events, **parts)
+    return replace(motion, times=times[fresh], events=kept_events, **fields_of(motion, parts))

@@ -13,7 +13,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event
 from leadthrough.motion import Motion, MotionT, PoseTrajectory, checked_motion
-from leadthrough.sampled import rows_of
+from leadthrough.sampled import fields_of, rows_of
 
 # m (or the unit of the positions) or rad between the end of a motion and the start of the next:
 # rounding stays below, and with more the arm would jump.
@@ -47,7 +47,8 @@ def join(motions: Sequence[MotionT]) -> MotionT:
         else None
         for name in every[0]
     }
-    return replace(motions[0], times=np.concatenate(times), events=tuple(joined_events), **joined)
+    rows = fields_of(motions[0], joined)
+    return replace(motions[0], times=np.concatenate(times), events=tuple(joined_events), **rows)
 
 
 def _check(motions: Sequence[Motion]) -> None:

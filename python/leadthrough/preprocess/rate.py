@@ -11,7 +11,7 @@ from leadthrough import check, events, rotations
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import Demonstration, MotionT, PoseTrajectory
 from leadthrough.preprocess.rows import several_samples
-from leadthrough.sampled import rows_of
+from leadthrough.sampled import fields_of, rows_of
 
 _MOST = 10_000_000  # samples
 
@@ -50,4 +50,4 @@ def sample_evenly(
     if isinstance(motion, PoseTrajectory):
         parts["orientations"] = rotations.interpolate(motion.times, motion.orientations, times)
     parts["events"] = events.clipped(motion.events, times)
-    return replace(shown, motion=replace(motion, times=times, **parts))
+    return replace(shown, motion=replace(motion, times=times, **fields_of(motion, parts)))

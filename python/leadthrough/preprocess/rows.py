@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from leadthrough.errors import InvalidInput
 from leadthrough.io.recording import Recording
 from leadthrough.motion import Demonstration, MotionT, as_demonstration
-from leadthrough.sampled import rows_of
+from leadthrough.sampled import fields_of, rows_of
 
 
 def chosen(recording: Recording, samples: NDArray[np.intp]) -> Recording:
     """The recording of samples by their indices, with all events."""
     rows = {name: rows[samples] for name, rows in rows_of(recording).items()}
-    return replace(recording, times=recording.times[samples], **rows)
+    return replace(recording, times=recording.times[samples], **fields_of(recording, rows))
 
 
 def several_samples(demonstration: Demonstration[MotionT] | MotionT) -> Demonstration[MotionT]:

@@ -11,8 +11,15 @@ import numpy as np
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.motion import Demonstration, JointTrajectory, MotionT, PoseTrajectory
+from leadthrough.motion import (
+    Demonstration,
+    JointTrajectory,
+    MotionT,
+    PoseTrajectory,
+    joints_with,
+)
 from leadthrough.preprocess.rows import several_samples
+from leadthrough.sampled import fields_of, rows_of
 
 _DEGREE = 3
 _FEWEST = 5  # samples that a cubic is fitted to, one more than it can pass through
@@ -118,4 +125,6 @@ def _smoothed(demonstration: Demonstration[MotionT], smoother: _Smoother) -> Dem
         # Between nearby quaternions the shortest way is straight to first order in the angle.
         turned = smoother(motion.orientations, 0)
         rows["orientations"] = turned / np.linalg.norm(turned, axis=1, keepdims=True)
-    return replace(demonstration, motion=replace(motion, **rows))
+    if joints_with(motion) is not None:
+        rows["joints"] = smoother(rows_of(motion)["joints"], 0)
+    return replace(demonstration, motion=replace(motion, **fields_of(motion, rows)))

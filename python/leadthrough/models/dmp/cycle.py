@@ -10,7 +10,7 @@ from leadthrough import events, rotations
 from leadthrough.errors import FitError
 from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.dmp.mean_motion import MeanMotion, mean_motion
-from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory, joints_with
 
 # A period whose last samples are missing, up to this fraction of it, counts as whole.
 _SLACK = 0.02
@@ -71,9 +71,13 @@ def _part(motion: Motion, begin: float, period: float, samples: int) -> Motion:
         [np.interp(at, motion.times, column) for column in motion.positions.T]
     )
     happening = events.moved(events.within(motion.events, at[0], at[-1]), at, own)
+    joints = joints_with(motion)
+    if joints is not None:
+        rows = [np.interp(at, motion.times, column) for column in joints.positions.T]
+        joints = JointTrajectory(own, np.column_stack(rows), joint_names=joints.joint_names)
     if isinstance(motion, PoseTrajectory):
         turned = rotations.interpolate(motion.times, motion.orientations, at)
-        return PoseTrajectory(own, positions, turned, happening)
+        return PoseTrajectory(own, positions, turned, happening, joints)
     if isinstance(motion, JointTrajectory):
         return JointTrajectory(own, positions, joint_names=motion.joint_names, events=happening)
-    return Trajectory(own, positions, happening)
+    return Trajectory(own, positions, happening, joints)

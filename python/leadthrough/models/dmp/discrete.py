@@ -91,7 +91,8 @@ class DMP(Unfitted):
             regression=self.regression,
         )
         model = replace(self, weights=count)
-        return DMPSkill(model, learned, mean.duration, mean.size, mean.events, mean.joint_names)
+        known = (mean.duration, mean.size, mean.events, mean.joint_names)
+        return DMPSkill(model, learned, *known, posture=mean.posture)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +106,7 @@ class DMPSkill(Primitive[DMP, _core.PointState], Generic[MotionT_co]):
         size: diagonal of the box around the demonstration.
         events: at fractions of the duration, 0 to 1.
         joint_names: None where points were shown.
+        posture: the arm's joints at fractions of the duration, where they were shown beside points.
     """
 
     joint_names: tuple[str, ...] | None
@@ -246,7 +248,7 @@ class DMPSkill(Primitive[DMP, _core.PointState], Generic[MotionT_co]):
         """Settings and arrays that `from_archive` puts together again."""
         names = None if self.joint_names is None else list(self.joint_names)
         settings = {**asdict(self.model), **self._settings(), "joint_names": names}
-        return settings, self.springs.arrays()
+        return settings, self._arrays()
 
     @cached_property
     def progress(self) -> Progress:
@@ -269,7 +271,10 @@ class DMPSkill(Primitive[DMP, _core.PointState], Generic[MotionT_co]):
     ) -> Trajectory | JointTrajectory:
         times, happening = duration * phases, self._events(duration)
         if self.joint_names is None:
-            return computed(Trajectory, times=times, positions=positions, events=happening)
+            joints = self._joints(duration, phases)
+            return computed(
+                Trajectory, times=times, positions=positions, events=happening, joints=joints
+            )
         velocities = slopes / duration
         return JointTrajectory(times, positions, velocities, None, self.joint_names, happening)
 
@@ -306,8 +311,8 @@ def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> DMPSkill:
         TypeError, ValueError: if a part is not what it should be.
     """
     names = settings.pop("joint_names")
-    duration, size, happening = take_settings(settings)
+    duration, size, happening, posture = take_settings(settings, arrays)
     model = DMP(**settings)
     learned = Springs.from_arrays(model.form, settings["weights"], arrays)
     joints = None if names is None else tuple(names)
-    return DMPSkill(model, learned, duration, size, happening, joints)
+    return DMPSkill(model, learned, duration, size, happening, joints, posture=posture)

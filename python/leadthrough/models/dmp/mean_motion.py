@@ -12,6 +12,7 @@ from leadthrough.check import Float64Array
 from leadthrough.events import Event
 from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.mean_turning import mean_orientations
+from leadthrough.models.posture import Posture, shown_posture
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, normalised_times
 
 
@@ -26,6 +27,7 @@ class MeanMotion:
         duration: s.
         joint_names: of joint motions, else None.
         events: at phases.
+        posture: the arm's joints at phases, or None.
     """
 
     phases: Float64Array
@@ -34,6 +36,7 @@ class MeanMotion:
     duration: float
     joint_names: tuple[str, ...] | None
     events: tuple[Event, ...] = ()
+    posture: Posture | None = None
 
     @property
     def size(self) -> float:
@@ -65,16 +68,19 @@ def mean_motion(
     happened = events.agreed(
         [events.moved(each.events, each.times[[0, -1]], (0.0, 1.0)) for each in motions]
     )
+    phases = [normalised_times(motion.times) for motion in motions]
+    posture = shown_posture(motions, phases)
     if len(motions) == 1:
         turned = first.orientations if isinstance(first, PoseTrajectory) else None
         return MeanMotion(
-            normalised_times(first.times), first.positions, turned, first.duration, names, happened
+            phases[0], first.positions, turned, first.duration, names, happened, posture
         )
     count = max(len(motion.times) for motion in motions)
-    phases = np.linspace(0.0, 1.0, count)
-    positions = np.mean([_positions_at(motion, phases) for motion in motions], axis=0)
+    even = np.linspace(0.0, 1.0, count)
+    positions = np.mean([_positions_at(motion, even) for motion in motions], axis=0)
     duration = float(np.mean([motion.duration for motion in motions]))
-    return MeanMotion(phases, positions, _mean_turn(motions, phases), duration, names, happened)
+    turned = _mean_turn(motions, even)
+    return MeanMotion(even, positions, turned, duration, names, happened, posture)
 
 
 def _positions_at(motion: Motion, phases: Float64Array) -> Float64Array:

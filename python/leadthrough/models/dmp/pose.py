@@ -113,7 +113,8 @@ class PoseDMP(Unfitted):
             groups=(_POSITION, _ORIENTATION),
         )
         model = replace(self, weights=count)
-        skill = PoseDMPSkill(model, learned, mean.duration, mean.size, mean.events, turned)
+        known = (mean.duration, mean.size, mean.events, turned)
+        skill = PoseDMPSkill(model, learned, *known, posture=mean.posture)
         if not skill.refuses_spins:
             return skill
         angle = replayed_angle(learned, turned, skill.begin(), mean.phases, mean.orientations)
@@ -127,8 +128,8 @@ def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> PoseDMPSki
         KeyError: if a part is missing.
         TypeError, ValueError: if a part is not what it should be.
     """
-    duration, size, happening = take_settings(settings)
+    duration, size, happening, posture = take_settings(settings, arrays)
     model = PoseDMP(**settings)
     learned = Springs.from_arrays(model.form, settings["weights"], arrays)
     turned = Turning.from_arrays(model.orientation, arrays)
-    return PoseDMPSkill(model, learned, duration, size, happening, turned)
+    return PoseDMPSkill(model, learned, duration, size, happening, turned, posture=posture)

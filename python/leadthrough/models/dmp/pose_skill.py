@@ -61,6 +61,7 @@ class PoseDMPSkill(Primitive["PoseDMP", _core.PoseState]):
         size: m, diagonal of the box around the demonstrated positions.
         events: at fractions of the duration, 0 to 1.
         turning: what the coordinates of the orientation mean.
+        posture: the arm's joints at fractions of the duration, or None.
     """
 
     turning: Turning
@@ -117,6 +118,7 @@ class PoseDMPSkill(Primitive["PoseDMP", _core.PoseState]):
             positions=values[:, :3].copy(),
             orientations=self.turning.orientations(phases, values, state.offset),
             events=self._events(state.duration),
+            joints=self._joints(state.duration, phases),
         )
 
     def begin(
@@ -213,7 +215,7 @@ class PoseDMPSkill(Primitive["PoseDMP", _core.PoseState]):
 
     def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
         """Settings and arrays that `from_archive` puts together again."""
-        arrays = {**self.springs.arrays(), **self.turning.arrays()}
+        arrays = {**self._arrays(), **self.turning.arrays()}
         return {**asdict(self.model), **self._settings()}, arrays
 
     def _turned_ends(

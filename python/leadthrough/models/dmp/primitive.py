@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from leadthrough import _core, check, events
 from leadthrough.check import Float64Array
 from leadthrough.events import Event, Events
-from leadthrough.models.archive import Archived
+from leadthrough.models.archive import Archived, Arrays
 from leadthrough.models.dmp import springs
 from leadthrough.models.dmp.constraints import Constraints, roll, step_within
 from leadthrough.models.dmp.pace import COARSE_PHASES, PHASES
@@ -22,8 +22,9 @@ from leadthrough.models.dmp.query import Via, check_duration, check_step, course
 from leadthrough.models.dmp.springs import Ends, Springs
 from leadthrough.models.even_times import even_phases
 from leadthrough.models.place import Place
+from leadthrough.models.posture import Posture, arrays_of, settings_of
 from leadthrough.models.protocol import Model, Skill
-from leadthrough.motion import Motion
+from leadthrough.motion import JointTrajectory, Motion
 from leadthrough.shapes import Shape
 
 ModelT = TypeVar("ModelT", bound=Model)
@@ -42,6 +43,7 @@ class Primitive(Archived, Generic[ModelT, StateT]):
     duration: float
     size: float
     events: tuple[Event, ...]
+    posture: Posture | None = field(default=None, kw_only=True)
 
     @property
     @abstractmethod
@@ -201,13 +203,22 @@ class Primitive(Archived, Generic[ModelT, StateT]):
         """Its events in a motion of a duration, s."""
         return events.moved(self.events, (0.0, 1.0), (0.0, duration))
 
+    def _joints(self, duration: float, phases: Float64Array) -> JointTrajectory | None:
+        """The arm's joints at phases (n,) of a motion of a duration, s, if they were shown."""
+        return None if self.posture is None else self.posture.along(duration * phases, phases)
+
     def _settings(self) -> dict[str, Any]:
         """Its plain values beside those of the model, for a file."""
         return {
             "duration": self.duration,
             "size": self.size,
             "events": events.to_plain(self.events),
+            **settings_of(self.posture),
         }
+
+    def _arrays(self) -> Arrays:
+        """Its arrays beside those of the orientation, for a file."""
+        return {**self.springs.arrays(), **arrays_of(self.posture)}
 
     @abstractmethod
     def _lengthening(self, state: StateT) -> float:
@@ -232,8 +243,10 @@ class Primitive(Archived, Generic[ModelT, StateT]):
         """What a motion keeps to."""
 
 
-def take_settings(settings: dict[str, Any]) -> tuple[float, float, Events]:
-    """Duration, size and events, taken out of the settings in a file; the model's are left.
+def take_settings(
+    settings: dict[str, Any], arrays: Arrays
+) -> tuple[float, float, Events, Posture | None]:
+    """Duration, size, events and posture of a file; its settings then are the model's alone.
 
     Raises:
         KeyError: if one is missing.
@@ -241,4 +254,5 @@ def take_settings(settings: dict[str, Any]) -> tuple[float, float, Events]:
     """
     duration = check.number(settings.pop("duration"), "duration", above=0.0)
     size = check.number(settings.pop("size"), "size", at_least=0.0)
-    return duration, size, events.from_plain(settings.pop("events", ()))
+    happening = events.from_plain(settings.pop("events", ()))
+    return duration, size, happening, Posture.from_archive(settings, arrays)

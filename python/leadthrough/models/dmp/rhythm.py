@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, ClassVar, Generic, TypeVar
 
 from numpy.typing import ArrayLike
@@ -17,13 +17,15 @@ from leadthrough import _core, check, events
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.events import Event, Events
-from leadthrough.models.archive import Archived
+from leadthrough.models.archive import Archived, Arrays
 from leadthrough.models.dmp.kernels import MOST_WEIGHTS
 from leadthrough.models.dmp.query import check_duration, check_step, ends_of
 from leadthrough.models.dmp.springs import RHYTHMIC, Ends, Springs
 from leadthrough.models.even_times import even_times
 from leadthrough.models.place import Place
+from leadthrough.models.posture import Posture, arrays_of, settings_of
 from leadthrough.models.unfitted import Unfitted
+from leadthrough.motion import JointTrajectory
 from leadthrough.shapes import Shape, check_shapes
 
 SettingsT = TypeVar("SettingsT", bound="Settings")
@@ -53,6 +55,7 @@ class Rhythm(Archived, Generic[SettingsT, StateT]):
     springs: Springs
     period: float
     events: tuple[Event, ...]
+    posture: Posture | None = field(default=None, kw_only=True)
 
     supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration"})
 
@@ -89,13 +92,22 @@ class Rhythm(Archived, Generic[SettingsT, StateT]):
         happening = events.every_round(self.events, float(times[-1]) / period)
         return events.moved(happening, times / period, times)
 
+    def _joints(self, times: Float64Array, period: float) -> JointTrajectory | None:
+        """The arm's joints in every period of a motion at times (n,), s, if they were shown."""
+        return None if self.posture is None else self.posture.every_round(times, times / period)
+
     def _settings(self) -> dict[str, Any]:
         """Its plain values, for a file."""
         return {
             "model": asdict(self.model),
             "period": self.period,
             "events": events.to_plain(self.events),
+            **settings_of(self.posture),
         }
+
+    def _arrays(self) -> Arrays:
+        """Its arrays beside those of the orientation, for a file."""
+        return {**self.springs.arrays(), **arrays_of(self.posture)}
 
     @abstractmethod
     def _redirected(self, state: StateT, goal: ArrayLike) -> StateT:
@@ -138,8 +150,10 @@ def refuse_obstacles(obstacles: Sequence[Shape]) -> None:
         raise UnsupportedQuery("obstacles: a rhythm keeps clear of none; use step with a coupling")
 
 
-def take_settings(settings: dict[str, Any], arrays: Any) -> tuple[Springs, float, Events]:
-    """Springs, period and events of a rhythm in a file.
+def take_settings(
+    settings: dict[str, Any], arrays: Arrays
+) -> tuple[Springs, float, Events, Posture | None]:
+    """Springs, period, events and posture of a rhythm in a file.
 
     Raises:
         KeyError: if a part is missing.
@@ -147,4 +161,5 @@ def take_settings(settings: dict[str, Any], arrays: Any) -> tuple[Springs, float
     """
     period = check.number(settings["period"], "period", above=0.0)
     learned = Springs.from_arrays(RHYTHMIC, settings["model"]["weights"], arrays)
-    return learned, period, events.from_plain(settings.get("events", ()))
+    happening = events.from_plain(settings.get("events", ()))
+    return learned, period, happening, Posture.from_archive(settings, arrays)

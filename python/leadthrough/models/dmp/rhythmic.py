@@ -59,7 +59,8 @@ class RhythmicDMP(Settings):
         """
         mean = mean_cycle(demonstrations, (Trajectory, JointTrajectory), self.period)
         learned = fit_rhythm(mean.phases, mean.positions, weights=self.weights)
-        return RhythmicDMPSkill(self, learned, mean.duration, mean.events, mean.joint_names)
+        known = (mean.duration, mean.events, mean.joint_names)
+        return RhythmicDMPSkill(self, learned, *known, posture=mean.posture)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +73,7 @@ class RhythmicDMPSkill(Rhythm[RhythmicDMP, _core.PointState], Generic[MotionT_co
         period: s, as demonstrated.
         events: at fractions of the period, 0 to 1, in every period.
         joint_names: None where points were shown.
+        posture: the arm's joints at fractions of the period, where they were shown beside points.
     """
 
     joint_names: tuple[str, ...] | None
@@ -158,14 +160,14 @@ class RhythmicDMPSkill(Rhythm[RhythmicDMP, _core.PointState], Generic[MotionT_co
     def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
         """Settings and arrays that `from_archive` puts together again."""
         names = None if self.joint_names is None else list(self.joint_names)
-        return {**self._settings(), "joint_names": names}, self.springs.arrays()
+        return {**self._settings(), "joint_names": names}, self._arrays()
 
     def _motion(
         self, times: Float64Array, positions: Float64Array, velocities: Float64Array, period: float
     ) -> Trajectory | JointTrajectory:
         happening = self._events(times, period)
         if self.joint_names is None:
-            return Trajectory(times, positions, happening)
+            return Trajectory(times, positions, happening, self._joints(times, period))
         return JointTrajectory(times, positions, velocities, None, self.joint_names, happening)
 
     def _redirected(self, state: _core.PointState, goal: ArrayLike) -> _core.PointState:
@@ -184,7 +186,7 @@ def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> RhythmicDM
         KeyError: if a part is missing.
         TypeError, ValueError: if a part is not what it should be.
     """
-    learned, period, happening = take_settings(settings, arrays)
+    learned, period, happening, posture = take_settings(settings, arrays)
     names, model = settings["joint_names"], RhythmicDMP(**settings["model"])
     joints = None if names is None else tuple(names)
-    return RhythmicDMPSkill(model, learned, period, happening, joints)
+    return RhythmicDMPSkill(model, learned, period, happening, joints, posture=posture)

@@ -67,7 +67,8 @@ class RhythmicPoseDMP(Settings):
         learned = fit_rhythm(mean.phases, values, weights=self.weights)
         first = turned.orientations(np.zeros(1), learned.ends.start[None, 3:].copy())[0]
         turned = replace(turned, start=first, goal=first)
-        return RhythmicPoseDMPSkill(self, learned, mean.duration, mean.events, turned)
+        known = (mean.duration, mean.events, turned)
+        return RhythmicPoseDMPSkill(self, learned, *known, posture=mean.posture)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +81,7 @@ class RhythmicPoseDMPSkill(Rhythm[RhythmicPoseDMP, _core.PoseState]):
         period: s, as demonstrated.
         events: at fractions of the period, 0 to 1, in every period.
         turning: what the coordinates of the orientation mean.
+        posture: the arm's joints at fractions of the period, or None.
     """
 
     turning: Turning
@@ -118,7 +120,9 @@ class RhythmicPoseDMPSkill(Rhythm[RhythmicPoseDMP, _core.PoseState]):
         state = self.begin(start=start, goal=goal, period=period, amplitude=amplitude)
         times, values, _ = self._rolled(state, duration, dt)
         turned = self.turning.orientations(times / state.duration, values, state.offset)
-        return PoseTrajectory(times, values[:, :3], turned, self._events(times, state.duration))
+        happening = self._events(times, state.duration)
+        joints = self._joints(times, state.duration)
+        return PoseTrajectory(times, values[:, :3], turned, happening, joints)
 
     def begin(
         self,
@@ -179,7 +183,7 @@ class RhythmicPoseDMPSkill(Rhythm[RhythmicPoseDMP, _core.PoseState]):
 
     def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
         """Settings and arrays that `from_archive` puts together again."""
-        return self._settings(), {**self.springs.arrays(), **self.turning.arrays()}
+        return self._settings(), {**self._arrays(), **self.turning.arrays()}
 
     def _redirected(self, state: _core.PoseState, goal: ArrayLike) -> _core.PoseState:
         centre = np.append(check_channels(goal, "goal", 3), self.springs.ends.goal[3:])
@@ -200,7 +204,7 @@ def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> RhythmicPo
         KeyError: if a part is missing.
         TypeError, ValueError: if a part is not what it should be.
     """
-    learned, period, happening = take_settings(settings, arrays)
+    learned, period, happening, posture = take_settings(settings, arrays)
     turned = Turning.from_arrays("anchored", arrays, rhythmic=True)
     model = RhythmicPoseDMP(**settings["model"])
-    return RhythmicPoseDMPSkill(model, learned, period, happening, turned)
+    return RhythmicPoseDMPSkill(model, learned, period, happening, turned, posture=posture)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -16,6 +16,7 @@ from leadthrough.errors import FitError, InvalidInput
 from leadthrough.events import Event
 from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.phase import SAMPLES, progress_of
+from leadthrough.models.posture import Posture, shown_posture
 from leadthrough.motion import MotionT, PoseTrajectory, Trajectory
 from leadthrough.preprocess.noise import without_noise
 from leadthrough.preprocess.resample import arc_length
@@ -35,6 +36,7 @@ class Experience(Brief):
         progress: (1001,) fraction of the path covered, at evenly spaced times.
         orientations: (n, 4) w, x, y, z along the path, or None.
         events: at fractions of the path, 0 to 1.
+        posture: the arm's joints at fractions of the path, or None.
     """
 
     path: Float64Array
@@ -42,6 +44,7 @@ class Experience(Brief):
     progress: Float64Array
     orientations: Float64Array | None = None
     events: tuple[Event, ...] = ()
+    posture: Posture | None = None
 
     @cached_property
     def way(self) -> Float64Array:
@@ -74,11 +77,17 @@ class Experience(Brief):
         }
         if self.orientations is not None:
             parts["orientations"] = self.orientations
+        if self.posture is not None:
+            parts["posture"] = self.posture.rows
         return parts
 
     @staticmethod
     def from_arrays(
-        arrays: Mapping[str, Any], index: int, *, happening: tuple[Event, ...]
+        arrays: Mapping[str, Any],
+        index: int,
+        *,
+        happening: tuple[Event, ...],
+        joint_names: Sequence[str] | None = None,
     ) -> Experience:
         """The one of which a file has the `arrays` under <name>_<index>.
 
@@ -86,6 +95,7 @@ class Experience(Brief):
             arrays: all arrays of the file.
             index: number of the path in the file.
             happening: its events.
+            joint_names: of the arm's joints; None where there are none.
 
         Raises:
             KeyError: if an array is missing.
@@ -93,12 +103,17 @@ class Experience(Brief):
         """
         path = check.frozen(arrays[f"path_{index}"], "path", shape=("n", "d"))
         turned = arrays.get(f"orientations_{index}")
+        joints = None
+        if joint_names is not None:
+            stood = {"posture": arrays[f"posture_{index}"]}
+            joints = Posture.from_archive({"posture": joint_names}, stood)
         return Experience(
             path,
             check.number(arrays[f"duration_{index}"], "duration", above=0.0),
             check.frozen(arrays[f"progress_{index}"], "progress", shape=(SAMPLES,)),
             None if turned is None else check.quaternions(turned, "path", shape=(len(path), 4)),
             happening,
+            joints,
         )
 
     @cached_property
@@ -106,7 +121,8 @@ class Experience(Brief):
         turned = None if self.orientations is None else self.orientations[::-1].copy()
         happened = tuple(Event(1.0 - each.time, each.name) for each in reversed(self.events))
         progress = 1.0 - self.progress[::-1]
-        return Experience(self.path[::-1].copy(), self.duration, progress, turned, happened)
+        joints = None if self.posture is None else self.posture.reversed()
+        return Experience(self.path[::-1].copy(), self.duration, progress, turned, happened, joints)
 
 
 def experience_of(demonstrations: Demonstrations[MotionT]) -> tuple[Experience, ...]:
@@ -139,4 +155,5 @@ def _experience(motion: Trajectory | PoseTrajectory) -> Experience:
         progress_of(motion.times, motion.positions),
         motion.orientations if isinstance(motion, PoseTrajectory) else None,
         events.moved(motion.events, motion.times, covered / covered[-1]),
+        shown_posture([motion], [covered / covered[-1]]),
     )

@@ -104,8 +104,11 @@ def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> FastMarchi
     counts = [int(settings.pop(name)) for name in ("shown", "learned")]
     total = sum(counts)
     happened = settings.pop("events", [()] * total)
+    names = settings.pop("joint_names", [None] * total)
     everything = tuple(
-        Experience.from_arrays(arrays, i, happening=events.from_plain(happened[i]))
+        Experience.from_arrays(
+            arrays, i, happening=events.from_plain(happened[i]), joint_names=names[i]
+        )
         for i in range(total)
     )
     model = FastMarching(**settings)  # JSON keeps no tuples; the model makes them again

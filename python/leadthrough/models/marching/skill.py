@@ -220,7 +220,8 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
                 goal=turns[1],
                 fractions=covered,
             )
-            made = PoseTrajectory(motion.times, motion.positions, turned, motion.events)
+            shown = motion.events, motion.joints
+            made = PoseTrajectory(motion.times, motion.positions, turned, *shown)
         return cast(MotionT_co, made)  # poses where poses were shown
 
     def plan(
@@ -344,6 +345,9 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
             "learned": len(self.learned),
             "events": [events.to_plain(each.events) for each in self._all],
         }
+        if any(each.posture for each in self._all):
+            names = [each.posture and list(each.posture.names) for each in self._all]
+            settings["joint_names"] = names
         arrays = {
             f"{name}_{i}": value
             for i, each in enumerate(self._all)

@@ -14,6 +14,7 @@ from leadthrough.check import Float64Array
 from leadthrough.models.marching import orientation
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.time_law import usual_duration
+from leadthrough.models.posture import agreed
 from leadthrough.planning.grid import Grid
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 
@@ -41,7 +42,7 @@ def mean_speed(path: Float64Array, grid: Grid, speed: Float64Array, outside: flo
 
 
 def added(path: Float64Array, known: Sequence[Experience], *, duration: float | None) -> Experience:
-    """A path as experience, with the timing, the turning and the events of what is known.
+    """A path as experience, with the timing, turning, events and joints of what is known.
 
     Args:
         path: (n, d), at least two different points.
@@ -58,4 +59,5 @@ def added(path: Float64Array, known: Sequence[Experience], *, duration: float | 
         )
     own = duration or usual_duration(known, weights, length)
     happened = events.agreed([each.events for each in known])
-    return Experience(path, own, progress, turned, happened)
+    joints = agreed([each.posture for each in known])
+    return Experience(path, own, progress, turned, happened, joints)

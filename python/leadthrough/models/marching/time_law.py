@@ -14,6 +14,7 @@ from leadthrough.models import phase
 from leadthrough.models.even_times import even_times
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.route import Route
+from leadthrough.models.posture import agreed
 from leadthrough.motion import Trajectory
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 
@@ -48,14 +49,16 @@ def timed(
     total = duration or usual_duration(route.used, route.weights, length)
     times = even_times(total, dt)
     happening = events.agreed([each.events for each in route.used], route.weights)
+    posture = agreed([each.posture for each in route.used], route.weights)
     if length == 0.0:
-        still = np.repeat(route.path[:1], len(times), axis=0)
+        points = np.repeat(route.path[:1], len(times), axis=0)
         covered = np.linspace(0.0, 1.0, len(times))
-        return Trajectory(times, still, events.moved(happening, covered, times)), covered
-    even = by_arc_length(route.path, len(route.path))
-    curve = CubicSpline(np.linspace(0.0, 1.0, len(even)), even)
-    covered = phase.progress_at(phase.rest_to_rest(_progress(route, timing)), times / total)
-    return Trajectory(times, curve(covered), events.moved(happening, covered, times)), covered
+    else:
+        even = by_arc_length(route.path, len(route.path))
+        covered = phase.progress_at(phase.rest_to_rest(_progress(route, timing)), times / total)
+        points = CubicSpline(np.linspace(0.0, 1.0, len(even)), even)(covered)
+    joints = None if posture is None else posture.along(times, covered)
+    return Trajectory(times, points, events.moved(happening, covered, times), joints), covered
 
 
 def usual_duration(used: Sequence[Experience], weights: Float64Array, length: float) -> float:
