@@ -106,7 +106,8 @@ class Arm(
                 one of the arm's joints mimics.
             mesh_folders: where the files of collision meshes are looked for when they are first
                 needed, besides the URDF's own folder. A relative name is looked for in them;
-                package://name/rest as name/rest in them and in the folders above them.
+                package://name/rest as name/rest in them and in the folders above them, then as
+                rest there.
 
         Raises:
             InvalidInput: if a file cannot be read, or a name or value does not fit the robot.

@@ -34,6 +34,9 @@ from leadthrough.motion import (
 )
 
 _SAMPLE_ITERATIONS = 60
+# Rates, 1/s, of the motion in the null space: towards a wish, and along joints that were shown,
+# which a slower one would trail behind.
+_USUAL_RATE, _SHOWN_RATE = 1.0, 10.0
 # Damping to try where the arm may leave the path, m^2 per rad^2: from none to (0.1 m per rad)^2,
 # which halves the step of a joint that moves the tip by 0.1 m per rad.
 _DAMPINGS = (0.0, 1e-5, 1e-4, 1e-3, 1e-2)
@@ -57,7 +60,7 @@ def follow(
     deviation: tuple[float, float] | None,
     max_step: float,
     posture: Motion | ArrayLike | None,
-    midrange: float,
+    midrange: float | None,
     position_tolerance: float,
     orientation_tolerance: float,
 ) -> JointTrajectory:
@@ -78,7 +81,8 @@ def follow(
     )
     check.choice(too_fast, "too_fast", get_args(TooFast))
     stated = _deviation(deviation, too_fast, allowed)
-    rate = check.number(midrange, "midrange", at_least=0.0)
+    usual = _USUAL_RATE if shown is None else _SHOWN_RATE
+    rate = usual if midrange is None else check.number(midrange, "midrange", at_least=0.0)
     starts = _starts(follower, nearby, rate, others=shown is not None and seed is None)
     track = _best(follower, starts, too_fast, stated)
     if track.reached < len(path):

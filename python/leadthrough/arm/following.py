@@ -23,7 +23,7 @@ class ArmFollowing(ArmDefinition):
         deviation: tuple[float, float] | None = None,
         max_step: float = 0.5,
         posture: Motion | ArrayLike | None = None,
-        midrange: float = 1.0,
+        midrange: float | None = None,
         position_tolerance: float = 1e-5,
         orientation_tolerance: float = 1e-5,
     ) -> JointTrajectory:
@@ -57,7 +57,8 @@ class ArmFollowing(ArmDefinition):
                 arm's; otherwise the middle of the joints' ranges. Without a seed the search starts
                 where a trajectory begins. Only where the motion's own joints lead to a dead end
                 does the arm start in another posture.
-            midrange: rate in 1/s, >= 0, of the motion towards `posture`.
+            midrange: rate in 1/s, >= 0, of the motion towards `posture`; by default 1, and 10
+                towards the motion's own joints.
             position_tolerance: error in m that counts as reached, > 0. All samples but those
                 beside a singularity come ten times closer.
             orientation_tolerance: error in rad that counts as reached, > 0; the same holds.

@@ -78,7 +78,8 @@ def find_mesh(file: str, folders: Sequence[str]) -> Path | None:
 
     Args:
         file: the mesh's file name in the URDF. A relative one is looked for in `folders`;
-            package://name/rest as name/rest in them and in the folders above them.
+            package://name/rest as name/rest in them and in the folders above them, then as rest:
+            a package's folder may have another name.
         folders: where to look.
     """
     for candidate in _candidates(file, folders):
@@ -90,10 +91,11 @@ def find_mesh(file: str, folders: Sequence[str]) -> Path | None:
 def _candidates(file: str, folders: Sequence[str]) -> Iterator[Path]:
     address = urlparse(file)
     if address.scheme == "package":
-        rest = Path(address.netloc, unquote(address.path).lstrip("/"))
-        for folder in folders:
-            start = Path(folder).resolve()
-            yield from (place / rest for place in (start, *start.parents))
+        rest = Path(unquote(address.path).lstrip("/"))
+        starts = [Path(folder).resolve() for folder in folders]
+        places = [place for start in starts for place in (start, *start.parents)]
+        yield from (place / address.netloc / rest for place in places)
+        yield from (place / rest for place in places)
         return
     path = Path(unquote(address.path) if address.scheme == "file" else file)
     yield from (Path(folder) / path for folder in folders)

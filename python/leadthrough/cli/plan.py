@@ -12,7 +12,7 @@ from leadthrough.cli import chain, options
 
 if TYPE_CHECKING:
     from leadthrough.models.protocol import Place, Skill
-    from leadthrough.motion import JointTrajectory, Motion
+    from leadthrough.motion import Motion
 
 # Standard deviations of the demonstrated ends from which on an end is new.
 _NOVEL = 3.0
@@ -52,8 +52,8 @@ def plan(
     posture: Annotated[
         str | None,
         typer.Option(
-            help="Joint positions (rad) that the arm should keep close to, or a recording of them, "
-            "such as the demonstration."
+            help="Joint positions (rad) that the arm should keep close to, or a recording of them. "
+            "By default those that the skill was shown with."
         ),
     ] = None,
     format: options.FormatName = None,
@@ -65,7 +65,7 @@ def plan(
 
     leadthrough plan reach.npz --goal 0.5,0.1,0.3 --obstacle sphere:0.08@0.4,0,0.3 -o path.csv
     """
-    from leadthrough.cli import errors, parse, reading, tables
+    from leadthrough.cli import errors, following, parse, reading, tables
     from leadthrough.cli import robot as robots
     from leadthrough.io import write_motion
     from leadthrough.motion import JointTrajectory
@@ -84,11 +84,13 @@ def plan(
     robots.refuse_without(robot, limits=limits, base=base, tip=tip, posture=posture)
     _warn_of_novelty(learned, asked)
     with tables.busy("planning"):
-        motion = learned.generate(dt=dt, **asked)
+        motion: Motion = learned.generate(dt=dt, **asked)
         if isinstance(motion, JointTrajectory):
             motion = differentiate(motion)
+        told: dict[str, Any] = {}
         if robot is not None:
-            motion = _joints(motion, robot, limits, base, tip, posture)
+            followed = following.followed(robots.load(robot, limits, base, tip), motion, posture)
+            motion, told = followed.joints, followed.facts
     with errors.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
         write_motion(motion, out, format=format)
     found = {
@@ -97,11 +99,12 @@ def plan(
         "duration": motion.duration,
         "start": motion.positions[0].tolist(),
         "goal": motion.positions[-1].tolist(),
+        **told,
     }
     if reason := _lengthened(learned, asked):
         found["lengthened"] = reason
     unit = "rad (m)" if hasattr(motion, "joint_names") else "m"
-    units = {"duration": "s", "start": unit, "goal": unit}
+    units = {"duration": "s", "start": unit, "goal": unit, "start_from_shown": "rad (m)"}
     tables.facts(found, as_json=as_json, units=units)
     if not as_json:
         chain.hint(*_next(ctx, skill, out, moves_joints=hasattr(motion, "joint_names")))
@@ -165,30 +168,3 @@ def _lengthened(learned: Skill, asked: dict[str, Any]) -> str | None:
         f"from {learned.duration:.4g} to {needed:.4g} s, so that the moved start or goal does not "
         "make the motion more than 1.3 times as fast as demonstrated; --duration sets another"
     )
-
-
-def _joints(
-    motion: Motion,
-    robot: str,
-    limits: Path | None,
-    base: str | None,
-    tip: str | None,
-    posture: str | None,
-) -> JointTrajectory:
-    from leadthrough import check
-    from leadthrough.cli import parse, reading
-    from leadthrough.cli import robot as robots
-    from leadthrough.motion import JointTrajectory
-    from leadthrough.timing import differentiate
-
-    arm = robots.load(robot, limits, base, tip)
-    if isinstance(motion, JointTrajectory):
-        return differentiate(arm.joints_of(motion))
-    if posture is None:
-        return arm.follow(motion)
-    if not Path(posture).exists():
-        given = parse.numbers(posture, "--posture")
-        wished = check.array(given, "--posture", shape=(len(arm.joint_names),))
-        return arm.follow(motion, seed=wished, posture=wished)
-    stood = robots.own_joints(arm, reading.one_motion(Path(posture)), posture)
-    return arm.follow(motion, posture=stood)

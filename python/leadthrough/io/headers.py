@@ -5,10 +5,10 @@
   `translation` (`px`, `pos_x`, `position.x`, `current_pos_x`).
 - Orientations: `w`, `x`, `y`, `z` after `q`, `quat`, `quaternion`, `orientation`, `rotation` or
   `rot` (`qw`, `orientation_w`, `current_orientation_w`).
-- Joints: `joint`, `j`, `q` or `q_d` with a number (`joint_1`, `panda_joint1`, `q0`, `q[0]`), in the
-  order of the numbers, which start at 0 or 1 without a gap; or names that end in `_joint`
-  (`shoulder_pan_joint`), in the order of the file. Their derivatives are `<joint>_velocity` or
-  `d<joint>`, and `<joint>_acceleration` or `dd<joint>`.
+- Joints: `joint`, `j`, `q` or `q_d` with a number (`joint_1`, `panda_joint1`, `q0`, `q[0]`), or
+  `joint` with a letter and a number (`joint_a1`), in the order of the numbers, which start at 0 or
+  1 without a gap; or names that end in `_joint` (`shoulder_pan_joint`), in the order of the file.
+  Their derivatives are `<joint>_velocity` or `d<joint>`, and `<joint>_acceleration` or `dd<joint>`.
 - Arrays that hold all components at once: `positions`, `position`, `pos`; `orientations`,
   `orientation`, `quaternions`, `quaternion`, which may state their order (`orientations_wxyz`,
   `quaternion_xyzw`); `joints`, `joint_positions`, with `velocities` and `accelerations`.
@@ -43,7 +43,8 @@ _PREFIXES = {"velocities": "d", "accelerations": "dd"}
 _ORDERED = re.compile(r"(?P<name>.*?)[_.\-/ ]?(?P<order>wxyz|xyzw)", re.IGNORECASE)
 _COMPONENT = re.compile(r"(?P<part>.*?)[_.\-/ ]?(?P<axis>[wxyz])")
 _NUMBERED_JOINT = re.compile(
-    r"(?P<arm>(.*[_.\-/ ])?(joint|j|q_d|q)[_.\-/ ]?)(?P<open>\[)?(?P<number>[0-9]{1,4})(?(open)\])"
+    r"(?P<arm>(.*[_.\-/ ])?((joint|j|q_d|q)[_.\-/ ]?|joint[_.\-/ ][a-z]))"
+    r"(?P<open>\[)?(?P<number>[0-9]{1,4})(?(open)\])"
 )
 _WITH_UNIT = re.compile(
     r"(?P<plain>.+?)(?:[_ ]?\[(?P<a>[a-z]+)\]|[_ ]?\((?P<b>[a-z]+)\)|[_ ](?P<c>[a-z]+))",

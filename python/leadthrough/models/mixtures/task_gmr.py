@@ -10,7 +10,7 @@ Source: Calinon 2016, "A tutorial on task-parameterized movement learning and re
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -112,7 +112,7 @@ def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> TaskGMRSki
     chart = Chart.from_archive(settings, arrays)
     charts = tuple(
         Chart.from_archive(
-            chart.settings(),
+            replace(chart, posture=None).settings(),
             {"reference": arrays[f"reference_{i}"]} if chart.reference is not None else {},
         )
         for i in range(len(mixtures))
