@@ -1,8 +1,6 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -42,13 +40,6 @@ Coordinates with_leading_zero(const std::vector<double>& coordinates) {
   return result;
 }
 
-// What is no speed would lead the march out of its queue.
-template <typename Real>
-void require_speeds(const CArray<Real>& speed) {
-  const auto is_speed = [](Real each) { return std::isfinite(each) && each >= 0; };
-  require(std::all_of(speed.data(), speed.data() + speed.size(), is_speed));
-}
-
 // A numpy array that takes the vector over.
 template <typename T>
 py::array_t<T> owning(std::vector<T> values, std::vector<py::ssize_t> shape) {
@@ -65,10 +56,6 @@ std::vector<Source> sources_at(const CArray<Index>& cells) {
   std::vector<Source> sources;
   for (py::ssize_t n = 0; n < cells.size(); ++n) sources.push_back({cells.at(n)});
   return sources;
-}
-
-void require_options(int order, double source_radius) {
-  require((order == 1 || order == 2) && std::isfinite(source_radius) && source_radius >= 0.0);
 }
 
 template <typename Real>
@@ -113,7 +100,6 @@ class BoundArrivalField {
                     const CArray<Index>& cells)
       : shape_(shape_of(speed)) {
     const Grid grid = grid_of(speed, spacing);
-    require_speeds(speed);
     const std::vector<Source> sources = sources_at(cells);
     const py::gil_scoped_release release;
     field_ = make_arrival_field(grid, speed.data(), sources);
