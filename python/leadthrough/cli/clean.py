@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -31,6 +31,10 @@ def clean(
         float | None,
         typer.Option(help="Shorten longer pauses to this, in s; by default pauses are kept."),
     ] = None,
+    pause: options.Pause = None,
+    rest: options.Rest = 0.0,
+    speed: options.Speed = None,
+    angular_speed: options.AngularSpeed = None,
     new_rate: Annotated[float | None, typer.Option(help="Resample at this rate, in Hz.")] = None,
     smoothing: Annotated[
         float | None,
@@ -60,11 +64,16 @@ def clean(
         quaternions=quaternions,
         topic=topic,
     )
+    shortest: dict[str, Any] = {} if pause is None else {"pause": pause}
     cleaned = [
         preprocess.clean(
             each,
+            **shortest,
             longest_gap=longest_gap,
             longest_pause=longest_pause,
+            rest=rest,
+            speed=speed,
+            angular_speed=angular_speed,
             rate=new_rate,
             smoothing=smoothing,
         )

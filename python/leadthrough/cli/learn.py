@@ -57,6 +57,10 @@ def learn(
             help="Number of the motion to learn, counted from 1; may be repeated. By default all.",
         ),
     ] = None,
+    rest: options.Rest = 0.0,
+    speed: options.Speed = None,
+    angular_speed: options.AngularSpeed = None,
+    pause: options.Pause = None,
     column: options.Columns = None,
     rate: options.Rate = None,
     angles: options.Angles = None,
@@ -84,8 +88,12 @@ def learn(
         topic=topic,
     )
     if cut:
-        demonstrations = reading.cut(demonstrations)
-    demonstrations = _chosen(demonstrations, number)
+        demonstrations = reading.cut(
+            demonstrations, pause=pause, speed=speed, angular_speed=angular_speed
+        )
+    demonstrations = reading.trimmed(
+        _chosen(demonstrations, number), rest=rest, speed=speed, angular_speed=angular_speed
+    )
     robots.refuse_without(robot, limits=limits, base=base, tip=tip)
     if robot is not None:
         demonstrations = _as_poses(demonstrations, robot, limits, base, tip)

@@ -81,3 +81,25 @@ Quaternions = Annotated[
 Topic = Annotated[
     str | None, typer.Option(help="Topic of a ROS bag; needed if several hold motions.")
 ]
+Rest = Annotated[
+    float,
+    typer.Option(
+        help="Standing still to keep before and after a motion, in s; by default none, inf keeps "
+        "all of it."
+    ),
+]
+Speed = Annotated[
+    float | None,
+    typer.Option(
+        help="Speed at which a motion begins, in m/s (rad/s for joints); below half of it the arm "
+        "stands still. By default it follows from the recording's noise."
+    ),
+]
+AngularSpeed = Annotated[
+    float | None,
+    typer.Option(help="The same for the turning of poses, in rad/s."),
+]
+Pause = Annotated[
+    float | None,
+    typer.Option(help="Shortest standing still that counts as a pause, in s."),
+]

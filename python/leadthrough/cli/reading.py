@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from leadthrough import io, preprocess
 from leadthrough.errors import InvalidInput
@@ -14,6 +16,8 @@ from leadthrough.io.headers import AngleUnit, QuaternionOrder
 from leadthrough.models import load_skill
 from leadthrough.models.protocol import Skill
 from leadthrough.motion import Demonstration, Motion
+
+_TOLD = 0.1  # s; who left out less need not tell
 
 
 def listed(paths: Sequence[Path], *, also: Sequence[str] = ()) -> list[Path]:
@@ -86,25 +90,79 @@ def cleaned(
         files, columns=columns, rate=rate, angles=angles, quaternions=quaternions, topic=topic
     )
     for recording in recordings:
-        demonstration, report = preprocess.clean(recording)
+        # Both ends stay: `trimmed` has the options for them.
+        demonstration, report = preprocess.clean(recording, rest=math.inf)
         print(f"{recording.name}: {report}", file=sys.stderr)
         demonstrations.append(demonstration)
     return demonstrations
 
 
-def cut(recordings: Sequence[Demonstration]) -> list[Demonstration]:
+def cut(
+    recordings: Sequence[Demonstration],
+    *,
+    pause: float | None,
+    speed: float | None,
+    angular_speed: float | None,
+) -> list[Demonstration]:
     """The motions between the recordings' pauses, listed on stderr.
 
+    Args:
+        recordings: to cut.
+        pause: this and what follows as for `preprocess.segment`; None for its own default.
+        speed: at which a motion begins.
+        angular_speed: at which a turn begins.
+
     Raises:
-        InvalidInput: if there is no motion.
+        InvalidInput: if there is no motion, or an argument is out of its range.
     """
-    motions = [motion for recording in recordings for motion in preprocess.segment(recording)]
+    shortest: dict[str, Any] = {} if pause is None else {"pause": pause}
+    motions = [
+        motion
+        for recording in recordings
+        for motion in preprocess.segment(
+            recording, speed=speed, angular_speed=angular_speed, **shortest
+        )
+    ]
     for number, shown in enumerate(motions, start=1):
         first, last = shown.motion.times[[0, -1]]
         print(f"motion {number}: {shown.name}, {first:.2f} to {last:.2f} s", file=sys.stderr)
     if not motions:
         raise InvalidInput("--cut: found no motion in these recordings")
     return motions
+
+
+def trimmed(
+    recordings: Sequence[Demonstration],
+    *,
+    rest: float,
+    speed: float | None,
+    angular_speed: float | None,
+) -> list[Demonstration]:
+    """The recordings without the standing still at both ends; stderr tells how long it was.
+
+    Args:
+        recordings: to trim.
+        rest: this and what follows as for `preprocess.trim`.
+        speed: at which a motion begins.
+        angular_speed: at which a turn begins.
+
+    Raises:
+        InvalidInput: if an argument is out of its range.
+    """
+    kept = [
+        preprocess.trim(each, rest=rest, speed=speed, angular_speed=angular_speed)
+        for each in recordings
+    ]
+    for whole, shown in zip(recordings, kept, strict=True):
+        before = shown.motion.times[0] - whole.motion.times[0]
+        after = whole.motion.times[-1] - shown.motion.times[-1]
+        if max(before, after) > _TOLD:
+            print(
+                f"{whole.name}: stood still, left out {before:.2f} s before, {after:.2f} s after "
+                "(--rest)",
+                file=sys.stderr,
+            )
+    return kept
 
 
 def one_motion(file: Path) -> Motion:

@@ -8,6 +8,7 @@ from leadthrough.preprocess.rate import sample_evenly
 from leadthrough.preprocess.report import CleaningReport
 from leadthrough.preprocess.segment import segment
 from leadthrough.preprocess.smooth import smooth_by_spline, smooth_motion
+from leadthrough.preprocess.trim import trim
 
 __all__ = [
     "CleaningReport",
@@ -22,4 +23,5 @@ __all__ = [
     "segment",
     "smooth_by_spline",
     "smooth_motion",
+    "trim",
 ]

@@ -1,33 +1,112 @@
-"""How fast a motion is at each of its samples, and when it rests."""
+"""How fast a motion is at each of its samples, and when it rests.
+
+Speeds are slopes of straight lines, fitted to the samples in a window about each one: of all linear
+estimates the one that white noise disturbs least. How much of them is noise follows from the
+recording itself: third differences of its samples are the noise's, as the motion has next to none.
+"""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import rotations
+from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.motion import Motion, PoseTrajectory
 
 # A motion that has begun may become slower than one that begins, by this factor.
 HYSTERESIS = 0.5
+# Third differences of white noise have this times its standard deviation, sqrt(1 + 9 + 9 + 1).
+_THIRD_DIFFERENCES = np.sqrt(20.0)
+_TO_SIGMA = 1.4826  # standard deviation per median absolute deviation of a normal distribution
+_BEYOND_NOISE = 3.0  # standard deviations beyond the root mean square that noise does not reach
+# A hand that holds an arm still moves it a little: by less than this fraction of its usual speed.
+_TREMOR = 0.02
+_USUAL = 90  # percentile of the speeds while something moves
+_FEWEST = 5  # samples of a window
+_ROUNDING = 1e-12  # of the extent; a slower motion is rounding
 
 
-def activity(motion: Motion, *, speed: float, angular_speed: float, window: float) -> Float64Array:
-    """Mean speeds (n,) in multiples of a threshold; of poses the larger of the two multiples.
+@dataclass(frozen=True)
+class Thresholds:
+    """At which speeds a motion begins; below `HYSTERESIS` times these it rests.
 
-    At 1 and above a motion begins, below `HYSTERESIS` it rests.
+    Attributes:
+        speed: m/s, or the unit of the positions per second; rad/s of joints.
+        angular_speed: of poses, rad/s.
+    """
+
+    speed: float
+    angular_speed: float
+
+
+@dataclass(frozen=True, eq=False)
+class Speeds:
+    """How fast a motion is at its samples, and how much of that may be noise.
+
+    Attributes:
+        linear: (n,) m/s, or the unit of the positions per second.
+        angular: (n,) rad/s; 0 if the motion is not of poses.
+        noise: what noise alone does not exceed of both, (n, 2).
+    """
+
+    linear: Float64Array
+    angular: Float64Array
+    noise: Float64Array
+
+    def thresholds(self) -> Thresholds:
+        """The thresholds that follow from the noise and from the usual speed."""
+        both = zip((self.linear, self.angular), self.noise.T, strict=True)
+        return Thresholds(*(_threshold(speeds, noise) for speeds, noise in both))
+
+    @property
+    def drowned(self) -> bool:
+        """Whether the noise, and not the usual speed, sets a threshold of something that moves."""
+        both = zip((self.linear, self.angular), self.noise.T, strict=True)
+        return any(np.median(noise) > _tremor(speeds, noise) > 0.0 for speeds, noise in both)
+
+    def in_multiples_of(self, thresholds: Thresholds) -> Float64Array:
+        """Speeds (n,) in multiples of their threshold; of poses the larger of the two."""
+        return np.maximum(self.linear / thresholds.speed, self.angular / thresholds.angular_speed)
+
+
+def speeds_of(motion: Motion, window: float) -> Speeds:
+    """The speeds of a motion.
 
     Args:
         motion: of n samples.
-        speed: threshold, m/s, or the unit of the positions per second.
-        angular_speed: threshold of poses, rad/s.
-        window: s, over which speeds are averaged.
+        window: s, over which a line is fitted; longer where it would have too few samples.
     """
-    result = _speeds(motion, window) / speed
+    groups = [_slopes(motion.times, motion.positions, window)]
     if isinstance(motion, PoseTrajectory):
-        result = np.maximum(result, _angular_speeds(motion, window) / angular_speed)
-    return result
+        # A unit quaternion moves by half the angle.
+        groups.append(_slopes(motion.times, 2.0 * motion.orientations, window))
+    else:
+        groups.append((np.zeros(len(motion.times)),) * 2)
+    (linear, its_noise), (angular, noise_of_it) = groups
+    return Speeds(linear, angular, np.column_stack([its_noise, noise_of_it]))
+
+
+def thresholds_of(speeds: Speeds, speed: float | None, angular_speed: float | None) -> Thresholds:
+    """The thresholds that a caller gives, each by default from the recording's own noise.
+
+    Args:
+        speeds: of the recording.
+        speed: > 0; None for the recording's own.
+        angular_speed: > 0; None for the recording's own.
+
+    Raises:
+        InvalidInput: if one is not positive.
+    """
+    own = speeds.thresholds()
+    return Thresholds(
+        own.speed if speed is None else check.number(speed, "speed", above=0.0),
+        own.angular_speed
+        if angular_speed is None
+        else check.number(angular_speed, "angular_speed", above=0.0),
+    )
 
 
 def runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
@@ -37,46 +116,85 @@ def runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 
 def rests(
-    motion: Motion, *, speed: float, angular_speed: float, pause: float
+    motion: Motion, *, speed: float | None, angular_speed: float | None, pause: float
 ) -> list[tuple[float, float]]:
     """When the motion rests: start and end of each rest, s.
 
     Args:
         motion: of any type.
-        speed: below half of which it rests, m/s, or the unit of the positions per second.
-        angular_speed: below half of which poses rest, rad/s.
+        speed: below half of which it rests, m/s, or the unit of the positions per second; None for
+            one that follows from the recording's noise.
+        angular_speed: below half of which poses rest, rad/s, or None.
         pause: s, shortest rest that counts.
     """
-    still = activity(motion, speed=speed, angular_speed=angular_speed, window=pause) < HYSTERESIS
+    speeds = speeds_of(motion, pause)
+    moving = speeds.in_multiples_of(thresholds_of(speeds, speed, angular_speed))
+    still = moving < HYSTERESIS
     found = [(float(motion.times[a]), float(motion.times[b - 1])) for a, b in runs(still)]
     return [(start, end) for start, end in found if end - start >= pause]
 
 
-def _around(times: Float64Array, window: float) -> tuple[Float64Array, Float64Array]:
-    """The start and end of the window around each time, inside the recording."""
-    return (
-        np.maximum(times - 0.5 * window, times[0]),
-        np.minimum(times + 0.5 * window, times[-1]),
+def white_noise(values: Float64Array) -> Float64Array:
+    """Standard deviations (d,) of the white noise of columns (n, d), of which most is smooth.
+
+    The median makes it robust against spikes, and against corners of the motion.
+    """
+    if len(values) < _FEWEST:
+        return np.zeros(values.shape[1])
+    third = np.abs(np.diff(values, 3, axis=0))
+    return np.asarray(_TO_SIGMA * np.median(third, axis=0) / _THIRD_DIFFERENCES)
+
+
+def _threshold(speeds: Float64Array, noise: Float64Array) -> float:
+    """From the noise, and from the usual speed where something moves."""
+    smallest = float(np.finfo(np.float64).tiny)
+    return max(float(np.median(noise)), _tremor(speeds, noise), smallest) / HYSTERESIS
+
+
+def _tremor(speeds: Float64Array, noise: Float64Array) -> float:
+    """How fast a hand may move that holds still, from the usual speed; 0 if nothing moves."""
+    moving = speeds[speeds > noise]
+    return _TREMOR * float(np.percentile(moving, _USUAL)) if len(moving) else 0.0
+
+
+def _slopes(
+    times: Float64Array, values: Float64Array, window: float
+) -> tuple[Float64Array, Float64Array]:
+    """The norm (n,) of the slopes of lines fitted around each time, and what noise reaches."""
+    if len(times) < 2:
+        return np.zeros(len(times)), np.zeros(len(times))
+    first, after = _windows(times, window)
+    t, x = times - times[0], values - values[0]
+    count = (after - first).astype(np.float64)
+    total_t, total_tt = _sums(t, first, after), _sums(t * t, first, after)
+    spread = np.maximum(total_tt - total_t**2 / count, np.finfo(np.float64).tiny)
+    products = _sums(t[:, None] * x, first, after) - total_t[:, None] * (
+        _sums(x, first, after) / count[:, None]
     )
+    slopes = products / spread[:, None]
+    extent = float(np.ptp(values, axis=0).max())
+    sigma = white_noise(values)
+    reach = float(np.linalg.norm(sigma)) + _BEYOND_NOISE * float(sigma.max())
+    noise = (reach + _ROUNDING * extent) / np.sqrt(spread)
+    return np.linalg.norm(slopes, axis=1), noise
 
 
-def _speeds(motion: Motion, window: float) -> Float64Array:
-    before, after = _around(motion.times, window)
-    steps = [
-        np.interp(after, motion.times, column) - np.interp(before, motion.times, column)
-        for column in motion.positions.T
-    ]
-    return _per_second(np.linalg.norm(steps, axis=0), before, after)
+def _sums(values: Float64Array, first: NDArray[np.intp], after: NDArray[np.intp]) -> Float64Array:
+    """Sums over the samples from `first` to before `after`."""
+    start = np.zeros((1, *values.shape[1:]))
+    running = np.concatenate([start, np.cumsum(values, axis=0)])
+    return np.asarray(running[after] - running[first])
 
 
-def _angular_speeds(motion: PoseTrajectory, window: float) -> Float64Array:
-    if len(motion.times) < 2:
-        return np.zeros(len(motion.times))
-    before, after = _around(motion.times, window)
-    ends = (rotations.interpolate(motion.times, motion.orientations, at) for at in (before, after))
-    return _per_second(rotations.distance(*ends), before, after)
+def _windows(times: Float64Array, window: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The first sample and the one after the last of the window around each time.
 
-
-def _per_second(moved: Float64Array, before: Float64Array, after: Float64Array) -> Float64Array:
-    spans = after - before
-    return np.divide(moved, spans, out=np.zeros(len(moved)), where=spans > 0.0)
+    At the ends the windows are moved inside the recording, so that they are as long.
+    """
+    least = _FEWEST * float(np.median(np.diff(times)))
+    length = min(max(window, least), float(times[-1] - times[0]))
+    start = np.clip(times - 0.5 * length, times[0], times[-1] - length)
+    first = np.searchsorted(times, start - 1e-9 * length)
+    after = np.searchsorted(times, start + (1.0 + 1e-9) * length, side="right")
+    first = np.minimum(first, len(times) - 2)
+    return first, np.maximum(after, first + 2)

@@ -21,6 +21,7 @@ from leadthrough.preprocess.report import CleaningReport, Span
 from leadthrough.preprocess.rows import chosen
 from leadthrough.preprocess.smooth import smoothed_over
 from leadthrough.preprocess.spikes import spikes
+from leadthrough.preprocess.trim import standstill, trim
 from leadthrough.sampled import fields_of, rows_of
 
 _GAP = 5.0  # median steps without a sample
@@ -36,8 +37,9 @@ def clean(
     longest_gap: float = ...,
     pause: float = ...,
     longest_pause: float | None = ...,
-    speed: float = ...,
-    angular_speed: float = ...,
+    rest: float = ...,
+    speed: float | None = ...,
+    angular_speed: float | None = ...,
     rate: float | None = ...,
     smoothing: float | None = ...,
 ) -> tuple[Demonstration, CleaningReport]: ...
@@ -51,8 +53,9 @@ def clean(
     longest_gap: float = ...,
     pause: float = ...,
     longest_pause: float | None = ...,
-    speed: float = ...,
-    angular_speed: float = ...,
+    rest: float = ...,
+    speed: float | None = ...,
+    angular_speed: float | None = ...,
     rate: float | None = ...,
     smoothing: float | None = ...,
 ) -> tuple[Demonstration[MotionT], CleaningReport]: ...
@@ -65,8 +68,9 @@ def clean(
     longest_gap: float = 0.5,
     pause: float = 0.5,
     longest_pause: float | None = None,
-    speed: float = 0.01,
-    angular_speed: float = 0.05,
+    rest: float = 0.0,
+    speed: float | None = None,
+    angular_speed: float | None = None,
     rate: float | None = None,
     smoothing: float | None = None,
 ) -> tuple[Demonstration[Any], CleaningReport]:  # Any: the overloads tell
@@ -84,9 +88,12 @@ def clean(
             no gap. `cut_at_gaps` cuts a recording with longer ones.
         pause: shortest time of rest that counts as a pause, > 0, s.
         longest_pause: longer pauses are shortened to this, > 0, s; None keeps them.
+        rest: s of standing still to keep before and after the motion, >= 0; more is left out, as by
+            `trim`. Infinite keeps all of it.
         speed: below half of which the motion rests, > 0, m/s, or the unit of the positions per
-            second; rad/s of joints.
-        angular_speed: below half of which poses rest, > 0, rad/s.
+            second; rad/s of joints. By default it follows from the recording's noise, as for
+            `trim`.
+        angular_speed: below half of which poses rest, > 0, rad/s; by default as for `speed`.
         rate: of the new samples that `sample_evenly` makes, > 0, Hz; None keeps the samples.
         smoothing: window of `smooth_motion`, > 0, s, for which the samples are evenly spaced first,
             without a rate at that of the median step. None does not smooth.
@@ -103,16 +110,19 @@ def clean(
     motion = replace(kept, events=events.clipped(kept.events, kept.times)).motion()
     pauses = rests(
         motion,
-        speed=check.number(speed, "speed", above=0.0),
-        angular_speed=check.number(angular_speed, "angular_speed", above=0.0),
+        speed=speed,
+        angular_speed=angular_speed,
         pause=check.number(pause, "pause", above=0.0),
     )
     left = motion
     if longest_pause is not None:
         longest = check.number(longest_pause, "longest_pause", above=0.0)
         left = _shortened(motion, pauses, longest)
-    hertz = _rate(left, rate, window)
-    result = _resampled(Demonstration(left, kept.name), hertz, window)
+    moving = trim(
+        Demonstration(left, kept.name), rest=rest, speed=speed, angular_speed=angular_speed
+    )
+    hertz = _rate(moving.motion, rate, window)
+    result = _resampled(moving, hertz, window)
     return result, CleaningReport(
         read=len(raw.times),
         left=len(result.motion.times),
@@ -120,6 +130,7 @@ def clean(
         gaps=tuple(gaps),
         pauses=tuple(pauses),
         removed=motion.duration - left.duration,
+        still=standstill(left, moving.motion),
         rate=hertz,
         smoothing=smoothing,
     )

@@ -32,6 +32,7 @@ class CleaningReport(Drawn):
         gaps: start and end of the times without samples.
         pauses: start and end of the times without motion.
         removed: s of pauses cut out.
+        still: s of standing still left out before and after the motion.
         rate: Hz of the new samples, or None.
         smoothing: s, window of the smoothing, or None.
     """
@@ -47,6 +48,7 @@ class CleaningReport(Drawn):
     gaps: tuple[Span, ...] = ()
     pauses: tuple[Span, ...] = ()
     removed: float = 0.0
+    still: Span = (0.0, 0.0)
     rate: float | None = None
     smoothing: float | None = None
 
@@ -93,6 +95,12 @@ class CleaningReport(Drawn):
         ]
         if self.removed:
             lines.append(f"{self.removed:.3g} s of pauses cut out")
+        if any(self.still):
+            before, after = self.still
+            lines.append(
+                f"{before:.3g} s of standing still before the motion and {after:.3g} s after it "
+                "left out"
+            )
         if self.rate is not None:
             lines.append(f"resampled at {self.rate:.6g} Hz")
         if self.smoothing is not None:

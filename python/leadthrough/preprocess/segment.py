@@ -9,29 +9,29 @@ import numpy as np
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.motion import Demonstration, MotionT, as_demonstration
-from leadthrough.preprocess.activity import HYSTERESIS, activity, runs
+from leadthrough.preprocess.activity import HYSTERESIS, runs, speeds_of, thresholds_of
 
 
 def segment(
     demonstration: Demonstration[MotionT] | MotionT,
     *,
-    speed: float = 0.01,
-    angular_speed: float = 0.05,
+    speed: float | None = None,
+    angular_speed: float | None = None,
     pause: float = 0.3,
     shortest: float = 0.5,
 ) -> list[Demonstration[MotionT]]:
     """The motions in a recording, in order; an empty list where nothing moves.
 
     A motion starts where one of the speeds exceeds its threshold, and ends where both stay below
-    half of theirs for a pause. Speeds are means over the length of a pause, so that noise and
+    half of theirs for a pause. Speeds are slopes over the length of a pause, so that noise and
     single outliers neither start nor end a motion. Each motion keeps its recorded times,
     its events and half a pause before and after, and is named after the recording and its number.
 
     Args:
         demonstration: the recording; a motion stands for a demonstration of it.
         speed: threshold, > 0, m/s, or the unit of the positions per second; of joints the norm over
-            all of them, rad/s.
-        angular_speed: threshold of poses, > 0, rad/s.
+            all of them, rad/s. By default it follows from the recording, as for `trim`.
+        angular_speed: threshold of poses, > 0, rad/s; by default as for `speed`.
         pause: s, > 0.
         shortest: s, > 0; shorter motions are left out.
 
@@ -39,12 +39,11 @@ def segment(
         InvalidInput: if an argument is of the wrong type or not positive.
     """
     shown = as_demonstration(demonstration, "demonstration")
-    check.number(speed, "speed", above=0.0)
-    check.number(angular_speed, "angular_speed", above=0.0)
     window = check.number(pause, "pause", above=0.0)
     least = check.number(shortest, "shortest", above=0.0)
     motion = shown.motion
-    moving = activity(motion, speed=speed, angular_speed=angular_speed, window=window)
+    speeds = speeds_of(motion, window)
+    moving = speeds.in_multiples_of(thresholds_of(speeds, speed, angular_speed))
     pieces = [
         piece
         for piece in _pieces(motion.times, moving, window)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -96,7 +97,7 @@ def summarize(recording: Recording) -> RecordingSummary:
         "events": tuple(event.name for event in recording.events),
     }
     try:
-        demonstration, report = clean(recording, longest_gap=_ANY_GAP)
+        demonstration, report = clean(recording, longest_gap=_ANY_GAP, rest=math.inf)
     except InvalidInput as error:
         nothing: dict[str, Any] = {"duration": 0.0, "rate": 0.0, "lower": (), "upper": ()}
         return RecordingSummary(**known, **nothing, report=None, remarks=(str(error),))
