@@ -78,7 +78,8 @@ def raised(covariance: Float64Array, basis: Basis, least: float) -> Float64Array
     blocks = np.einsum("iaib->iab", covariance.reshape(size, basis.count, size, basis.count))
     missing = np.maximum(least**2 - ((rows @ blocks) * rows).sum(axis=2), 0.0)
     added = _profiled(basis, missing[:, [0, -1]], _left_between(basis, missing))
-    return covariance + added + smooth_prior(basis, np.full(size, _EVERYWHERE * least))
+    everywhere = smooth_prior(basis, np.full(size, _EVERYWHERE * least))
+    return np.asarray(covariance + added + everywhere)
 
 
 def _left_between(basis: Basis, variances: Float64Array) -> Float64Array:
@@ -93,7 +94,7 @@ def _left_between(basis: Basis, variances: Float64Array) -> Float64Array:
     left = variances
     if not basis.is_rhythmic:
         left = variances - variances[:, [0, -1]] @ _ramps(basis) ** 2
-    return np.sqrt(np.maximum(left, 0.0) / np.maximum(own, _LEAST_OWN))
+    return np.asarray(np.sqrt(np.maximum(left, 0.0) / np.maximum(own, _LEAST_OWN)))
 
 
 def _profiled(basis: Basis, ends: Float64Array, profile: Float64Array) -> Float64Array:
