@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import logsumexp
 
 from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
@@ -70,7 +71,7 @@ class Seen:
         self._variances = 1.0 / (1.0 / self._factors[:, None] + self._precisions)
         gained = self._variances @ self._pulled**2
         volume = np.log1p(self._factors[:, None] * self._precisions).sum(axis=1)
-        scores = np.log(believed) + 0.5 * (gained - volume)
+        scores = believed + 0.5 * (gained - volume)
         likely = np.exp(scores - scores.max())
         constant = (residual**2).sum() + len(values) * np.log(2.0 * np.pi * noise).sum()
         self.evidence = float(scores.max() + np.log(likely.sum()) - 0.5 * constant)
@@ -95,8 +96,8 @@ class Seen:
 
 
 def _believed(freedom: float) -> tuple[Float64Array, Float64Array]:
-    """Factors (n,) of the covariance, and their probabilities before anything is seen."""
+    """Factors (n,) of the covariance, and the log of their probabilities before anything is seen."""
     if np.isinf(freedom):
-        return np.ones(1), np.ones(1)
-    density = np.exp(-0.5 * freedom * (_FACTORS + np.exp(-_FACTORS) - 1.0))
-    return np.exp(_FACTORS), density / density.sum()
+        return np.ones(1), np.zeros(1)
+    log_density = -0.5 * freedom * (_FACTORS + np.exp(-_FACTORS) - 1.0)
+    return np.exp(_FACTORS), log_density - logsumexp(log_density)
