@@ -169,7 +169,7 @@ def _postures(
         what = list(names) or posture.positions.shape[1]
         raise InvalidInput(
             f"posture: expected the joints {list(chain.joint_names)}, got {what}; "
-            "`Arm.joints_of` picks the arm's joints of a recording"
+            "in Python, Arm.joints_of picks the arm's joints of a recording"
         )
     at = posture.times[0] + normalised_times(times) * posture.duration
     return np.column_stack([np.interp(at, posture.times, column) for column in posture.positions.T])

@@ -54,8 +54,8 @@ def _refuse_path(name: str) -> None:
     if name.lower().endswith((".urdf", ".xml", ".xacro")) or "/" in name or "\\" in name:
         names = ", ".join(repr(folder.name) for folder in _folders())
         raise InvalidInput(
-            f"name: expected the name of a robot such as {names}, got {name!r}; read a file with "
-            f"Arm.from_urdf({name!r})"
+            f"name: expected the name of a robot such as {names}, got {name!r}; in Python, read a "
+            f"file with Arm.from_urdf({name!r})"
         )
 
 
@@ -84,8 +84,8 @@ def _of_example_robot_data(name: str) -> RobotFiles | None:
     if len(found) > 1:
         listed = ", ".join(map(str, found))
         raise InvalidInput(
-            f"name: example-robot-data has several robots {name!r}; read one of them with "
-            f"Arm.from_urdf: {listed}"
+            f"name: example-robot-data has several robots {name!r}; name one of their files: "
+            f"{listed}; in Python, read it with Arm.from_urdf"
         )
     return RobotFiles(found[0]) if found else None
 

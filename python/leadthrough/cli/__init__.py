@@ -38,8 +38,8 @@ def _version(wanted: bool) -> None:
 app = typer.Typer(
     cls=Commands, no_args_is_help=True, pretty_exceptions_enable=False, epilog=_ENDINGS
 )
-for command in (demo, example, info, clean, learn, plan, retime, check, view, experiment):
-    app.command(cls=Command)(command)
+for each in (demo, example, info, clean, learn, plan, retime, check, view, experiment):
+    app.command(cls=Command)(each)
 
 
 @app.callback()

@@ -16,6 +16,23 @@ from leadthrough.errors import LeadthroughError
 _UsageError: Any = typer.BadParameter.__bases__[0]
 
 
+def words(ctx: Any) -> dict[str, str]:
+    """What the user wrote for the library's arguments: the option, or the profile's key.
+
+    Args:
+        ctx: of the command that is running.
+    """
+    found: dict[str, str] = {}
+    for parameter in ctx.command.params:
+        option = parameter.opts[0]
+        if option == f"--{parameter.name.replace('_', '-')}":
+            said = option
+            if _source(ctx, parameter.name) == "DEFAULT_MAP":
+                said = found[option] = f"{profile.FILE}: {parameter.name}"
+            found[parameter.name] = found[f"{parameter.name}s"] = said
+    return found
+
+
 class Command(TyperCommand):
     """A command that takes options from the profile and tells errors in the options' names."""
 
@@ -42,7 +59,7 @@ class Command(TyperCommand):
         except (LeadthroughError, OSError) as error:
             if ctx.find_root().params.get("debug"):
                 raise
-            raise errors.ending(error, _words(ctx), as_json=_wants_json(ctx)) from None
+            raise errors.ending(error, words(ctx), as_json=_wants_json(ctx)) from None
 
 
 class Commands(TyperGroup):
@@ -86,16 +103,3 @@ def _source(ctx: Any, name: str) -> str | None:
     """Where a parameter's value comes from: "COMMANDLINE", "DEFAULT_MAP" (the profile), ..."""
     source = ctx.get_parameter_source(name)
     return None if source is None else source.name
-
-
-def _words(ctx: Any) -> dict[str, str]:
-    """What the user wrote for the library's arguments: the option, or the profile's key."""
-    words: dict[str, str] = {}
-    for parameter in ctx.command.params:
-        option = parameter.opts[0]
-        if option == f"--{parameter.name.replace('_', '-')}":
-            said = option
-            if _source(ctx, parameter.name) == "DEFAULT_MAP":
-                said = words[option] = f"{profile.FILE}: {parameter.name}"
-            words[parameter.name] = words[f"{parameter.name}s"] = said
-    return words

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import re
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 
 import typer
@@ -25,6 +25,8 @@ from leadthrough.errors import (
 
 # The input was right, and there is no such motion.
 _NO = (FitError, IkFailure, LimitsInfeasible, NoContinuousLogarithm, NoPath)
+# The last words of some messages, for those who program: "; in Python, Arm.joints_of picks ...".
+_IN_PYTHON = re.compile(r"[,;:]?\s+in\s+Python\b.*", re.DOTALL)
 _OPTION = re.compile(r"(?:^|: )(--[a-z-]+)")
 
 
@@ -49,13 +51,12 @@ def in_words(message: str, words: Mapping[str, str]) -> str:
     """The message with the command line's words where the library names its arguments.
 
     "rate: needed" becomes "--rate: needed", angles='degrees' becomes --angles degrees, and
-    columns['joints'] becomes --column joints.
+    columns['joints'] becomes --column joints. What follows "in Python" is left out.
 
     Args:
         message: of an error of the library.
         words: as for `naming`.
     """
-    argument = rf"(?<![\w-])(?P<name>{'|'.join(map(re.escape, words)) or '(?!)'})"
 
     def word(found: re.Match[str]) -> str:
         said = words[found["name"]]
@@ -63,10 +64,18 @@ def in_words(message: str, words: Mapping[str, str]) -> str:
         # An option takes its value after a blank; a parameter of a model is --set NAME=VALUE.
         return said if value is None else f"{said}{'=' if ' ' in said else ' '}{value}"
 
+    argument = _any_of(words)
+    message = _IN_PYTHON.sub("", message)
     message = re.sub(rf"(?:^|(?<=: )){argument}(?=: |\[\d+\]: )", word, message)
-    message = re.sub(rf"(?<=\bset ){argument}\b(?!=)", word, message)
     message = re.sub(rf"{argument}\['(?P<value>\w+)'\]", word, message)
-    return re.sub(rf"{argument}=(?P<quote>['\"]?)(?P<value>[\w.+-]+)(?P=quote)", word, message)
+    message = re.sub(rf"{argument}=(?P<quote>['\"]?)(?P<value>[\w.+-]+)(?P=quote)", word, message)
+    message = re.sub(rf"(?<=[ ;,]set ){argument}\b", word, message)
+    # Nobody writes an underscore but to name an argument.
+    return re.sub(rf"{_any_of(name for name in words if '_' in name)}\b", word, message)
+
+
+def _any_of(names: Iterable[str]) -> str:
+    return rf"(?<![\w-])(?P<name>{'|'.join(map(re.escape, names)) or '(?!)'})"
 
 
 def ending(error: Exception, words: Mapping[str, str], *, as_json: bool) -> typer.Exit:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -53,10 +54,13 @@ def info(
     import json
 
     from leadthrough.cli import parse, reading
+    from leadthrough.cli import robot as robots
     from leadthrough.io import request
     from leadthrough.show.info import describe
 
     found = reading.listed(files, also=_URDF)
+    if not any(file.suffix.lower() in _URDF for file in found):
+        robots.refuse("a URDF among the files", limits=limits, base=base, tip=tip)
     if write_limits is not None:
         limits = _write_limits(ctx, found, write_limits)
     asked = request.checked(
@@ -68,13 +72,29 @@ def info(
         frames=None,
     )
     given = {"limits": limits, "base": base, "tip": tip}
-    told = [describe(file, request=asked, **_arm_options(ctx, file, given)) for file in found]
+    told = [
+        _in_words(ctx, describe(file, request=asked, **_arm_options(ctx, file, given)))
+        for file in found
+    ]
     if as_json:
         print(json.dumps([each.as_dict() for each in told], allow_nan=False))
         return
     print("\n\n".join(map(str, told)))
     if len({each.kind for each in told}) == 1:
         chain.hint(*_next(ctx, told, write_limits))
+
+
+def _in_words(ctx: typer.Context, found: FileInfo) -> FileInfo:
+    """The summary, whose remarks name options."""
+    from leadthrough.cli import command, errors
+
+    words = command.words(ctx)
+    recordings = tuple(
+        replace(each, remarks=tuple(errors.in_words(text, words) for text in each.remarks))
+        for each in found.recordings
+    )
+    problem = found.problem and errors.in_words(found.problem, words)
+    return replace(found, recordings=recordings, problem=problem)
 
 
 def _arm_options(

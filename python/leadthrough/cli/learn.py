@@ -94,12 +94,13 @@ def learn(
     demonstrations = reading.trimmed(
         _chosen(demonstrations, number), rest=rest, speed=speed, angular_speed=angular_speed
     )
-    robots.refuse_without(robot, limits=limits, base=base, tip=tip)
+    if robot is None:
+        robots.refuse("--robot", limits=limits, base=base, tip=tip)
     if robot is not None:
         demonstrations = _as_poses(demonstrations, robot, limits, base, tip)
     kind = model or _USUAL[type(demonstrations[0].motion).__name__]
     chosen = _model(kind, parse.parameters(parameter or []))
-    with tables.busy("learning"), errors.naming(**_as_parameters(chosen), path="--out"):
+    with tables.busy("learning"), errors.naming(**options.of_model(chosen), path="--out"):
         skill = chosen.fit(demonstrations)
         skill.save(out)
     found = {"skill": str(out), "model": kind, "demonstrations": [d.name for d in demonstrations]}
@@ -129,11 +130,6 @@ def _model(name: str, parameters: dict[str, Any]) -> Model:
     except InvalidInput as error:
         raise InvalidInput(f"--set {error}") from None
     return made
-
-
-def _as_parameters(model: Model) -> dict[str, str]:
-    """What the command line calls the parameters of a model."""
-    return {name: f"--set {name}" for name in type(model).__dataclass_fields__}  # type: ignore[attr-defined]
 
 
 def _chosen(demonstrations: list[Demonstration], numbers: list[int] | None) -> list[Demonstration]:

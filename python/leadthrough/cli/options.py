@@ -103,3 +103,12 @@ Pause = Annotated[
     float | None,
     typer.Option(help="Shortest standing still that counts as a pause, in s."),
 ]
+
+
+def of_model(model: object) -> dict[str, str]:
+    """What the command line calls the parameters of a model, by their names.
+
+    Args:
+        model: a dataclass whose fields are the parameters.
+    """
+    return {name: f"--set {name}" for name in getattr(type(model), "__dataclass_fields__", ())}

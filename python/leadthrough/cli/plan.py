@@ -81,9 +81,11 @@ def plan(
     }
     # What a skill has no say in is left out, so that it need not refuse it.
     asked = {name: value for name, value in asked.items() if value is not None}
-    robots.refuse_without(robot, limits=limits, base=base, tip=tip, posture=posture)
+    if robot is None:
+        robots.refuse("--robot", limits=limits, base=base, tip=tip, posture=posture)
     _warn_of_novelty(learned, asked)
-    with tables.busy("planning"):
+    at_learning = options.of_model(getattr(learned, "model", None))
+    with tables.busy("planning"), errors.naming(**at_learning):
         motion: Motion = learned.generate(dt=dt, **asked)
         if isinstance(motion, JointTrajectory):
             motion = differentiate(motion)

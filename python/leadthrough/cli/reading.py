@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-import re
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from leadthrough import io, preprocess
+from leadthrough.cli import errors
 from leadthrough.errors import InvalidInput
 from leadthrough.io import formats
 from leadthrough.io.headers import AngleUnit, QuaternionOrder
@@ -186,10 +186,8 @@ def saved_skill(file: Path) -> Skill:
     """
     if not file.is_file():
         raise InvalidInput(f"{file}: no such file")
-    try:
+    with errors.naming(path=str(file)):
         return load_skill(file)
-    except InvalidInput as error:
-        raise InvalidInput(re.sub("^path: ", f"{file}: ", str(error))) from None
 
 
 def check_output(out: Path, format: str | None = None) -> None:
@@ -198,7 +196,5 @@ def check_output(out: Path, format: str | None = None) -> None:
     Raises:
         InvalidInput: if neither the format nor the file's suffix names one that can be written.
     """
-    try:
+    with errors.naming(path="--out"):
         formats.to_write(out, format)
-    except InvalidInput as error:
-        raise InvalidInput(re.sub("^path: ", "--out: ", str(error))) from None

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from dataclasses import replace
 from pathlib import Path
 
 from leadthrough.arm import Arm
+from leadthrough.cli import errors
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, Motion
 
@@ -22,25 +22,26 @@ def load(
         InvalidRobot: if the URDF describes no arm.
     """
     is_path = "/" in name or name.lower().endswith((".urdf", ".xml"))
-    try:
+    with errors.naming(name="--robot", path_or_xml="--robot"):
         if is_path:
             return Arm.from_urdf(Path(name), base=base, tip=tip, limits=limits)
         return Arm.load(name, base=base, tip=tip, limits=limits)
-    except InvalidInput as error:
-        raise InvalidInput(re.sub("^(name|path_or_xml): ", "--robot: ", str(error))) from None
 
 
-def refuse_without(name: str | None, **given: object) -> None:
-    """Refuses options that need a robot if there is none.
+def refuse(need: str, **given: object) -> None:
+    """Refuses options that need something that is not there.
+
+    Args:
+        need: what they need, such as "--robot".
+        given: the options' values, by their names; None where they were not given.
 
     Raises:
-        InvalidInput: if `name` is None and an option is given.
+        InvalidInput: if an option is given.
     """
     for option, value in given.items():
-        if name is None and value is not None:
-            raise InvalidInput(
-                f"--{option}: only used with --robot; add --robot or leave it out, got {value}"
-            )
+        if value is not None:
+            name = option.replace("_", "-")
+            raise InvalidInput(f"--{name}: only used with {need}; add it or leave --{name} out")
 
 
 def own_joints(arm: Arm, motion: Motion, name: str) -> JointTrajectory:

@@ -38,7 +38,9 @@ def view(
         Path | None,
         typer.Option(help="Write the page to this HTML file instead of opening a browser."),
     ] = None,
-    port: Annotated[int, typer.Option(help="Port of the live page; 0 picks a free one.")] = 0,
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, help="Port of the live page; 0 picks a free one.")
+    ] = 0,
 ) -> None:
     """Show an arm and its motion, live in a browser or as an HTML file that needs no server.
 
@@ -46,7 +48,7 @@ def view(
 
     leadthrough view --robot panda --skill skill.npz --obstacle box:0.1,0.1,0.4@0.5,0,0.2
     """
-    from leadthrough.cli import parse, reading
+    from leadthrough.cli import errors, parse, reading
     from leadthrough.cli import robot as robots
     from leadthrough.io import read_demonstrations
     from leadthrough.motion import JointTrajectory
@@ -57,18 +59,21 @@ def view(
     if isinstance(asked, JointTrajectory):
         asked = robots.own_joints(arm, asked, str(motion))
     shown = []
-    if demonstrations:
+    if not demonstrations:
+        robots.refuse("--demonstrations", column=column, rate=rate)
+    else:
         named = parse.columns(column or [])
         shown = read_demonstrations(reading.listed(demonstrations), columns=named, rate=rate)
-    viewing.view(
-        arm,
-        asked,
-        demonstrations=shown,
-        skill=None if skill is None else reading.saved_skill(skill),
-        goal=None if goal is None else parse.place(goal, "--goal"),
-        obstacles=[parse.obstacle(text) for text in obstacle or ()],
-        html=html,
-        port=port,
-    )
+    with errors.naming(path="--html"):
+        viewing.view(
+            arm,
+            asked,
+            demonstrations=shown,
+            skill=None if skill is None else reading.saved_skill(skill),
+            goal=None if goal is None else parse.place(goal, "--goal"),
+            obstacles=[parse.obstacle(text) for text in obstacle or ()],
+            html=html,
+            port=port,
+        )
     if html is not None:
         print(f"wrote {html}: open it in a browser")

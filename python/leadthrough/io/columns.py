@@ -75,7 +75,7 @@ def check_complete(table: Table, request: Request) -> None:
                 raise InvalidInput(
                     f"{table.place(int(wrong[0, 0]))}, column {name!r}: expected a finite number, "
                     f"got {values[tuple(wrong[0])]}; `leadthrough clean` leaves such samples out, "
-                    "as do io.read_recordings and preprocess.clean"
+                    "in Python io.read_recordings and preprocess.clean"
                 )
 
 

@@ -28,7 +28,8 @@ def checked_joint_names(trajectory: JointTrajectory) -> Columns:
     if not names:
         raise InvalidInput(
             "trajectory: expected joint_names, which the robot needs, got none; "
-            "set JointTrajectory(..., joint_names=arm.joint_names)"
+            "`leadthrough plan --robot` writes them, "
+            "in Python JointTrajectory(..., joint_names=arm.joint_names)"
         )
     if len(set(names)) != len(names) or not all(name and name.isprintable() for name in names):
         raise InvalidInput(

@@ -60,7 +60,8 @@ def smoothed_over(
     step = motion.duration / len(steps)
     if np.abs(steps - step).max() > _UNEVEN * step:
         raise InvalidInput(
-            "demonstration: expected evenly spaced times; preprocess.sample_evenly makes them"
+            "demonstration: expected evenly spaced times; `leadthrough clean --new-rate` makes "
+            "them, in Python preprocess.sample_evenly"
         )
     length = 2 * round(min(span / step, 2.0 * len(steps)) / 2.0) + 1
     if not _FEWEST <= length <= len(motion.times):

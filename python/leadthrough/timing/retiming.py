@@ -105,12 +105,13 @@ def retime(
 def _check_limits(limits: JointLimits) -> None:
     if not isinstance(limits, JointLimits):
         raise InvalidInput(f"limits: expected JointLimits, got {type(limits).__name__}")
-    for name in ("acceleration", "jerk"):
-        if getattr(limits, name) is None:
-            raise InvalidInput(
-                f"limits: expected {name} limits, got none; a file that states them:\n"
-                f"{limits.template()}"
-            )
+    missing = [name for name in ("acceleration", "jerk") if getattr(limits, name) is None]
+    if missing:
+        raise InvalidInput(
+            f"limits: expected {' and '.join(missing)} limits, got none; "
+            "`leadthrough info --write-limits` writes a file with assumed ones; in Python, "
+            f"Arm.from_urdf takes a file of limits:\n{limits.template()}"
+        )
 
 
 def _timed(

@@ -15,6 +15,7 @@ WORDS = {
     "format": "--format",
     "limits": "leadthrough.toml: limits",
     "orientation": "--set orientation",
+    "longest_gap": "--longest-gap",
 }
 
 
@@ -31,6 +32,15 @@ WORDS = {
         ("a corporate: rate", "a corporate: rate"),
         ("accelerate: the rate is 3", "accelerate: the rate is 3"),
         ("--rate: needed", "--rate: needed"),
+        (
+            "no velocities; `leadthrough retime` adds them, in Python differentiate",
+            "no velocities; `leadthrough retime` adds them",
+        ),
+        ("limits: none; in Python, from a file:\n[joints]", "leadthrough.toml: limits: none"),
+        (
+            "recording: a gap; allow it with a longest_gap above 3 s",
+            "recording: a gap; allow it with a --longest-gap above 3 s",
+        ),
     ],
 )
 def test_arguments_of_the_library_become_options(message, said):

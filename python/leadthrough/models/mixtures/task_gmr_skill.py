@@ -116,8 +116,8 @@ class TaskGMRSkill(Archived, Generic[MotionT_co]):
         """
         if not self.at_ends:
             raise UnsupportedQuery(
-                "frames: this skill was fitted with frames of its own; "
-                "call skill.at(frames).generate() with the frames of the situation"
+                "frames: this skill was fitted with frames of its own and needs those of the "
+                "situation, in Python skill.at(frames).generate()"
             )
         usual = self._between(self.ends, duration, dt, obstacles)
         if start is None and goal is None:

@@ -1,0 +1,128 @@
+"""Every option of every command with a wrong value: the error names the option as it was typed."""
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+import typer
+from cli.command_line import run
+
+from leadthrough import cli
+
+COMMANDS = typer.main.get_command(cli.app).commands
+ENOUGH = {
+    "demo": [],
+    "example": ["reach", "elsewhere"],
+    "info": ["shown"],
+    "clean": ["shown/reach1.csv", "-o", "out.csv"],
+    "learn": ["shown/reach1.csv", "-o", "out.npz"],
+    "plan": ["skill.npz", "-o", "out.json"],
+    "retime": ["shown/reach1.csv", "-o", "out.json"],
+    "check": ["shown/reach1.csv"],
+    "view": ["shown/reach1.csv", "--html", "out.html"],
+    "experiment": ["ur3"],
+    **{("info", name): ["ur3.urdf"] for name in ("base", "limits", "tip", "write_limits")},
+    ("info", "topic"): ["shown.mcap"],
+    ("clean", "topic"): ["shown.mcap", "-o", "out.csv"],
+    ("learn", "topic"): ["shown.mcap", "-o", "out.npz"],
+}
+# What is wrong for an option in any command, and in one of them.
+WRONG = {
+    "angles": "grad",
+    "base": "nose",
+    "column": "joints",
+    "demonstrations": "none.csv",
+    "duration": "-1",
+    "dt": "0",
+    "format": "pdf",
+    "goal": "a,b,c",
+    "html": "nowhere/out.html",
+    "jobs": "0",
+    "limits": "none.toml",
+    "longest_gap": "-1",
+    "longest_pause": "-1",
+    "margin": "-1",
+    "model": "magic",
+    "move_goal": "1,2",
+    "move_start": "1,2",
+    "new_rate": "0",
+    "number": "7",
+    "obstacle": "cube:1@0,0,0",
+    "out": "out.pdf",
+    "parameter": "magic=3",
+    "path_tolerance": "-1",
+    "port": "-1",
+    "posture": "1,2",
+    "pause": "-1",
+    "quaternions": "zyxw",
+    "rate": "0",
+    "rest": "-1",
+    "robot": "r2d2",
+    "seed": "-1",
+    "skill": "none.npz",
+    "smoothing": "-1",
+    "speed": "-1",
+    "angular_speed": "-1",
+    "start": "a,b,c",
+    "tip": "nose",
+    "tip_speed": "0",
+    "topic": "/none",
+    "write_limits": "ur3.toml",
+    ("demo", "motion"): "Scribble",
+    ("demo", "out"): "ur3.toml/out",
+    ("experiment", "out"): "ur3.toml/out",
+    ("learn", "out"): "nowhere/out.npz",
+}
+# Without a wrong value; and files, which the error names instead.
+ANY = {"help", "as_json", "clean", "cut", "keep_timing", "torques", "quick"}
+NAMED_BY_THEIR_VALUE = {
+    ("view", "demonstrations"),
+    ("view", "skill"),
+    ("demo", "out"),
+    ("experiment", "out"),
+}
+# Words of Python: keywords with values, calls, names in modules.
+PYTHON = re.compile(
+    r"(?<![\w./:-])[a-z_]+=\S|\w\(\)|\b(lt|io|timing|preprocess|arm|Arm|skill)\.[a-z]|in Python"
+)
+CASES = [
+    (name, parameter)
+    for name, command in COMMANDS.items()
+    for parameter in command.params
+    if parameter.param_type_name == "option" and parameter.name not in ANY
+]
+
+
+@pytest.fixture(scope="module")
+def example(tmp_path_factory):
+    """A folder with the example and a skill."""
+    folder = tmp_path_factory.mktemp("example")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        run("example", "reach", ".")
+        run("learn", "shown", "-o", "skill.npz")
+        run("retime", "shown/reach1.csv", "--path-tolerance", "0.01", "-o", "shown.mcap")
+    return folder
+
+
+@pytest.fixture
+def folder(example, tmp_path, monkeypatch):
+    shutil.copytree(example, tmp_path, dirs_exist_ok=True)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("name", "parameter"), CASES, ids=[f"{name} {each.opts[0]}" for name, each in CASES]
+)
+def test_an_error_names_the_option(folder, name, parameter):
+    wrong = WRONG.get((name, parameter.name), WRONG.get(parameter.name))
+    assert wrong is not None, f"{name} {parameter.opts[0]}: add a wrong value to WRONG"
+    words = [name, *ENOUGH.get((name, parameter.name), ENOUGH[name])]
+    result = run(*words, f"{parameter.opts[0]}={wrong}", code=2)
+    said = " ".join(re.sub("[│╭╮╰╯─]", " ", result.stderr).split())
+    by_value = (name, parameter.name) in NAMED_BY_THEIR_VALUE
+    assert (wrong if by_value else parameter.opts[0]) in said
+    assert not PYTHON.search(said), said
+    assert not list(Path().glob("out.*"))
