@@ -91,12 +91,14 @@ def learn(
         demonstrations = reading.cut(
             demonstrations, pause=pause, speed=speed, angular_speed=angular_speed
         )
+    else:
+        robots.refuse("--cut", pause=pause)
     demonstrations = reading.trimmed(
         _chosen(demonstrations, number), rest=rest, speed=speed, angular_speed=angular_speed
     )
     if robot is None:
         robots.refuse("--robot", limits=limits, base=base, tip=tip)
-    if robot is not None:
+    else:
         demonstrations = _as_poses(demonstrations, robot, limits, base, tip)
     kind = model or _USUAL[type(demonstrations[0].motion).__name__]
     chosen = _model(kind, parse.parameters(parameter or []))

@@ -265,8 +265,8 @@ def _check_gaps(gaps: Sequence[Span], longest: float) -> None:
     for start, end in gaps:
         if end - start > longest:
             raise InvalidInput(
-                f"recording: no sample from {start:.6g} to {end:.6g} s; allow it with a "
-                f"longest_gap above {longest:g} s, or cut it there, in Python with "
+                f"recording: no sample from {start:.6g} to {end:.6g} s; allow it with "
+                f"longest_gap, now {longest:g} s, or cut it there, in Python with "
                 "preprocess.cut_at_gaps"
             )
 
