@@ -107,14 +107,14 @@ install_package() {
 run_cpp_tests() {
   cmake build/core -DLEADTHROUGH_TESTS=ON >/dev/null
   cmake --build build/core -- --quiet
-  ctest --test-dir build/core --output-on-failure --no-tests=error
+  ctest --test-dir build/core --parallel "$(nproc)" --output-on-failure --no-tests=error
 }
 
 # run_sanitized_tests PRESET CMAKE_OPTION...
 run_sanitized_tests() {
   [ -f "build/$1/build.ninja" ] || cmake --preset "$@" >/dev/null
   cmake --build --preset "$1" -- --quiet
-  ctest --preset "$1"
+  ctest --preset "$1" --parallel "$(nproc)"
 }
 
 # Calls every binding with AddressSanitizer; Python itself leaks by design.
@@ -124,7 +124,7 @@ run_sanitized_bindings() {
   core=$(echo "$PWD"/build/asan/cpp/bind/_core*.so)
   LD_PRELOAD="$runtimes" ASAN_OPTIONS=detect_leaks=0 LEADTHROUGH_CORE="$core" \
     PYTHONPATH=tests/python .venv/bin/python -m pytest -q -p sanitized_core -p no:cacheprovider \
-    tests/python/test_core.py
+    tests/python/test_core.py tests/python/bindings
 }
 
 # A wheel of the sources as they are, with the native libraries and all licences inside.

@@ -83,6 +83,9 @@ Vector offset_at(const Path& path, Vector (*value)(const Path&)) {
   return path.empty() ? Vector(Vector::Zero(3)) : value(path);
 }
 
+// Whether a path is one of rotation vectors.
+bool is_offset(const Path& path) { return path.empty() || path.coefficients.cols() == 3; }
+
 Path corrected(const Path& path, double phase, double until, const VectorIn& value,
                const VectorIn& slope, const VectorIn& shift) {
   require(phase < until && value.size() == shift.size() && slope.size() == shift.size());
@@ -123,7 +126,7 @@ PointState make_point_state(std::shared_ptr<Course> course, const VectorIn& valu
 PoseState make_pose_state(std::shared_ptr<Course> course, const VectorIn& value,
                           const VectorIn& slope, double phase, double duration,
                           std::shared_ptr<Curve> curve, std::shared_ptr<Path> offset) {
-  require(value.size() == 6 && (offset->empty() || offset->coefficients.cols() == 3));
+  require(value.size() == 6 && is_offset(*offset));
   return {make_point_state(std::move(course), value, slope, phase, duration), std::move(curve),
           std::move(offset)};
 }
@@ -238,7 +241,7 @@ State step_around(const State& before, const Forces& forces, double dt,
 
 so3::Quaternions orientations(const Curve& curve, const Path& offset, const VectorIn& phases,
                               const RowsIn& values) {
-  require(phases.size() == values.rows() && values.cols() >= 3);
+  require(phases.size() == values.rows() && values.cols() >= 3 && is_offset(offset));
   const py::gil_scoped_release release;
   return dmp::orientations_at(curve, offset, phases, values);
 }
@@ -247,6 +250,7 @@ so3::Quaternions orientations(const Curve& curve, const Path& offset, const Vect
 py::tuple coordinates(const Curve& curve, const Path& offset, double phase,
                       const so3::Quaternion& orientation, const so3::Vector3& velocity,
                       const so3::Vector3& near) {
+  require(is_offset(offset));
   const dmp::Coordinates result =
       dmp::coordinates_of(curve, offset, phase, {orientation, velocity}, near);
   return py::make_tuple(result.value, result.slope);
@@ -305,7 +309,7 @@ void bind_dmp(py::module_& module) {
 
   py::class_<PointState> point(module, "PointState");
   point
-      .def(py::init(&make_point_state), py::arg("course"), py::arg("value").noconvert(),
+      .def(py::init(&make_point_state), py::arg("course").none(false), py::arg("value").noconvert(),
            py::arg("slope").noconvert(), py::arg("phase"), py::arg("duration"))
       .def_property_readonly("position", [](const PointState& s) { return s.state.value; })
       .def_property_readonly(
@@ -313,9 +317,9 @@ void bind_dmp(py::module_& module) {
   bind_common(point);
 
   py::class_<PoseState> pose(module, "PoseState");
-  pose.def(py::init(&make_pose_state), py::arg("course"), py::arg("value").noconvert(),
-           py::arg("slope").noconvert(), py::arg("phase"), py::arg("duration"), py::arg("curve"),
-           py::arg("offset"))
+  pose.def(py::init(&make_pose_state), py::arg("course").none(false), py::arg("value").noconvert(),
+           py::arg("slope").noconvert(), py::arg("phase"), py::arg("duration"),
+           py::arg("curve").none(false), py::arg("offset").none(false))
       .def_property_readonly(
           "position", [](const PoseState& s) { return so3::Vector3(s.state.value.head<3>()); })
       .def_property_readonly(

@@ -24,6 +24,8 @@ using CArray = py::array_t<T, py::array::c_style>;
 
 // Arrays have 2 or 3 axes and `spacing` as many numbers; a 2D grid gets a first axis of one cell.
 Grid grid_of(const py::array& cells, const std::vector<double>& spacing) {
+  require((spacing.size() == 2 || spacing.size() == 3) &&
+          cells.ndim() == static_cast<py::ssize_t>(spacing.size()) && cells.size() > 0);
   Grid grid;
   const std::size_t lead = 3 - spacing.size();
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -34,7 +36,8 @@ Grid grid_of(const py::array& cells, const std::vector<double>& spacing) {
   return grid;
 }
 
-Coordinates with_leading_zero(const std::vector<double>& coordinates) {
+Coordinates with_leading_zero(const std::vector<double>& coordinates, std::size_t dimensions) {
+  require(coordinates.size() == dimensions);
   Coordinates result{};
   std::copy_backward(coordinates.begin(), coordinates.end(), result.end());
   return result;
@@ -52,9 +55,15 @@ std::vector<py::ssize_t> shape_of(const py::array& array) {
   return {array.shape(), array.shape() + array.ndim()};
 }
 
-std::vector<Source> sources_at(const CArray<Index>& cells) {
+bool contains(const Grid& grid, Index cell) { return cell >= 0 && cell < grid.size(); }
+
+std::vector<Source> sources_at(const Grid& grid, const CArray<Index>& cells) {
+  require(cells.ndim() == 1);
   std::vector<Source> sources;
-  for (py::ssize_t n = 0; n < cells.size(); ++n) sources.push_back({cells.at(n)});
+  for (py::ssize_t n = 0; n < cells.size(); ++n) {
+    require(contains(grid, cells.at(n)));
+    sources.push_back({cells.at(n)});
+  }
   return sources;
 }
 
@@ -63,7 +72,8 @@ py::array_t<Real> march_one(const CArray<Real>& speed, const std::vector<double>
                             const CArray<Index>& cells, int order, double source_radius,
                             Index stop) {
   const Grid grid = grid_of(speed, spacing);
-  const MarchProblem<Real> problem{speed.data(), sources_at(cells)};
+  require(stop == kNoStop || contains(grid, stop));
+  const MarchProblem<Real> problem{speed.data(), sources_at(grid, cells)};
   std::vector<Real> arrival;
   {
     const py::gil_scoped_release release;
@@ -79,8 +89,11 @@ py::list march_many(const std::vector<CArray<Real>>& speeds, const std::vector<d
                     int threads) {
   const Grid grid = grid_of(speeds.at(0), spacing);
   std::vector<MarchProblem<Real>> problems;
-  for (std::size_t n = 0; n < speeds.size(); ++n)
-    problems.push_back({speeds[n].data(), sources_at(cells.at(n))});
+  require(cells.size() == speeds.size());
+  for (std::size_t n = 0; n < speeds.size(); ++n) {
+    require(shape_of(speeds[n]) == shape_of(speeds[0]));
+    problems.push_back({speeds[n].data(), sources_at(grid, cells[n])});
+  }
   std::vector<std::vector<Real>> arrivals;
   {
     const py::gil_scoped_release release;
@@ -100,17 +113,20 @@ class BoundArrivalField {
                     const CArray<Index>& cells)
       : shape_(shape_of(speed)) {
     const Grid grid = grid_of(speed, spacing);
-    const std::vector<Source> sources = sources_at(cells);
+    const std::vector<Source> sources = sources_at(grid, cells);
     const py::gil_scoped_release release;
     field_ = make_arrival_field(grid, speed.data(), sources);
   }
 
   py::tuple update(const std::vector<Index>& low, const CArray<Real>& speed) {
+    require(low.size() == shape_.size() && shape_of(speed).size() == shape_.size() &&
+            speed.size() > 0);
     Region region{{0, 0, 0}, {1, 1, 1}};
     const std::size_t lead = 3 - low.size();
     for (std::size_t axis = 0; axis < low.size(); ++axis) {
       region.low[lead + axis] = low[axis];
       region.shape[lead + axis] = speed.shape(static_cast<py::ssize_t>(axis));
+      require(low[axis] >= 0 && low[axis] <= shape_[axis] - region.shape[lead + axis]);
     }
     Update update{};
     {
@@ -160,6 +176,7 @@ py::array_t<std::int32_t> label_sources(const CArray<double>& arrival,
                                         const std::vector<double>& spacing,
                                         const std::vector<Index>& cells) {
   const Grid grid = grid_of(arrival, spacing);
+  for (const Index cell : cells) require(contains(grid, cell));
   std::vector<std::int32_t> labels;
   {
     const py::gil_scoped_release release;
@@ -203,13 +220,14 @@ py::tuple follow_down(const CArray<Real>& arrival, const std::vector<double>& sp
                       const std::vector<double>& start, const std::vector<double>& goal,
                       double step) {
   const Grid grid = grid_of(arrival, spacing);
+  const std::size_t dimensions = spacing.size();
+  const Coordinates from = with_leading_zero(start, dimensions);
+  const Coordinates to_cell = with_leading_zero(goal, dimensions);
   Descent descent;
   {
     const py::gil_scoped_release release;
-    descent =
-        descend(grid, arrival.data(), with_leading_zero(start), with_leading_zero(goal), step);
+    descent = descend(grid, arrival.data(), from, to_cell, step);
   }
-  const std::size_t dimensions = spacing.size();
   py::array_t<double> path({descent.path.size(), dimensions});
   double* to = path.mutable_data();
   for (const Coordinates& p : descent.path)
@@ -223,6 +241,7 @@ py::tuple find_directions(const CArray<Real>& arrival, const std::vector<double>
                           const CArray<double>& points) {
   const Grid grid = grid_of(arrival, spacing);
   const std::size_t dimensions = spacing.size();
+  require(points.ndim() == 2 && points.shape(1) == static_cast<py::ssize_t>(dimensions));
   const auto count = static_cast<std::size_t>(points.shape(0));
   py::array_t<double> directions({count, dimensions});
   const double* from = points.data();

@@ -11,8 +11,38 @@ namespace leadthrough {
 
 namespace {
 
-py::tuple mean(const Eigen::Ref<const so3::Quaternions>& layers,
-               const Eigen::Ref<const Eigen::VectorXd>& weights) {
+using QuaternionsRef = Eigen::Ref<const so3::Quaternions>;
+using NumbersRef = Eigen::Ref<const Eigen::VectorXd>;
+
+so3::Quaternions compose(const QuaternionsRef& a, const QuaternionsRef& b) {
+  require(a.rows() == b.rows());
+  const py::gil_scoped_release release;
+  return so3::compose_batch(a, b);
+}
+
+Eigen::VectorXd distance(const QuaternionsRef& a, const QuaternionsRef& b) {
+  require(a.rows() == b.rows());
+  const py::gil_scoped_release release;
+  return so3::distance_batch(a, b);
+}
+
+so3::Quaternions slerp(const QuaternionsRef& a, const QuaternionsRef& b,
+                       const NumbersRef& fractions) {
+  require(a.rows() == b.rows() && fractions.size() == a.rows());
+  const py::gil_scoped_release release;
+  return so3::slerp_batch(a, b, fractions);
+}
+
+so3::Quaternions integrate(const NumbersRef& times,
+                           const Eigen::Ref<const so3::Vectors>& angular_velocities,
+                           const Eigen::Ref<const so3::Quaternion>& start) {
+  require(times.size() == angular_velocities.rows());
+  const py::gil_scoped_release release;
+  return so3::integrate(times, angular_velocities, start);
+}
+
+py::tuple mean(const QuaternionsRef& layers, const NumbersRef& weights) {
+  require(weights.size() > 0 && layers.rows() % weights.size() == 0);
   so3::Means result;
   {
     const py::gil_scoped_release release;
@@ -21,7 +51,7 @@ py::tuple mean(const Eigen::Ref<const so3::Quaternions>& layers,
   return py::make_tuple(std::move(result.means), std::move(result.reach));
 }
 
-py::tuple lift(const Eigen::Ref<const so3::Quaternions>& quaternions) {
+py::tuple lift(const QuaternionsRef& quaternions) {
   so3::Lifted result;
   {
     const py::gil_scoped_release release;
@@ -37,24 +67,22 @@ void bind_so3(py::module_& module) {
 
   module.def("so3_exp", &so3::exp_batch, py::arg("rotation_vectors").noconvert(), ReleaseGil());
   module.def("so3_log", &so3::log_batch, py::arg("quaternions").noconvert(), ReleaseGil());
-  module.def("so3_compose", &so3::compose_batch, py::arg("a").noconvert(), py::arg("b").noconvert(),
-             ReleaseGil());
+  module.def("so3_compose", &compose, py::arg("a").noconvert(), py::arg("b").noconvert());
   module.def("so3_to_matrix", &so3::to_matrix_batch, py::arg("quaternions").noconvert(),
              ReleaseGil());
   module.def("so3_from_matrix", &so3::from_matrix_batch, py::arg("matrices").noconvert(),
              ReleaseGil());
-  module.def("so3_distance", &so3::distance_batch, py::arg("a").noconvert(),
-             py::arg("b").noconvert(), ReleaseGil());
-  module.def("so3_slerp", &so3::slerp_batch, py::arg("a").noconvert(), py::arg("b").noconvert(),
-             py::arg("fractions").noconvert(), ReleaseGil());
+  module.def("so3_distance", &distance, py::arg("a").noconvert(), py::arg("b").noconvert());
+  module.def("so3_slerp", &slerp, py::arg("a").noconvert(), py::arg("b").noconvert(),
+             py::arg("fractions").noconvert());
   module.def("so3_mean", &mean, py::arg("layers").noconvert(), py::arg("weights").noconvert());
   module.def("so3_lift", &lift, py::arg("quaternions").noconvert());
   module.def("so3_left_jacobian", &so3::left_jacobian_batch,
              py::arg("rotation_vectors").noconvert(), ReleaseGil());
   module.def("so3_left_jacobian_inverse", &so3::left_jacobian_inverse_batch,
              py::arg("rotation_vectors").noconvert(), ReleaseGil());
-  module.def("so3_integrate", &so3::integrate, py::arg("times").noconvert(),
-             py::arg("angular_velocities").noconvert(), py::arg("start").noconvert(), ReleaseGil());
+  module.def("so3_integrate", &integrate, py::arg("times").noconvert(),
+             py::arg("angular_velocities").noconvert(), py::arg("start").noconvert());
 }
 
 }  // namespace leadthrough

@@ -58,7 +58,7 @@ py::tuple pursue_path(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd
 py::tuple slow(const Eigen::Ref<const Eigen::VectorXd>& times, const Eigen::Ref<const Rows>& q,
                const Eigen::Ref<const Eigen::VectorXd>& velocity,
                const Eigen::Ref<const Eigen::VectorXd>& acceleration) {
-  require(times.size() == q.rows() && velocity.size() == q.cols() &&
+  require(times.size() > 0 && times.size() == q.rows() && velocity.size() == q.cols() &&
           acceleration.size() == q.cols());
   Slowing slowing;
   {

@@ -1,0 +1,102 @@
+"""Every binding of the compiled core, called as it should be and in wrong ways: see conftest.py."""
+
+import re
+from collections.abc import Callable, Iterator
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+# Arguments of as many numbers, rows or cells as one likes; the sizes of options are looked at
+# where they are used.
+FREE = dict(
+    re.findall(
+        r"(\S+?)\(([^)]*)\)",
+        """
+    ArrivalField(cells speed)  Chain.forward_kinematics(q)
+    CollisionModel(attached)  DmpForces(nodes)  DmpPath(coefficients)
+    IkOptions(posture reference)  PursuitOptions(acceleration velocity)  TimedPath(coefficients)
+    TimedPath.positions_at(lengths)  against(obstacles)  all_finite(values)  check_motion(q)
+    condition_weights(basis)  descend(arrival)  directions(arrival points)
+    distance_transform(mask)  dmp_orientations(values)  dmp_rollout(phases)
+    dmp_rollout_around(phases)  dtw_distance(a b)  dtw_path(a b)  frechet_distance(a b)
+    jacobian(q)  longest_step(q)  march(cells speed)  mass_matrix(q)  nearest_bodies(q)
+    nearest_sources(arrival)  normalised_bells(centres phases)  posture_task(q velocity)
+    so3_exp(rotation_vectors)  so3_from_matrix(matrices)  so3_left_jacobian(rotation_vectors)
+    so3_left_jacobian_inverse(rotation_vectors)  so3_lift(quaternions)  so3_log(quaternions)
+    so3_mean(layers weights)  so3_to_matrix(quaternions)
+        """,
+    )
+)
+
+
+def wrong_sizes(value: np.ndarray) -> Iterator[np.ndarray]:
+    for axis in range(value.ndim):
+        yield np.concatenate([value, value], axis) if value.size else np.ones(value.shape[0] + 1)
+        if value.shape[axis]:
+            yield np.ascontiguousarray(np.delete(value, -1, axis))
+
+
+def test_calls_give_the_known_result(
+    function: Callable[..., Any], arguments: dict[str, Any], expected: Any
+) -> None:
+    result = function(**arguments)
+    if expected is None:
+        return
+    first = result[0] if isinstance(result, tuple) else result
+    if isinstance(expected, str):
+        assert first == expected
+    else:
+        np.testing.assert_allclose(np.asarray(first), np.asarray(expected), atol=1e-5)
+
+
+def test_every_function_class_and_method_is_called(
+    compiled: ModuleType, called: set[str], made: list[Any]
+) -> None:
+    wanted = set()
+    for name, thing in vars(compiled).items():
+        if name.startswith("_") or isinstance(thing, ModuleType):
+            continue
+        wanted.add(name)
+        if isinstance(thing, type):
+            methods = [key for key, value in vars(thing).items() if callable(value)]
+            wanted |= {f"{name}.{key}" for key in methods if not key.startswith("_")}
+    assert wanted <= called | {type(thing).__name__ for thing in made}
+
+
+def test_every_property_can_be_read(made: list[Any]) -> None:
+    for thing in made:
+        for name, value in vars(type(thing)).items():
+            if isinstance(value, property):
+                getattr(thing, name)
+
+
+def test_none_in_place_of_an_argument_raises(
+    function: Callable[..., Any], arguments: dict[str, Any], name: str
+) -> None:
+    if isinstance(arguments[name], bool):
+        return  # to a flag None is False
+    if function.__name__ == "IkOptions" and name in ("axes", "reference", "posture"):
+        function(**arguments | {name: None})
+        return
+    with pytest.raises(TypeError):
+        function(**arguments | {name: None})
+
+
+def test_arrays_of_another_size_raise_or_are_taken_whole(
+    function: Callable[..., Any],
+    arguments: dict[str, Any],
+    name: str,
+    request: pytest.FixtureRequest,
+) -> None:
+    if not isinstance(arguments[name], np.ndarray):
+        return
+    title = request.node.callspec.id.rpartition("-")[0]
+    free = FREE.get(re.sub("_?float(32|64)", "", title, flags=re.IGNORECASE), "").split()
+    for value in wrong_sizes(arguments[name]):
+        try:
+            function(**arguments | {name: value})
+        except (TypeError, ValueError, IndexError):
+            continue
+        assert name in free, f"took {value.shape} for {arguments[name].shape}"
