@@ -2,8 +2,11 @@
 #include <pybind11/stl.h>
 
 #include <array>
+#include <cmath>
 #include <utility>
+#include <variant>
 
+#include "arm/run_down.hpp"
 #include "bind/parts.hpp"
 #include "collision/check.hpp"
 #include "rotation/so3.hpp"
@@ -18,6 +21,9 @@ namespace {
 using ShapeRows = Eigen::Matrix<double, Eigen::Dynamic, 11, Eigen::RowMajor>;
 using Pairs = Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor>;
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;
+
+// Between two samples of a motion; more would take minutes.
+constexpr double kMostSteps = 1e6;
 
 PlacedShapes to_shapes(const Eigen::Ref<const ShapeRows>& rows) {
   PlacedShapes shapes;
@@ -41,6 +47,9 @@ CollisionModel make_model(const urdf::Robot& robot, const Chain& chain, const st
     for (const urdf::Collision& collision : link.collisions)
       asked += collision.type == urdf::ShapeType::kMesh ? 1 : 0;
   require(meshes.size() == asked);
+  const auto between = make_chain(robot, base, tip);
+  require(std::holds_alternative<Chain>(between) &&
+          moving_count(std::get<Chain>(between)) == moving_count(chain));
   const py::gil_scoped_release release;
   std::vector<Eigen::Matrix3Xd> hulls;
   for (const Rows3& mesh : meshes) hulls.emplace_back(mesh.transpose());
@@ -103,6 +112,7 @@ py::tuple to_tuple(const Approach& approach) {
 py::tuple check(const CollisionScene& scene, const Eigen::Ref<const Rows>& q, double margin,
                 double tolerance, int threads) {
   require(q.cols() == scene.chain.joints() && q.rows() > 0);
+  require(std::isfinite(margin) && longest_step(scene, q) <= kMostSteps * tolerance);
   MotionReport report;
   Eigen::VectorXd distances(q.rows());
   {

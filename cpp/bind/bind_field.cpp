@@ -1,6 +1,8 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -26,6 +28,7 @@ using CArray = py::array_t<T, py::array::c_style>;
 Grid grid_of(const py::array& cells, const std::vector<double>& spacing) {
   require((spacing.size() == 2 || spacing.size() == 3) &&
           cells.ndim() == static_cast<py::ssize_t>(spacing.size()) && cells.size() > 0);
+  for (const double each : spacing) require(std::isfinite(each) && each > 0.0);
   Grid grid;
   const std::size_t lead = 3 - spacing.size();
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -41,6 +44,13 @@ Coordinates with_leading_zero(const std::vector<double>& coordinates, std::size_
   Coordinates result{};
   std::copy_backward(coordinates.begin(), coordinates.end(), result.end());
   return result;
+}
+
+// What is no speed would lead the march out of its queue.
+template <typename Real>
+void require_speeds(const CArray<Real>& speed) {
+  const auto is_speed = [](Real each) { return std::isfinite(each) && each >= 0; };
+  require(std::all_of(speed.data(), speed.data() + speed.size(), is_speed));
 }
 
 // A numpy array that takes the vector over.
@@ -67,11 +77,17 @@ std::vector<Source> sources_at(const Grid& grid, const CArray<Index>& cells) {
   return sources;
 }
 
+void require_options(int order, double source_radius) {
+  require((order == 1 || order == 2) && std::isfinite(source_radius) && source_radius >= 0.0);
+}
+
 template <typename Real>
 py::array_t<Real> march_one(const CArray<Real>& speed, const std::vector<double>& spacing,
                             const CArray<Index>& cells, int order, double source_radius,
                             Index stop) {
   const Grid grid = grid_of(speed, spacing);
+  require_speeds(speed);
+  require_options(order, source_radius);
   require(stop == kNoStop || contains(grid, stop));
   const MarchProblem<Real> problem{speed.data(), sources_at(grid, cells)};
   std::vector<Real> arrival;
@@ -90,8 +106,10 @@ py::list march_many(const std::vector<CArray<Real>>& speeds, const std::vector<d
   const Grid grid = grid_of(speeds.at(0), spacing);
   std::vector<MarchProblem<Real>> problems;
   require(cells.size() == speeds.size());
+  require_options(order, source_radius);
   for (std::size_t n = 0; n < speeds.size(); ++n) {
     require(shape_of(speeds[n]) == shape_of(speeds[0]));
+    require_speeds(speeds[n]);
     problems.push_back({speeds[n].data(), sources_at(grid, cells[n])});
   }
   std::vector<std::vector<Real>> arrivals;
@@ -113,6 +131,8 @@ class BoundArrivalField {
                     const CArray<Index>& cells)
       : shape_(shape_of(speed)) {
     const Grid grid = grid_of(speed, spacing);
+    require_speeds(speed);
+    require(*std::max_element(speed.data(), speed.data() + speed.size()) > 0);
     const std::vector<Source> sources = sources_at(grid, cells);
     const py::gil_scoped_release release;
     field_ = make_arrival_field(grid, speed.data(), sources);
@@ -121,6 +141,7 @@ class BoundArrivalField {
   py::tuple update(const std::vector<Index>& low, const CArray<Real>& speed) {
     require(low.size() == shape_.size() && shape_of(speed).size() == shape_.size() &&
             speed.size() > 0);
+    require_speeds(speed);
     Region region{{0, 0, 0}, {1, 1, 1}};
     const std::size_t lead = 3 - low.size();
     for (std::size_t axis = 0; axis < low.size(); ++axis) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <tuple>
 #include <type_traits>
 #include <vector>
@@ -91,7 +92,8 @@ class RepairedField final : public ArrivalField<Real> {
 template <typename Real, int D>
 void RepairedField<Real, D>::rescale(Real fastest) {
   if (fastest <= fastest_) return;
-  const int exponent = std::ilogb(fastest) - std::ilogb(fastest_) + 1;
+  constexpr int kMost = std::numeric_limits<Real>::max_exponent - 1;
+  const int exponent = std::min(std::ilogb(fastest) - std::ilogb(fastest_) + 1, kMost);
   const Real factor = std::ldexp(Real(1), exponent);
   fastest_ *= factor;
   field_.unit /= static_cast<double>(factor);

@@ -21,9 +21,10 @@ class Schedule {
   Schedule(std::vector<Real>& time, MarchKind kind)
       : time_(time), fresh_(kind == MarchKind::kFresh) {}
 
-  // A source. All of them come before the first refill.
+  // A source. All of them come before the first refill. NaN, of squares that overflow, has no
+  // bucket.
   void start(Cell cell, Real time) {
-    if (time >= time_[cell]) return;
+    if (!(time < time_[cell])) return;
     time_[cell] = time;
     queue_.push(BucketQueue::kOverflow, cell);
   }

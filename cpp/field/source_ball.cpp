@@ -18,7 +18,8 @@ struct Offset {
 std::vector<Offset> offsets_within(const Grid& grid, double radius) {
   std::array<Index, 3> reach{};
   for (int axis = 0; axis < 3; ++axis)
-    reach[axis] = std::min(static_cast<Index>(radius / grid.spacing[axis]), grid.shape[axis] - 1);
+    reach[axis] = static_cast<Index>(
+        std::min(radius / grid.spacing[axis], static_cast<double>(grid.shape[axis] - 1)));
   std::vector<Offset> offsets;
   for (Index x = -reach[0]; x <= reach[0]; ++x) {
     for (Index y = -reach[1]; y <= reach[1]; ++y) {

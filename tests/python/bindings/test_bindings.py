@@ -1,4 +1,4 @@
-"""Every binding of the compiled core, called as it should be and in wrong ways: see conftest.py."""
+"""Every binding of the compiled core, called as it should be and in wrong ways: see calls.py."""
 
 import re
 from collections.abc import Callable, Iterator

@@ -1,7 +1,6 @@
-"""Every binding of the core at work on small problems with plain answers.
+"""The package's own calls of the core, on problems of a real size with plain answers.
 
-`./do sanitize` runs this file with a core built with AddressSanitizer, and sees that it calls all
-functions of it.
+Calls of each binding by itself are in test_bindings.py; `./do sanitize` runs both.
 """
 
 import numpy as np
