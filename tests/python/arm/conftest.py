@@ -61,4 +61,4 @@ def random_configurations():
 @pytest.fixture(scope="session")
 def robots_by_name():
     """The bundled robots' arms with the paths of their URDFs."""
-    return [(lt.Arm.load(name), find_robot(name) / f"{name}.urdf") for name in ROBOTS]
+    return [(lt.Arm.load(name), find_robot(name).urdf) for name in ROBOTS]

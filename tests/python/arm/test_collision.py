@@ -33,7 +33,7 @@ class Peer:
     """coal, through Pinocchio, with the URDF's own shapes."""
 
     def __init__(self, name):
-        urdf = str(find_robot(name) / f"{name}.urdf")
+        urdf = str(find_robot(name).urdf)
         self.model = pin.buildModelFromUrdf(urdf)
         self.geometry = pin.buildGeomFromUrdf(self.model, urdf, pin.GeometryType.COLLISION)
         self.data = self.model.createData()
