@@ -43,16 +43,21 @@ def find_robot(name: str) -> RobotFiles:
         for search in (_own, _of_example_robot_data, _of_robot_descriptions):
             if found := search(name):
                 return found
-    names = ", ".join(repr(folder.name) for folder in _folders()) or "none"
+    names = ", ".join(map(repr, own_names())) or "none"
     raise InvalidInput(
         f"name: expected one of the robots {names}, or of {_PACKAGES} where these are installed, "
         f"got {name!r}"
     )
 
 
+def own_names() -> list[str]:
+    """The names of the robots that come with the package."""
+    return [folder.name for folder in _folders()]
+
+
 def _refuse_path(name: str) -> None:
     if name.lower().endswith((".urdf", ".xml", ".xacro")) or "/" in name or "\\" in name:
-        names = ", ".join(repr(folder.name) for folder in _folders())
+        names = ", ".join(map(repr, own_names()))
         raise InvalidInput(
             f"name: expected the name of a robot such as {names}, got {name!r}; in Python, read a "
             f"file with Arm.from_urdf({name!r})"

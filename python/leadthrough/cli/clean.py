@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -11,12 +10,7 @@ from leadthrough.cli import chain, options
 
 
 def clean(
-    files: Annotated[
-        list[Path],
-        typer.Argument(
-            help="Recordings, in any format that `leadthrough info` reads, or folders of them."
-        ),
-    ],
+    files: options.Recordings,
     out: options.Output,
     column: options.Columns = None,
     rate: options.Rate = None,

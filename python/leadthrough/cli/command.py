@@ -38,7 +38,11 @@ class Command(TyperCommand):
 
     def make_context(self, info_name: str | None, args: list[str], **extra: Any) -> Any:  # type: ignore[override]
         parent = extra.get("parent")
-        wanted = "--help" not in args and not (parent and parent.params.get("no_profile"))
+        wanted = (
+            not extra.get("resilient_parsing")
+            and "--help" not in args
+            and not (parent and parent.params.get("no_profile"))
+        )
         if wanted and any(parameter.name == "robot" for parameter in self.params):
             extra["default_map"] = profile.read()
         return super().make_context(info_name, args, **extra)

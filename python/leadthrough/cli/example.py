@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadthrough.cli import options, profile
+from leadthrough.cli import completion, options, profile
 from leadthrough.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -23,7 +23,12 @@ limits = "{robot}.toml"
 
 
 def example(
-    name: Annotated[str, typer.Argument(help="Name of the example: reach.")],
+    name: Annotated[
+        str,
+        typer.Argument(
+            help="Name of the example: reach.", autocompletion=completion.one_of(*NAMES)
+        ),
+    ],
     folder: Annotated[Path, typer.Argument(help="Folder to write it to; made if it is missing.")],
     seed: Annotated[int, typer.Option(help="Seed of the random number generator.")] = 0,
     as_json: options.AsJson = False,

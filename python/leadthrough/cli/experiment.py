@@ -8,12 +8,17 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
+from leadthrough.cli import completion
 from leadthrough.cli.tables import table
 
 
 def experiment(
     name: Annotated[
-        str | None, typer.Argument(help="Name of the study; leave it out to list all studies.")
+        str | None,
+        typer.Argument(
+            help="Name of the study; leave it out to list all studies.",
+            autocompletion=completion.one_of(*completion.STUDIES),
+        ),
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Run a small part of the study.")] = False,
     out: Annotated[

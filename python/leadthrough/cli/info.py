@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadthrough.cli import chain, options, profile
+from leadthrough.cli import chain, completion, options, profile
 from leadthrough.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -23,7 +23,8 @@ def info(
     files: Annotated[
         list[Path],
         typer.Argument(
-            help="Recordings, motions, skills, ROS bags, data sets or URDFs, or folders of them."
+            help="Recordings, motions, skills, ROS bags, data sets or URDFs, or folders of them.",
+            autocompletion=completion.anything,
         ),
     ],
     column: options.Columns = None,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from leadthrough.cli import chain, options
+from leadthrough.cli import chain, completion, options
 from leadthrough.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -21,23 +21,31 @@ _USUAL = {"PoseTrajectory": "pose-dmp", "Trajectory": "dmp", "JointTrajectory": 
 
 def learn(
     ctx: typer.Context,
-    files: Annotated[
-        list[Path],
-        typer.Argument(
-            help="Recordings, in any format that `leadthrough info` reads, or folders of them."
+    files: options.Recordings,
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out",
+            "-o",
+            help="Skill file to write, an .npz.",
+            autocompletion=completion.files(".npz"),
         ),
     ],
-    out: Annotated[Path, typer.Option("--out", "-o", help="Skill file to write, an .npz.")],
     model: Annotated[
         str | None,
         typer.Option(
             help="Model to fit: dmp, pose-dmp, promp, gmr, fast-marching, rhythmic-dmp or "
-            "rhythmic-pose-dmp; by default pose-dmp for poses, otherwise dmp."
+            "rhythmic-pose-dmp; by default pose-dmp for poses, otherwise dmp.",
+            autocompletion=completion.one_of(*completion.MODELS),
         ),
     ] = None,
     parameter: Annotated[
         list[str] | None,
-        typer.Option("--set", help="Parameter of the model, such as weights=80; may be repeated."),
+        typer.Option(
+            "--set",
+            help="Parameter of the model, such as weights=80; may be repeated.",
+            autocompletion=completion.parameters,
+        ),
     ] = None,
     robot: options.MaybeRobotName = None,
     limits: options.LimitsFile = None,
@@ -112,10 +120,11 @@ def learn(
         chain.hint("leadthrough", "plan", out, *chain.arm(ctx), "-o", motion)
 
 
-def _model(name: str, parameters: dict[str, Any]) -> Model:
-    from leadthrough import check, models
+def models() -> dict[str, Any]:
+    """The classes of the models, by their names on the command line."""
+    from leadthrough import models
 
-    known = {
+    return {
         "dmp": models.DMP,
         "pose-dmp": models.PoseDMP,
         "promp": models.ProMP,
@@ -124,6 +133,12 @@ def _model(name: str, parameters: dict[str, Any]) -> Model:
         "rhythmic-dmp": models.RhythmicDMP,
         "rhythmic-pose-dmp": models.RhythmicPoseDMP,
     }
+
+
+def _model(name: str, parameters: dict[str, Any]) -> Model:
+    from leadthrough import check
+
+    known = models()
     kind: Any = known[check.choice(name, "--model", known)]
     for key in parameters:
         check.choice(key, "--set", kind.__dataclass_fields__)

@@ -10,23 +10,51 @@ from typing import Annotated
 
 import typer
 
+from leadthrough.cli import completion
 from leadthrough.io.headers import AngleUnit, QuaternionOrder
 
-_ROBOT = "Robot: panda, tiago, ur3, or the path of a URDF."
-MotionFile = Annotated[
-    Path, typer.Argument(help="Motion file, in any format that `leadthrough info` reads.")
+_ROBOT = typer.Option(
+    "--robot",
+    help="Robot: panda, tiago, ur3, the path of a URDF, or, where these packages are installed, a "
+    "robot of example-robot-data or robot_descriptions.",
+    autocompletion=completion.robots,
+)
+Recordings = Annotated[
+    list[Path],
+    typer.Argument(
+        help="Recordings, in any format that `leadthrough info` reads, or folders of them.",
+        autocompletion=completion.recordings,
+    ),
 ]
-RobotName = Annotated[str, typer.Option("--robot", help=_ROBOT)]
-MaybeRobotName = Annotated[str | None, typer.Option("--robot", help=_ROBOT)]
+MotionFile = Annotated[
+    Path,
+    typer.Argument(
+        help="Motion file, in any format that `leadthrough info` reads.",
+        autocompletion=completion.recordings,
+    ),
+]
+RobotName = Annotated[str, _ROBOT]
+MaybeRobotName = Annotated[str | None, _ROBOT]
 LimitsFile = Annotated[
     Path | None,
-    typer.Option(help="TOML file with the limits that a URDF cannot hold: acceleration and jerk."),
+    typer.Option(
+        help="TOML file with the limits that a URDF cannot hold: acceleration and jerk.",
+        autocompletion=completion.files(".toml"),
+    ),
 ]
 BaseLink = Annotated[
-    str | None, typer.Option(help="First link of the arm; by default the root link of the URDF.")
+    str | None,
+    typer.Option(
+        help="First link of the arm; by default the root link of the URDF.",
+        autocompletion=completion.links,
+    ),
 ]
 TipLink = Annotated[
-    str | None, typer.Option(help="Last link of the arm; needed if the URDF has several end links.")
+    str | None,
+    typer.Option(
+        help="Last link of the arm; needed if the URDF has several end links.",
+        autocompletion=completion.links,
+    ),
 ]
 Obstacles = Annotated[
     list[str] | None,
@@ -34,6 +62,7 @@ Obstacles = Annotated[
         "--obstacle",
         help="Obstacle in the arm's base frame, in m: box:SX,SY,SZ@X,Y,Z, sphere:R@X,Y,Z or "
         "capsule:R,L@X,Y,Z; append the quaternion /W,X,Y,Z to turn it. May be repeated.",
+        autocompletion=completion.one_of(*completion.SHAPES),
     ),
 ]
 Output = Annotated[
@@ -43,6 +72,7 @@ Output = Annotated[
         "-o",
         help="Output file; its suffix sets the format: .csv, .npz, .json, .yaml, .mcap, .db3 or "
         ".script.",
+        autocompletion=completion.recordings,
     ),
 ]
 FormatName = Annotated[
@@ -51,6 +81,7 @@ FormatName = Annotated[
         "--format",
         help="Output format, if not set by the suffix of --out: csv, npz, json, yaml, rosbag, "
         "urscript or franka.",
+        autocompletion=completion.formats,
     ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]

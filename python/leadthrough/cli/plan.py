@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from leadthrough.cli import chain, options
+from leadthrough.cli import chain, completion, options
 
 if TYPE_CHECKING:
     from leadthrough.models.protocol import Place, Skill
@@ -20,7 +20,13 @@ _NOVEL = 3.0
 
 def plan(
     ctx: typer.Context,
-    skill: Annotated[Path, typer.Argument(help="Skill file, as written by `leadthrough learn`.")],
+    skill: Annotated[
+        Path,
+        typer.Argument(
+            help="Skill file, as written by `leadthrough learn`.",
+            autocompletion=completion.files(".npz"),
+        ),
+    ],
     out: options.Output,
     start: Annotated[
         str | None,
@@ -53,7 +59,8 @@ def plan(
         str | None,
         typer.Option(
             help="Joint positions (rad) that the arm should keep close to, or a recording of them. "
-            "By default those that the skill was shown with."
+            "By default those that the skill was shown with.",
+            autocompletion=completion.recordings,
         ),
     ] = None,
     format: options.FormatName = None,

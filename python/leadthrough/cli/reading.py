@@ -91,7 +91,8 @@ def cleaned(
     )
     for recording in recordings:
         # Both ends stay: `trimmed` has the options for them.
-        demonstration, report = preprocess.clean(recording, rest=math.inf)
+        with errors.naming(longest_gap="`leadthrough clean --longest-gap`"):
+            demonstration, report = preprocess.clean(recording, rest=math.inf)
         print(f"{recording.name}: {report}", file=sys.stderr)
         demonstrations.append(demonstration)
     return demonstrations

@@ -7,13 +7,16 @@ from typing import Annotated
 
 import typer
 
-from leadthrough.cli import options
+from leadthrough.cli import completion, options
 
 
 def view(
     motion: Annotated[
         Path | None,
-        typer.Argument(help="Motion to show: of the joints, or poses that the tip follows."),
+        typer.Argument(
+            help="Motion to show: of the joints, or poses that the tip follows.",
+            autocompletion=completion.recordings,
+        ),
     ] = None,
     robot: options.RobotName = "panda",
     limits: options.LimitsFile = None,
@@ -21,11 +24,17 @@ def view(
     tip: options.TipLink = None,
     demonstrations: Annotated[
         list[Path] | None,
-        typer.Option(help="Recording to draw, or a folder of them; may be repeated."),
+        typer.Option(
+            help="Recording to draw, or a folder of them; may be repeated.",
+            autocompletion=completion.recordings,
+        ),
     ] = None,
     skill: Annotated[
         Path | None,
-        typer.Option(help="Skill file; in the live page its goal and obstacles can be dragged."),
+        typer.Option(
+            help="Skill file; in the live page its goal and obstacles can be dragged.",
+            autocompletion=completion.files(".npz"),
+        ),
     ] = None,
     goal: Annotated[
         str | None,
@@ -36,7 +45,10 @@ def view(
     rate: options.Rate = None,
     html: Annotated[
         Path | None,
-        typer.Option(help="Write the page to this HTML file instead of opening a browser."),
+        typer.Option(
+            help="Write the page to this HTML file instead of opening a browser.",
+            autocompletion=completion.files(".html"),
+        ),
     ] = None,
     port: Annotated[
         int, typer.Option(min=0, max=65535, help="Port of the live page; 0 picks a free one.")

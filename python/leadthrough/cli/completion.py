@@ -1,0 +1,131 @@
+"""What the shell offers for the values of options: names, and files of the right type.
+
+Nothing here computes, so that the shell answers at once. Whatever goes wrong offers nothing.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from pathlib import Path
+
+import typer
+
+from leadthrough.cli import profile
+from leadthrough.errors import LeadthroughError
+
+MODELS = (
+    "dmp",
+    "pose-dmp",
+    "promp",
+    "gmr",
+    "fast-marching",
+    "rhythmic-dmp",
+    "rhythmic-pose-dmp",
+)
+STUDIES = ("agriculture", "human", "lasa", "robotasks", "singularity", "trajectories", "ur3")
+SHAPES = ("box:0.1,0.1,0.4@0.5,0,0.2", "sphere:0.1@0.5,0,0.2", "capsule:0.05,0.3@0.5,0,0.2")
+_URDF = (".urdf", ".xml")
+_LINK = re.compile(r"<link\s[^>]*?name\s*=\s*[\"']([^\"']+)")
+
+Complete = Callable[[str], list[str]]
+
+
+def one_of(*values: str) -> Complete:
+    """Completion of one of several values."""
+    return lambda incomplete: _beginning(values, incomplete)
+
+
+def files(*suffixes: str) -> Complete:
+    """Completion of files with these suffixes, and of folders, on the way to them.
+
+    Args:
+        suffixes: with their dot, in lower case.
+    """
+    return lambda incomplete: _files(incomplete, suffixes)
+
+
+def recordings(incomplete: str) -> list[str]:
+    """Files of recordings or motions in any format that can be read, and folders."""
+    return _files(incomplete, _readable())
+
+
+def anything(incomplete: str) -> list[str]:
+    """What `leadthrough info` describes: files of recordings, skills and URDFs, and folders."""
+    return _files(incomplete, (*_readable(), *_URDF))
+
+
+def formats(incomplete: str) -> list[str]:
+    """Names of the formats that motions can be written in."""
+    from leadthrough.io.formats import FORMATS
+
+    return _beginning((each.name for each in FORMATS if each.write is not None), incomplete)
+
+
+def robots(incomplete: str) -> list[str]:
+    """The robots that come with the package, and URDFs."""
+    from leadthrough.arm.robots import own_names
+
+    return [*_beginning(own_names(), incomplete), *_files(incomplete, _URDF)]
+
+
+def links(ctx: typer.Context, incomplete: str) -> list[str]:
+    """The links of the robot that the command line or the profile names.
+
+    Args:
+        ctx: of the command line so far.
+        incomplete: beginning of the link's name.
+    """
+    from leadthrough.arm.robots import find_robot
+
+    with suppress(LeadthroughError, OSError, UnicodeDecodeError):
+        files_named = (str(file) for file in ctx.params.get("files") or ())
+        robot = ctx.params.get("robot") or next(files_named, None) or profile.read().get("robot")
+        path = Path(robot or "")
+        text = (path if path.is_file() else find_robot(str(robot)).urdf).read_text("utf-8")
+        return _beginning(_LINK.findall(text), incomplete)
+    return []
+
+
+def parameters(ctx: typer.Context, incomplete: str) -> list[str]:
+    """The parameters of the model that --model names, with their defaults.
+
+    Args:
+        ctx: of the command line so far.
+        incomplete: beginning of a parameter's name.
+    """
+    from dataclasses import fields
+
+    from leadthrough.cli.learn import models
+
+    kind = models().get(ctx.params.get("model") or "pose-dmp")
+    known = fields(kind) if kind is not None else ()
+    return _beginning((f"{field.name}={field.default}" for field in known), incomplete)
+
+
+def _beginning(values: Iterable[str], incomplete: str) -> list[str]:
+    return [value for value in values if value.startswith(incomplete)]
+
+
+def _readable() -> tuple[str, ...]:
+    from leadthrough.io.formats import FORMATS
+
+    return tuple(suffix for each in FORMATS if each.read is not None for suffix in each.suffixes)
+
+
+def _files(incomplete: str, suffixes: tuple[str, ...]) -> list[str]:
+    folder, _, start = incomplete.rpartition("/")
+    prefix = f"{folder}/" if "/" in incomplete else ""
+    found = []
+    with suppress(OSError):
+        for path in sorted(Path(prefix or ".").expanduser().iterdir()):
+            if path.name.startswith(start) and not (path.name.startswith(".") and not start):
+                if path.is_dir():
+                    found.append(f"{prefix}{path.name}/")
+                elif path.suffix.lower() in suffixes:
+                    found.append(prefix + path.name)
+    # A shell ends a word that is complete with a blank; a folder is only half the way.
+    if len(found) == 1 and found[0].endswith("/"):
+        return _files(found[0], suffixes) or found
+    return found

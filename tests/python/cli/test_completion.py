@@ -1,0 +1,138 @@
+"""What bash, zsh and fish offer for the values of options."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from cli.command_line import RUNNER, run
+
+from leadthrough import cli
+from leadthrough.cli import completion, parse
+from leadthrough.cli.learn import models
+from leadthrough_studies.catalogue import STUDIES
+
+PROGRAM = """#!{python}
+import sys
+from leadthrough.cli import main
+sys.argv[0] = "leadthrough"
+main()
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with the example, a skill, a page, and a program `leadthrough` in bin."""
+    folder = tmp_path_factory.mktemp("example")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        run("example", "reach", ".")
+        Path("skill.npz").touch()
+        Path("notes.md").touch()
+        Path("page.html").touch()
+        Path("bin").mkdir()
+        program = Path("bin/leadthrough")
+        program.write_text(PROGRAM.format(python=sys.executable))
+        program.chmod(0o755)
+    return folder
+
+
+@pytest.fixture
+def inside(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+
+
+def answer(**variables):
+    """What the program says to a shell."""
+    environment = {"_LEADTHROUGH_COMPLETE": "complete_bash", **variables}
+    result = RUNNER.invoke(cli.app, [], prog_name="leadthrough", env=environment)
+    return [line for line in result.stdout.splitlines() if line]
+
+
+def offered(line):
+    """The completions of the last word of a line."""
+    words = line.split(" ")
+    return answer(COMP_WORDS="\n".join(words), COMP_CWORD=str(len(words) - 1))
+
+
+@pytest.mark.parametrize(
+    ("line", "values"),
+    [
+        ("leadthrough le", ["learn"]),
+        ("leadthrough learn shown --mod", ["--model"]),
+        ("leadthrough learn shown --model p", ["pose-dmp", "promp"]),
+        ("leadthrough learn shown --angles ", ["radians", "degrees"]),
+        ("leadthrough learn shown --model promp --set w", ["weights=20", "width=1.0"]),
+        ("leadthrough learn sh", [f"shown/reach{i}.csv" for i in (1, 2, 3)]),
+        ("leadthrough learn shown/reach2", ["shown/reach2.csv"]),
+        ("leadthrough plan ", ["bin/", "shown/", "skill.npz"]),
+        ("leadthrough check x.json --robot u", ["ur3", "ur3.urdf"]),
+        ("leadthrough check x.json --robot p", ["panda"]),
+        ("leadthrough check x.json --limits ur", ["ur3.toml"]),
+        ("leadthrough check x.json --robot panda --tip panda_hand_", ["panda_hand_tcp"]),
+        ("leadthrough check x.json --tip wrist", [f"wrist_{i}_link" for i in (1, 2, 3)]),
+        ("leadthrough info ur3.urdf --tip too", ["tool0"]),
+        ("leadthrough retime x.json --format f", ["franka"]),
+        ("leadthrough check x.json --obstacle sph", ["sphere:0.1@0.5,0,0.2"]),
+        ("leadthrough view x.json --html p", ["page.html"]),
+        ("leadthrough experiment a", ["agriculture"]),
+        ("leadthrough example ", ["reach"]),
+    ],
+)  # fmt: skip
+def test_names_and_files_are_offered(inside, line, values):
+    assert sorted(offered(line)) == sorted(values)
+
+
+@pytest.mark.parametrize("shell", ["zsh", "fish"])
+def test_other_shells_are_answered_in_their_own_form(inside, shell):
+    words = "leadthrough learn shown --model p"
+    said = answer(
+        _LEADTHROUGH_COMPLETE=f"complete_{shell}",
+        _TYPER_COMPLETE_ARGS=words,
+        _TYPER_COMPLETE_FISH_ACTION="get-args",
+    )
+    assert {"pose-dmp", "promp"} <= set(" ".join(said).replace('"', " ").split())
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_the_script_for_a_shell_is_shown(inside, shell):
+    said = "\n".join(answer(_LEADTHROUGH_COMPLETE=f"source_{shell}"))
+    assert "leadthrough" in said
+    assert f"complete_{shell}" in said
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="there is no bash")
+def test_bash_completes_a_word(folder):
+    script = """
+    eval "$(_LEADTHROUGH_COMPLETE=source_bash leadthrough)"
+    COMP_WORDS=(leadthrough learn shown --model fa); COMP_CWORD=4
+    $(complete -p leadthrough | sed 's/.*-F \\([^ ]*\\) .*/\\1/') leadthrough
+    echo "${COMPREPLY[@]}"
+    """
+    path = f"{folder / 'bin'}:{os.environ['PATH']}"
+    result = subprocess.run(
+        ["bash", "-c", script],
+        cwd=folder,
+        check=False,
+        env={**os.environ, "PATH": path},
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert result.stdout.strip() == "fast-marching", result.stderr
+
+
+def test_a_faulty_profile_does_not_disturb(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("leadthrough.toml").write_text("nonsense")
+    assert offered("leadthrough check x.json --tip a") == []
+    assert offered("leadthrough check x.json --mar") == ["--margin"]
+
+
+def test_the_names_are_those_that_there_are():
+    assert set(completion.MODELS) == set(models())
+    assert set(completion.STUDIES) == set(STUDIES)
+    for shape in completion.SHAPES:
+        assert parse.obstacle(shape)
