@@ -11,6 +11,8 @@ import pytest
 
 import leadthrough as lt
 from leadthrough import rotations
+from leadthrough.models import FastMarchingSkill
+from leadthrough.preprocess.resample import by_arc_length
 from leadthrough.trajectories import minimum_jerk_rise
 
 # Fréchet distance to the motion between the ends as shown, over the offset.
@@ -22,17 +24,22 @@ MODELS = {
     "movement primitive": (lt.DMP(), "points"),
     "movement primitive of joints": (lt.DMP(), "joints"),
     "movement primitive of poses": (lt.PoseDMP(), "poses"),
+    "fast marching": (lt.FastMarching(), "drawings"),
+    "fast marching of poses": (lt.FastMarching(), "poses"),
 }
 
 
-@pytest.fixture(params=[(name, count) for name in MODELS for count in (2, 40)], ids=str)
+COUNTS = dict.fromkeys(MODELS, (2, 40)) | {"fast marching of poses": (5,)}  # which is slow
+
+
+@pytest.fixture(params=[(name, count) for name in MODELS for count in COUNTS[name]], ids=str)
 def skill(request):
     name, count = request.param
     return fitted(name, count)
 
 
 @pytest.fixture(
-    params=[(n, count) for n, (_, kind) in MODELS.items() if kind == "poses" for count in (2, 40)],
+    params=[(n, k) for n, (_, kind) in MODELS.items() if kind == "poses" for k in COUNTS[n]],
     ids=str,
 )
 def turning_skill(request):
@@ -55,6 +62,8 @@ def shown(kind, seed, *, pace=1.0):
     off = rng.normal(0.0, 0.01, 3)
     points = np.column_stack([0.3 * s, bow, 0.1 * s**2]) + np.outer(1.0 - s, off)
     times = pace * rng.uniform(1.8, 2.2) * u
+    if kind == "drawings":
+        return lt.Trajectory(times, points[:, :2])
     if kind == "points":
         return lt.Trajectory(times, points)
     if kind == "joints":
@@ -83,9 +92,46 @@ def apart(one, other):
     return frechet(np.linalg.norm(one[:, None] - other[None], axis=2))
 
 
-def directions(seed, count=3):
-    found = np.random.default_rng(seed).normal(size=(count, 3))
+def assert_bounded(skill, query, offset):
+    """That ends moved by an offset move the motion by no more than 1.5 times as much.
+
+    Fast marching plans anew: one area of influence more is allowed, and where its method changes,
+    the route says so, and stays within the offset of the demonstrations, start and goal.
+    """
+    if not isinstance(skill, FastMarchingSkill):
+        plain, made = usual(skill), skill.generate(**query, dt=0.02)
+        assert apart(sampled(plain)[0], sampled(made)[0]) <= MOST * offset
+        return
+    plain, found = usual_route(skill), skill.plan(**query)
+    if found.method == plain.method:
+        paths = [by_arc_length(route.path, SAMPLES) for route in (plain, found)]
+        assert apart(*paths) <= MOST * offset + skill.area_of_influence
+        return
+    region = np.concatenate([*skill.experience, found.path[[0, -1]]])
+    beyond = np.maximum(region.min(axis=0) - found.path, found.path - region.max(axis=0))
+    assert beyond.max() <= offset
+
+
+@cache
+def usual(skill):
+    return skill.generate(dt=0.02)
+
+
+@cache
+def usual_route(skill):
+    return skill.plan()
+
+
+def directions(seed, dimensions=3, count=3):
+    found = np.random.default_rng(seed).normal(size=(count, dimensions))
     return found / np.linalg.norm(found, axis=1)[:, None]
+
+
+def ways_to_move(skill, seed):
+    """Directions for the positions; one for fast marching in space, which takes its time."""
+    dimensions = usual(skill).positions.shape[1]
+    slow = isinstance(skill, FastMarchingSkill) and dimensions == 3
+    return directions(seed, dimensions, 1 if slow else 3)
 
 
 def end(motion, index, moved):
@@ -94,22 +140,36 @@ def end(motion, index, moved):
     return (position, motion.orientations[index]) if hasattr(motion, "orientations") else position
 
 
+def beside(kind, *offset):
+    return np.array(offset[:2] if kind == "drawings" else offset)
+
+
 @pytest.mark.parametrize("offset", OFFSETS)
 @pytest.mark.parametrize(("name", "index"), [("start", 0), ("goal", -1)])
 def test_moved_end_moves_no_more_than_its_offset(skill, name, index, offset):
-    plain = skill.generate(dt=0.02)
+    plain = usual(skill)
     way = offset * np.linalg.norm(np.ptp(plain.positions, axis=0))
-    for direction in directions(1):
-        made = skill.generate(**{name: end(plain, index, way * direction)}, dt=0.02)
-        assert apart(sampled(plain)[0], sampled(made)[0]) <= MOST * way
+    for direction in ways_to_move(skill, 1):
+        assert_bounded(skill, {name: end(plain, index, way * direction)}, way)
 
 
 def test_both_ends_moved_move_no_more_than_the_larger_offset(skill):
-    plain = skill.generate(dt=0.02)
-    for one, other in zip(directions(2), directions(3), strict=True):
+    plain = usual(skill)
+    for one, other in zip(ways_to_move(skill, 2), ways_to_move(skill, 3), strict=True):
         query = {"start": end(plain, 0, 0.2 * one), "goal": end(plain, -1, 0.3 * other)}
-        made = skill.generate(**query, dt=0.02)
-        assert apart(sampled(plain)[0], sampled(made)[0]) <= MOST * 0.3
+        assert_bounded(skill, query, 0.3)
+
+
+@pytest.mark.parametrize("offset", OFFSETS[:3])
+def test_ends_moved_together_or_against_each_other_move_no_more(skill, offset):
+    """Against each other, ends may come to lie where the other one was: no motion turns around."""
+    plain = usual(skill)
+    way = offset * np.linalg.norm(np.ptp(plain.positions, axis=0))
+    along = plain.positions[-1] - plain.positions[0]
+    for move in way * np.vstack([ways_to_move(skill, 5)[:1], along / np.linalg.norm(along)]):
+        for sign in (1.0, -1.0):
+            query = {"start": end(plain, 0, move), "goal": end(plain, -1, sign * move)}
+            assert_bounded(skill, query, way)
 
 
 @pytest.mark.parametrize("angle", OFFSETS)
@@ -134,7 +194,7 @@ def test_time_scale_does_not_matter(name, pace):
         model.fit([lt.Demonstration(shown(kind, seed, pace=p)) for seed in range(3)])
         for p in (1.0, pace)
     )
-    goal = end(plain.generate(), -1, (0.02, -0.03, 0.01))
+    goal = end(plain.generate(), -1, beside(kind, 0.02, -0.03, 0.01))
     here = plain.generate(goal=goal, duration=2.0, dt=0.02)
     there = scaled.generate(goal=goal, duration=2.0 * pace, dt=0.02 * pace)
     np.testing.assert_allclose(there.positions, here.positions, atol=1e-6)
@@ -144,11 +204,11 @@ def test_time_scale_does_not_matter(name, pace):
 def test_a_millimetre_in_one_sample_changes_the_motion_by_a_few_at_most(name):
     model, kind = MODELS[name]
     motions = [shown(kind, seed) for seed in range(3)]
-    goal = end(motions[0], -1, (0.05, -0.05, 0.02))
+    goal = end(motions[0], -1, beside(kind, 0.05, -0.05, 0.02))
     plain = model.fit([lt.Demonstration(m) for m in motions]).generate(goal=goal, duration=2.0)
     for row in (0, 40, 120):
         moved = motions[0].positions.copy()
-        moved[row] += (1e-3, 0.0, 0.0)
+        moved[row] += beside(kind, 1e-3, 0.0, 0.0)
         changed = [replace(motions[0], positions=moved), *motions[1:]]
         made = model.fit([lt.Demonstration(m) for m in changed]).generate(goal=goal, duration=2.0)
         assert np.linalg.norm(made.positions - plain.positions, axis=1).max() <= 3e-3

@@ -1,7 +1,9 @@
-"""The third kind of path: through the tube around the way that the demonstrations predict.
+"""The third kind of path: the way that the demonstrations predict, and detours in its tube.
 
-The tube is cut where it meets itself. Where obstacles block the way and another one was shown too,
-that one is taken before untaught ground.
+Where no obstacle slows the wave down, the quickest path in a thin tube is the middle of the tube:
+the way is followed as it is, without short cuts where it meets itself. Around obstacles the wave
+looks for a path in a tube as wide as the detour may become. Where obstacles block the way and
+another one was shown too, that one is taken before untaught ground.
 """
 
 from __future__ import annotations
@@ -19,7 +21,6 @@ from leadthrough.models.marching import mean_path
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.extent import grid_over
 from leadthrough.models.marching.mean_path import MeanPath
-from leadthrough.models.marching.pieces import cut_at_short_cuts
 from leadthrough.models.marching.query import Query
 from leadthrough.models.marching.route import Route, quickest, route_along
 from leadthrough.models.marching.scales import Scales
@@ -29,21 +30,20 @@ from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Shape
 
 
-def along_mean(known: Sequence[Experience], query: Query, scales: Scales) -> Route:
-    """The quickest path in the tube around the demonstrations' mean path.
+def along_mean(faced: Sequence[Experience], query: Query, scales: Scales) -> Route:
+    """The demonstrations' mean path, with the quickest detours around obstacles.
 
     Of several ways that were shown it takes the one of the nearest start or, where obstacles stand
     on that, the next one that is clear; where they stand on all of them, the quickest.
 
     Args:
-        known: demonstrations and learned paths, at least one.
+        faced: demonstrations and learned paths, at least one, facing from start to goal.
         query: start, goal and obstacles.
         scales: of the map.
 
     Raises:
         NoPath: where an end lies in an obstacle, or obstacles separate them.
     """
-    faced = [each.facing(query.start, query.goal) for each in known]
     blocked: list[MeanPath] = []
     for mean in mean_path.ways([each.way for each in faced], query.start, query.goal):
         if not _hits(mean.path, query.obstacles):
@@ -105,30 +105,31 @@ def _joined(beside: Float64Array, tube: Float64Array, scales: Scales) -> Float64
 def _along_tube(
     mean: Float64Array, grid: Grid, beside: Float64Array, scales: Scales
 ) -> Float64Array:
-    """The path through the tube around a mean path, piece by piece. Raises NoPath.
+    """A mean path with detours through its tube. Raises NoPath.
 
-    It makes a detour where the obstacles' map `beside`, (0 to 1), changes the speed on the way.
+    It leaves the mean path where the obstacles' map `beside`, (0 to 1), changes the speed on it.
     """
     most = scales.saturation if scales.obstacle_map == "minimum" else 1.0
     influenced = beside[tuple(grid.cells_of(mean).T)] < most
-    parts = []
     try:
-        for stretch, blocked in _stretches(mean, influenced):
-            if blocked:
-                # As wide a tube as the detour may become: it leaves and rejoins the path gently.
-                wide = replace(scales, radius=0.5 * float(arc_length(stretch)[-1]))
-                speed = _joined(beside, _tube(stretch, grid, wide), scales)
-                parts.append(quickest(grid, speed, stretch[0], stretch[-1]))
-                continue
-            for piece in cut_at_short_cuts(
-                stretch, radius=scales.radius, saturation=scales.saturation
-            ):
-                parts.append(quickest(grid, _tube(piece, grid, scales), piece[0], piece[-1]))
+        parts = [
+            _detour(stretch, grid, beside, scales) if blocked else stretch
+            for stretch, blocked in _stretches(mean, influenced)
+        ]
     except NoPath:
         # An end of a detour may be enclosed although start and goal are not.
         speed = _joined(beside, _tube(mean, grid, scales), scales)
         parts = [quickest(grid, speed, mean[0], mean[-1])]
     return np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
+
+
+def _detour(
+    stretch: Float64Array, grid: Grid, beside: Float64Array, scales: Scales
+) -> Float64Array:
+    """The quickest path from end to end of a stretch. Raises NoPath."""
+    # As wide a tube as the detour may become: it leaves and rejoins the path gently.
+    wide = replace(scales, radius=0.5 * float(arc_length(stretch)[-1]))
+    return quickest(grid, _joined(beside, _tube(stretch, grid, wide), scales), *stretch[[0, -1]])
 
 
 def _tube(path: Float64Array, grid: Grid, scales: Scales) -> Float64Array:

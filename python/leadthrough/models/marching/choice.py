@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from leadthrough.models.marching import trust
 from leadthrough.models.marching.along_mean import along_mean
 from leadthrough.models.marching.experience import Experience
+from leadthrough.models.marching.facing import faced
 from leadthrough.models.marching.query import Query
 from leadthrough.models.marching.route import Route, from_start, through_map
 from leadthrough.models.marching.scales import MAP_RADIUS, TUBE_RADIUS, Scales
@@ -34,12 +35,15 @@ def planned(
     """
     if not known or method == "map":
         return through_map(known, query, scales(MAP_RADIUS))
+    facing = faced(known, query)
     # A prediction would lead a reach away from its start and back again.
     stands_still = bool((query.start == query.goal).all())
-    if (method == "auto" or stands_still) and not _is_near(known, query):
+    trusted = trust.is_trusted([each.way for each in facing], query.start, query.goal)
+    if (method == "auto" or stands_still) and not trusted:
         return _through_useful(known, query, scales(MAP_RADIUS))
-    find = from_start if method == "start" else along_mean
-    return find(known, query, scales(TUBE_RADIUS))
+    if method == "start":
+        return from_start(known, query, scales(TUBE_RADIUS))
+    return along_mean(facing, query, scales(TUBE_RADIUS))
 
 
 def _through_useful(known: Sequence[Experience], query: Query, scales: Scales) -> Route:
@@ -54,8 +58,3 @@ def _through_useful(known: Sequence[Experience], query: Query, scales: Scales) -
 
 def _chosen(known: Sequence[Experience], wanted: NDArray[np.bool_]) -> list[Experience]:
     return [each for each, is_wanted in zip(known, wanted, strict=True) if is_wanted]
-
-
-def _is_near(known: Sequence[Experience], query: Query) -> bool:
-    faced = [each.facing(query.start, query.goal).way for each in known]
-    return trust.is_trusted(faced, query.start, query.goal)

@@ -28,7 +28,7 @@ _SCALES = (0.2, 5.0)
 # Demonstrations farther apart than this fraction of their length do the task in different ways.
 _SAME_WAY = 0.1
 # A path is moved at most so much farther than its ends.
-_MOST_DEVIATION = 1.45
+MOST_DEVIATION = 1.45
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,12 +60,15 @@ def ways(
     shifted = np.stack([_shifted(curve, start, goal) for curve in curves])
     length = float(np.mean([arc_length(path)[-1] for path in paths]))
     carried = _all_carried(curves, shifted, start, goal)
-    usual = curves[:, 0].mean(axis=0), curves[:, -1].mean(axis=0)
+    usual = curves[:, [0, -1]].mean(axis=0)
+    moved = float(np.linalg.norm(np.stack([start, goal]) - usual, axis=1).max())
+    region = curves.min(axis=(0, 1)) - moved, curves.max(axis=(0, 1)) + moved
     for chosen in _same_ways(shifted, curves[:, 0], start, length):
         weights = _weights(curves[:, 0], start, chosen)
         path = np.einsum("j,jnd->nd", weights, carried)
-        if not all(np.array_equal(*ends) for ends in zip((start, goal), usual, strict=True)):
+        if moved > 0.0:
             path = _bounded(path, _usual_way(curves, chosen, *usual), start, goal)
+            path = np.clip(path, *region)
         yield MeanPath(path, weights)
 
 
@@ -87,7 +90,7 @@ def _bounded(
     """
     shifted = _shifted(usual, start, goal)
     moved = max(float(np.linalg.norm(start - usual[0])), float(np.linalg.norm(goal - usual[-1])))
-    bound = _MOST_DEVIATION * moved
+    bound = MOST_DEVIATION * moved
     off, change = shifted - usual, path - shifted
     if np.linalg.norm(off + change, axis=1).max() <= bound:
         return path

@@ -33,7 +33,8 @@ class FastMarching(Unfitted):
         area_of_influence: radius of the tubes around paths, > 0; None: 0.02 of the demonstrations'
             mean length for "map", 0.01 of it otherwise.
         saturation: speed outside the tubes, in (0, 1]. With "map" and "start" small values follow
-            the demonstrations closely and large ones cut corners; "mean_path" allows no short cuts.
+            the demonstrations closely and large ones cut corners; "mean_path" follows the middle of
+            its tube, and needs it for detours around obstacles only.
         resolution: edge of a cell, > 0; None: a fifth of the radius.
         method: "map", all demonstrations in one map (Algorithm 1); "start", those that start near;
             "mean_path", a tube around the path that they predict; "auto", "mean_path" where start

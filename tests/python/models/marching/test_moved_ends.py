@@ -55,6 +55,18 @@ def test_moved_ends_move_the_motion_in_proportion(seed, count, closed):
             assert beyond.max() <= offset * size
 
 
+def test_ends_moved_past_each_other_do_not_turn_the_motion_around():
+    """Reversed demonstrations, whose ends fitted better, moved the motion by 2.06 times as much."""
+    skill = lt.FastMarching().fit(family(6, 40))
+    usual, query, size = skill.plan(), skill.query(), size_of(skill)
+    for angle in np.deg2rad(np.arange(0.0, 360.0, 30.0)):
+        move = 0.3 * size * np.array([np.cos(angle), np.sin(angle)])
+        found = skill.plan(start=query.start + move, goal=query.goal - move)
+        if found.method == usual.method:
+            paths = [by_arc_length(route.path, 200) for route in (usual, found)]
+            assert frechet_distance(*paths) <= 1.5 * 0.3 * size + skill.area_of_influence
+
+
 def test_moved_poses_turn_no_farther_than_their_ends():
     flat = [each.positions for each in family(3, 5)]
     shown = [
@@ -85,7 +97,7 @@ def test_time_scales_nothing_but_time(slower):
 
 
 @pytest.mark.parametrize("sample", [0, 36, 60, 119])
-def test_one_sample_off_by_a_millimetre_changes_the_way_by_less(sample):
+def test_one_sample_off_by_a_millimetre_changes_the_path_by_little_more(sample):
     for seed in range(4):
         shown = family(seed, 5)
         points = shown[0].positions.copy()
@@ -94,11 +106,8 @@ def test_one_sample_off_by_a_millimetre_changes_the_way_by_less(sample):
         skills = [lt.FastMarching().fit(motions) for motions in (shown, changed)]
         ways = [_way(skill) for skill in skills]
         assert np.linalg.norm(ways[0] - ways[1], axis=1).max() < 0.001
-        # Where the way meets itself, the place at which its tube is cut may jump: then the path
-        # differs within the tube, whose radius is half an area of influence.
         paths = [by_arc_length(skill.plan().path, 200) for skill in skills]
-        limit = 0.004 if seed == 1 else 0.5 * skills[0].area_of_influence
-        assert frechet_distance(*paths) < limit
+        assert frechet_distance(*paths) < 0.0015
 
 
 def _way(skill):
