@@ -22,12 +22,15 @@ from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.extent import grid_over
 from leadthrough.models.marching.mean_path import MeanPath
 from leadthrough.models.marching.query import Query
-from leadthrough.models.marching.route import Route, quickest, route_along
+from leadthrough.models.marching.route import CELLS_PER_KNOT, Route, quickest, route_along
 from leadthrough.models.marching.scales import Scales
 from leadthrough.planning.grid import Grid
 from leadthrough.planning.speed_map import add_obstacles, tube_map
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Shape
+
+# Details of a predicted way that are shorter than this many radii are tremor, not shape.
+_KNOTS = 1.6
 
 
 def along_mean(faced: Sequence[Experience], query: Query, scales: Scales) -> Route:
@@ -83,16 +86,27 @@ def _through(mean: MeanPath, faced: Sequence[Experience], query: Query, scales: 
     if scales.workspace is not None:
         way = np.clip(way, *scales.workspace)  # start and goal decide whether that is an error
         way[[0, -1]] = query.ends
+    knot_spacing = _KNOTS * scales.radius
     grid, scales = grid_over([way], query.obstacles, scales)
     beside = add_obstacles(
         np.ones(grid.shape), grid, query.obstacles, area_of_influence=scales.clearance
     )
     path = _along_tube(way, grid, beside, scales)
+    if path is not way:
+        knot_spacing = CELLS_PER_KNOT * float(grid.spacing.max())
     speed = _joined(beside, _tube(way, grid, scales), scales)
     chosen = mean.weights > 0.0
     used = tuple(each for each, wanted in zip(faced, chosen, strict=True) if wanted)
     weights = np.ones(len(used))  # whose start is nearest says nothing about the pace
-    return route_along(path, grid, speed, used=used, weights=weights, method="mean_path")
+    return route_along(
+        path,
+        grid,
+        speed,
+        knot_spacing=knot_spacing,
+        used=used,
+        weights=weights,
+        method="mean_path",
+    )
 
 
 def _joined(beside: Float64Array, tube: Float64Array, scales: Scales) -> Float64Array:
@@ -105,12 +119,14 @@ def _joined(beside: Float64Array, tube: Float64Array, scales: Scales) -> Float64
 def _along_tube(
     mean: Float64Array, grid: Grid, beside: Float64Array, scales: Scales
 ) -> Float64Array:
-    """A mean path with detours through its tube. Raises NoPath.
+    """A mean path with detours through its tube; itself where there is none. Raises NoPath.
 
     It leaves the mean path where the obstacles' map `beside`, (0 to 1), changes the speed on it.
     """
     most = scales.saturation if scales.obstacle_map == "minimum" else 1.0
     influenced = beside[tuple(grid.cells_of(mean).T)] < most
+    if not influenced.any():
+        return mean
     try:
         parts = [
             _detour(stretch, grid, beside, scales) if blocked else stretch

@@ -30,7 +30,7 @@ from leadthrough.preprocess.resample import arc_length
 from leadthrough.preprocess.smooth_path import smooth_path
 
 # Grid noise is shorter than this many cells; the shapes of demonstrations are not.
-_CELLS_PER_KNOT = 8.0
+CELLS_PER_KNOT = 8.0
 # Width of the weights over the demonstrations' starts, in their mean distance from each other.
 _START_WIDTH = 0.25
 
@@ -155,6 +155,7 @@ def route_along(
     used: tuple[Experience, ...],
     weights: Float64Array,
     method: str,
+    knot_spacing: float | None = None,
 ) -> Route:
     """A path made smooth where obstacles allow, with the map's speed along it.
 
@@ -165,11 +166,12 @@ def route_along(
         used: the demonstrations that it follows.
         weights: (k,) how much each one's timing counts.
         method: the method that found it.
+        knot_spacing: length below which details vanish; None: that of the noise of the grid.
     """
     walls = speed == 0.0
     smoothed = smooth_path(
         path,
-        knot_spacing=_CELLS_PER_KNOT * float(grid.spacing.max()),
+        knot_spacing=knot_spacing or CELLS_PER_KNOT * float(grid.spacing.max()),
         accept=lambda points: not walls[tuple(grid.cells_of(points).T)].any(),
     )
     along = map_coordinates(
