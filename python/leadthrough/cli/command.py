@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -14,6 +15,8 @@ from leadthrough.errors import LeadthroughError
 
 # Typer's root of what is wrong with the words of a command line.
 _UsageError: Any = typer.BadParameter.__bases__[0]
+# What --help calls the values of these types.
+_KINDS = {"path": "FILE", "Path": "FILE", "str": "TEXT", "float": "NUMBER", "int": "NUMBER"}
 
 
 def words(ctx: Any) -> dict[str, str]:
@@ -35,6 +38,15 @@ def words(ctx: Any) -> dict[str, str]:
 
 class Command(TyperCommand):
     """A command that takes options from the profile and tells errors in the options' names."""
+
+    def __init__(self, *args: Any, **settings: Any) -> None:
+        super().__init__(*args, **settings)
+        _name_values(self.params)
+
+    def get_help_option(self, ctx: Any) -> Any:
+        option = super().get_help_option(ctx)
+        _name_values([option] if option else [])
+        return option
 
     def make_context(self, info_name: str | None, args: list[str], **extra: Any) -> Any:  # type: ignore[override]
         parent = extra.get("parent")
@@ -69,6 +81,11 @@ class Command(TyperCommand):
 class Commands(TyperGroup):
     """The commands; what is wrong with the words of a command line is JSON too where asked for."""
 
+    def get_help_option(self, ctx: Any) -> Any:
+        option = super().get_help_option(ctx)
+        _name_values([*self.params, *([option] if option else [])])
+        return option
+
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         ctx.meta[_JSON] = "--json" in args
         with _usage_errors(ctx):
@@ -80,6 +97,15 @@ class Commands(TyperGroup):
 
 
 _JSON = "leadthrough.json"
+
+
+def _name_values(parameters: list[Any]) -> None:
+    """Lets --help say what a value is without Python's types, and nothing for a switch."""
+    for parameter in parameters:
+        if parameter.param_type_name == "option" and parameter.metavar is None:
+            shown = set(re.findall(r"\w+", parameter.display_type(None)))
+            kinds = [kind for name, kind in _KINDS.items() if name in shown]
+            parameter.metavar = "" if parameter.is_flag else next(iter(kinds), None)
 
 
 @contextmanager

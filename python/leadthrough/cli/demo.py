@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich import box
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
@@ -36,8 +37,8 @@ def demo(
     report.write_summary(results, out)
     report.write_page(results, arm, config, out)
 
-    columns = ("motion", "SEA", "V_rmse", "DTWD/N", "Fréchet", "time s", "slowed", "limits", "arm")
-    table = Table(*columns)
+    columns = ("motion", "SEA\nmm²", "V_rmse\nmm/s", "DTWD/N\nmm", "Fréchet\nmm", "time\ns")
+    table = Table(*columns, "slowed", "limits", "arm", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
     rows = report.error_rows(results)
     for row, result in zip(rows, results, strict=False):
         verdict = "kept" if result.limits.ok else "exceeded"

@@ -35,8 +35,7 @@ def example(
 ) -> None:
     """Write the files of an example, to try the commands on.
 
-    reach: a UR3 as a URDF, its limits, a leadthrough.toml that names both, and three recordings of
-    its joints while a simulated person guides it through a reach.
+    reach: a UR3, its limits, and three recordings of a simulated person guiding it.
 
     leadthrough example reach first-steps
     """

@@ -81,6 +81,8 @@ def info(
         print(json.dumps([each.as_dict() for each in told], allow_nan=False))
         return
     print("\n\n".join(map(str, told)))
+    if write_limits is not None:
+        print(f"wrote {write_limits}: replace the assumed values with the maker's")
     if len({each.kind for each in told}) == 1:
         chain.hint(*_next(ctx, told, write_limits))
 

@@ -4,29 +4,54 @@ from __future__ import annotations
 
 import json
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from types import MappingProxyType
 from typing import Any
 
 from rich import box
-from rich.console import Console
+from rich.console import Console, Group
 from rich.table import Table
 
 _WIDTH = 80  # characters
 _WHOLE_WORDS: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
 
 
-def table(rows: list[dict[str, Any]]) -> Table:
-    """A table of the rows; transposed if that is narrower."""
-    # Words break where there is no room for a column; names with underscores do not.
+def table(rows: list[dict[str, Any]]) -> Group:
+    """The rows as tables of 80 columns, transposed if that is narrower.
+
+    Where one table is too wide, several stand below each other, which share their first column.
+
+    Args:
+        rows: the values by their names, the same names in each row.
+    """
     names = [name.replace("_", " ") for name in rows[0]] if rows else []
-    lines = [names, *(list(row.values()) for row in rows)]
+    lines = [names, *([_cell(value) for value in row.values()] for row in rows)]
     if len(names) > len(lines):
         lines = [list(line) for line in zip(*lines, strict=True)]
+    return Group(*(_printed(part) for part in _narrow(lines)))
+
+
+def _narrow(lines: list[list[str]]) -> Iterator[list[list[str]]]:
+    """The lines cut into parts whose columns fit, each part behind the first column."""
+    widths = [max(map(len, column)) + 1 for column in zip(*lines, strict=True)]
+    first = 1
+    while first < len(widths):
+        last, used = first + 1, widths[0] + widths[first] + 1
+        while last < len(widths) and used + widths[last] <= _WIDTH:
+            used += widths[last]
+            last += 1
+        yield [[line[0], *line[first:last]] for line in lines]
+        first = last
+    if len(widths) == 1:
+        yield lines
+
+
+def _printed(lines: list[list[str]]) -> Table:
+    # Words break where there is no room for a column; names with underscores do not.
     printed = Table(box=box.SIMPLE, padding=0, show_header=False)
     for line in lines:
-        printed.add_row(*map(_cell, line))
+        printed.add_row(*line)
     return printed
 
 

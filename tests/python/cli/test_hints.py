@@ -4,7 +4,6 @@ import os
 import shlex
 from pathlib import Path
 
-import numpy as np
 import pytest
 from cli.command_line import run
 from rich.console import Console
@@ -115,8 +114,11 @@ def test_joints_that_no_arm_was_named_for_are_written_for_a_controller(folder):
     run("--no-profile", "plan", "joints.npz", "-o", "joints.json")
 
 
-def test_the_tables_of_the_studies_fit():
-    rows = [{f"a quantity {i} m": float(i) for i in range(20)}, dict.fromkeys(range(20), "box")]
+@pytest.mark.parametrize("count", [1, 3, 12])
+def test_the_tables_of_the_studies_fit_and_show_every_value(count):
+    rows = [{f"quantity {i} m": f"{row}-{i}-of-the-rows" for i in range(8)} for row in range(count)]
     console = Console(width=WIDTH, record=True)
     console.print(table(rows))
-    assert np.max([len(line) for line in console.export_text().splitlines()]) <= WIDTH
+    text = console.export_text()
+    assert max(map(len, text.splitlines())) <= WIDTH
+    assert all(f"{row}-{i}-of-the-rows" in text for row in range(count) for i in range(8))
