@@ -1,4 +1,5 @@
 #include <pybind11/eigen.h>
+#include <pybind11/stl.h>
 
 #include "bind/parts.hpp"
 #include "ik/tracking.hpp"

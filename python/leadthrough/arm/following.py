@@ -132,7 +132,8 @@ class ArmFollowing(ArmDefinition):
 
         Args:
             trajectory: a JointTrajectory. It may have other joints as well, such as a gripper's.
-                Without names it has just the arm's joints, in the arm's order. Where a joint
+                Names may end in ".pos", as LeRobot's do. Without names it has just the arm's
+                joints, in the arm's order. Where a joint
                 without limits leaps by more than half a turn between two samples, as encoders do
                 at a whole turn, it is made continuous.
 

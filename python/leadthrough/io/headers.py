@@ -25,7 +25,7 @@ from collections.abc import Iterator, Sequence
 from typing import Literal
 
 Columns = tuple[str, ...]
-AngleUnit = Literal["radians", "degrees"]
+AngleUnit = Literal["radians", "degrees", "percent"]
 QuaternionOrder = Literal["wxyz", "xyzw"]
 
 # What the name of a joint's column adds to the joint's own name.
@@ -73,6 +73,11 @@ def unit(name: str, role: str) -> tuple[str, float | None]:
         return name, None
     factor = _UNITS.get(role, {}).get((match["a"] or match["b"] or match["c"]).lower())
     return (name, None) if factor is None else (match["plain"], factor)
+
+
+def joint(name: str) -> str:
+    """The joint's own name in that of its column, without a unit or LeRobot's ".pos"."""
+    return unit(name, "joints")[0].removesuffix(".pos")
 
 
 def is_whole(name: str) -> bool:
