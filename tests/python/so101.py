@@ -11,8 +11,13 @@ import pyarrow as pa
 from pyarrow import parquet
 
 URDF = """<robot name="five_joints_and_a_gripper">
-<link name="base_link"/><link name="shoulder_link"/><link name="upper_arm_link"/>
-<link name="lower_arm_link"/><link name="wrist_link"/><link name="gripper_link"/>
+<link name="base_link"/><link name="shoulder_link"/><link name="wrist_link"/>
+<link name="upper_arm_link"><collision><origin xyz="-0.06 -0.02 0"/><geometry>
+ <sphere radius="0.03"/></geometry></collision></link>
+<link name="lower_arm_link"><collision><origin xyz="-0.07 0 0"/><geometry>
+ <sphere radius="0.03"/></geometry></collision></link>
+<link name="gripper_link"><collision><origin xyz="0 0 -0.06"/><geometry>
+ <sphere radius="0.03"/></geometry></collision></link>
 <link name="gripper_frame_link"/><link name="jaw_link"/>
 <joint name="shoulder_pan" type="revolute">
  <parent link="base_link"/><child link="shoulder_link"/>

@@ -42,8 +42,8 @@ def unit_of(table: Table, columns: Columns, request: Request) -> AngleUnit | Non
     stated = request.angles or table.angles
     if stated == "percent" and not {headers.joint(name) for name in columns} <= set(request.joints):
         raise InvalidInput(
-            "joints: needed with angles='percent', which refer to the limits of an arm's joints; "
-            "on the command line give --robot"
+            "angles: percent refer to the limits of an arm's joints, which are not known; name the "
+            "arm (--robot); in Python, set joints"
         )
     if stated is not None or all(headers.unit(name, "joints")[1] is not None for name in columns):
         return stated

@@ -55,7 +55,7 @@ def test_the_only_unit_that_fits_is_taken_for_the_whole_data_set(tmp_path, stats
 
 def test_degrees_beyond_the_limits_of_the_joints_can_only_be_percent(tmp_path):
     shown = data_set(tmp_path, percent)
-    narrow = {name: (-0.9, 0.9) for name in RANGES}
+    narrow = dict.fromkeys(RANGES, (-0.9, 0.9))
     found = lt.read_demonstrations(tmp_path, joints=narrow)[0].motion.positions
     np.testing.assert_allclose(found, 0.009 * percent(shown[0]), atol=1e-5)
 
@@ -64,7 +64,9 @@ def test_where_both_units_fit_the_message_says_what_to_state(tmp_path):
     data_set(tmp_path, percent)
     with pytest.raises(InvalidInput, match="both fit; set angles='degrees' or angles='percent'"):
         read(tmp_path)
-    with pytest.raises(InvalidInput, match="joints: needed with angles='percent'"):
+    with pytest.raises(
+        InvalidInput, match=r"angles: percent refer to the limits.*; in Python, set joints"
+    ):
         lt.read_demonstrations(tmp_path, angles="percent")
 
 
