@@ -77,7 +77,7 @@ WRONG = {
     ("learn", "out"): "nowhere/out.npz",
 }
 # Without a wrong value; and files, which the error names instead.
-ANY = {"help", "as_json", "clean", "cut", "keep_timing", "torques", "quick"}
+ANY = {"help", "as_joints", "as_json", "clean", "cut", "keep_timing", "torques", "quick"}
 NAMED_BY_THEIR_VALUE = {
     ("view", "demonstrations"),
     ("view", "skill"),
