@@ -22,11 +22,14 @@ __all__ = [
     "Conditioned",
     "Distributed",
     "Generator",
+    "Guided",
     "Model",
     "Place",
     "Previewed",
     "Relearned",
     "Skill",
+    "State",
+    "Stepped",
 ]
 
 
@@ -83,7 +86,11 @@ class Skill(Generator[MotionT_co], Protocol[MotionT_co]):
 
     @property
     def supports(self) -> frozenset[str]:
-        """Parts of a query that it honours, of "start", "goal", "duration", "obstacles"."""
+        """Parts of a query that it honours.
+
+        Of "start", "goal", "duration" and "obstacles"; of a `Stepped` skill also of "via",
+        "start_velocity" and "final_velocity".
+        """
 
     @property
     def kind(self) -> str:
@@ -124,6 +131,75 @@ class Distributed(Protocol):
 
     def distribution(self, times: ArrayLike) -> tuple[Float64Array, Float64Array]:
         """Mean (n, d) and covariance (n, d, d) of the columns at times (n,), s."""
+
+
+@runtime_checkable
+class State(Protocol):
+    """Where a motion is that goes on step by step; poses also have .orientation and its rate."""
+
+    @property
+    def phase(self) -> float:
+        """From 0 at the start on; 1 is the end."""
+
+    @property
+    def position(self) -> Float64Array:
+        """Of shape (d,)."""
+
+    @property
+    def velocity(self) -> Float64Array:
+        """Of shape (d,), per second."""
+
+
+@runtime_checkable
+class Stepped(Protocol):
+    """A skill whose motions pass via points, and go on step by step in a control loop."""
+
+    def begin(
+        self,
+        *,
+        start: Place | None = None,
+        goal: Place | None = None,
+        duration: float | None = None,
+        via: Sequence[tuple[float, ArrayLike]] = (),
+        start_velocity: ArrayLike | None = None,
+        final_velocity: ArrayLike | None = None,
+    ) -> Any:
+        """The state at the start, for `step`."""
+
+    def step(
+        self,
+        state: Any,
+        dt: float,
+        *,
+        goal: Place | None = None,
+        coupling: ArrayLike | None = None,
+        lag: float = 0.0,
+        measured: Place | None = None,
+        obstacles: Sequence[Shape] = (),
+    ) -> Any:
+        """The state dt s later."""
+
+    def generate(
+        self,
+        *,
+        start: Place | None = None,
+        goal: Place | None = None,
+        duration: float | None = None,
+        dt: float = 0.01,
+        obstacles: Sequence[Shape] = (),
+        via: Sequence[tuple[float, ArrayLike]] = (),
+        start_velocity: ArrayLike | None = None,
+        final_velocity: ArrayLike | None = None,
+    ) -> Motion:
+        """A motion, as by any skill, through via points and with velocities at its ends."""
+
+
+@runtime_checkable
+class Guided(Protocol):
+    """A skill that leads a tool from wherever it is."""
+
+    def policy(self, position: ArrayLike) -> Float64Array:
+        """The velocity (d,) that leads from a position (d,) to the goal."""
 
 
 @runtime_checkable

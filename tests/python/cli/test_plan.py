@@ -1,5 +1,7 @@
 """`leadthrough plan`: warnings about what was not demonstrated."""
 
+import json
+
 import numpy as np
 import pytest
 from typer.testing import CliRunner
@@ -49,3 +51,30 @@ def test_skills_without_a_distribution_do_not_warn(skill, tmp_path):
     motion = lt.load_skill(skill).generate()
     lt.DMP().fit([motion]).save("dmp.npz")
     assert "warning" not in stderr_of("dmp.npz", "--move-goal=0,0.5,0")
+
+
+def planned(*words):
+    result = CliRunner().invoke(cli.app, ["plan", *words, "-o", "motion.csv", "--json"])
+    assert result.exit_code == 0, result.output
+    return json.loads(result.stdout)
+
+
+def test_a_goal_farther_on_takes_longer_and_says_why(tmp_path, monkeypatch):
+    """Twice as far along its own way: at most 1.3 times as fast as demonstrated."""
+    monkeypatch.chdir(tmp_path)
+    rise = lt.trajectories.minimum_jerk_rise(U)
+    shown = lt.Trajectory(2.0 * U, np.outer(rise, [0.4, 0.0, 0.1]))
+    lt.DMP().fit([shown]).save("reach.npz")
+    assert "lengthened" not in planned("reach.npz")
+    assert "lengthened" not in planned("reach.npz", "--move-goal=0.01,0,0")
+    said = planned("reach.npz", "--move-goal=0.4,0,0.1")
+    assert said["duration"] == pytest.approx(2.0 * 2.0 / 1.3, rel=0.02)
+    assert said["lengthened"].startswith("from 2 to 3.1")
+    assert "1.3 times" in said["lengthened"]
+    made = np.loadtxt("motion.csv", delimiter=",", skiprows=1)
+    peak = (np.linalg.norm(np.diff(made[:, 1:4], axis=0), axis=1) / np.diff(made[:, 0])).max()
+    usual = (np.linalg.norm(np.diff(shown.positions, axis=0), axis=1) / np.diff(shown.times)).max()
+    assert 1.25 * usual <= peak <= 1.31 * usual
+    asked = planned("reach.npz", "--move-goal=0.4,0,0.1", "--duration=2")
+    assert asked["duration"] == pytest.approx(2.0)
+    assert "lengthened" not in asked

@@ -5,7 +5,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough import rotations
-from leadthrough.errors import InvalidInput
+from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models import Frame, Framed
 from leadthrough.trajectories import minimum_jerk_rise
 
@@ -92,3 +92,94 @@ def test_frames_that_do_not_fit_are_refused(case):
             skill.at(frames)
     with pytest.raises(InvalidInput, match="frames"):
         skill.model.fit([lt.Demonstration(shown)], frames=[])
+
+
+# What only some models take
+
+
+def test_via_points_and_velocities_are_in_the_base_frame():
+    for model, seen in (MODELS["poses"], MODELS["points"]):
+        skill = Framed(model).fit([lt.Demonstration(HERE.base(seen))], frames=[[HERE]]).at([THERE])
+        assert {"via", "start_velocity", "final_velocity"} <= skill.supports
+        plain = skill.generate(duration=2.0, dt=1e-3)
+        through, rate = plain.positions[1000] + (0.03, 0.02, -0.01), np.array([0.1, -0.05, 0.02])
+        made = skill.generate(
+            duration=2.0, dt=1e-3, via=[(0.5, through)], start_velocity=rate, final_velocity=-rate
+        )
+        np.testing.assert_allclose(made.positions[1000], through, atol=1e-6)
+        np.testing.assert_allclose((made.positions[1] - made.positions[0]) / 1e-3, rate, atol=5e-3)
+        np.testing.assert_allclose(
+            (made.positions[-1] - made.positions[-2]) / 1e-3, -rate, atol=5e-3
+        )
+
+
+@pytest.mark.parametrize("kind", ["poses", "points"])
+def test_steps_in_a_frame_are_those_of_the_whole_motion(kind):
+    model, seen = MODELS[kind]
+    skill = Framed(model).fit([lt.Demonstration(HERE.base(seen))], frames=[[HERE]]).at([THERE])
+    whole, state = skill.generate(dt=0.05), skill.begin()
+    np.testing.assert_allclose(state.position, whole.positions[0], atol=1e-9)
+    step = whole.times[1]
+    for row in range(1, len(whole.times)):
+        state = skill.step(state, step)
+        np.testing.assert_allclose(state.position, whole.positions[row], atol=1e-8)
+        if kind == "poses":
+            turned = rotations.distance(state.orientation[None], whole.orientations[[row]])
+            assert turned[0] < 1e-6
+    assert state.phase == pytest.approx(1.0)
+    assert state.duration == pytest.approx(whole.duration)
+
+
+def test_goal_push_and_measurement_of_a_step_are_in_the_base_frame():
+    model, seen = MODELS["poses"]
+    skill = Framed(model).fit([lt.Demonstration(HERE.base(seen))], frames=[[HERE]]).at([THERE])
+    goal = THERE.base(seen).positions[-1] + (0.02, -0.03, 0.01)
+    state = skill.begin()
+    while state.phase < 1.0:
+        state = skill.step(state, 0.01, goal=goal if state.phase >= 0.3 else None)
+    np.testing.assert_allclose(state.position, goal, atol=1e-3)
+    begun = skill.begin()
+    push = np.array([1.0, 2.0, -1.0, 0.5, 0.0, 1.0])
+    free, pushed = skill.step(begun, 0.01), skill.step(begun, 0.01, coupling=push)
+    np.testing.assert_allclose((pushed.velocity - free.velocity) / 0.01, push[:3], rtol=0.1)
+    turn = (pushed.angular_velocity - free.angular_velocity) / 0.01
+    np.testing.assert_allclose(turn, push[3:], atol=0.2)
+    there = begun.position + np.array([0.01, 0.0, 0.02])
+    moved = skill.step(begun, 1e-6, measured=there)
+    np.testing.assert_allclose(moved.position, there, atol=1e-6)
+
+
+def test_a_policy_is_asked_and_answers_in_the_base_frame():
+    shown = lt.Trajectory(2.0 * U, POINTS[:, :2])
+    turn = rotations.to_matrix(rotations.exp(np.radians([[0.0, 0.0, 120.0]])))[0][:2, :2]
+    here, there = Frame((0.0, 0.0)), Frame((0.3, 0.1), turn)
+    skill = Framed(lt.FastMarching()).fit([lt.Demonstration(shown)], frames=[[here]])
+    place = np.array([0.2, 0.12])
+    expected = turn @ skill.policy(place)
+    found = skill.at([there]).policy(turn @ place + (0.3, 0.1))
+    np.testing.assert_allclose(found, expected, atol=1e-6)
+    assert np.linalg.norm(found) > 0.01
+
+
+def test_what_the_skill_inside_does_not_take_is_refused_by_name():
+    shown = lt.Demonstration(HERE.base(POSES))
+    promp = Framed(lt.ProMP()).fit([shown], frames=[[HERE]])
+    for name, value in (
+        ("via", [(0.5, (0.0, 0.0, 0.0))]),
+        ("start_velocity", (0.1, 0.0, 0.0)),
+        ("final_velocity", (0.1, 0.0, 0.0)),
+    ):
+        with pytest.raises(UnsupportedQuery, match=f"{name}: a skill of kind 'promp'"):
+            promp.generate(**{name: value})
+    for ask in (promp.begin, lambda: promp.policy((0.0, 0.0, 0.0))):
+        with pytest.raises(UnsupportedQuery, match="Framed"):
+            ask()
+    hoffmann = Framed(lt.PoseDMP(form="hoffmann")).fit([shown], frames=[[HERE]])
+    with pytest.raises(UnsupportedQuery, match="final_velocity"):
+        hoffmann.generate(final_velocity=(0.1, 0.0, 0.0))
+    skill = Framed(lt.PoseDMP()).fit([shown], frames=[[HERE]])
+    for query in ({"via": [(0.5, (0.0, 0.0))]}, {"via": [0.5]}, {"start_velocity": (0.1,)}):
+        with pytest.raises(InvalidInput, match=next(iter(query))):
+            skill.generate(**query)
+    with pytest.raises(InvalidInput, match="coupling"):
+        skill.step(skill.begin(), 0.01, coupling=(1.0,))

@@ -116,8 +116,7 @@ class DMPSkill(Primitive[DMP, _core.PointState], Generic[MotionT_co]):
     @property
     def supports(self) -> frozenset[str]:
         """What a query may ask for; obstacles only in two or three dimensions."""
-        known = {"start", "goal", "duration"}
-        return frozenset(known if self._dimensions is None else {*known, "obstacles"})
+        return self._supported(obstacles=self._dimensions is not None)
 
     def generate(
         self,

@@ -67,7 +67,11 @@ class PoseDMPSkill(Primitive["PoseDMP", _core.PoseState]):
     turning: Turning
 
     kind: ClassVar[str] = "pose_dmp"
-    supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration", "obstacles"})
+
+    @property
+    def supports(self) -> frozenset[str]:
+        """What a query may ask for."""
+        return self._supported(obstacles=True)
 
     def generate(
         self,

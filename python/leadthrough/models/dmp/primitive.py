@@ -105,6 +105,12 @@ class Primitive(Archived, Generic[ModelT, StateT]):
         state = self.begin(start=start, goal=goal, duration=self.duration)
         return self.duration * self._lengthening(state)
 
+    def _supported(self, *, obstacles: bool) -> frozenset[str]:
+        """What a query may ask for; a final velocity only with the form "blended"."""
+        known = {"start", "goal", "duration", "via", "start_velocity"}
+        known |= {"final_velocity"} if self.springs.form == "blended" else set()
+        return frozenset(known | {"obstacles"} if obstacles else known)
+
     def _looked_at(self, state: StateT) -> tuple[Float64Array, Float64Array]:
         """Values and slopes (n, channels) of the motion from a state on, at COARSE_PHASES."""
         return _core.dmp_rollout(
