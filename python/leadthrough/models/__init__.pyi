@@ -5,6 +5,7 @@ from .dmp.rhythmic import RhythmicDMP, RhythmicDMPSkill
 from .dmp.rhythmic_pose import RhythmicPoseDMP, RhythmicPoseDMPSkill
 from .frame import Frame
 from .framed import Framed, FramedSkill
+from .framed_state import FramedState
 from .library import OutsideTargets, SkillLibrary
 from .marching.model import FastMarching
 from .marching.skill import FastMarchingSkill
@@ -35,6 +36,7 @@ __all__ = [
     "Frame",
     "Framed",
     "FramedSkill",
+    "FramedState",
     "GMRSkill",
     "Inference",
     "Mixture",
