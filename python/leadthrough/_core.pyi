@@ -99,13 +99,7 @@ class YangOptions:
     ) -> None: ...
 
 class TrackOptions:
-    def __init__(
-        self,
-        tolerance: IkTolerance,
-        max_iterations: int,
-        max_step: float,
-        axes: IkAxes | None = None,
-    ) -> None: ...
+    def __init__(self, tolerance: IkTolerance, max_iterations: int, max_step: float) -> None: ...
 
 class PursuitOptions:
     def __init__(

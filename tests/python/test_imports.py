@@ -23,6 +23,7 @@ STAGES = (
     "sampled",
     "motion",
     "shapes",
+    "plausible",
     "io",
     "preprocess",
     "trajectories",

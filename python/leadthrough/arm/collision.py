@@ -19,6 +19,7 @@ from leadthrough.arm.collision_report import Approach, Clearance, CollisionPairs
 from leadthrough.arm.definition import ArmDefinition
 from leadthrough.arm.joint_rows import joint_rows
 from leadthrough.arm.meshes import hull_vertices
+from leadthrough.arm.reachable import look_at_obstacles
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, InvalidRobot
 from leadthrough.motion import JointTrajectory
@@ -166,7 +167,9 @@ class ArmCollision(ArmDefinition):
         return model
 
     def _against(self, obstacles: Iterable[Shape]) -> _core.CollisionScene:
-        return _core.against(self._collision, _rows(check_shapes(obstacles)))
+        shapes = check_shapes(obstacles)
+        look_at_obstacles(self, shapes)
+        return _core.against(self._collision, _rows(shapes))
 
     def _nearest(
         self, q: ArrayLike, scene: _core.CollisionScene, threads: int

@@ -6,14 +6,71 @@ from dataclasses import replace
 
 import numpy as np
 
-from leadthrough import _core
+from leadthrough import _core, plausible
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, joints_with
+from leadthrough.motion import (
+    JointTrajectory,
+    Motion,
+    PoseTrajectory,
+    Trajectory,
+    joints_with,
+)
+
+# A recorded joint this far beyond its limits, rad (m) and as a fraction of its range, is of another
+# arm or in another unit; calibrations differ by less.
+_BEYOND, _BEYOND_RANGE = 0.5, 0.25
+# m: the mean motion of several demonstrations is less far from where the mean of their joints is.
+_OTHER_TIP = 0.05
 
 
 def joints_of(chain: _core.Chain, trajectory: Motion) -> JointTrajectory:
     """See `Arm.joints_of`."""
+    own = _own(chain, trajectory)
+    if outside := _outside(chain, own):
+        plausible.warn(outside)
+    return own
+
+
+def warn_of_another_arm(chain: _core.Chain, motion: Motion) -> None:
+    """Warns if the joints that go along with a motion as shown take the tip elsewhere.
+
+    Args:
+        chain: of the arm that is to move.
+        motion: as it was shown, without a new start or goal.
+    """
+    shown = shown_joints(chain, motion)
+    if shown is None or not isinstance(motion, Trajectory | PoseTrajectory):
+        return
+    positions, _ = chain.forward_kinematics(shown.positions)
+    if motion.positions.shape[1] != positions.shape[1]:
+        return
+    away = float(np.linalg.norm(positions - motion.positions, axis=1).max())
+    if away > _OTHER_TIP:
+        plausible.warn(
+            f"robot: with the joints that were shown, this arm's tip is up to {away:.3g} m from "
+            "where it was shown; use the robot, base and tip of the recording"
+        )
+
+
+def _outside(chain: _core.Chain, own: JointTrajectory) -> str | None:
+    """What is wrong with joints far beyond the arm's limits, if any are."""
+    with np.errstate(invalid="ignore"):
+        allowed = np.maximum(_BEYOND, _BEYOND_RANGE * (chain.upper - chain.lower))
+        beyond = np.maximum(chain.lower - own.positions, own.positions - chain.upper)
+    far = np.where(np.isfinite(allowed), beyond - allowed, -1.0)
+    sample, j = np.unravel_index(int(np.argmax(far)), far.shape)
+    if far[sample, j] <= 0.0:
+        return None
+    name, value = chain.joint_names[j], own.positions[sample, j]
+    return (
+        f"trajectory: {name} goes to {value:.4g} rad (m), and its limits are {chain.lower[j]:.4g} "
+        f"to {chain.upper[j]:.4g}; read a recording in degrees with angles='degrees', or name the "
+        "robot that was recorded"
+    )
+
+
+def _own(chain: _core.Chain, trajectory: Motion) -> JointTrajectory:
     names = tuple(chain.joint_names)
     if not isinstance(trajectory, JointTrajectory):
         got = type(trajectory).__name__
@@ -41,7 +98,7 @@ def shown_joints(chain: _core.Chain, motion: Motion) -> JointTrajectory | None:
     if shown is None:
         return None
     try:
-        return joints_of(chain, shown)
+        return _own(chain, shown)
     except InvalidInput:
         return None
 
@@ -69,18 +126,17 @@ def _columns(trajectory: JointTrajectory, names: tuple[str, ...]) -> list[int]:
             )
         return list(range(count))
     if not set(names) <= set(recorded):
-        # LeRobot's names of motors.
-        recorded = tuple(name.removesuffix(".pos") for name in recorded)
-    if not set(names) <= set(recorded):
         raise InvalidInput(
             f"trajectory: expected at least the joints {', '.join(names)}, "
-            f"got {', '.join(trajectory.joint_names)}"
+            f"got {', '.join(recorded)}"
         )
     return [recorded.index(name) for name in names]
 
 
 def poses(chain: _core.Chain, trajectory: Motion) -> PoseTrajectory:
     """See `Arm.poses`."""
-    own = joints_of(chain, trajectory)
+    own = _own(chain, trajectory)
+    if outside := _outside(chain, own):
+        raise InvalidInput(outside)
     positions, orientations = chain.forward_kinematics(own.positions)
     return PoseTrajectory(own.times, positions, orientations, own.events, own)

@@ -69,7 +69,8 @@ class Command(TyperCommand):
 
     def invoke(self, ctx: Any) -> Any:
         try:
-            return super().invoke(ctx)
+            with errors.warnings_in(words(ctx)):
+                return super().invoke(ctx)
         except BrokenPipeError:  # a reader such as `head` has seen enough
             raise
         except (LeadthroughError, OSError) as error:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 
@@ -45,6 +46,24 @@ def naming(**words: str) -> Iterator[None]:
     except LeadthroughError as error:
         error.args = (in_words(str(error), words), *error.args[1:])
         raise
+
+
+@contextmanager
+def warnings_in(words: Mapping[str, str]) -> Iterator[None]:
+    """Prints the library's warnings of a block on stderr, in words of the command line.
+
+    Args:
+        words: as for `naming`.
+    """
+    from leadthrough.plausible import Suspicious
+
+    def show(message: Warning | str, *_: object) -> None:
+        print(f"warning: {in_words(str(message), words)}", file=sys.stderr)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", Suspicious)
+        warnings.showwarning = show  # type: ignore[assignment]  # it takes all the arguments
+        yield
 
 
 def in_words(message: str, words: Mapping[str, str]) -> str:

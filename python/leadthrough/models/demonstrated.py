@@ -7,6 +7,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from leadthrough import plausible
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput
 from leadthrough.motion import (
@@ -58,6 +59,7 @@ def motions_of(
     _refuse_mixed(motions)
     for i, motion in enumerate(motions):
         _refuse_unfit(motion, f"demonstrations[{i}]")
+        plausible.clock(motion.times, f"demonstrations[{i}]")
     return motions
 
 

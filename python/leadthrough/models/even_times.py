@@ -7,6 +7,7 @@ import sys
 
 import numpy as np
 
+from leadthrough import plausible
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
@@ -26,7 +27,8 @@ def even_times(duration: float, dt: float) -> Float64Array:
         dt: s, > 0, upper bound of the step.
 
     Raises:
-        InvalidInput: if there would be too many samples, or steps too short for floats.
+        InvalidInput: if there would be too many samples or none on the way, or steps too short for
+            floats.
     """
     return duration * even_phases(duration, dt)
 
@@ -38,6 +40,7 @@ def even_phases(duration: float, dt: float) -> Float64Array:
             f"dt: expected at most {MOST_SAMPLES:.0e} samples in {duration:.6g} s, got steps of "
             f"{dt} s; check the units of dt and duration"
         )
+    plausible.step(dt, duration)
     steps = max(math.ceil(duration / dt - _ROUNDING), 1)
     if duration / steps < _SHORTEST:
         raise InvalidInput(

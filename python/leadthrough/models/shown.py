@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from leadthrough.drawing.drawn import Drawn
+from leadthrough.errors import InvalidInput
 from leadthrough.models.protocol import Distributed
 from leadthrough.motion import Motion
 
@@ -27,6 +29,14 @@ class ShownSkill(Drawn):
     @abstractmethod
     def generate(self) -> Motion:
         """Its own motion."""
+
+    @cached_property
+    def _own_motion(self) -> Motion | None:
+        """What queries are compared with; None if it was shown nothing."""
+        try:
+            return self.generate()
+        except InvalidInput:  # nothing was shown, so there is no motion without a start and goal
+            return None
 
     def _brief_parts(self) -> list[str]:
         told: dict[str, Any] = {name: getattr(self, name, None) for name in ("model", "duration")}

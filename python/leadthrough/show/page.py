@@ -50,7 +50,8 @@ def write_page(
 
 def scene(shown: Scene, caption: str = "") -> str:
     """A scene to look at from all sides and to play, with a caption below."""
-    return _SCENE.format(data=_packed(shown), caption=_caption(caption))
+    remarks = "".join(f"<div>{html.escape(remark)}</div>" for remark in shown.remarks)
+    return _SCENE.format(data=_packed(shown), caption=_caption(caption), remarks=remarks)
 
 
 def figure(drawn: Figure, caption: str = "") -> str:
@@ -161,7 +162,8 @@ _SCENE = """<figure class="scene"><div class="stage"><canvas></canvas>
 <span class="clock"></span>
 <select class="speed" aria-label="speed"><option value="0.25">1/4 x</option>
 <option value="1" selected>1 x</option><option value="2">2 x</option></select>
-<button class="home">Reset view</button></div><div class="trouble"></div></div>
+<button class="home">Reset view</button></div><div class="trouble"></div>
+<div class="remarks">{remarks}</div></div>
 <script type="text/plain">{data}</script>{caption}</figure>"""
 
 _PAGE = """<!doctype html>

@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.arm import Arm
+from leadthrough.arm.reachable import limits_in_the_way
+from leadthrough.arm.recorded import warn_of_another_arm
 from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LeadthroughError
@@ -92,6 +94,7 @@ class Replanner:
                 "skill: expected one of points or poses in 3-D, or of joints, "
                 f"got one of points in {usual.positions.shape[1]}-D"
             )
+        warn_of_another_arm(arm._chain, usual)
         self.usual_duration = float(usual.duration)
         self._first: Float64Array | None = None
         self._is_of_joints = isinstance(usual, JointTrajectory)
@@ -240,7 +243,12 @@ class Replanner:
             self.goal_position, self.goal_orientation, seed=self._last_joints
         )
         if not found.success:
-            raise InvalidInput(f"goal: the arm does not reach it ({found.status})")
+            bars = [name in found.limiting_joints for name in self.arm.joint_names]
+            why = limits_in_the_way(self.arm, found.q, bars) or found.status
+            raise InvalidInput(
+                f"goal: the arm does not reach it: {why}; the nearest is "
+                f"{found.position_error:.3g} m and {found.orientation_error:.3g} rad away"
+            )
         return found.q
 
     @cached_property

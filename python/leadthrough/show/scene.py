@@ -5,7 +5,7 @@ It knows no renderer: the HTML page and the live view draw the same scene.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import cycle
 
@@ -79,6 +79,7 @@ class Scene(Brief):
         positions: of the links in the frame of the arm's base, (n, links, 3), m.
         orientations: of the links in that frame, (n, links, 4), w, x, y, z.
         items: the surfaces.
+        remarks: on what cannot be shown, such as a mesh that is not there.
     """
 
     links: tuple[str, ...]
@@ -86,6 +87,7 @@ class Scene(Brief):
     positions: Float64Array
     orientations: Float64Array
     items: tuple[Item, ...] = field(repr=False)
+    remarks: tuple[str, ...] = ()
 
     def with_motion(self, arm: Arm, joints: JointTrajectory) -> Scene:
         """The same surfaces with another motion of the arm.
@@ -160,7 +162,8 @@ def arm_scene(
     links, positions, orientations = _links(arm, shown.positions)
     if path is None and joints is not None:
         path, _ = arm.forward_kinematics(shown.positions)
-    items = [*arm_items(arm, links), *demonstration_items(arm, demonstrations)]
+    parts, remarks = parts_by_link(arm.document, arm.mesh_folders)
+    items = [*arm_items(arm, links, parts), *demonstration_items(arm, demonstrations)]
     if path is not None:
         items.append(path_item(check.array(path, "path", shape=("n", 3))))
     items += spread_items(arm, skill)
@@ -168,7 +171,7 @@ def arm_scene(
     if goal is not None:
         items.append(goal_item(check.array(goal, "goal", shape=(3,))))
     times = shown.times - shown.times[0]
-    return Scene(links, times, positions, orientations, tuple(items))
+    return Scene(links, times, positions, orientations, tuple(items), remarks)
 
 
 def frames(arm: Arm, joints: JointTrajectory | None) -> JointTrajectory:
@@ -213,9 +216,17 @@ def tip_path(arm: Arm, motion: Motion) -> Float64Array:
     return np.pad(motion.positions, ((0, 0), (0, 3 - width)))
 
 
-def arm_items(arm: Arm, links: Sequence[str]) -> Iterator[Item]:
-    """The arm's surfaces; links without a colour of their own get one of two in turn."""
-    parts = parts_by_link(arm.document, arm.mesh_folders) or _rods(arm)
+def arm_items(
+    arm: Arm, links: Sequence[str], parts: Mapping[str, Sequence[Part]]
+) -> Iterator[Item]:
+    """The arm's surfaces; links without a colour of their own get one of two in turn.
+
+    Args:
+        arm: the arm; without any surface it is drawn as rods.
+        links: their names, in the order of the scene.
+        parts: the surfaces of each link.
+    """
+    parts = parts or _rods(arm)
     colours = cycle((palette.rgb(palette.SHELL), palette.rgb(palette.JOINT)))
     for (link, own), usual in zip(parts.items(), colours, strict=False):
         by_colour: dict[Colour, list[Mesh]] = {}

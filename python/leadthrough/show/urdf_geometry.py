@@ -26,8 +26,10 @@ class Part:
     colour: Colour | None = None
 
 
-def parts_by_link(document: str, mesh_folders: Sequence[str]) -> dict[str, list[Part]]:
-    """The surfaces of each link of a URDF; links without any are left out.
+def parts_by_link(
+    document: str, mesh_folders: Sequence[str]
+) -> tuple[dict[str, list[Part]], tuple[str, ...]]:
+    """The surfaces of each link of a URDF, and what cannot be shown.
 
     A link's visual geometry is used, or its collision geometry if there is none or a mesh cannot
     be read: a view should open all the same. Geometry that is read without another library is
@@ -36,34 +38,44 @@ def parts_by_link(document: str, mesh_folders: Sequence[str]) -> dict[str, list[
     Args:
         document: the URDF, as an arm has accepted it.
         mesh_folders: where to look for meshes.
+
+    Returns:
+        Surfaces by the link's name, without links that have none; and a remark on each link of
+        which a mesh cannot be read.
     """
     robot = ElementTree.fromstring(document)
     colours = {name: colour for name, colour in map(_material, robot.findall("material")) if colour}
-    found = {}
+    found, remarks = {}, []
     for link in robot.findall("link"):
-        kinds = sorted(("visual", "collision"), key=lambda kind: _needs_library(link, kind))
-        for kind in kinds:
-            parts = _parts(link.findall(kind), mesh_folders, colours)
-            if parts:
-                found[link.get("name", "")] = parts
-                break
-    return found
+        name = link.get("name", "")
+        parts, trouble = _of_link(link, mesh_folders, colours)
+        if parts:
+            found[name] = parts
+        if trouble:
+            instead = "its collision shape is shown" if parts else "it is left out"
+            remarks.append(f"link {name}: {trouble}; {instead}")
+    return found, tuple(remarks)
+
+
+def _of_link(
+    link: ElementTree.Element, mesh_folders: Sequence[str], colours: Mapping[str, Colour]
+) -> tuple[list[Part], str]:
+    """The link's surfaces, and why those that it should be shown by cannot be read."""
+    trouble = ""
+    for kind in sorted(("visual", "collision"), key=lambda kind: _needs_library(link, kind)):
+        try:
+            parts = list(_read(link.findall(kind), mesh_folders, colours))
+        except (InvalidInput, MissingDependency) as error:
+            trouble = trouble or str(error)
+            continue
+        if parts:
+            return parts, trouble
+    return [], trouble
 
 
 def _needs_library(link: ElementTree.Element, kind: str) -> bool:
     files = [mesh.get("filename", "").lower() for mesh in link.findall(f"{kind}/geometry/mesh")]
     return not all(file.endswith((".stl", ".obj")) for file in files)
-
-
-def _parts(
-    elements: Sequence[ElementTree.Element],
-    mesh_folders: Sequence[str],
-    colours: Mapping[str, Colour],
-) -> list[Part]:
-    try:
-        return list(_read(elements, mesh_folders, colours))
-    except (InvalidInput, MissingDependency):
-        return []
 
 
 def _read(

@@ -129,7 +129,7 @@ class LiveView:
             # Any: mypy takes the handle's `value` for read-only.
             self._time: Any = gui.add_slider("time, s", 0.0, self._end(), 0.01, 0.0)
             self._speed = gui.add_slider("speed", 0.1, _MOST_SPEED, 0.1, 1.0)
-        self._told = gui.add_markdown("")
+        self._told = gui.add_markdown("\n\n".join(self._shown.remarks))
         self._time.on_update(lambda _: self._stage.pose(self._shown, self._time.value))
 
     def _layer_controls(self) -> None:
@@ -238,7 +238,8 @@ class LiveView:
             self._stage.redraw(scene.SPREAD, spread)
         kind = "planned" if answer.verdict else "previewed"
         head = f"**{kind} in {1e3 * answer.seconds:.0f} ms**"
-        self._told.content = f"{head}\n\n{answer.trouble or answer.verdict}"
+        told = [head, answer.trouble or answer.verdict, *self._shown.remarks]
+        self._told.content = "\n\n".join(told)
         self._answer = answer
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from leadthrough.arm import Arm
+from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath
 from leadthrough.models.protocol import Place, Skill
@@ -87,15 +88,20 @@ def open_view(
         port: port of the page; 0 picks a free one.
 
     Raises:
-        InvalidInput: if an argument is wrong, or the skill plans no motion that the arm can follow.
-        IkFailure: if the arm cannot follow the motion of the tip.
+        InvalidInput: if an argument is wrong.
+        IkFailure: if the arm cannot follow the motion of the tip that is given.
         MissingDependency: if the extra `view` is not installed.
     """
     shown, shapes = list(demonstrations), check_shapes(obstacles)
     planner = None
     if skill is not None:
         planner = Replanner(arm, skill, goal=goal, obstacles=shapes, demonstrations=shown)
-    made = whole_scene(arm, motion, demonstrations=shown, skill=skill, goal=goal, obstacles=shapes)
+    path = None
+    if motion is None and planner is not None:
+        # Without a motion the page opens all the same: it tells why, and the goal can be moved.
+        answer = planner.plan()
+        motion, path = answer.joints, answer.path
+    made = _scene(arm, motion, path, demonstrations=shown, skill=skill, goal=goal, obstacles=shapes)
     return LiveView(made, planner, port=port)
 
 
@@ -120,6 +126,21 @@ def whole_scene(
         if answer.joints is None:
             raise InvalidInput(f"skill: no motion that the arm can follow: {answer.trouble}")
         motion = answer.joints
+    return _scene(
+        arm, motion, None, demonstrations=demonstrations, skill=skill, goal=goal, obstacles=shapes
+    )
+
+
+def _scene(
+    arm: Arm,
+    motion: Motion | None,
+    path: Float64Array | None,
+    *,
+    demonstrations: Iterable[Demonstration],
+    skill: Skill | None,
+    goal: Place | None,
+    obstacles: Sequence[Shape],
+) -> Scene:
     joints = motion if motion is None or isinstance(motion, JointTrajectory) else arm.follow(motion)
     position = None if goal is None else parted(goal)[0]
     if position is None and skill is not None and joints is not None:
@@ -128,7 +149,8 @@ def whole_scene(
         arm,
         joints,
         demonstrations=demonstrations,
+        path=path,
         skill=skill,
-        obstacles=shapes,
+        obstacles=obstacles,
         goal=position,
     )

@@ -1,6 +1,8 @@
 """The command and the function that open a view."""
 
 import sys
+import threading
+import time
 
 import numpy as np
 import pytest
@@ -84,3 +86,36 @@ def test_live_view_is_served_until_it_is_closed(panda, capfd):
         opened.close()
     opened.wait()
     assert capfd.readouterr().out == ""
+
+
+def test_live_view_opens_with_a_goal_out_of_reach_tells_it_and_goes_on(panda, shown):
+    skill = lt.PoseDMP().fit(shown)
+    opened = open_view(panda, skill=skill, goal=(1.4, 0.3, 0.3))
+    try:
+        assert until(lambda: opened.answer is not None)
+        assert "beyond the arm's reach" in opened.answer.trouble
+        opened.request(lambda: opened._planner.move_goal((0.5, 0.3, 0.25)))
+        assert until(lambda: opened.answer.verdict)
+        assert opened.answer.joints is not None
+    finally:
+        opened.close()
+
+
+def until(condition):
+    end = time.monotonic() + 30.0
+    while time.monotonic() < end and not condition():
+        threading.Event().wait(0.05)
+    return condition()
+
+
+def test_page_tells_which_mesh_cannot_be_shown(tmp_path):
+    robot = (
+        '<robot name="r"><link name="a"/><link name="b"><visual><geometry>'
+        '<mesh filename="none.stl"/></geometry></visual></link>'
+        '<joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>'
+        '<limit lower="-1" upper="1" velocity="1" effort="1"/></joint></robot>'
+    )
+    view(lt.Arm.from_urdf(robot), html=tmp_path / "a.html")
+    assert (
+        "link b: mesh: none.stl is not found; it is left out" in (tmp_path / "a.html").read_text()
+    )

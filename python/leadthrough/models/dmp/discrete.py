@@ -34,6 +34,7 @@ from leadthrough.models.dmp.query import (
 from leadthrough.models.dmp.refit import weights_of
 from leadthrough.models.dmp.regression import REGRESSIONS, fit
 from leadthrough.models.dmp.springs import FORMS, Springs
+from leadthrough.models.judged import judged
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.place import Place
 from leadthrough.models.unfitted import Unfitted
@@ -118,6 +119,7 @@ class DMPSkill(Primitive[DMP, _core.PointState], Generic[MotionT_co]):
         """What a query may ask for; obstacles only in two or three dimensions."""
         return self._supported(obstacles=self._dimensions is not None)
 
+    @judged
     def generate(
         self,
         *,

@@ -38,6 +38,7 @@ from leadthrough.models.dmp.refit import weights_of
 from leadthrough.models.dmp.spin import refuse_spin
 from leadthrough.models.dmp.springs import Ends, end_of, scaled_by
 from leadthrough.models.dmp.turning import Turning
+from leadthrough.models.judged import judged
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.place import Place
 from leadthrough.motion import Motion, PoseTrajectory, computed
@@ -73,6 +74,7 @@ class PoseDMPSkill(Primitive["PoseDMP", _core.PoseState]):
         """What a query may ask for."""
         return self._supported(obstacles=True)
 
+    @judged
     def generate(
         self,
         *,

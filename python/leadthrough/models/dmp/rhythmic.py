@@ -29,6 +29,7 @@ from leadthrough.models.dmp.rhythm import (
     take_settings,
 )
 from leadthrough.models.dmp.springs import RHYTHMIC
+from leadthrough.models.judged import judged
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.place import Place
 from leadthrough.motion import JointTrajectory, Motion, MotionT, MotionT_co, Trajectory
@@ -80,6 +81,7 @@ class RhythmicDMPSkill(Rhythm[RhythmicDMP, _core.PointState], Generic[MotionT_co
 
     kind: ClassVar[str] = "rhythmic_dmp"
 
+    @judged
     def generate(
         self,
         *,

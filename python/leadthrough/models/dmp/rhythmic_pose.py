@@ -32,6 +32,7 @@ from leadthrough.models.dmp.rhythm import (
 )
 from leadthrough.models.dmp.springs import RHYTHMIC
 from leadthrough.models.dmp.turning import Turning, learn_closed
+from leadthrough.models.judged import judged
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.place import Place
 from leadthrough.motion import Motion, PoseTrajectory
@@ -88,6 +89,7 @@ class RhythmicPoseDMPSkill(Rhythm[RhythmicPoseDMP, _core.PoseState]):
 
     kind: ClassVar[str] = "rhythmic_pose_dmp"
 
+    @judged
     def generate(
         self,
         *,

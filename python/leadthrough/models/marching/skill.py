@@ -18,6 +18,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.archive import Archived, Arrays
 from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.judged import judged
 from leadthrough.models.marching import orientation
 from leadthrough.models.marching.choice import planned
 from leadthrough.models.marching.dragged import parameters_of
@@ -155,6 +156,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
             return self
         return self.with_experience(motion.positions, duration=motion.duration)
 
+    @judged
     def generate(
         self,
         *,

@@ -16,6 +16,7 @@ from leadthrough.models.archive import Archived, Arrays
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.even_times import even_times
+from leadthrough.models.judged import judged
 from leadthrough.models.mixtures.ends import shifted, wanted_ends
 from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.update import learned
@@ -82,6 +83,7 @@ class GMRSkill(Archived, Generic[MotionT_co]):
         """
         return self.regress(times)
 
+    @judged
     def generate(
         self,
         *,

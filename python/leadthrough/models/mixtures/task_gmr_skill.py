@@ -14,6 +14,7 @@ from leadthrough.models.archive import Archived, Arrays
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.frame import Frame
+from leadthrough.models.judged import judged
 from leadthrough.models.mixtures.em import Blocks
 from leadthrough.models.mixtures.ends import wanted_ends
 from leadthrough.models.mixtures.gmr import GMR
@@ -83,6 +84,7 @@ class TaskGMRSkill(Archived, Generic[MotionT_co]):
         model = GMR(self.model.components, self.model.seed, self.model.starts)
         return GMRSkill(model, chart, mixture, self.duration, ends, 1)
 
+    @judged
     def generate(
         self,
         *,

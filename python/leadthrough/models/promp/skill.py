@@ -17,6 +17,7 @@ from leadthrough.models.archive import Archived, Arrays
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.even_times import even_times
+from leadthrough.models.judged import judged
 from leadthrough.models.parameters import Parameter, whole_number
 from leadthrough.models.place import Place
 from leadthrough.models.promp import ends, limits, observation, resolution, task_space
@@ -104,6 +105,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         mean = rows @ self.weights.mean.reshape(size, count).T
         return mean, covariance.reshape(len(rows), size, size)
 
+    @judged
     def generate(
         self,
         *,

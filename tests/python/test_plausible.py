@@ -1,0 +1,126 @@
+"""Inputs in a wrong unit, frame or order are refused or warned of, with what cures it."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough.arm.recorded import warn_of_another_arm
+from leadthrough.errors import IkFailure, InvalidInput
+from leadthrough.plausible import Suspicious
+
+T = np.linspace(0.0, 3.0, 150)
+WAY = lt.trajectories.minimum_jerk_rise(T / 3.0)
+DOWN = np.array([0.0, 1.0, 0.0, 0.0])
+START, GOAL = np.array([0.4, -0.2, 0.4]), np.array([0.45, 0.25, 0.3])
+
+
+@pytest.fixture(scope="module")
+def panda():
+    return lt.Arm.load("panda")
+
+
+def reach(goal=GOAL, orientation=DOWN):
+    points = START + np.outer(WAY, np.asarray(goal) - START)
+    return lt.PoseTrajectory(T, points, np.tile(orientation, (len(T), 1)))
+
+
+@pytest.fixture(scope="module", params=["dmp", "promp", "gmr", "marching"])
+def skill(request):
+    models = {"dmp": lt.PoseDMP(), "promp": lt.ProMP(), "gmr": lt.GMR(components=3)}
+    return models.get(request.param, lt.FastMarching()).fit([reach(), reach(GOAL + 0.01)])
+
+
+@pytest.mark.parametrize("name", ["start", "goal"])
+def test_a_place_in_millimetres_is_refused(skill, name):
+    with pytest.raises(InvalidInput, match=rf"{name}: \(450, 250, 300\) lies .* \(m, not mm\)"):
+        skill.generate(**{name: (1000.0 * GOAL, DOWN)})
+    skill.generate(goal=(3.0 * GOAL, DOWN))  # far, and in m
+
+
+def test_an_obstacle_in_millimetres_is_warned_of():
+    skill = lt.PoseDMP().fit([reach()])
+    with pytest.warns(Suspicious, match=r"obstacles\[1\]: lies at .* \(m, not mm\)") as told:
+        skill.generate(obstacles=[table(), lt.Sphere(80.0, (0.0, 0.0, 400.0))])
+    assert told[0].filename == __file__
+
+
+def table():
+    return lt.Box((9.0, 9.0, 0.1), (0.0, 0.0, -0.1))
+
+
+def test_a_quaternion_in_the_other_order_is_warned_of(skill):
+    with pytest.warns(Suspicious, match=r"goal: the orientation .* give quaternions as w, x, y, z"):
+        skill.generate(goal=(GOAL, DOWN[[1, 2, 3, 0]]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        skill.generate(goal=(GOAL, lt.rotations.exp([[0.0, 0.0, 3.0]])[0]))  # turned, and meant
+
+
+def test_joints_in_degrees_are_refused(panda):
+    turn = np.array([0, 0, 0, -1.5, 0, 1.5, 0]) + np.outer(WAY, np.full(7, 0.3))
+    skill = lt.DMP().fit([lt.JointTrajectory(T, turn, joint_names=panda.joint_names)])
+    goal = np.degrees(turn[-1])
+    with pytest.raises(InvalidInput, match=r"goal: number 6 is 103.1 rad.* not degrees"):
+        skill.generate(goal=goal)
+    degrees = lt.JointTrajectory(T, np.degrees(turn), joint_names=panda.joint_names)
+    with pytest.raises(InvalidInput, match=r"panda_joint\d goes to .*angles='degrees'"):
+        panda.poses(degrees)
+    with pytest.warns(Suspicious, match="angles='degrees'"):
+        panda.joints_of(degrees)
+    panda.poses(lt.JointTrajectory(T, turn + 0.1, joint_names=panda.joint_names))
+
+
+def test_a_step_longer_than_the_motion_is_refused(skill):
+    with pytest.raises(
+        InvalidInput, match=r"dt: expected at most the motion's .* got 10"
+    ):
+        skill.generate(dt=10.0)
+
+
+def test_times_in_milliseconds_are_warned_of():
+    shown = reach()
+    in_ms = lt.PoseTrajectory(20.0 * np.arange(len(T)), shown.positions, shown.orientations)
+    with pytest.warns(Suspicious, match=r"demonstrations\[0\]: one sample in 20 s"):
+        lt.PoseDMP().fit([in_ms])
+
+
+@pytest.mark.parametrize("beyond", [0.1, 0.5])
+def test_an_unreachable_goal_says_by_how_much(panda, beyond):
+    shoulder = np.array([0.0, 0.0, 0.333])
+    way = np.array([0.8, 0.6, 0.0])
+    goal = shoulder + way * (panda._chain.reach + beyond)
+    with pytest.raises(IkFailure, match=rf"up to {beyond:g} m beyond the arm's reach") as failure:
+        panda.follow(reach(goal))
+    assert failure.value.status == "unreachable"
+    assert f"sample {failure.value.index}" in str(failure.value)
+    with pytest.raises(IkFailure, match="in m, not mm"):
+        panda.follow(reach(1000.0 * GOAL))
+
+
+def test_an_unreachable_goal_names_the_joint_whose_limit_is_in_the_way(panda):
+    with pytest.raises(IkFailure, match=r"panda_joint\d at its (lower|upper) limit") as failure:
+        panda.follow(reach((0.9, 0.3, 0.4)))
+    assert failure.value.status == "limits"
+    assert failure.value.index == len(T) - 1
+    assert failure.value.residual[0] > 0.01
+
+
+def test_an_obstacle_in_millimetres_is_warned_of_by_the_arm(panda):
+    home = [[0, 0, 0, -1.5, 0, 1.5, 0]]
+    for wrong in (lt.Sphere(0.1, (400.0, 0.0, 300.0)), lt.Sphere(80.0, (0.4, 0.0, 0.3))):
+        with pytest.warns(Suspicious, match=r"obstacles\[0\]: .* in m, not mm"):
+            panda.check(home, [wrong])
+    assert panda.check(home, [table()]).ok
+
+
+def test_another_arm_than_the_one_shown_is_warned_of(panda):
+    turn = np.array([0, 0, 0, -1.5, 0, 1.5, 0]) + np.outer(WAY, np.full(7, 0.3))
+    shown = panda.poses(lt.JointTrajectory(T, turn, joint_names=panda.joint_names))
+    longer = panda.with_tool((0.0, 0.0, 0.2))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warn_of_another_arm(panda._chain, lt.PoseDMP().fit([shown]).generate())
+    with pytest.warns(Suspicious, match="robot: .* tip is up to 0.2 m from where it was shown"):
+        warn_of_another_arm(longer._chain, shown)
