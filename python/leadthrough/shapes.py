@@ -1,9 +1,13 @@
-"""Obstacles as convex primitives with a signed distance: negative inside, zero on the surface."""
+"""Obstacles as convex primitives with a signed distance: negative inside, zero on the surface.
+
+What planners and kernels have to know of a kind of shape, the shape itself answers.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,6 +37,24 @@ class Box(Brief):
     size: Float64Array
     position: Float64Array
     orientation: Float64Array
+
+    form: ClassVar[int] = 0  # number that the compiled core has for this kind of shape
+
+    @property
+    def dimensions(self) -> tuple[float, float, float]:
+        """Its edge lengths, m."""
+        x, y, z = self.size
+        return float(x), float(y), float(z)
+
+    @property
+    def bounding_radius(self) -> float:
+        """Radius of the smallest ball around its position that contains it, m."""
+        return float(0.5 * np.linalg.norm(self.size))
+
+    @property
+    def half_extents(self) -> Float64Array:
+        """Half the edges (3,), m, of its bounding box parallel to the base's axes."""
+        return np.asarray(_turned(self.orientation) @ (0.5 * self.size))
 
     def __init__(
         self, size: ArrayLike, position: ArrayLike, orientation: ArrayLike = _UNTURNED
@@ -70,6 +92,23 @@ class Sphere(Brief):
 
     radius: float
     position: Float64Array
+
+    form: ClassVar[int] = 1
+
+    @property
+    def dimensions(self) -> tuple[float, float, float]:
+        """Its radius, m, and zeros."""
+        return self.radius, 0.0, 0.0
+
+    @property
+    def bounding_radius(self) -> float:
+        """Its radius, m."""
+        return self.radius
+
+    @property
+    def half_extents(self) -> Float64Array:
+        """Half the edges (3,), m, of its bounding box."""
+        return np.full(3, self.radius)
 
     def __init__(self, radius: float, position: ArrayLike) -> None:
         vars(self).update(
@@ -109,6 +148,24 @@ class Capsule(Brief):
     length: float
     position: Float64Array
     orientation: Float64Array
+
+    form: ClassVar[int] = 2
+
+    @property
+    def dimensions(self) -> tuple[float, float, float]:
+        """Its radius and length, m, and zero."""
+        return self.radius, self.length, 0.0
+
+    @property
+    def bounding_radius(self) -> float:
+        """Radius of the smallest ball around its position that contains it, m."""
+        return self.radius + 0.5 * self.length
+
+    @property
+    def half_extents(self) -> Float64Array:
+        """Half the edges (3,), m, of its bounding box parallel to the base's axes."""
+        along = _turned(self.orientation)[:, 2]
+        return np.asarray(self.radius + 0.5 * self.length * along)
 
     def __init__(
         self,
@@ -167,6 +224,11 @@ def _pose(position: ArrayLike, orientation: ArrayLike) -> dict[str, Float64Array
     quaternion = check.quaternions(orientation, "orientation", shape=(4,))
     quaternion.setflags(write=False)
     return {"position": centre, "orientation": quaternion}
+
+
+def _turned(orientation: Float64Array) -> Float64Array:
+    """How far (3, 3) each of a shape's unit axes, in columns, reaches along the base's axes."""
+    return np.asarray(np.abs(rotations.to_matrix(orientation[None])[0]))
 
 
 def _length(vectors: Float64Array) -> Float64Array:

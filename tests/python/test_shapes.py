@@ -97,3 +97,21 @@ def test_bad_points_are_refused(shape):
 def test_impossible_shapes_are_refused(call, name):
     with pytest.raises(InvalidInput, match=f"{name}: "):
         call()
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_bounds_of_a_shape_touch_its_surface(shape):
+    on_it = surface(shape) - shape.position
+    reached = np.abs(on_it).max(axis=0)
+    assert (reached <= shape.half_extents + 1e-9).all()
+    np.testing.assert_allclose(reached, shape.half_extents, rtol=0.1)
+    farthest = np.linalg.norm(on_it, axis=1).max()
+    assert farthest <= shape.bounding_radius + 1e-9
+    assert farthest == pytest.approx(shape.bounding_radius, rel=0.1)
+
+
+def test_kinds_of_shapes_have_different_numbers_and_their_dimensions():
+    assert len({shape.form for shape in SHAPES}) == len(SHAPES)
+    assert BOX.dimensions == (0.4, 0.6, 1.0)
+    assert CAPSULE.dimensions == (0.2, 0.8, 0.0)
+    assert SPHERE.dimensions == (0.5, 0.0, 0.0)

@@ -7,11 +7,11 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import check, rotations
+from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.planning.distance import distance_transform
 from leadthrough.planning.grid import Grid
-from leadthrough.shapes import Box, Capsule, Shape, Sphere, check_shapes
+from leadthrough.shapes import Shape, check_shapes
 
 
 def occupied(grid: Grid, obstacles: Iterable[Shape], *, margin: float = 0.0) -> NDArray[np.bool_]:
@@ -75,30 +75,11 @@ def _distance_to_cells(grid: Grid, points: Float64Array) -> Float64Array:
 def _neighbourhood(grid: Grid, obstacle: Shape, room: float) -> tuple[slice, ...]:
     """The cells that the obstacle's bounding box reaches, with room on all sides."""
     d = grid.dimensions
-    reach = _half_extents(obstacle)[:d] + room
+    reach = obstacle.half_extents[:d] + room
     offset = (obstacle.position[:d] - grid.origin) / grid.spacing
     low = np.clip(np.floor(offset - reach / grid.spacing), 0, grid.shape)
     high = np.clip(np.ceil(offset + reach / grid.spacing) + 1, 0, grid.shape)
     return tuple(slice(int(a), int(b)) for a, b in zip(low, high, strict=True))
-
-
-def _half_extents(obstacle: Shape) -> Float64Array:
-    """Half the edges (3,), m, of the obstacle's bounding box parallel to the axes."""
-    if isinstance(obstacle, Sphere):
-        return np.full(3, obstacle.radius)
-    turned = np.abs(rotations.to_matrix(obstacle.orientation[None])[0])
-    if isinstance(obstacle, Box):
-        return np.asarray(turned @ (0.5 * obstacle.size))
-    return np.asarray(obstacle.radius + 0.5 * obstacle.length * turned[:, 2])
-
-
-def bounding_radius(obstacle: Shape) -> float:
-    """Radius of the smallest ball around an obstacle's position that contains the obstacle, m."""
-    if isinstance(obstacle, Box):
-        return float(0.5 * np.linalg.norm(obstacle.size))
-    if isinstance(obstacle, Capsule):
-        return obstacle.radius + 0.5 * obstacle.length
-    return obstacle.radius
 
 
 def _distances_of_cells(grid: Grid, near: tuple[slice, ...], obstacle: Shape) -> Float64Array:

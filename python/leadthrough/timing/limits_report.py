@@ -151,7 +151,11 @@ def limit_ratios(
 
 
 def check_type(trajectory: JointTrajectory) -> None:
-    """Raises InvalidInput if `trajectory` is not a JointTrajectory."""
+    """Refuses what is no joint trajectory.
+
+    Raises:
+        InvalidInput: if `trajectory` is not a JointTrajectory.
+    """
     if not isinstance(trajectory, JointTrajectory):
         raise InvalidInput(
             f"trajectory: expected a JointTrajectory, got {type(trajectory).__name__}"

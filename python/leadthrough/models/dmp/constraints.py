@@ -19,7 +19,7 @@ from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath, UnsupportedQuery
 from leadthrough.models.dmp.springs import Springs, end_of
-from leadthrough.shapes import Box, Capsule, Shape, check_shapes
+from leadthrough.shapes import Shape, check_shapes
 from leadthrough.trajectories.minimum_jerk import minimum_jerk_rise
 
 # Fractions of the demonstration's size: the distance to keep from obstacles, and the one at which
@@ -153,7 +153,12 @@ def step_within(
 
 
 def _check_ends(constraints: Constraints, start: Float64Array, goal: Float64Array) -> None:
-    """Raises InvalidInput for an end (d,) outside the limits, NoPath for one in an obstacle."""
+    """Refuses ends (d,) that the constraints do not allow.
+
+    Raises:
+        InvalidInput: for one outside the limits.
+        NoPath: for one in an obstacle.
+    """
     lower, upper = constraints.lower, constraints.upper
     for name, point in (("start", start), ("goal", goal)):
         if len(lower) and not ((lower <= point) & (point <= upper)).all():
@@ -177,10 +182,10 @@ def _surroundings(
     obstacles, count, size = constraints.obstacles, len(constraints.obstacles), size or 1.0
     allowed = 0.5 * _clearances(obstacles, near).min(axis=1)
     return _core.DmpSurroundings(
-        [_form(shape) for shape in obstacles],
+        [shape.form for shape in obstacles],
         np.array([shape.position for shape in obstacles]).reshape(count, 3),
         np.array([getattr(shape, "orientation", _UNTURNED) for shape in obstacles]).reshape(-1, 4),
-        np.array([_size(shape) for shape in obstacles]).reshape(count, 3),
+        np.array([shape.dimensions for shape in obstacles]).reshape(count, 3),
         np.clip(allowed, _LEAST_MARGIN * size, _MARGIN * size),
         _REACH * size,
         constraints.lower,
@@ -215,7 +220,11 @@ def _settled(
 
 
 def _check_clear(obstacles: Sequence[Shape], points: Float64Array) -> None:
-    """Raises NoPath where one of the points (n, d) lies in an obstacle."""
+    """Refuses a motion that hits an obstacle.
+
+    Raises:
+        NoPath: where one of the points (n, d) lies in one.
+    """
     gaps = _clearances(obstacles, points)
     if (gaps < 0.0).any():
         index = int(np.argmax((gaps < 0.0).any(axis=0)))
@@ -224,15 +233,3 @@ def _check_clear(obstacles: Sequence[Shape], points: Float64Array) -> None:
             "plan with FastMarching, or pass via points",
             reason="not_cleared",
         )
-
-
-def _form(shape: Shape) -> int:
-    """The number that the kernels have for a kind of shape."""
-    return 0 if isinstance(shape, Box) else 2 if isinstance(shape, Capsule) else 1
-
-
-def _size(shape: Shape) -> tuple[float, float, float]:
-    if isinstance(shape, Box):
-        x, y, z = shape.size
-        return float(x), float(y), float(z)
-    return shape.radius, shape.length if isinstance(shape, Capsule) else 0.0, 0.0

@@ -118,7 +118,11 @@ class Primitive(Archived, Generic[ModelT, StateT]):
         )
 
     def _duration(self, duration: float | None, start: Place | None, goal: Place | None) -> float:
-        """The duration of a query, s. Raises InvalidInput."""
+        """The duration of a query, s.
+
+        Raises:
+            InvalidInput: if it is not > 0, or an end is of another shape or range.
+        """
         if duration is None:
             return self.default_duration(start=start, goal=goal)
         return check_duration(duration, self.duration)

@@ -23,12 +23,20 @@ Via = Sequence[tuple[float, ArrayLike]]
 
 
 def check_duration(duration: float | None, usual: float, name: str = "duration") -> float:
-    """The duration asked for, s, or the usual one. Raises InvalidInput."""
+    """The duration asked for, s, or the usual one.
+
+    Raises:
+        InvalidInput: if it is not > 0.
+    """
     return usual if duration is None else check.number(duration, name, above=0.0)
 
 
 def check_step(dt: float, lag: float, duration: float) -> float:
-    """The time by which the motion goes on in a step of dt s. Raises InvalidInput."""
+    """The time by which the motion goes on in a step of dt s.
+
+    Raises:
+        InvalidInput: if dt is not > 0, or longer than a thousand durations, or lag < 0.
+    """
     span = check.number(dt, "dt", above=0.0, at_most=_LONGEST_STEP * duration)
     return span / (1.0 + check.number(lag, "lag", at_least=0.0))
 
@@ -47,7 +55,11 @@ def check_final_velocity(velocity: ArrayLike | None, form: str) -> None:
 
 
 def check_channels(value: Any, name: str, count: int) -> Float64Array:
-    """`value` as an array (count,) whose products stay finite. Raises InvalidInput."""
+    """`value` as an array (count,) whose products stay finite.
+
+    Raises:
+        InvalidInput: if it is of another shape, or not finite or too large.
+    """
     given = check.array(value, name, shape=(count,))
     if np.abs(given).max() > LARGEST:
         raise InvalidInput(f"{name}: expected numbers up to {LARGEST:.0e}, got {given}")
@@ -57,7 +69,8 @@ def check_channels(value: Any, name: str, count: int) -> Float64Array:
 def as_pose(value: Place | None, name: str) -> tuple[Any, Float64Array | None]:
     """Position, not checked yet, and orientation (4,) of a query; None where left out.
 
-    Raises InvalidInput.
+    Raises:
+        InvalidInput: if the orientation is no unit quaternion.
     """
     if isinstance(value, tuple | list) and len(value) == 2:
         return value[0], check.quaternions(value[1], name, shape=(4,))
@@ -65,7 +78,11 @@ def as_pose(value: Place | None, name: str) -> tuple[Any, Float64Array | None]:
 
 
 def pose_acceleration(coupling: ArrayLike) -> Float64Array:
-    """A coupling (3,) or (6,) as linear and angular acceleration (6,). Raises InvalidInput."""
+    """A coupling (3,) or (6,) as linear and angular acceleration (6,).
+
+    Raises:
+        InvalidInput: if it is of another shape, or not finite or too large.
+    """
     given = check.array(coupling, "coupling", shape=("n",))
     if len(given) not in (3, 6):
         raise InvalidInput(f"coupling: expected shape (3,) or (6,), got {given.shape}")

@@ -137,7 +137,11 @@ def cycle_ends(learned: Ends, start: Place | None, centre: Place | None, amplitu
 
 
 def check_cycle(usual: float, period: float | None, amplitude: float) -> tuple[float, float]:
-    """The period, s, and the amplitude of a query. Raises InvalidInput."""
+    """The period, s, and the amplitude of a query.
+
+    Raises:
+        InvalidInput: if one is out of range.
+    """
     return (
         check_duration(period, usual, "period"),
         check.number(amplitude, "amplitude", at_least=0.0),
@@ -145,7 +149,12 @@ def check_cycle(usual: float, period: float | None, amplitude: float) -> tuple[f
 
 
 def refuse_obstacles(obstacles: Sequence[Shape]) -> None:
-    """Raises UnsupportedQuery where there are any, InvalidInput where they are none."""
+    """Refuses obstacles, which rhythms do not keep clear of.
+
+    Raises:
+        InvalidInput: if one is no shape.
+        UnsupportedQuery: if there are any.
+    """
     if check_shapes(obstacles):
         raise UnsupportedQuery("obstacles: a rhythm keeps clear of none; use step with a coupling")
 

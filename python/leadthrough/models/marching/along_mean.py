@@ -56,7 +56,11 @@ def along_mean(faced: Sequence[Experience], query: Query, scales: Scales) -> Rou
 
 
 def _quickest_of(attempts: Sequence[Route | NoPath]) -> Route:
-    """The route of least travel time. Raises the first error where there is none."""
+    """The route of least travel time.
+
+    Raises:
+        NoPath: where there is none, for the first reason.
+    """
     found = [each for each in attempts if isinstance(each, Route)]
     if not found:
         (first, *_) = (each for each in attempts if isinstance(each, NoPath))
@@ -81,7 +85,11 @@ def _hits(path: Float64Array, obstacles: Sequence[Shape]) -> bool:
 
 
 def _through(mean: MeanPath, faced: Sequence[Experience], query: Query, scales: Scales) -> Route:
-    """The quickest path in the tube around one way. Raises NoPath."""
+    """The route along one way, around obstacles.
+
+    Raises:
+        NoPath: where an end lies in an obstacle, or obstacles separate them.
+    """
     way = mean.path
     if scales.workspace is not None:
         way = np.clip(way, *scales.workspace)  # start and goal decide whether that is an error
@@ -119,9 +127,12 @@ def _joined(beside: Float64Array, tube: Float64Array, scales: Scales) -> Float64
 def _along_tube(
     mean: Float64Array, grid: Grid, beside: Float64Array, scales: Scales
 ) -> Float64Array:
-    """A mean path with detours through its tube; itself where there is none. Raises NoPath.
+    """A mean path with detours through its tube; itself where there is none.
 
     It leaves the mean path where the obstacles' map `beside`, (0 to 1), changes the speed on it.
+
+    Raises:
+        NoPath: where obstacles separate its ends.
     """
     most = scales.saturation if scales.obstacle_map == "minimum" else 1.0
     influenced = beside[tuple(grid.cells_of(mean).T)] < most
@@ -142,7 +153,11 @@ def _along_tube(
 def _detour(
     stretch: Float64Array, grid: Grid, beside: Float64Array, scales: Scales
 ) -> Float64Array:
-    """The quickest path from end to end of a stretch. Raises NoPath."""
+    """The quickest path from end to end of a stretch.
+
+    Raises:
+        NoPath: where an end lies in an obstacle, or obstacles separate them.
+    """
     # As wide a tube as the detour may become: it leaves and rejoins the path gently.
     wide = replace(scales, radius=0.5 * float(arc_length(stretch)[-1]))
     return quickest(grid, _joined(beside, _tube(stretch, grid, wide), scales), *stretch[[0, -1]])

@@ -12,7 +12,6 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.marching.scales import Scales
 from leadthrough.planning.grid import Grid
-from leadthrough.planning.obstacles import bounding_radius
 from leadthrough.shapes import Shape
 
 _CELLS_PER_RADIUS = 5.0
@@ -55,7 +54,11 @@ def grid_over(
 def _bounds(
     points: Float64Array, obstacles: Sequence[Shape], scales: Scales
 ) -> tuple[Float64Array, float]:
-    """Points that the grid covers and the margin around them. Raises InvalidInput."""
+    """Points that the grid covers and the margin around them.
+
+    Raises:
+        InvalidInput: if a point lies outside a workspace that was set.
+    """
     lower, upper = points.min(axis=0), points.max(axis=0)
     if scales.workspace is not None:
         corners = check.array(scales.workspace, "workspace", shape=(2, len(lower)))
@@ -81,7 +84,7 @@ def _obstacle_corners(
     """
     corners = []
     for obstacle in obstacles:
-        centre, reach = obstacle.position[: len(lower)], bounding_radius(obstacle)
+        centre, reach = obstacle.position[: len(lower)], obstacle.bounding_radius
         if (centre + reach >= lower).all() and (centre - reach <= upper).all():
             corners.append(np.maximum(centre - reach, lower - extent))
             corners.append(np.minimum(centre + reach, upper + extent))

@@ -51,7 +51,11 @@ class Surroundings:
         self._field: ArrivalField | None = None
 
     def arrival(self, obstacles: Sequence[Shape]) -> FloatArray:
-        """Arrival times of second order, marched anew. Raises NoPath for a goal in an obstacle."""
+        """Arrival times of second order, marched anew.
+
+        Raises:
+            NoPath: for a goal in an obstacle.
+        """
         speed = hindered(self._speed, self._grid, obstacles, self._scales)
         self._check_goal(speed)
         source = self._grid.cells_of(self._goal[None])
