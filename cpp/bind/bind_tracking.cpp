@@ -1,4 +1,5 @@
 #include <pybind11/eigen.h>
+#include <pybind11/stl.h>
 
 #include "bind/parts.hpp"
 #include "ik/tracking.hpp"
@@ -72,10 +73,12 @@ py::tuple slow(const Eigen::Ref<const Eigen::VectorXd>& times, const Eigen::Ref<
 
 void bind_tracking(py::module_& module) {
   py::class_<TrackOptions>(module, "TrackOptions")
-      .def(py::init([](const IkTolerance& tolerance, int max_iterations, double max_step) {
-             return TrackOptions{tolerance, max_iterations, max_step};
+      .def(py::init([](const IkTolerance& tolerance, int max_iterations, double max_step,
+                       const std::optional<IkAxes>& axes) {
+             return TrackOptions{tolerance, max_iterations, max_step, axes};
            }),
-           py::arg("tolerance"), py::arg("max_iterations"), py::arg("max_step"));
+           py::arg("tolerance"), py::arg("max_iterations"), py::arg("max_step"),
+           py::arg("axes") = py::none());
 
   py::class_<PursuitOptions>(module, "PursuitOptions")
       .def(py::init([](const Eigen::VectorXd& velocity, const Eigen::VectorXd& acceleration,

@@ -1,13 +1,13 @@
 #include "ik/tracking.hpp"
 
+#include "ik/axis_task.hpp"
 #include "ik/pose_descent.hpp"
 
 namespace leadthrough {
 
 namespace {
 
-struct Sample {
-  IkTarget target;
+struct Wish {
   JointArray posture;
   double share;  // of the way to the posture
 };
@@ -27,19 +27,19 @@ bool reached(const DescentEnd& end, const IkTolerance& tolerance) {
   return end.position_error <= tolerance.position && end.orientation_error <= tolerance.orientation;
 }
 
-template <int M>
-DescentEnd follow_sample(const Chain& chain, const Sample& sample, const TrackOptions& options,
-                         JointArray& q) {
+template <int M, typename Target>
+DescentEnd follow_sample(const Chain& chain, const Target& target, const Wish& wish,
+                         const TrackOptions& options, JointArray& q) {
   // Beside a singularity the last digits cost most: they are tried for, not insisted on.
   constexpr double kAim = 0.1;
   const IkTolerance aim{kAim * options.tolerance.position, kAim * options.tolerance.orientation};
   const DescentBounds bounds = reachable(chain, q, options.max_step);
-  const bool pulls = chain.joints() > M && sample.share > 0.0;
+  const bool pulls = chain.joints() > M && wish.share > 0.0;
   DescentEnd end;
   for (const bool pulled : {true, false}) {  // without the pull where it leads astray
     if (pulled && !pulls) continue;
-    PoseDescent<M> descent(chain, sample.target, bounds, q);
-    if (pulled) descent.pull(pull_to(sample.posture, chain.joints(), q, sample.share));
+    PoseDescent<M, Target> descent(chain, target, bounds, q);
+    if (pulled) descent.pull(pull_to(wish.posture, chain.joints(), q, wish.share));
     end = descent.run(aim, options.max_iterations);
     if (pulled && !reached(end, options.tolerance)) continue;
     q = descent.q();
@@ -61,17 +61,18 @@ Track track(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
             const Eigen::Ref<const Eigen::VectorXd>& start, const Pull& pull,
             const TrackOptions& options) {
   const Eigen::Index samples = positions.rows();
-  const bool oriented = orientations.rows() > 0;
   Track result{Rows(samples, chain.joints()), Eigen::VectorXd(samples), Eigen::VectorXd(samples)};
   const JointVector inside = project(chain, start);
   JointArray q{};
   std::copy(inside.data(), inside.data() + inside.size(), q.begin());
   for (Eigen::Index k = 0; k < samples; ++k) {
-    Sample sample{{positions.row(k), std::nullopt}, {}, pull.shares[k]};
-    std::copy_n(pull.postures.row(k).data(), chain.joints(), sample.posture.begin());
-    if (oriented) sample.target.rotation = so3::to_matrix(Eigen::Vector4d(orientations.row(k)));
-    const DescentEnd end = oriented ? follow_sample<6>(chain, sample, options, q)
-                                    : follow_sample<3>(chain, sample, options, q);
+    Wish wish{{}, pull.shares[k]};
+    std::copy_n(pull.postures.row(k).data(), chain.joints(), wish.posture.begin());
+    const IkTarget pose = target_in_row(positions, orientations, k);
+    const DescentEnd end =
+        visit_target(pose, options.axes, [&](auto dimension, const auto& target) {
+          return follow_sample<decltype(dimension)::value>(chain, target, wish, options, q);
+        });
     std::copy(q.begin(), q.begin() + chain.joints(), result.q.row(k).data());
     result.position_errors[k] = end.position_error;
     result.orientation_errors[k] = end.orientation_error;

@@ -11,8 +11,9 @@ namespace leadthrough {
 struct TrackOptions {
   // What counts as reached; most samples come far closer.
   IkTolerance tolerance{1e-5, 1e-5};
-  int max_iterations = 60;  // a sample
-  double max_step = 0.5;    // the most a joint moves between two samples, rad or m
+  int max_iterations = 60;     // a sample
+  double max_step = 0.5;       // the most a joint moves between two samples, rad or m
+  std::optional<IkAxes> axes;  // none: all are asked for alike, which is quickest
 };
 
 // Up to the first sample that was missed, with it.

@@ -99,7 +99,13 @@ class YangOptions:
     ) -> None: ...
 
 class TrackOptions:
-    def __init__(self, tolerance: IkTolerance, max_iterations: int, max_step: float) -> None: ...
+    def __init__(
+        self,
+        tolerance: IkTolerance,
+        max_iterations: int,
+        max_step: float,
+        axes: IkAxes | None = None,
+    ) -> None: ...
 
 class PursuitOptions:
     def __init__(

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from leadthrough import _core
-from leadthrough.arm.options import ik_options
+from leadthrough.arm.options import free_axes
 from leadthrough.arm.tracks import TipPath, solve_sample
 from leadthrough.check import Float64Array
 
@@ -51,7 +51,7 @@ def seeded(chain: _core.Chain, path: TipPath, seed: Float64Array, midrange: floa
 
     Without it as well, because the pull may lead into a family of postures that ends early.
     """
-    (q,), *_ = solve_sample(chain, path, 0, seed[None], ik_options())
+    (q,), *_ = solve_sample(chain, path, 0, seed[None], path.options())
     return [Start(q, rate) for rate in _rates(midrange)]
 
 
@@ -82,7 +82,8 @@ def first_postures(
     thin = path.only(samples)
     tolerance, iterations, max_step = tracking
     stride = math.ceil(len(path) / _LOOK_AHEAD)
-    options = _core.TrackOptions(tolerance, iterations, max_step * stride)
+    axes = free_axes(path.free)
+    options = _core.TrackOptions(tolerance, iterations, max_step * stride, axes)
     keys = []
     for i, start in enumerate(starts):
         pull = thin.pull(start.midrange)
@@ -97,11 +98,11 @@ def _rates(midrange: float) -> tuple[float, ...]:
 
 def _solutions(chain: _core.Chain, path: TipPath) -> tuple[Float64Array, bool]:
     seeds = _seeds(chain)
-    q, status, errors = solve_sample(chain, path, 0, seeds, ik_options())
+    q, status, errors = solve_sample(chain, path, 0, seeds, path.options())
     if not (status == 0).any():
         return q[[np.argmin(errors)]], False
     centred, its_status, _ = solve_sample(
-        chain, path, 0, seeds[:_CENTRED_SEEDS], ik_options(midrange=1.0)
+        chain, path, 0, seeds[:_CENTRED_SEEDS], path.options(midrange=1.0)
     )
     return _distinct(np.vstack([q[status == 0], centred[its_status == 0]])), True
 

@@ -9,7 +9,7 @@ Sources: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
@@ -18,8 +18,9 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, events
 from leadthrough.arm.first_posture import Start, first_postures, seeded
+from leadthrough.arm.freedom import axes_to_try, least_turned
 from leadthrough.arm.limits import JointLimits, known_acceleration
-from leadthrough.arm.options import ik_options, tolerance
+from leadthrough.arm.options import Axis, free_axes, tolerance
 from leadthrough.arm.recorded import shown_joints
 from leadthrough.arm.results import STATUSES
 from leadthrough.arm.tracks import TipPath, Track, solve_sample
@@ -48,6 +49,7 @@ _HINTS = {
 }
 
 TooFast = Literal["slow", "deviate", "raise", "exceed_limits"]
+_IN_TIME = ("deviate", "raise")
 
 
 def follow(
@@ -61,6 +63,7 @@ def follow(
     max_step: float,
     posture: Motion | ArrayLike | None,
     midrange: float | None,
+    free: Sequence[Axis] | None,
     position_tolerance: float,
     orientation_tolerance: float,
 ) -> JointTrajectory:
@@ -80,11 +83,18 @@ def follow(
         max_step=check.number(max_step, "max_step", above=0.0),
     )
     check.choice(too_fast, "too_fast", get_args(TooFast))
+    freedoms = axes_to_try(path, free, joints=len(chain.joint_names), in_time=too_fast in _IN_TIME)
     stated = _deviation(deviation, too_fast, allowed)
     usual = _USUAL_RATE if shown is None else _SHOWN_RATE
     rate = usual if midrange is None else check.number(midrange, "midrange", at_least=0.0)
-    starts = _starts(follower, nearby, rate, others=shown is not None and seed is None)
-    track = _best(follower, starts, too_fast, stated)
+    tracks = []
+    for axes in freedoms:
+        leaving = replace(follower, path=replace(path, free=axes))
+        starts = _starts(leaving, nearby, rate, others=shown is not None and seed is None)
+        tracks.append(_best(leaving, starts, too_fast, stated))
+        if tracks[-1].reached == len(path) and not axes:
+            break
+    track = least_turned(chain, path, tracks)
     if track.reached < len(path):
         raise _failure(follower, track, too_fast)
     times = _slowed(chain, path.times, track.q, limits) if too_fast == "slow" else path.times
@@ -140,7 +150,8 @@ class _Follower:
         return min(tracks, key=lambda track: _rank(track, deviation))
 
     def _track(self, start: Start, path: TipPath) -> Track:
-        options = _core.TrackOptions(self.tolerance, _SAMPLE_ITERATIONS, self.max_step)
+        axes = free_axes(path.free)
+        options = _core.TrackOptions(self.tolerance, _SAMPLE_ITERATIONS, self.max_step, axes)
         pull = path.pull(start.midrange)
         columns = _core.track(
             self.chain, path.positions, path.orientations, start.q, *pull, options
@@ -265,7 +276,7 @@ def _velocities(times: Float64Array, q: Float64Array) -> Float64Array:
 def _failure(follower: _Follower, track: Track, too_fast: TooFast) -> IkFailure:
     i, chain, path = track.reached, follower.chain, follower.path
     residual = (float(track.position_errors[i]), float(track.orientation_errors[i]))
-    _, status, _ = solve_sample(chain, path, i, track.q[i : i + 1], ik_options())
+    _, status, _ = solve_sample(chain, path, i, track.q[i : i + 1], path.options())
     on_the_way = "jump" if too_fast in ("exceed_limits", "slow") else "too_fast"
     reason = STATUSES[status[0]] if status[0] else on_the_way
     message = (

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from numpy.typing import ArrayLike
 
 from leadthrough.arm import follower, reachable, recorded
 from leadthrough.arm.definition import ArmDefinition
 from leadthrough.arm.follower import TooFast
+from leadthrough.arm.options import Axis
 from leadthrough.arm.path_report import PathReport, path_report
 from leadthrough.arm.tracks import TipPath
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
@@ -25,6 +28,7 @@ class ArmFollowing(ArmDefinition):
         max_step: float = 0.5,
         posture: Motion | ArrayLike | None = None,
         midrange: float | None = None,
+        free: Sequence[Axis] | None = None,
         position_tolerance: float = 1e-5,
         orientation_tolerance: float = 1e-5,
     ) -> JointTrajectory:
@@ -60,6 +64,10 @@ class ArmFollowing(ArmDefinition):
                 does the arm start in another posture.
             midrange: rate in 1/s, >= 0, of the motion towards `posture`; by default 1, and 10
                 towards the motion's own joints.
+            free: axes of the poses left free, as in `inverse_kinematics`. By default none; an arm
+                of fewer than six joints that cannot follow leaves as many rotations free as
+                it lacks joints, those about the axes of the tip by which it turns away least.
+                `path_report` tells how far. Only with "slow" and "exceed_limits".
             position_tolerance: error in m that counts as reached, > 0. All samples but those
                 beside a singularity come ten times closer.
             orientation_tolerance: error in rad that counts as reached, > 0; the same holds.
@@ -77,7 +85,7 @@ class ArmFollowing(ArmDefinition):
         reachable.require_reachable(
             self,
             TipPath.of(motion),
-            free=(),
+            free=free,
             tolerances=(position_tolerance, orientation_tolerance),
         )
         return follower.follow(
@@ -90,6 +98,7 @@ class ArmFollowing(ArmDefinition):
             max_step=max_step,
             posture=posture,
             midrange=midrange,
+            free=free,
             position_tolerance=position_tolerance,
             orientation_tolerance=orientation_tolerance,
         )
@@ -130,7 +139,8 @@ class ArmFollowing(ArmDefinition):
 
         Args:
             trajectory: a JointTrajectory. It may have other joints as well, such as a gripper's.
-                Without names it has just the arm's joints, in the arm's order. Where a joint
+                Names may end in ".pos", as LeRobot's do. Without names it has just the arm's
+                joints, in the arm's order. Where a joint
                 without limits leaps by more than half a turn between two samples, as encoders do
                 at a whole turn, it is made continuous.
 

@@ -95,6 +95,15 @@ def tolerance(position: float, orientation: float) -> _core.IkTolerance:
     )
 
 
+def free_axes(free: Sequence[Axis]) -> _core.IkAxes | None:
+    """The axes of a path along which each sample's are free, or None if none is.
+
+    Raises:
+        InvalidInput: if a name is unknown, or all axes are free.
+    """
+    return _axes(free, [math.inf] * len(AXES), None)
+
+
 def _refuse_contradictions(mode: str, reference: object, midrange: float, posture: object) -> None:
     if posture is not None and midrange != 0:
         raise InvalidInput("posture: not used together with midrange; remove one of the two")

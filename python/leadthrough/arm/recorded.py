@@ -126,9 +126,12 @@ def _columns(trajectory: JointTrajectory, names: tuple[str, ...]) -> list[int]:
             )
         return list(range(count))
     if not set(names) <= set(recorded):
+        # LeRobot's names of motors.
+        recorded = tuple(name.removesuffix(".pos") for name in recorded)
+    if not set(names) <= set(recorded):
         raise InvalidInput(
             f"trajectory: expected at least the joints {', '.join(names)}, "
-            f"got {', '.join(recorded)}"
+            f"got {', '.join(trajectory.joint_names)}"
         )
     return [recorded.index(name) for name in names]
 

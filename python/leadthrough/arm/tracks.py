@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import _core
+from leadthrough.arm.options import Axis, ik_options
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import PoseTrajectory, Trajectory
@@ -23,12 +24,14 @@ class TipPath:
         orientations: (n, 4) w, x, y, z, or no rows where they are free.
         postures: (n, joints) towards which a redundant arm moves in its null space; not finite for
             joints that may stand anywhere.
+        free: axes of the poses that are left free.
     """
 
     times: Float64Array
     positions: Float64Array
     orientations: Float64Array
     postures: Float64Array = field(default_factory=lambda: np.empty((0, 0)))
+    free: tuple[Axis, ...] = ()
 
     @staticmethod
     def of(motion: Trajectory | PoseTrajectory) -> TipPath:
@@ -51,14 +54,23 @@ class TipPath:
 
     @property
     def dimension(self) -> int:
-        """Dimension of the task at a sample: 6 with orientations, 3 without."""
-        return 6 if len(self.orientations) else 3
+        """Dimension of the task at a sample: 6 with orientations, 3 without, less what is free."""
+        return (6 if len(self.orientations) else 3) - len(self.free)
+
+    def options(self, *, midrange: float = 0.0) -> _core.IkOptions:
+        """The options of inverse kinematics for a single sample.
+
+        Args:
+            midrange: fraction of the way towards the middle of the ranges in the null space.
+        """
+        return ik_options(free=self.free, midrange=midrange)
 
     def only(self, samples: slice | NDArray[np.intp]) -> TipPath:
         """The path of these samples alone."""
         orientations = self.orientations[samples] if len(self.orientations) else self.orientations
         postures = self.postures[samples]
-        return TipPath(self.times[samples], self.positions[samples], orientations, postures)
+        own = (self.times[samples], self.positions[samples], orientations)
+        return TipPath(*own, postures, self.free)
 
     def pull(self, rate: float) -> tuple[Float64Array, Float64Array]:
         """The postures, and the fractions (n,) of the way there that each sample moves.

@@ -31,12 +31,12 @@ def check(
 
     leadthrough check timed.json --robot panda --obstacle box:0.1,0.1,0.4@0.5,0.2,0.2
     """
-    from leadthrough.cli import parse, reading, tables
+    from leadthrough.cli import parse, tables
     from leadthrough.cli import robot as robots
     from leadthrough.timing import check_limits
 
     arm = robots.load(robot, limits, base, tip)
-    joints = robots.own_joints(arm, reading.one_motion(motion), str(motion))
+    joints = robots.joints_in(arm, motion)
     obstacles = [parse.obstacle(text) for text in obstacle or ()]
     kept = check_limits(joints, arm.limits)
     with tables.busy("checking"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,11 +12,14 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.arm import Arm
-from leadthrough.arm.recorded import warn_of_another_arm
-from leadthrough.cli import parse, reading
+from leadthrough.arm.options import AXES
+from leadthrough.cli import parse
 from leadthrough.cli import robot as robots
 from leadthrough.motion import JointTrajectory, Motion, joints_with
 
+# m or rad; the tip is this near to a path that is followed without tolerances.
+_AS_PLANNED = 2e-5
+UNITS = {"position_error": "m", "orientation_error": "rad", "start_from_shown": "rad (m)"}
 # A start this far from where the arm was shown, rad or m, is another posture to a person beside it.
 _ELSEWHERE = 0.3
 
@@ -33,7 +37,13 @@ class Followed:
     facts: dict[str, Any]
 
 
-def followed(arm: Arm, motion: Motion, posture: str | None, as_shown: Motion) -> Followed:
+def followed(
+    arm: Arm,
+    motion: Motion,
+    posture: str | None,
+    tolerance: str | None,
+    free_axes: Sequence[str] | None,
+) -> Followed:
     """The arm's joints along a motion; a motion of joints is the arm's already.
 
     Warns on stderr where the arm does not start as it was shown.
@@ -42,28 +52,52 @@ def followed(arm: Arm, motion: Motion, posture: str | None, as_shown: Motion) ->
         arm: the arm that is to move.
         motion: what a skill planned.
         posture: the option `--posture`: joint positions, or the file of a recording.
-        as_shown: the skill's own motion, without a new start or goal.
+        tolerance: the option `--tolerance`: m and rad.
+        free_axes: the option `--free-axis`: names of axes.
 
     Raises:
-        InvalidInput: if the posture is not the arm's, or the motion neither joints nor poses.
+        InvalidInput: if an option is wrong, or the motion neither joints nor poses.
         IkFailure: if the arm cannot follow.
     """
     if isinstance(motion, JointTrajectory):
         return Followed(robots.own_joints(arm, motion, "the skill"), {})
-    warn_of_another_arm(arm._chain, as_shown)
-    joints = _along(arm, motion, posture)
-    return Followed(joints, _beside_shown(arm, motion, joints))
+    options = _options(arm, posture, tolerance, free_axes)
+    joints = arm.follow(motion, **options)
+    off = _off_the_path(arm, motion, joints, always="position_tolerance" in options or free_axes)
+    return Followed(joints, off | _beside_shown(arm, motion, joints))
 
 
-def _along(arm: Arm, motion: Any, posture: str | None) -> JointTrajectory:
+def _options(
+    arm: Arm, posture: str | None, tolerance: str | None, free_axes: Sequence[str] | None
+) -> dict[str, Any]:
+    """The arguments of `Arm.follow` that the command's options make."""
+    found: dict[str, Any] = {}
+    if tolerance is not None:
+        given = check.array(parse.numbers(tolerance, "--tolerance"), "--tolerance", shape=(2,))
+        found["position_tolerance"], found["orientation_tolerance"] = (
+            check.number(each, "--tolerance", above=0.0) for each in given.tolist()
+        )
+    if free_axes is not None:
+        found["free"] = [check.choice(axis, "--free-axis", AXES) for axis in free_axes]
     if posture is None:
-        return arm.follow(motion)
-    if not Path(posture).exists():
-        given = parse.numbers(posture, "--posture")
-        wished = check.array(given, "--posture", shape=(len(arm.joint_names),))
-        return arm.follow(motion, seed=wished, posture=wished)
-    stood = robots.own_joints(arm, reading.one_motion(Path(posture)), posture)
-    return arm.follow(motion, posture=stood)
+        return found
+    if Path(posture).exists():
+        return {**found, "posture": robots.joints_in(arm, Path(posture))}
+    given = parse.numbers(posture, "--posture")
+    wished = check.array(given, "--posture", shape=(len(arm.joint_names),))
+    return {**found, "seed": wished, "posture": wished}
+
+
+def _off_the_path(
+    arm: Arm, motion: Any, joints: JointTrajectory, *, always: object
+) -> dict[str, float]:
+    """How far the tip is from what was planned, where that is not by rounding alone."""
+    report = arm.path_report(joints, motion)
+    errors = {
+        "position_error": float(report.position_error.max()),
+        "orientation_error": float(report.orientation_error.max()),
+    }
+    return errors if always or max(errors.values()) > _AS_PLANNED else {}
 
 
 def _beside_shown(arm: Arm, motion: Motion, joints: JointTrajectory) -> dict[str, Any]:

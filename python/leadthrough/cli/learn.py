@@ -12,6 +12,7 @@ from leadthrough.cli import chain, completion, options
 from leadthrough.errors import InvalidInput
 
 if TYPE_CHECKING:
+    from leadthrough.arm import Arm
     from leadthrough.models.protocol import Model
     from leadthrough.motion import Demonstration
 
@@ -69,6 +70,12 @@ def learn(
     speed: options.Speed = None,
     angular_speed: options.AngularSpeed = None,
     pause: options.Pause = None,
+    as_joints: Annotated[
+        bool,
+        typer.Option(
+            "--joints", help="With --robot, learn its joints instead of poses of its tip."
+        ),
+    ] = False,
     column: options.Columns = None,
     rate: options.Rate = None,
     angles: options.Angles = None,
@@ -86,6 +93,10 @@ def learn(
     from leadthrough.cli import robot as robots
     from leadthrough.io import read_demonstrations
 
+    arm = None if robot is None else robots.load(robot, limits, base, tip)
+    if arm is None:
+        only = {"joints": as_joints or None}
+        robots.refuse("--robot", limits=limits, base=base, tip=tip, **only)
     read = reading.cleaned if clean else read_demonstrations
     demonstrations = read(
         reading.listed(files),
@@ -94,6 +105,7 @@ def learn(
         angles=angles,
         quaternions=quaternions,
         topic=topic,
+        joints=None if arm is None else robots.ranges(arm),
     )
     if cut:
         demonstrations = reading.cut(
@@ -104,10 +116,8 @@ def learn(
     demonstrations = reading.trimmed(
         _chosen(demonstrations, number), rest=rest, speed=speed, angular_speed=angular_speed
     )
-    if robot is None:
-        robots.refuse("--robot", limits=limits, base=base, tip=tip)
-    else:
-        demonstrations = _as_poses(demonstrations, robot, limits, base, tip)
+    if arm is not None:
+        demonstrations = [_of_the_arm(arm, shown, as_joints=as_joints) for shown in demonstrations]
     kind = model or _USUAL[type(demonstrations[0].motion).__name__]
     chosen = _model(kind, parse.parameters(parameter or []))
     with tables.busy("learning"), errors.naming(**options.of_model(chosen), path="--out"):
@@ -157,20 +167,14 @@ def _chosen(demonstrations: list[Demonstration], numbers: list[int] | None) -> l
     return [demonstrations[number - 1] for number in numbers or range(1, count + 1)]
 
 
-def _as_poses(
-    demonstrations: list[Demonstration],
-    robot: str,
-    limits: Path | None,
-    base: str | None,
-    tip: str | None,
-) -> list[Demonstration]:
+def _of_the_arm(arm: Arm, shown: Demonstration, *, as_joints: bool) -> Demonstration:
+    """The demonstration with the arm's own joints, or the poses of its tip."""
     from leadthrough.cli import robot as robots
     from leadthrough.motion import JointTrajectory
 
-    arm = robots.load(robot, limits, base, tip)
-    return [
-        replace(shown, motion=arm.poses(robots.own_joints(arm, shown.motion, shown.name)))
-        if isinstance(shown.motion, JointTrajectory)
-        else shown
-        for shown in demonstrations
-    ]
+    if not isinstance(shown.motion, JointTrajectory):
+        if as_joints:
+            raise InvalidInput(f"--joints: expected recordings of joints, {shown.name} has none")
+        return shown
+    own = robots.own_joints(arm, shown.motion, shown.name)
+    return replace(shown, motion=own if as_joints else arm.poses(own))

@@ -99,8 +99,8 @@ Rate = Annotated[
 Angles = Annotated[
     AngleUnit | None,
     typer.Option(
-        help="Unit of joint angles if the column names do not tell it: radians (the default) or "
-        "degrees."
+        help="Unit of joint angles if the file does not tell it: radians (the default), degrees, "
+        "or percent of the joints' ranges, as LeRobot has them."
     ),
 ]
 Quaternions = Annotated[

@@ -63,6 +63,21 @@ def plan(
             autocompletion=completion.recordings,
         ),
     ] = None,
+    tolerance: Annotated[
+        str | None,
+        typer.Option(
+            help="Error M,RAD of the tip's position and orientation that counts as reached, in m "
+            "and rad; by default 1e-5,1e-5."
+        ),
+    ] = None,
+    free_axis: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Axis of the tip's poses to leave free: x, y, z, or rx, ry, rz for the rotations "
+            "about them; may be repeated. By default none, and for an arm of fewer than six joints "
+            "those that cost the least error."
+        ),
+    ] = None,
     format: options.FormatName = None,
     as_json: options.AsJson = False,
 ) -> None:
@@ -72,6 +87,7 @@ def plan(
 
     leadthrough plan reach.npz --goal 0.5,0.1,0.3 --obstacle sphere:0.08@0.4,0,0.3 -o path.csv
     """
+    from leadthrough.arm.recorded import warn_of_another_arm
     from leadthrough.cli import errors, following, parse, reading, tables
     from leadthrough.cli import robot as robots
     from leadthrough.io import write_motion
@@ -89,7 +105,8 @@ def plan(
     # What a skill has no say in is left out, so that it need not refuse it.
     asked = {name: value for name, value in asked.items() if value is not None}
     if robot is None:
-        robots.refuse("--robot", limits=limits, base=base, tip=tip, posture=posture)
+        only = {"posture": posture, "tolerance": tolerance, "free_axis": free_axis}
+        robots.refuse("--robot", limits=limits, base=base, tip=tip, **only)
     _warn_of_novelty(learned, asked)
     at_learning = options.of_model(getattr(learned, "model", None))
     with tables.busy("planning"), errors.naming(**at_learning):
@@ -98,9 +115,9 @@ def plan(
             motion = differentiate(motion)
         told: dict[str, Any] = {}
         if robot is not None:
-            followed = following.followed(
-                robots.load(robot, limits, base, tip), motion, posture, learned.generate()
-            )
+            arm = robots.load(robot, limits, base, tip)
+            warn_of_another_arm(arm._chain, learned.generate())
+            followed = following.followed(arm, motion, posture, tolerance, free_axis)
             motion, told = followed.joints, followed.facts
     with errors.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
         write_motion(motion, out, format=format)
@@ -115,7 +132,7 @@ def plan(
     if reason := _lengthened(learned, asked):
         found["lengthened"] = reason
     unit = "rad (m)" if hasattr(motion, "joint_names") else "m"
-    units = {"duration": "s", "start": unit, "goal": unit, "start_from_shown": "rad (m)"}
+    units = {"duration": "s", "start": unit, "goal": unit, **following.UNITS}
     tables.facts(found, as_json=as_json, units=units)
     if not as_json:
         chain.hint(*_next(ctx, skill, out, moves_joints=hasattr(motion, "joint_names")))

@@ -70,6 +70,7 @@ def cleaned(
     angles: AngleUnit | None,
     quaternions: QuaternionOrder | None,
     topic: str | None,
+    joints: Mapping[str, tuple[float, float]] | None = None,
 ) -> list[Demonstration]:
     """The recordings in files, cleaned; what was removed is reported on stderr.
 
@@ -80,6 +81,7 @@ def cleaned(
         angles: unit of joint angles.
         quaternions: order of their components.
         topic: of a ROS bag.
+        joints: limits of an arm's joints by name.
 
     Raises:
         InvalidInput: if a file cannot be read or cleaned.
@@ -87,7 +89,13 @@ def cleaned(
     """
     demonstrations = []
     recordings = io.read_recordings(
-        files, columns=columns, rate=rate, angles=angles, quaternions=quaternions, topic=topic
+        files,
+        columns=columns,
+        rate=rate,
+        angles=angles,
+        quaternions=quaternions,
+        topic=topic,
+        joints=joints,
     )
     for recording in recordings:
         # Both ends stay: `trimmed` has the options for them.
@@ -166,14 +174,18 @@ def trimmed(
     return kept
 
 
-def one_motion(file: Path) -> Motion:
+def one_motion(file: Path, *, joints: Mapping[str, tuple[float, float]] | None = None) -> Motion:
     """The only motion in a file.
+
+    Args:
+        file: to read.
+        joints: limits of an arm's joints by name, of which columns may have the names.
 
     Raises:
         InvalidInput: if the file cannot be read or holds more or fewer motions than one.
         MissingDependency: if its format needs an extra that is not installed.
     """
-    found = io.read_demonstrations(file)
+    found = io.read_demonstrations(file, joints=joints)
     if len(found) != 1:
         raise InvalidInput(f"{file}: expected a file with one motion, got {len(found)}")
     return found[0].motion

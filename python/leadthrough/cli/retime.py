@@ -50,7 +50,7 @@ def retime(
 
     reading.check_output(out, format)
     arm = robots.load(robot, limits, base, tip)
-    path = robots.own_joints(arm, reading.one_motion(motion), str(motion))
+    path = robots.joints_in(arm, motion)
     with tables.busy("timing"):
         timed = timing.retime(
             path,

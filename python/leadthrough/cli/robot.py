@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from leadthrough.arm import Arm
-from leadthrough.cli import errors
+from leadthrough.cli import errors, reading
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, Motion
 
@@ -28,6 +28,13 @@ def load(
         return Arm.load(name, base=base, tip=tip, limits=limits)
 
 
+def ranges(arm: Arm) -> dict[str, tuple[float, float]]:
+    """The lower and upper limit of each joint, rad (m), as `read_demonstrations` takes them."""
+    limits = arm.limits
+    pairs = zip(limits.lower.tolist(), limits.upper.tolist(), strict=True)
+    return dict(zip(arm.joint_names, pairs, strict=True))
+
+
 def refuse(need: str, **given: object) -> None:
     """Refuses options that need something that is not there.
 
@@ -42,6 +49,15 @@ def refuse(need: str, **given: object) -> None:
         if value is not None:
             name = option.replace("_", "-")
             raise InvalidInput(f"--{name}: only used with {need}; add it or leave --{name} out")
+
+
+def joints_in(arm: Arm, file: Path) -> JointTrajectory:
+    """The arm's joints of the only motion in a file.
+
+    Raises:
+        InvalidInput: if the file cannot be read, or holds no joint motion of the arm.
+    """
+    return own_joints(arm, reading.one_motion(file, joints=ranges(arm)), str(file))
 
 
 def own_joints(arm: Arm, motion: Motion, name: str) -> JointTrajectory:

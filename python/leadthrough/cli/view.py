@@ -67,7 +67,7 @@ def view(
     from leadthrough.show import viewing
 
     arm = robots.load(robot, limits, base, tip)
-    asked = None if motion is None else reading.one_motion(motion)
+    asked = None if motion is None else reading.one_motion(motion, joints=robots.ranges(arm))
     if isinstance(asked, JointTrajectory):
         asked = robots.own_joints(arm, asked, str(motion))
     shown = []
@@ -75,7 +75,8 @@ def view(
         robots.refuse("--demonstrations", column=column, rate=rate)
     else:
         named = parse.columns(column or [])
-        shown = read_demonstrations(reading.listed(demonstrations), columns=named, rate=rate)
+        files, known = reading.listed(demonstrations), robots.ranges(arm)
+        shown = read_demonstrations(files, columns=named, rate=rate, joints=known)
     with errors.naming(path="--html"):
         viewing.view(
             arm,

@@ -66,6 +66,7 @@ def tables(
             rate=each["rate"],
             quaternions=each["quaternions"],
             angles=each["angles"],
+            extents={name: (least, most) for name, (least, most) in each["extents"].items()},
             events=tuple(Event(time, name) for time, name in each["events"]),
         )
         for each in found

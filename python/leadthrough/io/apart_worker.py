@@ -98,6 +98,7 @@ def _packed(found: Any) -> tuple[dict[str, Any], list[NDArray[Any]]]:
             "rate": table.rate,
             "quaternions": table.quaternions,
             "angles": table.angles,
+            "extents": dict(table.extents),
             "events": [[event.time, event.name] for event in table.events],
         }
         for table in found

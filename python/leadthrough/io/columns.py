@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.io import headers
+from leadthrough.io import angle_units, headers
 from leadthrough.io.headers import AngleUnit, Columns
 from leadthrough.io.recording import Recording
 from leadthrough.io.request import Request
 from leadthrough.io.table import Table
-
-# No arm stays more than two turns from zero for half of a recording; degrees do.
-_FARTHEST_ANGLE = 4.0 * math.pi
-_DEGREE = math.pi / 180.0
 
 
 def recording(table: Table, request: Request, *, name: str = "") -> Recording:
@@ -31,21 +26,21 @@ def recording(table: Table, request: Request, *, name: str = "") -> Recording:
     Raises:
         InvalidInput: if columns are missing, ambiguous or not numeric.
     """
-    chosen = _chosen(table, request.columns)
+    chosen = _chosen(table, request)
     _check_there(table, chosen)
-    angles = request.angles or table.angles
+    angles = angle_units.unit_of(table, chosen.get("joints", ()), request)
     data = {
-        role: _stacked(table, names, role, angles)
+        role: _stacked(table, names, role, angles, request)
         for role, names in chosen.items()
         if role != "time"
     }
     times = _times(table, chosen.get("time"), request.rate, len(next(iter(data.values()))))
     if "joints" in data:
-        _check_angles(chosen["joints"], data["joints"], angles)
+        angle_units.refuse_far(chosen["joints"], data["joints"], angles)
         return Recording(
             times,
             data["joints"],
-            joint_names=_joint_names(chosen["joints"], data["joints"]),
+            joint_names=_joint_names(chosen["joints"], data["joints"], request),
             velocities=data.get("velocities"),
             accelerations=data.get("accelerations"),
             events=table.events,
@@ -67,7 +62,7 @@ def check_complete(table: Table, request: Request) -> None:
     Raises:
         InvalidInput: for the first cell without a finite number.
     """
-    for names in _chosen(table, request.columns).values():
+    for names in _chosen(table, request).values():
         for name in names:
             values = table.numbers(name)
             wrong = np.argwhere(~np.isfinite(values))
@@ -88,12 +83,12 @@ def _check_there(table: Table, chosen: Mapping[str, Columns]) -> None:
                 )
 
 
-def _chosen(table: Table, named: Mapping[str, Columns]) -> dict[str, Columns]:
-    names = table.names
+def _chosen(table: Table, request: Request) -> dict[str, Columns]:
+    names, named = table.names, request.columns
     found = headers.candidates(names) | {role: [own] for role, own in table.roles.items()}
     chosen = dict(named)
     if not chosen.keys() & {"positions", "orientations", "joints"}:
-        chosen |= _only_motion(names, found)
+        chosen |= _of_the_arm(names, request.joints) or _only_motion(names, found)
     elif "orientations" in chosen and "positions" not in chosen:
         chosen["positions"] = _only(found["positions"], "positions")
     if "time" not in chosen and found["time"]:
@@ -102,6 +97,15 @@ def _chosen(table: Table, named: Mapping[str, Columns]) -> dict[str, Columns]:
     if all(headers.unit(name, "joints")[1] is None for name in joints):
         chosen |= headers.derivatives(names, joints) if joints else {}
     return chosen
+
+
+def _of_the_arm(names: Sequence[str], joints: Iterable[str]) -> dict[str, Columns]:
+    """The columns named as the arm's joints, in the arm's order, if all are there."""
+    by_joint = {headers.joint(name): name for name in reversed(names)}
+    known = tuple(joints)
+    if not known or not by_joint.keys() >= set(known):
+        return {}
+    return {"joints": tuple(by_joint[joint] for joint in known)}
 
 
 def _only_motion(names: Sequence[str], found: Mapping[str, list[Columns]]) -> dict[str, Columns]:
@@ -126,8 +130,10 @@ def _only(found: Sequence[Columns], role: str) -> Columns:
     raise InvalidInput(f"columns: {role}: {what}; name the right ones in columns[{role!r}]")
 
 
-def _stacked(table: Table, names: Columns, role: str, angles: AngleUnit | None) -> Float64Array:
-    parts = [table.numbers(name) * _factor(name, role, angles) for name in names]
+def _stacked(
+    table: Table, names: Columns, role: str, angles: AngleUnit | None, request: Request
+) -> Float64Array:
+    parts = [_in_si(table, name, role, angles, request) for name in names]
     for name, part in zip(names, parts, strict=True):
         if len(part) != len(parts[0]):
             raise InvalidInput(
@@ -136,12 +142,16 @@ def _stacked(table: Table, names: Columns, role: str, angles: AngleUnit | None) 
     return np.column_stack(parts)
 
 
-def _factor(name: str, role: str, angles: AngleUnit | None) -> float:
-    stated = headers.unit(name, role)[1]
-    if stated is not None:
-        return stated
-    is_angle = role in ("joints", "velocities", "accelerations")
-    return _DEGREE if is_angle and angles == "degrees" else 1.0
+def _in_si(
+    table: Table, name: str, role: str, angles: AngleUnit | None, request: Request
+) -> Float64Array:
+    numbers = table.numbers(name)
+    if role == "joints":
+        return angle_units.in_radians(name, numbers, angles, request)
+    if role in ("velocities", "accelerations"):
+        unit = None if angles == "percent" else angles
+        return angle_units.in_radians(name, numbers, unit, request)
+    return numbers * (headers.unit(name, role)[1] or 1.0)
 
 
 def _times(table: Table, time: Columns | None, asked: float | None, count: int) -> Float64Array:
@@ -160,24 +170,13 @@ def _times(table: Table, time: Columns | None, asked: float | None, count: int) 
     return times
 
 
-def _joint_names(columns: Columns, positions: Float64Array) -> tuple[str, ...]:
+def _joint_names(columns: Columns, positions: Float64Array, request: Request) -> tuple[str, ...]:
     if len(columns) != positions.shape[1] or headers.is_whole(columns[0]):
         return ()
+    own = tuple(headers.joint(name) for name in columns)
+    if request.joints and set(own) <= set(request.joints):
+        return own
     return tuple(headers.unit(name, "joints")[0] for name in columns)
-
-
-def _check_angles(columns: Columns, positions: Float64Array, angles: AngleUnit | None) -> None:
-    stated = [headers.unit(name, "joints")[1] is not None for name in columns]
-    if angles is not None or all(stated) or len(positions) == 0:
-        return
-    # NaN is greater than nothing: a joint counts where half of its samples are far away.
-    far = np.count_nonzero(np.abs(positions) > _FARTHEST_ANGLE, axis=0) > 0.5 * len(positions)
-    if far.any():
-        seen = float(np.nanmax(np.abs(positions[:, far])))
-        raise InvalidInput(
-            f"angles: joints reach {seen:.6g}, more than two turns in radians; set "
-            "angles='degrees' or angles='radians'"
-        )
 
 
 def _order(table: Table, columns: Columns, request: Request) -> str:

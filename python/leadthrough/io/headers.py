@@ -7,7 +7,9 @@
   `rot` (`qw`, `orientation_w`, `current_orientation_w`).
 - Joints: `joint`, `j`, `q` or `q_d` with a number (`joint_1`, `panda_joint1`, `q0`, `q[0]`), or
   `joint` with a letter and a number (`joint_a1`), in the order of the numbers, which start at 0 or
-  1 without a gap; or names that end in `_joint` (`shoulder_pan_joint`), in the order of the file.
+  1 without a gap; names that end in `_joint` (`shoulder_pan_joint`), in the order of the file; or,
+  where there are none of these and no positions, all names with a velocity (`lift`,
+  `lift_velocity`).
   Their derivatives are `<joint>_velocity` or `d<joint>`, and `<joint>_acceleration` or `dd<joint>`.
 - Arrays that hold all components at once: `positions`, `position`, `pos`; `orientations`,
   `orientation`, `quaternions`, `quaternion`, which may state their order (`orientations_wxyz`,
@@ -25,7 +27,7 @@ from collections.abc import Iterator, Sequence
 from typing import Literal
 
 Columns = tuple[str, ...]
-AngleUnit = Literal["radians", "degrees"]
+AngleUnit = Literal["radians", "degrees", "percent"]
 QuaternionOrder = Literal["wxyz", "xyzw"]
 
 # What the name of a joint's column adds to the joint's own name.
@@ -75,6 +77,11 @@ def unit(name: str, role: str) -> tuple[str, float | None]:
     return (name, None) if factor is None else (match["plain"], factor)
 
 
+def joint(name: str) -> str:
+    """The joint's own name in that of its column, without a unit or LeRobot's ".pos"."""
+    return unit(name, "joints")[0].removesuffix(".pos")
+
+
 def is_whole(name: str) -> bool:
     """Whether a name is that of an array of all joints."""
     return name.lower() in _WHOLE["joints"]
@@ -105,6 +112,8 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
         elif last_word in _ORIENTATION and len(axes) == 4:
             found["orientations"].append(tuple(axes[axis] for axis in "wxyz"))
     found["joints"] += [*_numbered_joints(names), *_named_joints(names)]
+    if not found["joints"] and not found["positions"]:
+        found["joints"] += _moving_joints(names)
     return found
 
 
@@ -150,4 +159,10 @@ def _numbered_joints(names: Sequence[str]) -> Iterator[Columns]:
 def _named_joints(names: Sequence[str]) -> Iterator[Columns]:
     joints = tuple(name for name in names if unit(name, "joints")[0].lower().endswith("_joint"))
     if joints:
+        yield joints
+
+
+def _moving_joints(names: Sequence[str]) -> Iterator[Columns]:
+    suffix = JOINT_SUFFIXES["velocities"]
+    if joints := tuple(name for name in names if name + suffix in names):
         yield joints

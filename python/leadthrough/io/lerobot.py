@@ -2,13 +2,15 @@
 
 The path is that of the data set's folder (`meta/info.json`, `data/**/*.parquet`) or of one of its
 files. Where `meta/info.json` names the numbers of a state, each becomes a column. A state holds
-joints unless its names say otherwise. Needs the extra `lerobot`.
+joints unless its names say otherwise. Where they end in ".pos", as those of motors do, their unit
+may be percent, and a gripper that opens or closes is an event. Needs the extra `lerobot`.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +19,18 @@ import numpy as np
 from leadthrough import optional
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.io import bounds, headers
+from leadthrough.events import Event
+from leadthrough.io import angle_units, bounds, headers
 from leadthrough.io.headers import Columns
 from leadthrough.io.table import ArrayTable
 
 _STATE = "observation.state"
 _INFO = Path("meta", "info.json")
+_STATS = Path("meta", "stats.json")
+_MOTOR = ".pos"
+_LEAST_OPENING = 10.0  # degrees or percent; a gripper that moves less neither opens nor closes
+
+Extent = tuple[float, float]
 
 
 def tables(path: Path) -> list[ArrayTable]:
@@ -40,7 +48,12 @@ def tables(path: Path) -> list[ArrayTable]:
     gate = bounds.Gate()
     gate.items(len(files), "the folder")
     with bounds.reading("Parquet file"):
-        return [table for file in files for table in _episodes(parquet, file, names, gate)]
+        found = [table for file in files for table in _episodes(parquet, file, names, gate)]
+    motors = [name for name in names if name.endswith(_MOTOR)]
+    if not motors:
+        return found
+    extents = _stated_extents(path, names) or _extents(found, motors)
+    return [_of_motors(table, {name: extents[name] for name in motors}) for table in found]
 
 
 def _episodes(parquet: Any, file: Path, names: Columns, gate: bounds.Gate) -> Iterator[ArrayTable]:
@@ -63,6 +76,61 @@ def _episodes(parquet: Any, file: Path, names: Columns, gate: bounds.Gate) -> It
         rows = episode == number
         own = {name: values[rows] for name, values in columns.items()}
         yield ArrayTable(own, roles=roles, label=f"episode_{int(number)}")
+
+
+def _of_motors(table: ArrayTable, extents: Mapping[str, Extent]) -> ArrayTable:
+    """The table with the extents of its motors, and events where a gripper opens or closes."""
+    happening = [
+        event
+        for name, extent in extents.items()
+        if angle_units.is_gripper(name) and "timestamp" in table.names
+        for event in _opening(table.numbers("timestamp"), table.numbers(name), name, extent)
+    ]
+    return replace(table, extents=extents, events=tuple(sorted(happening)))
+
+
+def _opening(
+    times: Float64Array, numbers: Float64Array, name: str, extent: Extent
+) -> Iterator[Event]:
+    """Where a gripper, whose numbers grow as it opens, passes the middle of its way.
+
+    A band in between, which it has to cross, keeps noise from being events.
+    """
+    least, most = extent
+    if most - least < _LEAST_OPENING:
+        return
+    fractions = (numbers - least) / (most - least)
+    is_open: bool | None = None
+    for time, fraction in zip(times, fractions, strict=True):
+        now = is_open if 0.4 < fraction < 0.6 or np.isnan(fraction) else bool(fraction >= 0.6)
+        if is_open is not None and now != is_open:
+            yield Event(float(time), f"{'open' if now else 'close'} {headers.joint(name)}")
+        is_open = now
+
+
+def _extents(tables: Sequence[ArrayTable], names: Sequence[str]) -> dict[str, Extent]:
+    """The least and greatest number of each column in all tables."""
+    joined = {name: np.concatenate([table.numbers(name) for table in tables]) for name in names}
+    finite = {name: column[np.isfinite(column)] for name, column in joined.items()}
+    return {
+        name: (float(column.min(initial=np.inf)), float(column.max(initial=-np.inf)))
+        if len(column)
+        else (0.0, 0.0)
+        for name, column in finite.items()
+    }
+
+
+def _stated_extents(path: Path, names: Columns) -> dict[str, Extent]:
+    """The least and greatest number of each column that `meta/stats.json` states, or none."""
+    file = _meta(path, _STATS)
+    try:
+        stats = json.loads(bounds.text(file, bounds.Gate()))[_STATE] if file else {}
+        pairs = np.array([stats["min"], stats["max"]], dtype=float)
+    except (ValueError, TypeError, KeyError, RecursionError):
+        return {}
+    if pairs.shape != (2, len(names)) or not np.isfinite(pairs).all():
+        return {}
+    return {name: (float(a), float(b)) for name, (a, b) in zip(names, pairs.T, strict=True)}
 
 
 def _columns(file: Any, gate: bounds.Gate) -> dict[str, Float64Array]:
@@ -110,11 +178,14 @@ def _array(column: Any, name: str, gate: bounds.Gate) -> Float64Array | None:
 
 def _state_names(path: Path) -> Columns:
     """The names of a state's numbers, or none."""
+    file = _meta(path, _INFO)
+    return _names_in(file) if file else ()
+
+
+def _meta(path: Path, name: Path) -> Path | None:
+    """A file of the data set that a folder or a file belongs to."""
     folders = [path] if path.is_dir() else [*path.absolute().parents][:4]
-    for folder in folders:
-        if (folder / _INFO).is_file():
-            return _names_in(folder / _INFO)
-    return ()
+    return next((folder / name for folder in folders if (folder / name).is_file()), None)
 
 
 def _names_in(info: Path) -> Columns:

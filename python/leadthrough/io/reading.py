@@ -27,6 +27,7 @@ def read_demonstrations(
     quaternions: QuaternionOrder | None = None,
     topic: str | None = None,
     frames: Sequence[str] | None = None,
+    joints: Mapping[str, tuple[float, float]] | None = None,
 ) -> list[Demonstration]:
     """The demonstrations in one or several files, in their order; files with faults are refused.
 
@@ -45,10 +46,13 @@ def read_demonstrations(
             [names], "orientations": [names], "joints": [names]}.
         rate: Hz, > 0, for files without time; their first sample is then at 0 s.
         angles: unit of joints whose names don't state it, by default radians. Joints that stay
-            beyond two turns are refused until it is set.
+            beyond two turns are refused until it is set. "percent" of the joints' ranges, as in
+            LeRobot's data sets, go from -100 to 100, of a gripper from 0 to 100.
         quaternions: order of four numbers whose names don't state it.
         topic: topic of a bag, where several have motions.
         frames: frame and child frame of a transform in a bag.
+        joints: an arm's joints by name, with their lower and upper limits in rad (m). Columns of
+            these names are its joints, whatever else the file has; percent refer to the limits.
 
     Raises:
         InvalidInput: if a file cannot be read or has faults; the message says which and where.
@@ -61,6 +65,7 @@ def read_demonstrations(
         quaternions=quaternions,
         topic=topic,
         frames=frames,
+        joints=joints,
     )
     return [
         Demonstration(_faultless(path, found, table, request), name=found.name)
@@ -78,6 +83,7 @@ def read_recordings(
     quaternions: QuaternionOrder | None = None,
     topic: str | None = None,
     frames: Sequence[str] | None = None,
+    joints: Mapping[str, tuple[float, float]] | None = None,
 ) -> list[Recording]:
     """The recordings in one or several files, with missing numbers and faulty times as they are.
 
@@ -92,6 +98,8 @@ def read_recordings(
         quaternions: order of four numbers whose names don't state it.
         topic: topic of a bag, where several have motions.
         frames: frame and child frame of a transform in a bag.
+        joints: an arm's joints by name, with their lower and upper limits in rad (m). Columns of
+            these names are its joints, whatever else the file has; percent refer to the limits.
 
     Raises:
         InvalidInput: if a file cannot be read; the message says which and where.
@@ -104,6 +112,7 @@ def read_recordings(
         quaternions=quaternions,
         topic=topic,
         frames=frames,
+        joints=joints,
     )
     return [found for path in _paths(paths) for _, found in _recordings(path, request)]
 

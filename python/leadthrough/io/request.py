@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import get_args
 
+import numpy as np
+
 from leadthrough import check
 from leadthrough.errors import InvalidInput
 from leadthrough.io.headers import AngleUnit, Columns, QuaternionOrder
@@ -25,6 +27,7 @@ class Request:
     quaternions: QuaternionOrder | None = None
     topic: str | None = None
     frames: tuple[str, str] | None = None
+    joints: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 def checked(
@@ -35,6 +38,7 @@ def checked(
     quaternions: object = None,
     topic: object = None,
     frames: object = None,
+    joints: object = None,
 ) -> Request:
     """The request that the arguments of `leadthrough.io.read_recordings` make.
 
@@ -45,6 +49,7 @@ def checked(
         quaternions: order of their components.
         topic: of a bag.
         frames: a transform's frame and child frame.
+        joints: limits of an arm's joints, by name.
 
     Raises:
         InvalidInput: if one of them is wrong.
@@ -58,6 +63,7 @@ def checked(
         None if quaternions is None else check.choice(quaternions, "quaternions", ORDERS),
         topic,
         _frames(frames),
+        _joints(joints),
     )
 
 
@@ -83,6 +89,20 @@ def _names(value: object, name: str) -> Columns:
     if not names or len(set(names)) != len(names):
         raise InvalidInput(f"{name}: expected at least one name, each only once, got {value!r}")
     return tuple(names)
+
+
+def _joints(value: object) -> dict[str, tuple[float, float]]:
+    if value is None:
+        return {}
+    if not isinstance(value, Mapping) or not all(isinstance(name, str) for name in value):
+        raise InvalidInput(f"joints: expected a mapping of names to limits, got {value!r}")
+    pairs = {name: np.asarray(limits, dtype=float) for name, limits in value.items()}
+    for name, limits in pairs.items():
+        if limits.shape != (2,) or not limits[0] <= limits[1]:
+            raise InvalidInput(
+                f"joints[{name!r}]: expected (lower, upper) with lower <= upper, got {value[name]}"
+            )
+    return {name: (float(lower), float(upper)) for name, (lower, upper) in pairs.items()}
 
 
 def _frames(value: object) -> tuple[str, str] | None:

@@ -24,6 +24,8 @@ class Table(ABC):
         rate: Hz, where the format states it and there is no time column.
         quaternions: order of four numbers in one column, where the format fixes it.
         angles: unit of the joints, where the format fixes it.
+        extents: the least and the greatest number of each joint in the whole data set, where the
+            format leaves open whether they are degrees or percent of the joint's range.
         events: on the table's clock.
     """
 
@@ -32,6 +34,7 @@ class Table(ABC):
     rate: float | None = None
     quaternions: QuaternionOrder | None = None
     angles: AngleUnit | None = None
+    extents: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     events: Events = ()
 
     @property

@@ -180,7 +180,7 @@ yang_call = {"seeds": rows(*BENT), "tolerance": tolerance, "max_iterations": 99,
 call(core.solve_yang, None, options=yang, **yang_call, **POSES)
 call(core.yang_path, FOUND, start=Q[0], steps=np.ones(2), options=yang, **POSES)
 wish = {"start": Q[0], "postures": np.full((2, 2), np.nan), "shares": np.zeros(2)}
-follow = make(core.TrackOptions, tolerance=tolerance, max_iterations=50, max_step=1.0)
+follow = make(core.TrackOptions, tolerance=tolerance, max_iterations=50, max_step=1.0, axes=axes)
 call(core.track, FOUND, options=follow, **wish, **POSES)
 pursuit = make(
     core.PursuitOptions, velocity=SPEED, acceleration=LOOSE, damping=0.0, deviation=tolerance

@@ -52,6 +52,9 @@ def test_calls_give_the_known_result(
         np.testing.assert_allclose(np.asarray(first), np.asarray(expected), atol=1e-5)
 
 
+OPTIONAL = {"IkOptions": ("axes", "reference", "posture"), "TrackOptions": ("axes",)}
+
+
 def test_every_function_class_and_method_is_called(
     compiled: ModuleType, called: set[str], made: list[Any]
 ) -> None:
@@ -78,7 +81,7 @@ def test_none_in_place_of_an_argument_raises(
 ) -> None:
     if isinstance(arguments[name], bool):
         return  # to a flag None is False
-    if function.__name__ == "IkOptions" and name in ("axes", "reference", "posture"):
+    if name in OPTIONAL.get(function.__name__, ()):
         function(**arguments | {name: None})
         return
     with pytest.raises(TypeError):

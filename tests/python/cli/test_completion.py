@@ -63,7 +63,7 @@ def offered(line):
         ("leadthrough le", ["learn"]),
         ("leadthrough learn shown --mod", ["--model"]),
         ("leadthrough learn shown --model p", ["pose-dmp", "promp"]),
-        ("leadthrough learn shown --angles ", ["radians", "degrees"]),
+        ("leadthrough learn shown --angles ", ["radians", "degrees", "percent"]),
         ("leadthrough learn shown --model promp --set w", ["weights=20", "width=1.0"]),
         ("leadthrough learn sh", [f"shown/reach{i}.csv" for i in (1, 2, 3)]),
         ("leadthrough learn shown/reach2", ["shown/reach2.csv"]),

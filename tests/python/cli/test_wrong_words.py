@@ -36,6 +36,7 @@ WRONG = {
     "duration": "-1",
     "dt": "0",
     "format": "pdf",
+    "free_axis": "spin",
     "goal": "a,b,c",
     "html": "nowhere/out.html",
     "jobs": "0",
@@ -62,6 +63,7 @@ WRONG = {
     "seed": "-1",
     "skill": "none.npz",
     "smoothing": "-1",
+    "tolerance": "1",
     "speed": "-1",
     "angular_speed": "-1",
     "start": "a,b,c",
@@ -75,7 +77,7 @@ WRONG = {
     ("learn", "out"): "nowhere/out.npz",
 }
 # Without a wrong value; and files, which the error names instead.
-ANY = {"help", "as_json", "clean", "cut", "keep_timing", "torques", "quick"}
+ANY = {"help", "as_joints", "as_json", "clean", "cut", "keep_timing", "torques", "quick"}
 NAMED_BY_THEIR_VALUE = {
     ("view", "demonstrations"),
     ("view", "skill"),

@@ -201,3 +201,14 @@ def test_wrong_columns_are_refused(write, columns, message):
     path = write(f"{HEADER}\n0,1,2,3,1,0,0,0,0.1,0.2,go\n")
     with pytest.raises(InvalidInput, match=message):
         read(path, columns=columns)
+
+
+def test_what_has_a_velocity_is_a_joint_where_no_name_tells_more(tmp_path):
+    times = [0.0, 0.1, 0.2]
+    joints = np.array([[0.0, 1.0], [0.5, 1.5], [1.0, 2.0]])
+    motion = lt.JointTrajectory(times, joints, 0.0 * joints, joint_names=("pan", "lift"))
+    lt.write_motion(motion, tmp_path / "motion.csv")
+    (found,) = lt.read_demonstrations(tmp_path / "motion.csv")
+    assert found.motion.joint_names == ("pan", "lift")
+    assert np.array_equal(found.motion.positions, joints)
+    assert np.array_equal(found.motion.velocities, 0.0 * joints)

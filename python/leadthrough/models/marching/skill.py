@@ -214,13 +214,9 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
         motion, covered = timed(found, timing=self.model.timing, duration=wanted, dt=dt)
         made: Trajectory | PoseTrajectory = motion
         if self._has_orientations:
+            ends = {"start": turns[0], "goal": turns[1]}
             turned = orientation.along(
-                found.used,
-                found.weights,
-                path=found.path,
-                start=turns[0],
-                goal=turns[1],
-                fractions=covered,
+                found.used, found.weights, path=found.path, fractions=covered, **ends
             )
             shown = motion.events, motion.joints
             made = PoseTrajectory(motion.times, motion.positions, turned, *shown)

@@ -147,8 +147,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         check.number(dt, "dt", above=0.0)
         skill = self if duration is None else self.lasting(duration)
         asked = self._asked(start, goal)
-        if asked:
-            skill = ends.moved(skill, asked)
+        skill = ends.moved(skill, asked) if asked else skill
         return skill._motion(skill.weights.mean, even_times(skill.duration, dt))
 
     def novelty(self, *, start: Place | None = None, goal: Place | None = None) -> float:
