@@ -367,10 +367,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
         ways = [each.way for each in self._all]
         grid, scales = grid_over(ways, (), self._map_scales)
         speed = experience_map(
-            grid,
-            ways,
-            area_of_influence=scales.radius,
-            saturation=scales.saturation,
+            grid, ways, area_of_influence=scales.radius, saturation=scales.saturation
         )
         speed.setflags(write=False)
         return grid, speed

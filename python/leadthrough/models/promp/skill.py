@@ -389,8 +389,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         return Truncated(self.free, self.basis, self.bounds, self.scale)
 
     def _phases(self, times: ArrayLike, name: str) -> Float64Array:
-        repeats = self.basis.is_rhythmic
-        return phases_at(times, name, duration=self.duration, repeats=repeats)
+        return phases_at(times, name, duration=self.duration, repeats=self.basis.is_rhythmic)
 
     def _motion(self, weights: Float64Array, times: Float64Array) -> MotionT_co:
         phases = times / self.duration
