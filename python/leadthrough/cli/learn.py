@@ -89,17 +89,23 @@ def learn(
 
     leadthrough learn day.csv --cut --motion 3 --rate 50 --model fast-marching -o reach.npz
     """
+    from leadthrough import check
     from leadthrough.cli import errors, parse, reading, tables
     from leadthrough.cli import robot as robots
     from leadthrough.io import read_demonstrations
 
+    reading.check_skill_output(out)
+    if model is not None:
+        check.choice(model, "--model", completion.MODELS)
     arm = None if robot is None else robots.load(robot, limits, base, tip)
     if arm is None:
         only = {"joints": as_joints or None}
         robots.refuse("--robot", limits=limits, base=base, tip=tip, **only)
     read = reading.cleaned if clean else read_demonstrations
+    recordings = reading.listed(files)
+    reading.refuse_skills(recordings)
     demonstrations = read(
-        reading.listed(files),
+        recordings,
         columns=parse.columns(column or []),
         rate=rate,
         angles=angles,

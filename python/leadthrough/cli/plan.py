@@ -90,7 +90,6 @@ def plan(
     from leadthrough.arm.recorded import warn_of_another_arm
     from leadthrough.cli import errors, following, parse, reading, tables
     from leadthrough.cli import robot as robots
-    from leadthrough.io import write_motion
     from leadthrough.motion import JointTrajectory
     from leadthrough.timing import differentiate
 
@@ -119,8 +118,7 @@ def plan(
             warn_of_another_arm(arm._chain, learned.generate())
             followed = following.followed(arm, motion, posture, tolerance, free_axis)
             motion, told = followed.joints, followed.facts
-    with errors.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
-        write_motion(motion, out, format=format)
+    _write(motion, out, format, moves_arm=robot is not None)
     found = {
         "motion": str(out),
         "type": type(motion).__name__,
@@ -145,6 +143,21 @@ def _next(
     if not moves_joints:  # no arm has been asked for yet
         return ("leadthrough", "plan", skill, *arm, "-o", out.with_suffix(".json"))
     return ("leadthrough", "retime", out, *arm, "-o", out.with_stem(f"{out.stem}-timed"))
+
+
+def _write(motion: Motion, out: Path, format: str | None, *, moves_arm: bool) -> None:
+    from leadthrough.cli import errors
+    from leadthrough.errors import InvalidInput
+    from leadthrough.io import write_motion
+    from leadthrough.motion import JointTrajectory
+
+    try:
+        with errors.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
+            write_motion(motion, out, format=format)
+    except InvalidInput as error:
+        if moves_arm or isinstance(motion, JointTrajectory):
+            raise
+        raise InvalidInput(f"{error}; with --robot, plan writes joints") from None
 
 
 def _end(

@@ -13,11 +13,13 @@ from leadthrough.cli import errors
 from leadthrough.errors import InvalidInput
 from leadthrough.io import formats
 from leadthrough.io.headers import AngleUnit, QuaternionOrder
-from leadthrough.models import load_skill
+from leadthrough.models import archive, load_skill
 from leadthrough.models.protocol import Skill
 from leadthrough.motion import Demonstration, Motion
 
 _TOLD = 0.1  # s; who left out less need not tell
+
+_SKILL = ".npz"
 
 
 def listed(paths: Sequence[Path], *, also: Sequence[str] = ()) -> list[Path]:
@@ -185,6 +187,7 @@ def one_motion(file: Path, *, joints: Mapping[str, tuple[float, float]] | None =
         InvalidInput: if the file cannot be read or holds more or fewer motions than one.
         MissingDependency: if its format needs an extra that is not installed.
     """
+    refuse_skills([file])
     found = io.read_demonstrations(file, joints=joints)
     if len(found) != 1:
         raise InvalidInput(f"{file}: expected a file with one motion, got {len(found)}")
@@ -199,8 +202,45 @@ def saved_skill(file: Path) -> Skill:
     """
     if not file.is_file():
         raise InvalidInput(f"{file}: no such file")
+    if file.suffix.lower() != _SKILL:
+        raise InvalidInput(
+            f"{file}: expected a skill, a {_SKILL} that `leadthrough learn` wrote, "
+            f"got {file.suffix or 'a file without a suffix'}"
+        )
     with errors.naming(path=str(file)):
         return load_skill(file)
+
+
+def refuse_skills(files: Sequence[Path]) -> None:
+    """Refuses skills where recordings or motions are due.
+
+    Raises:
+        InvalidInput: if a file is a skill.
+    """
+    for file in files:
+        if file.suffix.lower() == _SKILL and file.is_file() and _is_skill(file):
+            raise InvalidInput(
+                f"{file}: expected recordings or a motion, got a skill; `leadthrough plan {file}` "
+                "makes a motion of it"
+            )
+
+
+def check_skill_output(out: Path) -> None:
+    """Refuses a file that no skill would be read from again, before anything is computed.
+
+    Raises:
+        InvalidInput: if the file has another suffix.
+    """
+    if out.suffix.lower() != _SKILL:
+        raise InvalidInput(f"--out: expected a name that ends in {_SKILL}, got {out}")
+
+
+def _is_skill(file: Path) -> bool:
+    try:
+        archive.read(file)
+    except InvalidInput:
+        return False
+    return True
 
 
 def check_output(out: Path, format: str | None = None) -> None:

@@ -89,3 +89,23 @@ def test_without_json_an_error_is_a_line_on_stderr(folder):
 
 def test_the_version_is_told():
     assert run("--version").stdout == f"leadthrough {lt.__version__}\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["learn", "skill.npz", "-o", "s.npz"], "skill.npz: expected recordings or a motion, got"),
+        (["retime", "skill.npz", "-o", "m.json"], "`leadthrough plan skill.npz` makes a motion"),
+        (["plan", "shown/reach1.csv", "-o", "m.json"], "reach1.csv: expected a skill, a .npz"),
+        (["learn", "shown", "-o", "skill"], "--out: expected a name that ends in .npz, got skill"),
+        (
+            ["--no-profile", "plan", "skill.npz", "-o", "m.script"],
+            "with --robot, plan writes joints",
+        ),
+    ],
+)
+def test_a_file_of_the_wrong_kind_is_told_with_the_command_that_takes_it(folder, words, says):
+    run("learn", "shown/reach1.csv", "-o", "skill.npz")
+    result = run(*words, code=2)
+    assert says in result.stderr
+    assert result.stdout == ""

@@ -166,7 +166,8 @@ def _check_ends(constraints: Constraints, start: Float64Array, goal: Float64Arra
                 f"{name}: expected a point inside the limits {lower} to {upper}, got {point}"
             )
         if (_clearances(constraints.obstacles, point[None]) <= 0.0).any():
-            raise NoPath(f"{name}: {point} lies in an obstacle", reason=f"{name}_in_wall")
+            position = point[:3].round(4).tolist()
+            raise NoPath(f"{name}: {position} lies in an obstacle", reason=f"{name}_in_wall")
 
 
 def _surroundings(
