@@ -248,7 +248,8 @@ class FramedSkill(Archived, Generic[MotionT_co]):
         """
         if not isinstance(self.skill, Guided):
             raise UnsupportedQuery(
-                f"policy: a skill of kind {self.skill.kind!r} has none; fit Framed(FastMarching())"
+                f"policy: a skill of kind {self.skill.kind!r} has none; in Python, fit "
+                "Framed(FastMarching())"
             )
         seen = (self._point(position, "position") - self.frame.origin) @ self.frame.axes
         return np.asarray(self.skill.policy(seen) @ self.frame.axes.T)
@@ -277,7 +278,7 @@ class FramedSkill(Archived, Generic[MotionT_co]):
         if not isinstance(self.skill, Stepped) or "via" not in self.skill.supports:
             raise UnsupportedQuery(
                 f"step: a skill of kind {self.skill.kind!r} does not go on step by step from start "
-                "to goal; fit Framed(DMP()) or Framed(PoseDMP())"
+                "to goal; in Python, fit Framed(DMP()) or Framed(PoseDMP())"
             )
         return self.skill
 
