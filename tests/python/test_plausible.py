@@ -73,9 +73,7 @@ def test_joints_in_degrees_are_refused(panda):
 
 
 def test_a_step_longer_than_the_motion_is_refused(skill):
-    with pytest.raises(
-        InvalidInput, match=r"dt: expected at most the motion's .* got 10"
-    ):
+    with pytest.raises(InvalidInput, match=r"dt: expected at most the motion's .* got 10"):
         skill.generate(dt=10.0)
 
 

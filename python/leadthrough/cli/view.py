@@ -50,9 +50,7 @@ def view(
             autocompletion=completion.files(".html"),
         ),
     ] = None,
-    port: Annotated[
-        int, typer.Option(min=0, max=65535, help="Port of the live page; 0 picks a free one.")
-    ] = 0,
+    port: Annotated[int, typer.Option(help="Port of the live page; 0 picks a free one.")] = 0,
 ) -> None:
     """Show an arm and its motion, live in a browser or as an HTML file that needs no server.
 
@@ -60,12 +58,14 @@ def view(
 
     leadthrough view --robot panda --skill skill.npz --obstacle box:0.1,0.1,0.4@0.5,0,0.2
     """
+    from leadthrough import check
     from leadthrough.cli import errors, parse, reading
     from leadthrough.cli import robot as robots
     from leadthrough.io import read_demonstrations
     from leadthrough.motion import JointTrajectory
     from leadthrough.show import viewing
 
+    check.integer(port, "port", at_least=0, at_most=65535)
     arm = robots.load(robot, limits, base, tip)
     asked = None if motion is None else reading.one_motion(motion, joints=robots.ranges(arm))
     if isinstance(asked, JointTrajectory):

@@ -96,7 +96,7 @@ class Seen:
 
 
 def _believed(freedom: float) -> tuple[Float64Array, Float64Array]:
-    """Factors (n,) of the covariance, and the log of their probabilities before anything is seen."""
+    """Factors (n,) of the covariance, and the logs of their prior probabilities."""
     if np.isinf(freedom):
         return np.ones(1), np.zeros(1)
     log_density = -0.5 * freedom * (_FACTORS + np.exp(-_FACTORS) - 1.0)

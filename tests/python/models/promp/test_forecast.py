@@ -93,8 +93,8 @@ def test_forecasts_of_motions_of_full_rank_are_near_what_can_be_known(count, mos
     error, inside, normal, _ = forecasts(count, factors=24, families=12)
     assert least_error(count, factors=24) > 0.62
     assert error <= most
-    assert 0.9 <= inside
-    assert 0.9 <= normal
+    assert inside >= 0.9
+    assert normal >= 0.9
 
 
 def test_what_is_known_of_a_motion_of_full_rank_after_30_percent():
