@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import threading
 import webbrowser
 from collections.abc import Callable
-from contextlib import AbstractContextManager
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.errors import LeadthroughError, MissingDependency
+from leadthrough.errors import LeadthroughError
 from leadthrough.models.parameters import Parameter
 from leadthrough.show import scene, solids
+from leadthrough.show.private_server import PrivateServer
 from leadthrough.show.replanner import Answer, Replanner
 from leadthrough.show.scene import Scene
 from leadthrough.show.stage import Stage
@@ -36,7 +34,7 @@ _MOST_SPEED = 2.0
 class LiveView:
     """A page that shows a scene and, with a replanner, plans anew while things are dragged.
 
-    It is served on 127.0.0.1 until `close`.
+    It is served on 127.0.0.1 until `close`, to whoever knows its address.
 
     Args:
         shown: the scene.
@@ -52,7 +50,8 @@ class LiveView:
     """
 
     def __init__(self, shown: Scene, replanner: Replanner | None = None, *, port: int = 0) -> None:
-        self._server = _server(check.integer(port, "port", at_least=0, at_most=65535))
+        self._private = PrivateServer(check.integer(port, "port", at_least=0, at_most=65535))
+        self._server = self._private.server
         self._shown, self._planner = shown, replanner
         if replanner is not None:
             dragged = (scene.OBSTACLES, scene.GOAL)
@@ -79,8 +78,8 @@ class LiveView:
 
     @property
     def url(self) -> str:
-        """The page's URL."""
-        return f"http://127.0.0.1:{self._server.get_port()}"
+        """The page's URL; the token in it keeps others out."""
+        return self._private.url
 
     @property
     def answer(self) -> Answer | None:
@@ -110,8 +109,7 @@ class LiveView:
         self._asked.set()
         for thread in self._threads:
             thread.join()
-        with _silence():
-            self._server.stop()
+        self._private.stop()
 
     def request(self, change: Callable[[], None]) -> None:
         """Asks for a new plan, before which a change is made to the replanner.
@@ -241,17 +239,3 @@ class LiveView:
         told = [head, answer.trouble or answer.verdict, *self._shown.remarks]
         self._told.content = "\n\n".join(told)
         self._answer = answer
-
-
-def _server(port: int) -> viser.ViserServer:
-    try:
-        import viser  # noqa: PLC0415
-    except ImportError:
-        raise MissingDependency("viser", extra="view") from None
-    with _silence():
-        return viser.ViserServer(host="127.0.0.1", port=port, verbose=False)
-
-
-def _silence() -> AbstractContextManager[TextIO]:
-    """Keeps viser's own messages off our output."""
-    return contextlib.redirect_stdout(io.StringIO())
