@@ -122,14 +122,21 @@ std::variant<Collisions, Error> read_collisions(const Elements& elements) {
   return collisions;
 }
 
-std::string without_capsules(std::string document) {
+std::string without_capsules(std::string_view document) {
   constexpr std::string_view kCapsule = "capsule";
-  for (const std::string opening : {"<", "</"}) {
-    const std::string tag = opening + std::string(kCapsule);
-    for (std::size_t at = 0; (at = document.find(tag, at)) != document.npos;)
-      document.replace(at + opening.size(), kCapsule.size(), "cylinder");
+  std::string result;
+  result.reserve(document.size() + document.size() / kCapsule.size());
+  std::size_t done = 0;
+  for (std::size_t at = 0; (at = document.find(kCapsule, at)) != document.npos;
+       at += kCapsule.size()) {
+    const std::string_view before = document.substr(0, at);
+    const bool is_tag = (at >= 1 && before.substr(at - 1) == "<") ||
+                        (at >= 2 && before.substr(at - 2) == "</");
+    if (!is_tag) continue;
+    result.append(document, done, at - done).append("cylinder");
+    done = at + kCapsule.size();
   }
-  return document;
+  return result.append(document, done, document.npos);
 }
 
 }  // namespace leadthrough::urdf

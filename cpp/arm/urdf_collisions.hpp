@@ -13,6 +13,6 @@ using Collisions = std::map<std::string, std::vector<Collision>>;  // by link
 std::variant<Collisions, Error> read_collisions(const xml::Elements& elements);
 
 // The document with cylinders in place of capsules, at which urdfdom refuses the whole robot.
-std::string without_capsules(std::string document);
+std::string without_capsules(std::string_view document);
 
 }  // namespace leadthrough::urdf

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <locale>
 #include <map>
 #include <sstream>
@@ -39,21 +40,25 @@ std::string element_text(const Element& element) {
   return std::string(element.name) + (name == nullptr ? "" : " " + quoted(*name));
 }
 
+// No robot is larger or heavier; beyond it products of what a robot states overflow.
+constexpr double kLargest = 1e9;  // m, kg, kg m^2
+constexpr double kLargestFinite = std::numeric_limits<double>::max();
+
 // As urdfdom reads it, whatever the process's locale; infinite and undefined numbers are none.
-bool is_number(const std::string& text) {
+bool is_number(const std::string& text, double largest) {
   std::istringstream stream(text);
   stream.imbue(std::locale::classic());
   double value = 0.0;
   stream >> value;
-  return !stream.fail() && stream.eof() && std::isfinite(value);
+  return !stream.fail() && stream.eof() && std::abs(value) <= largest;
 }
 
-bool are_numbers(std::string_view text, int count) {
+bool are_numbers(std::string_view text, int count, double largest) {
   int found = 0;
   std::size_t at = 0;
   while ((at = text.find_first_not_of(' ', at)) != text.npos) {
     const std::size_t end = std::min(text.find(' ', at), text.size());
-    if (!is_number(std::string(text.substr(at, end - at)))) return false;
+    if (found == count || !is_number(std::string(text.substr(at, end - at)), largest)) return false;
     at = end;
     ++found;
   }
@@ -91,12 +96,16 @@ std::optional<Error> check_numbers(const Elements& elements) {
   for (const Element& element : elements) {
     for (const auto& [name, value] : element.attributes) {
       const int count = number_count(element.name, name);
-      if (count == 0 || are_numbers(value, count)) continue;
+      // Some robots say by a vast limit that they have none; mimics are bounded with those they lead.
+      const bool is_free = element.name == "limit" || element.name == "mimic";
+      const double largest = is_free ? kLargestFinite : kLargest;
+      if (count == 0 || are_numbers(value, count, largest)) continue;
       const Element* part = owner(elements, element);
       if (part == nullptr) continue;
       return Error{element_text(*part), std::string(element.name) + " " + std::string(name) +
                                             ": expected " + std::to_string(count) +
                                             (count == 1 ? " finite number" : " finite numbers") +
+                                            (is_free ? "" : " up to 1e9") +
                                             ", got " + quoted(value.substr(0, 60))};
     }
   }

@@ -150,6 +150,8 @@ class Scanner {
     const std::string_view value = text_.substr(start, end - start);
     if (value.find('<') != value.npos) fail("'<' in attribute '" + std::string(key) + "'");
     if (element.find(key) != nullptr) fail("attribute '" + std::string(key) + "' stands twice");
+    if (element.attributes.size() >= bounds_.attributes)
+      fail("an element has more than " + std::to_string(bounds_.attributes) + " attributes");
     element.attributes.emplace_back(key, value);
     at_ = end + 1;
     return failure_.empty();

@@ -16,6 +16,7 @@ struct Bounds {
   std::size_t bytes = std::size_t{16} << 20;
   std::size_t elements = 200'000;
   int depth = 64;
+  std::size_t attributes = 64;  // of one element; parsers compare each with all others
 };
 
 // Names and values are views into the scanned text, entities as written.

@@ -34,7 +34,7 @@ plot.draw_paths(drawing, [narrowed.generate().positions], plot.PATH, label="thei
 drawing.plot(*via, **probability.OBSERVED)
 drawing.set_aspect("equal")
 drawing.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
-probability.draw_basis(functions, skill.basis)
+probability.draw_basis(functions, skill)
 functions.set_title("basis functions", fontsize=10)
 probability.draw_band(bands, times, *skill.distribution(times), 1)
 probability.draw_samples(bands, skill.sample(10, seed=1), 1)

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Ellipse
+from numpy.typing import NDArray
 
-from leadthrough.check import Float64Array
-from leadthrough.drawing import palette
+import leadthrough as lt
 from leadthrough.models import Clusters, Mixture
-from leadthrough.models.promp.basis import Basis
-from leadthrough.motion import Motion
-from leadthrough.show.plot import Style
+from leadthrough.drawing import palette
+
+Float64Array = NDArray[np.float64]
+Style = dict[str, Any]  # Any: keywords of Matplotlib
 
 BAND: Style = {"color": palette.BLUE, "alpha": 0.2, "linewidth": 0.0}
 SAMPLE: Style = {"color": palette.BLUE, "linewidth": 0.6, "alpha": 0.6}
@@ -39,7 +41,7 @@ def draw_band(
     axes.set_xlabel("time in s")
 
 
-def draw_samples(axes: Axes, motions: Sequence[Motion], column: int) -> None:
+def draw_samples(axes: Axes, motions: Sequence[lt.Trajectory], column: int) -> None:
     """One column of motions over time."""
     for motion in motions:
         axes.plot(motion.times, motion.positions[:, column], **SAMPLE)
@@ -70,8 +72,9 @@ def draw_ellipses(axes: Axes, means: Float64Array, matrices: Float64Array, style
         axes.add_patch(Ellipse((x, y), width, height, angle=angle, **style))
 
 
-def draw_basis(axes: Axes, basis: Basis) -> None:
-    """The basis functions over the phase."""
+def draw_basis(axes: Axes, skill: lt.models.ProMPSkill[lt.Trajectory]) -> None:
+    """The basis functions of a skill over the phase."""
+    basis = skill.basis
     phases = np.linspace(0.0, 1.0, 50 * basis.count)
     for i, values in enumerate(basis(phases).T):
         axes.plot(phases, values, color=_colour(i), linewidth=1.0)

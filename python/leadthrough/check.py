@@ -8,7 +8,8 @@ raises InvalidInput, with the argument's name, what is right and what came. Valu
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TypeVar
 
 import numpy as np
@@ -22,6 +23,7 @@ Text = TypeVar("Text", bound=str)
 
 # Rounding in a file format moves a recorded quaternion off length 1; more is not a rotation.
 UNIT_LENGTH_TOLERANCE = 1e-2
+MOST_NUMBERS = 10**8  # that one call makes, 0.75 GiB
 
 _FLOAT64 = np.dtype(np.float64)
 
@@ -87,7 +89,8 @@ def frozen(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Ar
     Raises:
         InvalidInput: as by `array`.
     """
-    result = array(value, name, shape=shape).copy()
+    with enough_memory(f"{name}: an array"):
+        result = array(value, name, shape=shape).copy()
     result.setflags(write=False)
     return result
 
@@ -209,6 +212,42 @@ def integer(value: object, name: str, *, at_least: int, at_most: int | None = No
     return result
 
 
+def affordable_count(value: object, name: str, *, each: int) -> int:
+    """`value` as a count >= 1 of things that together take no more than `MOST_NUMBERS` numbers.
+
+    Args:
+        value: an int or NumPy integer.
+        name: of the argument, for messages.
+        each: numbers that each of them takes.
+
+    Raises:
+        InvalidInput: if `value` is not an integer, is below 1 or is too large.
+    """
+    count = integer(value, name, at_least=1)
+    if count * each > MOST_NUMBERS:
+        raise InvalidInput(
+            f"{name}: expected at most {MOST_NUMBERS // each:,}, got {count:,}, which would take "
+            f"{count * each * 8 / 2**30:,.1f} GiB"
+        )
+    return count
+
+
+@contextmanager
+def enough_memory(what: str) -> Iterator[None]:
+    """Names what is too large for the memory of the machine.
+
+    Args:
+        what: the argument and its size, such as "speed: a grid of 3 x 4 cells".
+
+    Raises:
+        InvalidInput: in place of a MemoryError.
+    """
+    try:
+        yield
+    except MemoryError:
+        raise InvalidInput(f"{what} is too large for this machine's memory") from None
+
+
 def choice(value: object, name: str, options: Collection[Text]) -> Text:
     """`value`, if it is one of several texts.
 
@@ -278,7 +317,8 @@ def _numeric(value: object, name: str) -> Float64Array:
     if raw.dtype.kind not in "fiu":
         # Booleans, complex numbers, strings and objects would be turned into something plausible.
         raise InvalidInput(f"{name}: expected numbers, got {_short(value)} of dtype {raw.dtype}")
-    return np.ascontiguousarray(raw, dtype=np.float64).reshape(raw.shape)
+    with enough_memory(f"{name}: an array of shape {raw.shape}"):
+        return np.ascontiguousarray(raw, dtype=np.float64).reshape(raw.shape)
 
 
 def _fits(actual: tuple[int, ...], shape: Sequence[int | str]) -> bool:

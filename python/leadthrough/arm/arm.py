@@ -107,7 +107,7 @@ class Arm(
             mesh_folders: where the files of collision meshes are looked for when they are first
                 needed, besides the URDF's own folder. A relative name is looked for in them;
                 package://name/rest as name/rest in them and in the folders above them, then as
-                rest there.
+                rest in the robot's own. A mesh that lies elsewhere is not read.
 
         Raises:
             InvalidInput: if a file cannot be read, or a name or value does not fit the robot.

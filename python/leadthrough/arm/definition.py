@@ -79,6 +79,15 @@ class ArmDefinition(Drawn):
         return type(self), (*stated, dict(self.held), self.attachment, self.mesh_folders)
 
     @property
+    def robot(self) -> _core.Robot:
+        """The robot that the arm is part of, with the held joints fixed.
+
+        It has a `name`, its `links`, and its `tree`: every joint, parents first, with the indices
+        of its `parent` and `child` link, `kind`, `position`, `rotation`, `axis` and bounds.
+        """
+        return self._robot
+
+    @property
     def joint_names(self) -> tuple[str, ...]:
         """The joints to command, from base to tip; without those held or mimicking another."""
         return self.limits.joint_names

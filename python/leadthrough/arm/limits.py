@@ -28,6 +28,7 @@ from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
+_LARGEST_FILE = 2**20  # bytes
 _BOUNDS = ("lower", "upper")
 _RATES = ("velocity", "effort", "acceleration", "jerk")
 
@@ -179,11 +180,16 @@ def _values(names: tuple[str, ...], column: ArrayLike, key: str) -> Float64Array
 
 def _load(path: str | PathLike[str]) -> dict[str, Any]:
     try:
-        document = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, TypeError) as error:
+        with Path(path).open("rb") as file:
+            content = str(file.read(_LARGEST_FILE + 1), "utf-8")
+    except (OSError, ValueError, TypeError) as error:
         reason = getattr(error, "strerror", None) or error
-        raise InvalidInput(f"limits: cannot read {path} ({reason})") from None
-    except tomllib.TOMLDecodeError as error:
+        raise InvalidInput(f"limits: cannot read {path!r} ({reason})") from None
+    if len(content) > _LARGEST_FILE:
+        raise InvalidInput(f"limits: expected at most {_LARGEST_FILE:,} bytes, {path!r} has more")
+    try:
+        document = tomllib.loads(content)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InvalidInput(f"{path}: not a TOML document: {error}") from None
     unknown = sorted(set(document) - {"robot", "sources", "joints"})
     if unknown:

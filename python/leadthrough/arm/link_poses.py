@@ -23,10 +23,10 @@ def link_poses(arm: ArmDefinition, q: Float64Array) -> dict[str, tuple[Float64Ar
         q: joint positions (n, joints), rad or m.
     """
     values = _values(arm, q)
-    links = arm._robot.links
+    links = arm.robot.links
     turned = {0: np.tile(np.eye(3), (len(q), 1, 1))}
     placed = {0: np.zeros((len(q), 3))}
-    for joint in arm._robot.tree:
+    for joint in arm.robot.tree:
         rotation, shift = _motion(joint, values)
         here = turned[joint.parent]
         offset = joint.position + shift @ joint.rotation.T
@@ -39,7 +39,7 @@ def _values(arm: ArmDefinition, q: Float64Array) -> dict[str, Float64Array]:
     """Positions (n,) of each joint, by its name; meaningless for joints that mimic another."""
     moved = dict(zip(arm.joint_names, q.T, strict=True))
     values = {}
-    for joint in arm._robot.tree:
+    for joint in arm.robot.tree:
         still = arm.held.get(joint.name, min(max(0.0, joint.lower), joint.upper))
         values[joint.name] = moved.get(joint.name, np.full(len(q), still))
     return values

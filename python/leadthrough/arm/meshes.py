@@ -6,6 +6,7 @@ counts as occupied.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Sequence
 from os import PathLike
 from pathlib import Path
@@ -16,6 +17,8 @@ import numpy as np
 from leadthrough.arm.loading import is_document
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, InvalidRobot
+
+_BESIDE_MESHES = ("urdf", "robots", "xacro")  # a package's folders for descriptions
 
 
 def folders(
@@ -30,7 +33,7 @@ def folders(
         raise InvalidInput(f"mesh_folders: expected a sequence of folders, got {mesh_folders!r}")
     try:
         given = [Path(folder).resolve() for folder in mesh_folders]
-    except TypeError as error:
+    except (TypeError, ValueError, OSError) as error:
         raise InvalidInput(f"mesh_folders: expected paths of folders: {error}") from None
     if not is_document(path_or_xml):
         given.append(Path(path_or_xml).resolve().parent)
@@ -62,7 +65,9 @@ def hull_vertices(
     if path is None:
         places = ", ".join(folders) or "none"
         raise InvalidRobot(
-            where, f"mesh {file!r} was not found in mesh_folders ({places}) or above them"
+            where,
+            f"mesh {file!r} was not found in the robot's folders ({places}); if it lies elsewhere, "
+            "name its folder in mesh_folders",
         )
     try:
         vertices = read_vertices(path) * scale
@@ -74,7 +79,11 @@ def hull_vertices(
 
 
 def find_mesh(file: str, folders: Sequence[str]) -> Path | None:
-    """The file that a URDF's mesh names, or None if it is not found.
+    """The file that a URDF's mesh names, or None if it is not found or lies outside the robot.
+
+    A URDF from elsewhere may name any file of this machine. One is taken only if it lies in one of
+    the folders, in the ROS package around one, or beside a folder that is named `urdf` or alike;
+    for package://name/rest, also in a folder `name`. Links in these folders are followed.
 
     Args:
         file: the mesh's file name in the URDF. A relative one is looked for in `folders`;
@@ -82,22 +91,39 @@ def find_mesh(file: str, folders: Sequence[str]) -> Path | None:
             a package's folder may have another name.
         folders: where to look.
     """
-    for candidate in _candidates(file, folders):
-        if candidate.is_file():
-            return candidate
+    try:
+        for candidate, root in _candidates(file, folders):
+            plain = Path(os.path.normpath(candidate))  # without the links' targets
+            if plain.is_relative_to(root) and candidate.is_file():
+                return candidate
+    except ValueError:  # no address, or no path
+        return None
     return None
 
 
-def _candidates(file: str, folders: Sequence[str]) -> Iterator[Path]:
+def _candidates(file: str, folders: Sequence[str]) -> Iterator[tuple[Path, Path]]:
+    """Where a mesh may be, and the folder that it must not leave there."""
     address = urlparse(file)
     if address.scheme == "package":
-        rest = Path(unquote(address.path).lstrip("/"))
-        starts = [Path(folder).resolve() for folder in folders]
-        places = [place for start in starts for place in (start, *start.parents)]
-        yield from (place / address.netloc / rest for place in places)
-        yield from (place / rest for place in places)
+        name, rest = address.netloc, unquote(address.path).lstrip("/")
+        starts = [Path(folder).resolve() for folder in folders if name.strip(".")]
+        for start in starts:
+            for place in (start, *start.parents):
+                yield place / name / rest, place / name
+        for start in starts:
+            root = _root(start)
+            for place in (start, *start.parents):
+                if place.is_relative_to(root):
+                    yield place / rest, root
         return
     path = Path(unquote(address.path) if address.scheme == "file" else file)
-    yield from (Path(folder) / path for folder in folders)
-    if path.is_absolute():
-        yield path
+    for folder in folders:
+        yield Path(folder) / path, _root(Path(folder))  # of an absolute path it is the path itself
+
+
+def _root(folder: Path) -> Path:
+    """The folder of the robot that has this one."""
+    for place in (folder, *folder.parents):
+        if (place / "package.xml").is_file():
+            return place
+    return folder.parent if folder.name in _BESIDE_MESHES else folder

@@ -36,7 +36,7 @@ def read() -> dict[str, str]:
         return {}
     except (OSError, UnicodeDecodeError) as error:
         raise InvalidInput(f"{FILE}: cannot be read ({error})") from None
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InvalidInput(f"{FILE}: not a TOML document: {error}") from None
     return _checked(document)
 

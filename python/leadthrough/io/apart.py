@@ -27,11 +27,12 @@ from numpy.typing import NDArray
 from leadthrough.errors import InvalidInput, MissingDependency
 from leadthrough.events import Event
 from leadthrough.io import wire
+from leadthrough.io.apart_worker import MOST_SECONDS
 from leadthrough.io.request import Request
 from leadthrough.io.table import ArrayTable
 
-MOST_SECONDS = 20.0  # for one file
-_START_SECONDS = 120.0  # Python's imports, on a busy machine
+# The worker bounds its processor time; this is for what waits without an end, on a busy machine.
+_LONGEST_WAIT = 120.0  # s
 _CODE = """
 import json, sys
 sys.path[:] = json.loads(sys.argv[1])
@@ -114,7 +115,7 @@ class _Worker:
             env={**os.environ, "ARROW_DEFAULT_MEMORY_POOL": "system", "OMP_NUM_THREADS": "1"},
             start_new_session=True,  # Ctrl-C is for the program, which then ends this process
         )
-        self._receive(_START_SECONDS)
+        self._receive()
 
     def ask(self, question: dict[str, Any]) -> tuple[Any, list[NDArray[Any]]]:
         """The answer to a question; EOFError if the process ends before it."""
@@ -123,7 +124,7 @@ class _Worker:
             wire.send(self._process.stdin, question)
         except BrokenPipeError:
             raise EOFError from None
-        return self._receive(MOST_SECONDS)
+        return self._receive()
 
     def end(self) -> int:
         """Ends the process at once; returns how it ended."""
@@ -134,9 +135,9 @@ class _Worker:
                 pipe.close()
         return self._process.wait()
 
-    def _receive(self, seconds: float) -> tuple[Any, list[NDArray[Any]]]:
+    def _receive(self) -> tuple[Any, list[NDArray[Any]]]:
         assert self._process.stdout is not None
-        late = threading.Timer(seconds, self._process.kill)
+        late = threading.Timer(_LONGEST_WAIT, self._process.kill)
         late.start()
         try:
             return wire.receive(self._process.stdout)
@@ -174,8 +175,8 @@ def _exchange(question: dict[str, Any]) -> tuple[Any, list[NDArray[Any]]]:
         status = _worker.end()
         _worker = None
         raise InvalidInput(
-            f"expected a file that can be read within {MOST_SECONDS:g} s; its reader "
-            f"{'crashed' if status else 'stopped'} on it or took longer"
+            f"expected a file that can be read within {MOST_SECONDS} s; its reader took longer "
+            f"or crashed on it (status {status})"
         ) from None
     except BaseException:
         _worker.end()  # the answer would be taken for that of the next question

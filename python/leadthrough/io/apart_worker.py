@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -18,7 +20,8 @@ from leadthrough.io import wire
 from leadthrough.io.request import Request
 from leadthrough.io.table import ArrayTable
 
-MOST_MEMORY = 2**30  # bytes, beyond what the interpreter and the libraries themselves take
+MOST_MEMORY = 7 * 2**27  # bytes, beyond what the interpreter itself takes
+MOST_SECONDS = 20  # of processor time, for one file
 
 
 def serve() -> None:
@@ -33,6 +36,7 @@ def serve() -> None:
             question, _ = wire.receive(questions)
         except EOFError:
             return
+        _bound_time()
         found, arrays = answered(question)
         wire.send(answers, found, arrays)
         del found, arrays
@@ -66,14 +70,22 @@ def answered(question: Mapping[str, Any]) -> tuple[dict[str, Any], list[NDArray[
 
 def _bound_memory() -> None:
     """Lets the process take no more than `MOST_MEMORY` beyond what it has; on Linux only."""
-    try:
+    with suppress(ImportError, OSError, ValueError, IndexError):
         import resource
 
         pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[5])
         bound = pages * resource.getpagesize() + MOST_MEMORY
         resource.setrlimit(resource.RLIMIT_DATA, (bound, bound))
-    except (ImportError, OSError, ValueError, IndexError):
-        return
+
+
+def _bound_time() -> None:
+    """Lets the system end the process after `MOST_SECONDS` from now on; not on Windows."""
+    with suppress(ImportError, OSError, ValueError):
+        import resource
+
+        used = resource.getrusage(resource.RUSAGE_SELF)
+        bound = math.ceil(used.ru_utime + used.ru_stime) + MOST_SECONDS
+        resource.setrlimit(resource.RLIMIT_CPU, (bound, resource.getrlimit(resource.RLIMIT_CPU)[1]))
 
 
 def _restored(request: Mapping[str, Any]) -> Request:

@@ -72,8 +72,9 @@ def _episodes(parquet: Any, file: Path, names: Columns, gate: bounds.Gate) -> It
         found = headers.candidates(names)
         if not found["joints"] and not found["positions"]:
             roles["joints"] = names
-    for number in np.unique(episode):
-        rows = episode == number
+    numbers = np.unique(episode)
+    for number in numbers:
+        rows = episode == number if len(numbers) > 1 else slice(None)
         own = {name: values[rows] for name, values in columns.items()}
         yield ArrayTable(own, roles=roles, label=f"episode_{int(number)}")
 
@@ -160,10 +161,8 @@ def _array(column: Any, name: str, gate: bounds.Gate) -> Float64Array | None:
     rows = len(column)
     chunks = [chunk.flatten() if hasattr(chunk, "flatten") else chunk for chunk in column.chunks]
     gate.numbers(max(sum(map(len, chunks)) - rows, 0), name)
-    flat = np.concatenate(
-        [np.asarray(chunk.to_numpy(zero_copy_only=False), np.float64) for chunk in chunks]
-        or [np.zeros(0)]
-    )
+    parts = [np.asarray(chunk.to_numpy(zero_copy_only=False), np.float64) for chunk in chunks]
+    flat = parts[0] if len(parts) == 1 else np.concatenate([np.zeros(0), *parts])
     if not hasattr(column.type, "value_type"):
         return flat
     width = len(flat) // rows if rows else 0

@@ -120,14 +120,14 @@ def through_coal(path: Path) -> Mesh:
     """Vertices (n, 3) and triangles (m, 3) of a mesh that coal reads.
 
     Raises:
-        InvalidInput: if the mesh is too large.
+        InvalidInput: if coal cannot read the file, or it is too large.
         MissingDependency: if coal is not installed.
-        RuntimeError: if coal cannot read the file.
     """
     coal = optional.load("coal", extra="mesh")
     gate = bounds.Gate()
     gate.bytes(path.stat().st_size, "the file")
-    mesh = coal.MeshLoader().load(str(path), np.ones(3))
-    gate.numbers(3 * (mesh.num_vertices + mesh.num_tris), "the mesh")
-    faces = [[mesh.tri_indices(i)[k] for k in range(3)] for i in range(mesh.num_tris)]
-    return np.array(mesh.vertices()), np.array(faces, dtype=np.int64).reshape(-1, 3)
+    with bounds.reading("mesh"):
+        mesh = coal.MeshLoader().load(str(path), np.ones(3))
+        gate.numbers(3 * (mesh.num_vertices + mesh.num_tris), "the mesh")
+        faces = [[mesh.tri_indices(i)[k] for k in range(3)] for i in range(mesh.num_tris)]
+        return np.array(mesh.vertices()), np.array(faces, dtype=np.int64).reshape(-1, 3)

@@ -127,9 +127,15 @@ def blaming(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise InvalidInput(f"{path}: cannot be read ({error.strerror})") from None
+        raise InvalidInput(f"{printable(path)}: cannot be read ({error.strerror})") from None
     except InvalidInput as error:
-        raise InvalidInput(f"{path}: {error}") from None
+        raise InvalidInput(f"{printable(path)}: {error}") from None
+
+
+def printable(path: Path) -> str:
+    """A path as text that can be printed, whatever bytes its name is made of."""
+    text = str(path).encode("utf-8", "backslashreplace").decode()
+    return text if text.isprintable() else "".join(c if c.isprintable() else "?" for c in text)
 
 
 def names_of(path: Path, tables: Sequence[Table]) -> list[str]:

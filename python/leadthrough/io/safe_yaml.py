@@ -14,7 +14,7 @@ from leadthrough.io import bounds
 _DEEPEST = 16  # levels of nesting; PyYAML's compiled loader crashes on deep ones
 _LONGEST = 2**25  # bytes
 # The loader takes up to 450 bytes and 15 microseconds for each mark that begins a value.
-_MOST_MARKS = 2**21
+_MOST_MARKS = 2**20
 _MARKS = ("[", "{", ",", ":", "\n", "- ", "? ")
 # YAML 1.1 reads 1:59:59 in base 60, which takes for ever where it goes on for a million parts.
 _LONG_BASE_60 = re.compile(r"\d(:\d{1,2}){8}")

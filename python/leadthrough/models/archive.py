@@ -74,7 +74,7 @@ def read(path: StrPath) -> tuple[str, dict[str, Any], dict[str, NDArray[Any]]]:
         if head["format"] != FORMAT:
             raise InvalidInput(f"format: expected {FORMAT!r}, got {head['format']!r}")
         kind, version, settings = str(head["kind"]), int(head["version"]), dict(head["settings"])
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise InvalidInput(f"path: expected a saved skill, got {path} ({error})") from None
     if version > VERSION:
         raise InvalidInput(

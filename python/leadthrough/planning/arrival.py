@@ -105,7 +105,9 @@ def arrival_times(
     steps = spacings(spacing, field.ndim)
     check_range(*range_of(field), cells=field.size, spacing=steps, dtype=precision)
     march = _core.march_float32 if precision == np.float32 else _core.march_float64
-    return march(np.ascontiguousarray(field, precision), steps.tolist(), cells, order, radius, last)
+    with check.enough_memory(f"speed: a grid of shape {field.shape}"):
+        map_ = np.ascontiguousarray(field, precision)
+        return march(map_, steps.tolist(), cells, order, radius, last)
 
 
 @overload  # no type is both float32 and float64
@@ -179,11 +181,12 @@ def arrival_times_batch(
     steps = spacings(spacing, maps[0].ndim)
     for field in maps:
         check_range(*range_of(field), cells=field.size, spacing=steps, dtype=precision)
-    arrays = [np.ascontiguousarray(field, precision) for field in maps]
     fields = [k % len(maps) for k in range(count)]
     cells = [source_cells(starts[k % len(starts)], maps[fields[k]]) for k in range(count)]
     march = _core.march_batch_float32 if precision == np.float32 else _core.march_batch_float64
-    return march([arrays[k] for k in fields], steps.tolist(), cells, order, radius, threads)
+    with check.enough_memory(f"speeds: {count} grids of shape {maps[0].shape}"):
+        arrays = [np.ascontiguousarray(field, precision) for field in maps]
+        return march([arrays[k] for k in fields], steps.tolist(), cells, order, radius, threads)
 
 
 # Any: maps and sources pass through here alike; each is checked where it is used.

@@ -16,7 +16,7 @@ from typing import Literal, cast
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from leadthrough import _core
+from leadthrough import _core, check
 from leadthrough.brief import Brief
 from leadthrough.errors import InvalidInput
 from leadthrough.planning.grid import Grid, bounds_of
@@ -83,12 +83,12 @@ class ArrivalField:
         self._grid = grid
         self._fastest = 0.0
         self._check_range(field)
-        self._speed = np.array(field, self._precision, order="C")
         single = self._precision == np.float32
         make = _core.ArrivalFieldFloat32 if single else _core.ArrivalFieldFloat64
-        self._field: _core.ArrivalFieldFloat32 | _core.ArrivalFieldFloat64 = make(
-            self._speed, grid.spacing.tolist(), self._sources
-        )
+        self._field: _core.ArrivalFieldFloat32 | _core.ArrivalFieldFloat64
+        with check.enough_memory(f"speed: a grid of shape {field.shape}"):
+            self._speed = np.array(field, self._precision, order="C")
+            self._field = make(self._speed, grid.spacing.tolist(), self._sources)
         self._times: FloatArray | None = None
         self._lock = threading.RLock()
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core
+from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.planning.grid import MOST_CELLS, spacings
@@ -27,10 +27,12 @@ def distance_transform(mask: ArrayLike, *, spacing: ArrayLike = 1.0) -> Float64A
     Raises:
         InvalidInput: if the mask is not such an array or a spacing is not > 0.
     """
-    cells = np.ascontiguousarray(mask)
+    cells = np.asarray(mask)
     if cells.dtype != np.bool_ or cells.ndim not in (2, 3) or not 0 < cells.size <= MOST_CELLS:
         raise InvalidInput(
             f"mask: expected a 2-D or 3-D array of booleans with 1 to {MOST_CELLS:.0e} cells, "
             f"got shape {cells.shape} of {cells.dtype}"
         )
-    return _core.distance_transform(cells, spacings(spacing, cells.ndim).tolist())
+    steps = spacings(spacing, cells.ndim).tolist()
+    with check.enough_memory(f"mask: a grid of shape {cells.shape}"):
+        return _core.distance_transform(np.ascontiguousarray(cells), steps)

@@ -314,10 +314,10 @@ def _middle(arm: Arm) -> Float64Array:
 def _rods(arm: Arm) -> dict[str, list[Part]]:
     """A capsule from each link's frame to its children's."""
     rods: dict[str, list[Part]] = {}
-    for joint in arm._robot.tree:
+    for joint in arm.robot.tree:
         length = float(np.linalg.norm(joint.position))
         mesh = solids.sphere(1.5 * _ROD_RADIUS)
         if length > 0.0:
             mesh = solids.tube(np.linspace(0.0, 1.0, 2)[:, None] * joint.position, _ROD_RADIUS)
-        rods.setdefault(arm._robot.links[joint.parent], []).append(Part(mesh))
+        rods.setdefault(arm.robot.links[joint.parent], []).append(Part(mesh))
     return rods

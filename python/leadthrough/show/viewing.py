@@ -56,7 +56,7 @@ def view(
         made = whole_scene(
             arm, motion, demonstrations=shown, skill=skill, goal=goal, obstacles=obstacles
         )
-        page.write_page(html, title or arm._robot.name, page.scene(made), whole=True)
+        page.write_page(html, title or arm.robot.name, page.scene(made), whole=True)
         return
     live = open_view(
         arm, motion, demonstrations=shown, skill=skill, goal=goal, obstacles=obstacles, port=port

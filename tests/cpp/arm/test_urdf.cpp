@@ -130,9 +130,9 @@ TEST(Urdf, OnlyJointsThatMoveByThemselvesAreHeld) {
 
 TEST(Urdf, NumbersThatAreNotFiniteAreRefused) {
   EXPECT_EQ(refusal(two_links("<origin xyz='0 nan 0'/>" + kLimit)),
-            "joint 'j': origin xyz: expected 3 finite numbers, got '0 nan 0'");
+            "joint 'j': origin xyz: expected 3 finite numbers up to 1e9, got '0 nan 0'");
   EXPECT_EQ(refusal(two_links("<origin xyz='0 0'/>" + kLimit)),
-            "joint 'j': origin xyz: expected 3 finite numbers, got '0 0'");
+            "joint 'j': origin xyz: expected 3 finite numbers up to 1e9, got '0 0'");
   EXPECT_EQ(refusal(two_links("<limit lower='-inf' upper='1' velocity='2' effort='3'/>")),
             "joint 'j': limit lower: expected 1 finite number, got '-inf'");
   EXPECT_EQ(refusal(two_links("<limit lower='-1' upper='1e999' velocity='2' effort='3'/>")),
@@ -226,7 +226,7 @@ TEST(Urdf, CollisionGeometryWithoutASizeIsRefused) {
   EXPECT_EQ(refusal(shaped("<box size='1 0 1'/>")), "link 'a': a box's sizes must be above zero");
   EXPECT_EQ(refusal(shaped("<box/>")), "link 'a': a box's sizes must be above zero");
   EXPECT_EQ(refusal(shaped("<box size='1 nan 1'/>")),
-            "link 'a': box size: expected 3 finite numbers, got '1 nan 1'");
+            "link 'a': box size: expected 3 finite numbers up to 1e9, got '1 nan 1'");
   EXPECT_EQ(refusal(shaped("<sphere radius='-1'/>")),
             "link 'a': a sphere's radius must be above zero");
   EXPECT_EQ(refusal(shaped("<cylinder radius='1'/>")),

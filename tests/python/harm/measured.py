@@ -1,6 +1,7 @@
-"""Reads a file in a process of its own and tells what came, how long it took and how much memory.
+"""Reads files in a process of its own and tells what came, how long it took and how much memory.
 
-The memory is the sum of what this process and that of `leadthrough.io.apart` took at most.
+Time and memory are those of this process and that of `leadthrough.io.apart` together: processor
+time for all files, and the sum of what each took at most.
 """
 
 import json
@@ -8,7 +9,7 @@ import subprocess
 import sys
 
 PROGRAM = """
-import json, resource, sys, time
+import json, resource, sys
 from pathlib import Path
 import leadthrough as lt
 from leadthrough.errors import LeadthroughError
@@ -17,7 +18,6 @@ from leadthrough.io import apart, mesh
 told = []
 for name in sys.argv[1:]:
     path = Path(name)
-    start = time.monotonic()
     try:
         if path.suffix in (".stl", ".obj", ".dae"):
             mesh.read_triangles(path)
@@ -26,15 +26,16 @@ for name in sys.argv[1:]:
         answer = "read"
     except LeadthroughError as error:
         answer = str(error)
-    told.append([answer, time.monotonic() - start])
+    told.append(answer)
 apart.end()
-kinds = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
-print(json.dumps([told, sum(resource.getrusage(kind).ru_maxrss for kind in kinds) * 1024]))
+used = [resource.getrusage(kind) for kind in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+seconds = sum(each.ru_utime + each.ru_stime for each in used)
+print(json.dumps([told, seconds, sum(each.ru_maxrss for each in used) * 1024]))
 """
 
 
 def read(*paths):
-    """For each file what came and its seconds, and the bytes of memory taken at most.
+    """What came of each file, the seconds for all, and the bytes of memory taken at most.
 
     What comes is "read" or the message of a typed error; any other error raises here.
     """
@@ -44,5 +45,5 @@ def read(*paths):
     command = [sys.executable, "-c", between, sys.executable, "-c", PROGRAM, *map(str, paths)]
     run = subprocess.run(command, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
-    told, memory = json.loads(run.stdout)
-    return [tuple(each) for each in told], memory
+    told, seconds, memory = json.loads(run.stdout)
+    return told, seconds, memory

@@ -4,7 +4,7 @@ import pytest
 from harm import bombs, measured
 
 MOST_MEMORY = 1.5 * 2**30  # bytes
-MOST_SECONDS = 20.0
+MOST_SECONDS = 20.0  # of processor time, for all of a format
 ALL = [(suffix, makers) for suffix, makers in {**bombs.RECORDINGS, **bombs.MESHES}.items()]
 
 
@@ -13,8 +13,8 @@ def test_bombs_are_refused_within_the_bounds(tmp_path, suffix, makers):
     paths = [tmp_path / f"{maker.__name__}.{suffix}" for maker in makers]
     for maker, path in zip(makers, paths, strict=True):
         maker(path)
-    told, memory = measured.read(*paths)
-    for path, (answer, seconds) in zip(paths, told, strict=True):
+    told, seconds, memory = measured.read(*paths)
+    for path, answer in zip(paths, told, strict=True):
         assert path.name in answer
-        assert seconds < MOST_SECONDS, path.name
+    assert seconds < MOST_SECONDS
     assert memory < MOST_MEMORY

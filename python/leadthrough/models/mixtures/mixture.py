@@ -101,7 +101,7 @@ class Mixture(Brief):
         Raises:
             InvalidInput: if count or seed is out of range.
         """
-        size = check.integer(count, "count", at_least=1)
+        size = check.affordable_count(count, "count", each=self.size**2)
         rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
         which = rng.choice(self.count, size, p=self.weights / self.weights.sum())
         normal = rng.standard_normal((size, self.size))

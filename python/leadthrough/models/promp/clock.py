@@ -12,9 +12,12 @@ from leadthrough.errors import InvalidInput
 # A time may lie this fraction of the duration outside the motion, by rounding: evenly spaced times
 # up to the duration may end an ulp beyond it.
 _ROUNDING = 1e-9
+_MOST_TIMES = 1_000_000
 
 
-def phases_at(times: ArrayLike, name: str, *, duration: float, repeats: bool) -> Float64Array:
+def phases_at(
+    times: ArrayLike, name: str, *, duration: float, repeats: bool, at_least: int = 0
+) -> Float64Array:
     """Phases (n,) at times of a motion.
 
     Args:
@@ -22,11 +25,17 @@ def phases_at(times: ArrayLike, name: str, *, duration: float, repeats: bool) ->
         name: argument that the error names.
         duration: duration of the motion, s.
         repeats: whether the motion is rhythmic.
+        at_least: how many times there have to be.
 
     Raises:
-        InvalidInput: if times is not a finite (n,) array or a time lies outside the motion.
+        InvalidInput: if times is not a finite (n,) array of so many or too many, or a time lies
+            outside the motion.
     """
     phases = check.array(times, name, shape=("n",)) / duration
+    if not at_least <= len(phases) <= _MOST_TIMES:
+        raise InvalidInput(
+            f"{name}: expected {at_least} to {_MOST_TIMES:,} times, got {len(phases):,}"
+        )
     if repeats or len(phases) == 0:
         return phases
     if len(phases) == 1:  # the quick way: via points come one at a time

@@ -94,10 +94,11 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
             Mean (n, d) and covariance (n, d, d).
 
         Raises:
-            InvalidInput: if a time lies outside the motion or the order is not 0, 1 or 2.
+            InvalidInput: if there is no time, one lies outside the motion or order is not 0, 1, 2.
         """
         check.integer(order, "order", at_least=0, at_most=2)
-        rows = self.basis(self._phases(times, "times"), order) * self.duration**-order
+        phases = self._phases(times, "times", at_least=1)
+        rows = self.basis(phases, order) * self.duration**-order
         size, count = self.chart.width, self.basis.count
         blocks = self.weights.covariance.reshape(size, count, size, count).transpose(1, 3, 0, 2)
         pairs = (rows[:, :, None] * rows[:, None, :]).reshape(len(rows), -1)
@@ -286,8 +287,8 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         Raises:
             InvalidInput: if an argument is out of range.
         """
-        check.number(dt, "dt", above=0.0)
-        times = even_times(self.duration, dt)
+        times = even_times(self.duration, check.number(dt, "dt", above=0.0))
+        check.affordable_count(count, "count", each=len(times) * self.chart.width)
         return [self._motion(weights, times) for weights in self.sample_weights(count, seed=seed)]
 
     def sample_weights(self, count: int, *, seed: int) -> Float64Array:
@@ -303,7 +304,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         Raises:
             InvalidInput: if an argument is out of range.
         """
-        size = check.integer(count, "count", at_least=1)
+        size = check.affordable_count(count, "count", each=len(self.free.mean))
         rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
         if self.bounds is not None:
             return self._truncated.draw(size, rng)
@@ -388,8 +389,9 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         assert self.bounds is not None
         return Truncated(self.free, self.basis, self.bounds, self.scale)
 
-    def _phases(self, times: ArrayLike, name: str) -> Float64Array:
-        return phases_at(times, name, duration=self.duration, repeats=self.basis.is_rhythmic)
+    def _phases(self, times: ArrayLike, name: str, at_least: int = 0) -> Float64Array:
+        cyclic = self.basis.is_rhythmic
+        return phases_at(times, name, duration=self.duration, repeats=cyclic, at_least=at_least)
 
     def _motion(self, weights: Float64Array, times: Float64Array) -> MotionT_co:
         phases = times / self.duration

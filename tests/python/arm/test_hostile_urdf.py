@@ -1,0 +1,126 @@
+"""Robot descriptions from anywhere: vast, absurd or curious ones are refused, and at once."""
+
+import time
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough.arm.meshes import find_mesh
+from leadthrough.errors import InvalidInput, InvalidRobot
+
+JOINT = (
+    '<joint name="j" type="revolute"><parent link="a"/><child link="b"/>{}'
+    '<axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="{}" effort="1e308"/></joint>'
+)
+MOST_SECONDS = 5.0  # on a busy machine; these took minutes
+CUBE = "".join(f"v {x} {y} {z}\n" for x in (0, 1) for y in (0, 1) for z in (0, 1))
+
+
+def robot(inside="", link="", velocity="1"):
+    joint = JOINT.format(inside, velocity)
+    return f'<robot name="r"><link name="a"/><link name="b">{link}</link>{joint}</robot>'
+
+
+def refused(document, message):
+    start = time.monotonic()
+    with pytest.raises(InvalidRobot, match=message):
+        lt.Arm.from_urdf(document)
+    assert time.monotonic() - start < MOST_SECONDS
+
+
+def test_an_element_of_a_million_attributes_is_refused():
+    many = "".join(f' a{i}="1"' for i in range(1_000_000))
+    refused(f'<robot name="r"{many}><link name="a"/></robot>', "more than 64 attributes")
+
+
+def test_many_capsules_take_no_longer_than_other_elements():
+    shapes = '<collision><geometry><capsule radius="1" length="1"/></geometry></collision>' * 60_000
+    start = time.monotonic()
+    arm = lt.Arm.from_urdf(robot(link=shapes))
+    assert arm.robot.collisions == {"b": 60_000}
+    assert time.monotonic() - start < MOST_SECONDS
+
+
+def test_entities_are_not_expanded():
+    laughs = "".join(f'<!ENTITY l{i} "{10 * f"&l{i - 1};"}">' for i in range(1, 12))
+    head = f'<!DOCTYPE robot [<!ENTITY l0 "ha">{laughs}]>'
+    refused(head + robot().replace('"r"', '"&l11;"'), "unsupported markup")
+    refused('<!DOCTYPE r [<!ENTITY x SYSTEM "file:///etc/passwd">]>' + robot(), "unsupported")
+
+
+@pytest.mark.parametrize(
+    ("inside", "link", "named"),
+    [
+        ('<origin xyz="1e308 0 0"/>', "", "joint 'j': origin xyz"),
+        ('<origin rpy="0 1e308 0"/>', "", "joint 'j': origin rpy"),
+        ('<mimic joint="j" multiplier="1e300"/>', "", "joint 'j'"),
+        ("", '<inertial><mass value="1e308"/></inertial>', "link 'b': mass value"),
+        ("", '<inertial><origin xyz="0 0 -1e12"/><mass value="1"/></inertial>', "link 'b': origin"),
+        ("", '<collision><geometry><sphere radius="1e308"/></geometry></collision>', "link 'b'"),
+        ("", '<collision><geometry><box size="1 1e200 1"/></geometry></collision>', "link 'b'"),
+    ],
+)
+def test_sizes_that_no_robot_has_are_refused(inside, link, named):
+    refused(robot(inside, link), named)
+
+
+def test_what_is_accepted_stays_finite():
+    arm = lt.Arm.from_urdf(robot('<origin xyz="1e9 -1e9 1e9" rpy="1e9 0 0"/>', velocity="1e308"))
+    position, orientation = arm.forward_kinematics([0.5])
+    assert np.isfinite(position).all()
+    assert np.linalg.norm(orientation) == pytest.approx(1.0)
+    assert np.isfinite(arm.jacobian([0.5])).all()
+    assert arm.limits.velocity[0] == 1e308
+
+
+@pytest.mark.parametrize("layout", ["urdf", "package", "plain"])
+def test_meshes_outside_of_the_robots_folders_are_not_read(tmp_path, layout):
+    home = tmp_path / "home"
+    own = home / "robot" / ("urdf" if layout == "urdf" else "description")
+    for folder in (own, home / "robot" / "meshes", home / "secret"):
+        folder.mkdir(parents=True)
+        (folder / "cube.obj").write_text(CUBE)
+    if layout == "package":
+        (home / "robot" / "package.xml").touch()
+    folders = [str(own)]
+    assert find_mesh("cube.obj", folders) == own / "cube.obj"
+    beside = find_mesh("../meshes/cube.obj", folders)
+    assert (beside is not None) == (layout != "plain")
+    assert find_mesh("package://robot/meshes/cube.obj", folders) is not None
+    secret = home / "secret" / "cube.obj"
+    for name in (
+        "../../secret/cube.obj", str(secret), secret.as_uri(), "package://robot/../secret/cube.obj",
+        "package://../secret/cube.obj", "package:///secret/cube.obj", "cube.obj\0", "file://[",
+        "package://./secret/cube.obj", "meshes/../../../secret/cube.obj",
+    ):  # fmt: skip
+        assert find_mesh(name, folders) is None, name
+    assert find_mesh(str(secret), [*folders, str(home / "secret")]) == secret
+
+
+def test_a_mesh_outside_is_named_with_what_to_do(tmp_path):
+    (tmp_path / "cube.obj").write_text(CUBE)
+    mesh = f'<collision><geometry><mesh filename="{tmp_path}/cube.obj"/></geometry></collision>'
+    arm = lt.Arm.from_urdf(robot(link=mesh))
+    with pytest.raises(InvalidRobot, match="name its folder in mesh_folders"):
+        arm.check([[0.0]])
+    found = lt.Arm.from_urdf(robot(link=mesh), mesh_folders=[tmp_path])
+    assert found.check([[0.0]]).ok
+
+
+@pytest.mark.parametrize("path", ["a\0b.toml", "\ud800.toml", "/dev/zero", "."])
+def test_limits_that_no_file_can_be_are_refused(path):
+    with pytest.raises(InvalidInput, match="limits"):
+        lt.Arm.from_urdf(robot(), limits=path)
+
+
+def test_limits_that_nest_deep_are_refused(tmp_path):
+    (tmp_path / "deep.toml").write_text("a = " + "[" * 100_000)
+    with pytest.raises(InvalidInput, match="not a TOML document"):
+        lt.Arm.from_urdf(robot(), limits=tmp_path / "deep.toml")
+
+
+@pytest.mark.parametrize("folder", ["a\0b", "\ud800"])
+def test_folders_of_meshes_that_cannot_be_are_refused(folder):
+    with pytest.raises(InvalidInput, match="mesh_folders"):
+        lt.Arm.from_urdf(robot(), mesh_folders=[folder])
