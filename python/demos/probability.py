@@ -11,8 +11,8 @@ from matplotlib.patches import Ellipse
 from numpy.typing import NDArray
 
 import leadthrough as lt
-from leadthrough.models import Clusters, Mixture
 from leadthrough.drawing import palette
+from leadthrough.models import Clusters, Mixture
 
 Float64Array = NDArray[np.float64]
 Style = dict[str, Any]  # Any: keywords of Matplotlib

@@ -139,7 +139,12 @@ def _stacked(
             raise InvalidInput(
                 f"{name}: expected as many samples as {names[0]}, {len(parts[0])}, got {len(part)}"
             )
-    return np.column_stack(parts)
+    # One array of all may be vast; it is copied once, into the recording.
+    return parts[0] if len(parts) == 1 and parts[0].ndim == 2 else np.column_stack(parts)
+
+
+def _scaled(numbers: Float64Array, factor: float) -> Float64Array:
+    return numbers if factor == 1.0 else numbers * factor
 
 
 def _in_si(
@@ -151,7 +156,7 @@ def _in_si(
     if role in ("velocities", "accelerations"):
         unit = None if angles == "percent" else angles
         return angle_units.in_radians(name, numbers, unit, request)
-    return numbers * (headers.unit(name, role)[1] or 1.0)
+    return _scaled(numbers, headers.unit(name, role)[1] or 1.0)
 
 
 def _times(table: Table, time: Columns | None, asked: float | None, count: int) -> Float64Array:
