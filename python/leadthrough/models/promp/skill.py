@@ -97,12 +97,11 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
             InvalidInput: if there is no time, one lies outside the motion or order is not 0, 1, 2.
         """
         check.integer(order, "order", at_least=0, at_most=2)
-        phases = self._phases(times, "times", at_least=1)
-        rows = self.basis(phases, order) * self.duration**-order
+        rows = self.basis(self._phases(times, "times", at_least=1), order) * self.duration**-order
         size, count = self.chart.width, self.basis.count
         blocks = self.weights.covariance.reshape(size, count, size, count).transpose(1, 3, 0, 2)
         pairs = (rows[:, :, None] * rows[:, None, :]).reshape(len(rows), -1)
-        covariance = pairs @ blocks.reshape(count * count, size * size)
+        covariance = pairs @ blocks.reshape(count**2, size**2)
         mean = rows @ self.weights.mean.reshape(size, count).T
         return mean, covariance.reshape(len(rows), size, size)
 
