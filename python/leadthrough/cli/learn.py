@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import re
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,6 +23,16 @@ if TYPE_CHECKING:
 
 # By the type of motion, where the model is not named.
 _USUAL = {"PoseTrajectory": "pose-dmp", "Trajectory": "dmp", "JointTrajectory": "dmp"}
+_NAMES = {"PoseTrajectory": "poses", "Trajectory": "points", "JointTrajectory": "joints"}
+# The types of motion of models that do not learn all, and what to use for others.
+_POINTS, _POSES = ("Trajectory", "JointTrajectory"), ("PoseTrajectory",)
+_ONLY = {
+    "dmp": (_POINTS, "pose-dmp"),
+    "rhythmic-dmp": (_POINTS, "rhythmic-pose-dmp"),
+    "pose-dmp": (_POSES, "dmp"),
+    "rhythmic-pose-dmp": (_POSES, "rhythmic-dmp"),
+    "fast-marching": (("Trajectory", "PoseTrajectory"), "promp, or --robot to learn poses"),
+}
 
 
 def learn(
@@ -126,7 +141,9 @@ def learn(
         demonstrations = [_of_the_arm(arm, shown, as_joints=as_joints) for shown in demonstrations]
     kind = model or _USUAL[type(demonstrations[0].motion).__name__]
     chosen = _model(kind, parse.parameters(parameter or []))
-    with tables.busy("learning"), errors.naming(**options.of_model(chosen), path="--out"):
+    _refuse_other_kinds(kind, demonstrations)
+    words = options.of_model(chosen) | _as_names(demonstrations)
+    with tables.busy("learning"), errors.naming(**words, path="--out"), _told(demonstrations):
         skill = chosen.fit(demonstrations)
         skill.save(out)
     found = {"skill": str(out), "model": kind, "demonstrations": [d.name for d in demonstrations]}
@@ -163,6 +180,43 @@ def _model(name: str, parameters: dict[str, Any]) -> Model:
     except InvalidInput as error:
         raise InvalidInput(f"--set {error}") from None
     return made
+
+
+def _as_names(demonstrations: list[Demonstration]) -> dict[str, str]:
+    """What the recordings call the demonstrations that errors name by their index."""
+    return {f"demonstrations[{i}]": each.name for i, each in enumerate(demonstrations)}
+
+
+def _refuse_other_kinds(model: str, demonstrations: list[Demonstration]) -> None:
+    """Refuses demonstrations that are not of the type of motion that a model learns."""
+    if model not in _ONLY:
+        return
+    learned, instead = _ONLY[model]
+    for each in demonstrations:
+        kind = type(each.motion).__name__
+        if kind not in learned:
+            wanted = " or ".join(_NAMES[name] for name in learned)
+            raise InvalidInput(
+                f"--model: {model} learns {wanted}, and {each.name} has {_NAMES[kind]}; "
+                f"use {instead}"
+            )
+
+
+@contextmanager
+def _told(demonstrations: list[Demonstration]) -> Iterator[None]:
+    """Prints warnings of demonstrations out of step on stderr, with the recordings' names."""
+    from leadthrough.models import OutOfStep
+
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", OutOfStep)
+        yield
+    for each in caught:
+        text = re.sub(
+            r"demonstrations \[([\d, ]+)\]",
+            lambda found: ", ".join(demonstrations[int(i)].name for i in found[1].split(",")),
+            str(each.message),
+        )
+        print(f"warning: {text}", file=sys.stderr)
 
 
 def _chosen(demonstrations: list[Demonstration], numbers: list[int] | None) -> list[Demonstration]:

@@ -17,6 +17,7 @@ from .mixtures.mixture import Mixture
 from .mixtures.stiffness import stiffness_profile
 from .mixtures.task_gmr import TaskGMR
 from .mixtures.task_gmr_skill import TaskGMRSkill
+from .out_of_step import OutOfStep
 from .parameters import Parameter
 from .promp.combination import blend, combine
 from .promp.inference import Inference, Region, infer
@@ -40,6 +41,7 @@ __all__ = [
     "GMRSkill",
     "Inference",
     "Mixture",
+    "OutOfStep",
     "OutsideTargets",
     "Parameter",
     "PoseDMP",

@@ -1,8 +1,7 @@
 """Demonstrations of different timing, aligned in time.
 
-Dynamic time warping (Sakoe and Chiba 1978) brings every demonstration to the mean timing of all,
-around a mean that is warped along with them (Petitjean et al. 2011, "A global averaging method for
-dynamic time warping"). Alignment by arc length gives all a constant speed, so that pauses vanish.
+Time warping brings every demonstration to the mean timing of all (`warps`). Alignment by arc length
+gives all a constant speed, so that pauses vanish.
 """
 
 from __future__ import annotations
@@ -12,9 +11,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from leadthrough import _core, check, events, rotations
+from leadthrough import check, events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import (
@@ -26,21 +24,9 @@ from leadthrough.motion import (
     as_demonstration,
     normalised_times,
 )
+from leadthrough.preprocess.in_step import FREE, fractions_in_step
+from leadthrough.preprocess.warps import COMPARED, features, positions_at, warp
 
-# Samples at which motions are compared; a path of pairs takes a byte for each pair.
-_COMPARED = 1000
-# Rounds in which the mean curve and the warps to it are improved in turn.
-_ROUNDS = 3
-# What the whole duration counts as, in the motion's extent: much where demonstrations are about in
-# step, as then their small differences in timing belong to their shapes, and little where warping
-# takes away more than half of their spread, as with pauses of some of them.
-_USUAL_RIGIDITY, _LEAST_RIGIDITY = 2.0, 0.03
-_OUT_OF_STEP = 0.45
-_SMOOTHED = 21  # samples of a warp that are averaged
-# A smaller turn counts as if it were this large: what is left of it is mostly noise.
-_LEAST_TURN = 0.1  # rad
-# The Frobenius distance of two rotation matrices is this times their angle, if that is small.
-_CHORD = np.sqrt(2.0)
 # Steps shorter than this fraction of the motion's extent are trembling of the hand or noise of the
 # sensor: summed over a pause they would count as distance.
 _TREMBLING = 2e-3
@@ -49,11 +35,16 @@ _TREMBLING = 2e-3
 def align_by_time_warping(
     demonstrations: Sequence[Demonstration[MotionT] | MotionT], *, reference: int | None = None
 ) -> list[Demonstration[MotionT]]:
-    """The demonstrations with their mean timing, all at the same 1000 times.
+    """The demonstrations with their mean timing, all at the same times, mostly 1000.
 
     What happens at some fraction of the duration happens in the demonstrations at that fraction
     on average. Positions and orientations are compared, each in units of its extent; events
     follow. Velocities and accelerations of joints are left out, as they no longer fit.
+
+    Differences in timing stay where taking them away gains nothing beyond chance: where warping
+    leaves more than half of the spread, and the mean of the others predicts a left-out
+    demonstration no better after it. Demonstrations that also share their times come back as they
+    are.
 
     Args:
         demonstrations: at least one, all of one type and size, two samples or more each; a motion
@@ -64,23 +55,22 @@ def align_by_time_warping(
         InvalidInput: if the demonstrations don't fit, or there is none of that index.
     """
     shown = _comparable(demonstrations)
-    features = _features(shown)
-    durations = [each.motion.duration for each in shown]
+    motions = [each.motion for each in shown]
+    durations = [motion.duration for motion in motions]
     if reference is None:
-        total = float(np.mean(durations))
-        first = features[int(np.argmin(durations))]
-        warps = _mean_timing(features, first, rigidity=_USUAL_RIGIDITY)
-        free = _mean_timing(features, first, rigidity=_LEAST_RIGIDITY)
-        if _spread(features, free) < _OUT_OF_STEP * _spread(features, None):
-            warps = free
+        total, warps = float(np.mean(durations)), fractions_in_step(motions)
+        if warps is None:
+            if all(np.array_equal(each.times, motions[0].times) for each in motions):
+                return shown
+            warps = [np.linspace(0.0, 1.0, COMPARED)] * len(shown)
     else:
         chosen = check.integer(reference, "reference", at_least=0, at_most=len(shown) - 1)
-        total = durations[chosen]
-        warps = [_warp(features[chosen], each, rigidity=_LEAST_RIGIDITY) for each in features]
-    times = np.linspace(0.0, total, _COMPARED)
+        total, curves = durations[chosen], features(motions)
+        warps = [warp(curves[chosen], each, rigidity=FREE) for each in curves]
+    times = np.linspace(0.0, total, COMPARED)
     return [
-        Demonstration(_retimed(each.motion, warp, times), each.name)
-        for each, warp in zip(shown, warps, strict=True)
+        Demonstration(_retimed(each.motion, fractions, times), each.name)
+        for each, fractions in zip(shown, warps, strict=True)
     ]
 
 
@@ -101,11 +91,11 @@ def align_by_arc_length(
     """
     shown = _comparable(demonstrations)
     total = float(np.median([each.motion.duration for each in shown]))
-    times = np.linspace(0.0, total, _COMPARED)
+    times = np.linspace(0.0, total, COMPARED)
     result = []
     for i, each in enumerate(shown):
         at, covered = _distance(each.motion, f"demonstrations[{i}]")
-        fractions = np.interp(np.linspace(0.0, covered[-1], _COMPARED), covered, at)
+        fractions = np.interp(np.linspace(0.0, covered[-1], COMPARED), covered, at)
         result.append(Demonstration(_retimed(each.motion, fractions, times), each.name))
     return result
 
@@ -134,16 +124,11 @@ def _comparable(
     return shown
 
 
-def _positions_at(motion: Motion, fractions: Float64Array) -> Float64Array:
-    own = normalised_times(motion.times)
-    return np.column_stack([np.interp(fractions, own, column) for column in motion.positions.T])
-
-
 def _retimed(motion: MotionT, fractions: Float64Array, times: Float64Array) -> MotionT:
     """The motion at fractions (n,) of its duration, which are now at times (n,)."""
     parts: dict[str, Any] = {
         "times": times,
-        "positions": _positions_at(motion, fractions),
+        "positions": positions_at(motion, fractions),
         "events": events.moved(motion.events, motion.times[0] + fractions * motion.duration, times),
     }
     if isinstance(motion, PoseTrajectory):
@@ -152,98 +137,9 @@ def _retimed(motion: MotionT, fractions: Float64Array, times: Float64Array) -> M
     if isinstance(motion, JointTrajectory):
         parts |= {"velocities": None, "accelerations": None}
     elif (joints := motion.joints) is not None:
-        rows = _positions_at(joints, fractions)
+        rows = positions_at(joints, fractions)
         parts["joints"] = JointTrajectory(times, rows, joint_names=joints.joint_names)
     return replace(motion, **parts)
-
-
-def _features(shown: Sequence[Demonstration[Any]]) -> list[Float64Array]:
-    """What is compared, (1000, m) at evenly spaced times, in units of the motions' extent.
-
-    Orientations enter as rotation matrices, of which half turns and signs are no special cases.
-    """
-    even = np.linspace(0.0, 1.0, _COMPARED)
-    positions = [_positions_at(each.motion, even) for each in shown]
-    extent = float(np.mean([np.linalg.norm(np.ptp(each, axis=0)) for each in positions])) or 1.0
-    features = [each / extent for each in positions]
-    if not isinstance(shown[0].motion, PoseTrajectory):
-        return features
-    turned = [
-        rotations.interpolate(normalised_times(each.motion.times), each.motion.orientations, even)
-        for each in shown
-    ]
-    reach = np.mean(
-        [rotations.distance(each, each[:1].repeat(_COMPARED, 0)).max() for each in turned]
-    )
-    unit = _CHORD * max(float(reach), _LEAST_TURN)
-    return [
-        np.hstack([own, rotations.to_matrix(each).reshape(-1, 9) / unit])
-        for own, each in zip(features, turned, strict=True)
-    ]
-
-
-def _spread(features: Sequence[Float64Array], warps: Sequence[Float64Array] | None) -> float:
-    """Root mean square distance of curves (1000, m) from their mean, warped or as they are."""
-    pairs = zip(warps, features, strict=True) if warps else ()
-    curves = [_curve_at(warp, each) for warp, each in pairs] or features
-    return float(np.sqrt(np.var(curves, axis=0).sum(axis=1).mean()))
-
-
-def _mean_timing(
-    features: Sequence[Float64Array], first: Float64Array, *, rigidity: float
-) -> list[Float64Array]:
-    """For each curve (1000, m) its fractions (1000,) of the duration at those of the mean timing.
-
-    Args:
-        features: the curves.
-        first: the curve that they are warped to at first, then to their mean.
-        rigidity: see `_warp`.
-    """
-    even = np.linspace(0.0, 1.0, _COMPARED)
-    middle = first
-    for _ in range(_ROUNDS):
-        warps = [_warp(middle, each, rigidity=rigidity) for each in features]
-        back = np.interp(even, np.mean(warps, axis=0), even)
-        warps = [np.interp(back, even, warp) for warp in warps]
-        pairs = list(zip(warps, features, strict=True))
-        middle = np.mean([_curve_at(warp, each) for warp, each in pairs], axis=0)
-    return warps
-
-
-def _warp(middle: Float64Array, curve: Float64Array, *, rigidity: float) -> Float64Array:
-    """Fractions (1000,) of a curve's duration that belong to those of another, end to end.
-
-    A difference in time counts as a distance too, so that noise is not matched with noise at any
-    price; and the warp is smoothed, so that its steps do not become steps of the motion.
-
-    Args:
-        middle: the curve (1000, m) that sets the timing.
-        curve: the curve (1000, m) to warp.
-        rigidity: what the whole duration counts as, in the motion's extent.
-    """
-    even = np.linspace(0.0, 1.0, _COMPARED)
-    timed = [np.column_stack([each, rigidity * even]) for each in (middle, curve)]
-    late = _mean_partner(_core.dtw_path(*timed)) / (_COMPARED - 1.0) - even
-    # Mirrored through both ends, where it is 0, by as much as two averages take away.
-    late = np.pad(late, _SMOOTHED - 1, mode="reflect", reflect_type="odd")
-    for _ in range(2):
-        late = np.convolve(late, np.full(_SMOOTHED, 1.0 / _SMOOTHED), mode="valid")
-    warp = np.clip(even + late, 0.0, 1.0)
-    warp[[0, -1]] = 0.0, 1.0
-    return np.asarray(np.maximum.accumulate(warp))
-
-
-def _curve_at(fractions: Float64Array, curve: Float64Array) -> Float64Array:
-    even = np.linspace(0.0, 1.0, len(curve))
-    return np.column_stack([np.interp(fractions, even, column) for column in curve.T])
-
-
-def _mean_partner(pairs: NDArray[np.integer[Any]]) -> Float64Array:
-    """For each sample of the first curve the mean index of those paired with it, end to end."""
-    first, second = pairs[:, 0], pairs[:, 1]
-    partners = np.bincount(first, second) / np.bincount(first)
-    partners[[0, -1]] = second[[0, -1]]
-    return np.asarray(partners)
 
 
 def _distance(motion: Motion, name: str) -> tuple[Float64Array, Float64Array]:

@@ -12,6 +12,7 @@ from leadthrough.check import Float64Array
 from leadthrough.events import Event
 from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.mean_turning import mean_orientations
+from leadthrough.models.out_of_step import warn_of_others_timing
 from leadthrough.models.posture import Posture, shown_posture
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, normalised_times
 
@@ -61,6 +62,9 @@ def mean_motion(
         InvalidInput: for other motions.
         FitError: for one that does not move, and where the orientations of several have no
             mean; the message names the demonstrations and what to do.
+
+    Warns:
+        OutOfStep: if several show the same at other times.
     """
     motions = motions_of(demonstrations, kinds=kinds)
     first = motions[0]
@@ -75,6 +79,7 @@ def mean_motion(
         return MeanMotion(
             phases[0], first.positions, turned, first.duration, names, happened, posture
         )
+    warn_of_others_timing(motions, stacklevel=3)
     count = max(len(motion.times) for motion in motions)
     even = np.linspace(0.0, 1.0, count)
     positions = np.mean([_positions_at(motion, even) for motion in motions], axis=0)

@@ -12,6 +12,7 @@ from leadthrough.check import Float64Array
 from leadthrough.models.chart import Chart, chart_of
 from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.mean_turning import mean_orientations
+from leadthrough.models.out_of_step import warn_of_others_timing
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
 
 # Points of each demonstration, so that all count the same and the work is bounded.
@@ -63,6 +64,7 @@ def sampled(
         FitError: if there is none, one does not move, or orientations have no middle.
     """
     motions = motions_of(demonstrations)
+    warn_of_others_timing(motions, stacklevel=3)
     phases = [normalised_times(motion.times) for motion in motions]
     chart = chart_of(motions, phases, middle=middle)
     duration = float(np.median([motion.duration for motion in motions]))

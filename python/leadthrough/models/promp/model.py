@@ -21,6 +21,7 @@ from leadthrough.errors import FitError, InvalidInput
 from leadthrough.models import archive
 from leadthrough.models.chart import Chart, chart_of, scales
 from leadthrough.models.demonstrated import Demonstrations, motions_of
+from leadthrough.models.out_of_step import warn_of_others_timing
 from leadthrough.models.promp import limits
 from leadthrough.models.promp.basis import KINDS, LEAST, Basis, BasisKind
 from leadthrough.models.promp.belief import Experience
@@ -98,8 +99,13 @@ class ProMP(Unfitted):
             InvalidInput: if the demonstrations differ in type or the phases do not fit them.
             FitError: if there is no demonstration, one does not move, one shows too small a part
                 for its estimator, or none shows some part of the motion.
+
+        Warns:
+            OutOfStep: if demonstrations show the same at other times and no phases are given.
         """
         motions = motions_of(demonstrations)
+        if phases is None:
+            warn_of_others_timing(motions, stacklevel=2)
         at = (
             [normalised_times(motion.times) for motion in motions]
             if phases is None

@@ -1,0 +1,40 @@
+"""`leadthrough learn`: its errors and warnings name the recordings."""
+
+import numpy as np
+import pytest
+from cli.command_line import run
+
+
+def written(folder, name, rows, header="t,x,y,z"):
+    path = folder / f"{name}.csv"
+    np.savetxt(path, rows, delimiter=",", header=header, comments="")
+    return path
+
+
+def reach(at=0.5):
+    """Times and points of a reach that rests for a second at a fraction of its length."""
+    t = np.linspace(0.0, 3.0, 150)
+    u = np.interp(t, [0.0, 2.0 * at, 2.0 * at + 1.0, 3.0], [0.0, at, at, 1.0])
+    return np.column_stack([t, u, np.sin(6.0 * u), 0.1 * u])
+
+
+@pytest.mark.parametrize("model", ["pose-dmp", "rhythmic-pose-dmp"])
+def test_points_for_a_model_of_poses_are_named_with_what_learns_them(tmp_path, model):
+    shown = written(tmp_path, "bump", reach())
+    said = run("learn", shown, "--model", model, "-o", tmp_path / "s.npz", code=2).stderr
+    other = model.replace("pose-", "")
+    assert f"--model: {model} learns poses, and bump has points; use {other}" in said
+
+
+def test_a_recording_that_cannot_be_learned_is_named(tmp_path):
+    still = np.column_stack([np.linspace(0.0, 1.0, 20), np.ones((20, 3))])
+    files = [written(tmp_path, "moves", reach()), written(tmp_path, "frozen", still)]
+    said = run("learn", *files, "--model", "promp", "-o", tmp_path / "s.npz", code=1).stderr
+    assert "frozen: does not move" in said
+
+
+def test_recordings_out_of_step_are_named_and_learned(tmp_path):
+    files = [written(tmp_path, f"r{i}", reach(at)) for i, at in enumerate((0.5, 0.5, 0.5, 0.9))]
+    said = run("learn", *files, "--model", "promp", "-o", tmp_path / "s.npz").stderr
+    assert "warning: r3: out of step" in said
+    assert (tmp_path / "s.npz").exists()

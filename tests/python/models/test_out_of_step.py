@@ -1,0 +1,62 @@
+"""Demonstrations that show the same at other times: a warning names them, and the cure."""
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough import rotations
+from leadthrough.models import OutOfStep
+from leadthrough.preprocess import align_by_time_warping
+
+T = np.linspace(0.0, 3.0, 300)
+
+
+def paused(at):
+    """A reach that rests for a second at a fraction of its length."""
+    u = np.interp(T, [0.0, 2.0 * at, 2.0 * at + 1.0, 3.0], [0.0, at, at, 1.0])
+    return np.column_stack([u, np.sin(6.0 * u), 0.2 * u])
+
+
+def points(at):
+    return lt.Trajectory(T, paused(at))
+
+
+def poses(at):
+    turned = rotations.exp(np.outer(paused(at)[:, 0], [0.0, 0.5, 1.0]))
+    return lt.PoseTrajectory(T, paused(at), turned)
+
+
+MODELS = {
+    "ProMP": (lt.ProMP(), points),
+    "ProMP of poses": (lt.ProMP(), poses),
+    "GMR": (lt.GMR(starts=1), points),
+    "DMP": (lt.DMP(), points),
+    "PoseDMP": (lt.PoseDMP(), poses),
+}
+
+
+@pytest.mark.parametrize(("model", "motion"), MODELS.values(), ids=MODELS)
+def test_a_warning_names_the_demonstrations_and_the_cure_once_and_here(model, motion):
+    shown = [motion(at) for at in (0.5, 0.5, 0.5, 0.9, 0.5)]
+    cure = r"demonstrations \[3\]: .* preprocess.align_by_time_warping"
+    with pytest.warns(OutOfStep, match=cure) as told:
+        model.fit(shown)
+    assert [warning.filename for warning in told] == [__file__]
+    model.fit(align_by_time_warping(shown))  # warnings are errors: this one has none
+
+
+def test_demonstrations_that_all_differ_are_all_named():
+    with pytest.warns(OutOfStep, match=r"demonstrations \[0, 2\]: .* 22% of the duration"):
+        lt.ProMP().fit([points(at) for at in (0.2, 0.5, 0.8)])
+
+
+def test_given_phases_say_what_belongs_together():
+    at = (0.2, 0.8)
+    u = [np.interp(T, [0.0, 2.0 * a, 2.0 * a + 1.0, 3.0], [0.0, a, a + 1e-3, 1.0]) for a in at]
+    lt.ProMP().fit([points(a) for a in at], phases=u)
+
+
+def test_handwriting_and_single_motions_are_in_step():
+    for name in lt.io.lasa.motions()[::3]:
+        lt.ProMP().fit(lt.io.lasa.load(name))
+    lt.DMP().fit([points(0.2)])
