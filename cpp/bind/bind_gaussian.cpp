@@ -3,6 +3,7 @@
 #include "bind/parts.hpp"
 #include "learn/bells.hpp"
 #include "learn/bouncing.hpp"
+#include "learn/dense.hpp"
 #include "learn/gaussian.hpp"
 
 namespace py = pybind11;
@@ -43,6 +44,22 @@ void bind_gaussian(py::module_& module) {
       py::arg("mean").noconvert(), py::arg("covariance").noconvert(), py::arg("basis").noconvert(),
       py::arg("columns").noconvert(), py::arg("values").noconvert(), py::arg("noise").noconvert(),
       py::arg("scale").noconvert(), py::arg("least"));
+  module.def(
+      "product",
+      [](const Eigen::Ref<const Rows>& left, const Eigen::Ref<const Rows>& right) {
+        require(left.cols() == right.rows());
+        const py::gil_scoped_release release;
+        return product(left, right);
+      },
+      py::arg("left").noconvert(), py::arg("right").noconvert());
+  module.def(
+      "solve_definite",
+      [](const Eigen::Ref<const Rows>& matrix, const Eigen::Ref<const Rows>& right) {
+        require(matrix.rows() == matrix.cols() && matrix.rows() == right.rows());
+        const py::gil_scoped_release release;
+        return solve_definite(matrix, right);
+      },
+      py::arg("matrix").noconvert(), py::arg("right").noconvert());
   module.def(
       "is_covariance",
       [](const Eigen::Ref<const Rows>& matrix) {

@@ -172,7 +172,7 @@ def number(
         InvalidInput: if `value` is not a finite number or is out of bounds.
     """
     if isinstance(value, (bool, np.bool_, str, bytes)):
-        raise InvalidInput(f"{name}: expected a number, got {value!r}")
+        raise InvalidInput(f"{name}: expected a number, got {_short(value)}")
     try:
         result = float(value)  # type: ignore[arg-type]  # whether it can be one is the question
     except (TypeError, ValueError, OverflowError):
@@ -186,7 +186,7 @@ def number(
     if not np.isfinite(result) or not all(holds for _, _, holds in bounds):
         wanted = " and ".join(f"{sign}{bound}" for sign, bound, _ in bounds if bound is not None)
         raise InvalidInput(
-            f"{name}: expected a finite number {wanted}".rstrip() + f", got {value!r}"
+            f"{name}: expected a finite number {wanted}".rstrip() + f", got {_short(value)}"
         )
     return result
 
@@ -279,9 +279,9 @@ def names(value: Sequence[str], name: str, *, count: int) -> tuple[str, ...]:
         InvalidInput: if it is no sequence of texts, or they are more or fewer than the columns.
     """
     if isinstance(value, str) or not isinstance(value, Sequence):
-        raise InvalidInput(f"{name}: expected a sequence of names, got {value!r}")
+        raise InvalidInput(f"{name}: expected a sequence of names, got {_short(value)}")
     if not all(isinstance(each, str) for each in value):
-        raise InvalidInput(f"{name}: expected names as text, got {value!r}")
+        raise InvalidInput(f"{name}: expected names as text, got {_short(value)}")
     if value and len(value) != count:
         raise InvalidInput(f"{name}: expected {count} names, one per column, got {len(value)}")
     return tuple(value)
@@ -340,5 +340,6 @@ def _shape_text(shape: Sequence[int | str]) -> str:
 
 
 def _short(value: object) -> str:
-    text = repr(value)
+    """A value as a message shows it: a number of NumPy like any other, at most 60 characters."""
+    text = repr(value.item() if isinstance(value, np.generic) else value)
     return text if len(text) <= 60 else f"{text[:57]}..."

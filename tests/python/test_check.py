@@ -106,3 +106,16 @@ def test_choice_lists_the_options(value):
     with pytest.raises(InvalidInput, match="side: expected one of 'left', 'right', got"):
         check.choice(value, "side", ("left", "right"))
     assert check.choice("left", "side", ("left", "right")) == "left"
+
+
+def test_numbers_of_numpy_are_shown_as_numbers():
+    for call, told in (
+        (lambda: check.number(np.float64(3.5), "x", above=np.float64(4.0)), "> 4.0, got 3.5"),
+        (lambda: check.number(np.float64("nan"), "x"), "got nan"),
+        (lambda: check.number(np.bool_(True), "x"), "got True"),
+        (lambda: check.integer(np.float64(3.5), "x", at_least=1), "got 3.5"),
+        (lambda: check.choice(np.str_("a"), "x", ("b",)), "got 'a'"),
+    ):
+        with pytest.raises(InvalidInput) as error:
+            call()
+        assert str(error.value).endswith(told)

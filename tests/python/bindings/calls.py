@@ -69,6 +69,8 @@ call(
     periodic=False,
     order=0,
 )
+call(core.product, [[2.0, 3.0]], left=np.ones((1, 2)), right=np.array([[1.0, 1.0], [1.0, 2.0]]))
+call(core.solve_definite, [[0.5], [2.0]], matrix=2.0 * np.eye(2), right=np.array([[1.0], [4.0]]))
 call(
     core.bounced,
     [[0.0, 2.0]],

@@ -24,6 +24,7 @@ FREE = dict(
     dmp_rollout_around(phases)  dtw_distance(a b)  dtw_path(a b)  frechet_distance(a b)
     jacobian(q)  longest_step(q)  march(cells speed)  mass_matrix(q)  nearest_bodies(q)
     nearest_sources(arrival)  normalised_bells(centres phases)  posture_task(q velocity)
+    product(left right)  solve_definite(right)
     so3_exp(rotation_vectors)  so3_from_matrix(matrices)  so3_left_jacobian(rotation_vectors)
     so3_left_jacobian_inverse(rotation_vectors)  so3_lift(quaternions)  so3_log(quaternions)
     so3_mean(layers weights)  so3_to_matrix(quaternions)

@@ -79,12 +79,12 @@ def mean_motion(
         return MeanMotion(
             phases[0], first.positions, turned, first.duration, names, happened, posture
         )
-    warn_of_others_timing(motions, stacklevel=3)
     count = max(len(motion.times) for motion in motions)
     even = np.linspace(0.0, 1.0, count)
     positions = np.mean([_positions_at(motion, even) for motion in motions], axis=0)
     duration = float(np.mean([motion.duration for motion in motions]))
     turned = _mean_turn(motions, even)
+    warn_of_others_timing(motions, stacklevel=3)
     return MeanMotion(even, positions, turned, duration, names, happened, posture)
 
 

@@ -64,9 +64,9 @@ def sampled(
         FitError: if there is none, one does not move, or orientations have no middle.
     """
     motions = motions_of(demonstrations)
-    warn_of_others_timing(motions, stacklevel=3)
     phases = [normalised_times(motion.times) for motion in motions]
     chart = chart_of(motions, phases, middle=middle)
+    warn_of_others_timing(motions, stacklevel=3)
     duration = float(np.median([motion.duration for motion in motions]))
     return Sampled(
         motions, phases, chart, duration, timed_columns(motions, phases, chart, duration)

@@ -11,10 +11,10 @@ estimation", eq. 8.
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from leadthrough.check import Float64Array
 from leadthrough.models.promp.basis import Basis
+from leadthrough.models.promp.dense import product, solve_definite
 from leadthrough.models.promp.estimation import LEAST_SPREAD, Fit, Shown
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.prior import raised, shaped_prior, smooth_prior
@@ -43,7 +43,7 @@ def least_squares(basis: Basis, shown: Shown, regularization: float) -> Fit:
             known[key] = CurveFit(basis, at, regularization)
         fit = known[key]
         curves.append(fit.weights(values))
-        residuals.append(((values - fit.values @ curves[-1]) ** 2).sum(axis=0))
+        residuals.append(((values - product(fit.values, curves[-1])) ** 2).sum(axis=0))
     samples = sum(len(at) for at in shown.phases)
     free = max(samples - len(curves) * basis.count, 1)
     noise = np.sum(residuals, axis=0) / free + (_LEAST_NOISE * shown.scale) ** 2
@@ -60,19 +60,15 @@ class CurveFit:
 
     def __init__(self, basis: Basis, phases: Float64Array, regularization: float) -> None:
         self.values = basis(phases)
-        normal = self.values.T @ self.values
+        normal = product(self.values.T, self.values)
         unit = float(np.trace(normal)) / basis.count
         normal += regularization * unit * basis.roughness
         normal[np.diag_indices(basis.count)] += 1e-12 * unit
-        self._factor = cho_factor(normal)
-        self._solved = self._solve(self.values.T)
+        self._solved = solve_definite(normal, self.values.T)
         ends = [0] if basis.is_rhythmic else [0, -1]
         self._ends = ends
-        influence = self._solve(self.values[ends].T)
-        self._to_ends = influence @ np.linalg.pinv(self.values[ends] @ influence)
-
-    def _solve(self, right: Float64Array) -> Float64Array:
-        return np.asarray(cho_solve(self._factor, right))
+        influence = solve_definite(normal, self.values[ends].T)
+        self._to_ends = product(influence, np.linalg.pinv(self.values[ends] @ influence))
 
     def weights(self, values: Float64Array) -> Float64Array:
         """The weights (k, d) of curves through values.
@@ -81,9 +77,9 @@ class CurveFit:
             values: values (n, d) at the phases.
         """
         middle = values.mean(axis=0)  # adds to all weights alike, as the functions sum to one
-        free = self._solved @ (values - middle)
+        free = product(self._solved, values - middle)
         missed = values[self._ends] - middle - self.values[self._ends] @ free
-        return np.asarray(free + self._to_ends @ missed + middle)
+        return np.asarray(free + product(self._to_ends, missed) + middle)
 
 
 def shrunk(stacked: Float64Array, basis: Basis, scale: Float64Array) -> Gaussian:
@@ -100,7 +96,7 @@ def shrunk(stacked: Float64Array, basis: Basis, scale: Float64Array) -> Gaussian
         return Gaussian(mean, smooth_prior(basis, _UNKNOWN_SPREAD * scale))
     unit = np.repeat(scale, basis.count)  # makes the result independent of the columns' units
     centred = (stacked - mean) / unit
-    sample = centred.T @ centred / (count - 1)
+    sample = product(centred.T, centred) / (count - 1)
     target = shaped_prior(basis, centred.reshape(count, len(scale), basis.count))
     distance = float(((sample - target) ** 2).sum())
     shrinkage = _LEAST_SHRINKAGE / count
@@ -117,7 +113,7 @@ def _variance_of_sample(centred: Float64Array) -> float:
     sum_k |x_k x_k^T - S|^2 from inner products alone (Schaefer and Strimmer 2005, appendix A).
     """
     count = len(centred)
-    gram = centred @ centred.T
+    gram = product(centred, centred.T)
     fourth = float((np.diag(gram) ** 2).sum())
     total = fourth - float((gram**2).sum()) / count
     return count / (count - 1) ** 3 * total

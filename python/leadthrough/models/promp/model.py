@@ -104,14 +104,14 @@ class ProMP(Unfitted):
             OutOfStep: if demonstrations show the same at other times and no phases are given.
         """
         motions = motions_of(demonstrations)
-        if phases is None:
-            warn_of_others_timing(motions, stacklevel=2)
         at = (
             [normalised_times(motion.times) for motion in motions]
             if phases is None
             else _checked_phases(phases, motions, rhythmic=self.basis == "rhythmic")
         )
         chart = chart_of(motions, at)
+        if phases is None:
+            warn_of_others_timing(motions, stacklevel=2)
         columns = [
             chart.columns(motion, u, f"demonstrations[{i}]")
             for i, (motion, u) in enumerate(zip(motions, at, strict=True))
@@ -167,7 +167,11 @@ def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> ProMPSkill
         paces = check.frozen(arrays["paces"], "paces", shape=("n",))
         experience = Experience(basis, curves, paces, noise, scale)
     duration = float(settings["duration"])
-    return ProMPSkill(model, basis, chart, weights, noise, scale, duration, bounds, experience)
+    skill = ProMPSkill(model, basis, chart, weights, noise, scale, duration, bounds, experience)
+    if bounds is not None and "truncated" not in settings:
+        # An earlier version wrote the distribution that it had already moved inside the limits.
+        vars(skill)["weights"] = weights
+    return skill
 
 
 def _model_of(settings: dict[str, Any]) -> ProMP:

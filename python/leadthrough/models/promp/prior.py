@@ -13,6 +13,7 @@ import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.models.promp.basis import Basis
+from leadthrough.models.promp.dense import product
 
 _LENGTH = 0.25  # correlation length of the deviations in between, in phase
 # Variances relative to those of the ends: of the deviations in between, and of each weight on its
@@ -35,7 +36,7 @@ def smooth_prior(basis: Basis, spread: Float64Array) -> Float64Array:
         spread: standard deviation (d,) of each column.
     """
     fit, inner = _fit_and_kernel(basis)
-    one = _INNER * fit @ inner @ fit.T + _ROUGH * np.eye(basis.count)
+    one = _INNER * product(product(fit, inner), fit.T) + _ROUGH * np.eye(basis.count)
     if not basis.is_rhythmic:
         ends = lines(basis)
         one += ends @ ends.T
@@ -49,7 +50,7 @@ def inner_prior(basis: Basis) -> Float64Array:
     if not basis.is_rhythmic:
         rows = basis(np.array([0.0, 1.0]))
         free -= np.linalg.pinv(rows) @ rows
-    return np.asarray(fit @ inner @ fit.T + _ROUGH * free)
+    return np.asarray(product(product(fit, inner), fit.T) + _ROUGH * free)
 
 
 def shaped_prior(basis: Basis, curves: Float64Array) -> Float64Array:
@@ -59,7 +60,8 @@ def shaped_prior(basis: Basis, curves: Float64Array) -> Float64Array:
         basis: the k basis functions.
         curves: weights (m, d, k) of the m demonstrations, minus their mean.
     """
-    at_phases = curves @ basis(_phases(basis)).T
+    flat = curves.reshape(-1, basis.count)
+    at_phases = product(flat, basis(_phases(basis)).T).reshape(*curves.shape[:2], -1)
     variances = (at_phases**2).sum(axis=0) / (len(curves) - 1)
     profile = _left_between(basis, variances)
     profile = np.maximum(profile, _LEAST_PROFILE * profile.max(axis=1, keepdims=True))
@@ -76,7 +78,8 @@ def raised(covariance: Float64Array, basis: Basis, least: float) -> Float64Array
     """
     rows, size = basis(_phases(basis)), len(covariance) // basis.count
     blocks = np.einsum("iaib->iab", covariance.reshape(size, basis.count, size, basis.count))
-    missing = np.maximum(least**2 - ((rows @ blocks) * rows).sum(axis=2), 0.0)
+    spread = [(product(rows, block) * rows).sum(axis=1) for block in blocks]
+    missing = np.maximum(least**2 - np.array(spread), 0.0)
     added = _profiled(basis, missing[:, [0, -1]], _left_between(basis, missing))
     everywhere = smooth_prior(basis, np.full(size, _EVERYWHERE * least))
     return np.asarray(covariance + added + everywhere)
@@ -89,8 +92,8 @@ def _left_between(basis: Basis, variances: Float64Array) -> Float64Array:
         Standard deviations (d, n) that the kernel in between is scaled by.
     """
     fit, inner = _fit_and_kernel(basis)
-    reached = basis(_phases(basis)) @ fit
-    own = ((reached @ inner) * reached).sum(axis=1)
+    reached = product(basis(_phases(basis)), fit)
+    own = (product(reached, inner) * reached).sum(axis=1)
     left = variances
     if not basis.is_rhythmic:
         left = variances - variances[:, [0, -1]] @ _ramps(basis) ** 2
@@ -104,7 +107,8 @@ def _profiled(basis: Basis, ends: Float64Array, profile: Float64Array) -> Float6
     ramps = np.zeros((basis.count, 2)) if basis.is_rhythmic else lines(basis)
     for column, (of_ends, between) in enumerate(zip(ends, profile, strict=True)):
         reached = fit * between
-        result[column, :, column] = (ramps * of_ends) @ ramps.T + reached @ inner @ reached.T
+        inside = product(product(reached, inner), reached.T)
+        result[column, :, column] = (ramps * of_ends) @ ramps.T + inside
     return result.reshape(len(ends) * basis.count, -1)
 
 
@@ -118,10 +122,10 @@ def _fit_and_kernel(basis: Basis) -> tuple[Float64Array, Float64Array]:
     else:
         kernel = np.exp(-((gaps / _LENGTH) ** 2) / 2.0)
         known = kernel[:, [0, -1]]  # a deviation in between is zero at both ends
-        kernel -= known @ np.linalg.solve(known[[0, -1]], known.T)
+        kernel -= product(known, np.linalg.solve(known[[0, -1]], known.T))
         # Neither may its curve deviate there, although the functions cannot follow it everywhere.
         rows = basis(u[[0, -1]])
-        fit = fit - np.linalg.pinv(rows) @ (rows @ fit)
+        fit = fit - product(np.linalg.pinv(rows), product(rows, fit))
     return fit, kernel
 
 
@@ -133,7 +137,7 @@ def _fit(basis: Basis) -> Float64Array:
 @lru_cache(maxsize=16)
 def lines(basis: Basis) -> Float64Array:
     """Weights (k, 2) of the lines from 1 to 0 and from 0 to 1, exact at both ends."""
-    fitted = _fit(basis) @ _ramps(basis).T
+    fitted = product(_fit(basis), _ramps(basis).T)
     rows = basis(np.array([0.0, 1.0]))
     return np.asarray(fitted + np.linalg.pinv(rows) @ (np.eye(2) - rows @ fitted))
 

@@ -28,6 +28,7 @@ def taken_apart(skill: ProMPSkill) -> tuple[dict[str, Any], Arrays]:
     }
     if skill.bounds is not None:
         arrays["lower"], arrays["upper"] = skill.bounds
+        settings["truncated"] = True
     if skill.experience is not None:
         arrays["curves"], arrays["paces"] = skill.experience.curves, skill.experience.paces
     return settings, arrays

@@ -1,0 +1,42 @@
+"""A ProMP is the same, bit by bit, whatever the number of threads of the linear algebra."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+FITTED = """
+import hashlib
+import numpy as np
+import leadthrough as lt
+from leadthrough import rotations
+
+u = np.linspace(0.0, 1.0, 150)
+shown = []
+for i in range(9):
+    turned = rotations.exp(np.column_stack([2.5 * u, 0.3 * np.sin(4.0 * u), 0.1 * i * u]))
+    sway = 0.1 * np.sin(2.0 * u + 0.05 * i)
+    points = np.column_stack([0.2 * u, sway, 0.01 * i * np.sin(3.0 * u)])
+    shown.append(lt.PoseTrajectory(2.0 * u, points, turned))
+skill = lt.ProMP(weights=WEIGHTS).fit(shown)
+made = skill.generate(start=(shown[0].positions[0] + 0.01, shown[0].orientations[0]))
+digest = hashlib.sha256()
+for array in (skill.weights.mean, skill.weights.covariance, made.positions, made.orientations):
+    digest.update(np.ascontiguousarray(array).tobytes())
+print(digest.hexdigest())
+"""
+
+
+def digest_with(threads, weights):
+    names = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+    words = [sys.executable, "-c", FITTED.replace("WEIGHTS", str(weights))]
+    environment = {**os.environ, **dict.fromkeys(names, str(threads))}
+    return subprocess.run(words, env=environment, capture_output=True, text=True, check=True).stdout
+
+
+@pytest.mark.parametrize("weights", [20, 35])
+def test_poses_are_fitted_to_the_same_bits_with_one_thread_and_with_two(weights):
+    one, two = (digest_with(threads, weights) for threads in (1, 2))
+    assert len(one) == 65
+    assert one == two
