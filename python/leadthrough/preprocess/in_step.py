@@ -22,6 +22,8 @@ FREE = 0.03
 _RIGID = 2.0
 # Out of step: free warping leaves less than this fraction of the spread.
 _OUT_OF_STEP = 0.45
+# Clearly so: of a few motions of random shapes, warping leaves 0.42 and more by chance.
+_CLEARLY = 0.3
 # A gain in predicting left-out demonstrations counts from this many standard errors on, of at least
 # so many demonstrations. Fewer samples are enough to tell.
 _SURELY = 2.0
@@ -66,7 +68,7 @@ def lateness(motions: Sequence[Motion]) -> Float64Array:
     some = np.linspace(0, len(motions) - 1, min(len(motions), _MOST_COMPARED)).round().astype(int)
     curves = features([motions[i] for i in some], _LEAST_SAMPLES)
     warps = mean_timing(curves, curves[0], rigidity=FREE)
-    if spread(warped(curves, warps)) < _OUT_OF_STEP * spread(curves):
+    if spread(warped(curves, warps)) < _CLEARLY * spread(curves):
         late = np.abs(np.array(warps) - np.linspace(0.0, 1.0, _LEAST_SAMPLES)).max(axis=1)
         result[some] = np.where(late.max() > _LATE, late, 0.0)
     return result
