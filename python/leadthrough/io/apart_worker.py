@@ -29,14 +29,14 @@ def serve() -> None:
     questions = sys.stdin.buffer
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what libraries print must not get among the answers
-    _bound_memory()
+    bound_memory()
     wire.send(answers, {})
     while True:
         try:
             question, _ = wire.receive(questions)
         except EOFError:
             return
-        _bound_time()
+        bound_time()
         found, arrays = answered(question)
         wire.send(answers, found, arrays)
         del found, arrays
@@ -68,7 +68,7 @@ def answered(question: Mapping[str, Any]) -> tuple[dict[str, Any], list[NDArray[
         return {"error": {"kind": "OSError", **kind}}, []
 
 
-def _bound_memory() -> None:
+def bound_memory() -> None:
     """Lets the process take no more than `MOST_MEMORY` beyond what it has; on Linux only."""
     with suppress(ImportError, OSError, ValueError, IndexError):
         import resource
@@ -78,7 +78,7 @@ def _bound_memory() -> None:
         resource.setrlimit(resource.RLIMIT_DATA, (bound, bound))
 
 
-def _bound_time() -> None:
+def bound_time() -> None:
     """Lets the system end the process after `MOST_SECONDS` from now on; not on Windows."""
     with suppress(ImportError, OSError, ValueError):
         import resource

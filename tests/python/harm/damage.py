@@ -175,9 +175,12 @@ def _one_format(folder, suffix, first, rounds):
     """Damages and reads; prints a line of JSON for each round, the seed before it is tried."""
     content = (folder / f"whole.{suffix}").read_bytes()
     path = folder / f"damaged.{suffix}"
+    if suffix in (*APART, "dae"):
+        apart_worker.bound_memory()
     for seed in range(first, rounds):
         path.write_bytes(damaged(content, np.random.default_rng(seed)))
         print(json.dumps(seed), flush=True)
+        apart_worker.bound_time()  # what would never end counts as a crash
         start = time.monotonic()
         try:
             read_here(path)
