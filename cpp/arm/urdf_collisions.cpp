@@ -130,8 +130,8 @@ std::string without_capsules(std::string_view document) {
   for (std::size_t at = 0; (at = document.find(kCapsule, at)) != document.npos;
        at += kCapsule.size()) {
     const std::string_view before = document.substr(0, at);
-    const bool is_tag = (at >= 1 && before.substr(at - 1) == "<") ||
-                        (at >= 2 && before.substr(at - 2) == "</");
+    const bool is_tag =
+        (at >= 1 && before.substr(at - 1) == "<") || (at >= 2 && before.substr(at - 2) == "</");
     if (!is_tag) continue;
     result.append(document, done, at - done).append("cylinder");
     done = at + kCapsule.size();

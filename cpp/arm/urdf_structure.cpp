@@ -96,17 +96,17 @@ std::optional<Error> check_numbers(const Elements& elements) {
   for (const Element& element : elements) {
     for (const auto& [name, value] : element.attributes) {
       const int count = number_count(element.name, name);
-      // Some robots say by a vast limit that they have none; mimics are bounded with those they lead.
+      // Some robots say by a vast limit that they have none; mimics are bounded with those they
+      // lead.
       const bool is_free = element.name == "limit" || element.name == "mimic";
       const double largest = is_free ? kLargestFinite : kLargest;
       if (count == 0 || are_numbers(value, count, largest)) continue;
       const Element* part = owner(elements, element);
       if (part == nullptr) continue;
-      return Error{element_text(*part), std::string(element.name) + " " + std::string(name) +
-                                            ": expected " + std::to_string(count) +
-                                            (count == 1 ? " finite number" : " finite numbers") +
-                                            (is_free ? "" : " up to 1e9") +
-                                            ", got " + quoted(value.substr(0, 60))};
+      return Error{element_text(*part),
+                   std::string(element.name) + " " + std::string(name) + ": expected " +
+                       std::to_string(count) + (count == 1 ? " finite number" : " finite numbers") +
+                       (is_free ? "" : " up to 1e9") + ", got " + quoted(value.substr(0, 60))};
     }
   }
   return std::nullopt;
