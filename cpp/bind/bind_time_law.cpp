@@ -1,6 +1,8 @@
 #include <pybind11/eigen.h>
 
 #include "bind/parts.hpp"
+#include "time/kept_limits.hpp"
+#include "time/line_law.hpp"
 #include "time/time_law.hpp"
 
 namespace py = pybind11;
@@ -26,23 +28,24 @@ class GriddedPath {
 
   const PathGrid& grid() const { return grid_; }
 
-  py::tuple time_law(const Vector& velocity, const Vector& acceleration, const Vector& jerk,
-                     const Vector& fastest, const Table& gain, const Table& bend,
-                     const Table& lower, const Table& upper, double period, double start_speed,
-                     double end_speed, double longest) const {
+  py::tuple law(const Vector& velocity, const Vector& acceleration, const Vector& jerk,
+                const Vector& fastest, const Table& gain, const Table& bend, const Table& lower,
+                const Table& upper, double period, double start_speed, double end_speed,
+                double longest, double most_delay) const {
     require(velocity.size() == path_.joints() && acceleration.size() == path_.joints() &&
             jerk.size() == path_.joints() && fastest.size() == grid_.points());
     for (const Table* table : {&gain, &bend, &lower, &upper})
       require(table->rows() == grid_.points() && table->cols() == gain.cols());
-    TimeLaw law;
+    TimeLaw found;
     {
       const py::gil_scoped_release release;
       const RateLimits limits{velocity, acceleration, jerk};
       const PathBounds bounds{fastest, gain, bend, lower, upper};
-      law = make_time_law(path_, grid_, limits, bounds, {period, start_speed, end_speed, longest});
+      found = make_time_law(path_, grid_, limits, bounds,
+                            {period, start_speed, end_speed, longest, most_delay});
     }
-    return py::make_tuple(static_cast<int>(law.status), law.failed_at, std::move(law.length),
-                          law.duration, law.optimum, law.rounds);
+    return py::make_tuple(static_cast<int>(found.status), found.failed_at, std::move(found.length),
+                          found.duration, found.optimum, found.rounds, as_array(found.pinches));
   }
 
   Rows positions_at(const Vector& lengths) const {
@@ -54,6 +57,36 @@ class GriddedPath {
   PolynomialPath path_;
   PathGrid grid_;
 };
+
+py::tuple time_lines_(const Table& points, const Vector& velocity, const Vector& acceleration,
+                      const Vector& jerk, double period, Eigen::Index parts, double longest) {
+  const Eigen::Index joints = points.cols();
+  require(velocity.size() == joints && acceleration.size() == joints && jerk.size() == joints &&
+          parts > 0);
+  LineMotions motions;
+  {
+    const py::gil_scoped_release release;
+    motions = time_lines(points, {velocity, acceleration, jerk}, period, parts, longest);
+  }
+  return py::make_tuple(motions.failed_at, as_array(motions.steps), as_array(motions.shares));
+}
+
+py::tuple largest_use_(const Vector& times, const Table& positions, const Table& velocities,
+                       const Table& accelerations, bool rests_at_start, bool rests_at_end,
+                       const Vector& velocity, const Vector& acceleration, const Vector& jerk) {
+  const Eigen::Index joints = positions.cols();
+  require(times.size() > 0 && velocity.size() == joints && acceleration.size() == joints &&
+          jerk.size() == joints);
+  for (const Table* table : {&positions, &velocities, &accelerations})
+    require(table->rows() == times.size() && table->cols() == joints);
+  LimitUse use;
+  {
+    const py::gil_scoped_release release;
+    use = largest_use({times, positions, velocities, accelerations, rests_at_start, rests_at_end},
+                      {velocity, acceleration, jerk});
+  }
+  return py::make_tuple(use.order, use.sample, use.joint, use.ratio);
+}
 
 }  // namespace
 
@@ -69,12 +102,20 @@ void bind_time_law(py::module_& module) {
                              [](const GriddedPath& path) { return path.grid().positions; })
       .def_property_readonly("first", [](const GriddedPath& path) { return path.grid().first; })
       .def_property_readonly("second", [](const GriddedPath& path) { return path.grid().second; })
-      .def("time_law", &GriddedPath::time_law, py::arg("velocity").noconvert(),
+      .def("law", &GriddedPath::law, py::arg("velocity").noconvert(),
            py::arg("acceleration").noconvert(), py::arg("jerk").noconvert(),
            py::arg("fastest").noconvert(), py::arg("gain").noconvert(), py::arg("bend").noconvert(),
            py::arg("lower").noconvert(), py::arg("upper").noconvert(), py::arg("period"),
-           py::arg("start_speed"), py::arg("end_speed"), py::arg("longest"))
+           py::arg("start_speed"), py::arg("end_speed"), py::arg("longest"), py::arg("most_delay"))
       .def("positions_at", &GriddedPath::positions_at, py::arg("lengths").noconvert());
+  module.def("time_lines", &time_lines_, py::arg("points").noconvert(),
+             py::arg("velocity").noconvert(), py::arg("acceleration").noconvert(),
+             py::arg("jerk").noconvert(), py::arg("period"), py::arg("parts"), py::arg("longest"));
+  module.def("largest_use", &largest_use_, py::arg("times").noconvert(),
+             py::arg("positions").noconvert(), py::arg("velocities").noconvert(),
+             py::arg("accelerations").noconvert(), py::arg("rests_at_start"),
+             py::arg("rests_at_end"), py::arg("velocity").noconvert(),
+             py::arg("acceleration").noconvert(), py::arg("jerk").noconvert());
 }
 
 }  // namespace leadthrough

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <Eigen/Core>
 #include <stdexcept>
+#include <vector>
 
 namespace leadthrough {
 
@@ -20,12 +22,18 @@ void bind_jacobian(pybind11::module_& module);
 void bind_jerk_filter(pybind11::module_& module);
 void bind_priority(pybind11::module_& module);
 void bind_so3(pybind11::module_& module);
+void bind_spline_fit(pybind11::module_& module);
 void bind_time_law(pybind11::module_& module);
 void bind_tracking(pybind11::module_& module);
 
 // The Python layer says what is wrong; this keeps the kernels inside their arrays.
 inline void require(bool sizes_agree) {
   if (!sizes_agree) throw std::invalid_argument("sizes of the arrays and of the chain differ");
+}
+
+template <typename Value>
+pybind11::array_t<Value> as_array(const std::vector<Value>& values) {
+  return pybind11::array_t<Value>(static_cast<pybind11::ssize_t>(values.size()), values.data());
 }
 
 // Orientations may have no rows.

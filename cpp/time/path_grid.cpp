@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 namespace leadthrough {
 
@@ -17,6 +18,12 @@ constexpr double kOwnPace = 1.0;
 constexpr Index kLeastPointsAPiece = 4;
 // Share of the points that is spread over the turns.
 constexpr double kShareOfTurns = 1.0 / 3.0;
+
+// A cell is halved that is so many times wider than one beside it.
+constexpr double kWider = 4.0;
+constexpr int kMostHalvings = 64;
+// Parameters nearer to each other than this share of the largest are the same.
+constexpr double kTwins = 1e-14;
 
 // Gauss and Legendre's three points on [0, 1].
 constexpr std::array<double, 3> kGaussPoint{0.1127016653792583, 0.5, 0.8872983346207417};
@@ -128,6 +135,47 @@ VectorXd spread(const PolynomialPath& path, Pace& pace, Index points) {
   return s;
 }
 
+// With points at the ends of pieces that cells are too wide for, and inside those.
+std::vector<double> with_short_pieces(const PolynomialPath& path, const VectorXd& s) {
+  std::vector<double> result(s.data(), s.data() + s.size());
+  for (Index p = 0, i = 0; p < path.pieces(); ++p) {
+    const double first = path.breaks[p], width = path.breaks[p + 1] - first;
+    while (i + 2 < s.size() && s[i + 1] <= first) ++i;
+    if (s[i + 1] - s[i] <= width / static_cast<double>(kLeastPointsAPiece)) continue;
+    for (Index k = 0; k <= kLeastPointsAPiece; ++k)
+      result.push_back(first +
+                       width * static_cast<double>(k) / static_cast<double>(kLeastPointsAPiece));
+  }
+  std::sort(result.begin(), result.end());
+  const double least = kTwins * std::max(std::abs(result.front()), std::abs(result.back()));
+  std::vector<double> apart{result.front()};
+  for (const double value : result)
+    if (value > apart.back() + least) apart.push_back(value);
+  if (apart.size() < 3) return {s.data(), s.data() + s.size()};  // no numbers
+  apart.back() = result.back();
+  return apart;
+}
+
+// Halves cells until none is much wider than its neighbours: what is held back beside a narrow
+// turn is held back on so many cells, however wide they are.
+VectorXd graded(std::vector<double> s) {
+  bool again = true;
+  for (int pass = 0; again && pass < kMostHalvings; ++pass) {
+    again = false;
+    std::vector<double> finer{s.front()};
+    for (std::size_t i = 0; i + 1 < s.size(); ++i) {
+      const double width = s[i + 1] - s[i];
+      const bool wide = (i > 0 && width > kWider * (s[i] - s[i - 1])) ||
+                        (i + 2 < s.size() && width > kWider * (s[i + 2] - s[i + 1]));
+      if (wide) finer.push_back(s[i] + 0.5 * width);
+      finer.push_back(s[i + 1]);
+      again = again || wide;
+    }
+    s.swap(finer);
+  }
+  return Eigen::Map<VectorXd>(s.data(), static_cast<Index>(s.size()));
+}
+
 }  // namespace
 
 PathGrid make_path_grid(const PolynomialPath& path, const Eigen::Ref<const VectorXd>& scale,
@@ -135,7 +183,8 @@ PathGrid make_path_grid(const PolynomialPath& path, const Eigen::Ref<const Vecto
   Pace pace(path, scale);
   PathGrid grid;
   grid.scale = scale;
-  grid.s = spread(path, pace, points);
+  grid.s = graded(with_short_pieces(path, spread(path, pace, points)));
+  points = grid.s.size();
   grid.length.resize(points);
   grid.slope.resize(points);
   grid.bend.resize(points);
@@ -171,7 +220,8 @@ double parameter_at(const PathGrid& grid, double length, Index& cell) {
   const double c3 = 10.0 * rise - 4.0 * speed + half;
   const double c4 = -15.0 * rise + 7.0 * speed - 2.0 * half;
   const double c5 = 6.0 * rise - 3.0 * speed + half;
-  return grid.s[cell] + t * (v0 + t * (a0 + t * (c3 + t * (c4 + t * c5))));
+  const double s = grid.s[cell] + t * (v0 + t * (a0 + t * (c3 + t * (c4 + t * c5))));
+  return std::clamp(s, grid.s[cell], grid.s[cell + 1]);
 }
 
 }  // namespace leadthrough

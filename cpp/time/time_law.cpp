@@ -13,6 +13,7 @@
 
 #include "base/constants.hpp"
 #include "time/differences.hpp"
+#include "time/profile_clock.hpp"
 
 namespace leadthrough {
 
@@ -30,11 +31,20 @@ constexpr int kSamplesAWindow = 6;
 constexpr double kAmply = 1.0005;
 // Points of the grid over which a hold fades out.
 constexpr Index kFade = 8;
-constexpr int kMostCoarseRounds = 8, kRoundsOfPush = 4, kMostLocalRounds = 16, kMostRounds = 60;
+constexpr int kMostCoarseRounds = 8, kRoundsOfPush = 4, kMostLocalRounds = 16, kMostSlowRounds = 40,
+              kMostRounds = 60;
+// Windows that are too short for any profile grow by this part of them, at least by a sample.
+constexpr Index kWidening = 4;
 // Excess of a limit that long strides leave to all samples.
 constexpr double kCoarseExcess = 1e-3;
 // Differences at 1 kHz carry rounding of 1e-9 of usual limits.
 constexpr double kAllowedExcess = 5e-7;
+// A place is a pinch where the motion is so many times slower than on average over the windows.
+constexpr double kPinch = 3.0;
+// The pinches are told of a motion that is longer than its profile by so many times its windows.
+constexpr double kLongDelay = 1.0;
+// What does not settle is slowed down by this, and by twice as much in every further round.
+constexpr double kFirstSlack = 1e-4;
 
 struct Windows {
   Index first, second;  // samples; their sum is even
@@ -59,10 +69,13 @@ class TimeLawSearch {
   TimeLaw run() {
     TimeLaw law;
     if (search(law)) {
+      if (clock_.total() - profile_time_ > kLongDelay * window_time()) law.pinches = pinches_;
       if (!rests_at_end()) smooth_.push_back(grid_.end());
       law.length = Eigen::Map<const VectorXd>(smooth_.data(), static_cast<Index>(smooth_.size()));
       law.duration = duration_;
     }
+    if (law.status == TimeLawStatus::kNotSettled || law.status == TimeLawStatus::kCreeps)
+      law.pinches = pinches_;
     law.rounds = rounds_;
     return law;
   }
@@ -86,6 +99,13 @@ class TimeLawSearch {
     windows_.first = std::max<Index>(1, static_cast<Index>(std::ceil(width / coarse - 1e-6)));
     windows_.second =
         std::max<Index>(1, static_cast<Index>(std::ceil(0.5 * width / coarse - 1e-6)));
+    windows_.second += (windows_.first + windows_.second) % 2;
+  }
+
+  // A motion that is shorter than its windows hardly feels a slower profile.
+  void widen_windows() {
+    windows_.first += 1 + windows_.first / kWidening;
+    windows_.second += 1 + windows_.second / kWidening;
     windows_.second += (windows_.first + windows_.second) % 2;
   }
 
@@ -143,9 +163,15 @@ class TimeLawSearch {
     fastest_profile(bounds_, start * start, end * end, profile_);
     if (profile_.status != SpeedStatus::kOk) return fail(law, profile_.status);
     const double period = options_.period * static_cast<double>(stride);
-    if (!sample(period, windows_.first * (stride_ / stride), windows_.second * (stride_ / stride)))
+    clock_ = ProfileClock(grid_, profile_);
+    if (rounds_ == 1) law.optimum = clock_.total();
+    if (rounds_ == 1 || capped_) find_pinches();
+    capped_ = false;
+    if (!pinches_.empty() && delay() > options_.most_delay)
+      return fail(law, TimeLawStatus::kCreeps, -1);
+    if (!(clock_.total() < options_.longest * options_.period))
       return fail(law, TimeLawStatus::kTooLong, grid_.points() - 1);
-    if (rounds_ == 1) law.optimum = times_.back();
+    sample(period, windows_.first * (stride_ / stride), windows_.second * (stride_ / stride));
     measure_differences(path_, grid_, limits_, smooth_, period, {rests_at_start(), rests_at_end()},
                         ratios_);
     return true;
@@ -170,18 +196,32 @@ class TimeLawSearch {
     Index stride = stride_;
     for (int k = 0; k < kMostRounds; ++k) {
       if (!round(stride, law)) return false;
-      if (stride == 1 && excess() <= 1.0 + kAllowedExcess) return true;
-      if (k == 0 && cap_by_jerk()) continue;
+      if (stride == 1 && largest_ratio() <= 1.0 + kAllowedExcess) return true;
+      if (k == 0 && cap_by_jerk()) {
+        capped_ = true;
+        continue;
+      }
       const bool near = excess() <= 1.0 + kCoarseExcess || k + 1 >= kMostCoarseRounds;
       if (stride > 1 && near) {
         stride = 1;
       } else if (k < kMostLocalRounds) {
         hold_back((stride_ / stride) * windows_.reach() + 1, k >= kRoundsOfPush);
       } else {
-        slowness_ /= excess() * (1.0 + kAllowedExcess);
+        slow_down(k - kMostSlowRounds);
       }
     }
     return fail(law, TimeLawStatus::kNotSettled, -1);
+  }
+
+  // From rest to rest all settles: jerks fall with the third power of the slowness.
+  void slow_down(int insistence) {
+    const double factor = excess() * (1.0 + kAllowedExcess);
+    slowness_ /= insistence < 0 ? factor : factor * (1.0 + std::ldexp(kFirstSlack, insistence));
+    if (insistence >= 0 && clock_.total() < window_time()) widen_windows();
+  }
+
+  double largest_ratio() const {
+    return *std::max_element(ratios_.largest.begin(), ratios_.largest.end());
   }
 
   // The factor on time that the worst ratio asks for.
@@ -243,20 +283,37 @@ class TimeLawSearch {
     }
   }
 
-  // The profile's length by time, averaged.
-  bool sample(double period, Index first, Index second) {
-    const VectorXd& x = profile_.squared;
-    times_.resize(static_cast<std::size_t>(grid_.points()));
-    times_[0] = 0.0;
-    for (Index i = 0; i + 1 < grid_.points(); ++i) {
-      const double pace = std::sqrt(x[i]) + std::sqrt(x[i + 1]);
-      times_[static_cast<std::size_t>(i + 1)] =
-          times_[static_cast<std::size_t>(i)] +
-          2.0 * (grid_.length[i + 1] - grid_.length[i]) / pace;
-    }
-    const double total = times_.back(), steps = total / period;
-    if (!(steps * static_cast<double>(stride_) < options_.longest)) return false;
+  // By how many times both the motion is longer than its first profile and the windows.
+  double delay() const {
+    const double least = profile_time_ + window_time();
+    return clock_.total() / least - 1.0;
+  }
 
+  double window_time() const {
+    return options_.period * static_cast<double>(stride_ * (windows_.first + windows_.second));
+  }
+
+  // Averaging cannot slow a motion down for less time than its windows: around a place that has to
+  // be passed slowly all is slowed down.
+  void find_pinches() {
+    profile_time_ = clock_.total();
+    pinches_.clear();
+    const VectorXd& x = profile_.squared;
+    const double half = 0.5 * window_time();
+    Index before = 0, after = 0;
+    for (Index i = 1; i + 1 < grid_.points(); ++i) {
+      if (x[i] > x[i - 1] || x[i] >= x[i + 1]) continue;
+      const double time = clock_.time(i);
+      const double from = std::max(time - half, 0.0), to = std::min(time + half, clock_.total());
+      const double mean =
+          (clock_.length_at(to, after) - clock_.length_at(from, before)) / (to - from);
+      if (mean > kPinch * std::sqrt(x[i])) pinches_.push_back(i);
+    }
+  }
+
+  // The profile's length by time, averaged.
+  void sample(double period, Index first, Index second) {
+    const double total = clock_.total(), steps = total / period;
     // Raw sample k is of the time (k - reach) * period where the motion moves at its start, and
     // twice as much earlier where it rests: there it begins before, to be at rest.
     const Index reach = (first + second) / 2 - 1;
@@ -267,40 +324,14 @@ class TimeLawSearch {
     raw_.resize(static_cast<std::size_t>(before + inner + after + 1));
     Index cell = 0;
     for (Index k = 0; k <= before + inner + after; ++k)
-      raw_[static_cast<std::size_t>(k)] = length_at(static_cast<double>(k - before) * period, cell);
+      raw_[static_cast<std::size_t>(k)] =
+          clock_.length_at(static_cast<double>(k - before) * period, cell);
     average(raw_, first);
     average(raw_, second);
     smooth_.swap(raw_);
     duration_ = static_cast<double>(smooth_.size() - 1) * period;
     if (!rests_at_end())
       duration_ = total + (rests_at_start() ? static_cast<double>(reach) * period : 0.0);
-    return true;
-  }
-
-  double length_at(double time, Index& cell) const {
-    if (time <= 0.0) return options_.start_speed * time;
-    if (time >= times_.back()) return grid_.end() + options_.end_speed * (time - times_.back());
-    while (times_[static_cast<std::size_t>(cell + 1)] <= time) ++cell;
-    const double t0 = times_[static_cast<std::size_t>(cell)];
-    const double t1 = times_[static_cast<std::size_t>(cell + 1)];
-    const double v0 = std::sqrt(profile_.squared[cell]);
-    const double v1 = std::sqrt(profile_.squared[cell + 1]), t = time - t0;
-    return grid_.length[cell] + t * (v0 + 0.5 * t * (v1 - v0) / (t1 - t0));
-  }
-
-  // Means of `width` neighbours, in place; as many fewer values.
-  static void average(std::vector<double>& values, Index width) {
-    const auto window = static_cast<std::size_t>(width);
-    const double share = 1.0 / static_cast<double>(width);
-    double sum = 0.0;
-    for (std::size_t k = 0; k + 1 < window; ++k) sum += values[k];
-    for (std::size_t k = 0; k + window <= values.size(); ++k) {
-      sum += values[k + window - 1];
-      const double oldest = values[k];
-      values[k] = sum * share;
-      sum -= oldest;
-    }
-    values.resize(values.size() - window + 1);
   }
 
   const PolynomialPath& path_;
@@ -312,11 +343,14 @@ class TimeLawSearch {
   Index stride_ = 1;
   SpeedBounds bounds_;
   VectorXd fastest_, speed_share_, push_share_;
-  double slowness_ = 1.0, duration_ = 0.0;
+  double slowness_ = 1.0, duration_ = 0.0, profile_time_ = 0.0;
+  bool capped_ = false;  // whether the next profile is the first below the caps of jerk
   int rounds_ = 0;
+  std::vector<Index> pinches_;
   SpeedProfile profile_;
   DifferenceRatios ratios_;
-  std::vector<double> times_, raw_, smooth_;
+  ProfileClock clock_;
+  std::vector<double> raw_, smooth_;
 };
 
 }  // namespace

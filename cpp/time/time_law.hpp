@@ -2,15 +2,13 @@
 
 // The fastest motion along a path inside velocity, acceleration and jerk limits.
 
+#include <vector>
+
 #include "time/path_grid.hpp"
+#include "time/rate_limits.hpp"
 #include "time/reachability.hpp"
 
 namespace leadthrough {
-
-// One value a joint; infinite where there is none. Zero is for joints that do not move.
-struct RateLimits {
-  Eigen::VectorXd velocity, acceleration, jerk;
-};
 
 // Further bounds at the points of the grid, by length and its derivatives in time; see SpeedBounds.
 struct PathBounds {
@@ -23,9 +21,20 @@ struct TimeLawOptions {
   // Speeds of the length at the ends; with 0 the motion starts and ends at rest.
   double start_speed = 0.0, end_speed = 0.0;
   double longest = 1e7;  // samples
+  // A motion with pinches is given up that is longer than its profile by so many times that and
+  // its windows.
+  double most_delay = 20.0;
 };
 
-enum class TimeLawStatus { kOk, kNoMotion, kStartTooFast, kEndTooFast, kTooLong, kNotSettled };
+enum class TimeLawStatus {
+  kOk,
+  kNoMotion,
+  kStartTooFast,
+  kEndTooFast,
+  kTooLong,
+  kNotSettled,
+  kCreeps  // far longer than its pinches are worth: rest at them
+};
 
 struct TimeLaw {
   TimeLawStatus status = TimeLawStatus::kOk;
@@ -34,6 +43,9 @@ struct TimeLaw {
   double duration = 0.0;        // a multiple of the period where the motion ends at rest
   double optimum = 0.0;         // what it would be without jerk limits
   int rounds = 0;               // reachability passes
+  // Points of the grid at which the motion has to be so much slower than beside them that it may
+  // be faster to rest there. None where it is not much longer than its profile.
+  std::vector<Eigen::Index> pinches;
 };
 
 // Differences of the samples' positions keep the limits, those over the ends included where the

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -20,7 +21,7 @@ from scipy.interpolate import CubicSpline
 from toppra import algorithm, constraint
 
 import leadthrough as lt
-from leadthrough import _core
+from leadthrough.trajectories import Spline
 
 RATE = 1000.0
 WAY_POINTS = 12
@@ -29,7 +30,7 @@ OPTIMUM_POINTS = 3000
 SPREAD = 1.0  # rad about zero
 # Share of the Panda's jerk limits, and the largest median of the duration over the optimum.
 JERKS = {1.0: 1.004, 0.1: 1.012, 0.02: 1.045}
-EXCESS = 1e-3
+EXCESS = 1e-6
 
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
@@ -70,32 +71,20 @@ def peer(way: Any, limits: Any, points: int) -> float:
     return float(np.sum(2.0 * np.diff(grid) / (speeds[1:] + speeds[:-1])))
 
 
-def ours(way: Any, limits: Any, share: float) -> tuple[Any, Any]:
-    """The path and its lengths at the samples; positions are not sampled."""
+def ours(way: Any, limits: Any, share: float) -> Any:
+    """Our motion, sampled."""
     spline = CubicSpline(np.linspace(0.0, 1.0, len(way)), way)
-    table = np.ascontiguousarray(spline.c[::-1].transpose(1, 0, 2)).reshape(-1, way.shape[1])
-    spread = np.ptp(spline(np.linspace(0.0, 1.0, 400)), axis=0)
-    scale = np.minimum(limits.velocity, np.sqrt(limits.acceleration * spread))
-    path = _core.TimedPath(spline.x, table, scale, POINTS + 1)
-    none = np.empty((POINTS + 1, 0))
-    law = path.time_law(
-        limits.velocity,
-        limits.acceleration,
-        limits.jerk * share,
-        np.full(POINTS + 1, np.inf),
-        *(none, none, none, none),
-        *(1.0 / RATE, 0.0, 0.0, 1e7),
-    )
-    return path, law[2]
+    path = Spline(spline.x, spline.c[::-1].transpose(1, 0, 2))
+    return lt.retime(path, replace(limits, jerk=share * limits.jerk), rate=RATE)
 
 
 def _all(paths: Any, limits: Any, share: float) -> list[Any]:
     return [ours(way, limits, share) for way in paths]
 
 
-def _error(limits: Any, share: float, optima: Any, laws: Any, _peer: Any) -> float:
-    durations = np.array([(len(lengths) - 1) / RATE for _, lengths in laws])
-    excess = max(_excess(path.positions_at(lengths), limits, share) for path, lengths in laws)
+def _error(limits: Any, share: float, optima: Any, motions: Any, _peer: Any) -> float:
+    durations = np.array([motion.duration for motion in motions])
+    excess = max(_excess(motion.positions, limits, share) for motion in motions)
     return float(np.median(durations / optima)) - 1.0 if excess <= EXCESS else excess
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 Float32Array = NDArray[np.float32]
 Float64Array = NDArray[np.float64]
 Int32Array = NDArray[np.int32]
+IndexArray = NDArray[np.intp]
 BoolArray = NDArray[np.bool_]
 
 class Mimic:
@@ -654,6 +655,30 @@ def directions(
 def directions(
     arrival: Float64Array, spacing: Sequence[float], points: Float64Array
 ) -> tuple[str, int, Float64Array]: ...
+def time_lines(
+    points: Float64Array,
+    velocity: Float64Array,
+    acceleration: Float64Array,
+    jerk: Float64Array,
+    period: float,
+    parts: int,
+    longest: float,
+) -> tuple[int, IndexArray, Float64Array]: ...
+def largest_use(
+    times: Float64Array,
+    positions: Float64Array,
+    velocities: Float64Array,
+    accelerations: Float64Array,
+    rests_at_start: bool,
+    rests_at_end: bool,
+    velocity: Float64Array,
+    acceleration: Float64Array,
+    jerk: Float64Array,
+) -> tuple[int, int, int, float]: ...
+def fit_spline(
+    parameters: Float64Array, q: Float64Array, tolerance: float
+) -> tuple[IndexArray, Float64Array]: ...
+def rows_apart(q: Float64Array, tolerance: float) -> IndexArray: ...
 
 class TimedPath:
     def __init__(
@@ -671,7 +696,7 @@ class TimedPath:
     def first(self) -> Float64Array: ...
     @property
     def second(self) -> Float64Array: ...
-    def time_law(
+    def law(
         self,
         velocity: Float64Array,
         acceleration: Float64Array,
@@ -685,5 +710,6 @@ class TimedPath:
         start_speed: float,
         end_speed: float,
         longest: float,
-    ) -> tuple[int, int, Float64Array, float, float, int]: ...
+        most_delay: float,
+    ) -> tuple[int, int, Float64Array, float, float, int, IndexArray]: ...
     def positions_at(self, lengths: Float64Array) -> Float64Array: ...

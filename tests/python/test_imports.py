@@ -50,11 +50,8 @@ REFERENCE = {
     for name in re.findall(r"^::: (leadthrough\S+)$", page.read_text(), re.MULTILINE)
 }
 TYPES = ("check", "errors", "events", "motion", "shapes")
-# A study's digest covers the compiled core; one benchmark measures the time law's kernel alone.
-KERNELS = {
-    "study.py": {("leadthrough", "_core")},
-    "bench_time_law.py": {("leadthrough", "_core")},
-}
+# A study's digest covers the compiled core.
+KERNELS = {"study.py": {("leadthrough", "_core")}}
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")
 
 

@@ -83,11 +83,11 @@ def retime(
 
 
 def _fractions(bindings: Sequence[Binding]) -> list[str]:
-    """What limits the motion and in which fraction of its time, the largest first."""
+    """Which limits bind and for which fraction of the time, the longest first."""
     total = sum(each.end - each.start for each in bindings)
     lengths: dict[str, float] = {}
     for each in bindings:
-        name = f"{each.joint} {each.kind}"
+        name = f"{each.joint} {each.kind}" if each.binds else "no limit"
         lengths[name] = lengths.get(name, 0.0) + each.end - each.start
     ranked = sorted(lengths.items(), key=lambda item: -item[1])
     return [f"{name} {length / total:.0%}" for name, length in ranked if length > 0.005 * total]

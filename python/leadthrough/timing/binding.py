@@ -14,11 +14,13 @@ from leadthrough.timing.limits_report import limit_ratios
 
 Kind = Literal["velocity", "acceleration", "jerk"]
 _KINDS: tuple[Kind, ...] = ("velocity", "acceleration", "jerk")
+# A limit binds from this fraction of it on: what is left is the time law's own margin.
+_BINDS = 0.95
 
 
 @dataclass(frozen=True)
 class Binding:
-    """A stretch of time in which one limit is the nearest.
+    """A stretch of time in which one limit is the nearest, and binds throughout or nowhere.
 
     Attributes:
         start: first time, s.
@@ -34,9 +36,16 @@ class Binding:
     kind: Kind
     ratio: float
 
+    @property
+    def binds(self) -> bool:
+        """Whether the motion could not be faster there: at least 95 % of the limit is used."""
+        return self.ratio >= _BINDS
+
 
 def binding_limits(trajectory: JointTrajectory, limits: JointLimits) -> list[Binding]:
     """The limit that is nearest in each stretch of a trajectory, in the order of time.
+
+    A stretch in which the nearest limit binds is told apart from one in which it does not.
 
     Args:
         trajectory: the motion.
@@ -49,8 +58,8 @@ def binding_limits(trajectory: JointTrajectory, limits: JointLimits) -> list[Bin
     if len(trajectory.times) == 1:
         return []
     flat = ratios.reshape(len(ratios), -1)
-    nearest = flat.argmax(axis=1)
-    changes = np.flatnonzero(np.diff(nearest)) + 1
+    nearest, binds = flat.argmax(axis=1), flat.max(axis=1) >= _BINDS
+    changes = np.flatnonzero(np.diff(nearest) | np.diff(binds)) + 1
     return [
         Binding(
             start=float(trajectory.times[first]),

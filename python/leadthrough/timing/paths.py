@@ -14,9 +14,9 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory
 from leadthrough.timing.fitting import fit_within, moving_samples
-from leadthrough.timing.polyline import blended_path, stops_of
+from leadthrough.timing.polyline import apart, are_lines, blended_path, stops_of
 from leadthrough.timing.request import Request
-from leadthrough.timing.sections import Rows, Section, Sections, between
+from leadthrough.timing.sections import Lines, Rows, Section, Sections, between
 from leadthrough.trajectories import Curve, Spline
 
 # Number of samples through which curves are fitted that are not splines, or not smooth enough.
@@ -126,14 +126,19 @@ def _cut_spline(path: Spline, request: Request) -> Sections:
 
 
 def _cut_way_points(points: Float64Array, request: Request) -> Sections:
-    # A way-point that repeats the one before is dropped; its hold goes to that one.
-    apart = np.concatenate([[True], (np.diff(points, axis=0) != 0.0).any(axis=1)])
-    new_row = np.cumsum(apart) - 1
+    # A way-point that nearly repeats the one before is dropped; its hold goes to that one.
+    rows = apart(points)
+    new_row = np.searchsorted(rows, np.arange(len(points)), side="right") - 1
     holds: dict[int, float] = {}
     for row, hold in request.holds.items():
         holds[int(new_row[row])] = holds.get(int(new_row[row]), 0.0) + hold
-    kept, rows = points[apart], np.flatnonzero(apart)
+    kept = points[rows]
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(kept, axis=0), axis=1))])
+    stops = stops_of(kept, blend=request.blend, holds=list(holds))
+    if len(kept) > 1 and request.along_lines and are_lines(kept, stops):
+        held = np.array([holds.get(stop, 0.0) for stop in stops])
+        lines = Lines(kept[stops], lengths[stops], rows, lengths, held[1:])
+        return Sections(held[0], [lines])
 
     def section(first: int, last: int) -> Section:
         part = slice(first, last + 1)
@@ -141,4 +146,4 @@ def _cut_way_points(points: Float64Array, request: Request) -> Sections:
             blended_path(kept[part], request.blend), rows[part], lengths[part] - lengths[first]
         )
 
-    return between(stops_of(kept, blend=request.blend, holds=list(holds)), section, holds=holds)
+    return between(stops, section, holds=holds)

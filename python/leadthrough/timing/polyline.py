@@ -5,13 +5,33 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
+from leadthrough import _core
 from leadthrough.check import Float64Array
 from leadthrough.trajectories import Spline
 from leadthrough.trajectories.minimum_jerk import QUINTIC
 
 # Directions that differ by less are the same: rounding of way-points on a straight line.
 _SAME_DIRECTION = 1e-9
+# Way-points that are nearer to each other in all coordinates, rad (m), are one: no encoder tells
+# them apart, and the direction between them is rounding.
+_COINCIDENT = 1e-9
+# What is left of a line between two corners is a piece if knots can be told apart there.
+_ULPS = 8.0 * np.finfo(np.float64).eps
+
+
+def apart(points: Float64Array) -> NDArray[np.intp]:
+    """Indices of the way-points that do not nearly coincide with the one kept before.
+
+    The first is among them; so is the last, in place of the one that it coincides with, unless it
+    repeats all.
+    """
+    kept = _core.rows_apart(np.ascontiguousarray(points), _COINCIDENT)
+    last = len(points) - 1
+    if (points[kept[-1]] != points[last]).any():
+        return np.append(kept[: max(len(kept) - 1, 1)], last)
+    return kept
 
 
 def stops_of(points: Float64Array, *, blend: float, holds: Sequence[int]) -> list[int]:
@@ -22,10 +42,31 @@ def stops_of(points: Float64Array, *, blend: float, holds: Sequence[int]) -> lis
         blend: with more than 0 corners are cut, so that the motion does not rest there.
         holds: indices of the way-points to rest at.
     """
-    stops = [0, *holds, len(points) - 1]
-    if blend == 0.0:
-        stops += [i for i in range(1, len(points) - 1) if _turn(points, i) > _SAME_DIRECTION]
-    return sorted(set(stops))
+    stops = {0, *holds, len(points) - 1}
+    if blend == 0.0 and len(points) > 2:
+        steps = np.diff(points, axis=0)
+        directions = steps / np.linalg.norm(steps, axis=1)[:, None]
+        turns = np.abs(np.diff(directions, axis=0)).max(axis=1)
+        stops.update((np.flatnonzero(turns > _SAME_DIRECTION) + 1).tolist())
+    return sorted(stops)
+
+
+def are_lines(points: Float64Array, stops: Sequence[int]) -> bool:
+    """Whether the straight lines between stops lead through all way-points (n, d), in their order.
+
+    Args:
+        points: way-points.
+        stops: indices of some of them, the first and the last among them.
+    """
+    line = np.minimum(np.searchsorted(stops, np.arange(len(points)), side="right"), len(stops) - 1)
+    begin = points[list(stops)][line - 1]
+    along, from_stop = points[list(stops)][line] - begin, points - begin
+    squared = np.einsum("ij,ij->i", along, along)
+    if not squared.all():
+        return False
+    share = np.einsum("ij,ij->i", from_stop, along) / squared
+    beside = np.abs(from_stop - share[:, None] * along).max()
+    return bool(beside <= _COINCIDENT and (np.diff(line + share) > 0.0).all())
 
 
 def blended_path(points: Float64Array, blend: float) -> Spline:
@@ -46,7 +87,7 @@ def blended_path(points: Float64Array, blend: float) -> Spline:
     for i, (length, direction) in enumerate(zip(lengths, directions, strict=True)):
         last = i == len(lengths) - 1
         cut = 0.0 if last else _cut(directions, lengths, i, blend)
-        if length - cut > begin:
+        if knots[-1] + (length - cut - begin) > knots[-1] * (1.0 + _ULPS):
             start = points[i] + begin * direction
             pieces.append(_piece([start, direction]))
             knots.append(knots[-1] + length - cut - begin)
@@ -55,11 +96,6 @@ def blended_path(points: Float64Array, blend: float) -> Spline:
             knots.append(knots[-1] + 2.0 * cut)
         begin = cut
     return Spline(np.array(knots), np.array(pieces))
-
-
-def _turn(points: Float64Array, i: int) -> float:
-    before, after = points[i] - points[i - 1], points[i + 1] - points[i]
-    return float(np.abs(after / np.linalg.norm(after) - before / np.linalg.norm(before)).max())
 
 
 def _cut(directions: Float64Array, lengths: Float64Array, i: int, blend: float) -> float:

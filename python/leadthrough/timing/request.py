@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from numpy.typing import ArrayLike
 
@@ -35,6 +35,28 @@ class Request:
             value = getattr(self, name)
             if value is not None and not callable(value):
                 raise InvalidInput(f"{name}: expected a function, got {type(value).__name__}")
+
+    @property
+    def along_lines(self) -> bool:
+        """Whether straight lines between rests have a motion in closed form."""
+        bounds = (self.not_before, self.tip_speed, self.inverse_dynamics)
+        velocities = (self.start_velocity, self.end_velocity)
+        return all(bound is None for bound in bounds) and not any(
+            velocity is not None and velocity.any() for velocity in velocities
+        )
+
+    def between_rests(self, *, first: bool, last: bool) -> Request:
+        """The request for a part of the path.
+
+        Args:
+            first: whether the part begins where the path does, with its velocity.
+            last: whether it ends where the path does, with its velocity.
+        """
+        return replace(
+            self,
+            start_velocity=self.start_velocity if first else None,
+            end_velocity=self.end_velocity if last else None,
+        )
 
 
 def checked_holds(holds: Mapping[int, float] | None, rows: int) -> dict[int, float]:

@@ -2,14 +2,15 @@
 
 The time-optimal speeds for velocities and accelerations are those of Pham and Pham 2018 in their
 interpolation scheme. Averaging them over two windows of time bounds the jerk; where averaging
-pushes a joint over a limit, the path is passed a little more slowly, there and nowhere else. What
-is promised is measured: differences of the returned samples keep the limits.
+pushes a joint over a limit, the path is passed a little more slowly, there and nowhere else, and
+where passing a narrow turn would take longer, the motion rests there. Straight lines between rests
+have a closed form. What is promised is measured on all that leaves: differences of the returned
+samples keep the limits, or an error is raised.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import reduce
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,12 +22,17 @@ from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory
 from leadthrough.timing import request as checks
 from leadthrough.timing.bounds import InverseDynamics, Jacobian
+from leadthrough.timing.kept import excess, parted, tightened
+from leadthrough.timing.lines import time_lines
 from leadthrough.timing.paths import path_of
 from leadthrough.timing.request import Request
 from leadthrough.timing.samples import Samples
 from leadthrough.timing.section_law import time_section
-from leadthrough.timing.sections import Sections
+from leadthrough.timing.sections import Lines, Sections
 from leadthrough.trajectories import Curve
+
+# Short sections lose digits: where that shows, the path is timed again, a little slower.
+_MOST_ATTEMPTS = 4
 
 
 def retime(
@@ -50,12 +56,13 @@ def retime(
         path: a JointTrajectory, through whose samples a smooth path is fitted; a curve of
             `leadthrough.trajectories`, of which a Spline with two continuous derivatives is
             followed exactly and one with corners rests at them; or way-points (n, joints), joined
-            by straight lines. Its rows are its samples, knots or way-points.
+            by straight lines; those within 1e-9 rad (m) of each other are one. Its rows are its
+            samples, knots or way-points.
         limits: velocity, acceleration and jerk limits of the joints.
         rate: samples per second.
         path_tolerance: rad (m), how far a fitted path may lie off the samples.
         blend: rad (m), by how much corners between way-points are cut; with 0 the motion rests
-            there.
+            there, as it may where a cut would be so narrow that resting is faster.
         holds: seconds that the motion rests, by row.
         not_before: times (rows,) in seconds, before which no row is reached. With a trajectory's
             own times, its timing is kept wherever the limits allow: the motion is no faster than
@@ -76,7 +83,8 @@ def retime(
     Raises:
         InvalidInput: if an argument is malformed or does not fit the path.
         LimitsInfeasible: if a position lies outside its limits, a joint moves whose limit is 0, a
-            velocity at an end is too fast, or the arm cannot hold itself.
+            velocity at an end is too fast, the arm cannot hold itself, or the samples found exceed
+            a limit by more than 1e-6 of it.
 
     Source: Pham and Pham 2018.
     """
@@ -117,16 +125,35 @@ def _check_limits(limits: JointLimits) -> None:
 def _timed(
     sections: Sections, limits: JointLimits, request: Request, *, start: Float64Array
 ) -> Samples:
-    """The motion over all sections, with the rests between them."""
+    """The motion over all sections, with the rests between them; it keeps the limits."""
+    ends = request.start_velocity, request.end_velocity
+    passes = [velocity is not None and bool(velocity.any()) for velocity in ends]
+    inner, found = limits, None
+    for _ in range(_MOST_ATTEMPTS):
+        motion = parted(_joined(sections, inner, request, start=start), limits, request.rate)
+        found = excess(motion, limits, rests=(not passes[0], not passes[1]))
+        if found is None:
+            return motion
+        inner = tightened(inner, found)
+    assert found is not None
+    raise found.error()
+
+
+def _joined(
+    sections: Sections, limits: JointLimits, request: Request, *, start: Float64Array
+) -> Samples:
+    """The motions along the sections, one after the other."""
     motions, begin = list[Samples](), sections.initial_hold
     for i, part in enumerate(sections.parts):
-        last = i == len(sections.parts) - 1
-        motions.append(time_section(part, limits, request, begin=begin, first=i == 0, last=last))
-        begin += float(motions[-1].times[-1])
-    first = motions[0] if motions else Samples.at_rest(start)
-    return reduce(
-        Samples.followed_by, motions[1:], first.held_before(sections.initial_hold, request.rate)
-    )
+        if isinstance(part, Lines):
+            motion = time_lines(part, limits, request.rate)
+        else:
+            own = request.between_rests(first=i == 0, last=i == len(sections.parts) - 1)
+            motion = time_section(part, limits, own, begin)
+        motions.append(motion)
+        begin += float(motion.times[-1])
+    moved = Samples.joined(motions) if motions else Samples.at_rest(start)
+    return moved.held_before(sections.initial_hold, request.rate)
 
 
 def _trajectory(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,6 +64,37 @@ class Samples:
             np.vstack([self.velocities, other.velocities[1:]]),
             np.vstack([self.accelerations, other.accelerations[1:]]),
         )
+
+    @staticmethod
+    def joined(motions: Sequence[Samples]) -> Samples:
+        """All motions; each begins where the one before ends."""
+        ends = np.cumsum([0.0, *(motion.times[-1] for motion in motions[:-1])])
+        cut = [slice(int(i > 0), None) for i in range(len(motions))]
+        pairs = list(zip(motions, cut, strict=True))
+        return Samples(
+            np.concatenate([end + m.times[c] for end, (m, c) in zip(ends, pairs, strict=True)]),
+            np.concatenate([m.places[c] for m, c in pairs]),
+            np.concatenate([m.positions[c] for m, c in pairs]),
+            np.concatenate([m.velocities[c] for m, c in pairs]),
+            np.concatenate([m.accelerations[c] for m, c in pairs]),
+        )
+
+    def with_rests(self, rows: NDArray[np.intp], rests: Float64Array, rate: float) -> Samples:
+        """The motion with further rests.
+
+        Args:
+            rows: samples (m,) at which it rests, increasing.
+            rests: how long, s, (m,).
+            rate: samples per second.
+        """
+        copies = np.ones(len(self.times), dtype=np.intp)
+        copies[rows] += np.ceil(rests * rate - 1e-9).astype(np.intp)
+        if (copies == 1).all():
+            return self
+        later = np.concatenate([[0], np.cumsum(copies[:-1] - 1)]) / rate
+        repeated = self._rows(np.repeat(np.arange(len(self.times)), copies))
+        within = np.arange(len(repeated.times)) - np.repeat(np.cumsum(copies) - copies, copies)
+        return replace(repeated, times=repeated.times + np.repeat(later, copies) + within / rate)
 
     def some(self, count: int) -> Samples:
         """At most `count` evenly spread samples."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -13,6 +14,9 @@ from leadthrough.check import Float64Array
 from leadthrough.trajectories import Spline
 
 Rows = NDArray[np.intp]
+
+
+_SAME_PLACE = 1e-12  # rad or m
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +35,43 @@ class Section:
     parameters: Float64Array
     hold: float = 0.0
 
+    def cut_at(self, parameters: Float64Array) -> list[Section]:
+        """The section in parts, without its hold; all rows stay, some beyond the part's ends.
+
+        Args:
+            parameters: where to cut, increasing; the ends of the spline are left out.
+        """
+        parts, begin = list[Section](), self.spline.coefficients[0, 0]
+        for part in _parts(self.spline, parameters):
+            # From 0, as a short part's own parameters would be lost in the digits of the whole,
+            # and from where the part before ends to the last digit.
+            table = part.coefficients.copy()
+            table[0, 0] = begin
+            spline = Spline(part.knots - part.knots[0], table)
+            own = self.parameters - part.knots[0]
+            parts.append(replace(self, spline=spline, parameters=own, hold=0.0))
+            begin = spline.evaluate(spline.domain[1])
+        return parts
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """Straight lines, at whose ends the motion rests.
+
+    Attributes:
+        ends: of the lines, (m + 1, joints).
+        at: lengths (m + 1,) of the path at the ends.
+        rows: way-points (n,) on the lines, by their index in the whole path.
+        lengths: of the path at these way-points, (n,).
+        holds: s, how long the motion rests after each line, (m,).
+    """
+
+    ends: Float64Array
+    at: Float64Array
+    rows: Rows
+    lengths: Float64Array
+    holds: Float64Array
+
 
 @dataclass(frozen=True, eq=False)
 class Sections:
@@ -38,11 +79,11 @@ class Sections:
 
     Attributes:
         initial_hold: s, how long the motion rests at its start.
-        parts: the sections, in their order.
+        parts: the sections, in their order, and lines.
     """
 
     initial_hold: float
-    parts: list[Section]
+    parts: list[Section | Lines]
 
 
 def between(
@@ -68,4 +109,31 @@ def between(
             parts[-1] = replace(parts[-1], hold=parts[-1].hold + hold)
         else:
             initial_hold += hold
-    return Sections(initial_hold, parts)
+    return Sections(initial_hold, list[Section | Lines](parts))
+
+
+def _parts(spline: Spline, parameters: Float64Array) -> list[Spline]:
+    """The spline between its start, each of the parameters and its end; each part moves."""
+    start, end = spline.domain
+    inner = parameters[(parameters > start) & (parameters < end)]
+    q = spline.evaluate(np.array([start, *inner, end]))
+    moved = np.abs(np.diff(q, axis=0)).max(axis=1) > _SAME_PLACE
+    inner = inner[moved[:-1] & moved[1:]]
+    return [_between(spline, *ends) for ends in pairwise([start, *inner.tolist(), end])]
+
+
+def _between(spline: Spline, first: float, last: float) -> Spline:
+    """The spline between two of its parameters."""
+    begin = int(np.searchsorted(spline.knots, first, side="right")) - 1
+    end = int(np.searchsorted(spline.knots, last, side="left"))
+    knots, pieces = spline.knots[begin : end + 1].copy(), spline.coefficients[begin:end].copy()
+    pieces[0] = _moved(pieces[0], first - knots[0])
+    knots[[0, -1]] = first, last
+    return Spline(knots, pieces)
+
+
+def _moved(piece: Float64Array, by: float) -> Float64Array:
+    """Coefficients (terms, d) of a polynomial that begins later by so much."""
+    powers = range(len(piece))
+    table = [[math.comb(k, i) * by ** (k - i) if k >= i else 0.0 for k in powers] for i in powers]
+    return np.array(table) @ piece

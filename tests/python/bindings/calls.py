@@ -328,7 +328,7 @@ timed = make(
 )
 none = np.zeros((9, 0))
 call(
-    timed.time_law,
+    timed.law,
     0,
     velocity=SPEED,
     acceleration=LOOSE,
@@ -342,8 +342,18 @@ call(
     start_speed=0.0,
     end_speed=0.0,
     longest=1e5,
+    most_delay=20.0,
 )
 call(timed.positions_at, [[0.0, 0.0]], lengths=np.zeros(1))
+LINE = np.array([[0.0, 0.0], [1.0, -1.0]])
+rates = {"velocity": SPEED, "acceleration": LOOSE, "jerk": np.full(2, 99.0)}
+call(core.time_lines, -1, points=LINE, period=0.01, parts=1, longest=1e5, **rates)
+sampled = {"positions": LINE, "velocities": 0 * LINE, "accelerations": 0 * LINE}
+ends = {"rests_at_start": True, "rests_at_end": True}
+call(core.largest_use, 1, times=np.array([0.0, 1.0]), **sampled, **ends, **rates)
+ramp = np.linspace(0.0, 1.0, 20)
+call(core.fit_spline, [0, 4, 9, 14, 19], parameters=ramp, q=ramp[:, None], tolerance=1e-9)
+call(core.rows_apart, [0, 1], q=LINE, tolerance=1e-9)
 
 # Objects of other sizes, which go with none of the above.
 short = core.Chain(robot, "base", "lower")

@@ -248,6 +248,9 @@ def test_what_limits_a_motion_is_told_by_joint_and_kind():
     assert longest.ratio == pytest.approx(1.0, abs=1e-3)
     assert bindings[0].start == motion.times[0]
     assert bindings[-1].end == motion.times[-1]
+    slow = lt.JointTrajectory(10.0 * motion.times, motion.positions)
+    assert not any(binding.binds for binding in binding_limits(slow, limits))
+    assert all(binding.binds == (binding.ratio >= 0.95) for binding in bindings)
 
 
 @settings(max_examples=40)

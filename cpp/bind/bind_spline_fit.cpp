@@ -1,0 +1,43 @@
+#include <pybind11/eigen.h>
+
+#include "bind/parts.hpp"
+#include "time/spline_fit.hpp"
+
+namespace py = pybind11;
+
+namespace leadthrough {
+
+namespace {
+
+using Vector = Eigen::Ref<const Eigen::VectorXd>;
+using Table = Eigen::Ref<const Rows>;
+
+py::tuple fit_spline_(const Vector& parameters, const Table& q, double tolerance) {
+  require(parameters.size() == q.rows() && q.rows() > 6 && q.cols() > 0);
+  SplineFit fit;
+  {
+    const py::gil_scoped_release release;
+    fit = fit_spline(parameters, q, tolerance);
+  }
+  return py::make_tuple(as_array(fit.breaks), std::move(fit.coefficients));
+}
+
+py::array_t<Eigen::Index> rows_apart_(const Table& q, double tolerance) {
+  require(q.rows() > 0 && q.cols() > 0);
+  std::vector<Eigen::Index> rows;
+  {
+    const py::gil_scoped_release release;
+    rows = rows_apart(q, tolerance);
+  }
+  return as_array(rows);
+}
+
+}  // namespace
+
+void bind_spline_fit(py::module_& module) {
+  module.def("fit_spline", &fit_spline_, py::arg("parameters").noconvert(),
+             py::arg("q").noconvert(), py::arg("tolerance"));
+  module.def("rows_apart", &rows_apart_, py::arg("q").noconvert(), py::arg("tolerance"));
+}
+
+}  // namespace leadthrough

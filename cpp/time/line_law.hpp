@@ -1,0 +1,25 @@
+#pragma once
+
+// The fastest motions along straight lines from rest to rest: the double S of bounded speed,
+// acceleration and jerk (Biagiotti and Melchiorri 2008, Trajectory Planning for Automatic Machines
+// and Robots, section 3.4).
+
+#include <vector>
+
+#include "time/rate_limits.hpp"
+
+namespace leadthrough {
+
+// Lines one after the other, with a rest of no time between them.
+struct LineMotions {
+  Eigen::Index failed_at = -1;      // line that would take the motion beyond the most samples
+  std::vector<Eigen::Index> steps;  // of each line
+  std::vector<double> shares;       // of its line, after each step
+};
+
+// Lines from each of the points to the next, none of which repeats the one before. A step is of
+// `parts` periods; samples a period apart keep the limits. Joints with limits of 0 do not count.
+LineMotions time_lines(const Eigen::Ref<const Rows>& points, const RateLimits& limits,
+                       double period, Eigen::Index parts, double longest);
+
+}  // namespace leadthrough
