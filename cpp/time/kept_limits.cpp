@@ -12,8 +12,8 @@ namespace {
 using Eigen::Index;
 
 constexpr Index kOrders = 3;
-// A position is evaluated to within so many units in the last place.
-constexpr double kUlps = 2.0;
+// A position is given to within so many units in the last place.
+constexpr double kUlps = 1.0;
 
 // The samples and those of standing still beyond them, as far as differences reach.
 class Padded {

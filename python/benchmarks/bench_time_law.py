@@ -75,7 +75,9 @@ def ours(way: Any, limits: Any, share: float) -> Any:
     """Our motion, sampled."""
     spline = CubicSpline(np.linspace(0.0, 1.0, len(way)), way)
     path = Spline(spline.x, spline.c[::-1].transpose(1, 0, 2))
-    return lt.retime(path, replace(limits, jerk=share * limits.jerk), rate=RATE)
+    far = np.full(way.shape[1], np.inf)
+    rates = replace(limits, lower=-far, upper=far, jerk=share * limits.jerk)
+    return lt.retime(path, rates, rate=RATE)
 
 
 def _all(paths: Any, limits: Any, share: float) -> list[Any]:

@@ -134,7 +134,7 @@ def _exceeds(q: Float64Array, limits: JointLimits, rate: float) -> NDArray[np.bo
     exceeds = np.zeros(len(q), dtype=np.bool_)
     for order, limit in ((2, limits.acceleration), (3, limits.jerk)):
         assert limit is not None
-        rounding = 2.0**order * 2.0 * _EPSILON * size
+        rounding = 2.0**order * _EPSILON * size
         used = (np.abs(np.diff(q, order, axis=1)).max(axis=1) - rounding) * rate**order
         exceeds |= ((used > limit * (1.0 + 0.5 * _EXCESS)) & (limit > 0.0)).any(axis=1)
     return exceeds
