@@ -2,6 +2,7 @@
 
 import asyncio
 import http.client
+from concurrent.futures import ThreadPoolExecutor
 from urllib.parse import urlsplit
 
 import pytest
@@ -38,8 +39,10 @@ def opens(private, url, **options):
         ) as socket:
             return bool(await asyncio.wait_for(socket.recv(), 20))
 
+    # A browser test of the same process may have left an event loop running in this thread.
     try:
-        return asyncio.run(opened())
+        with ThreadPoolExecutor(1) as thread:
+            return thread.submit(lambda: asyncio.run(opened())).result()
     except InvalidStatus as error:
         assert error.response.status_code == 403
         return False

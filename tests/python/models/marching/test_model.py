@@ -208,6 +208,9 @@ def test_no_path_says_why(skill, box, reason):
     assert error.value.reason == reason
 
 
+BALL = lt.Sphere(1.0, (0.0, 0.0, 0.0))
+
+
 @pytest.mark.parametrize(
     ("query", "message"),
     [
@@ -218,7 +221,7 @@ def test_no_path_says_why(skill, box, reason):
         ({"dt": -1.0}, "dt: expected a finite number > 0"),
         ({"dt": 1e-9}, "dt: expected at most 1e.07 samples"),
         ({"duration": 1e300}, "dt: expected at most 1e.07 samples"),
-        ({"start": (-39.0, -39.0), "goal": (39.0, 39.0)}, "cells"),
+        ({"start": (-39.0, -39.0), "goal": (39.0, 39.0), "obstacles": [BALL]}, "cells"),
         ({"goal": (1e6, 0.0)}, "goal: .* in the unit of the demonstrations"),
         ({"obstacles": [1]}, "obstacles"),
     ],
