@@ -49,7 +49,7 @@ def write_all(folder, motion):
         )
     table = {"timestamp": motion.times, "observation.state": pa.array(motion.positions.tolist())}
     parquet.write_table(pa.table(table), folder / "whole.parquet")
-    robots = Path(lt.__file__).parent / "robots" / "ur3"
+    robots = Path(__file__).parents[3] / "robots" / "ur3"
     (folder / "whole.urdf").write_bytes((robots / "ur3.urdf").read_bytes())
     (folder / "whole.toml").write_bytes((robots / "limits.toml").read_bytes())
     lt.ProMP(weights=6).fit([lt.Demonstration(motion)] * 2).save(folder / "whole.skill")
