@@ -82,47 +82,55 @@ def blended_path(points: Float64Array, blend: float) -> Spline:
     steps = np.diff(points, axis=0)
     lengths = np.sqrt(np.einsum("ij,ij->i", steps, steps))
     directions = steps / lengths[:, None]
-    knots, pieces = [0.0], []
-    begin = 0.0  # length of the line that the last corner took
-    for i, (length, direction) in enumerate(zip(lengths, directions, strict=True)):
-        last = i == len(lengths) - 1
-        cut = 0.0 if last else _cut(directions, lengths, i, blend)
-        if knots[-1] + (length - cut - begin) > knots[-1] * (1.0 + _ULPS):
-            start = points[i] + begin * direction
-            pieces.append(_piece([start, direction]))
-            knots.append(knots[-1] + length - cut - begin)
-        if cut > 0.0:
-            pieces.append(_corner(points[i + 1], direction, directions[i + 1], cut))
-            knots.append(knots[-1] + 2.0 * cut)
-        begin = cut
-    return Spline(np.array(knots), np.array(pieces))
+    inner = _cuts(directions, lengths, blend)
+    cuts = np.concatenate([[0.0], inner, [0.0]])
+    knots, kept = _knots(lengths, cuts)
+    pieces = np.zeros((2 * len(lengths) - 1, 6, points.shape[1]))
+    pieces[::2, 0] = points[:-1] + cuts[:-1, None] * directions
+    pieces[::2, 1] = directions
+    cut = inner > 0.0
+    pieces[1::2][cut] = _corners(
+        points[1:-1][cut], directions[:-1][cut], directions[1:][cut], inner[cut]
+    )
+    return Spline(np.array(knots), pieces[kept])
 
 
-def _cut(directions: Float64Array, lengths: Float64Array, i: int, blend: float) -> float:
-    """How far before the corner after line i the quintic begins, and ends behind it.
+def _cuts(directions: Float64Array, lengths: Float64Array, blend: float) -> Float64Array:
+    """How far before each corner (corners,) its quintic begins, and how far behind it ends.
 
-    Its middle is 3/16 of that, times the change of direction, from the corner.
+    The middle of a quintic is 3/16 of that, times the change of direction, from the corner.
     """
-    change = float(np.abs(directions[i + 1] - directions[i]).max())
-    if change <= _SAME_DIRECTION:
-        return 0.0
-    return min(16.0 * blend / (3.0 * change), 0.5 * float(min(lengths[i], lengths[i + 1])))
+    change = np.abs(np.diff(directions, axis=0)).max(axis=1)
+    turns = change > _SAME_DIRECTION
+    most = 16.0 * blend / (3.0 * np.where(turns, change, 1.0))
+    return np.where(turns, np.minimum(most, 0.5 * np.minimum(lengths[:-1], lengths[1:])), 0.0)
 
 
-def _corner(
-    corner: Float64Array, before: Float64Array, after: Float64Array, cut: float
+def _knots(lengths: Float64Array, cuts: Float64Array) -> tuple[list[float], list[int]]:
+    """The knots of lines and corners in turn, and which of these 2 lines - 1 pieces there are."""
+    knots, kept = [0.0], list[int]()
+    cut_at = cuts.tolist()
+    for i, (length, before, after) in enumerate(
+        zip(lengths.tolist(), cut_at[:-1], cut_at[1:], strict=True)
+    ):
+        if knots[-1] + (length - after - before) > knots[-1] * (1.0 + _ULPS):
+            kept.append(2 * i)
+            knots.append(knots[-1] + length - after - before)
+        if after > 0.0:
+            kept.append(2 * i + 1)
+            knots.append(knots[-1] + 2.0 * after)
+    return knots, kept
+
+
+def _corners(
+    corners: Float64Array, before: Float64Array, after: Float64Array, cuts: Float64Array
 ) -> Float64Array:
-    """Quintic over 2 cut from corner - cut before to corner + cut after."""
-    h = 2.0 * cut
-    rise, speed = cut * (after - before), after - before
-    powers = [
-        (by_rise * rise + by_speed * h * speed) / h**power
-        for power, (by_rise, _, by_speed) in enumerate(QUINTIC.tolist(), 3)
-    ]
-    return _piece([corner - cut * before, before, np.zeros_like(corner), *powers])
-
-
-def _piece(rows: list[Float64Array]) -> Float64Array:
-    table = np.zeros((6, len(rows[0])))
-    table[: len(rows)] = rows
+    """Quintics (corners, 6, d) over 2 cut from corner - cut before to corner + cut after."""
+    cut, width, turn = cuts[:, None], 2.0 * cuts[:, None], after - before
+    table = np.zeros((len(corners), 6, corners.shape[1]))
+    table[:, 0], table[:, 1] = corners - cut * before, before
+    for power, (by_rise, _, by_speed) in enumerate(QUINTIC.tolist(), 3):
+        # Powers of numbers, as those of arrays have other bits on other processors.
+        scale = np.array([each**power for each in width[:, 0].tolist()])[:, None]
+        table[:, power] = (by_rise * (cut * turn) + by_speed * width * turn) / scale
     return table
