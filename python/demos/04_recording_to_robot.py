@@ -23,9 +23,9 @@ recording = folder / "recording.csv"
 header = ",".join(["time", *arm.joint_names])
 np.savetxt(recording, np.column_stack([1.2 * phase, q]), delimiter=",", header=header, comments="")
 
-(demonstration,) = lt.read_demonstrations(recording)
+recorded = lt.read_motion(recording)
 gripped = lt.Event(0.6, "gripper closed")  # half way; keeps its place when the arm slows down
-asked = lt.differentiate(replace(demonstration.motion, events=[gripped]))
+asked = lt.differentiate(replace(recorded, events=[gripped]))
 before = lt.check_limits(asked, arm.limits)
 joints = lt.scale_to_limits(asked, arm.limits)
 after = lt.check_limits(joints, arm.limits)

@@ -12,7 +12,7 @@ from . import (
 )
 from .arm import Arm, DifferentialIk
 from .events import Event
-from .io import read_demonstrations, write_motion
+from .io import read_demonstrations, read_motion, write_motion
 from .models import (
     DMP,
     GMR,
@@ -62,6 +62,7 @@ __all__ = [
     "planning",
     "preprocess",
     "read_demonstrations",
+    "read_motion",
     "retime",
     "rotations",
     "scale_to_limits",

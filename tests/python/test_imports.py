@@ -24,6 +24,8 @@ STAGES = (
     "motion",
     "shapes",
     "plausible",
+    "activity",
+    "standstill",
     "io",
     "preprocess",
     "trajectories",

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -116,7 +118,8 @@ def learn(
     if arm is None:
         only = {"joints": as_joints or None}
         robots.refuse("--robot", limits=limits, base=base, tip=tip, **only)
-    read = reading.cleaned if clean else read_demonstrations
+    # Both ends stay: `reading.trimmed` has the options for them.
+    read = reading.cleaned if clean else partial(read_demonstrations, rest=math.inf)
     recordings = reading.listed(files)
     reading.refuse_skills(recordings)
     demonstrations = read(

@@ -188,10 +188,7 @@ def one_motion(file: Path, *, joints: Mapping[str, tuple[float, float]] | None =
         MissingDependency: if its format needs an extra that is not installed.
     """
     refuse_skills([file])
-    found = io.read_demonstrations(file, joints=joints)
-    if len(found) != 1:
-        raise InvalidInput(f"{file}: expected a file with one motion, got {len(found)}")
-    return found[0].motion
+    return io.read_motion(file, joints=joints)
 
 
 def saved_skill(file: Path) -> Skill:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -76,7 +77,7 @@ def view(
     else:
         named = parse.columns(column or [])
         files, known = reading.listed(demonstrations), robots.ranges(arm)
-        shown = read_demonstrations(files, columns=named, rate=rate, joints=known)
+        shown = read_demonstrations(files, columns=named, rate=rate, joints=known, rest=math.inf)
     with errors.naming(path="--html"):
         viewing.view(
             arm,

@@ -1,5 +1,5 @@
 from . import formats, franka, headers, joint_trajectory, lasa, rosbag_writer, urscript
-from .reading import read_demonstrations, read_recordings
+from .reading import read_demonstrations, read_motion, read_recordings
 from .recording import Recording
 from .writing import write_motion
 
@@ -11,6 +11,7 @@ __all__ = [
     "joint_trajectory",
     "lasa",
     "read_demonstrations",
+    "read_motion",
     "read_recordings",
     "rosbag_writer",
     "urscript",

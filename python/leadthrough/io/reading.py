@@ -16,6 +16,7 @@ from leadthrough.io.recording import Recording
 from leadthrough.io.request import Request, checked
 from leadthrough.io.table import Table
 from leadthrough.motion import Demonstration, Motion
+from leadthrough.standstill import trim
 
 
 def read_demonstrations(
@@ -28,8 +29,12 @@ def read_demonstrations(
     topic: str | None = None,
     frames: Sequence[str] | None = None,
     joints: Mapping[str, tuple[float, float]] | None = None,
+    rest: float = 0.0,
 ) -> list[Demonstration]:
     """The demonstrations in one or several files, in their order; files with faults are refused.
+
+    The standing still before and after what was shown is left out, as `preprocess.trim` does; times
+    are as in the file. For motions that an arm is to run, whole, there is `read_motion`.
 
     Formats are text tables (.csv, .tsv, .txt), .npz, .mat, ROS 2 JointTrajectory (.json, .yaml),
     ROS bags (.bag, .mcap, .db3 or a folder; extra `ros`), robomimic (.hdf5; extra `hdf5`) and
@@ -53,9 +58,11 @@ def read_demonstrations(
         frames: frame and child frame of a transform in a bag.
         joints: an arm's joints by name, with their lower and upper limits in rad (m). Columns of
             these names are its joints, whatever else the file has; percent refer to the limits.
+        rest: s of standing still to keep before and after, >= 0; `math.inf` keeps all of it.
 
     Raises:
-        InvalidInput: if a file cannot be read or has faults; the message says which and where.
+        InvalidInput: if an argument is wrong, or a file cannot be read or has faults; the message
+            says which and where.
         MissingDependency: if the format needs an extra.
     """
     request = checked(
@@ -67,11 +74,55 @@ def read_demonstrations(
         frames=frames,
         joints=joints,
     )
-    return [
-        Demonstration(_faultless(path, found, table, request), name=found.name)
-        for path in _paths(paths)
-        for table, found in _recordings(path, request)
-    ]
+    return [trim(each, rest=rest) for each in _demonstrations(_paths(paths), request)]
+
+
+def read_motion(
+    path: StrPath,
+    *,
+    columns: Mapping[str, str | Sequence[str]] | None = None,
+    rate: float | None = None,
+    angles: AngleUnit | None = None,
+    quaternions: QuaternionOrder | None = None,
+    topic: str | None = None,
+    frames: Sequence[str] | None = None,
+    joints: Mapping[str, tuple[float, float]] | None = None,
+) -> Motion:
+    """The only motion in a file, whole, as `write_motion` writes it.
+
+    Formats, names and columns are as for `read_demonstrations`.
+
+    Args:
+        path: a file or folder.
+        columns: which columns, arrays or fields to read, by role.
+        rate: Hz, > 0, for files without time.
+        angles: unit of joints whose names don't state it.
+        quaternions: order of four numbers whose names don't state it.
+        topic: topic of a bag, where several have motions.
+        frames: frame and child frame of a transform in a bag.
+        joints: an arm's joints by name, with their lower and upper limits in rad (m).
+
+    Raises:
+        InvalidInput: if the file cannot be read, has faults, or has not exactly one motion.
+        MissingDependency: if the format needs an extra.
+    """
+    request = checked(
+        columns=columns,
+        rate=rate,
+        angles=angles,
+        quaternions=quaternions,
+        topic=topic,
+        frames=frames,
+        joints=joints,
+    )
+    if not isinstance(path, str | os.PathLike):
+        raise InvalidInput(f"path: expected the path of one file or folder, got {path!r}")
+    found = _demonstrations([Path(path)], request)
+    if len(found) != 1:
+        raise InvalidInput(
+            f"{printable(Path(path))}: expected a file with one motion, got {len(found)}"
+        )
+    return found[0].motion
 
 
 def read_recordings(
@@ -156,6 +207,15 @@ def _paths(paths: StrPath | Sequence[StrPath]) -> list[Path]:
     if not several:
         raise InvalidInput("paths: expected at least one path, got none")
     return [Path(path) for path in several]
+
+
+def _demonstrations(paths: Sequence[Path], request: Request) -> list[Demonstration]:
+    """The demonstrations in files, whole."""
+    return [
+        Demonstration(_faultless(path, found, table, request), name=found.name)
+        for path in paths
+        for table, found in _recordings(path, request)
+    ]
 
 
 def _recordings(path: Path, request: Request) -> list[tuple[Table, Recording]]:

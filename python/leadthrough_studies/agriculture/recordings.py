@@ -6,6 +6,7 @@ of up to 1.3 mm; with 4 kernels per second, but at least 50, all errors stay bel
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -46,7 +47,7 @@ def replay(*, file: str, planner: str, weights: str = "by duration") -> list[Row
         planner: name in PLANNERS.
         weights: key of WEIGHTS.
     """
-    recording = read_demonstrations([file], columns=_COLUMNS, rate=_RATE)[0]
+    recording = read_demonstrations([file], columns=_COLUMNS, rate=_RATE, rest=math.inf)[0]
     labels = {"study": "recordings", "file": Path(file).name, "planner": planner}
     labels |= {"weights": weights}
     model = planner_of(planner, weights=WEIGHTS[weights])

@@ -7,6 +7,7 @@ hold tool positions at 1 kHz: a person guides the arm to trace one symbol six ti
 
 from __future__ import annotations
 
+import math
 import warnings
 from pathlib import Path
 
@@ -43,7 +44,7 @@ def tasks(folder: str, joints: list[int], weights: int) -> list[Task]:
 
 def execution(*, file: str, joints: list[int], weights: int) -> list[Row]:
     """A row for every motion in a recording of an arm at work and for every joint that moves."""
-    recording = read_demonstrations([file], columns=_JOINTS, rate=_EXECUTION_RATE)[0]
+    recording = read_demonstrations([file], columns=_JOINTS, rate=_EXECUTION_RATE, rest=math.inf)[0]
     rows = []
     for number, shown in enumerate(segment(recording), start=1):
         turned = np.ptp(shown.motion.positions, axis=0)
@@ -62,7 +63,9 @@ def execution(*, file: str, joints: list[int], weights: int) -> list[Row]:
 
 def symbol(*, file: str, weights: int) -> list[Row]:
     """A row for every way of learning a traced symbol and for every coordinate that moves."""
-    shown = [_thinned(each) for each in read_demonstrations([file], rate=_SYMBOL_RATE)]
+    shown = [
+        _thinned(each) for each in read_demonstrations([file], rate=_SYMBOL_RATE, rest=math.inf)
+    ]
     # Aligned demonstrations take the timing of the quickest, which they are compared with.
     chosen = int(np.argmin([each.motion.duration for each in shown]))
     aligned = align_by_time_warping(shown, reference=chosen)

@@ -69,8 +69,8 @@ def test_urdf_and_joint_recordings_become_a_checked_motion(shown):
         "plan", "reach.npz", *robot, "--posture", posture, "--move-goal=0.03,0,0.02", "-o", "m.json"
     )
     assert planned["type"] == "JointTrajectory"
-    (motion,) = lt.read_demonstrations("m.json")
-    tip = shown.poses(motion.motion)
+    motion = lt.read_motion("m.json")
+    tip = shown.poses(motion)
     asked = plain.positions[-1] + [0.03, 0.0, 0.02]
     assert np.abs(tip.positions[-1] - asked).max() < 1e-4
 
@@ -91,9 +91,9 @@ def test_joints_are_learned_as_joints_without_a_robot(shown):
     assert facts("learn", "shown0.csv", "-o", "j.npz", "--set", "weights=30")["model"] == "dmp"
     assert lt.load_skill("j.npz").model.weights == 30
     facts("plan", "j.npz", "--duration", "3", "-o", "j.csv")
-    (motion,) = lt.read_demonstrations("j.csv")
-    assert motion.motion.joint_names == shown.joint_names
-    assert motion.motion.duration == pytest.approx(3.0)
+    motion = lt.read_motion("j.csv")
+    assert motion.joint_names == shown.joint_names
+    assert motion.duration == pytest.approx(3.0)
 
 
 def test_recordings_are_cut_at_pauses_and_one_is_chosen(shown):
@@ -116,10 +116,10 @@ def test_the_arm_stands_as_it_was_shown_to(shown):
     robot = ("--robot", UR5, "--tip", "tool0", "--limits", "ur5.toml")
     facts("learn", "shown0.csv", *robot, "-o", "reach.npz")
     facts("plan", "reach.npz", *robot, "--posture", "shown0.csv", "-o", "m.json")
-    (motion,) = lt.read_demonstrations("m.json")
+    motion = lt.read_motion("m.json")
     recorded = np.loadtxt("shown0.csv", delimiter=",", skiprows=1)[:, 1:]
     # An arm of six joints has no null space: the same branch is the same joints.
-    assert np.abs(motion.motion.positions[[0, -1]] - recorded[[0, -1]]).max() < 0.01
+    assert np.abs(motion.positions[[0, -1]] - recorded[[0, -1]]).max() < 0.01
 
 
 def test_faulty_recordings_are_cleaned_and_said_to_be(shown):
@@ -176,21 +176,21 @@ def test_a_goal_without_an_orientation_keeps_the_one_shown(shown):
     plain = lt.load_skill("s.npz").generate()
     goal = plain.positions[-1] + [0.02, 0.0, 0.01]
     run("plan", "s.npz", "--goal", ",".join(map(str, goal)), "-o", "m.npz")
-    (made,) = lt.read_demonstrations("m.npz")
-    np.testing.assert_allclose(made.motion.positions[-1], goal, atol=1e-9)
-    turn = lt.rotations.distance(made.motion.orientations[-1:], plain.orientations[-1:])
+    made = lt.read_motion("m.npz")
+    np.testing.assert_allclose(made.positions[-1], goal, atol=1e-9)
+    turn = lt.rotations.distance(made.orientations[-1:], plain.orientations[-1:])
     assert turn[0] < 1e-9
 
 
 def test_a_goal_of_joints_or_with_an_orientation_is_reached(shown):
     run("learn", "shown0.csv", "-o", "j.npz")
     run("plan", "j.npz", "--goal", ",".join(map(str, HOME)), "-o", "j.csv")
-    (made,) = lt.read_demonstrations("j.csv")
-    np.testing.assert_allclose(made.motion.positions[-1], HOME, atol=1e-9)
+    made = lt.read_motion("j.csv")
+    np.testing.assert_allclose(made.positions[-1], HOME, atol=1e-9)
     run("learn", "shown0.csv", "--robot", UR5, "--tip", "tool0", "-o", "p.npz")
     run("plan", "p.npz", "--goal", "0.3,0.3,0.4/0,1,0,0", "-o", "p.csv")
-    (posed,) = lt.read_demonstrations("p.csv")
-    assert lt.rotations.distance(posed.motion.orientations[-1:], [[0.0, 1.0, 0.0, 0.0]])[0] < 1e-6
+    posed = lt.read_motion("p.csv")
+    assert lt.rotations.distance(posed.orientations[-1:], [[0.0, 1.0, 0.0, 0.0]])[0] < 1e-6
 
 
 @pytest.mark.parametrize(
@@ -251,6 +251,6 @@ def test_a_real_recording_is_replayed_to_a_moved_goal(
     run("retime", "motion.json", "--robot", "panda", "-o", "timed.npz")
     verdict = facts("check", "timed.npz", "--robot", "panda")
     assert verdict["ok"]
-    (timed,) = lt.read_demonstrations("timed.npz")
-    reached = lt.Arm.load("panda").poses(timed.motion).positions[-1]
+    timed = lt.read_motion("timed.npz")
+    reached = lt.Arm.load("panda").poses(timed).positions[-1]
     assert np.abs(reached - (shown.positions[-1] + [0.02, -0.02, 0.01])).max() < within

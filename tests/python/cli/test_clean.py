@@ -29,8 +29,8 @@ def test_faults_are_left_out_and_told(faulty, tmp_path):
     assert result.exit_code == 0, result.output
     assert "201 samples read, 199 left" in result.output
     assert "1 spike, left out: 1 s" in result.output
-    (shown,) = lt.read_demonstrations(out)
-    assert len(shown.motion.times) == 199
+    shown = lt.read_motion(out)
+    assert len(shown.times) == 199
 
 
 def test_machines_get_the_report_as_json(faulty, tmp_path):
@@ -39,8 +39,8 @@ def test_machines_get_the_report_as_json(faulty, tmp_path):
     result = runner.invoke(cli.app, ["clean", str(faulty), *options])
     (found,) = json.loads(result.output)
     assert found["report"]["spikes"] == [1.0]
-    (shown,) = lt.read_demonstrations(found["file"])
-    assert np.abs(shown.motion.velocities[:, 0] - np.cos(shown.motion.times)).max() < 0.02
+    shown = lt.read_motion(found["file"])
+    assert np.abs(shown.velocities[:, 0] - np.cos(shown.times)).max() < 0.02
 
 
 def test_several_recordings_go_to_numbered_files(tmp_path):
@@ -53,8 +53,8 @@ def test_several_recordings_go_to_numbered_files(tmp_path):
     result = runner.invoke(cli.app, arguments)
     assert result.exit_code == 0, result.output
     for i in (1, 2):
-        (demonstration,) = lt.read_demonstrations(tmp_path / f"clean_{i}.csv")
-        assert demonstration.motion.positions[0, 0] == i - 1
+        motion = lt.read_motion(tmp_path / f"clean_{i}.csv")
+        assert motion.positions[0, 0] == i - 1
 
 
 def test_a_strict_reader_says_what_to_do(faulty):

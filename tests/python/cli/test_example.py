@@ -27,7 +27,7 @@ def test_the_example_is_an_arm_its_limits_a_profile_and_three_recordings(folder)
         str(path.relative_to("first")) for path in Path("first").rglob("*.*")
     )
     arm = lt.Arm.from_urdf("first/ur3.urdf", tip="tool0", limits="first/ur3.toml")
-    shown = [each.motion for each in lt.read_demonstrations(sorted(Path("first/shown").iterdir()))]
+    shown = [lt.read_motion(path) for path in sorted(Path("first/shown").iterdir())]
     for motion in shown:
         assert motion.joint_names == arm.joint_names
         assert lt.check_limits(motion, arm.limits).position.ratio < 1.0

@@ -37,7 +37,7 @@ def test_three_commands_lead_to_a_replay_and_to_a_goal_moved_by_2_cm(arm):
     plain = lt.load_skill("pick.npz").generate()
     start = np.mean([q[0] for q, _ in so101.motions()], axis=0)
     for file, offset in (("replay", [0.0, 0.0, 0.0]), ("moved", [0.01, -0.014, 0.01])):
-        motion = lt.read_demonstrations(f"{file}.json")[0].motion
+        motion = lt.read_motion(f"{file}.json")
         assert np.abs(motion.positions[0] - start).max() < 0.01
         reached = arm.poses(motion).positions[-1]
         assert np.abs(reached - plain.positions[-1] - offset).max() < 1e-5
@@ -52,7 +52,7 @@ def test_the_gripper_closes_on_the_way_to_the_controller(arm):
     facts("retime", "replay.csv", *ARM, "--rate", "100", "-o", "timed.csv")
     assert facts("check", "timed.csv", *ARM)["ok"]
     for file in ("replay.csv", "timed.csv"):
-        (event,) = lt.read_demonstrations(file)[0].motion.events
+        (event,) = lt.read_motion(file).events
         assert event.name == "close gripper"
 
 
@@ -60,7 +60,7 @@ def test_a_skill_of_joints_needs_no_inverse_kinematics(arm):
     facts("learn", "shown", *ARM, "--angles", "percent", "--joints", "-o", "joints.npz")
     planned = facts("plan", "joints.npz", *ARM, "-o", "replay.csv")
     assert planned["type"] == "JointTrajectory"
-    motion = lt.read_demonstrations("replay.csv")[0].motion
+    motion = lt.read_motion("replay.csv")
     assert motion.joint_names == so101.JOINTS
     mean = np.mean([q for q, _ in so101.motions()], axis=0)
     assert np.abs(motion.positions[[0, -1]] - mean[[0, -1]]).max() < 2e-3

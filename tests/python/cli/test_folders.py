@@ -47,9 +47,9 @@ def test_every_command_that_takes_recordings_takes_a_folder(folder):
 
 def test_a_folder_that_is_a_recording_stays_one(folder):
     pytest.importorskip("rosbags")
-    (shown,) = lt.read_demonstrations("shown/reach1.csv")
+    shown = lt.read_motion("shown/reach1.csv")
     Path("bags").mkdir()
-    lt.write_motion(lt.differentiate(shown.motion), "bags/one", format="rosbag")
+    lt.write_motion(lt.differentiate(shown), "bags/one", format="rosbag")
     assert [each["path"] for each in facts("info", "bags/one")] == ["bags/one"]
     assert [each["path"] for each in facts("info", "bags")] == ["bags/one"]
 

@@ -45,12 +45,12 @@ def test_recordings_become_checked_motions_that_start_as_shown_for_every_goal(sh
     for number, goal in enumerate(GOALS):
         planned = facts("plan", "reach.npz", *robot, *goal, "-o", f"{number}.json")
         assert planned["start_from_shown"] < 0.05
-        (motion,) = lt.read_demonstrations(f"{number}.json")
-        assert np.abs(motion.motion.positions[0] - start).max() < 0.05
+        motion = lt.read_motion(f"{number}.json")
+        assert np.abs(motion.positions[0] - start).max() < 0.05
         offset = [float(x) for x in goal[0].split("=")[1].split(",")] if goal else [0.0, 0.0, 0.0]
-        reached = arm.poses(motion.motion).positions[-1]
+        reached = arm.poses(motion).positions[-1]
         assert np.abs(reached - plain.positions[-1] - offset).max() < 1e-4
-        timed = lt.retime(motion.motion, arm.limits, rate=500.0)
+        timed = lt.retime(motion, arm.limits, rate=500.0)
         assert lt.check_limits(timed, arm.limits).ok
     facts("retime", "2.json", *robot, "--rate", 500, "-o", "timed.json")
     assert facts("check", "timed.json", *robot)["ok"]

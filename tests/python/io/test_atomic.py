@@ -160,6 +160,6 @@ def test_a_program_that_is_killed_leaves_whole_files(tmp_path, later):
         time.sleep(later)
         process.send_signal(signal.SIGKILL)
     for suffix in ("csv", "npz", "mcap", "db3"):
-        (found,) = lt.read_demonstrations(tmp_path / f"motion.{suffix}")
-        assert len(found.motion.times) == 301
-        assert len(np.unique(found.motion.positions)) == 1
+        found = lt.read_motion(tmp_path / f"motion.{suffix}")
+        assert len(found.times) == 301
+        assert len(np.unique(found.positions)) == 1

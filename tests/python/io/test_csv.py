@@ -21,8 +21,7 @@ def write(tmp_path):
 
 
 def read(path, **options):
-    (demonstration,) = lt.read_demonstrations(path, **options)
-    return demonstration.motion
+    return lt.read_motion(path, **options)
 
 
 def test_points_are_found_by_their_names(write):
@@ -208,7 +207,7 @@ def test_what_has_a_velocity_is_a_joint_where_no_name_tells_more(tmp_path):
     joints = np.array([[0.0, 1.0], [0.5, 1.5], [1.0, 2.0]])
     motion = lt.JointTrajectory(times, joints, 0.0 * joints, joint_names=("pan", "lift"))
     lt.write_motion(motion, tmp_path / "motion.csv")
-    (found,) = lt.read_demonstrations(tmp_path / "motion.csv")
-    assert found.motion.joint_names == ("pan", "lift")
-    assert np.array_equal(found.motion.positions, joints)
-    assert np.array_equal(found.motion.velocities, 0.0 * joints)
+    found = lt.read_motion(tmp_path / "motion.csv")
+    assert found.joint_names == ("pan", "lift")
+    assert np.array_equal(found.positions, joints)
+    assert np.array_equal(found.velocities, 0.0 * joints)

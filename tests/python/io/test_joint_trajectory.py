@@ -27,17 +27,17 @@ def seconds(stamp):
 def test_csv_reads_back_to_the_same_bits(tmp_path):
     for trajectory in (PLAIN, FULL):
         csv.write(trajectory, tmp_path / "arm.csv")
-        (demonstration,) = lt.read_demonstrations(tmp_path / "arm.csv")
-        assert np.array_equal(demonstration.motion.times, trajectory.times)
-        assert np.array_equal(demonstration.motion.positions, trajectory.positions)
-        assert demonstration.motion.joint_names == NAMES
+        motion = lt.read_motion(tmp_path / "arm.csv")
+        assert np.array_equal(motion.times, trajectory.times)
+        assert np.array_equal(motion.positions, trajectory.positions)
+        assert motion.joint_names == NAMES
 
 
 def test_csv_has_the_derivatives_that_the_trajectory_has(tmp_path):
     csv.write(FULL, tmp_path / "arm.csv")
     columns = {"joints": [f"{name}_velocity" for name in NAMES]}
-    (demonstration,) = lt.read_demonstrations(tmp_path / "arm.csv", columns=columns)
-    assert np.array_equal(demonstration.motion.positions, FULL.velocities)
+    motion = lt.read_motion(tmp_path / "arm.csv", columns=columns)
+    assert np.array_equal(motion.positions, FULL.velocities)
     csv.write(PLAIN, tmp_path / "arm.csv")
     with pytest.raises(InvalidInput, match="no column 'shoulder_pan_joint_velocity'"):
         lt.read_demonstrations(tmp_path / "arm.csv", columns=columns)

@@ -22,8 +22,7 @@ def save(tmp_path):
 
 
 def read(path, **options):
-    (demonstration,) = lt.read_demonstrations(path, **options)
-    return demonstration.motion
+    return lt.read_motion(path, **options)
 
 
 def test_arrays_make_points_poses_or_joints(save):

@@ -77,8 +77,7 @@ def record(request, tmp_path):
 
 
 def read(path, **options):
-    (demonstration,) = lt.read_demonstrations(path, **options)
-    return demonstration.motion
+    return lt.read_motion(path, **options)
 
 
 def arm_states():

@@ -16,8 +16,7 @@ NUMBER = r"-?\d+\.\d+"
 
 
 def read(path, **options):
-    (demonstration,) = lt.read_demonstrations(path, **options)
-    return demonstration.motion
+    return lt.read_motion(path, **options)
 
 
 def written_and_read(motion, path):

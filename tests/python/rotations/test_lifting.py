@@ -117,8 +117,8 @@ def test_recorded_orientations_are_lifted(recordings):
         "orientations": [f"current_orientation_{part}" for part in "wxyz"],
     }
     path = recordings / "panda_execution" / "trial1.csv"
-    (recorded,) = lt.read_demonstrations(path, columns=columns, rate=20)
-    q = recorded.motion.orientations
+    recorded = lt.read_motion(path, columns=columns, rate=20)
+    q = recorded.orientations
     from_first = rotations.compose(q, np.tile(rotations.inverse(q[:1]), (len(q), 1)))
     assert np.pi - np.linalg.norm(rotations.log(from_first), axis=1).max() < 1e-5
     signs = np.where(np.random.default_rng(0).random(len(q)) < 0.5, -1.0, 1.0)

@@ -148,7 +148,7 @@ def test_motions_of_a_real_robot_are_replayed(recordings, trial):
         "orientations": [f"current_orientation_{axis}" for axis in "wxyz"],
     }
     path = recordings / "panda_execution" / trial
-    (recording,) = lt.read_demonstrations([path], columns=columns, rate=20.0)
+    recording = lt.read_motion(path, columns=columns, rate=20.0)
     motions = segment(recording)
     assert len(motions) > 30
     for shown in motions:

@@ -9,9 +9,9 @@ from typing import cast
 import numpy as np
 
 from leadthrough import check, events
+from leadthrough.activity import HYSTERESIS, runs, speeds_of, thresholds_of
 from leadthrough.check import Float64Array
 from leadthrough.motion import Demonstration, Motion, MotionT, as_demonstration
-from leadthrough.preprocess.activity import HYSTERESIS, runs, speeds_of, thresholds_of
 
 # s: a short window finds the beginning to a tenth of a second; noise may need a longer one.
 _WINDOWS = (0.2, 0.3, 0.5)
@@ -46,7 +46,9 @@ def trim(
     shown = as_demonstration(demonstration, "demonstration")
     motion = shown.motion
     spare = rest if rest == math.inf else check.number(rest, "rest", at_least=0.0)
-    moving = _moving(motion, speed, angular_speed)
+    # Numbers of a damaged file, whose squares overflow, have no speed: the motion stays whole.
+    with np.errstate(over="ignore", invalid="ignore"):
+        moving = _moving(motion, speed, angular_speed)
     found = [
         (first, after)
         for first, after in runs(moving >= HYSTERESIS)
