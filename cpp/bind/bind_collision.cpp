@@ -8,8 +8,8 @@
 
 #include "arm/run_down.hpp"
 #include "bind/parts.hpp"
-#include "collision/check.hpp"
-#include "rotation/so3.hpp"
+#include "bind/shape_rows.hpp"
+#include "collision/clearance.hpp"
 
 namespace py = pybind11;
 
@@ -17,27 +17,11 @@ namespace leadthrough {
 
 namespace {
 
-// A shape a row: kind (sphere 0, capsule 1, box 2), three sizes, position, orientation w, x, y, z.
-using ShapeRows = Eigen::Matrix<double, Eigen::Dynamic, 11, Eigen::RowMajor>;
 using Pairs = Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor>;
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;
 
 // Between two samples of a motion; more would take minutes.
 constexpr double kMostSteps = 1e6;
-
-PlacedShapes to_shapes(const Eigen::Ref<const ShapeRows>& rows) {
-  PlacedShapes shapes;
-  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-    const Eigen::Vector3d size = rows.row(i).segment<3>(1);
-    const Pose pose{so3::to_matrix(rows.row(i).tail<4>()), rows.row(i).segment<3>(4)};
-    const auto kind = static_cast<int>(rows(i, 0));
-    shapes.emplace_back(kind == 0   ? sphere(size[0])
-                        : kind == 1 ? capsule(size[0], size[1])
-                                    : box(size),
-                        pose);
-  }
-  return shapes;
-}
 
 CollisionModel make_model(const urdf::Robot& robot, const Chain& chain, const std::string& base,
                           const std::string& tip, const std::vector<Rows3>& meshes,
@@ -145,6 +129,16 @@ void bind_collision(py::module_& module) {
         return against(model, to_shapes(obstacles));
       },
       py::arg("model"), py::arg("obstacles").noconvert());
+  module.def(
+      "clear_batch",
+      [](const CollisionModel& model, const Eigen::Ref<const ShapeRows>& obstacles,
+         const Eigen::Ref<const Rows>& q, double margin, double self_margin) {
+        require(q.cols() == model.chain.joints());
+        const py::gil_scoped_release release;
+        return clear_batch(whole_arm(model, to_shapes(obstacles), margin, self_margin), q);
+      },
+      py::arg("model"), py::arg("obstacles").noconvert(), py::arg("q").noconvert(),
+      py::arg("margin"), py::arg("self_margin"));
   module.def("nearest_bodies", &nearest, py::arg("scene"), py::arg("q").noconvert(),
              py::arg("threads"));
   module.def("check_motion", &check, py::arg("scene"), py::arg("q").noconvert(), py::arg("margin"),

@@ -13,6 +13,7 @@ PYBIND11_MODULE(_core, module) {
   leadthrough::bind_ik(module);
   leadthrough::bind_jacobian(module);
   leadthrough::bind_jerk_filter(module);
+  leadthrough::bind_path(module);
   leadthrough::bind_priority(module);
   leadthrough::bind_so3(module);
   leadthrough::bind_spline_fit(module);

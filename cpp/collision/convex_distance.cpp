@@ -97,24 +97,30 @@ double nearest_share(const Vector3d& middle, const Vector3d& half, const Vector3
   return low - slope_low * (high - low) / (slope_high - slope_low);
 }
 
-NearestOfCores overlapping(const Difference& difference) {
+// Whether the depth of cores that overlap is wanted; it takes longer than all the rest.
+enum class Overlap { kMeasured, kJustSeen };
+
+NearestOfCores overlapping(const Difference& difference, Overlap overlap) {
+  if (overlap == Overlap::kJustSeen)
+    return {-kInfinity, Vector3d::UnitX(), Vector3d::Zero(), Vector3d::Zero()};
   const minkowski::Depth found = minkowski::penetration(difference);
   return {-found.depth, found.normal, found.on_a, found.on_b};
 }
 
-NearestOfCores box_to_segment(const Difference& difference) {
+NearestOfCores box_to_segment(const Difference& difference, Overlap overlap) {
   const Vector3d half_b = difference.b.half.z() * difference.R_a_b.col(2);
   const Vector3d& box = difference.a.half;
   const Vector3d on_b = difference.p_a_b + nearest_share(difference.p_a_b, half_b, box) * half_b;
   const NearestOfCores found = between(on_b.cwiseMax(-box).cwiseMin(box), on_b);
-  return found.distance < kCoresTouch ? overlapping(difference) : found;
+  return found.distance < kCoresTouch ? overlapping(difference, overlap) : found;
 }
 
 // Gilbert, Johnson and Keerthi 1988. `nearest` is a point of a - b, `proven` a distance that a
-// plane across it keeps.
-NearestOfCores iterate(const Difference& difference, double cutoff) {
+// plane across it keeps. start: from b to a, as far as is known.
+NearestOfCores iterate(const Difference& difference, const Vector3d& start, double cutoff,
+                       Overlap overlap) {
   Simplex simplex;
-  Vector3d nearest = -difference.p_a_b;
+  Vector3d nearest = start;
   if (nearest.squaredNorm() < kCoresTouch * kCoresTouch) nearest = Vector3d::UnitX();
   double length = nearest.norm();
   double proven = -kInfinity;
@@ -127,7 +133,7 @@ NearestOfCores iterate(const Difference& difference, double cutoff) {
     simplex.add(vertex);
     nearest = simplex.reduce();
     const double shorter = nearest.norm();
-    if (simplex.size == 4 || shorter < kCoresTouch) return overlapping(difference);
+    if (simplex.size == 4 || shorter < kCoresTouch) return overlapping(difference, overlap);
     if (i > 0 && shorter >= length) {  // rounding
       simplex = before;
       break;
@@ -143,18 +149,25 @@ NearestOfCores swapped(const NearestOfCores& nearest, const Difference& from) {
   return {nearest.distance, -(from.R_a_b * nearest.normal), back(nearest.on_b), back(nearest.on_a)};
 }
 
-NearestOfCores between_cores(const Difference& difference, double cutoff) {
+NearestOfCores between_cores(const Difference& difference, const Vector3d& start, double cutoff,
+                             Overlap overlap) {
   const Convex& a = difference.a;
   const Convex& b = difference.b;
   if (is_segment(a) && is_segment(b))
     return between_segments(a.half.z() * Vector3d::UnitZ(), difference.p_a_b,
                             b.half.z() * difference.R_a_b.col(2));
-  if (a.core == Core::kBox && is_segment(b)) return box_to_segment(difference);
+  if (a.core == Core::kBox && is_segment(b)) return box_to_segment(difference, overlap);
   if (is_segment(a) && b.core == Core::kBox) {
     const Matrix3d back = difference.R_a_b.transpose();
-    return swapped(box_to_segment({b, a, back, -(back * difference.p_a_b)}), difference);
+    return swapped(box_to_segment({b, a, back, -(back * difference.p_a_b)}, overlap), difference);
   }
-  return iterate(difference, cutoff);
+  return iterate(difference, start, cutoff, overlap);
+}
+
+Difference difference_of(const Convex& a, const Pose& T_base_a, const Convex& b,
+                         const Pose& T_base_b) {
+  const Matrix3d R_a_base = T_base_a.rotation.transpose();
+  return {a, b, R_a_base * T_base_b.rotation, R_a_base * (T_base_b.position - T_base_a.position)};
 }
 
 }  // namespace
@@ -184,16 +197,25 @@ double bounding_radius(const Convex& body) {
 
 Separation separation(const Convex& a, const Pose& T_base_a, const Convex& b, const Pose& T_base_b,
                       double cutoff) {
-  const Matrix3d R_a_base = T_base_a.rotation.transpose();
-  const Difference difference{a, b, R_a_base * T_base_b.rotation,
-                              R_a_base * (T_base_b.position - T_base_a.position)};
+  const Difference difference = difference_of(a, T_base_a, b, T_base_b);
   const double rounding = a.rounding + b.rounding;
-  const NearestOfCores cores = between_cores(difference, cutoff + rounding);
+  const NearestOfCores cores =
+      between_cores(difference, -difference.p_a_b, cutoff + rounding, Overlap::kMeasured);
   const auto to_base = [&](const Vector3d& p) -> Vector3d {
     return T_base_a.rotation * p + T_base_a.position;
   };
   return {cores.distance - rounding, to_base(cores.on_a + a.rounding * cores.normal),
-          to_base(cores.on_b - b.rounding * cores.normal)};
+          to_base(cores.on_b - b.rounding * cores.normal), T_base_a.rotation * cores.normal};
+}
+
+bool apart(const Convex& a, const Pose& T_base_a, const Convex& b, const Pose& T_base_b,
+           double least, Vector3d& normal) {
+  const Difference difference = difference_of(a, T_base_a, b, T_base_b);
+  const double rounding = a.rounding + b.rounding;
+  const NearestOfCores cores = between_cores(difference, -(T_base_a.rotation.transpose() * normal),
+                                             least + rounding, Overlap::kJustSeen);
+  normal = T_base_a.rotation * cores.normal;
+  return cores.distance - rounding >= least;
 }
 
 }  // namespace leadthrough

@@ -35,15 +35,23 @@ Convex hull(Eigen::Matrix3Xd vertices);  // must span a volume
 double bounding_radius(const Convex& body);
 
 // distance: m; below zero it is, negated, a translation that separates the bodies, the shortest one
-// to 1e-7 m and never shorter. on_a, on_b: the nearest points, or the deepest ones.
+// to 1e-7 m and never shorter. on_a, on_b: the nearest points, or the deepest ones. normal: unit,
+// the way in which b goes away from a.
 struct Separation {
   double distance;
   Eigen::Vector3d on_a, on_b;
+  Eigen::Vector3d normal;
 };
 
 // In the frame in which both poses are given. A distance that is found to be at least `cutoff` may
-// come back as any value from there up to the true one, and then without the points.
+// come back as any value from there up to the true one, and then without the points, but with the
+// normal along which the bodies are that far apart.
 Separation separation(const Convex& a, const Pose& T_base_a, const Convex& b, const Pose& T_base_b,
                       double cutoff = kInfinity);
+
+// Whether the bodies are at least that far apart, m. normal: a guess of the unit vector from a to b
+// along which they are; comes back as a better one. Cores that overlap count as infinitely deep.
+bool apart(const Convex& a, const Pose& T_base_a, const Convex& b, const Pose& T_base_b,
+           double least, Eigen::Vector3d& normal);
 
 }  // namespace leadthrough

@@ -286,6 +286,31 @@ def check_motion(
     tuple[float, int, int, float, Float64Array, Float64Array] | None,
 ]: ...
 def longest_step(scene: CollisionScene, q: Float64Array) -> float: ...
+def clear_batch(
+    model: CollisionModel,
+    obstacles: Float64Array,
+    q: Float64Array,
+    margin: float,
+    self_margin: float,
+) -> list[bool]: ...
+def clear_path(
+    model: CollisionModel,
+    obstacles: Float64Array,
+    positions: Float64Array,
+    orientations: Float64Array,
+    axes: IkAxes | None,
+    postures: Float64Array,
+    start: Float64Array | None,
+    margin: float,
+    self_margin: float,
+    tolerance: IkTolerance,
+) -> tuple[
+    Float64Array,
+    Float64Array | None,
+    float,
+    list[tuple[str, str, int]],
+    tuple[float, float, str, str] | None,
+]: ...
 def solve_ik(
     chain: Chain,
     position: Float64Array,

@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import overload
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import _core, check
 from leadthrough.arm.collision_report import Approach, Clearance, CollisionPairs, CollisionReport
@@ -98,6 +98,56 @@ class ArmCollision(ArmDefinition):
         """
         return self._nearest(q, _core.itself(self._collision), threads)
 
+    @overload
+    def is_clear(
+        self,
+        q: Sequence[float],
+        obstacles: Iterable[Shape] = ...,
+        *,
+        margin: float = ...,
+        self_margin: float = ...,
+    ) -> bool: ...
+    @overload
+    def is_clear(
+        self,
+        q: ArrayLike,
+        obstacles: Iterable[Shape] = ...,
+        *,
+        margin: float = ...,
+        self_margin: float = ...,
+    ) -> bool | NDArray[np.bool_]: ...
+    def is_clear(
+        self,
+        q: ArrayLike,
+        obstacles: Iterable[Shape] = (),
+        *,
+        margin: float = 0.0,
+        self_margin: float = 0.0,
+    ) -> bool | NDArray[np.bool_]:
+        """Whether the whole arm keeps clear of obstacles and of itself; quicker than distances.
+
+        Args:
+            q: configuration (joints,) or a batch (m, joints).
+            obstacles: shapes in the base frame.
+            margin: distance to keep from obstacles in m, >= 0.
+            self_margin: distance to keep between parts of the arm in m, >= 0.
+
+        Returns:
+            One answer, or (m,) for a batch.
+
+        Raises:
+            InvalidInput: if q has another shape or is not finite, an obstacle is no shape, or a
+                margin is negative.
+            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
+            MissingDependency: if a mesh's format needs a package that is not installed.
+        """
+        batch, (rows,) = joint_rows(self._chain, q=q)
+        shapes = shape_rows(check_shapes(obstacles))
+        least = check.number(margin, "margin", at_least=0.0)
+        least_itself = check.number(self_margin, "self_margin", at_least=0.0)
+        clear = _core.clear_batch(self._collision, shapes, rows, least, least_itself)
+        return np.array(clear) if batch else clear[0]
+
     def check(
         self,
         trajectory: JointTrajectory | ArrayLike,
@@ -160,7 +210,7 @@ class ArmCollision(ArmDefinition):
         """The shapes of the robot and the pairs worth a check; some 10 ms to choose them."""
         meshes = [hull_vertices(*mesh, self.mesh_folders) for mesh in self._robot.meshes]
         model = _core.CollisionModel(
-            self._robot, self._chain, self.base, self.tip, meshes, _rows(self.attached)
+            self._robot, self._chain, self.base, self.tip, meshes, shape_rows(self.attached)
         )
         if not model.bodies:
             raise InvalidRobot("robot", "no link has collision geometry, so nothing can be checked")
@@ -169,7 +219,7 @@ class ArmCollision(ArmDefinition):
     def _against(self, obstacles: Iterable[Shape]) -> _core.CollisionScene:
         shapes = check_shapes(obstacles)
         look_at_obstacles(self, shapes)
-        return _core.against(self._collision, _rows(shapes))
+        return _core.against(self._collision, shape_rows(shapes))
 
     def _nearest(
         self, q: ArrayLike, scene: _core.CollisionScene, threads: int
@@ -236,7 +286,7 @@ def _approach(
     return Approach(sample, time, (scene.names[a], scene.names[b]), gap, np.stack([on_a, on_b]))
 
 
-def _rows(shapes: Sequence[Shape]) -> Float64Array:
+def shape_rows(shapes: Sequence[Shape]) -> Float64Array:
     """One row per shape, as the core takes them: kind, three sizes, position, orientation."""
     rows = np.zeros((len(shapes), _COLUMNS))
     for row, shape in zip(rows, shapes, strict=True):

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, events
+from leadthrough.arm.clearing import Surroundings, clear_path
 from leadthrough.arm.first_posture import Start, first_postures, seeded
 from leadthrough.arm.freedom import axes_to_try, least_turned
 from leadthrough.arm.limits import JointLimits, known_acceleration
@@ -66,6 +67,7 @@ def follow(
     free: Sequence[Axis] | None,
     position_tolerance: float,
     orientation_tolerance: float,
+    around: Surroundings | None = None,
 ) -> JointTrajectory:
     """See `Arm.follow`."""
     tip = TipPath.of(motion)
@@ -95,15 +97,20 @@ def follow(
         if tracks[-1].reached == len(path) and not axes:
             break
     track = least_turned(chain, path, tracks)
-    if track.reached < len(path):
+    complete = track.reached == len(path)
+    if around is None and not complete:
         raise _failure(follower, track, too_fast)
-    times = _slowed(chain, path.times, track.q, limits) if too_fast == "slow" else path.times
-    velocities = _velocities(times, track.q)
+    q = track.q
+    if around is not None and not (complete and around.clear_along(q)):
+        freest = replace(path, free=freedoms[-1])
+        q = clear_path(freest, around, start=seed, tolerance=follower.tolerance)
+    times = _slowed(chain, path.times, q, limits) if too_fast == "slow" else path.times
+    velocities = _velocities(times, q)
     if too_fast != "exceed_limits":
         velocities[[0, -1]] = 0.0
     return JointTrajectory(
         times,
-        track.q,
+        q,
         velocities,
         joint_names=tuple(chain.joint_names),
         events=events.moved(motion.events, path.times, times),

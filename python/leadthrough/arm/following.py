@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from numpy.typing import ArrayLike
 
+from leadthrough import check
 from leadthrough.arm import follower, reachable, recorded
-from leadthrough.arm.definition import ArmDefinition
+from leadthrough.arm.clearing import Surroundings
+from leadthrough.arm.collision import ArmCollision, shape_rows
 from leadthrough.arm.follower import TooFast
 from leadthrough.arm.options import Axis
 from leadthrough.arm.path_report import PathReport, path_report
 from leadthrough.arm.tracks import TipPath
+from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
+from leadthrough.shapes import Shape, check_shapes
 
 
-class ArmFollowing(ArmDefinition):
+class ArmFollowing(ArmCollision):
     """The methods of an `Arm` that take its tip along a motion."""
 
     def follow(
@@ -31,6 +35,9 @@ class ArmFollowing(ArmDefinition):
         free: Sequence[Axis] | None = None,
         position_tolerance: float = 1e-5,
         orientation_tolerance: float = 1e-5,
+        obstacles: Iterable[Shape] = (),
+        margin: float = 0.005,
+        self_margin: float = 0.0,
     ) -> JointTrajectory:
         """Joint positions and velocities that take the tip along a motion without a jump.
 
@@ -71,13 +78,23 @@ class ArmFollowing(ArmDefinition):
             position_tolerance: error in m that counts as reached, > 0. All samples but those
                 beside a singularity come ten times closer.
             orientation_tolerance: error in rad that counts as reached, > 0; the same holds.
+            obstacles: shapes in the base frame that the whole arm keeps clear of, between samples
+                too, and then of itself as well. The tip's path stays as it is: what the task
+                leaves free, such as the elbow, goes around. Where the arm is clear anyway, the
+                answer is the one without obstacles. Only with "slow" and "exceed_limits".
+            margin: distance to keep from obstacles in m, >= 0.
+            self_margin: distance to keep between parts of the arm in m, >= 0, where there are
+                obstacles.
 
         Raises:
             InvalidInput: if an argument is out of its range, or the motion isn't of poses or
                 points in 3-D.
             IkFailure: if a sample is not reached. It carries the first such sample's index and a
                 status: one of IkResult's; "jump" where the pose can be reached, but not from the
-                sample before; or "too_fast".
+                sample before; "too_fast"; or "blocked" where there is no room for the arm, with
+                the bodies that leave none.
+            InvalidRobot: if there are obstacles and the robot has no collision geometry, or a mesh
+                is missing or flat.
             LimitsInfeasible: if a joint has to move whose limits are zero; with "slow" only.
 
         Source: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for the slowing.
@@ -101,7 +118,24 @@ class ArmFollowing(ArmDefinition):
             free=free,
             position_tolerance=position_tolerance,
             orientation_tolerance=orientation_tolerance,
+            around=self._surroundings(obstacles, margin, self_margin, too_fast),
         )
+
+    def _surroundings(
+        self, obstacles: Iterable[Shape], margin: float, self_margin: float, too_fast: TooFast
+    ) -> Surroundings | None:
+        """What to keep clear of; None without obstacles."""
+        shapes = check_shapes(obstacles)
+        least = check.number(margin, "margin", at_least=0.0)
+        least_itself = check.number(self_margin, "self_margin", at_least=0.0)
+        if not shapes:
+            return None
+        if too_fast in ("deviate", "raise"):
+            raise InvalidInput(
+                f"obstacles: not used together with too_fast={too_fast!r}; use 'slow' or "
+                "'exceed_limits'"
+            )
+        return Surroundings(self._collision, shape_rows(shapes), least, least_itself)
 
     def path_report(
         self,

@@ -245,6 +245,21 @@ call(core.itself, None, model=model)
 call(core.nearest_bodies, [2.9], scene=scene, q=Q[:1], threads=2)
 call(core.check_motion, [2.9] * 2, scene=scene, q=Q[[0, 0]], margin=0.1, tolerance=1e-3, threads=2)
 call(core.longest_step, 0.0, scene=scene, q=Q[[0, 0]])
+margins = {"margin": 0.1, "self_margin": 0.0}
+call(core.clear_batch, [True], model=model, obstacles=BALL, q=Q[:1], **margins)
+tip = {key: POSES[key] for key in ("positions", "orientations")}
+call(
+    core.clear_path,
+    FOUND,
+    model=model,
+    obstacles=BALL,
+    axes=None,
+    postures=np.full((2, 2), np.nan),
+    start=Q[0],
+    tolerance=tolerance,
+    **tip,
+    **margins,
+)
 
 # Dynamic movement primitives without a learned force.
 NODES, BREAKS = np.zeros((3, 2)), np.array([0.0, 1.0])

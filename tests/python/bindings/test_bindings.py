@@ -18,7 +18,7 @@ FREE = dict(
     CollisionModel(attached)  DmpForces(nodes)  DmpPath(coefficients)
     IkOptions(posture reference)  PursuitOptions(acceleration velocity)  TimedPath(coefficients)
     TimedPath.positions_at(lengths)  against(obstacles)  all_finite(values)
-    bounced(velocities)  check_motion(q)
+    bounced(velocities)  check_motion(q)  clear_batch(obstacles q)  clear_path(obstacles)
     condition_weights(basis)  descend(arrival)  directions(arrival points)
     distance_transform(mask)  dmp_orientations(values)  dmp_rollout(phases)
     dmp_rollout_around(phases)  dtw_distance(a b)  dtw_path(a b)  frechet_distance(a b)
@@ -54,7 +54,11 @@ def test_calls_give_the_known_result(
         np.testing.assert_allclose(np.asarray(first), np.asarray(expected), atol=1e-5)
 
 
-OPTIONAL = {"IkOptions": ("axes", "reference", "posture"), "TrackOptions": ("axes",)}
+OPTIONAL = {
+    "IkOptions": ("axes", "reference", "posture"),
+    "TrackOptions": ("axes",),
+    "clear_path": ("axes", "start"),
+}
 
 
 def test_every_function_class_and_method_is_called(

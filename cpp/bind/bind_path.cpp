@@ -1,0 +1,65 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include "bind/parts.hpp"
+#include "bind/shape_rows.hpp"
+#include "path/clear_path.hpp"
+
+namespace py = pybind11;
+
+namespace leadthrough {
+
+namespace {
+
+// Joints, or none and what was in the way: the last configuration, the sample, and pairs of bodies
+// with how often; then the nearest approach where the way found is not clear between samples.
+py::tuple clear_path(const CollisionModel& model, const Eigen::Ref<const ShapeRows>& obstacles,
+                     const Eigen::Ref<const Rows3>& positions,
+                     const Eigen::Ref<const Rows4>& orientations, const std::optional<IkAxes>& axes,
+                     const Eigen::Ref<const Rows>& postures,
+                     const std::optional<Eigen::VectorXd>& start, double margin, double self_margin,
+                     const IkTolerance& tolerance) {
+  const Chain& chain = model.chain;
+  require(positions.rows() > 0 && orientations_fit(positions.rows(), orientations.rows()) &&
+          postures.rows() == positions.rows() && postures.cols() == chain.joints() &&
+          (!start || start->size() == chain.joints()));
+  const PlacedShapes shapes = to_shapes(obstacles);
+  path::ClearPath found;
+  {
+    const py::gil_scoped_release release;
+    std::optional<JointArray> near;
+    if (start) std::copy(start->data(), start->data() + start->size(), near.emplace().begin());
+    found = path::find_clear_path(model, shapes, {positions, orientations, axes}, postures, near,
+                                  {margin, self_margin}, tolerance);
+  }
+  const CollisionScene scene = whole_arm(model, shapes, margin, self_margin).scene;
+  std::vector<std::tuple<std::string, std::string, int>> blocking;
+  const auto name = [&](int shape) {
+    return scene
+        .names[static_cast<std::size_t>(scene.shapes[static_cast<std::size_t>(shape)].body)];
+  };
+  for (const auto& [pair, count] : found.dead_end.pairs)
+    blocking.emplace_back(name(scene.pairs[pair].a), name(scene.pairs[pair].b), count);
+  py::object touch = py::none();
+  if (found.touch)
+    touch = py::make_tuple(found.touch->sample, found.touch->nearest.distance,
+                           scene.names[static_cast<std::size_t>(found.touch->nearest.a)],
+                           scene.names[static_cast<std::size_t>(found.touch->nearest.b)]);
+  py::object last = py::none();
+  if (found.last)
+    last = py::cast(
+        Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(found.last->data(), chain.joints())));
+  return py::make_tuple(std::move(found.q), std::move(last), found.dead_end.sample,
+                        std::move(blocking), std::move(touch));
+}
+
+}  // namespace
+
+void bind_path(py::module_& module) {
+  module.def("clear_path", &clear_path, py::arg("model"), py::arg("obstacles").noconvert(),
+             py::arg("positions").noconvert(), py::arg("orientations").noconvert(), py::arg("axes"),
+             py::arg("postures").noconvert(), py::arg("start"), py::arg("margin"),
+             py::arg("self_margin"), py::arg("tolerance"));
+}
+
+}  // namespace leadthrough

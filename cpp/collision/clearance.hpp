@@ -1,0 +1,56 @@
+#pragma once
+
+// Whether a configuration is clear, and what stands near the arm in it: quicker than distances, for
+// searches that ask thousands of times.
+
+#include <vector>
+
+#include "collision/scene.hpp"
+
+namespace leadthrough {
+
+// All pairs of shapes that are checked, each with the distance that it must keep, m.
+struct WholeArm {
+  CollisionScene scene;
+  std::vector<double> margins;
+};
+WholeArm whole_arm(const CollisionModel& model, const PlacedShapes& obstacles, double margin,
+                   double self_margin);
+
+// Two shapes that are near each other. gradient: of their distance, m per unit of each joint.
+struct NearPair {
+  std::size_t pair;
+  double distance;
+  std::array<double, kMaxJoints> gradient;
+};
+
+// One for each thread: it remembers what it saw last, which changes its speed and no answer.
+class ClearanceTest {
+ public:
+  explicit ClearanceTest(const WholeArm& arm);
+
+  // Whether every pair keeps its margin less `slack`; what touches is clear.
+  bool clear(const double* q, double slack = 0.0);
+  // The pair that was too near when `clear` last said no.
+  std::size_t blocker() const { return blocker_; }
+
+  // The pairs that are nearer than their margin and `band`, m.
+  void near(const double* q, double band, std::vector<NearPair>& found);
+
+ private:
+  void move_to(const double* q);
+  double ball(const ShapePair& pair) const;
+  bool apart(std::size_t i, double least);
+  NearPair with_gradient(std::size_t i, const Separation& found) const;
+
+  const WholeArm& arm_;
+  collision::Frames frames_;
+  std::vector<Pose> poses_;
+  std::vector<Eigen::Vector3d> normals_;  // along which each pair was last seen to be apart
+  std::size_t blocker_ = 0;
+};
+
+// Whether each row of q is clear.
+std::vector<bool> clear_batch(const WholeArm& arm, const Eigen::Ref<const Rows>& q);
+
+}  // namespace leadthrough

@@ -1,0 +1,243 @@
+#include "path/clear_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "path/refine.hpp"
+
+namespace leadthrough::path {
+
+namespace {
+
+constexpr int kMostKnots = 160;
+constexpr int kRounds = 8;
+constexpr double kRoom = 0.001;          // m beyond the margins that the refinement looks for
+constexpr double kMoreRoom = 5e-4;       // m beyond what a round missed
+constexpr double kExactness = 5e-4;      // m, of the certificate
+constexpr Eigen::Index kMostParts = 16;  // that a sample's interval is checked in
+constexpr double kAstray = 0.3;          // rad or m that a sample may be away from the curve
+
+class Search {
+ public:
+  Search(const CollisionModel& model, const PlacedShapes& obstacles, const TipPath& path,
+         const Eigen::Ref<const Rows>& postures, const Margins& margins,
+         const IkTolerance& tolerance)
+      : chain_(model.chain),
+        path_(path),
+        postures_(postures),
+        tolerance_(tolerance),
+        margins_(margins),
+        scenes_{against(model, obstacles), itself(model)},
+        arm_(whole_arm(model, obstacles, margins.obstacles, margins.itself)),
+        test_(arm_) {}
+
+  ClearPath run(const std::optional<JointArray>& start) {
+    ClearPath result;
+    struct Effort {
+      std::size_t width;
+      double cell;
+    };
+    for (const Effort& effort : {Effort{64, 0.1}, Effort{128, 0.06}, Effort{256, 0.04}}) {
+      LadderOptions options;
+      options.width = effort.width;
+      options.cell = effort.cell;
+      const Climb found = climb(chain_, path_, test_, postures_, start, options);
+      result.dead_end = found.dead_end;
+      if (!found.q.empty()) result.last = found.q.back();
+      if (!found.arrived()) continue;
+      const std::optional<Rows> q = smooth(found, result.touch);
+      if (!q) continue;
+      result.q = *q;
+      return result;
+    }
+    return result;
+  }
+
+ private:
+  // Refines until the check finds nothing nearer than the margins; `touch` says where it still
+  // does.
+  std::optional<Rows> smooth(const Climb& found, std::optional<Approach>& touch) {
+    make_knots(found);
+    Rows q(path_.positions.rows(), chain_.joints());
+    touch.reset();
+    for (int round = 0; round < kRounds; ++round) {
+      refine(chain_, knots_, test_, arm_.margins, curve_);
+      if (!all_samples(q)) return std::nullopt;
+      touch = give_room(q);
+      if (!touch) return q;
+    }
+    return std::nullopt;
+  }
+
+  void make_knots(const Climb& found) {
+    const Eigen::Index rows = path_.positions.rows();
+    const Eigen::Index count = std::min<Eigen::Index>(rows, kMostKnots);
+    knots_.clear();
+    curve_.clear();
+    samples_.clear();
+    std::size_t layer = 0;
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const double sample = count > 1 ? static_cast<double>(rows - 1) * static_cast<double>(k) /
+                                            static_cast<double>(count - 1)
+                                      : 0.0;
+      while (layer + 2 < found.samples.size() && found.samples[layer + 1] < sample) ++layer;
+      knots_.push_back({TipTask(chain_, path_, sample), posture(sample), kRoom});
+      curve_.push_back(between(found, layer, sample));
+      samples_.push_back(sample);
+    }
+  }
+
+  static JointArray between(const Climb& found, std::size_t layer, double sample) {
+    if (found.samples.size() == 1) return found.q.front();
+    const double from = found.samples[layer], to = found.samples[layer + 1];
+    const double share = std::clamp((sample - from) / (to - from), 0.0, 1.0);
+    JointArray q{};
+    for (std::size_t i = 0; i < q.size(); ++i)
+      q[i] = (1.0 - share) * found.q[layer][i] + share * found.q[layer + 1][i];
+    return q;
+  }
+
+  JointArray posture(double sample) const {
+    const auto row = std::min(static_cast<Eigen::Index>(std::lround(sample)), postures_.rows() - 1);
+    JointArray result{};
+    std::copy_n(postures_.row(row).data(), chain_.joints(), result.begin());
+    return result;
+  }
+
+  // The configuration at each sample, on the path; false where one is not.
+  bool all_samples(Rows& q) {
+    constexpr double kAim = 0.1;
+    const IkTolerance aim{kAim * tolerance_.position, kAim * tolerance_.orientation};
+    for (Eigen::Index row = 0; row < q.rows(); ++row) {
+      JointArray at = on_curve(static_cast<double>(row));
+      DescentBounds bounds{};
+      for (int i = 0; i < chain_.joints(); ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        at[k] = std::clamp(at[k], chain_.lower[i], chain_.upper[i]);
+        bounds.lower[k] = std::max(chain_.lower[i], at[k] - kAstray);
+        bounds.upper[k] = std::min(chain_.upper[i], at[k] + kAstray);
+      }
+      const TipTask task(chain_, path_, static_cast<double>(row));
+      if (!task.settle(bounds, aim, at) && !task.settle(bounds, tolerance_, at)) return false;
+      std::copy_n(at.begin(), chain_.joints(), q.row(row).data());
+    }
+    return true;
+  }
+
+  // A cubic through the knots (Catmull and Rom 1974).
+  JointArray on_curve(double sample) const {
+    if (curve_.size() == 1) return curve_.front();
+    const double step = samples_[1];
+    const std::size_t last = curve_.size() - 1;
+    const std::size_t k = std::min(static_cast<std::size_t>(sample / step), last - 1);
+    const double u = sample / step - static_cast<double>(k);
+    if (u == 0.0) return curve_[k];
+    if (u == 1.0) return curve_[k + 1];
+    const JointArray& b = curve_[k];
+    const JointArray& c = curve_[k + 1];
+    JointArray q{};
+    for (std::size_t i = 0; i < q.size(); ++i) {
+      const double a = k > 0 ? curve_[k - 1][i] : 2.0 * b[i] - c[i];
+      const double d = k + 2 <= last ? curve_[k + 2][i] : 2.0 * c[i] - b[i];
+      const double slope_b = 0.5 * (c[i] - a), slope_c = 0.5 * (d - b[i]);
+      const double v = 1.0 - u;
+      q[i] = v * v * (1.0 + 2.0 * u) * b[i] + u * u * (3.0 - 2.0 * u) * c[i] +
+             u * v * (v * slope_b - u * slope_c);
+    }
+    return q;
+  }
+
+  // Asks for more room where the motion comes too near; none where it does so nowhere. A
+  // controller goes through the samples on a smooth curve: that is what is checked, on a finer grid
+  // where it bulges.
+  std::optional<Approach> give_room(const Rows& q) {
+    std::optional<Approach> touch;
+    std::vector<double> more(knots_.size(), 0.0);
+    for (std::size_t scene = 0; scene < scenes_.size(); ++scene) {
+      const double bulging = bulge(scenes_[scene], q);
+      const auto parts = std::clamp<Eigen::Index>(
+          static_cast<Eigen::Index>(std::ceil(std::sqrt(4.0 * bulging / kExactness))), 1,
+          kMostParts);
+      const Rows curve = parts > 1 ? denser(q, parts) : q;
+      const double needed = (scene == 0 ? margins_.obstacles : margins_.itself) +
+                            (parts > 1 ? bulge(scenes_[scene], curve) : bulging);
+      const MotionReport report = check_motion(scenes_[scene], curve, {needed, kExactness, 1});
+      if (!report.first) continue;
+      Approach closest = report.closest;
+      closest.sample /= static_cast<double>(parts);
+      if (!touch || closest.nearest.distance < touch->nearest.distance) touch = closest;
+      raise(closest, needed, more);
+      raise({report.first->nearest, report.first->sample / static_cast<double>(parts)}, needed,
+            more);
+      for (std::size_t i = 0; i < report.samples.size(); ++i)
+        raise({report.samples[i], static_cast<double>(i) / static_cast<double>(parts)}, needed,
+              more);
+    }
+    for (std::size_t k = 0; k < knots_.size(); ++k) knots_[k].room += more[k];
+    return touch;
+  }
+
+  // The samples and, between them, places of a cubic through them.
+  Rows denser(const Rows& q, Eigen::Index parts) const {
+    Rows result((q.rows() - 1) * parts + 1, q.cols());
+    for (Eigen::Index row = 0; row < result.rows(); ++row) {
+      const double u = static_cast<double>(row % parts) / static_cast<double>(parts);
+      const Eigen::Index b = std::min(row / parts, q.rows() - 1);
+      if (row % parts == 0) {
+        result.row(row) = q.row(b);
+        continue;
+      }
+      const Eigen::Index a = std::max<Eigen::Index>(b - 1, 0), d = std::min(b + 2, q.rows() - 1);
+      const double v = 1.0 - u;
+      const auto slope_b = 0.5 * (q.row(b + 1) - q.row(a));
+      const auto slope_c = 0.5 * (q.row(d) - q.row(b));
+      result.row(row) = v * v * (1.0 + 2.0 * u) * q.row(b) +
+                        u * u * (3.0 - 2.0 * u) * q.row(b + 1) +
+                        u * v * (v * slope_b - u * slope_c);
+    }
+    return result;
+  }
+
+  void raise(const Approach& at, double needed, std::vector<double>& more) const {
+    const double missing = needed - at.nearest.distance;
+    if (!(missing > 0.0)) return;
+    const double step = samples_.size() > 1 ? samples_[1] : 1.0;
+    for (std::size_t k = 0; k < knots_.size(); ++k)
+      if (std::abs(samples_[k] - at.sample) <= 1.5 * step)
+        more[k] = std::max(more[k], missing + kMoreRoom);
+  }
+
+  // How far any part of the arm may be away from the straight way between two samples where a
+  // controller goes on a smooth curve through them, m: an eighth of the second differences.
+  static double bulge(const CollisionScene& scene, const Rows& q) {
+    if (q.rows() < 3) return 0.0;
+    Rows both = Rows::Zero(2, q.cols());
+    for (Eigen::Index i = 1; i + 1 < q.rows(); ++i)
+      both.row(1) =
+          both.row(1).cwiseMax((q.row(i - 1) - 2.0 * q.row(i) + q.row(i + 1)).cwiseAbs() / 8.0);
+    return longest_step(scene, both);
+  }
+
+  const Chain& chain_;
+  const TipPath& path_;
+  const Eigen::Ref<const Rows>& postures_;
+  IkTolerance tolerance_;
+  Margins margins_;
+  std::array<CollisionScene, 2> scenes_;  // obstacles, the arm itself
+  WholeArm arm_;
+  ClearanceTest test_;
+  std::vector<Knot> knots_;
+  std::vector<JointArray> curve_;
+  std::vector<double> samples_;  // of the knots
+};
+
+}  // namespace
+
+ClearPath find_clear_path(const CollisionModel& model, const PlacedShapes& obstacles,
+                          const TipPath& path, const Eigen::Ref<const Rows>& postures,
+                          const std::optional<JointArray>& start, const Margins& margins,
+                          const IkTolerance& tolerance) {
+  return Search(model, obstacles, path, postures, margins, tolerance).run(start);
+}
+
+}  // namespace leadthrough::path

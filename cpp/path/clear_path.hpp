@@ -1,0 +1,31 @@
+#pragma once
+
+// Joints along a path of the tip with which the whole arm keeps clear, between samples as well: the
+// ladder finds the family of postures, the refinement makes it smooth and roomy, the check
+// certifies.
+
+#include "collision/check.hpp"
+#include "path/ladder.hpp"
+
+namespace leadthrough::path {
+
+struct Margins {
+  double obstacles = 0.0;  // m
+  double itself = 0.0;
+};
+
+struct ClearPath {
+  Rows q;                          // a row a sample; none where there is no way
+  std::optional<JointArray> last;  // the configuration at the last layer reached
+  DeadEnd dead_end;
+  // Where q is not certified although a way was found: the nearest approach.
+  std::optional<Approach> touch;
+};
+
+// Bodies are numbered as in `against(model, obstacles)`.
+ClearPath find_clear_path(const CollisionModel& model, const PlacedShapes& obstacles,
+                          const TipPath& path, const Eigen::Ref<const Rows>& postures,
+                          const std::optional<JointArray>& start, const Margins& margins,
+                          const IkTolerance& tolerance);
+
+}  // namespace leadthrough::path

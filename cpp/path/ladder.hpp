@@ -1,0 +1,44 @@
+#pragma once
+
+// A search over all that the task leaves free: the path of the tip is cut into layers, each layer
+// holds configurations that meet it and are clear, and the cheapest way leads from layer to layer.
+// What cannot be reached from the layer before is never looked at.
+
+#include <map>
+#include <vector>
+
+#include "collision/clearance.hpp"
+#include "path/tip_task.hpp"
+
+namespace leadthrough::path {
+
+struct LadderOptions {
+  IkTolerance tolerance{1e-5, 1e-5};
+  double spacing = 0.025;  // m between layers at the most
+  double turning = 0.17;   // rad between layers at the most
+  double cell = 0.15;      // configurations nearer than this to each other are one, rad or m
+  double longest = 0.5;    // that a joint moves from layer to layer, rad or m
+  std::size_t width = 64;  // the most configurations that a layer hands on
+};
+
+// Where no configuration is left. pairs: of shapes that were in the way, with how often.
+struct DeadEnd {
+  double sample = 0.0;
+  std::map<std::size_t, int> pairs;
+};
+
+struct Climb {
+  std::vector<double> samples;  // of the layers
+  std::vector<JointArray> q;    // up to the last layer reached
+  DeadEnd dead_end;             // of use where that is not the last of all
+
+  bool arrived() const { return q.size() == samples.size(); }
+};
+
+// postures: wished configurations, a row a sample; not finite where there is no wish. start: the
+// configuration at the first sample comes as near to it as it can.
+Climb climb(const Chain& chain, const TipPath& path, ClearanceTest& test,
+            const Eigen::Ref<const Rows>& postures, const std::optional<JointArray>& start,
+            const LadderOptions& options);
+
+}  // namespace leadthrough::path

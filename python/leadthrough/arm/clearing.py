@@ -1,0 +1,107 @@
+"""Joints along a path of the tip with which the whole arm keeps clear.
+
+The path is cut into layers, and a search goes from layer to layer over all that the task leaves
+free. What it finds is made smooth and roomy as a whole, put back onto the path sample by sample,
+and checked between samples with the room that a controller's curve through them takes.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+
+from leadthrough import _core
+from leadthrough.arm.options import free_axes
+from leadthrough.arm.tracks import TipPath
+from leadthrough.check import Float64Array
+from leadthrough.errors import IkFailure
+
+# A hit between samples that is deeper than this isn't missed, m.
+_TOLERANCE = 1e-3
+# Bodies that are named where there is no room.
+_NAMED = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """What an arm is to keep clear of.
+
+    Attributes:
+        model: the arm's own shapes.
+        obstacles: a row each, as the core takes them.
+        margin: distance to keep from obstacles in m.
+        self_margin: distance to keep between parts of the arm in m.
+    """
+
+    model: _core.CollisionModel
+    obstacles: Float64Array
+    margin: float
+    self_margin: float
+
+    def clear_along(self, q: Float64Array) -> bool:
+        """Whether straight motions from row to row of q (n, joints) keep the margins."""
+        scenes = (
+            (_core.against(self.model, self.obstacles), self.margin),
+            (_core.itself(self.model), self.self_margin),
+        )
+        return all(
+            _core.check_motion(scene, q, margin, _TOLERANCE, 1)[2] is None
+            for scene, margin in scenes
+        )
+
+
+def clear_path(
+    path: TipPath,
+    around: Surroundings,
+    *,
+    start: Float64Array | None,
+    tolerance: _core.IkTolerance,
+) -> Float64Array:
+    """Configurations (n, joints) along the path that keep clear, between samples too.
+
+    Args:
+        path: of the tip, with the postures to stay near to.
+        around: what to keep clear of.
+        start: configuration (joints,) that the first one comes as near to as it can.
+        tolerance: of the tip at each sample.
+
+    Raises:
+        IkFailure: if there is no way, with the status "blocked", or "unreachable" where the tip's
+            path itself cannot be met.
+    """
+    q, last, sample, pairs, touch = _core.clear_path(
+        around.model,
+        around.obstacles,
+        path.positions,
+        path.orientations,
+        free_axes(path.free),
+        path.postures,
+        start,
+        around.margin,
+        around.self_margin,
+        tolerance,
+    )
+    if len(q):
+        return q
+    if touch is not None:
+        sample, distance, *bodies = touch
+        found = f"{bodies[0]} and {bodies[1]} stay {1e3 * distance:.1f} mm apart at best"
+    elif pairs:
+        found = f"no room between {_bodies(pairs)}"
+    else:
+        found = "the tip cannot follow the path from there without a jump"
+    time = float(np.interp(sample, np.arange(len(path)), path.times))
+    index, status = int(sample), "blocked" if touch or pairs else "unreachable"
+    message = f"sample {index} at {time:.6g} s: {status}, {found}"
+    nearest = path.postures[index] if last is None else last
+    raise IkFailure(message, index=index, status=status, residual=(0.0, 0.0), q=nearest.copy())
+
+
+def _bodies(pairs: list[tuple[str, str, int]]) -> str:
+    """The pairs of bodies that stood in the way most often."""
+    counts: Counter[tuple[str, str]] = Counter()
+    for a, b, count in pairs:
+        counts[a, b] += count
+    return ", ".join(f"{a} and {b}" for (a, b), _ in counts.most_common(_NAMED))

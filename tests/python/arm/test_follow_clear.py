@@ -1,0 +1,145 @@
+"""Following a path of the tip with the whole arm clear of obstacles."""
+
+import coal
+import numpy as np
+import pinocchio as pin
+import pytest
+from arm.coal_arm import CoalArm
+
+import leadthrough as lt
+from leadthrough.errors import IkFailure, InvalidInput
+
+MARGIN = 0.005
+DOWN = [0.0, 1.0, 0.0, 0.0]
+
+
+@pytest.fixture(scope="module")
+def panda():
+    return lt.Arm.load("panda")
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    """The tip goes 0.4 m across in front of the arm, pointing down."""
+    share = np.linspace(0.0, 1.0, 81)[:, None]
+    way = [0.45, -0.2, 0.35] + share * [0.0, 0.4, 0.0]
+    return lt.PoseTrajectory(4.0 * share[:, 0], way, np.tile(DOWN, (81, 1)))
+
+
+@pytest.fixture(scope="module")
+def freely(panda, sweep):
+    return panda.follow(sweep)
+
+
+def elbow(panda, q):
+    """Where the fourth joint stands, by the two parts of the chain."""
+    upper = lt.Arm.load("panda", tip="panda_link4")
+    return upper.forward_kinematics(q[:4])[0]
+
+
+@pytest.fixture(scope="module")
+def trap(panda, freely):
+    """A ball where the elbow is at half time, far from the tip."""
+    return lt.Sphere(0.08, elbow(panda, freely.positions[40]))
+
+
+def test_the_elbow_goes_around_and_the_tip_stays(panda, sweep, freely, trap):
+    assert panda.check(freely, [trap]).minimum_distance < -0.05
+    around = panda.follow(sweep, obstacles=[trap])
+    assert panda.check(around, [trap], margin=MARGIN).ok
+    report = panda.path_report(around, sweep)
+    assert report.position_error.max() < 1e-5
+    assert report.orientation_error.max() < 1e-5
+    assert np.abs(np.diff(around.positions, axis=0)).max() < 0.1
+
+
+def test_what_is_clear_anyway_stays_as_it_is(panda, sweep, freely):
+    aside = lt.Box([0.1, 0.1, 0.1], [-0.6, 0.0, 0.6])
+    np.testing.assert_array_equal(
+        panda.follow(sweep, obstacles=[aside]).positions, freely.positions
+    )
+
+
+def test_the_answer_has_the_same_bits_each_time(panda, sweep, trap):
+    once, again = (panda.follow(sweep, obstacles=[trap]) for _ in range(2))
+    np.testing.assert_array_equal(once.positions, again.positions)
+
+
+def test_where_there_is_no_room_the_bodies_are_named(panda, sweep):
+    wall = lt.Box([0.05, 0.02, 0.6], [0.45, 0.0, 0.35])  # across the tip's own path
+    with pytest.raises(IkFailure, match=r"sample \d+ at .* s: blocked, .*obstacle 0") as failure:
+        panda.follow(sweep, obstacles=[wall])
+    assert failure.value.status == "blocked"
+    assert 10 < failure.value.index < 40  # of 81: the hand is 20 cm wide
+    assert panda.is_clear(failure.value.q, [wall], margin=MARGIN)
+
+
+def test_a_free_axis_of_the_tool_makes_room_for_an_arm_of_six_joints():
+    arm = lt.Arm.load("ur3")
+    share = np.linspace(0.0, 1.0, 41)[:, None]
+    way = [-0.25, -0.15, 0.2] + share * [0.0, 0.3, 0.0]
+    motion = lt.PoseTrajectory(2.0 * share[:, 0], way, np.tile(DOWN, (41, 1)))
+    freely = arm.follow(motion, free=("rz",))
+    wrist = lt.Arm.load("ur3", tip="wrist_2_link")
+    there, _ = wrist.forward_kinematics(freely.positions[20, :5])
+    ball = lt.Sphere(0.04, there + np.array([0.0, 0.0, 0.03]))
+    assert not arm.check(freely, [ball]).ok
+    around = arm.follow(motion, free=("rz",), obstacles=[ball])
+    assert arm.check(around, [ball], margin=MARGIN).ok
+    reached, _ = arm.forward_kinematics(around.positions)
+    np.testing.assert_allclose(reached, way, atol=1e-5)
+
+
+@pytest.mark.parametrize("too_fast", ["deviate", "raise"])
+def test_times_and_obstacles_are_not_both_kept(panda, sweep, trap, too_fast):
+    deviation = (0.01, 0.1) if too_fast == "deviate" else None
+    with pytest.raises(InvalidInput, match="obstacles: not used together with too_fast"):
+        panda.follow(sweep, obstacles=[trap], too_fast=too_fast, deviation=deviation)
+
+
+def test_is_clear_says_what_distances_say(panda):
+    rng = np.random.default_rng(0)
+    q = rng.uniform(panda.limits.lower, panda.limits.upper, (500, 7))
+    obstacles = [lt.Box([0.3, 0.3, 0.3], [0.4, 0.2, 0.5]), lt.Sphere(0.2, [0.0, -0.5, 0.7])]
+    far = panda.distance(q, obstacles) > 0.02
+    apart = panda.self_distance(q) > 0.01
+    clear = panda.is_clear(q, obstacles, margin=0.02, self_margin=0.01)
+    np.testing.assert_array_equal(clear, far & apart)
+    assert panda.is_clear(q[0], obstacles, margin=0.02, self_margin=0.01) is bool(clear[0])
+    assert 50 < clear.sum() < 450
+
+
+# Where published paths among cubes lie before a Panda whose tip is its hand (TORM, CppFlow): the
+# offset of the path, the edge of the cubes and their centres, m.
+AMONG_CUBES = {
+    "1cube": ((0.0, 0.5421984559194368, 0.7885155964931997), 0.25, [(0.0, 0.2, 0.7)]),
+    "2cubes": ((0.0, 0.54, 0.79), 0.15, [(0.2, 0.3, 0.4), (-0.25, 0.3, 0.75)]),
+}
+
+
+@pytest.mark.parametrize("name", AMONG_CUBES)
+def test_published_paths_among_cubes_are_followed(name, recordings):
+    offset, edge, centres = AMONG_CUBES[name]
+    rows = np.loadtxt(recordings / "tip_paths" / f"{name}.csv", delimiter=",", skiprows=1)[:, -7:]
+    motion = lt.PoseTrajectory(0.02 * np.arange(len(rows)), rows[:, :3] + offset, rows[:, 3:])
+    cubes = [lt.Box([edge] * 3, centre) for centre in centres]
+    arm = lt.Arm.load("panda", tip="panda_hand")
+    around = arm.follow(motion, obstacles=cubes, margin=0.004)
+    assert arm.check(around, cubes, margin=0.004).ok
+    report = arm.path_report(around, motion)
+    assert report.position_error.max() < 1e-4
+    assert report.orientation_error.max() < np.radians(0.1)
+    assert np.abs(np.diff(around.positions, axis=0)).max() < 0.05
+    assert _least_in_coal(around.positions[::5], edge, centres) > 0.003
+
+
+def _least_in_coal(q, edge, centres):
+    peer = CoalArm("panda")
+    cube = coal.Box(edge, edge, edge)
+    least = np.inf
+    for row in q:
+        peer.place(row)
+        for centre in centres:
+            there = pin.SE3(np.eye(3), np.array(centre))
+            least = min(least, peer.distance_to(peer.moving_links(), cube, there))
+    return least
