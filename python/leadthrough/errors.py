@@ -76,6 +76,7 @@ class IkFailure(LeadthroughError):
         status: why the solver stopped.
         residual: remaining errors (position in m, orientation in rad).
         q: closest joint configuration found, (n,) rad (m for prismatic joints).
+        limiting_joints: the joints whose limits bar the way.
     """
 
     def __init__(
@@ -86,12 +87,14 @@ class IkFailure(LeadthroughError):
         status: str,
         residual: tuple[float, float],
         q: NDArray[np.float64],
+        limiting_joints: tuple[str, ...] = (),
     ) -> None:
         super().__init__(message)
         self.index = index
         self.status = status
         self.residual = residual
         self.q = q
+        self.limiting_joints = limiting_joints
 
 
 class LimitsInfeasible(LeadthroughError):

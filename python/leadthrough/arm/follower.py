@@ -21,12 +21,12 @@ from leadthrough.arm.clearing import Surroundings, clear_path
 from leadthrough.arm.first_posture import Start, first_postures, seeded
 from leadthrough.arm.freedom import axes_to_try, least_turned
 from leadthrough.arm.limits import JointLimits, known_acceleration
+from leadthrough.arm.missed import failure
 from leadthrough.arm.options import Axis, free_axes, tolerance
 from leadthrough.arm.recorded import shown_joints
-from leadthrough.arm.results import STATUSES
-from leadthrough.arm.tracks import TipPath, Track, solve_sample
+from leadthrough.arm.tracks import TipPath, Track
 from leadthrough.check import Float64Array
-from leadthrough.errors import IkFailure, InvalidInput, LimitsInfeasible
+from leadthrough.errors import InvalidInput, LimitsInfeasible
 from leadthrough.motion import (
     JointTrajectory,
     Motion,
@@ -42,12 +42,6 @@ _USUAL_RATE, _SHOWN_RATE = 1.0, 10.0
 # Damping to try where the arm may leave the path, m^2 per rad^2: from none to (0.1 m per rad)^2,
 # which halves the step of a joint that moves the tip by 0.1 m per rad.
 _DAMPINGS = (0.0, 1e-5, 1e-4, 1e-3, 1e-2)
-_HINTS = {
-    "unreachable": " (no joint positions reach the pose)",
-    "limits": " (the joint limits keep the tip from the pose)",
-    "jump": " (the pose can be reached, but not from the sample before)",
-    "too_fast": " (the arm's limits are too low for the motion's pace; slow the motion down)",
-}
 
 TooFast = Literal["slow", "deviate", "raise", "exceed_limits"]
 _IN_TIME = ("deviate", "raise")
@@ -99,7 +93,9 @@ def follow(
     track = least_turned(chain, path, tracks)
     complete = track.reached == len(path)
     if around is None and not complete:
-        raise _failure(follower, track, too_fast)
+        followed = replace(path, free=freedoms[tracks.index(track)])
+        on_the_way = "too_fast" if too_fast in _IN_TIME else "jump"
+        raise failure(chain, limits, followed, track, on_the_way=on_the_way)
     q = track.q
     if around is not None and not (complete and around.clear_along(q)):
         freest = replace(path, free=freedoms[-1])
@@ -278,16 +274,3 @@ def _velocities(times: Float64Array, q: Float64Array) -> Float64Array:
     if len(times) == 1:
         return np.zeros_like(q)
     return np.asarray(np.gradient(q, times, axis=0, edge_order=2 if len(times) > 2 else 1))
-
-
-def _failure(follower: _Follower, track: Track, too_fast: TooFast) -> IkFailure:
-    i, chain, path = track.reached, follower.chain, follower.path
-    residual = (float(track.position_errors[i]), float(track.orientation_errors[i]))
-    _, status, _ = solve_sample(chain, path, i, track.q[i : i + 1], path.options())
-    on_the_way = "jump" if too_fast in ("exceed_limits", "slow") else "too_fast"
-    reason = STATUSES[status[0]] if status[0] else on_the_way
-    message = (
-        f"sample {i} at {path.times[i]:.6g} s: {reason}{_HINTS.get(reason, '')}, "
-        f"{residual[0]:.3g} m and {residual[1]:.3g} rad away"
-    )
-    return IkFailure(message, index=i, status=reason, residual=residual, q=track.q[i].copy())

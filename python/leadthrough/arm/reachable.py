@@ -6,13 +6,14 @@ Places beyond the arm's length, and first and last samples that no joint positio
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from leadthrough import _core, plausible
 from leadthrough.arm.definition import ArmDefinition
 from leadthrough.arm.link_poses import link_poses
+from leadthrough.arm.missed import limits_in_the_way
 from leadthrough.arm.options import Axis, ik_options
 from leadthrough.arm.results import STATUSES
 from leadthrough.arm.tracks import TipPath
@@ -82,19 +83,6 @@ def look_at_obstacles(arm: ArmDefinition, shapes: Sequence[Shape]) -> None:
             )
 
 
-def limits_in_the_way(arm: ArmDefinition, q: Float64Array, bars: Sequence[bool]) -> str:
-    """The joints that bar the way and the limits that they are at; empty if there are none."""
-    return " and ".join(_at_limit(arm, q, bars))
-
-
-def _at_limit(arm: ArmDefinition, q: Float64Array, bars: Sequence[bool]) -> Iterator[str]:
-    for j, name in enumerate(arm.joint_names):
-        if bars[j]:
-            low, high = float(arm.limits.lower[j]), float(arm.limits.upper[j])
-            side, limit = ("lower", low) if q[j] - low < high - q[j] else ("upper", high)
-            yield f"{name} at its {side} limit {limit:.4g}"
-
-
 def _too_far(arm: ArmDefinition, path: TipPath, away: Float64Array) -> IkFailure:
     reach = arm._chain.reach
     i, worst = int(np.argmax(away > reach + _ROUNDING)), int(np.argmax(away))
@@ -131,11 +119,14 @@ def _require_end(
         if codes[0] == 0:
             return
     end = "the motion's end" if i else "the motion's start"
-    why = limits_in_the_way(arm, q[0], bars[0].tolist()) or "no joint positions reach it"
+    why = limits_in_the_way(arm.limits, q[0], bars[0].tolist()) or "no joint positions reach it"
     status = STATUSES[codes[0]]
     message = (
         f"sample {i} at {path.times[i]:.6g} s: {status} ({end} is not reached: {why}), "
         f"{far[0]:.3g} m and {turned[0]:.3g} rad away"
     )
     residual = (float(far[0]), float(turned[0]))
-    raise IkFailure(message, index=i, status=status, residual=residual, q=q[0].copy())
+    names = tuple(np.array(arm.joint_names)[bars[0]].tolist())
+    raise IkFailure(
+        message, index=i, status=status, residual=residual, q=q[0].copy(), limiting_joints=names
+    )

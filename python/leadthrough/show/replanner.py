@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.arm import Arm
-from leadthrough.arm.reachable import limits_in_the_way
+from leadthrough.arm.missed import limits_in_the_way
 from leadthrough.arm.recorded import warn_of_another_arm
 from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
@@ -244,7 +244,7 @@ class Replanner:
         )
         if not found.success:
             bars = [name in found.limiting_joints for name in self.arm.joint_names]
-            why = limits_in_the_way(self.arm, found.q, bars) or found.status
+            why = limits_in_the_way(self.arm.limits, found.q, bars) or found.status
             raise InvalidInput(
                 f"goal: the arm does not reach it: {why}; the nearest is "
                 f"{found.position_error:.3g} m and {found.orientation_error:.3g} rad away"
