@@ -114,6 +114,7 @@ def _through(mean: MeanPath, faced: Sequence[Experience], query: Query, scales: 
         used=used,
         weights=weights,
         method="mean_path",
+        region=mean.region if path is way else None,  # a detour needs its room
     )
 
 

@@ -11,6 +11,7 @@ from leadthrough.models.marching import trust
 from leadthrough.models.marching.along_mean import along_mean
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.facing import faced
+from leadthrough.models.marching.keeping import kept
 from leadthrough.models.marching.query import Query
 from leadthrough.models.marching.route import Route, from_start, through_map
 from leadthrough.models.marching.scales import MAP_RADIUS, TUBE_RADIUS, Scales
@@ -18,7 +19,12 @@ from leadthrough.models.marching.useful import NO_DETOUR, useful
 
 
 def planned(
-    method: str, known: Sequence[Experience], query: Query, scales: Callable[[float], Scales]
+    method: str,
+    known: Sequence[Experience],
+    query: Query,
+    scales: Callable[[float], Scales],
+    *,
+    usual: Route | None = None,
 ) -> Route:
     """The route that a method finds for a query.
 
@@ -29,10 +35,20 @@ def planned(
         known: demonstrations and learned paths, which may be none.
         query: start, goal and obstacles.
         scales: of the map whose radius is a fraction of the demonstrations' length.
+        usual: the method's route between the usual ends, whose way is kept; None: no way is.
 
     Raises:
         NoPath: where an end lies in an obstacle, or obstacles separate them.
     """
+    if usual is not None and not query.obstacles and (query.ends == usual.path[[0, -1]]).all():
+        return usual
+    found = _planned_anew(method, known, query, scales)
+    return found if usual is None else kept(found, usual, known, query, scales(MAP_RADIUS))
+
+
+def _planned_anew(
+    method: str, known: Sequence[Experience], query: Query, scales: Callable[[float], Scales]
+) -> Route:
     if not known or method == "map":
         return through_map(known, query, scales(MAP_RADIUS))
     facing = faced(known, query)

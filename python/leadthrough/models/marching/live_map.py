@@ -63,7 +63,9 @@ class LiveMap:
         return self._grid
 
     def route(self, start: Float64Array, goal: Float64Array, obstacles: Sequence[Shape]) -> Route:
-        """The quickest path between two points around obstacles, as by the method "map".
+        """The quickest path between two points around obstacles, in the map of the method "map".
+
+        Where two ways take nearly the same time, a small move may change between them.
 
         Args:
             start: (d,).

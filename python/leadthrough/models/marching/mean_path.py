@@ -29,6 +29,8 @@ _SCALES = (0.2, 5.0)
 _SAME_WAY = 0.1
 # A path is moved at most so much farther than its ends.
 MOST_DEVIATION = 1.45
+# Nor does it leave the demonstrations by more than that; less than 1 leaves room for rounding.
+_ROOM = 0.999
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,10 +40,13 @@ class MeanPath(Brief):
     Attributes:
         path: (n, d), the mean of demonstrations that are evenly spaced in arc length.
         weights: (k,) of the demonstrations; 0 for those that do the task in another way.
+        region: corners (lower, upper), (d,) each, around the demonstrations, as far from them as
+            the ends are moved: smoothing may not lead out of it either.
     """
 
     path: Float64Array
     weights: Float64Array
+    region: tuple[Float64Array, Float64Array]
 
 
 def ways(
@@ -57,26 +62,35 @@ def ways(
         goal: (d,).
     """
     curves = np.stack([by_arc_length(path, _SAMPLES) for path in paths])
-    shifted = np.stack([_shifted(curve, start, goal) for curve in curves])
+    shifted = np.stack([with_ends(curve, start, goal) for curve in curves])
     length = float(np.mean([arc_length(path)[-1] for path in paths]))
     carried = _all_carried(curves, shifted, start, goal)
     usual = curves[:, [0, -1]].mean(axis=0)
     moved = float(np.linalg.norm(np.stack([start, goal]) - usual, axis=1).max())
-    region = curves.min(axis=(0, 1)) - moved, curves.max(axis=(0, 1)) + moved
+    region = _region(curves, start, goal, _ROOM * moved)
     for chosen in _same_ways(shifted, curves[:, 0], start, length):
         weights = _weights(curves[:, 0], start, chosen)
         path = np.einsum("j,jnd->nd", weights, carried)
         if moved > 0.0:
             path = _bounded(path, _usual_way(curves, chosen, *usual), start, goal)
             path = np.clip(path, *region)
-        yield MeanPath(path, weights)
+        yield MeanPath(path, weights, region)
+
+
+def _region(
+    curves: Float64Array, start: Float64Array, goal: Float64Array, room: float
+) -> tuple[Float64Array, Float64Array]:
+    """Corners around demonstrations (k, n, d), with room, and around start and goal."""
+    ends = np.stack([start, goal])
+    lower, upper = curves.min(axis=(0, 1)) - room, curves.max(axis=(0, 1)) + room
+    return np.minimum(lower, ends.min(axis=0)), np.maximum(upper, ends.max(axis=0))
 
 
 def _usual_way(
     curves: Float64Array, chosen: NDArray[np.bool_], start: Float64Array, goal: Float64Array
 ) -> Float64Array:
     """The mean (n, d) of those chosen among demonstrations (k, n, d) where the ends are usual."""
-    shifted = np.stack([_shifted(curve, start, goal) for curve in curves])
+    shifted = np.stack([with_ends(curve, start, goal) for curve in curves])
     weights = _weights(curves[:, 0], start, chosen)
     return np.asarray(np.einsum("j,jnd->nd", weights, _all_carried(curves, shifted, start, goal)))
 
@@ -88,7 +102,7 @@ def _bounded(
 
     Neither turning nor a change of weights then moves the way much more than the ends are moved.
     """
-    shifted = _shifted(usual, start, goal)
+    shifted = with_ends(usual, start, goal)
     moved = max(float(np.linalg.norm(start - usual[0])), float(np.linalg.norm(goal - usual[-1])))
     bound = MOST_DEVIATION * moved
     off, change = shifted - usual, path - shifted
@@ -102,7 +116,7 @@ def _bounded(
     return np.asarray(shifted + min(float(roots.min()), 1.0) * change)
 
 
-def _shifted(curve: Float64Array, start: Float64Array, goal: Float64Array) -> Float64Array:
+def with_ends(curve: Float64Array, start: Float64Array, goal: Float64Array) -> Float64Array:
     """The curve with the offsets of both ends blended linearly over its length."""
     u = np.linspace(0.0, 1.0, len(curve))[:, None]
     return np.asarray(curve + (1 - u) * (start - curve[0]) + u * (goal - curve[-1]))

@@ -46,6 +46,10 @@ class Route(Brief):
         weights: (k,) how much each one's timing counts.
         method: the method that found it, "map", "start" or "mean_path": with "auto", whether it
             follows the demonstrations' prediction or plans anew in the map.
+        leaves_usual_way: whether it is farther from the usual motion, the one between the mean ends
+            of the demonstrations, than 1.5 times what its ends are moved and an area of influence:
+            where obstacles stand on the usual way, or where start and goal are a demonstration's
+            that goes another one.
     """
 
     path: Float64Array
@@ -53,6 +57,7 @@ class Route(Brief):
     used: tuple[Experience, ...]
     weights: Float64Array
     method: str
+    leaves_usual_way: bool = False
 
     @property
     def length(self) -> float:
@@ -156,6 +161,7 @@ def route_along(
     weights: Float64Array,
     method: str,
     knot_spacing: float | None = None,
+    region: tuple[Float64Array, Float64Array] | None = None,
 ) -> Route:
     """A path made smooth where obstacles allow, with the map's speed along it.
 
@@ -167,6 +173,7 @@ def route_along(
         weights: (k,) how much each one's timing counts.
         method: the method that found it.
         knot_spacing: length below which details vanish; None: that of the noise of the grid.
+        region: corners (lower, upper) that the smooth path is kept in.
     """
     walls = speed == 0.0
     smoothed = smooth_path(
@@ -174,6 +181,8 @@ def route_along(
         knot_spacing=knot_spacing or CELLS_PER_KNOT * float(grid.spacing.max()),
         accept=lambda points: not walls[tuple(grid.cells_of(points).T)].any(),
     )
+    if region is not None:
+        smoothed = np.clip(smoothed, *region)
     along = map_coordinates(
         speed, grid.coordinates(smoothed).T, np.float64, order=1, mode="nearest"
     )

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, cast
 
 import numpy as np
@@ -241,8 +241,9 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
             NoPath: as `generate`.
         """
         query = self.query(start=start, goal=goal, obstacles=obstacles)
+        usual = self._usual_route if self.demonstrated else None
         return planned(
-            self.model.method, self._all, query, lambda fraction: self._scales(fraction, query)
+            self.model.method, self._all, query, partial(self._scales, query=query), usual=usual
         )
 
     def query(
@@ -267,7 +268,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
     def live_map(self, workspace: ArrayLike, *, cells: int = 1_000_000) -> LiveMap:
         """Routes to goals and around obstacles that keep moving, in tens of milliseconds each.
 
-        The routes are those of the method "map"; `in_time` makes motions of them.
+        The routes lead through the map of the method "map"; `in_time` makes motions of them.
 
         Args:
             workspace: (lower, upper) corners (d,) each, around the demonstrations and all that
@@ -344,8 +345,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
             "events": [events.to_plain(each.events) for each in self._all],
         }
         if any(each.posture for each in self._all):
-            names = [each.posture and list(each.posture.names) for each in self._all]
-            settings["joint_names"] = names
+            settings["joint_names"] = [e.posture and list(e.posture.names) for e in self._all]
         arrays = {
             f"{name}_{i}": value
             for i, each in enumerate(self._all)
@@ -356,6 +356,11 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
     @property
     def _all(self) -> tuple[Experience, ...]:
         return self.demonstrated + self.learned
+
+    @cached_property
+    def _usual_route(self) -> Route:
+        query = self.query()
+        return planned(self.model.method, self._all, query, partial(self._scales, query=query))
 
     @cached_property
     def _policy(self) -> Policy:
