@@ -23,7 +23,7 @@ _ROUNDING = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class PathReport(Drawn):
-    """How joints keep to a path of the tip and to the arm's limits; every array is (n,).
+    """How joints keep to a path of the tip and to the arm's limits; arrays are (n,) but for `turn`.
 
     The ratios are differences of the samples around each sample over the limit, the largest of all
     joints; the arm is at rest before the first sample and after the last.
@@ -32,6 +32,8 @@ class PathReport(Drawn):
         times: of the samples in s.
         position_error: in m.
         orientation_error: in rad, 0 if the motion is of points.
+        turn: (n, 3) rad, the rotation vector from the motion's orientation to the tip's, about the
+            axes "rx", "ry" and "rz" that `follow` may leave free; 0 if the motion is of points.
         condition_number: of the Jacobian with rotations weighted 0.3 m per rad, as by
             `Arm.condition_number`.
         margin: the least distance of a joint to a position limit as a fraction of its range: 0.5 in
@@ -45,6 +47,7 @@ class PathReport(Drawn):
     times: Float64Array
     position_error: Float64Array
     orientation_error: Float64Array
+    turn: Float64Array
     condition_number: Float64Array
     margin: Float64Array
     velocity_ratio: Float64Array
@@ -116,15 +119,17 @@ def path_report(
     path = TipPath.of(motion)
     q = _joints(trajectory, path, limits)
     positions, orientations = chain.forward_kinematics(q)
-    turned = np.zeros(len(path))
+    turned, turn = np.zeros(len(path)), np.zeros((len(path), 3))
     if len(path.orientations):
         turned = rotations.distance(orientations, path.orientations)
+        turn = rotations.log(rotations.compose(rotations.inverse(path.orientations), orientations))
     times = trajectory.times
     stated = limits.acceleration
     return PathReport(
         times=times,
         position_error=_read_only(np.linalg.norm(positions - path.positions, axis=1)),
         orientation_error=_read_only(turned),
+        turn=_read_only(turn),
         condition_number=_read_only(_condition_number(chain, q)),
         margin=_read_only(margins(limits.lower, limits.upper, q)),
         velocity_ratio=_read_only(_velocity_ratio(times, q, limits.velocity)),

@@ -64,12 +64,19 @@ def _hint(ctx: typer.Context, motion: Path, *, limits_kept: bool, clear: bool) -
         chain.advise("plan with a larger --obstacle or another --posture, then retime and check")
     elif not limits_kept:
         chain.hint(
-            "leadthrough", "retime", motion, *arm, "-o", motion.with_stem(f"{motion.stem}-timed")
+            ctx,
+            "leadthrough",
+            "retime",
+            motion,
+            *arm,
+            "-o",
+            motion.with_stem(f"{motion.stem}-timed"),
         )
     else:
-        obstacles = (word for text in ctx.params["obstacle"] or () for word in ("--obstacle", text))
         page = motion.with_suffix(".html")
-        chain.hint("leadthrough", "view", motion, *arm, *obstacles, "--html", page)
+        chain.hint(
+            ctx, "leadthrough", "view", motion, *arm, *chain.typed(ctx, "obstacle"), "--html", page
+        )
 
 
 def _peak(peak: Peak | None, as_json: bool) -> object:

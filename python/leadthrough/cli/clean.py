@@ -10,6 +10,7 @@ from leadthrough.cli import chain, options
 
 
 def clean(
+    ctx: typer.Context,
     files: options.Recordings,
     out: options.Output,
     column: options.Columns = None,
@@ -86,4 +87,4 @@ def clean(
     if as_json:
         print(json.dumps(found, allow_nan=False))
     else:
-        chain.hint("leadthrough", "learn", *files_written, "-o", "skill.npz")
+        chain.hint(ctx, "leadthrough", "learn", *files_written, "-o", "skill.npz")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import typer
@@ -60,6 +61,7 @@ class Command(TyperCommand):
         return super().make_context(info_name, args, **extra)
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        _refuse_files_like_options(self, ctx, args)
         rest = super().parse_args(ctx, args)
         if _source(ctx, "robot") == "COMMANDLINE":
             for name in profile.OF_THE_ROBOT:
@@ -77,6 +79,26 @@ class Command(TyperCommand):
             if ctx.find_root().params.get("debug"):
                 raise
             raise errors.ending(error, words(ctx), as_json=_wants_json(ctx)) from None
+
+
+def _refuse_files_like_options(command: Command, ctx: Any, args: list[str]) -> None:
+    """Refuses a file such as -out.csv of `learn *.csv`, of which -o would take the rest."""
+    options = {option for each in command.get_params(ctx) for option in each.opts}
+    words = args[: args.index("--")] if "--" in args else args
+    for word in words:
+        if word.startswith("-") and word not in options and _is_file(word):
+            raise _UsageError(
+                f"{word}: looks like an option, and a file of this name is here; write ./{word} "
+                "for the file",
+                ctx,
+            )
+
+
+def _is_file(word: str) -> bool:
+    try:
+        return Path(word).exists()
+    except (OSError, ValueError):  # no name of a file
+        return False
 
 
 class Commands(TyperGroup):

@@ -23,6 +23,7 @@ limits = "{robot}.toml"
 
 
 def example(
+    ctx: typer.Context,
     name: Annotated[
         str,
         typer.Argument(
@@ -56,7 +57,7 @@ def example(
     tables.facts({"folder": str(folder), "files": list(files)}, as_json=as_json)
     if not as_json:
         here = () if folder.resolve() == Path.cwd() else ("cd", folder, "&&")
-        chain.hint(*here, "leadthrough", "info", "shown")
+        chain.hint(ctx, *here, "leadthrough", "info", "shown")
 
 
 def _reach(seed: int) -> dict[str, str | Demonstration]:

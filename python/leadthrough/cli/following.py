@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough import check
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, PathReport
 from leadthrough.arm.options import AXES
 from leadthrough.cli import parse
 from leadthrough.cli import robot as robots
@@ -63,8 +63,10 @@ def followed(
         return Followed(robots.own_joints(arm, motion, "the skill"), {})
     options = _options(arm, posture, tolerance, free_axes)
     joints = arm.follow(motion, **options)
-    off = _off_the_path(arm, motion, joints, always="position_tolerance" in options or free_axes)
-    return Followed(joints, off | _beside_shown(arm, motion, joints))
+    report = arm.path_report(joints, motion)
+    off = _off_the_path(report, always="position_tolerance" in options or free_axes)
+    chosen = {} if "free" in options else _freed(report, options)
+    return Followed(joints, chosen | off | _beside_shown(arm, motion, joints))
 
 
 def _options(
@@ -88,11 +90,16 @@ def _options(
     return {**found, "seed": wished, "posture": wished}
 
 
-def _off_the_path(
-    arm: Arm, motion: Any, joints: JointTrajectory, *, always: object
-) -> dict[str, float]:
+def _freed(report: PathReport, options: Mapping[str, Any]) -> dict[str, list[str]]:
+    """The axes that the arm left free by itself, because it has fewer than six joints."""
+    asked = max(options.get("orientation_tolerance", 0.0), _AS_PLANNED)
+    turned = np.abs(report.turn).max(axis=0).tolist()
+    axes = [f"r{axis}" for axis, angle in zip("xyz", turned, strict=True) if angle > asked]
+    return {"free_axes": axes} if axes else {}
+
+
+def _off_the_path(report: PathReport, *, always: object) -> dict[str, float]:
     """How far the tip is from what was planned, where that is not by rounding alone."""
-    report = arm.path_report(joints, motion)
     errors = {
         "position_error": float(report.position_error.max()),
         "orientation_error": float(report.orientation_error.max()),

@@ -84,7 +84,7 @@ def info(
     if write_limits is not None:
         print(f"wrote {write_limits}: replace the assumed values with the maker's")
     if len({each.kind for each in told}) == 1:
-        chain.hint(*_next(ctx, told, write_limits))
+        chain.hint(ctx, *_next(ctx, told, write_limits))
 
 
 def _in_words(ctx: typer.Context, found: FileInfo) -> FileInfo:
@@ -137,7 +137,15 @@ def _next(
     if told[0].kind == "recordings":
         faulty = any(recording.has_faults for each in told for recording in each.recordings)
         asked = ctx.params["files"]
-        return ("leadthrough", "learn", *asked, *["--clean"] * faulty, "-o", "skill.npz")
+        return (
+            "leadthrough",
+            "learn",
+            *asked,
+            *chain.reading(ctx),
+            *["--clean"] * faulty,
+            "-o",
+            "skill.npz",
+        )
     return _next_of_robot(ctx, told[0], written)
 
 

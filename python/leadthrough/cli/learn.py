@@ -153,7 +153,7 @@ def learn(
     tables.facts(found, as_json=as_json)
     if not as_json:
         motion = "motion.csv" if robot is None else "motion.json"
-        chain.hint("leadthrough", "plan", out, *chain.arm(ctx), "-o", motion)
+        chain.hint(ctx, "leadthrough", "plan", out, *chain.arm(ctx), "-o", motion)
 
 
 def models() -> dict[str, Any]:

@@ -16,6 +16,11 @@ if TYPE_CHECKING:
 
 # Standard deviations of the demonstrated ends from which on an end is new.
 _NOVEL = 3.0
+# Options that say which motion to plan.
+_ASKED = (
+    *("start", "goal", "move_start", "move_goal", "duration", "dt", "obstacle"),
+    *("posture", "tolerance", "free_axis"),
+)
 
 
 def plan(
@@ -90,7 +95,7 @@ def plan(
     from leadthrough.arm.recorded import warn_of_another_arm
     from leadthrough.cli import errors, following, parse, reading, tables
     from leadthrough.cli import robot as robots
-    from leadthrough.motion import JointTrajectory
+    from leadthrough.motion import JointTrajectory, joints_with
     from leadthrough.timing import differentiate
 
     reading.check_output(out, format)
@@ -113,12 +118,19 @@ def plan(
         if isinstance(motion, JointTrajectory):
             motion = differentiate(motion)
         told: dict[str, Any] = {}
+        arm = None
         if robot is not None:
             arm = robots.load(robot, limits, base, tip)
             warn_of_another_arm(arm._chain, learned.generate())
             followed = following.followed(arm, motion, posture, tolerance, free_axis)
             motion, told = followed.joints, followed.facts
     _write(motion, out, format, moves_arm=robot is not None)
+    if joints_with(motion) is not None:
+        print(
+            f"note: {out} does not keep the joints that the skill was shown with, so an arm that "
+            "follows it has a posture of its own; plan with --robot to keep the shown one",
+            file=sys.stderr,
+        )
     found = {
         "motion": str(out),
         "type": type(motion).__name__,
@@ -133,16 +145,41 @@ def plan(
     units = {"duration": "s", "start": unit, "goal": unit, **following.UNITS}
     tables.facts(found, as_json=as_json, units=units)
     if not as_json:
-        chain.hint(*_next(ctx, skill, out, moves_joints=hasattr(motion, "joint_names")))
+        told_limits = arm is None or arm.limits.acceleration is not None
+        chain.hint(ctx, *_next(ctx, motion, told_limits=told_limits))
 
 
-def _next(
-    ctx: typer.Context, skill: Path, out: Path, *, moves_joints: bool
-) -> tuple[str | Path, ...]:
+def _next(ctx: typer.Context, motion: Motion, *, told_limits: bool) -> tuple[str | Path, ...]:
+    from leadthrough.cli import reading
+
+    skill, out = ctx.params["skill"], ctx.params["out"]
+    moves_joints = hasattr(motion, "joint_names")
     arm = chain.arm(ctx) if ctx.params["robot"] else ("--robot", "ROBOT")
-    if not moves_joints:  # no arm has been asked for yet
-        return ("leadthrough", "plan", skill, *arm, "-o", out.with_suffix(".json"))
-    return ("leadthrough", "retime", out, *arm, "-o", out.with_stem(f"{out.stem}-timed"))
+    if not moves_joints or not reading.can_read(out):  # for an arm, in a file that can be read
+        again = chain.typed(ctx, *_ASKED)
+        if ctx.params["robot"] or not moves_joints:
+            again += arm
+        return ("leadthrough", "plan", skill, *again, "-o", out.with_suffix(".json"))
+    timed = out.with_stem(f"{out.stem}-timed")
+    if told_limits:
+        return ("leadthrough", "retime", out, *arm, "-o", timed)
+    return _limits_first(ctx, ("leadthrough", "retime", out), ("-o", timed))
+
+
+def _limits_first(
+    ctx: typer.Context, begin: tuple[str | Path, ...], end: tuple[str | Path, ...]
+) -> tuple[str | Path, ...]:
+    """A command line behind one that writes the limits that the robot's description lacks."""
+    from leadthrough.cli import robot as robots
+
+    urdf = robots.urdf_of(ctx.params["robot"])
+    target = Path(f"{urdf.stem}.toml")
+    target = target.with_stem(f"{urdf.stem}-limits") if target.exists() else target
+    known = chain.typed(ctx, "base", "tip", "limits")
+    arm = chain.typed(ctx, "robot", "base", "tip")
+    written: tuple[str | Path, ...]
+    written = ("leadthrough", "info", urdf, *known, "--write-limits", target)
+    return (*written, "&&", *begin, *arm, "--limits", target, *end)
 
 
 def _write(motion: Motion, out: Path, format: str | None, *, moves_arm: bool) -> None:

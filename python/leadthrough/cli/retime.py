@@ -77,7 +77,7 @@ def retime(
     tables.facts(found, as_json=as_json, units=units)
     if not as_json:
         if reading.can_read(out):
-            chain.hint("leadthrough", "check", out, *chain.arm(ctx))
+            chain.hint(ctx, "leadthrough", "check", out, *chain.arm(ctx))
         else:
             chain.advise(f"run {out} on the robot")
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from leadthrough.arm import Arm
+from leadthrough.arm.robots import find_robot
 from leadthrough.cli import errors, reading
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, Motion
@@ -21,11 +22,19 @@ def load(
         InvalidInput: for an unknown name, or options that do not fit the robot.
         InvalidRobot: if the URDF describes no arm.
     """
-    is_path = "/" in name or name.lower().endswith((".urdf", ".xml"))
     with errors.naming(name="--robot", path_or_xml="--robot"):
-        if is_path:
+        if _is_path(name):
             return Arm.from_urdf(Path(name), base=base, tip=tip, limits=limits)
         return Arm.load(name, base=base, tip=tip, limits=limits)
+
+
+def urdf_of(name: str) -> Path:
+    """The URDF of a robot that `load` takes."""
+    return Path(name) if _is_path(name) else find_robot(name).urdf
+
+
+def _is_path(name: str) -> bool:
+    return "/" in name or name.lower().endswith((".urdf", ".xml"))
 
 
 def ranges(arm: Arm) -> dict[str, tuple[float, float]]:

@@ -9,6 +9,7 @@ from cli.command_line import facts, run
 
 import leadthrough as lt
 
+MOVED = ("--move-goal=0.01,-0.014,0.01",)
 ARM = ("--robot", "arm.urdf", "--tip", so101.TIP, "--limits", "arm.toml")
 
 
@@ -31,9 +32,14 @@ def test_three_commands_lead_to_a_replay_and_to_a_goal_moved_by_2_cm(arm):
     learned = facts("learn", "shown", *ARM, "--angles", "percent", "-o", "pick.npz")
     assert learned["demonstrations"] == ["episode_0", "episode_1", "episode_2"]
     replay = facts("plan", "pick.npz", *ARM, "-o", "replay.json")
-    moved = facts("plan", "pick.npz", *ARM, "--move-goal=0.01,-0.014,0.01", "-o", "moved.json")
+    moved = facts("plan", "pick.npz", *ARM, *MOVED, "-o", "moved.json")
     assert replay["orientation_error"] < 1e-3
     assert 1e-3 < moved["orientation_error"] < 0.03  # five joints cannot turn the tip anyhow
+    assert len(moved["free_axes"]) == 1
+    named = facts(
+        "plan", "pick.npz", *ARM, *MOVED, "--free-axis", *moved["free_axes"], "-o", "n.csv"
+    )
+    assert named["orientation_error"] == pytest.approx(moved["orientation_error"], rel=1e-3)
     plain = lt.load_skill("pick.npz").generate()
     start = np.mean([q[0] for q, _ in so101.motions()], axis=0)
     for file, offset in (("replay", [0.0, 0.0, 0.0]), ("moved", [0.01, -0.014, 0.01])):

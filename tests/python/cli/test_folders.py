@@ -1,5 +1,6 @@
 """Folders where files are taken: their recordings, by their names."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -60,3 +61,16 @@ def test_a_folder_without_recordings_is_an_error(folder, words):
     Path("empty/notes.md").write_text("nothing")
     result = run(words[0], "empty", *words[1:], code=2)
     assert "empty: nothing to read in this folder" in result.stderr
+
+
+def test_files_whose_names_look_like_options_are_told_and_taken(folder):
+    odd = ("-out.csv", "--reach.csv")  # of the first, -o would take "ut.csv"
+    for name, shown in zip(odd, sorted(Path("shown").glob("reach*.csv")), strict=False):
+        Path(name).write_bytes(shown.read_bytes())
+        said = run("learn", "shown", name, "-o", "s.npz", code=2).stderr
+        assert f"{name}: looks like an option" in said
+        assert f"./{name}" in said
+    result = run("learn", "-o", "s.npz", "--json", "--", *odd)
+    assert json.loads(result.stdout)["demonstrations"] == ["-out", "--reach"]
+    named = [f"./{name}" for name in odd]
+    assert facts("learn", *named, "-o", "s.npz")["demonstrations"] == ["-out", "--reach"]

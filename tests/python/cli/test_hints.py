@@ -4,10 +4,12 @@ import os
 import shlex
 from pathlib import Path
 
+import numpy as np
 import pytest
 from cli.command_line import run
 from rich.console import Console
 
+import leadthrough as lt
 from leadthrough.cli.tables import table
 
 WIDTH = 80
@@ -60,6 +62,85 @@ def test_the_hints_repeat_the_arm_that_was_typed(folder):
         assert " ".join(arm) == " ".join(words[2 : 2 + len(arm)])
 
 
+def chained(*words):
+    """Types a command and each next one, up to the view: the commands before it."""
+    typed = []
+    while "view" not in words:
+        typed.append(words)
+        words = next_of(run(*words))
+    run(*words)
+    return typed
+
+
+def test_the_hints_run_as_printed_with_what_says_how_recordings_are_read(folder):
+    rows = np.loadtxt("shown/reach1.csv", delimiter=",", skiprows=1)
+    turned = np.degrees(rows[:, 1:])
+    np.savetxt("logged.csv", turned, delimiter=",", header="a,b,c,d,e,f", comments="")
+    reading = ["--column", "joints=a,b,c,d,e,f", "--rate", "125.0", "--angles", "degrees"]
+    typed = chained("info", "logged.csv", *reading)
+    assert [words[0] for words in typed] == ["info", "learn", "plan", "retime", "check"]
+    assert typed[1] == ["learn", "logged.csv", *reading, "-o", "skill.npz"]
+    assert np.abs(lt.read_motion("motion.json").positions[0] - rows[0, 1:]).max() < 0.05
+
+
+def test_the_hints_run_as_printed_in_a_folder_whose_profile_is_ignored(folder):
+    arm = ["--robot", "ur3.urdf", "--tip", "tool0", "--limits", "ur3.toml"]
+    Path("leadthrough.toml").write_text('robot = "panda"\n')
+    typed = chained("--no-profile", "learn", "shown", *arm, "-o", "reach.npz")
+    assert [words[:2] for words in typed[1:]] == [
+        ["--no-profile", command] for command in ("plan", "retime", "check")
+    ]
+
+
+def test_a_path_leads_to_the_same_motion_of_an_arm(folder):
+    run("learn", "shown", "-o", "reach.npz")
+    asked = ["--move-start", "0.0,0.01,0.0", "--move-goal=-0.02,0.03,0", "--dt", "0.02"]
+    asked += ["--obstacle", "sphere:0.01@0,0,1", "--duration", "4.0"]
+    path = run("--no-profile", "plan", "reach.npz", *asked, "-o", "path.csv")
+    assert "path.csv does not keep the joints that the skill was shown with" in path.stderr
+    words = next_of(path)
+    assert words[-4:] == ["--robot", "ROBOT", "-o", "path.json"]
+    words[words.index("ROBOT")] = "ur3"
+    result = run(*words)
+    assert "does not keep" not in result.stderr
+    tip, joints = lt.read_motion("path.csv"), lt.read_motion("path.json")
+    reached = lt.Arm.load("ur3").poses(joints).positions
+    assert np.abs(reached - tip.positions).max() < 1e-4
+    assert len(joints) == len(tip) == 201
+
+
+def test_a_plan_in_a_format_that_cannot_be_read_leads_to_one_that_can(folder):
+    run("learn", "shown", "-o", "reach.npz")
+    words = next_of(run("plan", "reach.npz", "--tolerance", "1e-4,1e-4", "-o", "m.script"))
+    assert words == ["plan", "reach.npz", "--tolerance", "1e-4,1e-4", "-o", "m.json"]
+    assert [typed[0] for typed in chained(*words)] == ["plan", "retime", "check"]
+
+
+@pytest.mark.parametrize("profile", [False, True])
+def test_an_arm_without_known_accelerations_leads_to_a_limits_file_first(folder, profile):
+    arm = ["--robot", "ur3.urdf", "--tip", "tool0"]
+    Path("leadthrough.toml").unlink()
+    if profile:
+        Path("leadthrough.toml").write_text('robot = "ur3.urdf"\ntip = "tool0"\n')
+        arm = []
+    run("learn", "shown", *arm, "-o", "reach.npz")
+    result = run("plan", "reach.npz", *arm, "-o", "m.json")
+    (hint,) = (line for line in result.stdout.splitlines() if line.startswith("next: "))
+    first, second = (shlex.split(part) for part in hint.removeprefix("next: ").split(" && "))
+    assert first[-2:] == ["--write-limits", "ur3-limits.toml"]  # ur3.toml is there
+    run(*first[1:])
+    assert [typed[0] for typed in chained(*second[1:])] == ["retime", "check"]
+
+
+def test_files_whose_names_look_like_options_are_led_on_with_their_folder(folder):
+    typed = chained("learn", "shown", "-o", "-odd.npz")
+    assert typed[1][1] == "./-odd.npz"
+    Path("shown/reach1.csv").rename("--reach.csv")
+    words = next_of(run("info", "--", "--reach.csv"))
+    assert words[:2] == ["learn", "./--reach.csv"]
+    run(*words)
+
+
 def test_a_urdf_leads_to_a_limits_file_and_that_to_learning(folder):
     Path("leadthrough.toml").unlink()
     result = run("info", "ur3.urdf", "--tip", "tool0")
@@ -89,7 +170,7 @@ def test_a_skill_leads_to_a_plan_and_poses_to_an_arm(folder):
     words = next_of(run("info", "skill.npz"))
     assert words[:2] == ["plan", "skill.npz"]
     hint = next_of(run("--no-profile", *words))
-    assert hint == ["plan", "skill.npz", "--robot", "ROBOT", "-o", "motion.json"]
+    assert hint == ["--no-profile", "plan", "skill.npz", "--robot", "ROBOT", "-o", "motion.json"]
 
 
 def test_a_motion_that_fails_the_check_leads_to_what_mends_it(folder):
