@@ -22,6 +22,9 @@ from leadthrough.shapes import Shape
 Speeds = TypeVar("Speeds", NDArray[np.float32], NDArray[np.float64])
 
 _ROUNDING = 1e-9
+# Cells faster than the saturation by more than this fraction lie in a tube; float32 is coarser
+# than the speeds themselves.
+_IN_TUBE = 1e-6
 
 
 def experience_map(
@@ -99,6 +102,43 @@ def add_obstacles(
         return speed
     result = speed.copy()
     result[part] *= beside
+    return result
+
+
+def add_passable_obstacles(
+    speed: Speeds,
+    grid: Grid,
+    obstacles: Sequence[Shape],
+    *,
+    band: float,
+    saturation: float,
+    reach: float,
+) -> Speeds:
+    """The speed map with walls at the obstacles, slower cells beside them and ways round them.
+
+    The product with the obstacles' own map as by `add_obstacles`. Where an obstacle stands in a
+    tube, a tube of two bands' width leads along its surface: to go round it then costs little more
+    than the way through it did, and no path leaves its tube for a short cut instead.
+
+    Args:
+        speed: the map without obstacles, of grid.shape.
+        grid: of the map.
+        obstacles: in the grid's unit.
+        band: distance over which the speed grows from 0 at an obstacle to its own value, in the
+            grid's unit.
+        saturation: speed outside the tubes, in (0, 1].
+        reach: of the ways round, from where an obstacle stands in a tube, in the grid's unit.
+    """
+    part, beside = _beside(grid, obstacles, 2.0 * band)
+    if part is None:
+        return speed
+    result = speed.copy()
+    struck = (beside == 0.0) & (result[part] > saturation * (1.0 + _IN_TUBE))
+    if struck.any():
+        near = distance_transform(struck, spacing=grid.spacing) <= reach
+        closeness = np.where(near, 1.0 - np.abs(2.0 * beside - 1.0), 0.0)
+        result[part] = np.maximum(result[part], saturation + (1.0 - saturation) * closeness)
+    result[part] *= np.minimum(2.0 * beside, 1.0)
     return result
 
 

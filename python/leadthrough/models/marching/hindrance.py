@@ -1,4 +1,4 @@
-"""How obstacles slow the wave down in the maps of Fast Marching Learning."""
+"""How obstacles enter the maps of Fast Marching Learning, and how the wave passes them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,12 @@ from collections.abc import Sequence
 
 from leadthrough.models.marching.scales import Scales
 from leadthrough.planning.grid import Grid
-from leadthrough.planning.speed_map import Speeds, add_obstacles, add_saturated_obstacles
+from leadthrough.planning.speed_map import (
+    Speeds,
+    add_obstacles,
+    add_passable_obstacles,
+    add_saturated_obstacles,
+)
 from leadthrough.shapes import Shape
 
 OBSTACLE_MAPS = ("product", "minimum")
@@ -14,6 +19,9 @@ OBSTACLE_MAPS = ("product", "minimum")
 # Width of the band in which the product slows the wave down, as a fraction of the clearance. A path
 # that has to pass through a wider one beside its tube would rather leave the tube for a short cut.
 BAND = 0.5
+# How far ways round an obstacle reach from where it stands in a tube, in clearances: the tube goes
+# on beside small boxes, and not along a whole table that it touches.
+REACH = 2.0
 
 
 def hindered(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scales) -> Speeds:
@@ -34,3 +42,24 @@ def hindered(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scal
             saturation=scales.saturation,
         )
     return add_obstacles(speed, grid, obstacles, area_of_influence=BAND * scales.clearance)
+
+
+def passable(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scales) -> Speeds:
+    """The map of `hindered` that paths are planned in: the product has ways round obstacles.
+
+    Args:
+        speed: the map without obstacles, of grid.shape.
+        grid: of the map.
+        obstacles: in the grid's unit.
+        scales: of the map.
+    """
+    if scales.obstacle_map == "minimum":
+        return hindered(speed, grid, obstacles, scales)
+    return add_passable_obstacles(
+        speed,
+        grid,
+        obstacles,
+        band=BAND * scales.clearance,
+        saturation=scales.saturation,
+        reach=REACH * scales.clearance,
+    )

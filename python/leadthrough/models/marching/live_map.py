@@ -20,7 +20,7 @@ from leadthrough.errors import InvalidInput
 from leadthrough.models.marching import route
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.extent import grid_over
-from leadthrough.models.marching.hindrance import hindered
+from leadthrough.models.marching.hindrance import hindered, passable
 from leadthrough.models.marching.route import Route
 from leadthrough.models.marching.scales import Scales
 from leadthrough.planning.grid import Grid
@@ -83,8 +83,10 @@ class LiveMap:
         for end, name in zip(ends, ("start", "goal"), strict=True):
             if not self._grid.contains(end[None])[0]:
                 raise InvalidInput(f"{name}: expected a point inside the workspace, got {end}")
-        speed = hindered(self._free, self._grid, check_shapes(obstacles), self._scales)
-        path = route.quickest(self._grid, speed, ends[0], ends[1], order=1)
+        shapes = check_shapes(obstacles)
+        around = passable(self._free, self._grid, shapes, self._scales)
+        path = route.quickest(self._grid, around, ends[0], ends[1], order=1)
+        speed = hindered(self._free, self._grid, shapes, self._scales)
         used = tuple(each.facing(ends[0], ends[1]) for each in self._known)
         return route.route_along(
             path, self._grid, speed, used=used, weights=np.ones(len(used)), method="map"

@@ -18,7 +18,7 @@ from leadthrough.errors import InvalidInput, NoPath
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.extent import grid_over
 from leadthrough.models.marching.gate import Gate, gate_at
-from leadthrough.models.marching.hindrance import hindered
+from leadthrough.models.marching.hindrance import passable
 from leadthrough.models.marching.paces import Paces
 from leadthrough.models.marching.scales import Scales
 from leadthrough.planning.arrival import arrival_times
@@ -56,7 +56,7 @@ class Surroundings:
         Raises:
             NoPath: for a goal in an obstacle.
         """
-        speed = hindered(self._speed, self._grid, obstacles, self._scales)
+        speed = passable(self._speed, self._grid, obstacles, self._scales)
         self._check_goal(speed)
         source = self._grid.cells_of(self._goal[None])
         return arrival_times(speed, source, spacing=self._grid.spacing)
@@ -67,7 +67,7 @@ class Surroundings:
         Raises:
             NoPath: for a goal in an obstacle, or a position that is not reached.
         """
-        speed = self._hindered(obstacles)
+        speed = self._around(obstacles)
         source, stop = self._grid.cells_of(np.stack([self._goal, position]))
         times = arrival_times(
             speed, source[None], spacing=self._grid.spacing, order=1, dtype=np.float32, stop=stop
@@ -85,17 +85,17 @@ class Surroundings:
         Raises:
             NoPath: for a goal in an obstacle.
         """
-        speed = self._hindered(obstacles)
+        speed = self._around(obstacles)
         if self._field is None:
             self._field = ArrivalField(speed, self._grid, self._goal, dtype=np.float32)
         else:
             self._field.update(speed)
         return self._field.times
 
-    def _hindered(self, obstacles: Sequence[Shape]) -> NDArray[np.float32]:
+    def _around(self, obstacles: Sequence[Shape]) -> NDArray[np.float32]:
         if self._free is None:
             self._free = self._speed.astype(np.float32)
-        speed = hindered(self._free, self._grid, obstacles, self._scales)
+        speed = passable(self._free, self._grid, obstacles, self._scales)
         self._check_goal(speed)
         return speed
 

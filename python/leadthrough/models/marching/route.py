@@ -19,7 +19,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import NoPath
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.extent import grid_over
-from leadthrough.models.marching.hindrance import hindered
+from leadthrough.models.marching.hindrance import hindered, passable
 from leadthrough.models.marching.query import Query
 from leadthrough.models.marching.scales import Scales
 from leadthrough.planning.arrival import arrival_times
@@ -96,8 +96,8 @@ def through_map(
     speed = experience_map(
         grid, paths, area_of_influence=scales.radius, saturation=scales.saturation
     )
+    path = _through(grid, speed, query, scales)
     speed = hindered(speed, grid, query.obstacles, scales)
-    path = quickest(grid, speed, query.start, query.goal)
     used = tuple(each.facing(query.start, query.goal) for each in mapped or known)
     return route_along(path, grid, speed, used=used, weights=np.ones(len(used)), method="map")
 
@@ -120,9 +120,15 @@ def from_start(known: Sequence[Experience], query: Query, scales: Scales) -> Rou
     speed = tube_map(
         grid, paths, weights, area_of_influence=scales.radius, saturation=scales.saturation
     )
+    path = _through(grid, speed, query, scales)
     speed = hindered(speed, grid, query.obstacles, scales)
-    path = quickest(grid, speed, query.start, query.goal)
     return route_along(path, grid, speed, used=used, weights=weights, method="start")
+
+
+def _through(grid: Grid, speed: Float64Array, query: Query, scales: Scales) -> Float64Array:
+    """The quickest path (n, d) of a query in a map without its obstacles."""
+    map_around = passable(speed, grid, query.obstacles, scales)
+    return quickest(grid, map_around, query.start, query.goal)
 
 
 def quickest(

@@ -82,7 +82,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
         return self._map[1]
 
     def map_with(self, obstacles: Sequence[Shape]) -> Float64Array:
-        """The velocity map with obstacles in it, as the method "map" plans in.
+        """The velocity map with obstacles in it; to plan, "map" adds ways round those in a tube.
 
         Args:
             obstacles: shapes in the demonstrations' frame.

@@ -128,6 +128,22 @@ def test_a_box_on_the_way_does_not_chase_the_path_out_of_its_tube(sshape, satura
         assert box.distance(np.pad(path, ((0, 0), (0, 1)))).min() > 0.0
 
 
+@pytest.mark.parametrize("saturation", [0.05, 0.1])
+@pytest.mark.parametrize("edge", [6.0, 8.0])
+def test_a_box_as_wide_as_the_tube_is_passed_beside_it(sshape, saturation, edge):
+    """A box of 8 mm anywhere on the way left 79 to 84 of 143 mm: the path took a short cut."""
+    middle = np.mean([by_arc_length(each.motion.positions, 1000) for each in sshape], axis=0)
+    skill = lt.FastMarching(method="map", saturation=saturation).fit(sshape)
+    free = length_of(skill.plan().path)
+    for place in range(150, 900, 75):
+        box = lt.Box((edge, edge, edge), (*middle[place], 0.0))
+        path = skill.plan(obstacles=[box]).path
+        assert 0.9 * free < length_of(path) < 1.1 * free
+        assert box.distance(np.pad(path, ((0, 0), (0, 1)))).min() > 0.0
+        beside = np.linalg.norm(path[:, None] - middle[None], axis=2).min(axis=1)
+        assert beside.max() < edge + 2.0 * skill.area_of_influence
+
+
 def test_the_product_keeps_farther_from_obstacles_than_the_papers_minimum(sshape):
     middle = np.mean([by_arc_length(each.motion.positions, 1000) for each in sshape], axis=0)
     box = lt.Box((4, 4, 4), (*middle[500], 0.0))
