@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "base/matrix.hpp"
 
 namespace leadthrough {
@@ -17,16 +19,25 @@ struct SpeedBounds {
 
 enum class SpeedStatus { kOk, kNoMotion, kStartTooFast, kEndTooFast };
 
+struct SpeedInterval {
+  double low, high;
+};
+
 // The fastest motion: squared speeds at the grid's points, linear in s between them.
 struct SpeedProfile {
   SpeedStatus status = SpeedStatus::kOk;
   Eigen::Index failed_at = -1;  // point of the grid where no motion is possible
   Eigen::VectorXd squared;      // (n,)
+  // Those from which the rest of the path can be driven, (n,).
+  std::vector<SpeedInterval> reach;
 };
 
 // Time-optimal squared speeds with x_start and x_end at the ends. A row holds at both ends of
 // every cell, with the cell's own u (Pham & Pham 2018, the interpolation scheme).
-void fastest_profile(const SpeedBounds& bounds, double x_start, double x_end,
-                     SpeedProfile& profile);
+// changed: (n,) at which points the bounds are others than those that `profile` was made of, where
+// it was made of such bounds and the same ends; what does not change is not computed again. By
+// default all are.
+void fastest_profile(const SpeedBounds& bounds, double x_start, double x_end, SpeedProfile& profile,
+                     const std::vector<char>& changed = {});
 
 }  // namespace leadthrough

@@ -113,7 +113,9 @@ class TimeLawSearch {
     const Index points = grid_.points(), joints = path_.joints();
     const Index rows = joints + extra_.gain.cols() + 1;
     bounds_.grid = grid_.length;
-    bounds_.fastest.resize(points);
+    bounds_.fastest = VectorXd::Constant(points, -1.0);
+    used_share_ = bounds_.fastest;
+    changed_.resize(static_cast<std::size_t>(points));
     for (Rows* table : {&bounds_.gain, &bounds_.bend, &bounds_.lower, &bounds_.upper})
       table->resize(points, rows);
     bounds_.gain << grid_.first, extra_.gain, VectorXd::Ones(points);
@@ -148,19 +150,9 @@ class TimeLawSearch {
   // Profile, samples and their ratios, `stride` periods apart.
   bool round(Index stride, TimeLaw& law) {
     ++rounds_;
-    const Index joints = path_.joints();
-    bounds_.fastest = fastest_.cwiseProduct(speed_share_.cwiseAbs2()) * (slowness_ * slowness_);
-    for (Index i = 0; i < grid_.points(); ++i) {
-      const double share = push_share_[i] * slowness_ * slowness_;
-      for (Index j = 0; j < joints; ++j) {
-        const double a =
-            limits_.acceleration[j] > 0.0 ? share * limits_.acceleration[j] : kInfinity;
-        bounds_.lower(i, j) = -a;
-        bounds_.upper(i, j) = a;
-      }
-    }
+    hold_back_bounds();
     const double start = options_.start_speed, end = options_.end_speed;
-    fastest_profile(bounds_, start * start, end * end, profile_);
+    fastest_profile(bounds_, start * start, end * end, profile_, changed_);
     if (profile_.status != SpeedStatus::kOk) return fail(law, profile_.status);
     const double period = options_.period * static_cast<double>(stride);
     clock_ = ProfileClock(grid_, profile_);
@@ -175,6 +167,26 @@ class TimeLawSearch {
     measure_differences(path_, grid_, limits_, smooth_, period, {rests_at_start(), rests_at_end()},
                         ratios_);
     return true;
+  }
+
+  // The bounds of the profile, and at which points they are others than in the round before.
+  void hold_back_bounds() {
+    const VectorXd fastest =
+        fastest_.cwiseProduct(speed_share_.cwiseAbs2()) * (slowness_ * slowness_);
+    for (Index i = 0; i < grid_.points(); ++i) {
+      const double share = push_share_[i] * slowness_ * slowness_;
+      const bool other = fastest[i] != bounds_.fastest[i] || share != used_share_[i];
+      changed_[static_cast<std::size_t>(i)] = other ? 1 : 0;
+      if (!other) continue;
+      bounds_.fastest[i] = fastest[i];
+      used_share_[i] = share;
+      for (Index j = 0; j < path_.joints(); ++j) {
+        const double a =
+            limits_.acceleration[j] > 0.0 ? share * limits_.acceleration[j] : kInfinity;
+        bounds_.lower(i, j) = -a;
+        bounds_.upper(i, j) = a;
+      }
+    }
   }
 
   bool fail(TimeLaw& law, SpeedStatus status) {
@@ -342,7 +354,8 @@ class TimeLawSearch {
   Windows windows_{};
   Index stride_ = 1;
   SpeedBounds bounds_;
-  VectorXd fastest_, speed_share_, push_share_;
+  VectorXd fastest_, speed_share_, push_share_, used_share_;
+  std::vector<char> changed_;  // see hold_back_bounds
   double slowness_ = 1.0, duration_ = 0.0, profile_time_ = 0.0;
   bool capped_ = false;  // whether the next profile is the first below the caps of jerk
   int rounds_ = 0;

@@ -33,6 +33,7 @@ FILES = [
     "bench_paths",
     "bench_replan",
     "bench_time_law",
+    "bench_way_points",
 ]
 REPEATS = {"quick": 3, "full": 5}
 

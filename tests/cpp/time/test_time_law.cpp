@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "time/time_law.hpp"
 
@@ -79,6 +81,37 @@ TEST(Reachability, SaysWhereNoMotionIsPossible) {
   bounds.upper(5, 0) = 0.4;
   fastest_profile(bounds, 0.0, 0.0, profile);
   EXPECT_EQ(profile.status, SpeedStatus::kNoMotion);
+}
+
+TEST(Reachability, LeavesOutWhatDoesNotChange) {
+  constexpr Eigen::Index kPoints = 300;
+  SpeedBounds bounds;
+  bounds.grid = Eigen::VectorXd::LinSpaced(kPoints, 0.0, 1.0);
+  bounds.fastest = Eigen::VectorXd::Constant(kPoints, 2.0);
+  bounds.gain = bounds.bend = Rows(kPoints, 2);
+  for (Eigen::Index i = 0; i < kPoints; ++i) {
+    const double s = bounds.grid[i];
+    bounds.gain.row(i) << std::cos(9.0 * s), std::sin(7.0 * s);
+    bounds.bend.row(i) << -9.0 * std::sin(9.0 * s), 7.0 * std::cos(7.0 * s);
+  }
+  bounds.lower = Rows::Constant(kPoints, 2, -3.0);
+  bounds.upper = Rows::Constant(kPoints, 2, 3.0);
+  SpeedProfile kept;
+  fastest_profile(bounds, 0.0, 0.0, kept);
+  for (Eigen::Index at = 0; at < kPoints; at += 23) {
+    std::vector<char> changed(kPoints, 0);
+    for (Eigen::Index i = at; i < std::min(at + 5, kPoints); ++i) {
+      bounds.lower.row(i) *= 0.7;
+      bounds.upper.row(i) *= 0.7;
+      bounds.fastest[i] *= i % 2 == 0 ? 0.5 : 1.0;
+      changed[static_cast<std::size_t>(i)] = 1;
+    }
+    SpeedProfile whole;
+    fastest_profile(bounds, 0.0, 0.0, whole);
+    fastest_profile(bounds, 0.0, 0.0, kept, changed);
+    ASSERT_EQ(kept.status, SpeedStatus::kOk);
+    EXPECT_EQ(kept.squared, whole.squared);
+  }
 }
 
 TEST(TimeLaw, KeepsLimitsOnItsSamples) {
