@@ -15,6 +15,7 @@ from leadthrough import _core
 from leadthrough.check import Float64Array
 
 _Floats: TypeAlias = NDArray[np.floating[Any]]
+_TAKEN = -np.inf  # what is left of the variance of a pivot that was used
 
 
 def product(left: _Floats, right: _Floats) -> Float64Array:
@@ -32,6 +33,62 @@ def solve_definite(matrix: _Floats, right: _Floats) -> Float64Array:
     if solved.shape != right.shape:
         raise np.linalg.LinAlgError("the matrix is not positive definite")
     return solved
+
+
+def inverse_definite(matrix: Float64Array) -> Float64Array:
+    """The inverse (n, n) of a symmetric positive definite matrix, symmetric to the last bit.
+
+    Raises:
+        LinAlgError: if the matrix is not positive definite.
+    """
+    inverse = solve_definite(matrix, np.eye(len(matrix)))
+    return np.asarray(0.5 * (inverse + inverse.T))
+
+
+def log_determinant(matrix: Float64Array, *, least: float = 0.0) -> float:
+    """The logarithm of the determinant of a symmetric positive definite matrix (n, n).
+
+    Args:
+        matrix: (n, n).
+        least: lower bound of its eigenvalues, >= 0. Where it is given, rounding does no harm.
+
+    Raises:
+        LinAlgError: if the matrix is not positive definite.
+    """
+    _, pivots = _factorised(matrix, least)
+    missing = len(matrix) - len(pivots)
+    if missing and least == 0.0:
+        raise np.linalg.LinAlgError("the matrix is not positive definite")
+    return float(np.log(pivots).sum()) + (missing * float(np.log(least)) if missing else 0.0)
+
+
+def root_of(matrix: Float64Array) -> Float64Array:
+    """A matrix R (n, n) with R @ R.T equal to a symmetric positive semi-definite matrix.
+
+    Variances of the size of rounding errors count as zero; the last columns of R then are.
+    """
+    largest = np.diag(matrix).max(initial=0.0)
+    return _factorised(matrix, len(matrix) * np.finfo(np.float64).eps * largest)[0]
+
+
+def _factorised(matrix: Float64Array, least: float) -> tuple[Float64Array, Float64Array]:
+    """The root (n, n) by Cholesky's method with pivots, and those pivots that exceed `least`."""
+    size = len(matrix)
+    root, left = np.zeros((size, size)), np.diag(matrix).copy()
+    pivots: list[float] = []
+    for step in range(size):
+        chosen = int(np.argmax(left))
+        if left[chosen] <= least:
+            break
+        pivots.append(float(left[chosen]))
+        # einsum adds up in a loop of its own, in one order.
+        known = np.einsum("ij,j->i", root[:, :step], root[chosen, :step])
+        column = (matrix[:, chosen] - known) / np.sqrt(left[chosen])
+        column[left == _TAKEN] = 0.0
+        root[:, step] = column
+        left -= column**2
+        left[chosen] = _TAKEN
+    return root, np.array(pivots)
 
 
 def _rows(matrix: _Floats) -> Float64Array:

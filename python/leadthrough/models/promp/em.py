@@ -18,6 +18,12 @@ import numpy as np
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
 from leadthrough.models.promp.basis import Basis
+from leadthrough.models.promp.dense import (
+    inverse_definite,
+    log_determinant,
+    product,
+    solve_definite,
+)
 from leadthrough.models.promp.estimation import LEAST_COVERED, LEAST_SPREAD, Fit, Shown
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.prior import raised, smooth_prior
@@ -52,7 +58,9 @@ class _Sums:
     @staticmethod
     def of(rows: Float64Array, values: Float64Array) -> _Sums:
         """The sums of samples with basis functions (n, k) and values (n, d)."""
-        return _Sums(rows.T @ rows, rows.T @ values, (values**2).sum(axis=0), len(values))
+        return _Sums(
+            product(rows.T, rows), product(rows.T, values), (values**2).sum(axis=0), len(values)
+        )
 
 
 def expectation_maximisation(basis: Basis, shown: Shown) -> Fit:
@@ -111,7 +119,7 @@ def _common_curve(sums: Sequence[_Sums], basis: Basis) -> Float64Array:
     products = np.sum([each.products for each in sums], axis=0)
     unit = float(np.trace(squares)) / basis.count
     smooth = squares + 1e-4 * unit * basis.roughness + 1e-9 * unit * np.eye(basis.count)
-    return np.asarray(np.linalg.solve(smooth, products).T.ravel())
+    return solve_definite(smooth, products).T.ravel()
 
 
 def _spread_of(sums: Sequence[_Sums], basis: Basis) -> float:
@@ -130,32 +138,30 @@ def _expectation(
     sums: Sequence[_Sums], weights: Gaussian, noise: Float64Array
 ) -> tuple[list[Gaussian], float]:
     """The weights of each demonstration, and the log-likelihood of all."""
-    lower = np.linalg.cholesky(weights.covariance)
-    inverse_lower = np.linalg.inv(lower)
-    precision = inverse_lower.T @ inverse_lower
-    pulled = precision @ weights.mean
-    log_prior = 2.0 * float(np.log(np.diag(lower)).sum())
+    precision = inverse_definite(weights.covariance)
+    pulled = _times(precision, weights.mean)
+    log_prior = log_determinant(weights.covariance)
     known: dict[bytes, tuple[Float64Array, float]] = {}
     estimates, likelihood = [], 0.0
     for each in sums:
         key = each.squares.tobytes()  # demonstrations at the same phases share their covariance
         if key not in known:
-            known[key] = _inverted(precision + np.kron(np.diag(1.0 / noise), each.squares))
+            added = precision + np.kron(np.diag(1.0 / noise), each.squares)
+            known[key] = inverse_definite(added), log_determinant(added)
         covariance, log_volume = known[key]
         right = pulled + (each.products / noise).T.ravel()
-        mean = covariance @ right
+        mean = _times(covariance, right)
         estimates.append(Gaussian(mean, covariance))
-        squared = float((each.values / noise).sum() + weights.mean @ pulled - right @ mean)
+        squared = float(
+            (each.values / noise).sum() + (weights.mean * pulled).sum() - (right * mean).sum()
+        )
         log_noise = each.count * float(np.log(2.0 * np.pi * noise).sum())
         likelihood -= 0.5 * (squared + log_noise + log_prior + log_volume)
     return estimates, likelihood
 
 
-def _inverted(precision: Float64Array) -> tuple[Float64Array, float]:
-    """The inverse (n, n) of a symmetric matrix, and the logarithm of its determinant."""
-    log_determinant = 2.0 * float(np.log(np.diag(np.linalg.cholesky(precision))).sum())
-    inverse = np.linalg.inv(precision)
-    return 0.5 * (inverse + inverse.T), log_determinant
+def _times(matrix: Float64Array, vector: Float64Array) -> Float64Array:
+    return product(matrix, vector[:, None])[:, 0]
 
 
 def _maximisation(
@@ -165,7 +171,7 @@ def _maximisation(
     means = np.stack([each.mean for each in estimates])
     mean = means.mean(axis=0)
     centred = means - mean
-    total = centred.T @ centred + np.sum([each.covariance for each in estimates], axis=0)
+    total = product(centred.T, centred) + np.sum([each.covariance for each in estimates], axis=0)
     covariance = (total + _PRIOR_COUNT * base) / (len(means) + _PRIOR_COUNT)
     size = len(sums[0].values)
     squared = np.zeros(size)
@@ -181,9 +187,8 @@ def _maximisation(
 
 def _log_prior(covariance: Float64Array, base: Float64Array) -> float:
     """Log density, up to a constant, of the inverse-Wishart prior that the maximisation follows."""
-    lower = np.linalg.cholesky(covariance)
-    trace = float(np.trace(np.linalg.solve(covariance, base)))
-    return -0.5 * _PRIOR_COUNT * (2.0 * float(np.log(np.diag(lower)).sum()) + trace)
+    trace = float(np.trace(solve_definite(covariance, base)))
+    return -0.5 * _PRIOR_COUNT * (log_determinant(covariance) + trace)
 
 
 def _refuse_gaps(phases: Sequence[Float64Array], basis: Basis) -> None:

@@ -11,6 +11,8 @@ import numpy as np
 from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.models.promp.dense import product as matrix_product
+from leadthrough.models.promp.dense import root_of
 
 # Standard deviations below this fraction of the scale of what is observed count as zero: no
 # observation moves the distribution in such a direction.
@@ -43,10 +45,20 @@ class Gaussian(Brief):
         return np.asarray(vectors * np.sqrt(np.where(values > rounding, values, 0.0)))
 
     @cached_property
+    def steady_root(self) -> Float64Array:
+        """Another such matrix R, the same whatever the number of threads."""
+        return root_of(self.covariance)
+
+    @cached_property
     def certain(self) -> Float64Array:
         """An orthonormal basis (n, m) of the directions that do not vary."""
         values, vectors = np.linalg.eigh(self.covariance)
         return np.asarray(vectors[:, values <= CERTAIN**2 * values[-1]])
+
+    def draw(self, count: int, rng: np.random.Generator) -> Float64Array:
+        """Random vectors (count, n)."""
+        normal = rng.standard_normal((count, len(self.mean)))
+        return self.mean + matrix_product(normal, self.steady_root.T)
 
     def observe(
         self,

@@ -12,6 +12,7 @@ from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.chart import Chart
+from leadthrough.models.promp.dense import log_determinant, product, solve_definite
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.motion import Motion, MotionT
 
@@ -171,9 +172,8 @@ def log_density(skill: ProMPSkill, phases: Float64Array, values: Float64Array) -
     """
     evidence = _Evidence(skill, phases, values)
     log_noise = len(values) * float(np.log(2.0 * np.pi * skill.noise).sum())
-    log_volume = 2.0 * float(np.log(np.diag(evidence.lower)).sum())
-    squared = float((evidence.residual**2 / skill.noise).sum() - evidence.white @ evidence.white)
-    return -0.5 * (squared + log_noise + log_volume)
+    squared = float((evidence.residual**2 / skill.noise).sum()) - evidence.explained
+    return -0.5 * (squared + log_noise + log_determinant(evidence.precision, least=1.0))
 
 
 class _Evidence:
@@ -181,19 +181,18 @@ class _Evidence:
 
     Attributes:
         residual: deviations (n, d) of the samples from the mean motion.
-        lower: Cholesky factor (d k, d k) of the precision of z after the observation.
-        white: lower^T times the mean (d k,) of z after the observation.
+        precision: of z (d k, d k) after the observation.
+        explained: squared length of the mean of z after the observation, in its precision.
     """
 
     def __init__(self, skill: ProMPSkill, phases: Float64Array, values: Float64Array) -> None:
         size, count = values.shape[1], skill.basis.count
         rows = skill.basis(phases)
-        self.residual = values - rows @ skill.weights.mean.reshape(size, count).T
-        root = skill.weights.root
+        self.residual = values - product(rows, skill.weights.mean.reshape(size, count).T)
+        root = skill.weights.steady_root
         scaled = root.reshape(size, count, -1) / np.sqrt(skill.noise)[:, None, None]
-        reached = np.matmul(rows, scaled).reshape(-1, root.shape[1])
-        inner = reached.T @ reached
-        inner[np.diag_indices(len(inner))] += 1.0
-        self.lower = np.linalg.cholesky(inner)
-        seen = reached.T @ (self.residual / np.sqrt(skill.noise)).T.ravel()
-        self.white = np.linalg.solve(self.lower, seen)
+        reached = np.concatenate([product(rows, each) for each in scaled])
+        self.precision = product(reached.T, reached)
+        self.precision[np.diag_indices(len(self.precision))] += 1.0
+        seen = product(reached.T, (self.residual / np.sqrt(skill.noise)).T.reshape(-1, 1))
+        self.explained = float((seen * solve_definite(self.precision, seen)).sum())

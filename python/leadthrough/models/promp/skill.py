@@ -20,7 +20,7 @@ from leadthrough.models.even_times import even_times
 from leadthrough.models.judged import judged
 from leadthrough.models.parameters import Parameter, whole_number
 from leadthrough.models.place import Place
-from leadthrough.models.promp import ends, limits, observation, resolution, task_space
+from leadthrough.models.promp import dense, ends, limits, observation, resolution, task_space
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.belief import Experience
 from leadthrough.models.promp.clock import phases_at
@@ -101,7 +101,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         size, count = self.chart.width, self.basis.count
         blocks = self.weights.covariance.reshape(size, count, size, count).transpose(1, 3, 0, 2)
         pairs = (rows[:, :, None] * rows[:, None, :]).reshape(len(rows), -1)
-        covariance = pairs @ blocks.reshape(count**2, size**2)
+        covariance = dense.product(pairs, blocks.reshape(count**2, size**2))
         mean = rows @ self.weights.mean.reshape(size, count).T
         return mean, covariance.reshape(len(rows), size, size)
 
@@ -305,10 +305,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         """
         size = check.affordable_count(count, "count", each=len(self.free.mean))
         rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
-        if self.bounds is not None:
-            return self._truncated.draw(size, rng)
-        normal = rng.standard_normal((size, len(self.free.mean)))
-        return self.free.mean + normal @ self.free.root.T
+        return (self.free if self.bounds is None else self._truncated).draw(size, rng)
 
     def log_likelihood(self, trajectory: Motion) -> float:
         """Log density of a motion whose samples are as noisy as the demonstrations'.

@@ -1,7 +1,9 @@
 """Normal distributions of vectors."""
 
 import numpy as np
+import pytest
 
+from leadthrough.models.promp import dense
 from leadthrough.models.promp.gaussian import Gaussian, product
 
 
@@ -14,3 +16,30 @@ def test_product_of_gaussians_is_that_of_their_densities():
     np.testing.assert_allclose(np.linalg.inv(both.covariance), precision, rtol=1e-6, atol=1e-6)
     pull = np.linalg.solve(a.covariance, a.mean) + 2.0 * np.linalg.solve(b.covariance, b.mean)
     np.testing.assert_allclose(both.mean, np.linalg.solve(precision, pull), atol=1e-8)
+
+
+@pytest.mark.parametrize("rank", [1, 5, 12])
+def test_roots_square_to_the_covariance_and_draw_nothing_where_it_is_zero(rank):
+    rng = np.random.default_rng(rank)
+    wide = rng.standard_normal((12, rank))
+    covariance = wide @ wide.T
+    root = Gaussian(np.zeros(12), covariance).steady_root
+    np.testing.assert_allclose(root @ root.T, covariance, atol=1e-12)
+    assert np.linalg.matrix_rank(root) == rank
+    drawn = Gaussian(np.zeros(12), covariance).draw(4000, rng)
+    np.testing.assert_allclose(np.cov(drawn.T), covariance, atol=0.08 * np.trace(covariance))
+    fixed = np.linalg.svd(wide)[0][:, rank:]
+    np.testing.assert_allclose(drawn @ fixed, 0.0, atol=1e-7)
+
+
+def test_determinants_and_inverses_agree_with_numpys():
+    rng = np.random.default_rng(4)
+    wide = rng.standard_normal((9, 9))
+    matrix = wide @ wide.T + np.eye(9)
+    assert dense.log_determinant(matrix) == pytest.approx(np.linalg.slogdet(matrix)[1])
+    np.testing.assert_allclose(dense.inverse_definite(matrix), np.linalg.inv(matrix), atol=1e-12)
+    with pytest.raises(np.linalg.LinAlgError):
+        dense.log_determinant(-matrix)
+    stiff = np.eye(9) + 1e12 * np.outer(wide[0], wide[0])
+    wanted = np.log1p(1e12 * (wide[0] ** 2).sum())
+    assert dense.log_determinant(stiff, least=1.0) == pytest.approx(wanted, abs=0.01)

@@ -19,24 +19,33 @@ for i in range(9):
     sway = 0.1 * np.sin(2.0 * u + 0.05 * i)
     points = np.column_stack([0.2 * u, sway, 0.01 * i * np.sin(3.0 * u)])
     shown.append(lt.PoseTrajectory(2.0 * u, points, turned))
-skill = lt.ProMP(weights=WEIGHTS).fit(shown)
+skill = lt.ProMP(weights=WEIGHTS, estimator="ESTIMATOR").fit(shown)
 made = skill.generate(start=(shown[0].positions[0] + 0.01, shown[0].orientations[0]))
 digest = hashlib.sha256()
-for array in (skill.weights.mean, skill.weights.covariance, made.positions, made.orientations):
+passing = skill.condition(1.0, (shown[1].positions[75], shown[1].orientations[75]))
+arrays = [skill.weights.mean, skill.weights.covariance, made.positions, made.orientations]
+arrays += [skill.noise, passing.weights.mean, passing.weights.covariance]
+arrays += skill.distribution(np.linspace(0.0, 2.0, 40))
+for drawn in skill.sample(3, seed=1):
+    arrays += [drawn.positions, drawn.orientations]
+arrays += [skill.log_likelihood(shown[1])]
+for array in arrays:
     digest.update(np.ascontiguousarray(array).tobytes())
 print(digest.hexdigest())
 """
 
 
-def digest_with(threads, weights):
+def digest_with(threads, weights, estimator):
     names = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
-    words = [sys.executable, "-c", FITTED.replace("WEIGHTS", str(weights))]
+    code = FITTED.replace("WEIGHTS", str(weights)).replace("ESTIMATOR", estimator)
+    words = [sys.executable, "-c", code]
     environment = {**os.environ, **dict.fromkeys(names, str(threads))}
     return subprocess.run(words, env=environment, capture_output=True, text=True, check=True).stdout
 
 
+@pytest.mark.parametrize("estimator", ["least_squares", "em"])
 @pytest.mark.parametrize("weights", [20, 35])
-def test_poses_are_fitted_to_the_same_bits_with_one_thread_and_with_two(weights):
-    one, two = (digest_with(threads, weights) for threads in (1, 2))
+def test_poses_are_fitted_and_drawn_to_the_same_bits_with_one_thread_and_two(weights, estimator):
+    one, two = (digest_with(threads, weights, estimator) for threads in (1, 2))
     assert len(one) == 65
     assert one == two
