@@ -34,9 +34,11 @@ def test_points_of_a_mixture_are_counted_too(demonstrations):
 
 
 @pytest.mark.parametrize("count", [0, 1_000_001])
-def test_a_distribution_at_no_or_too_many_times_is_refused(promp, count):
+@pytest.mark.parametrize("model", [lt.ProMP(), lt.GMR(components=2)], ids=["ProMP", "GMR"])
+def test_a_distribution_at_no_or_too_many_times_is_refused(demonstrations, model, count):
+    skill = model.fit(demonstrations)
     with pytest.raises(InvalidInput, match=rf"times: expected 1 to 1,000,000 times, got {count:,}"):
-        promp.distribution(np.zeros(count))
+        skill.distribution(np.zeros(count))
 
 
 @pytest.mark.parametrize(

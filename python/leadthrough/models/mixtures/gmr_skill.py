@@ -13,6 +13,7 @@ from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import UnsupportedQuery
 from leadthrough.models.archive import Archived, Arrays
+from leadthrough.models.asked_times import asked_times
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.even_times import even_times
@@ -79,9 +80,9 @@ class GMRSkill(Archived, Generic[MotionT_co]):
             times: times (n,) of the motion, s.
 
         Raises:
-            InvalidInput: if times is not a finite (n,) array.
+            InvalidInput: if times is not a finite (n,) array, there is none, or there are too many.
         """
-        return self.regress(times)
+        return self.regress(asked_times(times, "times"))
 
     @judged
     def generate(

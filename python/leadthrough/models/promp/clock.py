@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.models.asked_times import asked_times
 
 # A time may lie this fraction of the duration outside the motion, by rounding: evenly spaced times
 # up to the duration may end an ulp beyond it.
 _ROUNDING = 1e-9
-_MOST_TIMES = 1_000_000
 
 
 def phases_at(
@@ -31,11 +30,7 @@ def phases_at(
         InvalidInput: if times is not a finite (n,) array of so many or too many, or a time lies
             outside the motion.
     """
-    phases = check.array(times, name, shape=("n",)) / duration
-    if not at_least <= len(phases) <= _MOST_TIMES:
-        raise InvalidInput(
-            f"{name}: expected {at_least} to {_MOST_TIMES:,} times, got {len(phases):,}"
-        )
+    phases = asked_times(times, name, at_least=at_least) / duration
     if repeats or len(phases) == 0:
         return phases
     if len(phases) == 1:  # the quick way: via points come one at a time
