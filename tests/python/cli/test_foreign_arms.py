@@ -50,12 +50,11 @@ def test_recordings_become_checked_motions_that_start_as_shown_for_every_goal(sh
         offset = [float(x) for x in goal[0].split("=")[1].split(",")] if goal else [0.0, 0.0, 0.0]
         reached = arm.poses(motion).positions[-1]
         assert np.abs(reached - plain.positions[-1] - offset).max() < 1e-4
-        timed = lt.retime(motion, arm.limits, rate=500.0)
-        assert lt.check_limits(timed, arm.limits).ok
-    facts("retime", "2.json", *robot, "--rate", 500, "-o", "timed.json")
-    assert facts("check", "timed.json", *robot)["ok"]
-    run("view", "timed.json", *robot, "--demonstrations", csvs[0], "--html", "reach.html")
-    assert Path("reach.html").stat().st_size > 10_000
+        facts("retime", f"{number}.json", *robot, "-o", "timed.json")
+        assert facts("check", "timed.json", *robot)["ok"]
+        words = ("view", "timed.json", *robot, "--demonstrations", csvs[0])
+        run(*words, "--html", f"{number}.html")
+        assert Path(f"{number}.html").stat().st_size > 10_000
 
 
 def test_a_start_in_another_posture_is_told_and_warned_of(shown):
