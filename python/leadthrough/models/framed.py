@@ -9,34 +9,35 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Generic, TypedDict, cast
+from typing import Any, ClassVar, Generic, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check, rotations
+from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Archived, Arrays
 from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.frame import Frame
 from leadthrough.models.framed_state import FramedState
+from leadthrough.models.framed_views import (
+    Beyond,
+    Limits,
+    Via,
+    beyond_seen,
+    covariance_seen,
+    limits_seen,
+    motion_seen,
+    place_seen,
+    shape_seen,
+)
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.place import Place
-from leadthrough.models.protocol import Guided, Model, Skill, Stepped
+from leadthrough.models.protocol import Conditioned, Guided, Limited, Model, Skill, Stepped
 from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory
 from leadthrough.shapes import Shape, check_shapes
-
-Via = Sequence[tuple[float, ArrayLike]]
-
-
-class _Beyond(TypedDict, total=False):
-    """Parts of a query that only some skills take."""
-
-    via: Via
-    start_velocity: ArrayLike
-    final_velocity: ArrayLike
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ class Framed(Unfitted):
             raise InvalidInput(f"frames: expected one per demonstration, {len(motions)} in all")
         poses = isinstance(motions[0], PoseTrajectory)
         given = [_the_frame(each, len(motions[0].positions[0]), poses) for each in frames]
-        seen = [_seen(frame, motion) for frame, motion in zip(given, motions, strict=True)]
+        seen = [motion_seen(frame, motion) for frame, motion in zip(given, motions, strict=True)]
         learned = cast(Skill[MotionT], self.model.fit(seen))  # of the type that was shown
         return FramedSkill(self, learned, given[0], poses)
 
@@ -124,6 +125,7 @@ class FramedSkill(Archived, Generic[MotionT_co]):
         via: Via = (),
         start_velocity: ArrayLike | None = None,
         final_velocity: ArrayLike | None = None,
+        limits: tuple[ArrayLike, ArrayLike] | None = None,
     ) -> MotionT_co:
         """A motion in the base frame; what is left out is as shown, seen from the frame.
 
@@ -136,23 +138,24 @@ class FramedSkill(Archived, Generic[MotionT_co]):
             via: (fraction of the duration in (0, 1), point (d,) in the base frame), in order.
             start_velocity: (d,) per second, in the base frame.
             final_velocity: as start_velocity.
+            limits: (lower (d,), upper (d,)) in the base frame, which the motion does not leave.
 
         Raises:
             InvalidInput: if an argument is wrong.
-            UnsupportedQuery: for a part that is not among `supports`.
+            UnsupportedQuery: for a part that is not among `supports`, and for limits in a frame
+                whose axes are not those of the base frame, in any order.
             NoPath: where obstacles leave no way.
         """
         start, goal = self._local(start, "start"), self._local(goal, "goal")
         shapes = self._local_shapes(obstacles)
-        beyond = self._beyond(via, start_velocity, final_velocity)
-        if not beyond:
+        beyond, inside = self._beyond(via, start_velocity, final_velocity), self._limits(limits)
+        if not beyond and not inside:
             made = self.skill.generate(
                 start=start, goal=goal, duration=duration, dt=dt, obstacles=shapes
             )
             return self.frame.base(made)
-        stepped = self._stepped()
-        moved = stepped.generate(
-            start=start, goal=goal, duration=duration, dt=dt, obstacles=shapes, **beyond
+        moved = cast(Limited, self._stepped()).generate(
+            start=start, goal=goal, duration=duration, dt=dt, obstacles=shapes, **beyond, **inside
         )
         return cast(MotionT_co, self.frame.base(moved))  # of the type that was shown
 
@@ -199,6 +202,7 @@ class FramedSkill(Archived, Generic[MotionT_co]):
         lag: float = 0.0,
         measured: Place | None = None,
         obstacles: Sequence[Shape] = (),
+        limits: tuple[ArrayLike, ArrayLike] | None = None,
     ) -> FramedState:
         """The state dt s later.
 
@@ -212,10 +216,12 @@ class FramedSkill(Archived, Generic[MotionT_co]):
             lag: >= 0; this step runs 1 / (1 + lag) as fast.
             measured: in the base frame, where the motion goes on from.
             obstacles: to keep clear of in this step, in the base frame.
+            limits: as in `generate`, of this step.
 
         Raises:
             InvalidInput: if an argument is wrong.
-            UnsupportedQuery: for a skill that does not go on step by step.
+            UnsupportedQuery: for a skill that does not go on step by step, and for limits as in
+                `generate`.
         """
         push = None
         if coupling is not None:
@@ -224,7 +230,7 @@ class FramedSkill(Archived, Generic[MotionT_co]):
             if len(given) not in ((width, 2 * width) if self.poses else (width,)):
                 raise InvalidInput(f"coupling: expected shape ({width},), got {given.shape}")
             push = (given.reshape(-1, width) @ self.frame.axes).ravel()
-        after = self._stepped().step(
+        after = cast(Limited, self._stepped()).step(
             state.inside,
             dt,
             goal=self._local(goal, "goal"),
@@ -232,8 +238,41 @@ class FramedSkill(Archived, Generic[MotionT_co]):
             lag=lag,
             measured=self._local(measured, "measured"),
             obstacles=self._local_shapes(obstacles),
+            **self._limits(limits),
         )
         return FramedState(after, self.frame)
+
+    def condition(
+        self, time: float, position: Place, *, covariance: ArrayLike | None = None
+    ) -> FramedSkill[MotionT_co]:
+        """A skill whose motions pass a via point of the base frame; call it again for more.
+
+        The via point moves with the frame from then on.
+
+        Args:
+            time: of the via point, s, in [0, duration].
+            position: (d,), or of poses also (position (3,), orientation (4,)).
+            covariance: covariance (d, d) of the position, not of poses; by default the motion
+                passes through it exactly.
+
+        Raises:
+            InvalidInput: as the skill inside.
+            UnsupportedQuery: for a skill that cannot be conditioned, and a covariance of poses.
+        """
+        if not isinstance(self.skill, Conditioned):
+            raise UnsupportedQuery(
+                f"condition: a skill of kind {self.skill.kind!r} cannot be conditioned; fit "
+                "Framed(ProMP()), or give via points where the skill takes them"
+            )
+        if covariance is not None and self.poses:
+            raise UnsupportedQuery(
+                "covariance: expected none for poses; condition the skill inside in its own frame, "
+                "skill.skill.condition(...)"
+            )
+        seen = cast(Place, self._local(position, "position"))
+        uncertain = covariance_seen(self.frame, covariance)
+        made = self.skill.condition(check.number(time, "time"), seen, covariance=uncertain)
+        return replace(self, skill=cast(Skill[MotionT_co], made))
 
     def policy(self, position: ArrayLike) -> Float64Array:
         """The velocity (d,) that leads from a position to the goal, both in the base frame.
@@ -251,7 +290,9 @@ class FramedSkill(Archived, Generic[MotionT_co]):
                 f"policy: a skill of kind {self.skill.kind!r} has none; in Python, fit "
                 "Framed(FastMarching())"
             )
-        seen = (self._point(position, "position") - self.frame.origin) @ self.frame.axes
+        seen = (
+            check.array(position, "position", shape=self.frame.origin.shape) - self.frame.origin
+        ) @ self.frame.axes
         return np.asarray(self.skill.policy(seen) @ self.frame.axes.T)
 
     def parameters(
@@ -284,32 +325,9 @@ class FramedSkill(Archived, Generic[MotionT_co]):
 
     def _beyond(
         self, via: Via, start_velocity: ArrayLike | None, final_velocity: ArrayLike | None
-    ) -> _Beyond:
-        """The parts of a query that only some skills take, seen from the frame.
-
-        Raises:
-            InvalidInput: if one is of another shape.
-            UnsupportedQuery: for one that the skill does not take.
-        """
-        found = _Beyond()
-        if not isinstance(via, Sequence):
-            raise InvalidInput(f"via: expected a sequence of (phase, point), got {via!r}")
-        if len(via) > 0:
-            if not all(isinstance(pair, tuple | list) and len(pair) == 2 for pair in via):
-                raise InvalidInput(f"via: expected pairs (phase, point), got {via!r}")
-            points = [self._point(point, "via") for _, point in via]
-            found["via"] = [
-                (pair[0], (point - self.frame.origin) @ self.frame.axes)
-                for pair, point in zip(via, points, strict=True)
-            ]
-        if start_velocity is not None:
-            found["start_velocity"] = (
-                self._point(start_velocity, "start_velocity") @ self.frame.axes
-            )
-        if final_velocity is not None:
-            found["final_velocity"] = (
-                self._point(final_velocity, "final_velocity") @ self.frame.axes
-            )
+    ) -> Beyond:
+        """Parts of a query that only some skills take. Raises InvalidInput, UnsupportedQuery."""
+        found = beyond_seen(self.frame, via, start_velocity, final_velocity)
         for name in found:
             if name not in self.supports:
                 raise UnsupportedQuery(
@@ -318,25 +336,23 @@ class FramedSkill(Archived, Generic[MotionT_co]):
                 )
         return found
 
-    def _point(self, value: ArrayLike, name: str) -> Float64Array:
-        return check.array(value, name, shape=(len(self.frame.origin),))
+    def _limits(self, limits: tuple[ArrayLike, ArrayLike] | None) -> Limits:
+        """Limits seen from the frame. Raises InvalidInput and UnsupportedQuery."""
+        if limits is None:
+            return Limits()
+        if "limits" not in self.supports:
+            raise UnsupportedQuery(
+                f"limits: a skill of kind {self.skill.kind!r} takes none; in Python, fit "
+                "Framed(DMP())"
+            )
+        return Limits(limits=limits_seen(self.frame, limits))
 
     def _local_shapes(self, obstacles: Sequence[Shape]) -> list[Shape]:
-        return [_local_shape(self.frame, shape) for shape in check_shapes(obstacles)]
+        return [shape_seen(self.frame, shape) for shape in check_shapes(obstacles)]
 
     def _local(self, place: Any, name: str) -> Place | None:
         """A place of the base frame as it is seen from the frame. Raises InvalidInput."""
-        if place is None:
-            return None
-        turned = self.poses and isinstance(place, tuple | list) and len(place) == 2
-        given = place[0] if turned else place
-        position = check.array(given, name, shape=(len(self.frame.origin),))
-        seen: Float64Array = (position - self.frame.origin) @ self.frame.axes
-        if not turned:
-            return seen
-        q = check.quaternions(place[1], name, shape=(4,))
-        back = rotations.inverse(self.frame.orientations(1))
-        return seen, rotations.compose(back, q[None])[0]
+        return place_seen(self.frame, place, name, poses=self.poses)
 
 
 def from_archive(skill: Skill, settings: Mapping[str, Any], arrays: Arrays) -> FramedSkill:
@@ -365,22 +381,3 @@ def _the_frame(frames: Sequence[Frame], size: int, poses: bool) -> Frame:
     if poses and np.linalg.det(given[0].axes) < 0.0:
         raise InvalidInput("frames: expected right-handed axes for poses")
     return given[0]
-
-
-def _seen(frame: Frame, motion: MotionT) -> MotionT:
-    """A motion as it is seen from a frame, with its events."""
-    back = Frame(-frame.origin @ frame.axes, frame.axes.T)
-    return back.base(motion)
-
-
-def _local_shape(frame: Frame, shape: Shape) -> Shape:
-    """A shape of the base frame as it is seen from the frame."""
-    size = len(frame.origin)
-    origin, axes = np.zeros(3), np.eye(3)
-    origin[:size], axes[:size, :size] = frame.origin, frame.axes
-    position = (np.asarray(shape.position) - origin) @ axes
-    if not hasattr(shape, "orientation"):
-        return replace(shape, position=position)
-    back = rotations.inverse(rotations.from_matrix(axes[None]))
-    turned = rotations.compose(back, np.asarray(shape.orientation)[None])[0]
-    return replace(shape, position=position, orientation=turned)

@@ -23,6 +23,7 @@ __all__ = [
     "Distributed",
     "Generator",
     "Guided",
+    "Limited",
     "Model",
     "Place",
     "Previewed",
@@ -89,7 +90,7 @@ class Skill(Generator[MotionT_co], Protocol[MotionT_co]):
         """Parts of a query that it honours.
 
         Of "start", "goal", "duration" and "obstacles"; of a `Stepped` skill also of "via",
-        "start_velocity" and "final_velocity".
+        "start_velocity" and "final_velocity", and of a `Limited` one of "limits".
         """
 
     @property
@@ -194,6 +195,39 @@ class Stepped(Protocol):
         """A motion, as by any skill, through via points and with velocities at its ends."""
 
 
+class Limited(Stepped, Protocol):
+    """A skill whose motions can be kept inside limits (lower (d,), upper (d,))."""
+
+    def step(
+        self,
+        state: Any,
+        dt: float,
+        *,
+        goal: Place | None = None,
+        coupling: ArrayLike | None = None,
+        lag: float = 0.0,
+        measured: Place | None = None,
+        obstacles: Sequence[Shape] = (),
+        limits: tuple[ArrayLike, ArrayLike] = ...,
+    ) -> Any:
+        """The state dt s later, inside the limits."""
+
+    def generate(
+        self,
+        *,
+        start: Place | None = None,
+        goal: Place | None = None,
+        duration: float | None = None,
+        dt: float = 0.01,
+        obstacles: Sequence[Shape] = (),
+        via: Sequence[tuple[float, ArrayLike]] = (),
+        start_velocity: ArrayLike | None = None,
+        final_velocity: ArrayLike | None = None,
+        limits: tuple[ArrayLike, ArrayLike] = ...,
+    ) -> Motion:
+        """A motion, as by any stepped skill, inside the limits."""
+
+
 @runtime_checkable
 class Guided(Protocol):
     """A skill that leads a tool from wherever it is."""
@@ -218,7 +252,9 @@ class Conditioned(Protocol):
     def duration(self) -> float:
         """Of the motion, s."""
 
-    def condition(self, time: ArrayLike, position: Place) -> Skill:
+    def condition(
+        self, time: ArrayLike, position: Place, *, covariance: ArrayLike | None = None
+    ) -> Skill:
         """The skill that passes a position at a time, s."""
 
 

@@ -1,5 +1,7 @@
 """Models in the frame of their task."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -159,6 +161,63 @@ def test_a_policy_is_asked_and_answers_in_the_base_frame():
     found = skill.at([there]).policy(turn @ place + (0.3, 0.1))
     np.testing.assert_allclose(found, expected, atol=1e-6)
     assert np.linalg.norm(found) > 0.01
+
+
+def test_a_via_point_of_a_distribution_is_in_the_base_frame():
+    rng = np.random.default_rng(2)
+    for kind in ("poses", "points"):
+        seen = [MODELS[kind][1]]
+        seen += [
+            replace(seen[0], positions=seen[0].positions + rng.normal(0.0, 0.02, 3))
+            for _ in range(4)
+        ]
+        shown = [lt.Demonstration(HERE.base(each)) for each in seen]
+        skill = Framed(lt.ProMP()).fit(shown, frames=[[HERE]] * 5).at([THERE])
+        plain = skill.generate(dt=0.01)
+        row = len(plain.times) // 2
+        through = plain.positions[row] + (0.01, 0.015, -0.01)
+        place = (through, plain.orientations[row]) if kind == "poses" else through
+        made = skill.condition(plain.times[row], place).generate(dt=0.01)
+        np.testing.assert_allclose(made.positions[row], through, atol=1e-6)
+        if kind == "points":
+            # Sure of the height only: across it, the motion is pulled nowhere.
+            loose = skill.condition(
+                plain.times[row], through, covariance=np.diag([1e6, 1e6, 1e-12])
+            )
+            height = loose.generate(dt=0.01).positions[row, 2]
+            assert height == pytest.approx(through[2], abs=1e-6)
+        else:
+            with pytest.raises(UnsupportedQuery, match="covariance"):
+                skill.condition(plain.times[row], place, covariance=np.eye(6))
+    primitive = Framed(lt.DMP()).fit(shown, frames=[[HERE]] * 5)
+    with pytest.raises(UnsupportedQuery, match=r"condition.*Framed\(ProMP\(\)\)"):
+        primitive.condition(1.0, (0.0, 0.0, 0.0))
+
+
+def test_limits_are_in_the_base_frame_where_its_axes_are_those_of_the_task():
+    seen = MODELS["points"][1]
+    quarter = turned_by(90.0, (0.4, 0.0, 0.2))
+    skill = Framed(lt.DMP()).fit([lt.Demonstration(quarter.base(seen))], frames=[[quarter]])
+    assert "limits" in skill.supports
+    for frame in (quarter, turned_by(0.0, (0.1, 0.5, 0.3)), turned_by(180.0)):
+        there = skill.at([frame])
+        free = there.generate()
+        low, high = np.sort(free.positions[[0, -1]], axis=0) + np.array([[-0.05], [0.05]])
+        assert ((free.positions < low) | (free.positions > high)).any()
+        made = there.generate(limits=(low, high))
+        assert (made.positions >= low - 1e-9).all() and (made.positions <= high + 1e-9).all()
+        state = there.begin()
+        while state.phase < 1.0:
+            state = there.step(state, 0.01, limits=(low, high))
+            assert ((state.position >= low - 1e-9) & (state.position <= high + 1e-9)).all()
+    with pytest.raises(UnsupportedQuery, match=r"limits: .*lt\.Box"):
+        skill.at([THERE]).generate(limits=(-np.ones(3), np.ones(3)))
+    for wrong in ((1.0,), (np.ones(3), -np.ones(3))):
+        with pytest.raises(InvalidInput, match="limits"):
+            skill.generate(limits=wrong)
+    poses = Framed(lt.PoseDMP()).fit([lt.Demonstration(HERE.base(POSES))], frames=[[HERE]])
+    with pytest.raises(UnsupportedQuery, match=r"limits: .*Framed\(DMP\(\)\)"):
+        poses.generate(limits=(-np.ones(3), np.ones(3)))
 
 
 def test_what_the_skill_inside_does_not_take_is_refused_by_name():

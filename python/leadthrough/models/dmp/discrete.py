@@ -117,7 +117,7 @@ class DMPSkill(Primitive[DMP, _core.PointState], Generic[MotionT_co]):
     @property
     def supports(self) -> frozenset[str]:
         """What a query may ask for; obstacles only in two or three dimensions."""
-        return self._supported(obstacles=self._dimensions is not None)
+        return self._supported(obstacles=self._dimensions is not None) | {"limits"}
 
     @judged
     def generate(
