@@ -128,3 +128,10 @@ def test_real_demonstrations_keep_their_motion(recordings):
 
 def length(motion):
     return np.linalg.norm(np.diff(motion.positions, axis=0), axis=1).sum()
+
+
+@pytest.mark.parametrize("size", [1e155, 1e300, 1e-200])
+def test_numbers_of_a_damaged_file_stay_whole(size):
+    times = np.arange(200) / 100.0
+    points = lt.Trajectory(times, size * np.random.default_rng(10).normal(size=(200, 3)))
+    assert len(trim(points).motion) == 200
