@@ -100,3 +100,14 @@ def test_what_has_nothing_to_draw_shows_its_text():
     assert "<svg" not in report._repr_html_()
     with pytest.raises(InvalidInput, match="nothing to draw"):
         report.plot()
+
+
+def test_arms_and_reports_are_drawn_too():
+    arm = lt.Arm.load("ur3")
+    q = np.array([0.0, -1.2, 1.4, -1.7, -1.5, 0.3])
+    joints = lt.JointTrajectory([0.0, 0.5, 1.0], [q, q + 0.1, q + 0.2], joint_names=arm.joint_names)
+    poses = arm.poses(joints)
+    reports = (lt.check_limits(joints, arm.limits), arm.path_report(joints, poses))
+    for each in (arm, *reports, arm.check(joints, [lt.Sphere(0.1, (0.0, 0.0, 2.0))])):
+        assert "<svg" in each._repr_html_()
+        assert isinstance(each.plot(), Figure)

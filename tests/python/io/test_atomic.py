@@ -163,3 +163,35 @@ def test_a_program_that_is_killed_leaves_whole_files(tmp_path, later):
         found = lt.read_motion(tmp_path / f"motion.{suffix}")
         assert len(found.times) == 301
         assert len(np.unique(found.positions)) == 1
+
+
+@pytest.fixture
+def synced(monkeypatch):
+    """The files and folders that are brought onto the disk, and what was in their folder then."""
+    found = []
+
+    def sync(number):
+        path = Path(f"/proc/self/fd/{number}").readlink()
+        found.append((path, {each.name for each in path.parent.iterdir()}))
+
+    monkeypatch.setattr(os, "fsync", sync)
+    return found
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_file_is_on_the_disk_before_it_takes_its_name(tmp_path, ur_motion, synced, suffix):
+    lt.write_motion(ur_motion, tmp_path / f"motion.{suffix}")
+    (file, beside), (folder, _) = synced[-2:]
+    assert file.parent == tmp_path
+    assert f"motion.{suffix}" not in beside
+    assert folder == tmp_path  # its new name
+
+
+def test_a_bag_s_folder_is_on_the_disk_before_it_takes_its_name(tmp_path, ur_motion, synced):
+    lt.write_motion(ur_motion, tmp_path / "bag", format="rosbag")
+    written = {path.name for path in (tmp_path / "bag").iterdir()}
+    assert written <= {path.name for path, _ in synced[:-2]}
+    folder, beside = synced[-2]
+    assert folder.parent == tmp_path
+    assert "bag" not in beside
+    assert synced[-1][0] == tmp_path
