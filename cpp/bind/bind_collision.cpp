@@ -8,8 +8,8 @@
 
 #include "arm/run_down.hpp"
 #include "bind/parts.hpp"
-#include "bind/shape_rows.hpp"
 #include "collision/clearance.hpp"
+#include "collision/placed_shapes.hpp"
 
 namespace py = pybind11;
 
@@ -25,7 +25,7 @@ constexpr double kMostSteps = 1e6;
 
 CollisionModel make_model(const urdf::Robot& robot, const Chain& chain, const std::string& base,
                           const std::string& tip, const std::vector<Rows3>& meshes,
-                          const Eigen::Ref<const ShapeRows>& attached) {
+                          const std::vector<Shape>& attached) {
   std::size_t asked = 0;
   for (const urdf::Link& link : robot.links)
     for (const urdf::Collision& collision : link.collisions)
@@ -37,7 +37,7 @@ CollisionModel make_model(const urdf::Robot& robot, const Chain& chain, const st
   const py::gil_scoped_release release;
   std::vector<Eigen::Matrix3Xd> hulls;
   for (const Rows3& mesh : meshes) hulls.emplace_back(mesh.transpose());
-  return make_collision_model(robot, chain, base, tip, hulls, to_shapes(attached));
+  return make_collision_model(robot, chain, base, tip, hulls, placed_shapes(attached));
 }
 
 const std::string& name_of(const CollisionModel& model, int body) {
@@ -114,7 +114,7 @@ py::tuple check(const CollisionScene& scene, const Eigen::Ref<const Rows>& q, do
 void bind_collision(py::module_& module) {
   py::class_<CollisionModel>(module, "CollisionModel")
       .def(py::init(&make_model), py::arg("robot"), py::arg("chain"), py::arg("base"),
-           py::arg("tip"), py::arg("meshes"), py::arg("attached").noconvert())
+           py::arg("tip"), py::arg("meshes"), py::arg("attached"))
       .def_property_readonly("bodies", &body_names)
       .def_property_readonly("pairs", &pair_names)
       .def_property_readonly("left_out", &left_out);
@@ -125,20 +125,20 @@ void bind_collision(py::module_& module) {
   module.def("itself", &itself, py::arg("model"));
   module.def(
       "against",
-      [](const CollisionModel& model, const Eigen::Ref<const ShapeRows>& obstacles) {
-        return against(model, to_shapes(obstacles));
+      [](const CollisionModel& model, const std::vector<Shape>& obstacles) {
+        return against(model, placed_shapes(obstacles));
       },
-      py::arg("model"), py::arg("obstacles").noconvert());
+      py::arg("model"), py::arg("obstacles"));
   module.def(
       "clear_batch",
-      [](const CollisionModel& model, const Eigen::Ref<const ShapeRows>& obstacles,
+      [](const CollisionModel& model, const std::vector<Shape>& obstacles,
          const Eigen::Ref<const Rows>& q, double margin, double self_margin) {
         require(q.cols() == model.chain.joints());
         const py::gil_scoped_release release;
-        return clear_batch(whole_arm(model, to_shapes(obstacles), margin, self_margin), q);
+        return clear_batch(whole_arm(model, placed_shapes(obstacles), margin, self_margin), q);
       },
-      py::arg("model"), py::arg("obstacles").noconvert(), py::arg("q").noconvert(),
-      py::arg("margin"), py::arg("self_margin"));
+      py::arg("model"), py::arg("obstacles"), py::arg("q").noconvert(), py::arg("margin"),
+      py::arg("self_margin"));
   module.def("nearest_bodies", &nearest, py::arg("scene"), py::arg("q").noconvert(),
              py::arg("threads"));
   module.def("check_motion", &check, py::arg("scene"), py::arg("q").noconvert(), py::arg("margin"),

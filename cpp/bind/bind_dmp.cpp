@@ -1,7 +1,6 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
-#include <array>
 #include <memory>
 #include <optional>
 
@@ -180,31 +179,17 @@ std::optional<State> tick(const State& before, const Forces& forces, double dt) 
   return coast(before, forces, dt);
 }
 
-ShapeKind kind_of(int form) {
-  constexpr std::array<ShapeKind, 3> kKinds{ShapeKind::kBox, ShapeKind::kSphere,
-                                            ShapeKind::kCapsule};
-  return kKinds.at(static_cast<std::size_t>(form));
-}
-
-std::shared_ptr<dmp::Surroundings> make_surroundings(const std::vector<int>& forms,
-                                                     const RowsIn& positions,
-                                                     const RowsIn& orientations,
-                                                     const RowsIn& sizes, const VectorIn& margins,
-                                                     double reach, const VectorIn& lower,
-                                                     const VectorIn& upper) {
-  const auto count = static_cast<Eigen::Index>(forms.size());
-  require(positions.rows() == count && orientations.rows() == count && sizes.rows() == count &&
-          margins.size() == count && lower.size() == upper.size());
-  require(count == 0 || (positions.cols() == 3 && orientations.cols() == 4 && sizes.cols() == 3));
+std::shared_ptr<dmp::Surroundings> make_surroundings(const std::vector<Shape>& shapes,
+                                                     const VectorIn& margins, double reach,
+                                                     const VectorIn& lower, const VectorIn& upper) {
+  require(margins.size() == static_cast<Eigen::Index>(shapes.size()) &&
+          lower.size() == upper.size());
   auto result = std::make_shared<dmp::Surroundings>();
   result->reach = reach;
   result->lower = lower;
   result->upper = upper;
-  for (Eigen::Index i = 0; i < count; ++i)
-    result->obstacles.push_back(
-        {make_shape(kind_of(forms[static_cast<std::size_t>(i)]), sizes.row(i),
-                    so3::to_matrix(orientations.row(i)), positions.row(i)),
-         margins[i]});
+  for (std::size_t i = 0; i < shapes.size(); ++i)
+    result->obstacles.push_back({shapes[i], margins[static_cast<Eigen::Index>(i)]});
   return result;
 }
 
@@ -302,10 +287,8 @@ void bind_dmp(py::module_& module) {
            py::arg("rhythmic"));
 
   py::class_<dmp::Surroundings, std::shared_ptr<dmp::Surroundings>>(module, "DmpSurroundings")
-      .def(py::init(&make_surroundings), py::arg("forms"), py::arg("positions").noconvert(),
-           py::arg("orientations").noconvert(), py::arg("sizes").noconvert(),
-           py::arg("margins").noconvert(), py::arg("reach"), py::arg("lower").noconvert(),
-           py::arg("upper").noconvert());
+      .def(py::init(&make_surroundings), py::arg("shapes"), py::arg("margins").noconvert(),
+           py::arg("reach"), py::arg("lower").noconvert(), py::arg("upper").noconvert());
 
   py::class_<PointState> point(module, "PointState");
   point

@@ -2,7 +2,7 @@
 #include <pybind11/stl.h>
 
 #include "bind/parts.hpp"
-#include "bind/shape_rows.hpp"
+#include "collision/placed_shapes.hpp"
 #include "path/clear_path.hpp"
 
 namespace py = pybind11;
@@ -13,7 +13,7 @@ namespace {
 
 // Joints, or none and what was in the way: the last configuration, the sample, and pairs of bodies
 // with how often; then the nearest approach where the way found is not clear between samples.
-py::tuple clear_path(const CollisionModel& model, const Eigen::Ref<const ShapeRows>& obstacles,
+py::tuple clear_path(const CollisionModel& model, const std::vector<Shape>& obstacles,
                      const Eigen::Ref<const Rows3>& positions,
                      const Eigen::Ref<const Rows4>& orientations, const std::optional<IkAxes>& axes,
                      const Eigen::Ref<const Rows>& postures,
@@ -23,7 +23,7 @@ py::tuple clear_path(const CollisionModel& model, const Eigen::Ref<const ShapeRo
   require(positions.rows() > 0 && orientations_fit(positions.rows(), orientations.rows()) &&
           postures.rows() == positions.rows() && postures.cols() == chain.joints() &&
           (!start || start->size() == chain.joints()));
-  const PlacedShapes shapes = to_shapes(obstacles);
+  const PlacedShapes shapes = placed_shapes(obstacles);
   path::ClearPath found;
   {
     const py::gil_scoped_release release;
@@ -56,7 +56,7 @@ py::tuple clear_path(const CollisionModel& model, const Eigen::Ref<const ShapeRo
 }  // namespace
 
 void bind_path(py::module_& module) {
-  module.def("clear_path", &clear_path, py::arg("model"), py::arg("obstacles").noconvert(),
+  module.def("clear_path", &clear_path, py::arg("model"), py::arg("obstacles"),
              py::arg("positions").noconvert(), py::arg("orientations").noconvert(), py::arg("axes"),
              py::arg("postures").noconvert(), py::arg("start"), py::arg("margin"),
              py::arg("self_margin"), py::arg("tolerance"));

@@ -137,32 +137,6 @@ py::tuple differential(const DifferentialIk& solver, const Vector& q, const Vect
   return py::make_tuple(next.q, next.qd, next.position_error, next.orientation_error);
 }
 
-void bind_shapes(py::module_& module) {
-  py::class_<Shape>(module, "Shape");
-  module.def(
-      "box_shape",
-      [](const Eigen::Vector3d& size, const Eigen::Vector3d& position,
-         const Eigen::Vector4d& orientation) {
-        return make_shape(ShapeKind::kBox, size, so3::to_matrix(orientation), position);
-      },
-      py::arg("size"), py::arg("position"), py::arg("orientation"));
-  module.def(
-      "sphere_shape",
-      [](double radius, const Eigen::Vector3d& position) {
-        return make_shape(ShapeKind::kSphere, {radius, 0.0, 0.0}, Eigen::Matrix3d::Identity(),
-                          position);
-      },
-      py::arg("radius"), py::arg("position"));
-  module.def(
-      "capsule_shape",
-      [](double radius, double length, const Eigen::Vector3d& position,
-         const Eigen::Vector4d& orientation) {
-        return make_shape(ShapeKind::kCapsule, {radius, length, 0.0}, so3::to_matrix(orientation),
-                          position);
-      },
-      py::arg("radius"), py::arg("length"), py::arg("position"), py::arg("orientation"));
-}
-
 void bind_tasks(py::module_& module) {
   using Vector3 = Eigen::Vector3d;
   py::class_<Frame>(module, "Frame")
@@ -241,7 +215,6 @@ void bind_tasks(py::module_& module) {
 }  // namespace
 
 void bind_priority(py::module_& module) {
-  bind_shapes(module);
   bind_tasks(module);
   py::class_<TaskStack>(module, "TaskStack")
       .def(py::init(&make_stack), py::arg("chain"), py::arg("tasks"),

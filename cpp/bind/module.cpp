@@ -4,6 +4,7 @@ PYBIND11_MODULE(_core, module) {
   module.doc() = "Numeric kernels of leadthrough; arguments are checked by the Python layer above.";
   leadthrough::bind_alignment(module);
   leadthrough::bind_chain(module);
+  leadthrough::bind_shapes(module);  // before those that take shapes
   leadthrough::bind_collision(module);
   leadthrough::bind_dmp(module);
   leadthrough::bind_dynamics(module);

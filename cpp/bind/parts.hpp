@@ -22,6 +22,7 @@ void bind_jacobian(pybind11::module_& module);
 void bind_jerk_filter(pybind11::module_& module);
 void bind_path(pybind11::module_& module);
 void bind_priority(pybind11::module_& module);
+void bind_shapes(pybind11::module_& module);
 void bind_so3(pybind11::module_& module);
 void bind_spline_fit(pybind11::module_& module);
 void bind_time_law(pybind11::module_& module);

@@ -6,10 +6,10 @@
 
 namespace leadthrough {
 
-enum class ShapeKind { kBox, kSphere, kCapsule };
+enum class ShapeKind { kBox, kSphere, kCapsule, kCylinder };
 
-// half: a box's half edges; of a capsule, which lies along its z, half.z is half the length between
-// its balls' centres.
+// half: a box's half edges; of a capsule or a cylinder, which lie along their z, half.z is half the
+// length; a capsule's is the one between its balls' centres.
 struct Shape {
   ShapeKind kind = ShapeKind::kSphere;
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
@@ -23,7 +23,8 @@ struct SignedDistance {
   Eigen::Vector3d gradient;  // unit, away from the shape
 };
 
-// sizes: a box's edges; a ball's radius; a capsule's radius and the length of its axis, m.
+// sizes: a box's edges; a ball's radius; the radius of a capsule or a cylinder and the length of
+// its axis, m.
 Shape make_shape(ShapeKind kind, const Eigen::Vector3d& sizes, const Eigen::Matrix3d& rotation,
                  const Eigen::Vector3d& position);
 

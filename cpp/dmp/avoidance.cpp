@@ -71,7 +71,9 @@ double reach_of(const Shape& shape, const Vector3d& direction) {
   if (shape.kind == ShapeKind::kSphere) return shape.radius;
   const Vector3d local = shape.rotation.transpose() * direction;
   if (shape.kind == ShapeKind::kBox) return shape.half.dot(local.cwiseAbs());
-  return shape.radius + shape.half.z() * std::abs(local.z());
+  const double along = shape.half.z() * std::abs(local.z());
+  if (shape.kind == ShapeKind::kCylinder) return shape.radius * local.head<2>().norm() + along;
+  return shape.radius + along;
 }
 
 // The axis about which to go round an obstacle: across the line from start to goal, or to the

@@ -26,7 +26,7 @@ from .models import (
 )
 from .motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from .planning import Grid, arrival_times
-from .shapes import Box, Capsule, Sphere
+from .shapes import Box, Capsule, Cylinder, Sphere
 from .timing import check_limits, differentiate, retime, scale_to_limits
 
 __version__: str
@@ -37,6 +37,7 @@ __all__ = [
     "Arm",
     "Box",
     "Capsule",
+    "Cylinder",
     "Demonstration",
     "DifferentialIk",
     "Event",

@@ -152,7 +152,8 @@ def inverse_dynamics(
 ) -> Float64Array: ...
 def mass_matrix(chain: Chain, q: Float64Array) -> Float64Array: ...
 
-class Shape: ...
+class Shape:
+    def distances(self, points: Float64Array) -> Float64Array: ...
 
 class Frame:
     def __init__(self, chain: Chain, offset: Float64Array) -> None: ...
@@ -204,6 +205,9 @@ class DifferentialIk:
 def box_shape(size: Float64Array, position: Float64Array, orientation: Float64Array) -> Shape: ...
 def sphere_shape(radius: float, position: Float64Array) -> Shape: ...
 def capsule_shape(
+    radius: float, length: float, position: Float64Array, orientation: Float64Array
+) -> Shape: ...
+def cylinder_shape(
     radius: float, length: float, position: Float64Array, orientation: Float64Array
 ) -> Shape: ...
 def pose_task(
@@ -260,7 +264,7 @@ class CollisionModel:
         base: str,
         tip: str,
         meshes: Sequence[Float64Array],
-        attached: Float64Array,
+        attached: Sequence[Shape],
     ) -> None: ...
     @property
     def bodies(self) -> list[str]: ...
@@ -274,7 +278,7 @@ class CollisionScene:
     def names(self) -> list[str]: ...
 
 def itself(model: CollisionModel) -> CollisionScene: ...
-def against(model: CollisionModel, obstacles: Float64Array) -> CollisionScene: ...
+def against(model: CollisionModel, obstacles: Sequence[Shape]) -> CollisionScene: ...
 def nearest_bodies(
     scene: CollisionScene, q: Float64Array, threads: int
 ) -> tuple[Float64Array, Int32Array, Float64Array]: ...
@@ -288,14 +292,14 @@ def check_motion(
 def longest_step(scene: CollisionScene, q: Float64Array) -> float: ...
 def clear_batch(
     model: CollisionModel,
-    obstacles: Float64Array,
+    obstacles: Sequence[Shape],
     q: Float64Array,
     margin: float,
     self_margin: float,
 ) -> list[bool]: ...
 def clear_path(
     model: CollisionModel,
-    obstacles: Float64Array,
+    obstacles: Sequence[Shape],
     positions: Float64Array,
     orientations: Float64Array,
     axes: IkAxes | None,
@@ -465,10 +469,7 @@ class DmpCurve:
 class DmpSurroundings:
     def __init__(
         self,
-        forms: Sequence[int],
-        positions: Float64Array,
-        orientations: Float64Array,
-        sizes: Float64Array,
+        shapes: Sequence[Shape],
         margins: Float64Array,
         reach: float,
         lower: Float64Array,

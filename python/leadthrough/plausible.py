@@ -99,10 +99,10 @@ def obstacles(shapes: Sequence[Shape], shown: Float64Array) -> None:
     """
     size = max(float(np.ptp(shown, axis=0).max()), float(np.abs(shown).max()))
     for i, shape in enumerate(shapes):
-        farthest = float(np.abs(shape.position).max())
+        farthest = float(np.abs(shape.middle).max())
         if size > 0.0 and farthest > _FAR * size:
             warn(
-                f"obstacles[{i}]: lies at {numbers_text(shape.position)}, while the motion keeps "
+                f"obstacles[{i}]: lies at {numbers_text(shape.middle)}, while the motion keeps "
                 f"within {size:.3g} of the origin; give it in the same unit (m, not mm)"
             )
 

@@ -1,5 +1,7 @@
 """Signed distances against points sampled on the surfaces."""
 
+import pickle
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -15,7 +17,8 @@ PLACE = np.array([0.4, -0.2, 0.9])
 BOX = lt.Box((0.4, 0.6, 1.0), PLACE, TURN)
 CAPSULE = lt.Capsule(0.2, 0.8, PLACE, TURN)
 SPHERE = lt.Sphere(0.5, PLACE)
-SHAPES = [BOX, CAPSULE, SPHERE]
+CYLINDER = lt.Cylinder(0.3, 0.8, PLACE, TURN)
+SHAPES = [BOX, CAPSULE, SPHERE, CYLINDER]
 
 points = arrays(float, (5, 3), elements=st.floats(-3, 3))
 
@@ -39,6 +42,13 @@ def surface(shape, count=40_000):
         sides[:, :2] *= shape.radius / np.linalg.norm(sides[:, :2], axis=1, keepdims=True)
         sides[:, 2] = random.uniform(-0.5, 0.5, count) * shape.length
         return to_base(np.vstack([ends, sides]))
+    if isinstance(shape, lt.Cylinder):
+        sides = directions.copy()
+        sides[:, :2] /= np.linalg.norm(sides[:, :2], axis=1, keepdims=True)
+        sides[:, 2] = random.uniform(-1, 1, count)
+        ends = sides * [[1, 1, 0]] * np.sqrt(random.uniform(size=(count, 1)))
+        ends[:, 2] = np.sign(directions[:, 2])
+        return to_base(np.vstack([sides, ends]) * [shape.radius, shape.radius, 0.5 * shape.length])
     faces = random.uniform(-0.5, 0.5, (count, 3))
     faces[np.arange(count), np.arange(count) % 3] = np.where(random.random(count) < 0.5, -0.5, 0.5)
     return to_base(faces * shape.size)
@@ -64,6 +74,9 @@ def test_distances_on_the_axes_are_exact():
     np.testing.assert_array_equal(box.distance([[0, 0, 0], [3, 0, 0], [4, 6, 3]]), [-1, 2, 5])
     capsule = lt.Capsule(1.0, 4.0, (0.0, 0.0, 0.0))
     np.testing.assert_array_equal(capsule.distance([[0, 0, 0], [3, 0, 1], [0, 0, 5]]), [-1, 2, 2])
+    cylinder = lt.Cylinder(1.0, 4.0, (0.0, 0.0, 0.0))
+    around = [[0, 0, 0], [3, 0, 1], [0, 0, 5], [0, 5, 5], [0, 0, 1.5]]
+    np.testing.assert_array_equal(cylinder.distance(around), [-1, 2, 3, 5, -0.5])
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: type(shape).__name__)
@@ -92,6 +105,9 @@ def test_bad_points_are_refused(shape):
         (lambda: lt.Sphere(1.0, (0, 0)), "position"),
         (lambda: lt.Capsule(0.1, -1.0, PLACE), "length"),
         (lambda: lt.Capsule(np.nan, 1.0, PLACE), "radius"),
+        (lambda: lt.Cylinder(0.1, 0.0, PLACE), "length"),
+        (lambda: lt.Cylinder(-0.1, 1.0, PLACE), "radius"),
+        (lambda: lt.Cylinder(0.1, 1.0, (0, np.nan, 0)), "position"),
     ],
 )
 def test_impossible_shapes_are_refused(call, name):
@@ -110,8 +126,27 @@ def test_bounds_of_a_shape_touch_its_surface(shape):
     assert farthest == pytest.approx(shape.bounding_radius, rel=0.1)
 
 
-def test_kinds_of_shapes_have_different_numbers_and_their_dimensions():
-    assert len({shape.form for shape in SHAPES}) == len(SHAPES)
-    assert BOX.dimensions == (0.4, 0.6, 1.0)
-    assert CAPSULE.dimensions == (0.2, 0.8, 0.0)
-    assert SPHERE.dimensions == (0.5, 0.0, 0.0)
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: type(shape).__name__)
+def test_the_compiled_core_has_the_same_distances(shape):
+    queries = PLACE + np.random.default_rng(4).uniform(-1, 1, (500, 3))
+    np.testing.assert_allclose(
+        shape._compiled.distances(queries), shape.distance(queries), atol=1e-15
+    )
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: type(shape).__name__)
+def test_a_moved_shape_is_the_same_at_another_place(shape):
+    queries = np.random.default_rng(5).uniform(-1, 1, (50, 3))
+    before = shape.distance(queries)
+    away = shape.at(shape.position + 0.25)
+    np.testing.assert_allclose(away.distance(queries + 0.25), before, atol=1e-15)
+    np.testing.assert_allclose(away._compiled.distances(queries + 0.25), before, atol=1e-15)
+    upright = shape.at(np.zeros(3), (1.0, 0.0, 0.0, 0.0))
+    np.testing.assert_allclose(to_local(queries, upright), before, atol=1e-14)
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(shape)).distance(queries), before)
+    with pytest.raises(InvalidInput, match="position: "):
+        shape.at((0.0, 0.0))
+
+
+def to_local(queries, upright):
+    return upright.distance((queries - PLACE) @ rotations.to_matrix(TURN[None])[0])

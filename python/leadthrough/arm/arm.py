@@ -175,7 +175,8 @@ class Arm(
         """The arm holding an object, whose pose is given in the frame of its present tip.
 
         Args:
-            shape: a Box, Sphere or Capsule; it joins `attached` and counts in collision checks.
+            shape: a Box, Sphere, Capsule or Cylinder; it joins `attached` and counts in
+                collision checks.
             mass: in kg, >= 0, of uniform density; it adds to the payload.
 
         Raises:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +11,7 @@ from leadthrough import _core, check, rotations
 from leadthrough.brief import Brief, numbers_text
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.shapes import Box, Capsule, Shape, Sphere
+from leadthrough.shapes import Box, Capsule, Cylinder, Shape, Sphere
 
 # The error that a measured or printed tensor may have, as a fraction of its largest moment.
 _INERTIA_TOLERANCE = 1e-6
@@ -104,20 +103,19 @@ class Attachment(Brief):
         """The attachment with an object of uniform density, given in the frame of the tip.
 
         Args:
-            shape: a Box, Sphere or Capsule.
+            shape: a Box, Sphere, Capsule or Cylinder.
             mass: in kg, >= 0.
 
         Raises:
             InvalidInput: if the shape is something else, or the mass is negative.
         """
         if not isinstance(shape, Shape):
-            raise InvalidInput(f"shape: expected a Box, Sphere or Capsule, got {shape!r}")
+            raise InvalidInput(f"shape: expected a Box, Sphere, Capsule or Cylinder, got {shape!r}")
         weight = check.number(mass, "mass", at_least=0.0)
         carried = self if weight == 0.0 else self.with_load(_solid(shape, weight))
-        pose: dict[str, Any] = {"position": self._in_link(shape.position)}
-        if not isinstance(shape, Sphere):
-            pose["orientation"] = self._turned(shape.orientation)
-        return replace(carried, shapes=(*self.shapes, replace(shape, **pose)))
+        turned = None if isinstance(shape, Sphere) else self._turned(shape.orientation)
+        held = shape.at(self._in_link(shape.position), turned)
+        return replace(carried, shapes=(*self.shapes, held))
 
     def applied_to(self, chain: _core.Chain) -> _core.Chain:
         """A chain that ends in the link, with the loads added and the tip moved."""
@@ -157,15 +155,28 @@ def _inertia(value: ArrayLike) -> Float64Array:
 def _solid(shape: Shape, mass: float) -> Load:
     if isinstance(shape, Sphere):
         return Load(mass, shape.position, 0.4 * mass * shape.radius**2 * np.eye(3))
-    moments = _box_moments(shape) if isinstance(shape, Box) else _capsule_moments(shape)
+    moments = _moments(shape)
     turn = _matrix(shape.orientation)
     return Load(mass, shape.position, mass * (turn * moments) @ turn.T)
+
+
+def _moments(shape: Box | Capsule | Cylinder) -> Float64Array:
+    """Principal moments (3,) of a solid about its middle, for a mass of one."""
+    if isinstance(shape, Box):
+        return _box_moments(shape)
+    return _capsule_moments(shape) if isinstance(shape, Capsule) else _cylinder_moments(shape)
 
 
 def _box_moments(box: Box) -> Float64Array:
     """Principal moments (3,) of a solid box, for a mass of one."""
     squares = box.size**2
     return np.asarray((squares.sum() - squares) / 12.0)
+
+
+def _cylinder_moments(cylinder: Cylinder) -> Float64Array:
+    along = 0.5 * cylinder.radius**2
+    across = cylinder.length**2 / 12.0 + 0.5 * along
+    return np.array([across, across, along])
 
 
 def _capsule_moments(capsule: Capsule) -> Float64Array:

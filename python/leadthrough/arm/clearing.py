@@ -30,13 +30,13 @@ class Surroundings:
 
     Attributes:
         model: the arm's own shapes.
-        obstacles: a row each, as the core takes them.
+        obstacles: as the core takes them.
         margin: distance to keep from obstacles in m.
         self_margin: distance to keep between parts of the arm in m.
     """
 
     model: _core.CollisionModel
-    obstacles: Float64Array
+    obstacles: list[_core.Shape]
     margin: float
     self_margin: float
 

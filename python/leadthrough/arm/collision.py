@@ -23,10 +23,8 @@ from leadthrough.arm.reachable import look_at_obstacles
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, InvalidRobot
 from leadthrough.motion import JointTrajectory
-from leadthrough.shapes import Capsule, Shape, Sphere, check_shapes
+from leadthrough.shapes import Shape, check_shapes, compiled
 
-_COLUMNS = 11
-_UNTURNED = (1.0, 0.0, 0.0, 0.0)
 _FINEST_TOLERANCE = 1e-6  # m; distances are exact to 1e-7
 # Steps of a check between two samples: more would take minutes.
 _MOST_STEPS = 1e6
@@ -142,7 +140,7 @@ class ArmCollision(ArmDefinition):
             MissingDependency: if a mesh's format needs a package that is not installed.
         """
         batch, (rows,) = joint_rows(self._chain, q=q)
-        shapes = shape_rows(check_shapes(obstacles))
+        shapes = compiled(check_shapes(obstacles))
         least = check.number(margin, "margin", at_least=0.0)
         least_itself = check.number(self_margin, "self_margin", at_least=0.0)
         clear = _core.clear_batch(self._collision, shapes, rows, least, least_itself)
@@ -210,7 +208,7 @@ class ArmCollision(ArmDefinition):
         """The shapes of the robot and the pairs worth a check; some 10 ms to choose them."""
         meshes = [hull_vertices(*mesh, self.mesh_folders) for mesh in self._robot.meshes]
         model = _core.CollisionModel(
-            self._robot, self._chain, self.base, self.tip, meshes, shape_rows(self.attached)
+            self._robot, self._chain, self.base, self.tip, meshes, compiled(self.attached)
         )
         if not model.bodies:
             raise InvalidRobot("robot", "no link has collision geometry, so nothing can be checked")
@@ -219,7 +217,7 @@ class ArmCollision(ArmDefinition):
     def _against(self, obstacles: Iterable[Shape]) -> _core.CollisionScene:
         shapes = check_shapes(obstacles)
         look_at_obstacles(self, shapes)
-        return _core.against(self._collision, shape_rows(shapes))
+        return _core.against(self._collision, compiled(shapes))
 
     def _nearest(
         self, q: ArrayLike, scene: _core.CollisionScene, threads: int
@@ -284,17 +282,3 @@ def _approach(
     sample, a, b, gap, on_a, on_b = found
     time = None if times is None else float(np.interp(sample, np.arange(len(times)), times))
     return Approach(sample, time, (scene.names[a], scene.names[b]), gap, np.stack([on_a, on_b]))
-
-
-def shape_rows(shapes: Sequence[Shape]) -> Float64Array:
-    """One row per shape, as the core takes them: kind, three sizes, position, orientation."""
-    rows = np.zeros((len(shapes), _COLUMNS))
-    for row, shape in zip(rows, shapes, strict=True):
-        if isinstance(shape, Sphere):
-            row[:4], row[7:] = (0, shape.radius, 0, 0), _UNTURNED
-        elif isinstance(shape, Capsule):
-            row[:4], row[7:] = (1, shape.radius, shape.length, 0), shape.orientation
-        else:
-            row[:4], row[7:] = (2, *shape.size), shape.orientation
-        row[4:7] = shape.position
-    return rows

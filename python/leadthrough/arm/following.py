@@ -9,14 +9,14 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.arm import follower, reachable, recorded
 from leadthrough.arm.clearing import Surroundings
-from leadthrough.arm.collision import ArmCollision, shape_rows
+from leadthrough.arm.collision import ArmCollision
 from leadthrough.arm.follower import TooFast
 from leadthrough.arm.options import Axis
 from leadthrough.arm.path_report import PathReport, path_report
 from leadthrough.arm.tracks import TipPath
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
-from leadthrough.shapes import Shape, check_shapes
+from leadthrough.shapes import Shape, check_shapes, compiled
 
 
 class ArmFollowing(ArmCollision):
@@ -135,7 +135,7 @@ class ArmFollowing(ArmCollision):
                 f"obstacles: not used together with too_fast={too_fast!r}; use 'slow' or "
                 "'exceed_limits'"
             )
-        return Surroundings(self._collision, shape_rows(shapes), least, least_itself)
+        return Surroundings(self._collision, compiled(shapes), least, least_itself)
 
     def path_report(
         self,

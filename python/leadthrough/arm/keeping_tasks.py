@@ -12,7 +12,7 @@ from leadthrough.arm import magnitudes, task
 from leadthrough.arm.task import ZERO, ArmTask, FrameOf
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.shapes import Box, Capsule, Shape, Sphere
+from leadthrough.shapes import Shape
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -46,7 +46,7 @@ class ObstacleTask(ArmTask):
     """A point of a link at least some distance away from a shape.
 
     Attributes:
-        shape: a Box, Sphere or Capsule in the base frame.
+        shape: one of `leadthrough.shapes` in the base frame.
         distance: to keep in m, >= 0; for a ball around the point add its radius.
         margin: additional distance in m at which the task begins to act, > 0.
         link: name of the link; None is the arm's tip.
@@ -76,9 +76,9 @@ class ObstacleTask(ArmTask):
         damping_ratio: float = 1.0,
     ) -> None:
         super().__init__(gain, damping_ratio)
-        if not isinstance(shape, Box | Sphere | Capsule):
+        if not isinstance(shape, Shape):
             what = type(shape).__name__
-            raise InvalidInput(f"shape: expected a Box, Sphere or Capsule, got {what}")
+            raise InvalidInput(f"shape: expected a Box, Sphere, Capsule or Cylinder, got {what}")
         _refuse_huge(shape)
         vars(self).update(
             shape=shape,
@@ -89,17 +89,9 @@ class ObstacleTask(ArmTask):
         )
 
     def _compiled(self, frame_of: FrameOf) -> _core.ArmTask:
-        frame, shape = frame_of(self.link, self.point), _compiled_shape(self.shape)
+        frame, shape = frame_of(self.link, self.point), self.shape._compiled
         rates = (self.gain, self.damping_ratio)
         return _core.clearance_task(frame, shape, self.distance, self.margin, *rates)
-
-
-def _compiled_shape(shape: Shape) -> _core.Shape:
-    if isinstance(shape, Box):
-        return _core.box_shape(shape.size, shape.position, shape.orientation)
-    if isinstance(shape, Sphere):
-        return _core.sphere_shape(shape.radius, shape.position)
-    return _core.capsule_shape(shape.radius, shape.length, shape.position, shape.orientation)
 
 
 def _refuse_huge(shape: Shape) -> None:

@@ -19,7 +19,7 @@ from leadthrough.arm.results import STATUSES
 from leadthrough.arm.tracks import TipPath
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
-from leadthrough.shapes import Capsule, Shape, Sphere
+from leadthrough.shapes import Capsule, Cylinder, Shape, Sphere
 
 _ROUNDING = 1e-6  # m beyond the reach
 # A place this many reaches away is not meant: it is in mm.
@@ -73,8 +73,8 @@ def look_at_obstacles(arm: ArmDefinition, shapes: Sequence[Shape]) -> None:
     """Warns of obstacles whose place or size does not go with an arm, as in mm."""
     reach = arm._chain.reach
     for i, shape in enumerate(shapes):
-        away = float(np.abs(shape.position).max())
-        size = shape.radius if isinstance(shape, Sphere | Capsule) else 0.0
+        away = float(np.abs(shape.middle).max())
+        size = shape.radius if isinstance(shape, Sphere | Capsule | Cylinder) else 0.0
         if max(away, size) > _ELSEWHERE * reach > 0.0:
             what = f"lies {away:.4g} m from the arm's base" if away > size else f"is {size:.4g} m"
             plausible.warn(

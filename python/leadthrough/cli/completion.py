@@ -25,7 +25,12 @@ MODELS = (
     "rhythmic-pose-dmp",
 )
 STUDIES = ("agriculture", "human", "lasa", "robotasks", "singularity", "trajectories", "ur3")
-SHAPES = ("box:0.1,0.1,0.4@0.5,0,0.2", "sphere:0.1@0.5,0,0.2", "capsule:0.05,0.3@0.5,0,0.2")
+SHAPES = (
+    "box:0.1,0.1,0.4@0.5,0,0.2",
+    "sphere:0.1@0.5,0,0.2",
+    "capsule:0.05,0.3@0.5,0,0.2",
+    "cylinder:0.05,0.3@0.5,0,0.2",
+)
 _URDF = (".urdf", ".xml")
 _LINK = re.compile(r"<link\s[^>]*?name\s*=\s*[\"']([^\"']+)")
 

@@ -60,8 +60,9 @@ Obstacles = Annotated[
     list[str] | None,
     typer.Option(
         "--obstacle",
-        help="Obstacle in the arm's base frame, in m: box:SX,SY,SZ@X,Y,Z, sphere:R@X,Y,Z or "
-        "capsule:R,L@X,Y,Z; append the quaternion /W,X,Y,Z to turn it. May be repeated.",
+        help="Obstacle in the arm's base frame, in m: box:SX,SY,SZ@X,Y,Z, sphere:R@X,Y,Z, "
+        "capsule:R,L@X,Y,Z or cylinder:R,L@X,Y,Z; append the quaternion /W,X,Y,Z to turn it. "
+        "May be repeated.",
         autocompletion=completion.one_of(*completion.SHAPES),
     ),
 ]

@@ -12,9 +12,9 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.place import Place
 from leadthrough.motion import Motion, PoseTrajectory
-from leadthrough.shapes import Box, Capsule, Shape, Sphere
+from leadthrough.shapes import Box, Capsule, Cylinder, Shape, Sphere
 
-_SHAPES = {"box": 3, "sphere": 1, "capsule": 2}
+_SHAPES = {"box": 3, "sphere": 1, "capsule": 2, "cylinder": 2}
 
 
 def numbers(text: str, name: str) -> Float64Array:
@@ -45,7 +45,9 @@ def _shape(text: str) -> Shape:
     kind, _, rest = text.partition(":")
     size_text, _, place = rest.partition("@")
     if kind not in _SHAPES or not size_text or not place:
-        raise InvalidInput("expected box:SX,SY,SZ@X,Y,Z, sphere:R@X,Y,Z or capsule:R,L@X,Y,Z")
+        raise InvalidInput(
+            "expected box:SX,SY,SZ@X,Y,Z, sphere:R@X,Y,Z, capsule:R,L@X,Y,Z or cylinder:R,L@X,Y,Z"
+        )
     size = numbers(size_text, "size")
     if len(size) != _SHAPES[kind]:
         raise InvalidInput(f"expected {_SHAPES[kind]} sizes for a {kind}, got {len(size)}")
@@ -53,8 +55,9 @@ def _shape(text: str) -> Shape:
     turn = () if turned is None else (turned,)
     if kind == "box":
         return Box(size.tolist(), position, *turn)
-    if kind == "capsule":
-        return Capsule(float(size[0]), float(size[1]), position, *turn)
+    if kind in ("capsule", "cylinder"):
+        round_shape = Capsule if kind == "capsule" else Cylinder
+        return round_shape(float(size[0]), float(size[1]), position, *turn)
     if turned is not None:
         raise InvalidInput("a sphere takes no quaternion")
     return Sphere(float(size[0]), position)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any, TypedDict
 
 import numpy as np
@@ -15,7 +14,7 @@ from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.frame import Frame
 from leadthrough.models.place import Place
 from leadthrough.motion import MotionT
-from leadthrough.shapes import Shape
+from leadthrough.shapes import Shape, Sphere
 
 Via = Sequence[tuple[float, ArrayLike]]
 
@@ -74,11 +73,10 @@ def shape_seen(frame: Frame, shape: Shape) -> Shape:
     origin, axes = np.zeros(3), np.eye(3)
     origin[:size], axes[:size, :size] = frame.origin, frame.axes
     position = (np.asarray(shape.position) - origin) @ axes
-    if not hasattr(shape, "orientation"):
-        return replace(shape, position=position)
+    if isinstance(shape, Sphere):
+        return shape.at(position)
     back = rotations.inverse(rotations.from_matrix(axes[None]))
-    turned = rotations.compose(back, np.asarray(shape.orientation)[None])[0]
-    return replace(shape, position=position, orientation=turned)
+    return shape.at(position, rotations.compose(back, shape.orientation[None])[0])
 
 
 def limits_seen(

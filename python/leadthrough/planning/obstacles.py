@@ -19,7 +19,7 @@ def occupied(grid: Grid, obstacles: Iterable[Shape], *, margin: float = 0.0) -> 
 
     Args:
         grid: the cells; a 2-D grid is the plane z = 0.
-        obstacles: boxes, spheres and capsules.
+        obstacles: shapes.
         margin: in the grid's unit, >= 0.
 
     Raises:
@@ -76,7 +76,7 @@ def _neighbourhood(grid: Grid, obstacle: Shape, room: float) -> tuple[slice, ...
     """The cells that the obstacle's bounding box reaches, with room on all sides."""
     d = grid.dimensions
     reach = obstacle.half_extents[:d] + room
-    offset = (obstacle.position[:d] - grid.origin) / grid.spacing
+    offset = (obstacle.middle[:d] - grid.origin) / grid.spacing
     low = np.clip(np.floor(offset - reach / grid.spacing), 0, grid.shape)
     high = np.clip(np.ceil(offset + reach / grid.spacing) + 1, 0, grid.shape)
     return tuple(slice(int(a), int(b)) for a, b in zip(low, high, strict=True))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TypedDict
 
@@ -20,7 +20,7 @@ from leadthrough.errors import IkFailure, InvalidInput, LeadthroughError
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.protocol import Conditioned, Generator, Place, Previewed, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
-from leadthrough.shapes import Shape, Sphere, check_shapes
+from leadthrough.shapes import Shape, check_shapes
 from leadthrough.show.scene import tip_path
 
 # Sampling of a preview and of a plan, s.
@@ -144,12 +144,7 @@ class Replanner:
         """
         count = len(self.obstacles)
         i = check.integer(index, "index", at_least=0, at_most=count - 1)
-        place = check.array(position, "position", shape=(3,))
-        shape = replace(self.obstacles[i], position=place)
-        if orientation is not None and not isinstance(shape, Sphere):
-            turned = check.quaternions(orientation, "orientation", shape=(4,))
-            shape = replace(shape, orientation=turned)
-        self.obstacles[i] = shape
+        self.obstacles[i] = self.obstacles[i].at(position, orientation)
 
     def set_parameter(self, index: int, value: float) -> None:
         """Sets one of the skill's parameters, with a new fit if it needs one.

@@ -12,7 +12,7 @@ from leadthrough import rotations
 from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.preprocess.resample import arc_length
-from leadthrough.shapes import Box, Capsule, Shape, Sphere
+from leadthrough.shapes import Box, Capsule, Cylinder, Shape, Sphere
 
 _AROUND = 40
 _TUBE_SIDES = 12
@@ -56,6 +56,8 @@ def unplaced(shape: Shape) -> Mesh:
     """The surface of a shape about the origin of its own frame."""
     if isinstance(shape, Box):
         return box(shape.size)
+    if isinstance(shape, Cylinder):
+        return cylinder(shape.radius, shape.length)
     return (
         capsule(shape.radius, shape.length) if isinstance(shape, Capsule) else sphere(shape.radius)
     )

@@ -11,7 +11,8 @@ using Eigen::Vector3d;
 
 const Eigen::Matrix3d kTurned =
     Eigen::AngleAxisd(1.2, Vector3d(0.4, -0.3, 1.1).normalized()).toRotationMatrix();
-constexpr ShapeKind kKinds[] = {ShapeKind::kBox, ShapeKind::kSphere, ShapeKind::kCapsule};
+constexpr ShapeKind kKinds[] = {ShapeKind::kBox, ShapeKind::kSphere, ShapeKind::kCapsule,
+                                ShapeKind::kCylinder};
 
 Shape shape_of(ShapeKind kind) {
   return make_shape(kind, {0.1, 0.2, 0.15}, kTurned, {0.5, 0.02, 0.0});
@@ -54,6 +55,11 @@ TEST(SignedDistance, SizesAreEdgesOrRadiusAndLength) {
   const Shape capsule = make_shape(ShapeKind::kCapsule, {0.5, 2.0, 0.0}, straight, {0, 0, 1});
   EXPECT_NEAR(signed_distance(capsule, {0.0, 0.0, 3.0}).distance, 0.5, 1e-15);
   EXPECT_NEAR(signed_distance(capsule, {0.0, 2.0, 1.5}).distance, 1.5, 1e-15);
+  const Shape cylinder = make_shape(ShapeKind::kCylinder, {0.5, 2.0, 0.0}, straight, {0, 0, 1});
+  EXPECT_NEAR(signed_distance(cylinder, {0.0, 0.0, 3.0}).distance, 1.0, 1e-15);
+  EXPECT_NEAR(signed_distance(cylinder, {0.0, 2.0, 1.5}).distance, 1.5, 1e-15);
+  EXPECT_NEAR(signed_distance(cylinder, {3.5, 0.0, 6.0}).distance, 5.0, 1e-15);
+  EXPECT_NEAR(signed_distance(cylinder, {0.1, 0.0, 1.7}).distance, -0.3, 1e-15);
 }
 
 }  // namespace

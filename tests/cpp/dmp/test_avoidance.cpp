@@ -27,7 +27,8 @@ State rest() { return {Vector::Zero(3), Vector::Zero(3), 0.0}; }
 
 TEST(Avoidance, MotionsKeepTheirMargin) {
   const Vector phases = Vector::LinSpaced(501, 0.0, 1.0);
-  for (const ShapeKind kind : {ShapeKind::kBox, ShapeKind::kSphere, ShapeKind::kCapsule}) {
+  for (const ShapeKind kind :
+       {ShapeKind::kBox, ShapeKind::kSphere, ShapeKind::kCapsule, ShapeKind::kCylinder}) {
     const Obstacle obstacle = obstacle_of(kind);
     const Surroundings around{{obstacle}, 0.2, Vector(), Vector()};
     const Passage passage = rollout_around(kStill, straight(), around, rest(), phases);

@@ -76,8 +76,9 @@ def test_an_attached_object_stays_on_the_link_when_the_tool_moves(panda):
         lt.Sphere(0.15, (0.02, 0.03, 0.1)),
         lt.Capsule(0.08, 0.3, (0.02, 0.03, 0.1), TURN),
         lt.Capsule(0.08, 0.0, (0.02, 0.03, 0.1), TURN),
+        lt.Cylinder(0.08, 0.3, (0.02, 0.03, 0.1), TURN),
     ],
-    ids=["box", "sphere", "capsule", "ball"],
+    ids=["box", "sphere", "capsule", "ball", "cylinder"],
 )
 def test_an_attached_object_weighs_as_a_solid_body(shape):
     """Against sums over many small pieces of it."""

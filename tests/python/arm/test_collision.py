@@ -54,8 +54,14 @@ def test_distance_to_obstacles_is_that_of_coal(bundled):
         lt.Box((0.2, 0.1, 0.4), (0.4, 0.2, 0.5), TURN),
         lt.Capsule(0.05, 0.3, (0.2, -0.3, 0.4), TURN),
         lt.Sphere(0.1, (-0.3, -0.3, 0.4)),
+        lt.Cylinder(0.08, 0.25, (-0.3, 0.3, 0.6), TURN),
     ]
-    geometries = [coal.Box(0.2, 0.1, 0.4), coal.Capsule(0.05, 0.3), coal.Sphere(0.1)]
+    geometries = [
+        coal.Box(0.2, 0.1, 0.4),
+        coal.Capsule(0.05, 0.3),
+        coal.Sphere(0.1),
+        coal.Cylinder(0.08, 0.25),
+    ]
     moving = peer.moving_links()
     for q, ours in zip(rows, arm.distance(rows, obstacles), strict=True):
         peer.place(q)

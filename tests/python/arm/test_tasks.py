@@ -66,13 +66,14 @@ def test_every_task_moves_what_it_is_about():
     assert numerical_derivative(angle, HOME, qd) == pytest.approx(-5.0 * angle(HOME), rel=1e-5)
 
 
-@pytest.mark.parametrize("shape", [lt.Sphere, lt.Capsule, lt.Box])
+@pytest.mark.parametrize("shape", [lt.Sphere, lt.Capsule, lt.Box, lt.Cylinder])
 def test_obstacle_tasks_push_away_at_the_rate_of_their_gain(shape):
     position, _ = PANDA.forward_kinematics(HOME)
     centre = position + np.array([0.12, 0.03, -0.05])
     made = {
         lt.Sphere: lambda: lt.Sphere(0.1, centre),
         lt.Capsule: lambda: lt.Capsule(0.1, 0.2, centre, (0.8, 0.6, 0, 0)),
+        lt.Cylinder: lambda: lt.Cylinder(0.1, 0.15, centre, (0.8, 0.6, 0, 0)),
         lt.Box: lambda: lt.Box((0.15, 0.3, 0.2), centre, (0.8, 0, 0.6, 0)),
     }[shape]()
     distance = lambda q: made.distance([PANDA.forward_kinematics(q)[0]])[0]  # noqa: E731

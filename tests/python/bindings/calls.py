@@ -206,7 +206,10 @@ call(differential.step, Q[0], **AT_REST, **POSE)
 frame = make(core.Frame, chain=chain, offset=np.zeros(3))
 ball = make(core.sphere_shape, radius=0.1, position=3 * X[0])
 make(core.box_shape, size=X[0] + 1, position=X[0], orientation=ONE[0])
-make(core.capsule_shape, radius=0.1, length=1.0, position=X[0], orientation=ONE[0])
+ROUND = {"radius": 0.1, "length": 1.0, "position": X[0], "orientation": ONE[0]}
+make(core.capsule_shape, **ROUND)
+pin = make(core.cylinder_shape, **ROUND)
+call(pin.distances, [0.9, -0.1], points=np.stack([X[0] + Y[0], X[0]]))
 pace = {"gain": 1.0, "damping_ratio": 1.0}
 AXES = {"axis": X[0], "direction": Y[0]}
 tasks = [
@@ -229,8 +232,8 @@ call(core.resolve_stack, SPEED, jacobians=[np.eye(2)], wanted=[SPEED], **box)
 
 # Collisions: the eye is a cube of 2 m below the arm, the obstacle a ball of 1 m above its tip.
 CUBE = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
-BALL = np.array([[0, 1, 0, 0, 1, 1, 4, 1, 0, 0, 0.0]])
-attached = np.array([[0, 0.1, 0, 0, 0, 0, 0, 1, 0, 0, 0.0]])
+BALL = [core.sphere_shape(1.0, np.array([1.0, 1.0, 4.0]))]
+attached = [core.sphere_shape(0.1, np.zeros(3))]
 model = make(
     core.CollisionModel,
     robot=robot,
@@ -284,11 +287,8 @@ call(course.superposed, None, value=SPEED, slope=SPEED, shift=SPEED, **shifted)
 call(bent.superposed, None, value=X[0], slope=X[0], shift=X[0], **shifted)
 around = make(
     core.DmpSurroundings,
-    forms=[0, 1, 2],
-    positions=rows(9, 0, 0, count=3),
-    orientations=rows(1, 0, 0, 0, count=3),
-    sizes=rows(1, 1, 1, count=3),
-    margins=np.full(3, 0.1),
+    shapes=[core.sphere_shape(1.0, 9 * X[0]), core.box_shape(X[0] + 1, 9 * X[0], ONE[0])],
+    margins=np.full(2, 0.1),
     reach=0.1,
     lower=NOTHING,
     upper=NOTHING,

@@ -15,10 +15,10 @@ FREE = dict(
         r"(\S+?)\(([^)]*)\)",
         """
     ArrivalField(cells speed)  Chain.forward_kinematics(q)
-    CollisionModel(attached)  DmpForces(nodes)  DmpPath(coefficients)
+    DmpForces(nodes)  DmpPath(coefficients)
     IkOptions(posture reference)  PursuitOptions(acceleration velocity)  TimedPath(coefficients)
-    TimedPath.positions_at(lengths)  against(obstacles)  all_finite(values)
-    bounced(velocities)  check_motion(q)  clear_batch(obstacles q)  clear_path(obstacles)
+    Shape.distances(points)  TimedPath.positions_at(lengths)  all_finite(values)
+    bounced(velocities)  check_motion(q)  clear_batch(q)
     condition_weights(basis)  descend(arrival)  directions(arrival points)
     distance_transform(mask)  dmp_orientations(values)  dmp_rollout(phases)
     dmp_rollout_around(phases)  dtw_distance(a b)  dtw_path(a b)  frechet_distance(a b)

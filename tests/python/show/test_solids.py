@@ -51,6 +51,7 @@ def test_shape_stands_where_it_says(seed):
     for shape in (
         lt.Box(rng.uniform(0.1, 1.0, 3), place, turned),
         lt.Capsule(0.1, 0.5, place, turned),
+        lt.Cylinder(0.1, 0.5, place, turned),
         lt.Sphere(0.3, place),
     ):
         points = solids.of_shape(shape).vertices

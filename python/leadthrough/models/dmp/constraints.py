@@ -19,7 +19,7 @@ from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath, UnsupportedQuery
 from leadthrough.models.dmp.springs import Springs, end_of
-from leadthrough.shapes import Shape, check_shapes
+from leadthrough.shapes import Shape, check_shapes, compiled
 from leadthrough.trajectories.minimum_jerk import minimum_jerk_rise
 
 # Fractions of the demonstration's size: the distance to keep from obstacles, and the one at which
@@ -31,8 +31,6 @@ _REACH = 0.25
 _LATEST_PUSH = 0.9
 
 StateT = TypeVar("StateT", _core.PointState, _core.PoseState)
-
-_UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,13 +178,10 @@ def _surroundings(
         near: (n, d), n >= 1, points that may be approached nearer than is usually kept.
         size: of the demonstration.
     """
-    obstacles, count, size = constraints.obstacles, len(constraints.obstacles), size or 1.0
+    obstacles, size = constraints.obstacles, size or 1.0
     allowed = 0.5 * _clearances(obstacles, near).min(axis=1)
     return _core.DmpSurroundings(
-        [shape.form for shape in obstacles],
-        np.array([shape.position for shape in obstacles]).reshape(count, 3),
-        np.array([getattr(shape, "orientation", _UNTURNED) for shape in obstacles]).reshape(-1, 4),
-        np.array([shape.dimensions for shape in obstacles]).reshape(count, 3),
+        compiled(obstacles),
         np.clip(allowed, _LEAST_MARGIN * size, _MARGIN * size),
         _REACH * size,
         constraints.lower,

@@ -84,7 +84,7 @@ def _obstacle_corners(
     """
     corners = []
     for obstacle in obstacles:
-        centre, reach = obstacle.position[: len(lower)], obstacle.bounding_radius
+        centre, reach = obstacle.middle[: len(lower)], obstacle.bounding_radius
         if (centre + reach >= lower).all() and (centre - reach <= upper).all():
             corners.append(np.maximum(centre - reach, lower - extent))
             corners.append(np.minimum(centre + reach, upper + extent))

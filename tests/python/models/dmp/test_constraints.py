@@ -24,10 +24,12 @@ def shape_of(kind, seed):
         return lt.Sphere(rng.uniform(0.02, 0.08), middle)
     if kind == "box":
         return lt.Box(rng.uniform(0.02, 0.12, 3), middle, turn)
+    if kind == "cylinder":
+        return lt.Cylinder(rng.uniform(0.01, 0.05), rng.uniform(0.02, 0.1), middle, turn)
     return lt.Capsule(rng.uniform(0.01, 0.05), rng.uniform(0.0, 0.1), middle, turn)
 
 
-@pytest.mark.parametrize("kind", ["sphere", "box", "capsule"])
+@pytest.mark.parametrize("kind", ["sphere", "box", "capsule", "cylinder"])
 @given(seed=st.integers(0, 2**32 - 1))
 def test_obstacles_are_cleared_or_refused_and_the_goal_is_met(kind, seed):
     obstacle = shape_of(kind, seed)
@@ -40,7 +42,7 @@ def test_obstacles_are_cleared_or_refused_and_the_goal_is_met(kind, seed):
     np.testing.assert_allclose(made.positions[[0, -1]], BOW[[0, -1]], atol=1e-9)
 
 
-@pytest.mark.parametrize("kind", ["sphere", "box", "capsule"])
+@pytest.mark.parametrize("kind", ["sphere", "box", "capsule", "cylinder"])
 def test_one_obstacle_never_holds_the_motion_up(kind):
     for seed in range(100):
         obstacle = shape_of(kind, seed)

@@ -1,0 +1,54 @@
+#include <pybind11/eigen.h>
+
+#include "base/matrix.hpp"
+#include "bind/parts.hpp"
+#include "collision/signed_distance.hpp"
+#include "rotation/so3.hpp"
+
+namespace py = pybind11;
+
+namespace leadthrough {
+
+namespace {
+
+using Vector3 = Eigen::Vector3d;
+
+Eigen::VectorXd distances(const Shape& shape, const Eigen::Ref<const Rows3>& points) {
+  const py::gil_scoped_release release;
+  Eigen::VectorXd result(points.rows());
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    result[i] = signed_distance(shape, points.row(i)).distance;
+  return result;
+}
+
+// A capsule or a cylinder.
+template <ShapeKind kind>
+Shape round_shape(double radius, double length, const Vector3& position,
+                  const Eigen::Vector4d& orientation) {
+  return make_shape(kind, {radius, length, 0.0}, so3::to_matrix(orientation), position);
+}
+
+}  // namespace
+
+void bind_shapes(py::module_& module) {
+  py::class_<Shape>(module, "Shape").def("distances", &distances, py::arg("points").noconvert());
+  module.def(
+      "box_shape",
+      [](const Vector3& size, const Vector3& position, const Eigen::Vector4d& orientation) {
+        return make_shape(ShapeKind::kBox, size, so3::to_matrix(orientation), position);
+      },
+      py::arg("size"), py::arg("position"), py::arg("orientation"));
+  module.def(
+      "sphere_shape",
+      [](double radius, const Vector3& position) {
+        return make_shape(ShapeKind::kSphere, {radius, 0.0, 0.0}, Eigen::Matrix3d::Identity(),
+                          position);
+      },
+      py::arg("radius"), py::arg("position"));
+  module.def("capsule_shape", &round_shape<ShapeKind::kCapsule>, py::arg("radius"),
+             py::arg("length"), py::arg("position"), py::arg("orientation"));
+  module.def("cylinder_shape", &round_shape<ShapeKind::kCylinder>, py::arg("radius"),
+             py::arg("length"), py::arg("position"), py::arg("orientation"));
+}
+
+}  // namespace leadthrough
