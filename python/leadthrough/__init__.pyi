@@ -9,6 +9,7 @@ from . import (
     show,
     timing,
     trajectories,
+    whole_arm,
 )
 from .arm import Arm, DifferentialIk
 from .events import Event
@@ -28,6 +29,7 @@ from .motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from .planning import Grid, arrival_times
 from .shapes import Box, Capsule, Cylinder, Sphere
 from .timing import check_limits, differentiate, retime, scale_to_limits
+from .whole_arm import PlannedMotion, plan_motion
 
 __version__: str
 
@@ -44,6 +46,7 @@ __all__ = [
     "FastMarching",
     "Grid",
     "JointTrajectory",
+    "PlannedMotion",
     "PoseDMP",
     "PoseTrajectory",
     "ProMP",
@@ -60,6 +63,7 @@ __all__ = [
     "io",
     "load_skill",
     "models",
+    "plan_motion",
     "planning",
     "preprocess",
     "read_demonstrations",
@@ -70,5 +74,6 @@ __all__ = [
     "show",
     "timing",
     "trajectories",
+    "whole_arm",
     "write_motion",
 ]

@@ -33,6 +33,7 @@ STAGES = (
     "models",
     "arm",
     "timing",
+    "whole_arm",
     "show",
     "cli",
 )

@@ -68,8 +68,8 @@ def clear_path(
         tolerance: of the tip at each sample.
 
     Raises:
-        IkFailure: if there is no way, with the status "blocked", or "unreachable" where the tip's
-            path itself cannot be met.
+        IkFailure: if there is no way, with the status "blocked", or "jump" where the tip cannot
+            go on from the last configuration.
     """
     q, last, sample, pairs, touch = _core.clear_path(
         around.model,
@@ -93,7 +93,7 @@ def clear_path(
     else:
         found = "the tip cannot follow the path from there without a jump"
     time = float(np.interp(sample, np.arange(len(path)), path.times))
-    index, status = int(sample), "blocked" if touch or pairs else "unreachable"
+    index, status = int(sample), "blocked" if touch or pairs else "jump"
     message = f"sample {index} at {time:.6g} s: {status}, {found}"
     nearest = path.postures[index] if last is None else last
     raise IkFailure(message, index=index, status=status, residual=(0.0, 0.0), q=nearest.copy())

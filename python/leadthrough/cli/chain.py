@@ -81,6 +81,9 @@ def options(**values: str | Path | None) -> tuple[str, ...]:
 
 
 def _words(option: str, value: Any) -> Iterator[str]:
+    if value is True:  # a flag
+        yield option
+        return
     for each in value if isinstance(value, list | tuple) else [value]:
         # A value such as -0.1,0,0 would look like an option of its own.
         yield from [f"{option}={each}"] if str(each).startswith("-") else [option, str(each)]

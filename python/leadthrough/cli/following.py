@@ -15,11 +15,20 @@ from leadthrough.arm import Arm, PathReport
 from leadthrough.arm.options import AXES
 from leadthrough.cli import parse
 from leadthrough.cli import robot as robots
+from leadthrough.models.protocol import Skill
 from leadthrough.motion import JointTrajectory, Motion, joints_with
+from leadthrough.timing import differentiate
+from leadthrough.whole_arm import plan_motion
 
 # m or rad; the tip is this near to a path that is followed without tolerances.
 _AS_PLANNED = 2e-5
-UNITS = {"position_error": "m", "orientation_error": "rad", "start_from_shown": "rad (m)"}
+UNITS = {
+    "position_error": "m",
+    "orientation_error": "rad",
+    "start_from_shown": "rad (m)",
+    "clearance": "m",
+    "tip_left_path": "m",
+}
 # A start this far from where the arm was shown, rad or m, is another posture to a person beside it.
 _ELSEWHERE = 0.3
 
@@ -37,13 +46,13 @@ class Followed:
     facts: dict[str, Any]
 
 
-def followed(
-    arm: Arm,
-    motion: Motion,
-    posture: str | None,
-    tolerance: str | None,
-    free_axes: Sequence[str] | None,
-) -> Followed:
+def generated(skill: Skill[Motion], query: dict[str, Any]) -> Motion:
+    """The skill's motion; of joints with their velocities and accelerations."""
+    motion = skill.generate(**query)
+    return differentiate(motion) if isinstance(motion, JointTrajectory) else motion
+
+
+def followed(arm: Arm, motion: Motion, how: dict[str, Any]) -> Followed:
     """The arm's joints along a motion; a motion of joints is the arm's already.
 
     Warns on stderr where the arm does not start as it was shown.
@@ -51,28 +60,72 @@ def followed(
     Args:
         arm: the arm that is to move.
         motion: what a skill planned.
+        how: arguments of `Arm.follow`, by `options_of`.
+
+    Raises:
+        InvalidInput: if the motion is neither joints nor poses.
+        IkFailure: if the arm cannot follow.
+    """
+    if isinstance(motion, JointTrajectory):
+        return Followed(robots.own_joints(arm, motion, "the skill"), {})
+    joints = arm.follow(motion, **how)
+    return Followed(joints, _compared(arm, motion, joints, how))
+
+
+def kept_clear(
+    arm: Arm,
+    skill: Skill[Motion],
+    query: dict[str, Any],
+    margin: float | None,
+    how: dict[str, Any],
+) -> Followed:
+    """The arm's joints along a skill's motion, the whole arm clear of the obstacles.
+
+    Args:
+        arm: the arm that is to move.
+        skill: plans the motion.
+        query: of the skill, with "obstacles".
+        margin: distance in m to keep from them; None for the usual one.
+        how: arguments of `Arm.follow`, by `options_of`.
+
+    Raises:
+        InvalidInput: if an option is wrong.
+        NoPath: where obstacles leave the tip no way.
+        IkFailure: if the arm cannot follow any path of the tip.
+    """
+    asked = query if margin is None else query | {"margin": margin}
+    planned = plan_motion(skill, arm, **asked, **how)
+    facts = _compared(arm, planned.tip, planned.joints, how)
+    facts["clearance"] = planned.clearance
+    if planned.reasons:
+        facts |= {"tip_left_path": planned.deviation, "because": "; ".join(planned.reasons)}
+    return Followed(planned.joints, facts)
+
+
+def _compared(
+    arm: Arm, motion: Any, joints: JointTrajectory, how: dict[str, Any]
+) -> dict[str, Any]:
+    """What the arm does otherwise than its tip was planned and its joints were shown."""
+    report = arm.path_report(joints, motion)
+    off = _off_the_path(report, always="position_tolerance" in how or "free" in how)
+    chosen = {} if "free" in how else _freed(report, how)
+    return chosen | off | _beside_shown(arm, motion, joints)
+
+
+def options_of(
+    arm: Arm, posture: str | None, tolerance: str | None, free_axes: Sequence[str] | None
+) -> dict[str, Any]:
+    """The arguments of `Arm.follow` that the command's options make.
+
+    Args:
+        arm: the arm that is to move.
         posture: the option `--posture`: joint positions, or the file of a recording.
         tolerance: the option `--tolerance`: m and rad.
         free_axes: the option `--free-axis`: names of axes.
 
     Raises:
-        InvalidInput: if an option is wrong, or the motion neither joints nor poses.
-        IkFailure: if the arm cannot follow.
+        InvalidInput: if an option is wrong.
     """
-    if isinstance(motion, JointTrajectory):
-        return Followed(robots.own_joints(arm, motion, "the skill"), {})
-    options = _options(arm, posture, tolerance, free_axes)
-    joints = arm.follow(motion, **options)
-    report = arm.path_report(joints, motion)
-    off = _off_the_path(report, always="position_tolerance" in options or free_axes)
-    chosen = {} if "free" in options else _freed(report, options)
-    return Followed(joints, chosen | off | _beside_shown(arm, motion, joints))
-
-
-def _options(
-    arm: Arm, posture: str | None, tolerance: str | None, free_axes: Sequence[str] | None
-) -> dict[str, Any]:
-    """The arguments of `Arm.follow` that the command's options make."""
     found: dict[str, Any] = {}
     if tolerance is not None:
         given = check.array(parse.numbers(tolerance, "--tolerance"), "--tolerance", shape=(2,))

@@ -19,7 +19,7 @@ _NOVEL = 3.0
 # Options that say which motion to plan.
 _ASKED = (
     *("start", "goal", "move_start", "move_goal", "duration", "dt", "obstacle"),
-    *("posture", "tolerance", "free_axis"),
+    *("posture", "tolerance", "free_axis", "margin", "tip_only"),
 )
 
 
@@ -83,10 +83,21 @@ def plan(
             "those that cost the least error."
         ),
     ] = None,
+    margin: Annotated[
+        float | None,
+        typer.Option(
+            help="Distance that the whole arm keeps from obstacles, in m; by default 0.005."
+        ),
+    ] = None,
+    tip_only: Annotated[
+        bool, typer.Option("--tip-only", help="Keep only the tip clear of obstacles.")
+    ] = False,
     format: options.FormatName = None,
     as_json: options.AsJson = False,
 ) -> None:
     """Plan a motion with a skill; with --robot, a joint motion whose tip follows it.
+
+    The whole arm then keeps clear of obstacles, and the tip leaves its path where it has to.
 
     leadthrough plan pour.npz --robot panda --move-goal 0.1,0,0 -o motion.json
 
@@ -95,8 +106,7 @@ def plan(
     from leadthrough.arm.recorded import warn_of_another_arm
     from leadthrough.cli import errors, following, parse, reading, tables
     from leadthrough.cli import robot as robots
-    from leadthrough.motion import JointTrajectory, joints_with
-    from leadthrough.timing import differentiate
+    from leadthrough.motion import joints_with
 
     reading.check_output(out, format)
     learned = reading.saved_skill(skill)
@@ -111,18 +121,24 @@ def plan(
     if robot is None:
         only = {"posture": posture, "tolerance": tolerance, "free_axis": free_axis}
         robots.refuse("--robot", limits=limits, base=base, tip=tip, **only)
+    if robot is None or "obstacles" not in asked:
+        robots.refuse("--robot and --obstacle", margin=margin, tip_only=tip_only or None)
     _warn_of_novelty(learned, asked)
     at_learning = options.of_model(getattr(learned, "model", None))
     with tables.busy("planning"), errors.naming(**at_learning):
-        motion: Motion = learned.generate(dt=dt, **asked)
-        if isinstance(motion, JointTrajectory):
-            motion = differentiate(motion)
+        query = asked | {"dt": dt}
         told: dict[str, Any] = {}
         arm = None
-        if robot is not None:
+        if robot is None:
+            motion: Motion = following.generated(learned, query)
+        else:
             arm = robots.load(robot, limits, base, tip)
             warn_of_another_arm(arm._chain, learned.generate())
-            followed = following.followed(arm, motion, posture, tolerance, free_axis)
+            how = following.options_of(arm, posture, tolerance, free_axis)
+            if "obstacles" in asked and not tip_only:
+                followed = following.kept_clear(arm, learned, query, margin, how)
+            else:
+                followed = following.followed(arm, following.generated(learned, query), how)
             motion, told = followed.joints, followed.facts
     _write(motion, out, format, moves_arm=robot is not None)
     if joints_with(motion) is not None:

@@ -24,6 +24,7 @@ __all__ = [
     "Generator",
     "Guided",
     "Limited",
+    "Mapped",
     "Model",
     "Place",
     "Previewed",
@@ -234,6 +235,14 @@ class Guided(Protocol):
 
     def policy(self, position: ArrayLike) -> Float64Array:
         """The velocity (d,) that leads from a position (d,) to the goal."""
+
+
+@runtime_checkable
+class Mapped(Protocol):
+    """A skill that plans in a map of speeds, around whatever is closed in it."""
+
+    def map_with(self, obstacles: Sequence[Shape]) -> Float64Array:
+        """The map of speeds with obstacles in it."""
 
 
 @runtime_checkable

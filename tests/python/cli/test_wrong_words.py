@@ -26,6 +26,7 @@ ENOUGH = {
     ("info", "topic"): ["shown.mcap"],
     ("clean", "topic"): ["shown.mcap", "-o", "out.csv"],
     ("learn", "topic"): ["shown.mcap", "-o", "out.npz"],
+    ("plan", "margin"): ["skill.npz", "-o", "out.json", "--obstacle", "sphere:0.1@1,1,1"],
 }
 # What is wrong for an option in any command, and in one of them.
 WRONG = {
@@ -77,7 +78,17 @@ WRONG = {
     ("learn", "out"): "nowhere/out.npz",
 }
 # Without a wrong value; and files, which the error names instead.
-ANY = {"help", "as_joints", "as_json", "clean", "cut", "keep_timing", "torques", "quick"}
+ANY = {
+    "help",
+    "as_joints",
+    "as_json",
+    "clean",
+    "cut",
+    "keep_timing",
+    "torques",
+    "tip_only",
+    "quick",
+}
 NAMED_BY_THEIR_VALUE = {
     ("view", "demonstrations"),
     ("view", "skill"),

@@ -1,0 +1,96 @@
+"""Paths of the tip that a skill makes of a query, and others where the arm has no room."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from leadthrough.errors import IkFailure, NoPath
+from leadthrough.models.protocol import Mapped, Skill
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
+from leadthrough.shapes import Shape
+from leadthrough.whole_arm.closing import closed_around
+from leadthrough.whole_arm.detour import paths_beside
+from leadthrough.whole_arm.room import Narrows, Room, narrows_at
+
+TipMotion = Trajectory | PoseTrajectory
+# Places beyond a part without room at which the arm is past it.
+_PAST = 2
+
+
+class TipPaths:
+    """The paths for one query.
+
+    What has been closed for the tip in a map stays closed. Of the paths moved aside, the next one
+    is taken until the arm comes past the part without room.
+    """
+
+    def __init__(self, skill: Skill[Motion], query: dict[str, Any], room: Room) -> None:
+        self._skill = skill
+        self._query = query
+        self._room = room
+        self._closed: tuple[Shape, ...] = ()
+        self._changes = 0
+        self._beside: Iterator[TipMotion] = iter(())
+        self._past = -1  # the sample at which the arm is past the part
+
+    def first(self) -> TipMotion:
+        """The path that the skill makes for the tip alone."""
+        return self._generated(())
+
+    def another(self, path: TipMotion, failure: IkFailure) -> TipMotion:
+        """Another path, for one that the arm could not follow.
+
+        Raises:
+            IkFailure: if there is none, with the reason.
+        """
+        found: TipMotion | None
+        if isinstance(self._skill, Mapped):
+            found = self._closing(path, failure)
+        else:
+            found = self._aside(path, failure)
+        if found is None:
+            raise _with(failure, "no other path of the tip was found")
+        return found
+
+    def _closing(self, path: TipMotion, failure: IkFailure) -> TipMotion | None:
+        narrows = self._narrows(path, failure)
+        self._closed += closed_around(self._room, path, narrows, failure.q, self._changes)
+        self._changes += 1
+        try:
+            return self._generated(self._closed)
+        except NoPath:
+            return None
+
+    def _aside(self, path: TipMotion, failure: IkFailure) -> TipMotion | None:
+        if failure.index > self._past:
+            narrows = self._narrows(path, failure)
+            self._beside = paths_beside(self._room, path, narrows, failure.q)
+            self._past = int(narrows.widened(_PAST).samples[-1])
+        return next(self._beside, None)
+
+    def _narrows(self, path: TipMotion, failure: IkFailure) -> Narrows:
+        narrows = narrows_at(self._room, path, failure.index, failure.q)
+        if narrows.end:
+            raise _with(failure, f"the arm cannot stand clear at the {narrows.end}")
+        return narrows
+
+    def _generated(self, closed: tuple[Shape, ...]) -> TipMotion:
+        query = dict(self._query)
+        shapes = self._room.obstacles + closed
+        if shapes and "obstacles" in self._skill.supports:
+            query["obstacles"] = shapes
+        motion = self._skill.generate(**query)
+        if isinstance(motion, JointTrajectory):
+            return self._room.arm.poses(motion)
+        return motion
+
+
+def _with(failure: IkFailure, reason: str) -> IkFailure:
+    return IkFailure(
+        f"{failure}; {reason}",
+        index=failure.index,
+        status=failure.status,
+        residual=failure.residual,
+        q=failure.q,
+    )

@@ -1,0 +1,109 @@
+"""Motions of skills with which the whole arm keeps clear."""
+
+import numpy as np
+import pytest
+from scipy.spatial import KDTree
+
+import leadthrough as lt
+from leadthrough.errors import IkFailure, InvalidInput
+
+MARGIN = 0.005
+DOWN = np.array([0.0, 1.0, 0.0, 0.0])
+
+
+@pytest.fixture(scope="module")
+def panda():
+    return lt.Arm.load("panda")
+
+
+@pytest.fixture(scope="module")
+def shown():
+    """Three reaches across the table in front of the arm, the tool pointing down."""
+    u = np.linspace(0.0, 1.0, 61)
+    rise = lt.trajectories.minimum_jerk_rise(u)
+    bow = np.sin(np.pi * u)
+    return [
+        lt.PoseTrajectory(
+            2.0 * u,
+            np.column_stack([0.45 + 0.05 * bow, 0.6 * rise - 0.3, 0.25 + (0.1 + a) * bow]),
+            np.tile(DOWN, (61, 1)),
+        )
+        for a in (-0.01, 0.0, 0.01)
+    ]
+
+
+@pytest.fixture(scope="module")
+def box():
+    """On the way of the hand, and beside that of the tool."""
+    return lt.Box([0.08, 0.06, 0.1], [0.42, 0.0, 0.44])
+
+
+@pytest.mark.parametrize(
+    "model",
+    [lt.PoseDMP(), lt.ProMP(), lt.FastMarching(resolution=0.02)],
+    ids=lambda m: type(m).__name__,
+)
+def test_the_tip_gives_way_where_the_arm_has_no_room(model, panda, shown, box):
+    skill = model.fit(shown)
+    query = {"dt": 0.02}
+    if "obstacles" in skill.supports:
+        query["obstacles"] = [box]
+    alone = skill.generate(**query)
+    assert box.distance(alone.positions).min() > 0.0
+    assert not panda.check(panda.follow(alone), [box], margin=MARGIN).ok
+    planned = lt.plan_motion(skill, panda, obstacles=[box], dt=0.02)
+    report = panda.check(planned.joints, [box], margin=MARGIN)
+    assert report.ok
+    assert planned.clearance == report.obstacles.minimum_distance
+    assert panda.path_report(planned.joints, planned.tip).position_error.max() < 1e-5
+    away = KDTree(alone.positions).query(planned.tip.positions)[0].max()
+    assert planned.deviation == pytest.approx(away)
+    assert 0.01 < planned.deviation < 0.25
+    assert planned.rounds == len(planned.reasons) + 1 > 1
+    assert "obstacle 0 and panda_" in planned.reasons[0]
+    for end in (0, -1):
+        np.testing.assert_allclose(planned.tip.positions[end], alone.positions[end], atol=1e-9)
+
+
+def test_nothing_changes_where_the_arm_can_follow(panda, shown):
+    skill = lt.PoseDMP().fit(shown)
+    aside = lt.Sphere(0.1, [-0.6, 0.0, 0.5])
+    for obstacles in ([], [aside]):
+        alone = panda.follow(skill.generate(obstacles=obstacles, dt=0.02))
+        planned = lt.plan_motion(skill, panda, obstacles=obstacles, dt=0.02)
+        np.testing.assert_array_equal(planned.joints.positions, alone.positions)
+        assert (planned.deviation, planned.reasons, planned.rounds) == (0.0, (), 1)
+    assert lt.plan_motion(skill, panda, dt=0.02).clearance == np.inf
+
+
+def test_a_skill_of_joints_goes_around_in_the_shown_posture(panda, shown, box):
+    skill = lt.ProMP().fit([panda.follow(motion) for motion in shown])
+    alone = skill.generate(dt=0.04)
+    assert not panda.check(alone, [box], margin=MARGIN).ok
+    planned = lt.plan_motion(skill, panda, obstacles=[box], dt=0.04)
+    assert panda.check(planned.joints, [box], margin=MARGIN).ok
+    assert np.abs(planned.joints.positions[0] - alone.positions[0]).max() < 0.05
+
+
+def test_the_answer_has_the_same_bits_each_time(panda, shown, box):
+    skill = lt.PoseDMP().fit(shown)
+    once, again = (lt.plan_motion(skill, panda, obstacles=[box], dt=0.02) for _ in range(2))
+    np.testing.assert_array_equal(once.joints.positions, again.joints.positions)
+
+
+def test_where_the_arm_cannot_stand_at_an_end_it_says_so(panda, shown):
+    skill = lt.PoseDMP().fit(shown)
+    roof = lt.Box([0.3, 0.1, 0.1], [0.45, 0.3, 0.4])  # where the hand is at the goal
+    with pytest.raises(IkFailure, match=r"obstacle 0 and .*cannot stand clear at the goal"):
+        lt.plan_motion(skill, panda, obstacles=[roof], dt=0.02)
+
+
+def test_the_rounds_are_the_callers(panda, shown, box):
+    skill = lt.PoseDMP().fit(shown)
+    with pytest.raises(IkFailure, match="blocked") as failure:
+        lt.plan_motion(skill, panda, obstacles=[box], dt=0.02, rounds=1)
+    assert failure.value.status == "blocked"
+    with pytest.raises(InvalidInput, match="rounds"):
+        lt.plan_motion(skill, panda, rounds=0)
+    with pytest.raises(InvalidInput, match="margin"):
+        lt.plan_motion(skill, panda, obstacles=[box], margin=-0.01)
