@@ -21,6 +21,11 @@ _ORDER = 3  # of the differences that smoothing penalises: parabolas stay as the
 # smooths over 200 samples; a path of many more is averaged over neighbours first.
 _WEAKEST, _STRONGEST, _TOLERANCE = -3.0, 12.0, 1e-3
 _MOST_SAMPLES = 2000
+# The steps of a random walk are unrelated to those before: all their correlations are near 0. Those
+# of a motion with white noise are not: noise makes neighbouring steps turn back, the motion keeps
+# steps farther apart alike. With fewer steps chance decides.
+_LEAST_STEPS, _LAGS = 50, 6
+_NEIGHBOURS_UNRELATED, _OTHERS_UNRELATED = 0.25, 0.1
 
 
 def noise_of(path: Float64Array) -> float:
@@ -35,6 +40,22 @@ def noise_of(path: Float64Array) -> float:
     alternating = float((bends[1:] * bends[:-1]).mean())
     noise = float(np.sqrt(max(alternating / _COVARIANCE, 0.0)))
     return noise if noise > _ROUNDING * float(np.ptp(path, axis=0).max()) else 0.0
+
+
+def is_random_walk(path: Float64Array) -> bool:
+    """Whether the steps of a path (n, d), evenly sampled in time, are unrelated to each other.
+
+    Smooth motions never are, however they wind, nor are they with white noise on them.
+    """
+    steps = np.diff(path, axis=0)
+    total = float((steps**2).sum())
+    if len(steps) < _LEAST_STEPS or total == 0.0:
+        return False
+    first, *others = (
+        float((steps[lag:] * steps[:-lag]).sum()) / total for lag in range(1, _LAGS + 1)
+    )
+    unrelated = abs(float(np.mean(others))) < _OTHERS_UNRELATED
+    return abs(first) < _NEIGHBOURS_UNRELATED and unrelated
 
 
 def without_noise(path: Float64Array) -> Float64Array:

@@ -15,7 +15,7 @@ from leadthrough.models.marching.keeping import kept
 from leadthrough.models.marching.query import Query
 from leadthrough.models.marching.route import Route, from_start, through_map
 from leadthrough.models.marching.scales import MAP_RADIUS, TUBE_RADIUS, Scales
-from leadthrough.models.marching.useful import NO_DETOUR, useful
+from leadthrough.models.marching.useful import NO_DETOUR, shows_nothing, useful
 
 
 def planned(
@@ -54,7 +54,9 @@ def _planned_anew(
     facing = faced(known, query)
     # A prediction would lead a reach away from its start and back again.
     stands_still = bool((query.start == query.goal).all())
-    trusted = trust.is_trusted([each.way for each in facing], query.start, query.goal)
+    trusted = not shows_nothing(known) and trust.is_trusted(
+        [each.way for each in facing], query.start, query.goal
+    )
     if (method == "auto" or stands_still) and not trusted:
         return _through_useful(known, query, scales(MAP_RADIUS))
     if method == "start":

@@ -18,7 +18,7 @@ from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.phase import SAMPLES, progress_of
 from leadthrough.models.posture import Posture, shown_posture
 from leadthrough.motion import MotionT, PoseTrajectory, Trajectory
-from leadthrough.preprocess.noise import without_noise
+from leadthrough.preprocess.noise import is_random_walk, without_noise
 from leadthrough.preprocess.resample import arc_length
 
 # A demonstration is reversed where that brings its ends nearer to start and goal, in sum, by half
@@ -50,6 +50,11 @@ class Experience(Brief):
     def way(self) -> Float64Array:
         """The path (n, d) without white noise; a smooth one is the path itself."""
         return without_noise(self.path)
+
+    @cached_property
+    def wanders(self) -> bool:
+        """Whether it is a random walk, which shows no way at all."""
+        return is_random_walk(self.path)
 
     @cached_property
     def length(self) -> float:

@@ -38,7 +38,10 @@ class FastMarching(Unfitted):
         resolution: edge of a cell, > 0; None: a fifth of the radius.
         method: "map", all demonstrations in one map (Algorithm 1); "start", those that start near;
             "mean_path", a tube around the path that they predict; "auto", "mean_path" where start
-            and goal lie near a demonstration's ends, otherwise "map".
+            and goal lie near a demonstration's ends, otherwise "map" with those demonstrations that
+            lead there; one random walk alone shows no way, a smooth one cannot be told from a
+            motion that was meant. All keep the usual way where start or goal is moved a little,
+            or `Route.leaves_usual_way` says that they leave it.
         timing: "demonstrations", their mean progress along the path; "speed_map", speed
             proportional to the map's; "constant". Motions start and end at rest in all of them.
         workspace: (lower, upper) corners (d,) each, which no path leaves and the map fills; None:

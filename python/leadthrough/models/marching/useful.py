@@ -50,11 +50,21 @@ def useful(known: Sequence[Experience], query: Query) -> Useful:
     ways = [each.way for each in faced]
     near = trust.trusted(ways, query.start, query.goal)
     alike = trust.in_company(ways)
+    if shows_nothing(known):
+        near, alike = np.zeros_like(near), np.zeros_like(alike)
     least = np.where(alike, 0.0, trust.STRAIGHT)
     leading = [_leads(*each, query) for each in zip(faced, least, strict=True)]
     certain = near | np.array(leading)
     passing = np.array([_passes_by(each, query) for each in faced])
     return Useful(certain | (passing & alike), passing & ~certain & ~alike)
+
+
+def shows_nothing(known: Sequence[Experience]) -> bool:
+    """Whether all that is known is one random walk.
+
+    Of several, each may be asked for at its very ends.
+    """
+    return len(known) == 1 and known[0].wanders
 
 
 def _leads(one: Experience, straight: float, query: Query) -> bool:

@@ -50,6 +50,28 @@ def test_random_walks_give_no_detour(dimensions, seeds):
         assert route.length <= 1.1 * np.linalg.norm(goal - start), seed
 
 
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_one_random_walk_alone_gives_no_detour(dimensions):
+    """Between its own ends and elsewhere; as one motion it was followed, 4 to 40 times as far."""
+    for seed in range(15):
+        rng = np.random.default_rng(seed)
+        skill = lt.FastMarching().fit([in_time(rng.normal(0.0, 0.02, (200, dimensions)).cumsum(0))])
+        elsewhere = rng.uniform(-0.2, 0.2, (2, dimensions))
+        for start, goal in (skill.query().ends, elsewhere):
+            route = skill.plan(start=start, goal=goal)
+            assert route.length <= 1.1 * np.linalg.norm(goal - start), seed
+
+
+def test_one_real_or_noisy_or_winding_demonstration_is_followed():
+    noise = np.random.default_rng(3).normal(0.0, 1.0, (300, 2))
+    wiped = np.column_stack([0.3 * SHARE, 0.2 * np.sin(16.0 * np.pi * SHARE)])
+    bow = np.column_stack([SHARE, 0.2 * np.sin(np.pi * SHARE)])
+    shown = [wiped, *(bow + size * noise for size in (0.001, 0.003, 0.005, 0.01, 0.03))]
+    shown += [lt.io.lasa.load(name)[0].motion.positions for name in lt.io.lasa.motions()]
+    for path in shown:
+        assert lt.FastMarching().fit([in_time(path)]).plan().method == "mean_path"
+
+
 def test_a_wandering_demonstration_predicts_the_way_between_its_own_ends_only():
     rng = np.random.default_rng(5)
     walks = [rng.normal(0.0, 0.02, (200, 2)).cumsum(axis=0) for _ in range(4)]
