@@ -81,6 +81,9 @@ def options(**values: str | Path | None) -> tuple[str, ...]:
 
 
 def _words(option: str, value: Any) -> Iterator[str]:
+    if value is True:
+        yield option
+        return
     if value is True:  # a flag
         yield option
         return

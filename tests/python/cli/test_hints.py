@@ -111,8 +111,9 @@ def test_a_path_leads_to_the_same_motion_of_an_arm(folder):
 
 def test_a_plan_in_a_format_that_cannot_be_read_leads_to_one_that_can(folder):
     run("learn", "shown", "-o", "reach.npz")
-    words = next_of(run("plan", "reach.npz", "--tolerance", "1e-4,1e-4", "-o", "m.script"))
-    assert words == ["plan", "reach.npz", "--tolerance", "1e-4,1e-4", "-o", "m.json"]
+    asked = ["--obstacle", "sphere:0.02@0,0,1", "--tolerance", "0.0001,0.0001", "--tip-only"]
+    words = next_of(run("plan", "reach.npz", *asked, "-o", "m.script"))
+    assert words == ["plan", "reach.npz", *asked, "-o", "m.json"]
     assert [typed[0] for typed in chained(*words)] == ["plan", "retime", "check"]
 
 
