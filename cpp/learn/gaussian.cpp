@@ -1,7 +1,6 @@
 #include "learn/gaussian.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 namespace leadthrough {
@@ -90,9 +89,12 @@ Conditioned condition_weights(const Eigen::Ref<const Eigen::VectorXd>& mean,
 bool is_covariance(const Eigen::Ref<const Rows>& matrix) {
   const double size = matrix.cwiseAbs().maxCoeff();
   if (!((matrix - matrix.transpose()).cwiseAbs().maxCoeff() <= kRounding * size)) return false;
-  if (Eigen::LLT<Rows>(matrix).info() == Eigen::Success) return true;  // the quick proof
-  const Eigen::SelfAdjointEigenSolver<Rows> solver(matrix, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues().minCoeff() >= -kRounding * size;
+  // No eigenvalue lies below -shift where the matrix with all of them raised by it has a root.
+  const double shift = kRounding * size;
+  if (!(shift > 0.0)) return true;
+  Rows raised = matrix;
+  raised.diagonal().array() += shift;
+  return Eigen::LLT<Rows>(raised).info() == Eigen::Success;
 }
 
 }  // namespace leadthrough

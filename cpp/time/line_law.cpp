@@ -12,7 +12,7 @@ namespace {
 using Eigen::Index;
 
 // Rounding of a number of samples, of which the next whole one is taken.
-constexpr double kRounding = 1e-9;
+constexpr double kCountRounding = 1e-9;
 // Third differences of samples reach over so many periods, and see three quarters of a jump of the
 // acceleration, or twice that of one from full to full the other way.
 constexpr double kReach = 3.0;
@@ -49,7 +49,7 @@ class DoubleS {
  public:
   explicit DoubleS(const LineLimits& limits) {
     choose(limits);
-    steps_ = std::max(1.0, std::ceil(time() - kRounding));
+    steps_ = std::max(1.0, std::ceil(time() - kCountRounding));
     // A jump in one step, or two, has differences that the windows do not tell.
     if (steps_ > 1.0 && limits.keep(1.0, 1.0, 2.0)) steps_ = 1.0;
     if (steps_ > 2.0 && limits.keep(0.5, 0.5, 0.5)) steps_ = 2.0;
