@@ -6,6 +6,10 @@ cd "$(dirname "$0")"
 readonly BUILD_PACKAGES=(g++ cmake ninja-build libeigen3-dev liborocos-kdl-dev liburdfdom-dev)
 readonly TEST_PACKAGES=(chromium libfcl-dev libgtest-dev)
 
+# What pip_install leaves to the first import is compiled then and kept, or every process would
+# compile it again.
+unset PYTHONDONTWRITEBYTECODE
+
 usage() {
   cat <<'TEXT'
 usage: ./do COMMAND [OPTIONS]
@@ -76,7 +80,7 @@ sources_digest() {
 # Whether a step's stamp says that it was done with the sources of this digest.
 done_with() { [ "$(cat ".venv/$1" 2>/dev/null)" = "$2" ]; }
 
-# Packages of Python, compiled to byte code when they are first imported: most never are. One
+# Packages of Python, compiled to byte code when first imported: most modules never are. One
 # installation at a time, whatever else runs.
 pip_install() {
   flock .venv/pip.lock .venv/bin/pip install -q --no-compile --disable-pip-version-check "$@"

@@ -16,9 +16,6 @@ using collision::Frames;
 
 constexpr Eigen::Index kBlock = 64;  // rows that one thread takes at a time
 
-// What overlaps by less touches, m: distances are exact to a tenth of it.
-constexpr double kTouching = 1e-6;
-
 // A scene at one configuration; made once for many.
 class Placement {
  public:

@@ -12,6 +12,9 @@
 
 namespace leadthrough {
 
+// What overlaps by less touches, m: distances are exact to a tenth of it.
+constexpr double kTouching = 1e-6;
+
 // A link, a thing that is attached to the tip, or an obstacle. joints: how many of the chain's
 // joints move it; none move the base, what is fixed to it, and obstacles.
 struct Body {

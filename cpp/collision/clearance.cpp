@@ -6,9 +6,6 @@ namespace leadthrough {
 
 namespace {
 
-// What overlaps by less touches, m: distances are exact to a tenth of it.
-constexpr double kTouching = 1e-6;
-
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kMostKnots = 160;
 constexpr int kRounds = 8;
-constexpr double kRoom = 0.001;          // m beyond the margins that the refinement looks for
+constexpr double kLeastRoom = 0.001;     // m beyond the margins that the refinement looks for
 constexpr double kMoreRoom = 5e-4;       // m beyond what a round missed
 constexpr double kExactness = 5e-4;      // m, of the certificate
 constexpr Eigen::Index kMostParts = 16;  // that a sample's interval is checked in
@@ -81,7 +81,7 @@ class Search {
                                             static_cast<double>(count - 1)
                                       : 0.0;
       while (layer + 2 < found.samples.size() && found.samples[layer + 1] < sample) ++layer;
-      knots_.push_back({TipTask(chain_, path_, sample), posture(sample), kRoom});
+      knots_.push_back({TipTask(chain_, path_, sample), posture(sample), kLeastRoom});
       curve_.push_back(between(found, layer, sample));
       samples_.push_back(sample);
     }

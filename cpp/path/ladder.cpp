@@ -273,7 +273,7 @@ class Ladder {
     const JointArray& a = layers_[k - 1].nodes[index(parent)].q;
     const JointArray& b = layers_[k].nodes[index(child)].q;
     constexpr int kParts = 4;
-    constexpr double kAstray = 0.25;  // rad or m that a joint may be away from the straight way
+    constexpr double kBesideWay = 0.25;  // rad or m that a joint may be away from the straight way
     const double from = layers_[k - 1].sample;
     for (int part = 1; part < kParts; ++part) {
       const double share = static_cast<double>(part) / kParts;
@@ -281,8 +281,8 @@ class Ladder {
       DescentBounds bounds{};
       for (std::size_t i = 0; i < n_; ++i) {
         q[i] = (1.0 - share) * a[i] + share * b[i];
-        bounds.lower[i] = std::max(limits_.lower[i], q[i] - kAstray);
-        bounds.upper[i] = std::min(limits_.upper[i], q[i] + kAstray);
+        bounds.lower[i] = std::max(limits_.lower[i], q[i] - kBesideWay);
+        bounds.upper[i] = std::min(limits_.upper[i], q[i] + kBesideWay);
       }
       const TipTask task(chain_, path_, from + share * (layers_[k].sample - from));
       if (!task.settle(bounds, options_.tolerance, q) || !test_.clear(q.data(), kRoom))
