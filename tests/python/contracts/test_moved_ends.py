@@ -24,6 +24,11 @@ MODELS = {
     "movement primitive": (lt.DMP(), "points"),
     "movement primitive of joints": (lt.DMP(), "joints"),
     "movement primitive of poses": (lt.PoseDMP(), "poses"),
+    "probabilistic primitive": (lt.ProMP(), "points"),
+    "probabilistic primitive of joints": (lt.ProMP(), "joints"),
+    "probabilistic primitive of poses": (lt.ProMP(), "poses"),
+    "mixture": (lt.GMR(starts=1), "points"),
+    "mixture of joints": (lt.GMR(starts=1), "joints"),
     "fast marching": (lt.FastMarching(), "drawings"),
     "fast marching of poses": (lt.FastMarching(), "poses"),
 }

@@ -24,7 +24,7 @@ def planned(
     query: Query,
     scales: Callable[[float], Scales],
     *,
-    usual: Route | None = None,
+    usual: Callable[[], Route] | None = None,
 ) -> Route:
     """The route that a method finds for a query.
 
@@ -35,15 +35,18 @@ def planned(
         known: demonstrations and learned paths, which may be none.
         query: start, goal and obstacles.
         scales: of the map whose radius is a fraction of the demonstrations' length.
-        usual: the method's route between the usual ends, whose way is kept; None: no way is.
+        usual: returns the method's route between the usual ends, whose way is kept; None: no way
+            is.
 
     Raises:
         NoPath: where an end lies in an obstacle, or obstacles separate them.
     """
-    if usual is not None and not query.obstacles and (query.ends == usual.path[[0, -1]]).all():
-        return usual
     found = _planned_anew(method, known, query, scales)
-    return found if usual is None else kept(found, usual, known, query, scales(MAP_RADIUS))
+    # A mean path of all demonstrations is no farther from the usual one than its ends are moved.
+    one_way = found.method == "mean_path" and len(found.used) == len(known)
+    if usual is None or (one_way and not query.obstacles):
+        return found
+    return kept(found, usual(), known, query, scales(MAP_RADIUS))
 
 
 def _planned_anew(

@@ -131,8 +131,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
             )
         if duration is not None:
             check.number(duration, "duration", above=0.0)
-        found = added(points, self._all, duration=duration)
-        return replace(self, learned=(*self.learned, found))
+        return replace(self, learned=(*self.learned, added(points, self._all, duration=duration)))
 
     def auto_learn(
         self, motion: Trajectory | PoseTrajectory, *, threshold: float = 0.6
@@ -207,14 +206,13 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
         """
         check.number(dt, "dt", above=0.0)
         wanted = None if duration is None else check.number(duration, "duration", above=0.0)
-        turns = [
-            split(self.demonstrated, value, name)[1]
-            for value, name in ((start, "start"), (goal, "goal"))
-        ]
+        ends = {
+            name: split(self.demonstrated, value, name)[1]
+            for name, value in (("start", start), ("goal", goal))
+        }
         motion, covered = timed(found, timing=self.model.timing, duration=wanted, dt=dt)
         made: Trajectory | PoseTrajectory = motion
         if self._has_orientations:
-            ends = {"start": turns[0], "goal": turns[1]}
             turned = orientation.along(
                 found.used, found.weights, path=found.path, fractions=covered, **ends
             )
@@ -241,7 +239,9 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
             NoPath: as `generate`.
         """
         query = self.query(start=start, goal=goal, obstacles=obstacles)
-        usual = self._usual_route if self.demonstrated else None
+        if start is None and goal is None and not query.obstacles:
+            return self._usual_route
+        usual = (lambda: self._usual_route) if self.demonstrated else None
         return planned(
             self.model.method, self._all, query, partial(self._scales, query=query), usual=usual
         )
@@ -359,8 +359,8 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
 
     @cached_property
     def _usual_route(self) -> Route:
-        query = self.query()
-        return planned(self.model.method, self._all, query, partial(self._scales, query=query))
+        scales = partial(self._scales, query=None)
+        return planned(self.model.method, self._all, self.query(), scales)
 
     @cached_property
     def _policy(self) -> Policy:
