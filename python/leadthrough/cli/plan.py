@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 # Standard deviations of the demonstrated ends from which on an end is new.
 _NOVEL = 3.0
+# Formats that keep the joints beside a motion of the tip.
+_KEEPING = ("csv", "npz")
 # Options that say which motion to plan.
 _ASKED = (
     *("start", "goal", "move_start", "move_goal", "duration", "dt", "obstacle"),
@@ -106,6 +108,7 @@ def plan(
     from leadthrough.arm.recorded import warn_of_another_arm
     from leadthrough.cli import errors, following, parse, reading, tables
     from leadthrough.cli import robot as robots
+    from leadthrough.io import formats
     from leadthrough.motion import joints_with
 
     reading.check_output(out, format)
@@ -141,10 +144,11 @@ def plan(
                 followed = following.followed(arm, following.generated(learned, query), how)
             motion, told = followed.joints, followed.facts
     _write(motion, out, format, moves_arm=robot is not None)
-    if joints_with(motion) is not None:
+    if joints_with(motion) is not None and formats.to_write(out, format).name not in _KEEPING:
         print(
             f"note: {out} does not keep the joints that the skill was shown with, so an arm that "
-            "follows it has a posture of its own; plan with --robot to keep the shown one",
+            "follows it has a posture of its own; plan with --robot, or to .csv or .npz, to keep "
+            "the shown one",
             file=sys.stderr,
         )
     found = {

@@ -12,6 +12,7 @@ from leadthrough.io import angle_units, headers
 from leadthrough.io.headers import AngleUnit, Columns
 from leadthrough.io.recording import Recording
 from leadthrough.io.request import Request
+from leadthrough.io.shown_columns import shown_joints
 from leadthrough.io.table import Table
 
 
@@ -49,7 +50,14 @@ def recording(table: Table, request: Request, *, name: str = "") -> Recording:
     turned = data.get("orientations")
     if turned is not None:
         turned = _quaternions(table, chosen["orientations"], turned, request)
-    return Recording(times, data["positions"], turned, events=table.events, name=name)
+    return Recording(
+        times,
+        data["positions"],
+        turned,
+        joints=shown_joints(table, times),
+        events=table.events,
+        name=name,
+    )
 
 
 def check_complete(table: Table, request: Request) -> None:

@@ -18,6 +18,7 @@ from leadthrough.errors import InvalidInput
 from leadthrough.events import Events
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.io.joint_columns import checked_joint_names, joint_columns, quantities
+from leadthrough.io.shown_columns import shown_columns
 from leadthrough.io.text_table import EVENT
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 
@@ -27,7 +28,7 @@ def write(motion: Motion, path: StrPath) -> None:
 
     These are `time` in s; `x`, `y`, `z` in m and `qw`, `qx`, `qy`, `qz`; or a joint's name for its
     position and, where the trajectory has them, `<name>_velocity` and `<name>_acceleration`.
-    Events become comments.
+    Joints that the tip carries along are columns `<name>_shown`. Events become comments.
 
     Args:
         motion: points of two or three coordinates, poses or joints with names.
@@ -74,4 +75,4 @@ def _columns(motion: Motion) -> dict[str, Float64Array]:
     columns = dict(zip("xyz", motion.positions.T, strict=False))
     if isinstance(motion, PoseTrajectory):
         columns |= dict(zip(("qw", "qx", "qy", "qz"), motion.orientations.T, strict=True))
-    return columns
+    return columns | shown_columns(motion)

@@ -1,7 +1,8 @@
 """NumPy's .npz archives, never with pickle: one motion per file, one row per sample.
 
 `write` uses names that reading finds: `times`, `positions` and `orientations_wxyz`, or `joints`
-with `joint_names`, `velocities` and `accelerations`; `event_times` and `event_names`.
+with `joint_names`, `velocities` and `accelerations`; `event_times` and `event_names`. Joints that
+the tip carries along are arrays `<name>_shown`.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from leadthrough.io import bounds
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.io.headers import Columns
 from leadthrough.io.joint_columns import joint_columns, quantities
+from leadthrough.io.shown_columns import shown_columns
 from leadthrough.io.table import ArrayTable
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, checked_motion
 
@@ -108,6 +110,7 @@ def _content(motion: Motion) -> dict[str, Any]:
         content["positions"] = motion.positions
     if isinstance(motion, PoseTrajectory):
         content["orientations_wxyz"] = motion.orientations
+    content |= shown_columns(motion)
     if motion.events:
         content["event_times"] = np.array([event.time for event in motion.events])
         content["event_names"] = np.array([event.name for event in motion.events])

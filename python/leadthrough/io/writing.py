@@ -13,8 +13,7 @@ from leadthrough.motion import Motion, checked_motion
 def write_motion(motion: Motion, path: StrPath, *, format: str | None = None) -> None:
     """Writes a motion to a file, which appears whole or not at all.
 
-    The joints that a motion of the tip carries along (`motion.joints`) are not written: follow it
-    first to keep the posture.
+    The joints that a motion of the tip carries along (`motion.joints`) are kept by "csv" and "npz".
 
     The modules of the formats say what each keeps and needs, and have functions with options:
     `io.joint_trajectory`, `io.rosbag_writer`, `io.urscript` and `io.franka`.

@@ -211,3 +211,37 @@ def test_what_cannot_be_written_is_said(ur_motion, path, format, message):
         lt.write_motion(ur_motion, path, format=format)
     with pytest.raises(InvalidInput, match="motion: expected a Trajectory"):
         lt.write_motion([1, 2], "arm.csv")
+
+
+def carrying(kind, names=("pan", "panda_joint2", "joint_3")):
+    """A motion of the tip with the joints that an arm was shown with."""
+    times = np.linspace(0.0, 1.0, 11)
+    rows = np.outer(times, [1.0, -0.5, 2.0]) + 0.1
+    joints = lt.JointTrajectory(times, rows, joint_names=names)
+    if kind == "points":
+        return lt.Trajectory(times, rows, joints=joints)
+    turned = lt.rotations.exp(np.outer(times, [0.1, 0.2, 0.3]))
+    return lt.PoseTrajectory(times, rows, turned, joints=joints)
+
+
+@pytest.mark.parametrize("suffix", ["csv", "npz"])
+@pytest.mark.parametrize("kind", ["points", "poses"])
+def test_joints_beside_a_motion_of_the_tip_are_kept(tmp_path, kind, suffix):
+    motion = carrying(kind)
+    found = written_and_read(motion, tmp_path / f"motion.{suffix}")
+    assert type(found) is type(motion)
+    assert found.joints.joint_names == motion.joints.joint_names
+    np.testing.assert_array_equal(found.joints.positions, motion.joints.positions)
+    (shown,) = lt.read_demonstrations(tmp_path / f"motion.{suffix}")
+    assert shown.motion.joints.joint_names == motion.joints.joint_names
+
+
+def test_joints_that_are_faulty_or_without_names_are_left_out(tmp_path):
+    assert written_and_read(carrying("poses", names=()), tmp_path / "a.csv").joints is None
+    lt.write_motion(carrying("poses"), tmp_path / "b.csv")
+    lines = (tmp_path / "b.csv").read_text().splitlines()
+    lines[3] = lines[3].rpartition(",")[0] + ","
+    (tmp_path / "b.csv").write_text("\n".join(lines))
+    assert read(tmp_path / "b.csv").joints is None
+    with pytest.raises(InvalidInput, match="different, printable joint_names"):
+        lt.write_motion(carrying("poses", names=("a", "a", "b")), tmp_path / "c.csv")
