@@ -1,6 +1,5 @@
 #include "path/tip_task.hpp"
 
-#include "ik/axis_task.hpp"
 #include "rotation/so3.hpp"
 
 namespace leadthrough::path {
@@ -35,13 +34,7 @@ TipTask::TipTask(const Chain& chain, const TipPath& path, double sample)
 
 bool TipTask::settle(const DescentBounds& bounds, const IkTolerance& tolerance, JointArray& q,
                      int max_iterations) const {
-  return visit_target(target_, axes_, [&](auto dimension, const auto& seen) {
-    constexpr int M = decltype(dimension)::value;
-    PoseDescent<M, std::decay_t<decltype(seen)>> descent(chain_, seen, bounds, q);
-    if (!descent.task().within(tolerance)) descent.run(tolerance, max_iterations);
-    q = descent.q();
-    return descent.task().within(tolerance);
-  });
+  return leadthrough::settle(chain_, target_, axes_, bounds, tolerance, max_iterations, q);
 }
 
 // The rows of the Jacobian, made orthonormal, are taken out of the joints' axes, the axis that
@@ -84,15 +77,7 @@ FreeDirections TipTask::free_directions(const JointArray& q) const {
 }
 
 void TipTask::evaluate(const JointArray& q, TipError& error) const {
-  visit_target(target_, axes_, [&](auto dimension, const auto& seen) {
-    constexpr int M = decltype(dimension)::value;
-    Task<M> task;
-    leadthrough::evaluate(chain_, seen, q.data(), task);
-    error.rows = M;
-    error.error.template head<M>() = task.error;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(chain_.joints()); ++i)
-      error.columns[i].template head<M>() = task.columns[i];
-  });
+  leadthrough::evaluate(chain_, target_, axes_, q, error);
 }
 
 }  // namespace leadthrough::path

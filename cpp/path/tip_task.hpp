@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "ik/pose_descent.hpp"
+#include "ik/any_axes.hpp"
 
 namespace leadthrough::path {
 
@@ -14,14 +14,6 @@ struct TipPath {
   Eigen::Ref<const Rows3> positions;
   Eigen::Ref<const Rows4> orientations;
   std::optional<IkAxes> axes;
-};
-
-// The error of the tip as seen from a configuration, and how each joint changes it: rows of axes
-// left free are not there. Rotations are weighted as in inverse kinematics.
-struct TipError {
-  int rows = 0;
-  Vector6 error;
-  std::array<Vector6, kMaxJoints> columns;
 };
 
 // Directions in which the joints move and the tip does not, across each other; the largest element
