@@ -11,18 +11,23 @@ namespace leadthrough {
 
 namespace {
 
-// Joints, or none and what was in the way: the last configuration, the sample, and pairs of bodies
-// with how often; then the nearest approach where the way found is not clear between samples.
-py::tuple clear_path(const CollisionModel& model, const std::vector<Shape>& obstacles,
-                     const Eigen::Ref<const Rows3>& positions,
+// model: none if nothing is to keep clear. Joints, or none and what was in the way: the last
+// configuration, the sample, and pairs of bodies with how often; then the nearest approach where
+// the way found is not clear between samples.
+py::tuple clear_path(const Chain& chain, const CollisionModel* own_shapes,
+                     const std::vector<Shape>& obstacles, const Eigen::Ref<const Rows3>& positions,
                      const Eigen::Ref<const Rows4>& orientations, const std::optional<IkAxes>& axes,
                      const Eigen::Ref<const Rows>& postures,
                      const std::optional<Eigen::VectorXd>& start, double margin, double self_margin,
                      const IkTolerance& tolerance) {
-  const Chain& chain = model.chain;
   require(positions.rows() > 0 && orientations_fit(positions.rows(), orientations.rows()) &&
           postures.rows() == positions.rows() && postures.cols() == chain.joints() &&
           (!start || start->size() == chain.joints()));
+  CollisionModel model;
+  if (own_shapes != nullptr)
+    model = without_meeting_pairs(*own_shapes);
+  else
+    model.chain = chain;
   const PlacedShapes shapes = placed_shapes(obstacles);
   path::ClearPath found;
   {
@@ -56,7 +61,7 @@ py::tuple clear_path(const CollisionModel& model, const std::vector<Shape>& obst
 }  // namespace
 
 void bind_path(py::module_& module) {
-  module.def("clear_path", &clear_path, py::arg("model"), py::arg("obstacles"),
+  module.def("clear_path", &clear_path, py::arg("chain"), py::arg("model"), py::arg("obstacles"),
              py::arg("positions").noconvert(), py::arg("orientations").noconvert(), py::arg("axes"),
              py::arg("postures").noconvert(), py::arg("start"), py::arg("margin"),
              py::arg("self_margin"), py::arg("tolerance"));

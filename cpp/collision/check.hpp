@@ -47,8 +47,11 @@ struct CollisionModel {
   std::vector<Body> bodies;
   std::vector<BodyShape> shapes;
   std::vector<ShapePair> pairs;
+  std::vector<bool> meet;  // pairs that touch and never overlap: their URDF makes them meet
   std::vector<BodyPair> left_out;
 };
+// Without the pairs that meet: no margin can be kept between them.
+CollisionModel without_meeting_pairs(const CollisionModel& model);
 
 // Pairs are judged at configurations spread evenly inside the limits: those that never come as near
 // as `margin` and those that always touch are left out, as are links next to each other.

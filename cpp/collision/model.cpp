@@ -174,6 +174,39 @@ std::vector<Candidate> candidates(CollisionModel& model, const std::vector<int>&
   return result;
 }
 
+// How often two shapes of bodies that can collide have been seen to touch exactly, and to overlap.
+struct Contacts {
+  int touching = 0;
+  int overlapping = 0;
+};
+
+// Which pairs touch and never overlap.
+void find_meeting_pairs(CollisionModel& model, const std::vector<int>& joints) {
+  constexpr int kFew = 64, kMany = 2000;  // configurations: to see that they touch; that it is all
+  constexpr double kTouching = 1e-6;      // m
+  std::vector<Contacts> seen(model.pairs.size());
+  std::vector<Pose> poses(model.shapes.size());
+  Frames frames;
+  MovingValues room;
+  for (int i = 0; i < kMany; ++i) {
+    const JointVector q = sample(model.chain, i);
+    collision::joint_frames(model.chain, moving_values(model.chain, q.data(), room), frames);
+    collision::place(model.shapes, joints, frames, poses);
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+      if (seen[k].overlapping > 0 || (i >= kFew && seen[k].touching == 0)) continue;
+      const auto a = static_cast<std::size_t>(model.pairs[k].a);
+      const auto b = static_cast<std::size_t>(model.pairs[k].b);
+      const double distance = separation(model.shapes[a].convex, poses[a], model.shapes[b].convex,
+                                         poses[b], 2.0 * kTouching)
+                                  .distance;
+      if (distance < -kTouching) ++seen[k].overlapping;
+      if (std::abs(distance) <= kTouching) ++seen[k].touching;
+    }
+  }
+  for (const Contacts& each : seen)
+    model.meet.push_back(each.overlapping == 0 && each.touching > 0);
+}
+
 void choose_pairs(CollisionModel& model, const std::vector<int>& neighbour,
                   const PairOptions& options) {
   std::vector<Candidate> open = candidates(model, neighbour);
@@ -199,6 +232,7 @@ void choose_pairs(CollisionModel& model, const std::vector<int>& neighbour,
       model.left_out.push_back(
           {candidate.a, candidate.b, candidate.apart ? LeftOut::kNever : LeftOut::kAlways});
   }
+  find_meeting_pairs(model, joints);
 }
 
 }  // namespace
@@ -247,6 +281,15 @@ CollisionModel make_collision_model(const Robot& robot, const Chain& chain, cons
   }
   choose_pairs(model, neighbour, options);
   return model;
+}
+
+CollisionModel without_meeting_pairs(const CollisionModel& model) {
+  CollisionModel result = model;
+  result.pairs.clear();
+  for (std::size_t i = 0; i < model.pairs.size(); ++i)
+    if (!model.meet[i]) result.pairs.push_back(model.pairs[i]);
+  result.meet.assign(result.pairs.size(), false);
+  return result;
 }
 
 }  // namespace leadthrough

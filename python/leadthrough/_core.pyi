@@ -298,7 +298,8 @@ def clear_batch(
     self_margin: float,
 ) -> list[bool]: ...
 def clear_path(
-    model: CollisionModel,
+    chain: Chain,
+    model: CollisionModel | None,
     obstacles: Sequence[Shape],
     positions: Float64Array,
     orientations: Float64Array,

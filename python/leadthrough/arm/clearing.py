@@ -53,8 +53,9 @@ class Surroundings:
 
 
 def clear_path(
+    chain: _core.Chain,
     path: TipPath,
-    around: Surroundings,
+    around: Surroundings | None,
     *,
     start: Float64Array | None,
     tolerance: _core.IkTolerance,
@@ -62,8 +63,9 @@ def clear_path(
     """Configurations (n, joints) along the path that keep clear, between samples too.
 
     Args:
+        chain: of the arm.
         path: of the tip, with the postures to stay near to.
-        around: what to keep clear of.
+        around: what to keep clear of; None for nothing, not even the arm itself.
         start: configuration (joints,) that the first one comes as near to as it can.
         tolerance: of the tip at each sample.
 
@@ -71,16 +73,22 @@ def clear_path(
         IkFailure: if there is no way, with the status "blocked", or "jump" where the tip cannot
             go on from the last configuration.
     """
+    model, obstacles, margin, self_margin = (
+        (None, [], 0.0, 0.0)
+        if around is None
+        else (around.model, around.obstacles, around.margin, around.self_margin)
+    )
     q, last, sample, pairs, touch = _core.clear_path(
-        around.model,
-        around.obstacles,
+        chain,
+        model,
+        obstacles,
         path.positions,
         path.orientations,
         free_axes(path.free),
         path.postures,
         start,
-        around.margin,
-        around.self_margin,
+        margin,
+        self_margin,
         tolerance,
     )
     if len(q):

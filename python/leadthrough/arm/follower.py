@@ -26,7 +26,7 @@ from leadthrough.arm.options import Axis, free_axes, tolerance
 from leadthrough.arm.recorded import shown_joints
 from leadthrough.arm.tracks import TipPath, Track
 from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, LimitsInfeasible
+from leadthrough.errors import IkFailure, InvalidInput, LimitsInfeasible
 from leadthrough.motion import (
     JointTrajectory,
     Motion,
@@ -92,14 +92,15 @@ def follow(
             break
     track = least_turned(chain, path, tracks)
     complete = track.reached == len(path)
-    if around is None and not complete:
-        followed = replace(path, free=freedoms[tracks.index(track)])
-        on_the_way = "too_fast" if too_fast in _IN_TIME else "jump"
-        raise failure(chain, limits, followed, track, on_the_way=on_the_way)
     q = track.q
-    if around is not None and not (complete and around.clear_along(q)):
-        freest = replace(path, free=freedoms[-1])
-        q = clear_path(freest, around, start=seed, tolerance=follower.tolerance)
+    if not complete or (around is not None and not around.clear_along(q)):
+        freest = replace(follower, path=replace(path, free=freedoms[-1]))
+        searched = None if too_fast in _IN_TIME else freest.searched(seed, around)
+        if searched is None:
+            followed = replace(path, free=freedoms[tracks.index(track)])
+            on_the_way = "too_fast" if too_fast in _IN_TIME else "jump"
+            raise failure(chain, limits, followed, track, on_the_way=on_the_way)
+        q = searched
     times = _slowed(chain, path.times, q, limits) if too_fast == "slow" else path.times
     velocities = _velocities(times, q)
     if too_fast != "exceed_limits":
@@ -151,6 +152,23 @@ class _Follower:
             if _distance(tracks[-1], self.allowed) <= 1.0:
                 break
         return min(tracks, key=lambda track: _rank(track, deviation))
+
+    def searched(
+        self, seed: Float64Array | None, around: Surroundings | None
+    ) -> Float64Array | None:
+        """Joints (n, joints) found by looking ahead; None if there are none.
+
+        Raises:
+            IkFailure: if what the arm is to keep clear of leaves no way.
+        """
+        try:
+            q = clear_path(self.chain, self.path, around, start=seed, tolerance=self.tolerance)
+        except IkFailure:
+            if around is not None:
+                raise
+            return None
+        leaps = np.abs(np.diff(q, axis=0)).max(initial=0.0) > self.max_step
+        return None if leaps else q
 
     def _track(self, start: Start, path: TipPath) -> Track:
         axes = free_axes(path.free)

@@ -99,17 +99,22 @@ class ArmFollowing(ArmCollision):
 
         Source: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for the slowing.
         """
+        tip = TipPath.of(motion)
+        at_start = None if seed is None else self._joints(seed, "seed")
+        shown = recorded.shown_joints(self._chain, motion)
+        ends = (None, None) if shown is None else tuple(shown.positions[[0, -1]])
         reachable.require_reachable(
             self,
-            TipPath.of(motion),
+            tip,
             free=free,
             tolerances=(position_tolerance, orientation_tolerance),
+            near=(ends[0] if at_start is None else at_start, ends[1]),
         )
         return follower.follow(
             self._chain,
             motion,
             limits=self.limits,
-            seed=None if seed is None else self._joints(seed, "seed"),
+            seed=at_start,
             too_fast=too_fast,
             deviation=deviation,
             max_step=max_step,

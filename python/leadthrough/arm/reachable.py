@@ -36,6 +36,7 @@ def require_reachable(
     *,
     free: Sequence[Axis] | None,
     tolerances: tuple[float, float],
+    near: tuple[Float64Array | None, Float64Array | None],
 ) -> None:
     """Refuses a path that leaves the arm's reach, or whose ends no joint positions reach.
 
@@ -44,6 +45,7 @@ def require_reachable(
         path: of its tip.
         free: axes of the poses that are left free, as for `Arm.follow`.
         tolerances: m and rad, of the ends.
+        near: configurations (joints,) at which the start and the end are likely to be reached.
 
     Raises:
         IkFailure: with the sample's index and the reason.
@@ -58,7 +60,9 @@ def require_reachable(
     turned = not left and len(path.orientations) > 0 and len(arm.joint_names) >= _SIX
     for i in dict.fromkeys((len(path) - 1, 0)):
         orientation = path.orientations[i : i + 1] if turned else np.empty((0, 4))
-        _require_end(arm, path, i, orientation, tolerances)
+        likely = near[-1 if i else 0]
+        seed = arm._chain.middle if likely is None else likely
+        _require_end(arm, path, i, orientation, tolerances=tolerances, near=seed)
 
 
 def shoulder(arm: ArmDefinition) -> Float64Array:
@@ -103,7 +107,9 @@ def _require_end(
     path: TipPath,
     i: int,
     orientation: Float64Array,
+    *,
     tolerances: tuple[float, float],
+    near: Float64Array,
 ) -> None:
     for seed in _SEEDS:
         options = ik_options(
@@ -114,7 +120,7 @@ def _require_end(
             random_seed=seed,
         )
         q, codes, far, turned, _, bars = _core.solve_ik_batch(
-            arm._chain, path.positions[i : i + 1], orientation, arm._chain.middle[None], options, 1
+            arm._chain, path.positions[i : i + 1], orientation, near[None], options, 1
         )
         if codes[0] == 0:
             return

@@ -5,6 +5,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from arm.coal_arm import CoalArm
+from scipy.interpolate import CubicSpline
 
 import leadthrough as lt
 from leadthrough.errors import IkFailure, InvalidInput
@@ -143,3 +144,20 @@ def _least_in_coal(q, edge, centres):
             there = pin.SE3(np.eye(3), np.array(centre))
             least = min(least, peer.distance_to(peer.moving_links(), cube, there))
     return least
+
+
+def test_paths_that_joints_can_take_are_followed(panda):
+    """Without looking ahead, 5 of these 60 end where a joint limit stands in the way."""
+    rng = np.random.default_rng(0)
+    middle = 0.5 * (panda.limits.lower + panda.limits.upper)
+    widest = 0.35 * (panda.limits.upper - panda.limits.lower)
+    times = np.linspace(0.0, 6.0, 301)
+    for _ in range(60):
+        way = middle + widest * rng.uniform(-1.0, 1.0, (4, 7))
+        joints = CubicSpline(np.linspace(0.0, 6.0, 4), way)(times)
+        joints = np.clip(joints, panda.limits.lower, panda.limits.upper)
+        tip = lt.PoseTrajectory(times, *panda.forward_kinematics(joints))
+        followed = panda.follow(tip, seed=joints[0])
+        report = panda.path_report(followed, tip)
+        assert report.position_error.max() < 1e-5
+        assert np.abs(np.diff(followed.positions, axis=0)).max() < 0.5

@@ -254,6 +254,7 @@ tip = {key: POSES[key] for key in ("positions", "orientations")}
 call(
     core.clear_path,
     FOUND,
+    chain=chain,
     model=model,
     obstacles=BALL,
     axes=None,

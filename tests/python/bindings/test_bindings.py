@@ -57,7 +57,7 @@ def test_calls_give_the_known_result(
 OPTIONAL = {
     "IkOptions": ("axes", "reference", "posture"),
     "TrackOptions": ("axes",),
-    "clear_path": ("axes", "start"),
+    "clear_path": ("axes", "model", "start"),
 }
 
 
