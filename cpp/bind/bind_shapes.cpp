@@ -1,4 +1,5 @@
 #include <pybind11/eigen.h>
+#include <pybind11/stl.h>
 
 #include "base/matrix.hpp"
 #include "bind/parts.hpp"
@@ -28,6 +29,21 @@ Shape round_shape(double radius, double length, const Vector3& position,
   return make_shape(kind, {radius, length, 0.0}, so3::to_matrix(orientation), position);
 }
 
+Shape hulls_shape(const std::vector<Rows3>& corners, const Vector3& position,
+                  const Eigen::Vector4d& orientation) {
+  require(!corners.empty());
+  for (const Rows3& own : corners) require(own.rows() >= 4);
+  return make_hulls(corners, so3::to_matrix(orientation), position);
+}
+
+Shape cloud_shape(const Eigen::Ref<const Rows3>& points, double radius, const Vector3& position,
+                  const Eigen::Vector4d& orientation) {
+  require(points.rows() > 0 && points.rows() <= Cloud::kMostPoints);
+  const py::gil_scoped_release release;
+  return make_cloud(std::make_shared<const Cloud>(points, radius), so3::to_matrix(orientation),
+                    position);
+}
+
 }  // namespace
 
 void bind_shapes(py::module_& module) {
@@ -49,6 +65,10 @@ void bind_shapes(py::module_& module) {
              py::arg("length"), py::arg("position"), py::arg("orientation"));
   module.def("cylinder_shape", &round_shape<ShapeKind::kCylinder>, py::arg("radius"),
              py::arg("length"), py::arg("position"), py::arg("orientation"));
+  module.def("hulls_shape", &hulls_shape, py::arg("corners"), py::arg("position"),
+             py::arg("orientation"));
+  module.def("cloud_shape", &cloud_shape, py::arg("points").noconvert(), py::arg("radius"),
+             py::arg("position"), py::arg("orientation"));
 }
 
 }  // namespace leadthrough

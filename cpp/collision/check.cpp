@@ -48,7 +48,7 @@ class Placement {
   // `cutoff` up to it.
   double measure(std::size_t i, double cutoff, Nearest& best) const {
     const auto [a, b] = scene_.pairs[i];
-    const Separation found = separation(shape(a).convex, pose(a), shape(b).convex, pose(b), cutoff);
+    const Separation found = collision::separation(shape(a), pose(a), shape(b), pose(b), cutoff);
     if (found.distance < best.distance)
       best = {found.distance, shape(a).body, shape(b).body, found.on_a, found.on_b};
     return found.distance;
@@ -223,13 +223,16 @@ CollisionScene itself(const CollisionModel& model) {
 CollisionScene against(const CollisionModel& model, const PlacedShapes& obstacles) {
   CollisionScene scene = bodies_of(model);
   const int own = static_cast<int>(scene.shapes.size());
-  for (const auto& [convex, pose] : obstacles) {
+  int things = 0;
+  for (const PlacedShape& placed : obstacles) {
     const int obstacle = static_cast<int>(scene.shapes.size());
     for (int i = 0; i < own; ++i)
       if (scene.joints[static_cast<std::size_t>(i)] > 0) scene.pairs.push_back({obstacle, i});
-    scene.names.push_back("obstacle " + std::to_string(obstacle - own));
+    if (!placed.piece) scene.names.push_back("obstacle " + std::to_string(things++));
     const int body = static_cast<int>(scene.names.size()) - 1;
-    scene.shapes.push_back({convex, pose, body, bounding_radius(convex)});
+    const double radius =
+        placed.cloud ? placed.cloud->bounding_radius() : bounding_radius(placed.convex);
+    scene.shapes.push_back({placed.convex, placed.pose, body, radius, placed.cloud});
     scene.joints.push_back(0);
   }
   return scene;

@@ -3,11 +3,13 @@
 // Collision of a whole arm: every shape of every link, against obstacles and against each other,
 // at single configurations and along a motion without a gap between its samples.
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/constants.hpp"
+#include "collision/cloud.hpp"
 #include "collision/convex_distance.hpp"
 
 namespace leadthrough {
@@ -28,6 +30,7 @@ struct BodyShape {
   Pose T_frame_shape;
   int body;
   double radius;  // of a ball about the shape's origin that holds it, m
+  std::shared_ptr<const Cloud> cloud = nullptr;  // of an obstacle, in place of a convex body
 };
 
 // Shapes that are checked against each other; more joints move b than a.
@@ -60,12 +63,19 @@ struct PairOptions {
   double margin = 0.05;  // m
 };
 
-// Shapes with their poses.
-using PlacedShapes = std::vector<std::pair<Convex, Pose>>;
+// A convex body or a cloud at its pose. Pieces of one thing stand one after the other; `piece`
+// marks all but the first.
+struct PlacedShape {
+  Convex convex;
+  Pose pose;
+  std::shared_ptr<const Cloud> cloud = nullptr;
+  bool piece = false;
+};
+using PlacedShapes = std::vector<PlacedShape>;
 
 // The model of the robot that `chain` is the arm of, from the links `base` to `tip`. Joints outside
 // the chain stay at zero or at the limit next to it. hulls: the vertices of all meshes, in the
-// order of links and their collisions; attached: in the frame of the tip link.
+// order of links and their collisions; attached: in the frame of the tip link, without clouds.
 CollisionModel make_collision_model(const urdf::Robot& robot, const Chain& chain,
                                     const std::string& base, const std::string& tip,
                                     const std::vector<Eigen::Matrix3Xd>& hulls,

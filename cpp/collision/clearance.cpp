@@ -41,11 +41,9 @@ double ClearanceTest::ball(const ShapePair& pair) const {
 bool ClearanceTest::apart(std::size_t i, double least) {
   const ShapePair& pair = arm_.scene.pairs[i];
   if (ball(pair) >= least) return true;
-  const Convex& a = arm_.scene.shapes[index(pair.a)].convex;
-  const Convex& b = arm_.scene.shapes[index(pair.b)].convex;
-  const Pose& A = poses_[index(pair.a)];
-  const Pose& B = poses_[index(pair.b)];
-  return leadthrough::apart(a, A, b, B, least, normals_[i]);
+  const auto& shapes = arm_.scene.shapes;
+  return collision::apart(shapes[index(pair.a)], poses_[index(pair.a)], shapes[index(pair.b)],
+                          poses_[index(pair.b)], least, normals_[i]);
 }
 
 bool ClearanceTest::clear(const double* q, double slack) {
@@ -70,9 +68,10 @@ void ClearanceTest::near(const double* q, double band, std::vector<NearPair>& fo
     const ShapePair& pair = arm_.scene.pairs[i];
     const double within = arm_.margins[i] + band;
     if (ball(pair) >= within) continue;
+    const auto& shapes = arm_.scene.shapes;
     const Separation separated =
-        separation(arm_.scene.shapes[index(pair.a)].convex, poses_[index(pair.a)],
-                   arm_.scene.shapes[index(pair.b)].convex, poses_[index(pair.b)], within);
+        collision::separation(shapes[index(pair.a)], poses_[index(pair.a)], shapes[index(pair.b)],
+                              poses_[index(pair.b)], within);
     if (separated.distance < within) found.push_back(with_gradient(i, separated));
   }
 }

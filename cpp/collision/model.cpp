@@ -276,8 +276,8 @@ CollisionModel make_collision_model(const Robot& robot, const Chain& chain, cons
   if (!attached.empty()) {
     neighbour.push_back(body_of_link[last] >= 0 ? body_of_link[last] : above[last]);
     model.bodies.push_back({"attached", joints_of(last)});
-    for (const auto& [convex, T_tip_shape] : attached)
-      add_shape(model, convex, compose(in_frame(last), T_tip_shape));
+    for (const PlacedShape& held : attached)
+      add_shape(model, held.convex, compose(in_frame(last), held.pose));
   }
   choose_pairs(model, neighbour, options);
   return model;

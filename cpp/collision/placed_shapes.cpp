@@ -17,12 +17,28 @@ Convex to_convex(const Shape& shape) {
   }
 }
 
+void add_hulls(const Hulls& hulls, const Pose& pose, PlacedShapes& placed) {
+  bool piece = false;
+  for (const auto& [convex, middle, radius] : hulls) {
+    const Eigen::Vector3d position = pose.rotation * middle + pose.position;
+    placed.push_back({convex, {pose.rotation, position}, nullptr, piece});
+    piece = true;
+  }
+}
+
 }  // namespace
 
 PlacedShapes placed_shapes(const std::vector<Shape>& shapes) {
   PlacedShapes placed;
-  for (const Shape& shape : shapes)
-    placed.emplace_back(to_convex(shape), Pose{shape.rotation, shape.position});
+  for (const Shape& shape : shapes) {
+    const Pose pose{shape.rotation, shape.position};
+    if (shape.kind == ShapeKind::kCloud)
+      placed.push_back({{}, pose, shape.cloud});
+    else if (shape.kind == ShapeKind::kHulls)
+      add_hulls(*shape.hulls, pose, placed);
+    else
+      placed.push_back({to_convex(shape), pose});
+  }
   return placed;
 }
 

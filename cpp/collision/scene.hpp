@@ -47,6 +47,20 @@ inline void place(const std::vector<BodyShape>& shapes, const std::vector<int>& 
       poses[i] = compose(frames[static_cast<std::size_t>(joints[i])], shapes[i].T_frame_shape);
 }
 
+// As of their convex bodies; only the first may be a cloud, as only obstacles are.
+inline Separation separation(const BodyShape& a, const Pose& A, const BodyShape& b, const Pose& B,
+                             double cutoff) {
+  return a.cloud ? a.cloud->separation(A, b.convex, B, b.radius, cutoff)
+                 : leadthrough::separation(a.convex, A, b.convex, B, cutoff);
+}
+
+// normal: of convex bodies only, see `apart` of those.
+inline bool apart(const BodyShape& a, const Pose& A, const BodyShape& b, const Pose& B,
+                  double least, Eigen::Vector3d& normal) {
+  return a.cloud ? a.cloud->apart(A, b.convex, B, b.radius, least)
+                 : leadthrough::apart(a.convex, A, b.convex, B, least, normal);
+}
+
 // The distance of the balls around two shapes.
 inline double ball_distance(const BodyShape& a, const Pose& A, const BodyShape& b, const Pose& B) {
   return (A.position - B.position).norm() - a.radius - b.radius;

@@ -1,5 +1,6 @@
 #include "collision/signed_distance.hpp"
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 namespace leadthrough {
@@ -39,12 +40,30 @@ SignedDistance from_cylinder(const Eigen::Vector3d& point, double half, double r
   return side.distance > beyond ? side : SignedDistance{beyond, end};
 }
 
+// From inside a hull the way out is that of its shallowest direction.
+SignedDistance from_hulls(const Eigen::Vector3d& point, const Hulls& hulls) {
+  const auto at = [](const Eigen::Vector3d& place) {
+    return Pose{Eigen::Matrix3d::Identity(), place};
+  };
+  SignedDistance least{kInfinity, Eigen::Vector3d::UnitX()};
+  for (const auto& [hull, middle, radius] : hulls) {
+    if ((point - middle).norm() - radius >= least.distance) continue;
+    const Separation found = separation(hull, at(middle), sphere(0.0), at(point), least.distance);
+    if (found.distance < least.distance) least = {found.distance, found.normal};
+  }
+  return least;
+}
+
 SignedDistance in_own_frame(const Shape& shape, const Eigen::Vector3d& point) {
   switch (shape.kind) {
     case ShapeKind::kBox:
       return from_box(point, shape.half);
     case ShapeKind::kCylinder:
       return from_cylinder(point, shape.half.z(), shape.radius);
+    case ShapeKind::kHulls:
+      return from_hulls(point, *shape.hulls);
+    case ShapeKind::kCloud:
+      return from_ball(point - shape.cloud->nearest_to(point), shape.radius);
     default:
       return from_segment(point, shape.half.z(), shape.radius);
   }
@@ -59,6 +78,32 @@ Shape make_shape(ShapeKind kind, const Eigen::Vector3d& sizes, const Eigen::Matr
   return {kind, rotation, position, 0.5 * length * Eigen::Vector3d::UnitZ(), sizes[0]};
 }
 
+Shape make_hulls(const std::vector<Rows3>& corners, const Eigen::Matrix3d& rotation,
+                 const Eigen::Vector3d& position) {
+  Eigen::AlignedBox3d around;
+  for (const Rows3& own : corners)
+    for (Eigen::Index i = 0; i < own.rows(); ++i) around.extend(own.row(i).transpose());
+  const Eigen::Vector3d middle = around.center();
+  Hulls hulls;
+  for (const Rows3& own : corners) {
+    const Eigen::Vector3d centre =
+        0.5 * (own.colwise().minCoeff() + own.colwise().maxCoeff()).transpose();
+    const Convex convex = hull(own.transpose().colwise() - centre);
+    hulls.push_back({convex, centre - middle, bounding_radius(convex)});
+  }
+  Shape shape{ShapeKind::kHulls, rotation, rotation * middle + position};
+  shape.hulls = std::make_shared<const Hulls>(std::move(hulls));
+  return shape;
+}
+
+Shape make_cloud(std::shared_ptr<const Cloud> cloud, const Eigen::Matrix3d& rotation,
+                 const Eigen::Vector3d& position) {
+  Shape shape{ShapeKind::kCloud, rotation, rotation * cloud->middle() + position};
+  shape.radius = cloud->radius();
+  shape.cloud = std::move(cloud);
+  return shape;
+}
+
 SignedDistance signed_distance(const Shape& shape, const Eigen::Vector3d& point) {
   const Eigen::Vector3d offset = point - shape.position;
   if (shape.kind == ShapeKind::kSphere) return from_ball(offset, shape.radius);
@@ -66,6 +111,28 @@ SignedDistance signed_distance(const Shape& shape, const Eigen::Vector3d& point)
   SignedDistance answer = in_own_frame(shape, local);
   answer.gradient = (shape.rotation * answer.gradient).eval();
   return answer;
+}
+
+double reach_of(const Shape& shape, const Eigen::Vector3d& direction) {
+  if (shape.kind == ShapeKind::kSphere) return shape.radius;
+  const Eigen::Vector3d local = shape.rotation.transpose() * direction;
+  const double along = shape.half.z() * std::abs(local.z());
+  switch (shape.kind) {
+    case ShapeKind::kBox:
+      return shape.half.dot(local.cwiseAbs());
+    case ShapeKind::kCylinder:
+      return shape.radius * local.head<2>().norm() + along;
+    case ShapeKind::kHulls: {
+      double most = -kInfinity;
+      for (const auto& [hull, middle, radius] : *shape.hulls)
+        most = std::max(most, local.dot(middle) + (local.transpose() * *hull.vertices).maxCoeff());
+      return most;
+    }
+    case ShapeKind::kCloud:
+      return shape.cloud->reach(local);
+    default:
+      return shape.radius + along;
+  }
 }
 
 }  // namespace leadthrough

@@ -66,16 +66,6 @@ double barrier(double h, double h_slope, double acceleration) {
   return std::max(needed - acceleration, 0.0);
 }
 
-// How far a shape reaches from its middle in a direction of length 1.
-double reach_of(const Shape& shape, const Vector3d& direction) {
-  if (shape.kind == ShapeKind::kSphere) return shape.radius;
-  const Vector3d local = shape.rotation.transpose() * direction;
-  if (shape.kind == ShapeKind::kBox) return shape.half.dot(local.cwiseAbs());
-  const double along = shape.half.z() * std::abs(local.z());
-  if (shape.kind == ShapeKind::kCylinder) return shape.radius * local.head<2>().norm() + along;
-  return shape.radius + along;
-}
-
 // The axis about which to go round an obstacle: across the line from start to goal, or to the
 // obstacle where they are one, and so that the way out beside the obstacle is the shortest.
 Vector3d sense_of_passing(const Shape& shape, const Vector3d& start, const Vector3d& goal,

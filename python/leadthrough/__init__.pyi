@@ -13,7 +13,13 @@ from . import (
 )
 from .arm import Arm, DifferentialIk
 from .events import Event
-from .io import read_demonstrations, read_motion, write_motion
+from .io import (
+    read_demonstrations,
+    read_mesh,
+    read_motion,
+    read_point_cloud,
+    write_motion,
+)
 from .models import (
     DMP,
     GMR,
@@ -27,7 +33,7 @@ from .models import (
 )
 from .motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from .planning import Grid, arrival_times
-from .shapes import Box, Capsule, Cylinder, Sphere
+from .shapes import Box, Capsule, Cylinder, Mesh, PointCloud, Sphere
 from .timing import check_limits, differentiate, retime, scale_to_limits
 from .whole_arm import PlannedMotion, plan_motion
 
@@ -46,7 +52,9 @@ __all__ = [
     "FastMarching",
     "Grid",
     "JointTrajectory",
+    "Mesh",
     "PlannedMotion",
+    "PointCloud",
     "PoseDMP",
     "PoseTrajectory",
     "ProMP",
@@ -67,7 +75,9 @@ __all__ = [
     "planning",
     "preprocess",
     "read_demonstrations",
+    "read_mesh",
     "read_motion",
+    "read_point_cloud",
     "retime",
     "rotations",
     "scale_to_limits",

@@ -210,6 +210,12 @@ def capsule_shape(
 def cylinder_shape(
     radius: float, length: float, position: Float64Array, orientation: Float64Array
 ) -> Shape: ...
+def hulls_shape(
+    corners: Sequence[Float64Array], position: Float64Array, orientation: Float64Array
+) -> Shape: ...
+def cloud_shape(
+    points: Float64Array, radius: float, position: Float64Array, orientation: Float64Array
+) -> Shape: ...
 def pose_task(
     frame: Frame,
     position: Float64Array,

@@ -19,7 +19,7 @@ from leadthrough.arm.following import ArmFollowing
 from leadthrough.arm.inverse_kinematics import ArmInverseKinematics
 from leadthrough.arm.kinematics import ArmKinematics
 from leadthrough.arm.limits import JointLimits
-from leadthrough.shapes import Shape
+from leadthrough.shapes.inertia import Solid
 
 _NOTHING_HELD: Mapping[str, float] = MappingProxyType({})
 _UNTURNED = (1.0, 0.0, 0.0, 0.0)
@@ -171,12 +171,12 @@ class Arm(
         load = Load(mass, center, inertia)
         return replace(self, attachment=self.attachment.with_load(load))
 
-    def with_attached(self, shape: Shape, mass: float = 0.0) -> Arm:
+    def with_attached(self, shape: Solid, mass: float = 0.0) -> Arm:
         """The arm holding an object, whose pose is given in the frame of its present tip.
 
         Args:
-            shape: a Box, Sphere, Capsule or Cylinder; it joins `attached` and counts in
-                collision checks.
+            shape: a Box, Sphere, Capsule, Cylinder or Mesh; it joins `attached` and counts in
+                collision checks. Of a mesh the hulls of its parts count, for its mass too.
             mass: in kg, >= 0, of uniform density; it adds to the payload.
 
         Raises:

@@ -11,7 +11,8 @@ from leadthrough import _core, check, rotations
 from leadthrough.brief import Brief, numbers_text
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.shapes import Box, Capsule, Cylinder, Shape, Sphere
+from leadthrough.shapes import Shape, Sphere
+from leadthrough.shapes.inertia import Solid, unit_solid
 
 # The error that a measured or printed tensor may have, as a fraction of its largest moment.
 _INERTIA_TOLERANCE = 1e-6
@@ -99,18 +100,20 @@ class Attachment(Brief):
             self, loads=(*self.loads, Load(load.mass, self._in_link(load.center), moments))
         )
 
-    def with_shape(self, shape: Shape, mass: float) -> Attachment:
+    def with_shape(self, shape: Solid, mass: float) -> Attachment:
         """The attachment with an object of uniform density, given in the frame of the tip.
 
         Args:
-            shape: a Box, Sphere, Capsule or Cylinder.
+            shape: a Box, Sphere, Capsule, Cylinder or Mesh.
             mass: in kg, >= 0.
 
         Raises:
             InvalidInput: if the shape is something else, or the mass is negative.
         """
-        if not isinstance(shape, Shape):
-            raise InvalidInput(f"shape: expected a Box, Sphere, Capsule or Cylinder, got {shape!r}")
+        if not isinstance(shape, Solid):
+            raise InvalidInput(
+                f"shape: expected a Box, Sphere, Capsule, Cylinder or Mesh, got {shape!r}"
+            )
         weight = check.number(mass, "mass", at_least=0.0)
         carried = self if weight == 0.0 else self.with_load(_solid(shape, weight))
         turned = None if isinstance(shape, Sphere) else self._turned(shape.orientation)
@@ -152,40 +155,6 @@ def _inertia(value: ArrayLike) -> Float64Array:
     return inertia
 
 
-def _solid(shape: Shape, mass: float) -> Load:
-    if isinstance(shape, Sphere):
-        return Load(mass, shape.position, 0.4 * mass * shape.radius**2 * np.eye(3))
-    moments = _moments(shape)
-    turn = _matrix(shape.orientation)
-    return Load(mass, shape.position, mass * (turn * moments) @ turn.T)
-
-
-def _moments(shape: Box | Capsule | Cylinder) -> Float64Array:
-    """Principal moments (3,) of a solid about its middle, for a mass of one."""
-    if isinstance(shape, Box):
-        return _box_moments(shape)
-    return _capsule_moments(shape) if isinstance(shape, Capsule) else _cylinder_moments(shape)
-
-
-def _box_moments(box: Box) -> Float64Array:
-    """Principal moments (3,) of a solid box, for a mass of one."""
-    squares = box.size**2
-    return np.asarray((squares.sum() - squares) / 12.0)
-
-
-def _cylinder_moments(cylinder: Cylinder) -> Float64Array:
-    along = 0.5 * cylinder.radius**2
-    across = cylinder.length**2 / 12.0 + 0.5 * along
-    return np.array([across, across, along])
-
-
-def _capsule_moments(capsule: Capsule) -> Float64Array:
-    """Principal moments (3,) of a cylinder with half balls, for a mass of one."""
-    r, length = capsule.radius, capsule.length
-    cylinder = length / (length + 4.0 / 3.0 * r)  # its fraction of the volume
-    balls = 1.0 - cylinder
-    along = cylinder * r**2 / 2.0 + balls * 0.4 * r**2
-    across = cylinder * (length**2 / 12.0 + r**2 / 4.0) + balls * (
-        0.4 * r**2 + length**2 / 4.0 + 3.0 / 8.0 * length * r
-    )
-    return np.array([across, across, along])
+def _solid(shape: Solid, mass: float) -> Load:
+    center, inertia = unit_solid(shape)
+    return Load(mass, center, mass * inertia)

@@ -78,7 +78,7 @@ class ObstacleTask(ArmTask):
         super().__init__(gain, damping_ratio)
         if not isinstance(shape, Shape):
             what = type(shape).__name__
-            raise InvalidInput(f"shape: expected a Box, Sphere, Capsule or Cylinder, got {what}")
+            raise InvalidInput(f"shape: expected one of leadthrough.shapes, got {what}")
         _refuse_huge(shape)
         vars(self).update(
             shape=shape,
@@ -95,5 +95,6 @@ class ObstacleTask(ArmTask):
 
 
 def _refuse_huge(shape: Shape) -> None:
-    sizes = [getattr(shape, name, 0.0) for name in ("position", "size", "radius", "length")]
-    magnitudes.values(np.hstack(sizes), "shape", shape=("n",))
+    names = ("position", "size", "radius", "length", "vertices", "points")
+    sizes = [np.ravel(getattr(shape, name, 0.0)) for name in names]
+    magnitudes.values(np.concatenate(sizes), "shape", shape=("n",))

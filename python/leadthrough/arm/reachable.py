@@ -19,7 +19,7 @@ from leadthrough.arm.results import STATUSES
 from leadthrough.arm.tracks import TipPath
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
-from leadthrough.shapes import Capsule, Cylinder, Shape, Sphere
+from leadthrough.shapes import Box, Shape
 
 _ROUNDING = 1e-6  # m beyond the reach
 # A place this many reaches away is not meant: it is in mm.
@@ -78,7 +78,7 @@ def look_at_obstacles(arm: ArmDefinition, shapes: Sequence[Shape]) -> None:
     reach = arm._chain.reach
     for i, shape in enumerate(shapes):
         away = float(np.abs(shape.middle).max())
-        size = shape.radius if isinstance(shape, Sphere | Capsule | Cylinder) else 0.0
+        size = 0.0 if isinstance(shape, Box) else shape.bounding_radius
         if max(away, size) > _ELSEWHERE * reach > 0.0:
             what = f"lies {away:.4g} m from the arm's base" if away > size else f"is {size:.4g} m"
             plausible.warn(

@@ -31,6 +31,11 @@ SHAPES = (
     "capsule:0.05,0.3@0.5,0,0.2",
     "cylinder:0.05,0.3@0.5,0,0.2",
 )
+# As `leadthrough.io` reads them.
+OBSTACLE_FILES = {
+    "mesh": (".stl", ".obj", ".dae"),
+    "cloud": (".pcd", ".ply", ".npy", ".csv", ".txt", ".xyz"),
+}
 _URDF = (".urdf", ".xml")
 _LINK = re.compile(r"<link\s[^>]*?name\s*=\s*[\"']([^\"']+)")
 
@@ -49,6 +54,14 @@ def files(*suffixes: str) -> Complete:
         suffixes: with their dot, in lower case.
     """
     return lambda incomplete: _files(incomplete, suffixes)
+
+
+def obstacles(incomplete: str) -> list[str]:
+    """Examples of obstacles, and files of meshes and points after mesh: and cloud:."""
+    kind, colon, start = incomplete.partition(":")
+    if colon and kind in OBSTACLE_FILES:
+        return [f"{kind}:{file}" for file in _files(start, OBSTACLE_FILES[kind])]
+    return _beginning((*SHAPES, *(f"{each}:" for each in OBSTACLE_FILES)), incomplete)
 
 
 def recordings(incomplete: str) -> list[str]:

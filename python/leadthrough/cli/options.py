@@ -61,9 +61,10 @@ Obstacles = Annotated[
     typer.Option(
         "--obstacle",
         help="Obstacle in the arm's base frame, in m: box:SX,SY,SZ@X,Y,Z, sphere:R@X,Y,Z, "
-        "capsule:R,L@X,Y,Z or cylinder:R,L@X,Y,Z; append the quaternion /W,X,Y,Z to turn it. "
-        "May be repeated.",
-        autocompletion=completion.one_of(*completion.SHAPES),
+        "capsule:R,L@X,Y,Z, cylinder:R,L@X,Y,Z, mesh:FILE@X,Y,Z (hulls of its parts; FILE,0.001 "
+        "for one in mm) or cloud:FILE,R@X,Y,Z (balls of radius R around points); append the "
+        "quaternion /W,X,Y,Z to turn it. Of files the place may be left out. May be repeated.",
+        autocompletion=completion.obstacles,
     ),
 ]
 Output = Annotated[

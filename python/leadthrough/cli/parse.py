@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -15,6 +16,18 @@ from leadthrough.motion import Motion, PoseTrajectory
 from leadthrough.shapes import Box, Capsule, Cylinder, Shape, Sphere
 
 _SHAPES = {"box": 3, "sphere": 1, "capsule": 2, "cylinder": 2}
+# What --obstacle takes.
+FORMS = (
+    "box:SX,SY,SZ@X,Y,Z",
+    "sphere:R@X,Y,Z",
+    "capsule:R,L@X,Y,Z",
+    "cylinder:R,L@X,Y,Z",
+    "mesh:FILE[,SCALE][@X,Y,Z]",
+    "cloud:FILE,R[@X,Y,Z]",
+)
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+# A file's name may have commas and an @ of its own.
+_FILE = re.compile(rf"(?s)(.*?)(?:,({_NUMBER}))?(?:@([-+\d.eE,/]+))?")
 
 
 def numbers(text: str, name: str) -> Float64Array:
@@ -43,15 +56,15 @@ def obstacle(text: str) -> Shape:
 
 def _shape(text: str) -> Shape:
     kind, _, rest = text.partition(":")
-    size_text, _, place = rest.partition("@")
-    if kind not in _SHAPES or not size_text or not place:
-        raise InvalidInput(
-            "expected box:SX,SY,SZ@X,Y,Z, sphere:R@X,Y,Z, capsule:R,L@X,Y,Z or cylinder:R,L@X,Y,Z"
-        )
+    if kind in ("mesh", "cloud"):
+        return _from_file(kind, rest)
+    size_text, _, where = rest.partition("@")
+    if kind not in _SHAPES or not size_text or not where:
+        raise InvalidInput(f"expected {', '.join(FORMS[:-1])} or {FORMS[-1]}")
     size = numbers(size_text, "size")
     if len(size) != _SHAPES[kind]:
         raise InvalidInput(f"expected {_SHAPES[kind]} sizes for a {kind}, got {len(size)}")
-    position, turned = _place(place, "place")
+    position, turned = _place(where, "place")
     turn = () if turned is None else (turned,)
     if kind == "box":
         return Box(size.tolist(), position, *turn)
@@ -61,6 +74,25 @@ def _shape(text: str) -> Shape:
     if turned is not None:
         raise InvalidInput("a sphere takes no quaternion")
     return Sphere(float(size[0]), position)
+
+
+def _from_file(kind: str, text: str) -> Shape:
+    """A mesh or a cloud: the file, a number, and a place, which may be left out."""
+    from leadthrough.io import read_mesh, read_point_cloud
+
+    parts = _FILE.fullmatch(text)
+    assert parts is not None  # every text has this form
+    file, number, where = parts.groups()
+    position, turned = _place(where, "place") if where else (np.zeros(3), None)
+    orientation = (1.0, 0.0, 0.0, 0.0) if turned is None else turned
+    if kind == "mesh":
+        scale = float(number or 1.0)
+        return read_mesh(file, scale=scale, position=position, orientation=orientation)
+    if number is None:
+        raise InvalidInput(
+            f"expected a radius in m after the file, as in cloud:{file or 'FILE'},0.01"
+        )
+    return read_point_cloud(file, float(number), position=position, orientation=orientation)
 
 
 def place(text: str, name: str) -> Place:

@@ -1,4 +1,5 @@
 from . import formats, franka, headers, joint_trajectory, lasa, rosbag_writer, urscript
+from .obstacle_files import read_mesh, read_point_cloud
 from .reading import read_demonstrations, read_motion, read_recordings
 from .recording import Recording
 from .writing import write_motion
@@ -11,7 +12,9 @@ __all__ = [
     "joint_trajectory",
     "lasa",
     "read_demonstrations",
+    "read_mesh",
     "read_motion",
+    "read_point_cloud",
     "read_recordings",
     "rosbag_writer",
     "urscript",

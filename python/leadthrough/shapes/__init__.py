@@ -10,18 +10,32 @@ from collections.abc import Iterable, Sequence
 from leadthrough import _core
 from leadthrough.errors import InvalidInput
 from leadthrough.shapes.box import Box
+from leadthrough.shapes.cloud import PointCloud
+from leadthrough.shapes.hull import Hull
+from leadthrough.shapes.mesh import Mesh
 from leadthrough.shapes.round import Capsule, Cylinder, Sphere
 
-__all__ = ["Box", "Capsule", "Cylinder", "Shape", "Sphere", "check_shapes", "compiled"]
+__all__ = [
+    "Box",
+    "Capsule",
+    "Cylinder",
+    "Hull",
+    "Mesh",
+    "PointCloud",
+    "Shape",
+    "Sphere",
+    "check_shapes",
+    "compiled",
+]
 
-Shape = Box | Sphere | Capsule | Cylinder
+Shape = Box | Sphere | Capsule | Cylinder | Mesh | PointCloud
 
 
 def check_shapes(obstacles: Iterable[Shape]) -> tuple[Shape, ...]:
     """The obstacles, if all are shapes.
 
     Args:
-        obstacles: boxes, spheres, capsules and cylinders.
+        obstacles: boxes, spheres, capsules, cylinders, meshes and point clouds.
 
     Raises:
         InvalidInput: if they are no sequence, or one of them is no shape.
@@ -32,7 +46,8 @@ def check_shapes(obstacles: Iterable[Shape]) -> tuple[Shape, ...]:
     for shape in shapes:
         if not isinstance(shape, Shape):
             raise InvalidInput(
-                f"obstacles: expected Box, Sphere, Capsule or Cylinder, got {type(shape).__name__}"
+                "obstacles: expected Box, Sphere, Capsule, Cylinder, Mesh or PointCloud, "
+                f"got {type(shape).__name__}"
             )
     return shapes
 

@@ -75,6 +75,52 @@ class Turned(Placed):
         return np.asarray(offsets @ self._matrix())
 
 
+class Bounded(Turned):
+    """A shape that is known by points: its corners, or the centres of its balls."""
+
+    @property
+    def middle(self) -> Float64Array:
+        """Centre (3,), m, of the ball and of the box that bound it, in the base frame."""
+        lower, upper = self._corners
+        return 0.5 * (lower + upper)
+
+    @property
+    def half_extents(self) -> Float64Array:
+        """Half the edges (3,), m, of its bounding box parallel to the base's axes."""
+        lower, upper = self._corners
+        return 0.5 * (upper - lower) + self._rounding
+
+    @cached_property
+    def bounding_radius(self) -> float:
+        """Radius of the ball around its middle that contains it, m."""
+        return float(length(self._outline() - self.middle).max()) + self._rounding
+
+    def distance(self, points: ArrayLike) -> Float64Array:
+        """Signed distances (n,) of points, m; inside, from the part that each lies deepest in.
+
+        Args:
+            points: m in the base frame, (n, 3).
+
+        Raises:
+            InvalidInput: if they are not finite points of that shape.
+        """
+        return self._compiled.distances(check.array(points, "points", shape=("n", 3)))
+
+    @cached_property
+    def _corners(self) -> tuple[Float64Array, Float64Array]:
+        outline = self._outline()
+        return outline.min(axis=0), outline.max(axis=0)
+
+    def _outline(self) -> Float64Array:
+        """The points (n, 3), m in the base frame."""
+        raise NotImplementedError
+
+    @property
+    def _rounding(self) -> float:
+        """How far the shape reaches around its points, m."""
+        return 0.0
+
+
 def pose(position: ArrayLike, orientation: ArrayLike) -> dict[str, Float64Array]:
     """A position (3,) and a unit quaternion (4,), read-only, by their names.
 

@@ -12,11 +12,13 @@ from leadthrough import rotations
 from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.preprocess.resample import arc_length
-from leadthrough.shapes import Box, Capsule, Cylinder, Shape, Sphere
+from leadthrough.shapes import Box, Capsule, Cylinder, PointCloud, Shape, Sphere
+from leadthrough.shapes import Mesh as HullMesh
 
 _AROUND = 40
 _TUBE_SIDES = 12
 _ARC_STEPS = 12
+_MOST_DOTS = 4000  # of a cloud; more would make pages slow to load and turn
 _UNTURNED = np.eye(3)
 
 
@@ -58,6 +60,10 @@ def unplaced(shape: Shape) -> Mesh:
         return box(shape.size)
     if isinstance(shape, Cylinder):
         return cylinder(shape.radius, shape.length)
+    if isinstance(shape, HullMesh):
+        return merged([Mesh(part.vertices, part.faces) for part in shape.parts])
+    if isinstance(shape, PointCloud):
+        return dots(shape.points, shape.radius)
     return (
         capsule(shape.radius, shape.length) if isinstance(shape, Capsule) else sphere(shape.radius)
     )
@@ -89,6 +95,16 @@ def capsule(radius: float, length: float) -> Mesh:
     profile = np.column_stack([radius * np.cos(angles), radius * np.sin(angles) + shift])
     profile[[0, -1], 0] = 0.0
     return _turned(profile)
+
+
+def dots(points: Float64Array, radius: float) -> Mesh:
+    """Octahedra around points (n, 3), of many only some of them, m."""
+    count = min(len(points), _MOST_DOTS)
+    shown = points[np.linspace(0, len(points) - 1, count).round().astype(np.int64)]
+    corners = radius * np.concatenate([np.eye(3), -np.eye(3)])
+    sides = [(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)]
+    faces = 6 * np.arange(count)[:, None, None] + np.array(sides)
+    return Mesh((shown[:, None] + corners).reshape(-1, 3), faces.reshape(-1, 3))
 
 
 def tube(path: Float64Array, radius: float, *, sides: int = _TUBE_SIDES) -> Mesh:

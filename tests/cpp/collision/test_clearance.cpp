@@ -36,7 +36,17 @@ struct Spatial {
   PlacedShapes obstacles{
       {box({0.3, 0.2, 0.4}), {Eigen::Matrix3d::Identity(), {0.5, 0.0, 0.6}}},
       {capsule(0.1, 0.3), {Eigen::Matrix3d::Identity(), {0.0, -0.5, 0.9}}},
+      {{}, {Eigen::Matrix3d::Identity(), {-0.6, 0.2, 0.7}}, wall()},
   };
+
+  // A bent sheet of points.
+  static std::shared_ptr<const Cloud> wall() {
+    Rows3 points(400, 3);
+    for (int i = 0; i < 20; ++i)
+      for (int k = 0; k < 20; ++k)
+        points.row(20 * i + k) << 0.1 * std::cos(0.2 * i), 0.03 * i, 0.03 * k;
+    return std::make_shared<const Cloud>(points, 0.02);
+  }
 };
 
 Rows random_rows(int count) {

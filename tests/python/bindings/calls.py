@@ -209,6 +209,10 @@ make(core.box_shape, size=X[0] + 1, position=X[0], orientation=ONE[0])
 ROUND = {"radius": 0.1, "length": 1.0, "position": X[0], "orientation": ONE[0]}
 make(core.capsule_shape, **ROUND)
 pin = make(core.cylinder_shape, **ROUND)
+CUBE = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+there = {"position": X[0], "orientation": ONE[0]}
+make(core.hulls_shape, corners=[CUBE, CUBE + 3], **there)
+make(core.cloud_shape, points=CUBE, radius=0.1, **there)
 call(pin.distances, [0.9, -0.1], points=np.stack([X[0] + Y[0], X[0]]))
 pace = {"gain": 1.0, "damping_ratio": 1.0}
 AXES = {"axis": X[0], "direction": Y[0]}
@@ -231,7 +235,6 @@ box = {"lower": -LOOSE, "upper": LOOSE, "reverse": False}
 call(core.resolve_stack, SPEED, jacobians=[np.eye(2)], wanted=[SPEED], **box)
 
 # Collisions: the eye is a cube of 2 m below the arm, the obstacle a ball of 1 m above its tip.
-CUBE = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 BALL = [core.sphere_shape(1.0, np.array([1.0, 1.0, 4.0]))]
 attached = [core.sphere_shape(0.1, np.zeros(3))]
 model = make(

@@ -18,6 +18,7 @@ FREE = dict(
     DmpForces(nodes)  DmpPath(coefficients)
     IkOptions(posture reference)  PursuitOptions(acceleration velocity)  TimedPath(coefficients)
     Shape.distances(points)  TimedPath.positions_at(lengths)  all_finite(values)
+    cloud_shape(points)
     bounced(velocities)  check_motion(q)  clear_batch(q)
     condition_weights(basis)  descend(arrival)  directions(arrival points)
     distance_transform(mask)  dmp_orientations(values)  dmp_rollout(phases)

@@ -1,0 +1,227 @@
+#include "collision/cloud.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "base/constants.hpp"
+#include "collision/scene.hpp"
+
+namespace leadthrough {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kLeaf = 8;    // points of a leaf at most
+constexpr int kDepth = 64;  // more than halving any number of points takes
+
+Pose unturned(const Vector3d& position) { return {Eigen::Matrix3d::Identity(), position}; }
+
+// Where a point is, as a core sees it: the square of its distance where `beyond` is positive, else
+// `beyond` is the signed distance.
+struct Place {
+  double square;
+  double beyond;
+};
+
+// A body among points in their frame. radius: of a ball about its origin that holds it.
+template <Core kCore>
+class Probe {
+ public:
+  Probe(const Convex& body, const Pose& pose, double radius)
+      : body_(body), pose_(pose), back_(pose.rotation.transpose()), radius_(radius) {}
+
+  double square_to(const Vector3d& point) const { return (point - pose_.position).squaredNorm(); }
+
+  // Whether the body keeps that far away from a point. A hull is asked for no more than that, and
+  // with a point in it says no whatever the depth.
+  bool keeps(const Vector3d& point, double least) const {
+    if constexpr (kCore == Core::kHull) {
+      const double reach = least + radius_;
+      if (reach <= 0.0 || square_to(point) >= reach * reach) return true;
+      return apart(sphere(0.0), unturned(point), body_, pose_, least, normal_);
+    } else {
+      const Place place = of_core(point - pose_.position);
+      const double needed = least + body_.rounding;
+      if (place.beyond <= 0.0) return place.beyond >= needed;
+      return needed <= 0.0 || place.square >= needed * needed;
+    }
+  }
+
+  double distance(const Vector3d& point) const {
+    if constexpr (kCore == Core::kHull) {
+      return separation(sphere(0.0), unturned(point), body_, pose_).distance;
+    } else {
+      const Place place = of_core(point - pose_.position);
+      return (place.beyond > 0.0 ? std::sqrt(place.square) : place.beyond) - body_.rounding;
+    }
+  }
+
+ private:
+  Place of_core(const Vector3d& way) const {
+    const Vector3d axis = pose_.rotation.col(2);
+    if constexpr (kCore == Core::kPoint) {
+      return {way.squaredNorm(), 1.0};
+    } else if constexpr (kCore == Core::kSegment) {
+      const double half = body_.half.z();
+      return {(way - std::clamp(axis.dot(way), -half, half) * axis).squaredNorm(), 1.0};
+    } else if constexpr (kCore == Core::kCylinder) {
+      const double along = axis.dot(way);
+      const double side = (way - along * axis).norm() - body_.half.x();
+      const double end = std::abs(along) - body_.half.z();
+      const double out_side = std::max(side, 0.0), out_end = std::max(end, 0.0);
+      return {out_side * out_side + out_end * out_end, std::max(side, end)};
+    } else {
+      const Vector3d out = (back_ * way).cwiseAbs() - body_.half;
+      return {out.cwiseMax(0.0).squaredNorm(), out.maxCoeff()};
+    }
+  }
+
+  const Convex& body_;
+  const Pose& pose_;
+  Eigen::Matrix3d back_;
+  double radius_;
+  mutable Vector3d normal_ = Vector3d::UnitX();  // along which a hull was last seen to be apart
+};
+
+// Calls work(probe) with a body as it is seen from the frame of a cloud.
+template <typename Work>
+auto with_probe(const Convex& body, const Pose& T_cloud_body, double radius, const Work& work) {
+  switch (body.core) {
+    case Core::kPoint:
+      return work(Probe<Core::kPoint>(body, T_cloud_body, radius));
+    case Core::kSegment:
+      return work(Probe<Core::kSegment>(body, T_cloud_body, radius));
+    case Core::kBox:
+      return work(Probe<Core::kBox>(body, T_cloud_body, radius));
+    case Core::kCylinder:
+      return work(Probe<Core::kCylinder>(body, T_cloud_body, radius));
+    default:
+      return work(Probe<Core::kHull>(body, T_cloud_body, radius));
+  }
+}
+
+Pose seen_from(const Pose& T_base_cloud, const Pose& T_base_body) {
+  return collision::compose(collision::inverse(T_base_cloud), T_base_body);
+}
+
+}  // namespace
+
+Cloud::Cloud(const Eigen::Ref<const Rows3>& points, double radius)
+    : radius_(radius),
+      middle_(0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff()).transpose()) {
+  std::vector<int> order(static_cast<std::size_t>(points.rows()));
+  std::iota(order.begin(), order.end(), 0);
+  points_.reserve(order.size());
+  split(0, static_cast<int>(order.size()), order, points);
+}
+
+// Halves the points along the longer side of their box until few are left.
+void Cloud::split(int first, int end, std::vector<int>& order,
+                  const Eigen::Ref<const Rows3>& points) {
+  const auto point = [&](int i) -> Vector3d {
+    return points.row(order[static_cast<std::size_t>(i)]).transpose() - middle_;
+  };
+  Vector3d lower = point(first);
+  Vector3d upper = lower;
+  for (int i = first + 1; i < end; ++i) {
+    lower = lower.cwiseMin(point(i));
+    upper = upper.cwiseMax(point(i));
+  }
+  const Vector3d centre = 0.5 * (lower + upper);
+  double square = 0.0;
+  for (int i = first; i < end; ++i) square = std::max(square, (point(i) - centre).squaredNorm());
+  const std::size_t own = nodes_.size();
+  nodes_.push_back({centre, std::sqrt(square), first, end - first, 0});
+  if (end - first <= kLeaf) {
+    for (int i = first; i < end; ++i) points_.push_back(point(i));
+    return;
+  }
+  Eigen::Index axis = 0;
+  (upper - lower).maxCoeff(&axis);
+  const int half = first + (end - first) / 2;
+  // Equal coordinates stand in the points' order: the same cloud has the same tree.
+  std::nth_element(order.begin() + first, order.begin() + half, order.begin() + end,
+                   [&](int a, int b) {
+                     return std::make_pair(points(a, axis), a) < std::make_pair(points(b, axis), b);
+                   });
+  nodes_[own].count = 0;
+  split(first, half, order, points);
+  nodes_[own].second = static_cast<int>(nodes_.size());
+  split(half, end, order, points);
+}
+
+// Calls visit(point) for all points that the body comes nearer to than `least`, which may fall
+// meanwhile, and for some that lie in it, until it says true; and then does so itself.
+template <typename Probe, typename Visit>
+bool Cloud::search(const Probe& probe, const double& least, const Visit& visit) const {
+  std::array<int, kDepth> waiting;
+  std::size_t count = 0;
+  waiting[count++] = 0;
+  while (count > 0) {
+    const int i = waiting[--count];
+    const Node& node = nodes_[static_cast<std::size_t>(i)];
+    if (probe.keeps(node.centre, least + node.radius)) continue;
+    for (int k = node.first; k < node.first + node.count; ++k) {
+      const Vector3d& point = points_[static_cast<std::size_t>(k)];
+      if (!probe.keeps(point, least) && visit(point)) return true;
+    }
+    if (node.count > 0) continue;
+    // The nearer one is looked at first.
+    const double to_first = probe.square_to(nodes_[static_cast<std::size_t>(i) + 1].centre);
+    const double to_second = probe.square_to(nodes_[static_cast<std::size_t>(node.second)].centre);
+    waiting[count++] = to_first < to_second ? node.second : i + 1;
+    waiting[count++] = to_first < to_second ? i + 1 : node.second;
+  }
+  return false;
+}
+
+// The point that the body is nearest to or deepest in, if nearer than `least`.
+template <typename Probe>
+const Vector3d* Cloud::nearest(const Probe& probe, double least) const {
+  const Vector3d* nearest = nullptr;
+  search(probe, least, [&](const Vector3d& found) {
+    const double distance = probe.distance(found);
+    if (distance >= least) return false;
+    least = distance;
+    nearest = &found;
+    return false;
+  });
+  return nearest;
+}
+
+double Cloud::reach(const Vector3d& along) const {
+  double most = -kInfinity;
+  for (const Vector3d& point : points_) most = std::max(most, along.dot(point));
+  return most + radius_;
+}
+
+const Vector3d& Cloud::nearest_to(const Vector3d& point) const {
+  const Convex dot = sphere(0.0);
+  return *nearest(Probe<Core::kPoint>(dot, unturned(point), 0.0), kInfinity);
+}
+
+Separation Cloud::separation(const Pose& T_base_cloud, const Convex& body, const Pose& T_base_body,
+                             double radius, double cutoff) const {
+  const Vector3d* found =
+      with_probe(body, seen_from(T_base_cloud, T_base_body), radius,
+                 [&](const auto& probe) { return nearest(probe, cutoff + radius_); });
+  if (!found) return {cutoff, Vector3d::Zero(), Vector3d::Zero(), Vector3d::UnitX()};
+  const Pose ball = unturned(T_base_cloud.rotation * *found + T_base_cloud.position);
+  return leadthrough::separation(sphere(radius_), ball, body, T_base_body);
+}
+
+bool Cloud::apart(const Pose& T_base_cloud, const Convex& body, const Pose& T_base_body,
+                  double radius, double least) const {
+  const double needed = least + radius_;
+  return with_probe(body, seen_from(T_base_cloud, T_base_body), radius, [&](const auto& probe) {
+    return !search(probe, needed, [&](const Vector3d& found) {
+      return needed > 0.0 || probe.distance(found) < needed;
+    });
+  });
+}
+
+}  // namespace leadthrough

@@ -1,0 +1,122 @@
+"""Meshes as the hulls of their parts, against boxes and coal."""
+
+import pickle
+
+import coal
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough import rotations
+from leadthrough.errors import InvalidInput
+from leadthrough.show import solids
+
+TURN = rotations.exp([[0.3, -0.7, 1.1]])[0]
+PLACE = np.array([0.4, -0.2, 0.9])
+QUERIES = PLACE + np.random.default_rng(2).uniform(-1, 1, (400, 3))
+
+
+def mesh_of(*surfaces, place=PLACE, turn=TURN):
+    whole = solids.merged(surfaces)
+    return lt.Mesh(whole.vertices, whole.faces, place, turn)
+
+
+def test_a_mesh_of_a_box_is_as_far_as_the_box():
+    size = np.array([0.4, 0.6, 1.0])
+    box, mesh = lt.Box(size, PLACE, TURN), mesh_of(solids.box(size))
+    np.testing.assert_allclose(mesh.distance(QUERIES), box.distance(QUERIES), atol=1e-7)
+    np.testing.assert_allclose(mesh.middle, box.middle, atol=1e-12)
+    np.testing.assert_allclose(mesh.half_extents, box.half_extents, atol=1e-12)
+    assert mesh.bounding_radius == pytest.approx(box.bounding_radius)
+
+
+def test_distance_of_a_hull_is_that_of_coal():
+    points = np.random.default_rng(3).normal(size=(40, 3)) * (0.3, 0.2, 0.1)
+    faces = np.arange(39)[:, None] + (0, 1, 1)  # a chain: one part
+    mesh = lt.Mesh(points, faces, PLACE, TURN)
+    theirs = coal.StdVec_Vec3s()
+    theirs.extend(list(points))
+    hull = coal.ConvexBase.convexHull(theirs, False, "")
+    pose = coal.Transform3s(rotations.to_matrix(TURN[None])[0], PLACE)
+    for query, ours in zip(QUERIES, mesh.distance(QUERIES), strict=True):
+        result = coal.DistanceResult()
+        ball = coal.Transform3s(np.eye(3), query)
+        coal.distance(hull, pose, coal.Sphere(1e-3), ball, coal.DistanceRequest(), result)
+        assert ours - 1e-3 == pytest.approx(result.min_distance, abs=1e-5)
+
+
+def test_room_between_parts_stays_free_and_inside_a_part_does_not():
+    boards = [solids.box(np.array([0.5, 0.5, 0.02])).moved(np.array([0, 0, z])) for z in (0, 0.4)]
+    shelf = mesh_of(*boards, place=np.zeros(3), turn=(1, 0, 0, 0))
+    assert len(shelf.parts) == 2
+    np.testing.assert_allclose(shelf.distance([[0, 0, 0.2], [0, 0, 0.4]]), [0.19, -0.01], atol=1e-7)
+    bracket = [solids.box(np.array([0.5, 0.02, 0.02])), solids.box(np.array([0.02, 0.5, 0.02]))]
+    joined = solids.merged(bracket)
+    faces = np.concatenate([joined.faces, [[0, 8, 9]]])
+    (part,) = lt.Mesh(joined.vertices, faces).parts
+    assert lt.Mesh(part.vertices, part.faces).distance([[0.1, 0.1, 0.0]])[0] < 0.0
+
+
+def test_vertices_at_one_place_are_one_as_in_stl_files():
+    box = solids.box(np.array([0.4, 0.6, 1.0]))
+    triangles = box.vertices[box.faces].reshape(-1, 3)
+    mesh = lt.Mesh(triangles, np.arange(len(triangles)).reshape(-1, 3), PLACE, TURN)
+    assert len(mesh.parts) == 1
+    np.testing.assert_allclose(mesh.distance(QUERIES), mesh_of(box).distance(QUERIES), atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    "corners",
+    [
+        [(0, 0, 0), (1, 0, 0), (0, 1, 0)],  # a sheet
+        [(0, 0, 0), (1, 0, 0), (2, 0, 0)],  # a wire
+        [(0, 0, 0), (0, 0, 0), (0, 0, 0)],  # a point
+    ],
+)
+def test_what_is_flat_is_a_millimetre_thick(corners):
+    thin = lt.Mesh(corners, [(0, 1, 2)])
+    on_it = np.asarray(corners, float).mean(axis=0)
+    np.testing.assert_allclose(thin.distance([on_it]), -0.0005, atol=1e-7)
+    np.testing.assert_allclose(thin.distance([on_it + np.array([0, 0, 0.1])]), 0.0995, atol=1e-7)
+
+
+def test_hulls_face_outwards_and_contain_their_part():
+    points = np.random.default_rng(5).normal(size=(60, 3))
+    (hull,) = lt.Mesh(points, np.arange(59)[:, None] + (0, 1, 1)).parts
+    a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    offsets = np.einsum("ij,ij->i", normals, a)
+    assert (points @ normals.T <= offsets + 1e-9).all()
+
+
+def test_a_mesh_stands_elsewhere_and_is_sent_elsewhere():
+    mesh = mesh_of(solids.sphere(0.3))
+    before = mesh.distance(QUERIES)
+    there = mesh.at(PLACE + 0.25)
+    np.testing.assert_allclose(there.distance(QUERIES + 0.25), before, atol=1e-8)
+    np.testing.assert_allclose(there.middle, mesh.middle + 0.25)
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(mesh)).distance(QUERIES), before)
+
+
+CORNERS = np.eye(4, 3)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: lt.Mesh(CORNERS, [[0, 1, 4]]), "faces: expected indices 0 to 3, got 0 to 4"),
+        (lambda: lt.Mesh(CORNERS, [[0, 1, -1]]), "faces: "),
+        (lambda: lt.Mesh(CORNERS, [[0, 1, 1.5]]), "faces: expected whole numbers"),
+        (lambda: lt.Mesh(CORNERS, np.zeros((0, 3))), "faces: "),
+        (lambda: lt.Mesh(CORNERS, [[0, 1]]), "faces: "),
+        (lambda: lt.Mesh([[0, 0, np.nan]], [[0, 0, 0]]), "vertices: "),
+        (lambda: lt.Mesh(CORNERS, [[0, 1, 2]], (0, 0)), "position: "),
+        (
+            lambda: lt.Mesh(np.arange(9009.0).reshape(-1, 3), np.arange(3003).reshape(-1, 3)),
+            "faces: expected at most 1,000 connected parts, got 1,001",
+        ),
+    ],
+)
+def test_impossible_meshes_are_refused(call, message):
+    with pytest.raises(InvalidInput, match=message):
+        call()
