@@ -12,8 +12,6 @@ namespace leadthrough {
 
 namespace {
 
-using Vector3 = Eigen::Vector3d;
-
 Eigen::VectorXd distances(const Shape& shape, const Eigen::Ref<const Rows3>& points) {
   const py::gil_scoped_release release;
   Eigen::VectorXd result(points.rows());
@@ -24,20 +22,20 @@ Eigen::VectorXd distances(const Shape& shape, const Eigen::Ref<const Rows3>& poi
 
 // A capsule or a cylinder.
 template <ShapeKind kind>
-Shape round_shape(double radius, double length, const Vector3& position,
+Shape round_shape(double radius, double length, const Eigen::Vector3d& position,
                   const Eigen::Vector4d& orientation) {
   return make_shape(kind, {radius, length, 0.0}, so3::to_matrix(orientation), position);
 }
 
-Shape hulls_shape(const std::vector<Rows3>& corners, const Vector3& position,
+Shape hulls_shape(const std::vector<Rows3>& corners, const Eigen::Vector3d& position,
                   const Eigen::Vector4d& orientation) {
   require(!corners.empty());
   for (const Rows3& own : corners) require(own.rows() >= 4);
   return make_hulls(corners, so3::to_matrix(orientation), position);
 }
 
-Shape cloud_shape(const Eigen::Ref<const Rows3>& points, double radius, const Vector3& position,
-                  const Eigen::Vector4d& orientation) {
+Shape cloud_shape(const Eigen::Ref<const Rows3>& points, double radius,
+                  const Eigen::Vector3d& position, const Eigen::Vector4d& orientation) {
   require(points.rows() > 0 && points.rows() <= Cloud::kMostPoints);
   const py::gil_scoped_release release;
   return make_cloud(std::make_shared<const Cloud>(points, radius), so3::to_matrix(orientation),
@@ -50,13 +48,14 @@ void bind_shapes(py::module_& module) {
   py::class_<Shape>(module, "Shape").def("distances", &distances, py::arg("points").noconvert());
   module.def(
       "box_shape",
-      [](const Vector3& size, const Vector3& position, const Eigen::Vector4d& orientation) {
+      [](const Eigen::Vector3d& size, const Eigen::Vector3d& position,
+         const Eigen::Vector4d& orientation) {
         return make_shape(ShapeKind::kBox, size, so3::to_matrix(orientation), position);
       },
       py::arg("size"), py::arg("position"), py::arg("orientation"));
   module.def(
       "sphere_shape",
-      [](double radius, const Vector3& position) {
+      [](double radius, const Eigen::Vector3d& position) {
         return make_shape(ShapeKind::kSphere, {radius, 0.0, 0.0}, Eigen::Matrix3d::Identity(),
                           position);
       },

@@ -22,7 +22,7 @@ Pose unturned(const Vector3d& position) { return {Eigen::Matrix3d::Identity(), p
 
 // Where a point is, as a core sees it: the square of its distance where `beyond` is positive, else
 // `beyond` is the signed distance.
-struct Place {
+struct Offset {
   double square;
   double beyond;
 };
@@ -44,10 +44,10 @@ class Probe {
       if (reach <= 0.0 || square_to(point) >= reach * reach) return true;
       return apart(sphere(0.0), unturned(point), body_, pose_, least, normal_);
     } else {
-      const Place place = of_core(point - pose_.position);
+      const Offset offset = of_core(point - pose_.position);
       const double needed = least + body_.rounding;
-      if (place.beyond <= 0.0) return place.beyond >= needed;
-      return needed <= 0.0 || place.square >= needed * needed;
+      if (offset.beyond <= 0.0) return offset.beyond >= needed;
+      return needed <= 0.0 || offset.square >= needed * needed;
     }
   }
 
@@ -55,13 +55,13 @@ class Probe {
     if constexpr (kCore == Core::kHull) {
       return separation(sphere(0.0), unturned(point), body_, pose_).distance;
     } else {
-      const Place place = of_core(point - pose_.position);
-      return (place.beyond > 0.0 ? std::sqrt(place.square) : place.beyond) - body_.rounding;
+      const Offset offset = of_core(point - pose_.position);
+      return (offset.beyond > 0.0 ? std::sqrt(offset.square) : offset.beyond) - body_.rounding;
     }
   }
 
  private:
-  Place of_core(const Vector3d& way) const {
+  Offset of_core(const Vector3d& way) const {
     const Vector3d axis = pose_.rotation.col(2);
     if constexpr (kCore == Core::kPoint) {
       return {way.squaredNorm(), 1.0};

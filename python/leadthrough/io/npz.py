@@ -32,7 +32,7 @@ from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, checked_
 
 # Errors of NumPy and zipfile for archives that are cut off, encrypted, pickled or altered, and for
 # a single array that was renamed to .npz (TypeError).
-_DAMAGE = (
+DAMAGE = (
     ValueError,
     TypeError,
     KeyError,
@@ -73,7 +73,7 @@ def arrays(path: Path) -> dict[str, NDArray[Any]]:  # Any: of whatever type the 
         InvalidInput: if the archive is damaged, has arrays of objects or claims too many numbers.
     """
     with (
-        bounds.reading(".npz archive of plain arrays", damage=_DAMAGE),
+        bounds.reading(".npz archive of plain arrays", damage=DAMAGE),
         warnings.catch_warnings(),  # NumPy warns of headers as Python 2 wrote them
     ):
         warnings.simplefilter("ignore", UserWarning)
@@ -156,7 +156,7 @@ def _check_claims(path: Path, gate: bounds.Gate) -> None:
             if not member.filename.endswith(".npy"):
                 continue
             with archive.open(member) as file:
-                count, size = _claimed(file)
+                count, size = claimed(file)
             gate.numbers(count, member.filename)
             if size > member.file_size:  # NumPy would take the memory before it misses the bytes
                 raise InvalidInput(
@@ -165,7 +165,7 @@ def _check_claims(path: Path, gate: bounds.Gate) -> None:
                 )
 
 
-def _claimed(file: Any) -> tuple[int, int]:
+def claimed(file: Any) -> tuple[int, int]:
     """How many numbers an array has according to its header, and their bytes."""
     version = np.lib.format.read_magic(file)
     read = {

@@ -7,6 +7,7 @@ that a sensor did not see, written as NaN, are left out.
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
@@ -17,13 +18,13 @@ from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.io import bounds
+from leadthrough.io import bounds, npz
 
 SUFFIXES = (".pcd", ".ply", ".npy", ".csv", ".txt", ".xyz")
 
 _XYZ = ("x", "y", "z")
 _LONGEST_HEADER = 2**16  # bytes
-_DAMAGE = (ValueError, TypeError, KeyError, IndexError, OSError, EOFError, SyntaxError)
+_DAMAGE = (*npz.DAMAGE, IndexError)
 
 # Types of numbers by the words of PLY, and by the letters and sizes of PCD.
 _PLY = {
@@ -67,14 +68,23 @@ def _read(path: Path, content: bytes, gate: bounds.Gate) -> NDArray[Any]:
         case ".ply":
             return _ply(content, gate)
         case ".npy":
-            array = np.load(BytesIO(content), allow_pickle=False)
-            gate.numbers(array.size, "the points")
-            if array.ndim != 2 or array.shape[1] < 3 or array.dtype.kind not in "fiu":
-                raise InvalidInput(f"expected numbers (n, 3), got {array.dtype} {array.shape}")
-            return np.asarray(array[:, :3], dtype=np.float64)
+            return _array(content, gate)
         case ".csv" | ".txt" | ".xyz":
             return _table(content, gate)
     raise InvalidInput(f"expected a file {', '.join(SUFFIXES)}")
+
+
+def _array(content: bytes, gate: bounds.Gate) -> Float64Array:
+    count, size = npz.claimed(BytesIO(content))
+    gate.numbers(count, "the points")
+    if size > len(content):
+        raise InvalidInput(f"its header claims {size:,} bytes of {len(content):,}")
+    with warnings.catch_warnings():  # NumPy warns of headers as Python 2 wrote them
+        warnings.simplefilter("ignore", UserWarning)
+        array = np.load(BytesIO(content), allow_pickle=False)
+    if array.ndim != 2 or array.shape[1] < 3 or array.dtype.kind not in "fiu":
+        raise InvalidInput(f"expected numbers (n, 3), got {array.dtype} {array.shape}")
+    return np.asarray(array[:, :3], dtype=np.float64)
 
 
 def _table(content: bytes, gate: bounds.Gate) -> Float64Array:

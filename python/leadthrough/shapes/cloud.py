@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.shapes.placed import UNTURNED, Bounded, pose
+from leadthrough.shapes.placed import UNTURNED, Bounded, places, pose
 
 MOST_POINTS = 1_000_000  # their tree takes 100 MB
 
@@ -47,7 +47,7 @@ class PointCloud(Bounded):
         position: ArrayLike = (0.0, 0.0, 0.0),
         orientation: ArrayLike = UNTURNED,
     ) -> None:
-        seen = check.frozen(points, "points", shape=("n", 3))
+        seen = places(points, "points")
         if not 0 < len(seen) <= MOST_POINTS:
             raise InvalidInput(
                 f"points: expected 1 to {MOST_POINTS:,} points, got {len(seen):,}"

@@ -37,7 +37,7 @@ def hulls_of_parts(vertices: Float64Array, faces: NDArray[np.int64]) -> tuple[Hu
         faces: indices of vertices (m, 3), m > 0.
 
     Raises:
-        InvalidInput: if there are more than a thousand parts.
+        InvalidInput: if there are more than a thousand parts, or one is too thin for its size.
     """
     return tuple(_hull(part) for part in _parts(vertices, faces))
 
@@ -65,10 +65,16 @@ def _parts(vertices: Float64Array, faces: NDArray[np.int64]) -> list[Float64Arra
 
 
 def _hull(points: Float64Array) -> Hull:
-    from scipy.spatial import ConvexHull
+    from scipy.spatial import ConvexHull, QhullError
 
     solid = _with_thickness(points)
-    found = ConvexHull(solid)
+    try:
+        found = ConvexHull(solid)
+    except QhullError:
+        size = float(np.ptp(points, axis=0).max())
+        raise InvalidInput(
+            f"vertices: a part of {size:.3g} m is too thin for its size; leave it out or thicken it"
+        ) from None
     kept = found.vertices
     number = np.zeros(len(solid), dtype=np.int64)
     number[kept] = np.arange(len(kept))

@@ -11,7 +11,7 @@ from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.shapes.hull import Hull, hulls_of_parts
-from leadthrough.shapes.placed import UNTURNED, Bounded, pose
+from leadthrough.shapes.placed import UNTURNED, Bounded, places, pose
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -30,7 +30,8 @@ class Mesh(Bounded):
         parts: the hulls, in the mesh's own frame.
 
     Raises:
-        InvalidInput: if one of them is malformed, or there are more than a thousand parts.
+        InvalidInput: if one of them is malformed, a part is too thin for its size, or there are
+            more than a thousand parts.
     """
 
     vertices: Float64Array
@@ -46,7 +47,7 @@ class Mesh(Bounded):
         position: ArrayLike = (0.0, 0.0, 0.0),
         orientation: ArrayLike = UNTURNED,
     ) -> None:
-        corners = check.frozen(vertices, "vertices", shape=("n", 3))
+        corners = places(vertices, "vertices")
         triangles = _triangles(faces, len(corners))
         vars(self).update(
             vertices=corners,

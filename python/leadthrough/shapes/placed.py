@@ -12,8 +12,10 @@ from numpy.typing import ArrayLike
 from leadthrough import _core, check, rotations
 from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
 
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
+_FARTHEST = 1e6  # m; beyond, rounding would eat what is thin
 
 
 class Placed(Brief):
@@ -131,6 +133,19 @@ def pose(position: ArrayLike, orientation: ArrayLike) -> dict[str, Float64Array]
     quaternion = check.quaternions(orientation, "orientation", shape=(4,))
     quaternion.setflags(write=False)
     return {"position": centre, "orientation": quaternion}
+
+
+def places(value: ArrayLike, name: str) -> Float64Array:
+    """Points (n, 3), read-only, near enough to the origin to be measured.
+
+    Raises:
+        InvalidInput: if they are malformed or farther than 1,000 km away.
+    """
+    points = check.frozen(value, name, shape=("n", 3))
+    farthest = float(np.abs(points).max(initial=0.0))
+    if farthest > _FARTHEST:
+        raise InvalidInput(f"{name}: expected places within {_FARTHEST:g} m, got {farthest:.3g} m")
+    return points
 
 
 def length(vectors: Float64Array) -> Float64Array:

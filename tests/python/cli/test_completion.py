@@ -12,6 +12,7 @@ from cli.command_line import RUNNER, run
 from leadthrough import cli
 from leadthrough.cli import completion, parse
 from leadthrough.cli.learn import models
+from leadthrough.io import points
 from leadthrough_studies.catalogue import STUDIES
 
 PROGRAM = """#!{python}
@@ -76,6 +77,8 @@ def offered(line):
         ("leadthrough info ur3.urdf --tip too", ["tool0"]),
         ("leadthrough retime x.json --format f", ["franka"]),
         ("leadthrough check x.json --obstacle sph", ["sphere:0.1@0.5,0,0.2"]),
+        ("leadthrough check x.json --obstacle me", ["mesh:"]),
+        ("leadthrough check x.json --obstacle cloud:shown/reach2", ["cloud:shown/reach2.csv"]),
         ("leadthrough view x.json --html p", ["page.html"]),
         ("leadthrough experiment a", ["agriculture"]),
         ("leadthrough example ", ["reach"]),
@@ -136,3 +139,8 @@ def test_the_names_are_those_that_there_are():
     assert set(completion.STUDIES) == set(STUDIES)
     for shape in completion.SHAPES:
         assert parse.obstacle(shape)
+    assert completion.OBSTACLE_FILES["cloud"] == points.SUFFIXES
+    assert {form.partition(":")[0] for form in parse.FORMS} == {
+        *(shape.partition(":")[0] for shape in completion.SHAPES),
+        *completion.OBSTACLE_FILES,
+    }

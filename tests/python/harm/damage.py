@@ -22,11 +22,11 @@ from scipy.io import savemat
 
 import leadthrough as lt
 from leadthrough.errors import LeadthroughError
-from leadthrough.io import apart_worker, mesh, rosbag_writer
+from leadthrough.io import apart_worker, rosbag_writer
 from leadthrough.io.request import checked
 
 RECORDINGS = ("csv", "npz", "mat", "json", "yaml", "mcap", "db3", "bag", "hdf5", "parquet")
-OTHERS = ("urdf", "toml", "skill", "stl", "obj", "dae")
+OTHERS = ("urdf", "toml", "skill", "stl", "obj", "dae", "pcd", "ply", "npy", "xyz")
 OPTIONS = {"hdf5": {"columns": {"joints": ["robot0_joint_pos"]}, "rate": 20.0}}
 APART = {
     "mcap": "rosbag", "db3": "rosbag", "bag": "rosbag", "hdf5": "robomimic", "parquet": "lerobot",
@@ -54,6 +54,7 @@ def write_all(folder, motion):
     (folder / "whole.toml").write_bytes((robots / "limits.toml").read_bytes())
     lt.ProMP(weights=6).fit([lt.Demonstration(motion)] * 2).save(folder / "whole.skill")
     _write_meshes(folder)
+    _write_points(folder)
 
 
 def damaged(content, rng):
@@ -93,7 +94,9 @@ def read(path):
         case "skill":
             lt.load_skill(path).generate()
         case "stl" | "obj" | "dae":
-            mesh.read_triangles(path)
+            lt.read_mesh(path)
+        case "pcd" | "ply" | "npy" | "xyz":
+            lt.read_point_cloud(path, 0.01)
         case suffix:
             lt.read_demonstrations(path, **OPTIONS.get(suffix, {}))
 
@@ -160,6 +163,19 @@ def _write_meshes(folder):
         '<library_visual_scenes><visual_scene id="s"><node><instance_geometry url="#g"/></node>'
         "</visual_scene></library_visual_scenes><scene>"
         '<instance_visual_scene url="#s"/></scene></COLLADA>'
+    )
+
+
+def _write_points(folder):
+    points = np.random.default_rng(1).normal(size=(50, 3))
+    np.save(folder / "whole.npy", points)
+    np.savetxt(folder / "whole.xyz", points)
+    head = "ply\nformat binary_little_endian 1.0\nelement vertex 50\n"
+    head += "".join(f"property double {axis}\n" for axis in "xyz") + "end_header\n"
+    (folder / "whole.ply").write_bytes(head.encode() + points.tobytes())
+    head = "VERSION 0.7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 50\nHEIGHT 1\n"
+    (folder / "whole.pcd").write_bytes(
+        f"{head}POINTS 50\nDATA binary\n".encode() + points.tobytes()
     )
 
 

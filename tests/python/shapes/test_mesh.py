@@ -109,6 +109,7 @@ CORNERS = np.eye(4, 3)
         (lambda: lt.Mesh(CORNERS, [[0, 1, 1.5]]), "faces: expected whole numbers"),
         (lambda: lt.Mesh(CORNERS, np.zeros((0, 3))), "faces: "),
         (lambda: lt.Mesh(CORNERS, [[0, 1]]), "faces: "),
+        (lambda: lt.Mesh(CORNERS * 2e6, [[0, 1, 2]]), "vertices: expected places within 1e"),
         (lambda: lt.Mesh([[0, 0, np.nan]], [[0, 0, 0]]), "vertices: "),
         (lambda: lt.Mesh(CORNERS, [[0, 1, 2]], (0, 0)), "position: "),
         (
