@@ -18,6 +18,7 @@ from judge import Judge, random_configurations, urdf_of
 import leadthrough as lt
 
 TOLERANCE = 1e-5  # m; coal's own is 1e-6
+CELL = 0.01  # m
 Distances = Callable[[Any], Any]
 
 
@@ -42,6 +43,26 @@ def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
                 error=_error,
                 tolerance=TOLERANCE,
             )
+    yield _to_points(20 if quick else 200)
+
+
+def _to_points(count: int) -> Benchmark:
+    """Ten thousand points against an octree, whose cubes of 1 cm the balls just fit into."""
+    arm = lt.Arm.load("panda")
+    q = random_configurations(arm, count, seed=1)
+    # Each in the middle of a cube: a wall, and what lies on a table.
+    cells = np.random.default_rng(3).integers((-60, -60, 0), (60, 60, 80), (10_000, 3))
+    cells[::2, 0], cells[1::2, 2] = 55, cells[1::2, 2] // 16
+    points = CELL * (np.unique(cells, axis=0) + 0.5)
+    cloud, peer = lt.PointCloud(points, 0.5 * CELL), Peer("panda", arm).to_points(points)
+    return Benchmark(
+        f"panda: distance to {len(points)} points, {count} configurations",
+        ours=lambda: arm.distance(q, [cloud]),
+        peer=lambda: peer(q),
+        peer_name="coal's octree",
+        error=_error,
+        tolerance=0.5 * (np.sqrt(3.0) - 1.0) * CELL + TOLERANCE,  # from a ball to a cube's corner
+    )
 
 
 class Peer:
@@ -69,6 +90,15 @@ class Peer:
             pose = pin.SE3(pin.Quaternion(w, x, y, z).matrix(), np.array(box.position))
             shape = pin.GeometryObject(f"box {i}", 0, pose, coal.Box(*box.size))
             _add_pairs(geometry, moving, [geometry.addGeometryObject(shape)])
+        return self._least(geometry)
+
+    def to_points(self, points: np.ndarray) -> Distances:
+        """The function of joint positions (m, n) that returns the distances (m,) to cubes."""
+        geometry = self._geometry()
+        moving = [i for i, shape in enumerate(geometry.geometryObjects) if shape.parentJoint > 0]
+        cubes = coal.makeOctree(points, CELL)
+        shape = pin.GeometryObject("cubes", 0, pin.SE3.Identity(), cubes)
+        _add_pairs(geometry, moving, [geometry.addGeometryObject(shape)])
         return self._least(geometry)
 
     def _geometry(self) -> Any:
