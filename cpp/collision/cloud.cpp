@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/constants.hpp"
+#include "collision/minkowski.hpp"
 #include "collision/scene.hpp"
 
 namespace leadthrough {
@@ -15,7 +16,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kLeaf = 8;    // points of a leaf at most
+constexpr int kLeaf = 8;  // points of a leaf at most
+constexpr std::size_t kPlanes = 8;
 constexpr int kDepth = 64;  // more than halving any number of points takes
 
 Pose unturned(const Vector3d& position) { return {Eigen::Matrix3d::Identity(), position}; }
@@ -42,7 +44,7 @@ class Probe {
     if constexpr (kCore == Core::kHull) {
       const double reach = least + radius_;
       if (reach <= 0.0 || square_to(point) >= reach * reach) return true;
-      return apart(sphere(0.0), unturned(point), body_, pose_, least, normal_);
+      return beyond_a_plane(point, least) || seen_apart(point, least);
     } else {
       const Offset offset = of_core(point - pose_.position);
       const double needed = least + body_.rounding;
@@ -80,11 +82,32 @@ class Probe {
     }
   }
 
+  // Whether a plane that touches the hull keeps it away from the point.
+  bool beyond_a_plane(const Vector3d& point, double least) const {
+    for (std::size_t i = 0; i < std::min(planes_, kPlanes); ++i)
+      if (ways_[i].dot(point) - offsets_[i] >= least) return true;
+    return false;
+  }
+
+  // As `apart` says; its plane is kept, for the points around are likely to lie beyond it too.
+  bool seen_apart(const Vector3d& point, double least) const {
+    if (!apart(sphere(0.0), unturned(point), body_, pose_, least, normal_)) return false;
+    const Vector3d touched = minkowski::support(body_, -(back_ * normal_));
+    const std::size_t i = planes_++ % kPlanes;
+    ways_[i] = -normal_;
+    offsets_[i] = ways_[i].dot(pose_.rotation * touched + pose_.position);
+    return true;
+  }
+
   const Convex& body_;
   const Pose& pose_;
   Eigen::Matrix3d back_;
   double radius_;
-  mutable Vector3d normal_ = Vector3d::UnitX();  // along which a hull was last seen to be apart
+  // What a hull was last seen to be apart by: the normal, and planes with their offsets.
+  mutable Vector3d normal_ = Vector3d::UnitX();
+  mutable std::array<Vector3d, kPlanes> ways_;
+  mutable std::array<double, kPlanes> offsets_;
+  mutable std::size_t planes_ = 0;
 };
 
 // Calls work(probe) with a body as it is seen from the frame of a cloud.

@@ -97,7 +97,8 @@ double nearest_share(const Vector3d& middle, const Vector3d& half, const Vector3
   return low - slope_low * (high - low) / (slope_high - slope_low);
 }
 
-// Whether the depth of cores that overlap is wanted; it takes longer than all the rest.
+// Whether the depth of cores that overlap is wanted, which takes longer than all the rest, and the
+// distance of those that are nearer than the cutoff.
 enum class Overlap { kMeasured, kJustSeen };
 
 NearestOfCores overlapping(const Difference& difference, Overlap overlap) {
@@ -134,6 +135,9 @@ NearestOfCores iterate(const Difference& difference, const Vector3d& start, doub
     nearest = simplex.reduce();
     const double shorter = nearest.norm();
     if (simplex.size == 4 || shorter < kCoresTouch) return overlapping(difference, overlap);
+    // Where only the cutoff is asked for, how much nearer the cores come is not.
+    if (overlap == Overlap::kJustSeen && shorter < cutoff)
+      return {shorter, -nearest / shorter, vertex.on_a, vertex.on_b};
     if (i > 0 && shorter >= length) {  // rounding
       simplex = before;
       break;

@@ -245,7 +245,7 @@ CollisionModel make_collision_model(const Robot& robot, const Chain& chain, cons
   const auto last = static_cast<std::size_t>(find_link(robot, tip));
   const std::vector<Place> links =
       places(robot, joints_of_chain(robot, static_cast<int>(first), static_cast<int>(last)));
-  CollisionModel model{chain, {}, {}, {}, {}};
+  CollisionModel model{chain, {}, {}, {}, {}, {}};
   Frames frames;
   collision::joint_frames(chain, MovingValues{}.data(), frames);
   // Links that hang beside the base, or above it, are not moved either.

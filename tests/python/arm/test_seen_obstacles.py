@@ -137,7 +137,7 @@ def test_planners_keep_clear_of_clouds_and_meshes():
     ball = solids.sphere(0.05).moved(np.array([0.2, 0.01, 0.2]))
     mesh = lt.Mesh(ball.vertices, ball.faces)
     cloud = lt.PointCloud(ball.vertices, 0.01)
-    for model in (lt.FastMarching(), lt.DMP()):
+    for model in (lt.FastMarching(resolution=0.02), lt.DMP()):
         for there in (mesh, cloud):
             made = model.fit(shown).generate(obstacles=[there])
             assert there.distance(made.positions).min() > 0.0
