@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <random>
 
+#include "base/allocations.hpp"
 #include "collision/cloud.hpp"
 #include "collision/signed_distance.hpp"
 
@@ -76,6 +77,20 @@ TEST(Cloud, IsAsFarAsItsNearestBall) {
       }
     }
   }
+}
+
+TEST(Cloud, AllocatesNothing) {
+  Random random;
+  const Rows3 points = scattered(random, 300);
+  const Cloud cloud(points, kRadius);
+  const std::vector<Convex> all = bodies();
+  const Pose own = random.pose(0.2), other = random.pose(0.3);
+  const std::size_t before = test::allocations();
+  for (const Convex& body : all) {
+    cloud.separation(own, body, other, 0.5, kInfinity);
+    cloud.apart(own, body, other, 0.5, 0.1);
+  }
+  EXPECT_EQ(test::allocations(), before);
 }
 
 TEST(Cloud, LiesInItsBall) {
