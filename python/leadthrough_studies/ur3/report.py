@@ -18,8 +18,8 @@ _NOT_IN_THE_TABLE = ("study", "path")
 
 def report(config: Any, rows: list[Row]) -> Report:
     """The experiments beside the paper's kappa; sweep and paces in figures and summary."""
-    experiments, swept, taught = (
-        selected(rows, study=name) for name in ("setups", "sweep", "teaching")
+    experiments, swept, taught, repeated = (
+        selected(rows, study=name) for name in ("setups", "sweep", "teaching", "seeds")
     )
     figures = {}
     if experiments:
@@ -34,8 +34,27 @@ def report(config: Any, rows: list[Row]) -> Report:
         summary={
             "assumptions": setups.__doc__,
             "teaching": [_without(row, "study") for row in taught],
+            "seeds": [
+                _spread(selected(repeated, setup=n)) for n in sorted({r["setup"] for r in repeated})
+            ],
         },
     )
+
+
+def _spread(rows: list[Row]) -> Row:
+    """What one experiment gives with several persons, least, mean and most where that differs."""
+    kappas = [row["kappa"] for row in rows]
+    distances = [row["arm_distance_m"] for row in rows if row["arm_ok"]]
+    return {
+        "setup": rows[0]["setup"],
+        "persons": len(rows),
+        "kappa": [min(kappas), float(np.mean(kappas)), max(kappas)],
+        "kappa_paper": rows[0]["kappa_paper"],
+        "auto_learned": sum(row["auto_learned"] for row in rows),
+        "arm_ok": sum(row["arm_ok"] for row in rows),
+        "least_arm_distance_m": min(distances, default=None),
+        "most_tip_left_path_m": max(row["tip_left_path_m"] or 0.0 for row in rows),
+    }
 
 
 def _without(row: Row, *columns: str) -> Row:
@@ -56,7 +75,7 @@ def _scenes_figure(config: Any, rows: list[Row]) -> Figure:
         for box in setups.SETUPS[row["setup"]].boxes():
             _draw_box(axes, box)
         axes.set_aspect("equal")
-        met = "clear" if row["arm_ok"] else row["arm_hit"].replace("_link", "") + " collide"
+        met = "clear" if row["arm_ok"] else "not clear"
         title = f"{row['setup']}: {row['title']}\nkappa {row['kappa']:.2f}, arm: {met}"
         axes.set_title(title, fontsize=9)
         for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
