@@ -22,6 +22,7 @@ from leadthrough.models.protocol import Conditioned, Generator, Place, Previewed
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
 from leadthrough.shapes import Shape, check_shapes
 from leadthrough.show.scene import tip_path
+from leadthrough.whole_arm import plan_motion
 
 # Sampling of a preview and of a plan, s.
 _PREVIEW_STEP = 0.04
@@ -66,8 +67,8 @@ class Replanner:
         skill: of points or poses in 3-D, or of the arm's joints.
         goal: position (3,), m, or (position (3,), orientation (4,) w, x, y, z); by default the
             skill's own.
-        obstacles: shapes in the arm's base frame. If the skill does not plan around obstacles, its
-            motions are only checked against them.
+        obstacles: shapes in the arm's base frame. The whole arm keeps clear of them: a preview
+            moves what the tip's path leaves free, a plan also the tip where the arm has no room.
         demonstrations: those that the skill was fitted to, for parameters that need a new fit.
 
     Raises:
@@ -182,21 +183,49 @@ class Replanner:
         begin = time.perf_counter()
         path, joints, trouble, verdict = None, None, "", ""
         try:
-            motion = self._motion(dt, preview=preview)
-            path = tip_path(self.arm, motion)
-            joints = self._followed(motion)
+            if self.obstacles and not preview:
+                path, joints = self._planned(dt)
+            else:
+                motion = self._motion(dt, preview=preview)
+                path = tip_path(self.arm, motion)
+                joints = self._followed(motion)
             if not preview:
                 verdict = str(self.arm.check(joints, self.obstacles))
         except LeadthroughError as error:
             trouble = str(error)
+            if path is None:
+                path = self._path_of_the_tip_alone()
         return Answer(path, joints, trouble, verdict, time.perf_counter() - begin)
 
-    def _motion(self, dt: float, *, preview: bool) -> Motion:
+    def _planned(self, dt: float) -> tuple[Float64Array, JointTrajectory]:
+        """The path of the tip and the joints, the whole arm clear of the obstacles."""
+        query: _Query = {**self._query(dt), "obstacles": tuple(self.obstacles)}
+        try:
+            planned = plan_motion(self.skill, self.arm, seed=self._first, **query)
+        except IkFailure:
+            if self._first is None:
+                raise
+            planned = plan_motion(self.skill, self.arm, **query)
+        self._first = planned.joints.positions[0]
+        return planned.tip.positions, planned.joints
+
+    def _path_of_the_tip_alone(self) -> Float64Array | None:
+        """What the arm cannot follow, to be looked at; None if there is no path either."""
+        try:
+            return tip_path(self.arm, self._motion(_PREVIEW_STEP, preview=True))
+        except LeadthroughError:
+            return None
+
+    def _query(self, dt: float) -> _Query:
         query: _Query = {"dt": dt}
         if self.duration is not None:
             query["duration"] = self.duration
         if self.has_goal and self._asked:
             query["goal"] = self._goal()
+        return query
+
+    def _motion(self, dt: float, *, preview: bool) -> Motion:
+        query = self._query(dt)
         if "obstacles" in self.skill.supports:
             query["obstacles"] = tuple(self.obstacles)
         return (self._quick if preview else self.skill).generate(**query)
@@ -212,10 +241,10 @@ class Replanner:
         """Starts as before if possible: an arm that jumps while one drags is hard to look at."""
         if self._first is not None:
             try:
-                return self.arm.follow(motion, seed=self._first)
+                return self.arm.follow(motion, seed=self._first, obstacles=self.obstacles)
             except IkFailure:
                 pass
-        return self.arm.follow(motion)
+        return self.arm.follow(motion, obstacles=self.obstacles)
 
     def _usual_goal(self, usual: Motion) -> tuple[Float64Array, Float64Array | None]:
         if self._is_of_joints:

@@ -72,12 +72,22 @@ def test_arm_does_not_jump_while_one_drags(skills, panda):
         before = after
 
 
-def test_plan_says_what_a_check_of_the_arm_says(skills, panda):
+def test_plan_keeps_the_whole_arm_clear_or_says_what_is_in_the_way(skills, panda):
     planner = Replanner(panda, skills["ProMP"], obstacles=[lt.Sphere(0.05, (5.0, 0.0, 0.0))])
     assert planner.preview().verdict == ""
-    assert planner.plan().verdict.startswith("clear by")
+    alone = planner.plan()
+    assert alone.verdict.startswith("clear by")
+    hand, _ = panda.forward_kinematics(alone.joints.positions[len(alone.joints) // 2])
+    planner.move_obstacle(0, hand + np.array([0.0, 0.0, 0.1]))  # in the hand, above the tip
+    assert not panda.check(alone.joints, planner.obstacles).ok
+    around = planner.plan()
+    assert around.verdict.startswith("clear by")
+    assert panda.check(around.joints, planner.obstacles, margin=0.005).ok
     planner.move_obstacle(0, planner.goal_position)
-    assert planner.plan().verdict.startswith("hit")
+    inside = planner.plan()
+    assert inside.joints is None
+    assert "obstacle 0" in inside.trouble and "goal" in inside.trouble
+    assert inside.path is not None
 
 
 def test_goal_out_of_reach_is_trouble_and_the_path_is_still_there(skills, panda):
