@@ -69,7 +69,13 @@ def write(
 
 
 def save_figure(figure: Figure, path: Path) -> None:
-    """Write a figure as a PNG file, completely or not at all."""
+    """Write a figure as a PNG file, completely or not at all.
+
+    Its parts keep the places that they get here, so that it is not laid out again for each file.
+    """
+    if engine := figure.get_layout_engine():
+        engine.execute(figure)
+        figure.set_layout_engine("none")
     with replacing(path) as temporary:
         figure.savefig(temporary, dpi=110)
 

@@ -29,13 +29,13 @@ def demo(
 
     config = HandwritingConfig()
     arm = Arm.load(config.robot)
-    results = []
+    results, learning = [], []
     for name in track(motion or MOTIONS, description="Learning and writing"):
         result = run(name, arm, config)
-        report.write_motion(result, arm.limits, out / name)
+        learning.append(report.write_motion(result, arm.limits, out / name))
         results.append(result)
-    report.write_summary(results, out)
-    report.write_page(results, arm, config, out)
+    overview = report.write_summary(results, out)
+    report.write_page(results, arm, config, out, overview=overview, learning=learning)
 
     columns = ("motion", "SEA\nmm²", "V_rmse\nmm/s", "DTWD/N\nmm", "Fréchet\nmm", "time\ns")
     table = Table(*columns, "slowed", "limits", "arm", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))

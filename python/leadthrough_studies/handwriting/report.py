@@ -37,20 +37,31 @@ COLUMNS = ("motion", "SEA_mm2", "V_rmse_mm_s", "DTWD_per_N_mm", "Frechet_mm")
 
 
 @style.applied()
-def write_motion(result: Handwriting, limits: JointLimits, folder: Path) -> None:
-    """Write two figures and the joint trajectory as CSV and JSON into `folder`, made if missing."""
+def write_motion(result: Handwriting, limits: JointLimits, folder: Path) -> Figure:
+    """Write two figures and the joint trajectory as CSV and JSON into `folder`, made if missing.
+
+    Returns:
+        The figure of what was learned, for the page.
+    """
     folder.mkdir(parents=True, exist_ok=True)
-    save_figure(_learning_figure(result), folder / "learning.png")
+    learning = _learning_figure(result)
+    save_figure(learning, folder / "learning.png")
     save_figure(plot.joint_figure(result.joints, limits), folder / "joints.png")
     io.write_motion(result.joints, folder / "trajectory.csv")
     joint_trajectory.write_json(result.joints, folder / "trajectory.json")
+    return learning
 
 
 @style.applied()
-def write_summary(results: Sequence[Handwriting], folder: Path) -> None:
-    """Write a figure of all motions and the table of errors, errors.csv, into `folder`."""
+def write_summary(results: Sequence[Handwriting], folder: Path) -> Figure:
+    """Write a figure of all motions and the table of errors, errors.csv, into `folder`.
+
+    Returns:
+        The figure, for the page.
+    """
     folder.mkdir(parents=True, exist_ok=True)
-    save_figure(_overview_figure(results), folder / "overview.png")
+    overview = _overview_figure(results)
+    save_figure(overview, folder / "overview.png")
     with (
         replacing(folder / "errors.csv") as temporary,
         temporary.open("w", encoding="utf-8", newline="") as file,
@@ -58,25 +69,43 @@ def write_summary(results: Sequence[Handwriting], folder: Path) -> None:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
         writer.writerows(error_rows(results))
+    return overview
 
 
 @style.applied()
 def write_page(
-    results: Sequence[Handwriting], arm: Arm, config: HandwritingConfig, folder: Path
+    results: Sequence[Handwriting],
+    arm: Arm,
+    config: HandwritingConfig,
+    folder: Path,
+    *,
+    overview: Figure,
+    learning: Sequence[Figure],
 ) -> None:
-    """Write report.html: an introduction, a 3D scene of each motion, and the errors."""
+    """Write report.html: an introduction, a 3D scene of each motion, and the errors.
+
+    Args:
+        results: of the motions.
+        arm: that writes.
+        config: of the demo.
+        folder: made if missing.
+        overview: the figure of all motions.
+        learning: the figure of what was learned, of each motion.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     parts = [page.text(text) for text in _INTRODUCTION]
-    parts.append(page.figure(_overview_figure(results), "All motions on the table."))
-    for result in results:
-        parts += _motion_parts(result, arm, config)
+    parts.append(page.figure(overview, "All motions on the table."))
+    for result, learned in zip(results, learning, strict=True):
+        parts += _motion_parts(result, arm, config, learned)
     parts += [page.heading("Errors"), page.text(_ERRORS), page.table(COLUMNS, error_rows(results))]
     page.write_page(
         folder / "report.html", "Handwriting, learned and written by a robot arm", parts
     )
 
 
-def _motion_parts(result: Handwriting, arm: Arm, config: HandwritingConfig) -> list[str]:
+def _motion_parts(
+    result: Handwriting, arm: Arm, config: HandwritingConfig, learned: Figure
+) -> list[str]:
     verdict = "kept" if result.limits.ok else "exceeded"
     facts = (
         f"{result.joints.duration:.2f} s, slowed {result.slowing:.2f} times to keep the arm's "
@@ -85,7 +114,7 @@ def _motion_parts(result: Handwriting, arm: Arm, config: HandwritingConfig) -> l
     return [
         page.heading(result.name),
         page.scene(_scene(result, arm, config), facts),
-        page.figure(_learning_figure(result), "Left: the speed map. Right: the speed of the pen."),
+        page.figure(learned, "Left: the speed map. Right: the speed of the pen."),
     ]
 
 
