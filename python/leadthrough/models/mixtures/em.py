@@ -55,6 +55,7 @@ def fit_blocks(
     *,
     seed: int,
     starts: int,
+    least: float = LEAST_VARIANCE,
 ) -> tuple[Blocks, list[float]]:
     """The most likely components of points given in blocks of columns, whatever their order.
 
@@ -67,6 +68,7 @@ def fit_blocks(
         count: number of components, k.
         seed: seed of the random number generator that draws the starts.
         starts: number of starts that are followed to the end.
+        least: least variance of a component in any direction.
 
     Returns:
         The components, and the mean log-likelihood per point at every iteration.
@@ -74,7 +76,7 @@ def fit_blocks(
     rng = np.random.default_rng(seed)
     order = np.lexsort(np.hstack(blocks).T[::-1])
     blocks, clustering = [block[order] for block in blocks], clustering[order]
-    steps = Steps(blocks)
+    steps = Steps(blocks, least=least)
     first = np.eye(count)
     if count == 1 or starts == 1:
         labels = clustered(clustering, seeds(clustering, count, rng)).labels
@@ -115,14 +117,20 @@ class Steps:
         blocks: columns (n, d) of the points in each block.
         before: weighted monomials (k, m) in each block of points seen before, as from `sums_of`.
             They stay assigned to their components.
+        least: least variance of a component in any direction.
     """
 
     def __init__(
-        self, blocks: Sequence[Float64Array], before: Sequence[Float64Array] | None = None
+        self,
+        blocks: Sequence[Float64Array],
+        before: Sequence[Float64Array] | None = None,
+        *,
+        least: float = LEAST_VARIANCE,
     ) -> None:
         self._sizes = [block.shape[1] for block in blocks]
         self._monomials = [_monomials(block) for block in blocks]
         self._before = before
+        self._least = least
 
     def run(
         self, components: Blocks, iterations: int, *, tolerance: float = _TOLERANCE
@@ -185,7 +193,8 @@ class Steps:
             mean = each[:, 1 : 1 + size] / counts[:, None]
             second = _squares(each[:, 1 + size :], size) / counts[:, None, None]
             means.append(mean)
-            covariances.append(_bounded(second - mean[:, :, None] * mean[:, None, :]))
+            spread = second - mean[:, :, None] * mean[:, None, :]
+            covariances.append(_bounded(spread, self._least))
         return Blocks(counts / counts.sum(), tuple(means), tuple(covariances))
 
     def _of_before(self, coefficients: Sequence[Float64Array]) -> float:
@@ -251,10 +260,10 @@ def _coefficients(means: Float64Array, covariances: Float64Array) -> Float64Arra
     return np.hstack([constant[:, None], linear, quadratic])
 
 
-def _bounded(covariances: Float64Array) -> Float64Array:
-    """Covariances (k, d, d) with eigenvalues of at least LEAST_VARIANCE."""
+def _bounded(covariances: Float64Array, least: float) -> Float64Array:
+    """Covariances (k, d, d) with eigenvalues of at least `least`."""
     values, vectors = np.linalg.eigh(covariances)
-    if values[:, 0].min() >= LEAST_VARIANCE:
+    if values[:, 0].min() >= least:
         return covariances
-    raised = np.maximum(values, LEAST_VARIANCE)
+    raised = np.maximum(values, least)
     return np.asarray((vectors * raised[:, None, :]) @ vectors.transpose(0, 2, 1))

@@ -5,6 +5,7 @@ Columns are scaled to variance one first, so that their units do not matter.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,7 @@ from leadthrough.errors import FitError
 from leadthrough.models.mixtures.em import Blocks, Steps, fit_blocks
 from leadthrough.models.mixtures.kmeans import clustered, seeds
 from leadthrough.models.mixtures.mixture import Mixture
+from leadthrough.models.mixtures.units import Units, own_units
 
 # The search for a number of components ends after this many numbers without improvement.
 _PATIENCE = 3
@@ -63,13 +65,25 @@ def fit_mixture(
     """
     data, count = _checked(points, components, seed)
     check.integer(starts, "starts", at_least=1)
-    middle, scale = column_moments(data)
-    scaled = (data - middle) / scale
-    blocks, history = fit_blocks([scaled], scaled, count, seed=seed, starts=starts)
-    volume = float(np.log(scale).sum())
-    return FittedMixture(
-        _unscaled(blocks, middle, scale), tuple(value - volume for value in history)
-    )
+    return _fitted(data, count, own_units(data), seed=seed, starts=starts)
+
+
+def fit_phases(
+    points: Float64Array, components: int, units: Units, *, seed: int, starts: int
+) -> FittedMixture:
+    """The most likely mixture of times and columns, each start of EM from clusters of the times.
+
+    Clusters of places would tell demonstrations apart and not their phases. Those of the times do
+    not depend on the places at all, so that no change of one lets EM start elsewhere.
+
+    Args:
+        points: times and columns (n, 1 + d).
+        components: number of components, 1 to n.
+        units: units in which EM measures the points.
+        seed: seed of the random number generator that draws the starts.
+        starts: number of starts that are followed to the end, as in `fit_mixture`.
+    """
+    return _fitted(points, components, units, seed=seed, starts=starts, by_time=True)
 
 
 def choose_components(
@@ -93,11 +107,39 @@ def choose_components(
     """
     data = check.array(points, "points", shape=("n", "d"))
     most = min(check.integer(at_most, "at_most", at_least=1), len(data))
+    return _least_criterion(
+        lambda count: fit_mixture(data, count, seed=seed, starts=starts), len(data), most
+    )
+
+
+def choose_phases(
+    points: Float64Array, units: Units, *, seed: int, starts: int, at_most: int = 15
+) -> FittedMixture:
+    """What `choose_components` is for `fit_mixture`, for `fit_phases`.
+
+    Args:
+        points: times and columns (n, 1 + d).
+        units: units in which EM measures the points.
+        seed: seed of the random number generator that draws the starts.
+        starts: number of starts for each number of components.
+        at_most: largest number of components to try.
+    """
+    return _least_criterion(
+        lambda count: fit_phases(points, count, units, seed=seed, starts=starts),
+        len(points),
+        at_most,
+    )
+
+
+def _least_criterion(
+    fitted: Callable[[int], FittedMixture], samples: int, most: int
+) -> FittedMixture:
+    """The fit of least Bayesian information criterion, of those with 1, 2, ... components."""
     best, least = 1, np.inf
     fits = {}
     for count in range(1, most + 1):
-        fits[count] = fit_mixture(data, count, seed=seed, starts=starts)
-        criterion = bic(fits[count], len(data))
+        fits[count] = fitted(count)
+        criterion = bic(fits[count], samples)
         if criterion < least:
             best, least = count, criterion
         if count - best == _PATIENCE:
@@ -128,18 +170,18 @@ def trace_mixture(
     count = components.count if isinstance(components, Mixture) else components
     data, count = _checked(points, count, seed)
     rounds = check.integer(iterations, "iterations", at_least=0)
-    middle, scale = column_moments(data)
-    scaled = (data - middle) / scale
+    units = own_units(data)
+    scaled = units.scaled(data)
     steps = Steps([scaled])
     if given is None:
         labels = clustered(scaled, seeds(scaled, count, np.random.default_rng(seed))).labels
         found = [steps.maximise(np.eye(count)[labels])]
     else:
         check.array(data, "points", shape=("n", given.size))
-        found = [_scaled(given, middle, scale)]
+        found = [_scaled(given, units)]
     for _ in range(rounds):
         found.append(steps.maximise(steps.expect(found[-1])[0]))
-    return [_unscaled(each, middle, scale) for each in found]
+    return [_unscaled(each, units) for each in found]
 
 
 def bic(fit: FittedMixture, samples: int) -> float:
@@ -154,16 +196,23 @@ def bic(fit: FittedMixture, samples: int) -> float:
     return free * float(np.log(samples)) - 2.0 * samples * fit.log_likelihood
 
 
-def column_moments(data: Float64Array) -> tuple[Float64Array, Float64Array]:
-    """Means and standard deviations (d,) of columns; deviation 1 where all values are the same.
-
-    Args:
-        data: points (n, d).
-    """
-    scale = data.std(axis=0)
-    middle = data.mean(axis=0)
-    rounding = 1e-12 * np.abs(middle)
-    return middle, np.where(scale > rounding, scale, 1.0)
+def _fitted(
+    data: Float64Array,
+    count: int,
+    units: Units,
+    *,
+    seed: int,
+    starts: int,
+    by_time: bool = False,
+) -> FittedMixture:
+    """The most likely mixture, with starts in all columns or in the first, the time."""
+    scaled = units.scaled(data)
+    clustering = scaled[:, :1] if by_time else scaled
+    blocks, history = fit_blocks(
+        [scaled], clustering, count, seed=seed, starts=starts, least=units.least
+    )
+    volume = float(np.log(units.scale).sum())
+    return FittedMixture(_unscaled(blocks, units), tuple(value - volume for value in history))
 
 
 def _checked(points: ArrayLike, components: int, seed: int) -> tuple[Float64Array, int]:
@@ -175,17 +224,17 @@ def _checked(points: ArrayLike, components: int, seed: int) -> tuple[Float64Arra
     return data, count
 
 
-def _scaled(mixture: Mixture, middle: Float64Array, scale: Float64Array) -> Blocks:
-    """The components of a mixture as one block of columns of variance one."""
-    means = (mixture.means - middle) / scale
-    return Blocks(mixture.weights, (means,), (mixture.covariances / scale / scale[:, None],))
+def _scaled(mixture: Mixture, units: Units) -> Blocks:
+    """The components of a mixture as one block of columns in units."""
+    covariances = mixture.covariances / units.scale / units.scale[:, None]
+    return Blocks(mixture.weights, (units.scaled(mixture.means),), (covariances,))
 
 
-def _unscaled(blocks: Blocks, middle: Float64Array, scale: Float64Array) -> Mixture:
+def _unscaled(blocks: Blocks, units: Units) -> Mixture:
     """The components of one block in their columns' own units, ordered by the first column."""
     order = np.argsort(blocks.means[0][:, 0], kind="stable")
     return Mixture(
         blocks.weights[order],
-        blocks.means[0][order] * scale + middle,
-        blocks.covariances[0][order] * scale * scale[:, None],
+        units.means(blocks.means[0][order]),
+        units.covariances(blocks.covariances[0][order]),
     )

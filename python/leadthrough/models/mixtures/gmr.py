@@ -10,14 +10,22 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from leadthrough import check
+from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models import archive
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
-from leadthrough.models.mixtures.fitting import choose_components, fit_mixture
+from leadthrough.models.mixtures.fitting import (
+    FittedMixture,
+    choose_components,
+    choose_phases,
+    fit_mixture,
+    fit_phases,
+)
 from leadthrough.models.mixtures.gmr_skill import GMRSkill
 from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.samples import SAMPLES, sampled
+from leadthrough.models.mixtures.units import motion_units
 from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import MotionT
 
@@ -60,14 +68,22 @@ class GMR(Unfitted):
                 mean.
         """
         shown = sampled(demonstrations)
-        if self.components is None:
-            fit = choose_components(shown.points, seed=self.seed, starts=self.starts)
-        else:
-            fit = fit_mixture(shown.points, self.components, seed=self.seed, starts=self.starts)
+        fit = self._fitted(shown.points, poses=shown.chart.kind == "poses")
         model = replace(self, components=fit.mixture.count)
         return GMRSkill(
             model, shown.chart, fit.mixture, shown.duration, shown.ends, len(shown.motions)
         )
+
+    def _fitted(self, points: Float64Array, *, poses: bool) -> FittedMixture:
+        """The mixture of times and columns (n, 1 + d)."""
+        if poses:
+            units = motion_units(points, poses=True)
+            if self.components is None:
+                return choose_phases(points, units, seed=self.seed, starts=self.starts)
+            return fit_phases(points, self.components, units, seed=self.seed, starts=self.starts)
+        if self.components is None:
+            return choose_components(points, seed=self.seed, starts=self.starts)
+        return fit_mixture(points, self.components, seed=self.seed, starts=self.starts)
 
 
 # Any: settings are whatever JSON holds.

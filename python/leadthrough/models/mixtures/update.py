@@ -8,6 +8,7 @@ robot", direct method.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +18,7 @@ from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.mixtures.em import Blocks, Steps, sums_of
 from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.samples import timed_columns
+from leadthrough.models.mixtures.units import Units, shared
 from leadthrough.motion import Motion, normalised_times
 
 if TYPE_CHECKING:
@@ -46,30 +48,34 @@ def learned(
     samples = timed_columns(motions, phases, skill.chart, skill.duration)
     total = skill.demonstration_count + len(motions)
     points = np.concatenate(samples)
-    mixture = _adapted(
-        skill.mixture, points, len(points) / len(motions) * skill.demonstration_count
-    )
+    units = _units(skill.mixture, poses=skill.chart.kind == "poses")
+    before = len(points) / len(motions) * skill.demonstration_count
+    mixture = _adapted(skill.mixture, points, before, units)
     ends = np.sum([each[[0, -1], 1:] for each in samples], axis=0)
     return mixture, (skill.ends * skill.demonstration_count + ends) / total, total
 
 
-def _adapted(mixture: Mixture, points: Float64Array, before: float) -> Mixture:
+def _adapted(mixture: Mixture, points: Float64Array, before: float, units: Units) -> Mixture:
     """The mixture of new points (n, d) and of the `before` old ones that it stands for."""
-    middle, scale = _moments(mixture)
-    old = Blocks(
-        mixture.weights,
-        ((mixture.means - middle) / scale,),
-        (mixture.covariances / (scale * scale[:, None]),),
-    )
-    steps = Steps([(points - middle) / scale], sums_of(old, before))
+    scale = units.scale
+    covariances = mixture.covariances / (scale * scale[:, None])
+    old = Blocks(mixture.weights, (units.scaled(mixture.means),), (covariances,))
+    steps = Steps([units.scaled(points)], sums_of(old, before), least=units.least)
     new, _ = steps.run(old, _MOST_ITERATIONS)
-    return Mixture(
-        new.weights, new.means[0] * scale + middle, new.covariances[0] * scale * scale[:, None]
-    )
+    return Mixture(new.weights, units.means(new.means[0]), units.covariances(new.covariances[0]))
 
 
-def _moments(mixture: Mixture) -> tuple[Float64Array, Float64Array]:
-    """Means and standard deviations (d,) of the points that a mixture stands for."""
+def _units(mixture: Mixture, *, poses: bool) -> Units:
+    """Units of the points that a mixture stands for.
+
+    Where a mixture is thinner than motions' least variance, as those of poses in files of earlier
+    versions are, it may stay so: EM would undo each step that makes it less likely.
+    """
     middle = mixture.weights @ mixture.means
     variances = np.einsum("kii->ki", mixture.covariances) + (mixture.means - middle) ** 2
-    return middle, np.sqrt(mixture.weights @ variances)
+    own = Units(middle, np.sqrt(mixture.weights @ variances))
+    if not poses:
+        return own
+    units = shared(own, poses=True)
+    scaled = mixture.covariances / units.scale / units.scale[:, None]
+    return replace(units, least=min(units.least, float(np.linalg.eigvalsh(scaled).min())))

@@ -1,5 +1,7 @@
 """Mixtures between a moved start and goal: never farther from the usual motion than the bound."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -109,3 +111,29 @@ def test_a_situation_asked_for_by_frames_is_near_the_usual_one_too():
         turn = rotations.to_matrix(rotations.exp([[0.0006, -0.0006, 0.0005]]))[0]
         after = skill.at([start, Frame(goal.origin, turn @ goal.axes)]).generate(dt=0.02)
         assert farthest(after, before) <= 2.0 * 0.001 * 0.7
+
+
+@pytest.mark.parametrize(("model", "most"), [(lt.GMR(), 0.001), (TaskGMR(starts=1), 0.004)])
+@pytest.mark.parametrize("count", [2, 3])
+@pytest.mark.parametrize("share_goal", [True, False])
+def test_a_millimetre_in_one_sample_moves_poses_by_a_few_at_most(model, most, count, share_goal):
+    """Thin components of single demonstrations let it move them by 14 and 45 mm."""
+    motions = [each.motion for each in family("poses", count, share_goal=share_goal)]
+    goal = motions[0].positions[-1] + [0.05, -0.05, 0.02]
+    usual = model.fit(motions).generate(goal=goal, dt=0.02)
+    for row in (0, 33, 50, 83, 99):
+        moved = motions[0].positions.copy()
+        moved[row, 0] += 0.001
+        changed = [replace(motions[0], positions=moved), *motions[1:]]
+        made = model.fit(changed).generate(goal=goal, dt=0.02)
+        assert farthest(made, usual) <= most
+
+
+def test_mixtures_of_poses_follow_phases_and_not_single_demonstrations():
+    """Units of the columns' own deviations took the mean motion 190 mm from the demonstrations'."""
+    for share_goal in (True, False):
+        motions = [each.motion for each in family("poses", 3, share_goal=share_goal)]
+        made = lt.GMR().fit(motions).generate(dt=0.02)
+        at = np.linspace(0.0, 1.0, len(made.times))
+        rows = [np.array([np.interp(at, U, c) for c in m.positions.T]).T for m in motions]
+        assert np.linalg.norm(made.positions - np.mean(rows, axis=0), axis=1).max() < 0.06
