@@ -25,7 +25,7 @@ from leadthrough.models.mixtures.fitting import (
 from leadthrough.models.mixtures.gmr_skill import GMRSkill
 from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.samples import SAMPLES, sampled
-from leadthrough.models.mixtures.units import motion_units
+from leadthrough.models.mixtures.units import pose_units
 from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import MotionT
 
@@ -77,7 +77,7 @@ class GMR(Unfitted):
     def _fitted(self, points: Float64Array, *, poses: bool) -> FittedMixture:
         """The mixture of times and columns (n, 1 + d)."""
         if poses:
-            units = motion_units(points, poses=True)
+            units = pose_units(points)
             if self.components is None:
                 return choose_phases(points, units, seed=self.seed, starts=self.starts)
             return fit_phases(points, self.components, units, seed=self.seed, starts=self.starts)

@@ -27,7 +27,7 @@ from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.samples import SAMPLES, sampled, timed_columns
 from leadthrough.models.mixtures.task_frames import checked_frames
 from leadthrough.models.mixtures.task_gmr_skill import TaskGMRSkill
-from leadthrough.models.mixtures.units import motion_units
+from leadthrough.models.mixtures.units import own_units, pose_units
 from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import MotionT
 
@@ -132,7 +132,7 @@ def _fitted(
     seen: Sequence[Float64Array], count: int, *, poses: bool, seed: int, starts: int
 ) -> Blocks:
     """Components of the times and columns (n, 1 + d) seen from each frame."""
-    units = [motion_units(each, poses=poses) for each in seen]
+    units = [pose_units(each) if poses else own_units(each) for each in seen]
     scaled = [own.scaled(each) for each, own in zip(seen, units, strict=True)]
     # Started from clusters of the time alone: clusters of places would tell the demonstrations
     # apart and not their phases.

@@ -5,8 +5,7 @@ to variance one each have a least variance of their own. For poses that is too l
 the reference, orientations vary by hundredths of a radian, and of a few demonstrations the least
 deviation is then 1e-5 rad. The likelihood of such thin components outweighs that of all positions,
 so that they follow single demonstrations and not the phases of all, and one sample changed by a
-millimetre lets another start win. So the positions of a motion share one unit, and rotations have
-theirs.
+millimetre lets another start win. So positions share one unit, and rotations have theirs.
 """
 
 from __future__ import annotations
@@ -18,10 +17,10 @@ import numpy as np
 from leadthrough.check import Float64Array
 from leadthrough.models.mixtures.em import LEAST_VARIANCE
 
-# Of motions: a deviation of 3 % of the unit, about 1 % of the motion's extent.
-LEAST_VARIANCE_OF_MOTIONS = 1e-3
+# A deviation of 3 % of the unit, about 1 % of the motion's extent.
+LEAST_VARIANCE_OF_POSES = 1e-3
 _ROTATION_UNIT = 1.0  # rad
-_ROTATION = 3  # columns at the end of those of poses
+_POSITION, _ROTATION = slice(1, 4), slice(4, 7)  # columns after the time
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,25 +61,22 @@ def own_units(points: Float64Array) -> Units:
     return Units(middle, np.where(deviations > rounding, deviations, 1.0))
 
 
-def motion_units(points: Float64Array, *, poses: bool) -> Units:
-    """Units of the time, which has its own, and of columns that share the widest one's.
+def pose_units(points: Float64Array) -> Units:
+    """Units of the time, which has its own, of positions, which share the widest one's, and rad.
 
     Args:
-        points: times and columns (n, 1 + d) of motions.
-        poses: whether the last three columns are a rotation, whose unit is the radian.
+        points: times and columns (n, 7) of poses.
     """
-    return shared(own_units(points), poses=poses)
+    return of_poses(own_units(points))
 
 
-def shared(own: Units, *, poses: bool) -> Units:
-    """Units of motions, of the columns' own ones, as `motion_units` has them.
+def of_poses(own: Units) -> Units:
+    """Units of poses, as `pose_units` has them, of the columns' own ones.
 
     Args:
         own: means and standard deviations of the time and the columns.
-        poses: whether the last three columns are a rotation.
     """
     scale = own.scale.copy()
-    split = len(scale) - _ROTATION if poses else len(scale)
-    scale[1:split] = scale[1:split].max()
-    scale[split:] = _ROTATION_UNIT
-    return Units(own.middle, scale, LEAST_VARIANCE_OF_MOTIONS)
+    scale[_POSITION] = scale[_POSITION].max()
+    scale[_ROTATION] = _ROTATION_UNIT
+    return Units(own.middle, scale, LEAST_VARIANCE_OF_POSES)

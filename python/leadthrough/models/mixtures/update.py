@@ -18,7 +18,7 @@ from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.mixtures.em import Blocks, Steps, sums_of
 from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.samples import timed_columns
-from leadthrough.models.mixtures.units import Units, shared
+from leadthrough.models.mixtures.units import Units, of_poses
 from leadthrough.motion import Motion, normalised_times
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def _adapted(mixture: Mixture, points: Float64Array, before: float, units: Units
 def _units(mixture: Mixture, *, poses: bool) -> Units:
     """Units of the points that a mixture stands for.
 
-    Where a mixture is thinner than motions' least variance, as those of poses in files of earlier
+    Where a mixture is thinner than the least variance of poses, as those in files of earlier
     versions are, it may stay so: EM would undo each step that makes it less likely.
     """
     middle = mixture.weights @ mixture.means
@@ -76,6 +76,6 @@ def _units(mixture: Mixture, *, poses: bool) -> Units:
     own = Units(middle, np.sqrt(mixture.weights @ variances))
     if not poses:
         return own
-    units = shared(own, poses=True)
+    units = of_poses(own)
     scaled = mixture.covariances / units.scale / units.scale[:, None]
     return replace(units, least=min(units.least, float(np.linalg.eigvalsh(scaled).min())))

@@ -7,7 +7,8 @@ import pytest
 
 import leadthrough as lt
 from leadthrough import rotations
-from leadthrough.models import Frame, TaskGMR
+from leadthrough.models import Frame, TaskGMR, fit_mixture
+from leadthrough.models.mixtures.samples import sampled
 
 U = np.linspace(0.0, 1.0, 100)
 KINDS = ("points", "joints", "poses")
@@ -137,3 +138,13 @@ def test_mixtures_of_poses_follow_phases_and_not_single_demonstrations():
         at = np.linspace(0.0, 1.0, len(made.times))
         rows = [np.array([np.interp(at, U, c) for c in m.positions.T]).T for m in motions]
         assert np.linalg.norm(made.positions - np.mean(rows, axis=0), axis=1).max() < 0.06
+
+
+def test_poses_of_thin_mixtures_in_earlier_files_still_learn_more():
+    motions = [each.motion for each in family("poses", 6)]
+    old = lt.GMR(4).fit(motions[:3])
+    thin = fit_mixture(sampled(motions[:3]).points, 4)  # as it was fitted before
+    skill = replace(old, mixture=thin.mixture)
+    more = skill.updated(motions[3:])
+    assert more.demonstration_count == 6
+    assert np.abs(more.mixture.means - skill.mixture.means).max() > 1e-3
