@@ -1,34 +1,20 @@
 """From recordings to a checked motion, by commands alone, with an arm that is not among ours."""
 
 import importlib.metadata
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from cli.command_line import facts, run
 
 import leadthrough as lt
-from leadthrough import cli
 
-RUNNER = CliRunner()
 (UR5,) = (
     entry.locate()
     for entry in importlib.metadata.distribution("example-robot-data").files
     if entry.name == "ur5_robot.urdf"
 )
 HOME = np.array([0.3, -1.4, 1.6, -1.8, -1.5, 0.2])
-
-
-def run(*words, code=0):
-    """The command's JSON, if it ends with the code."""
-    result = RUNNER.invoke(cli.app, [str(word) for word in words])
-    assert result.exit_code == code, result.output
-    return result
-
-
-def facts(*words, code=0):
-    return json.loads(run(*words, "--json", code=code).stdout)
 
 
 def record(path, arm, seed):
