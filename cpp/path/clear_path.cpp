@@ -11,10 +11,12 @@ namespace {
 
 constexpr int kMostKnots = 160;
 constexpr int kRounds = 8;
-constexpr double kLeastRoom = 0.001;     // m beyond the margins that the refinement looks for
-constexpr double kMoreRoom = 5e-4;       // m beyond what a round missed
-constexpr double kExactness = 5e-4;      // m, of the certificate
-constexpr Eigen::Index kMostParts = 16;  // that a sample's interval is checked in
+constexpr double kLeastRoom = 0.001;  // m beyond the margins that the refinement looks for
+constexpr double kMoreRoom = 5e-4;    // m beyond what a round missed
+// Of the certificate, m: in most rounds, and in the last ones, where little is missing.
+constexpr double kExactness = 5e-4, kGreatExactness = 5e-5;
+constexpr int kLastRounds = 3;
+constexpr Eigen::Index kMostParts = 32;  // that a sample's interval is checked in
 constexpr double kAstray = 0.3;          // rad or m that a sample may be away from the curve
 
 class Search {
@@ -63,7 +65,7 @@ class Search {
     for (int round = 0; round < kRounds; ++round) {
       refine(chain_, knots_, test_, arm_.margins, curve_);
       if (!all_samples(q)) return std::nullopt;
-      touch = give_room(q);
+      touch = give_room(q, round < kRounds - kLastRounds ? kExactness : kGreatExactness);
       if (!touch) return q;
     }
     return std::nullopt;
@@ -150,18 +152,18 @@ class Search {
   // Asks for more room where the motion comes too near; none where it does so nowhere. A
   // controller goes through the samples on a smooth curve: that is what is checked, on a finer grid
   // where it bulges.
-  std::optional<Approach> give_room(const Rows& q) {
+  std::optional<Approach> give_room(const Rows& q, double exactness) {
     std::optional<Approach> touch;
     std::vector<double> more(knots_.size(), 0.0);
     for (std::size_t scene = 0; scene < scenes_.size(); ++scene) {
       const double bulging = bulge(scenes_[scene], q);
       const auto parts = std::clamp<Eigen::Index>(
-          static_cast<Eigen::Index>(std::ceil(std::sqrt(4.0 * bulging / kExactness))), 1,
+          static_cast<Eigen::Index>(std::ceil(std::sqrt(4.0 * bulging / exactness))), 1,
           kMostParts);
       const Rows curve = parts > 1 ? denser(q, parts) : q;
       const double needed = (scene == 0 ? margins_.obstacles : margins_.itself) +
                             (parts > 1 ? bulge(scenes_[scene], curve) : bulging);
-      const MotionReport report = check_motion(scenes_[scene], curve, {needed, kExactness, 1});
+      const MotionReport report = check_motion(scenes_[scene], curve, {needed, exactness, 1});
       if (!report.first) continue;
       Approach closest = report.closest;
       closest.sample /= static_cast<double>(parts);

@@ -1,10 +1,20 @@
 """The studies by name."""
 
-from leadthrough_studies import agriculture, human, lasa, robotasks, singularity, trajectories, ur3
+from leadthrough_studies import (
+    agriculture,
+    elbow,
+    human,
+    lasa,
+    robotasks,
+    singularity,
+    trajectories,
+    ur3,
+)
 from leadthrough_studies.study import Study
 
 STUDIES: dict[str, Study] = {
     "agriculture": agriculture.STUDY,
+    "elbow": elbow.STUDY,
     "human": human.STUDY,
     "lasa": lasa.STUDY,
     "robotasks": robotasks.STUDY,

@@ -24,7 +24,16 @@ MODELS = (
     "rhythmic-dmp",
     "rhythmic-pose-dmp",
 )
-STUDIES = ("agriculture", "human", "lasa", "robotasks", "singularity", "trajectories", "ur3")
+STUDIES = (
+    "agriculture",
+    "elbow",
+    "human",
+    "lasa",
+    "robotasks",
+    "singularity",
+    "trajectories",
+    "ur3",
+)
 SHAPES = (
     "box:0.1,0.1,0.4@0.5,0,0.2",
     "sphere:0.1@0.5,0,0.2",

@@ -125,13 +125,13 @@ def test_published_paths_among_cubes_are_followed(name, recordings):
     motion = lt.PoseTrajectory(0.02 * np.arange(len(rows)), rows[:, :3] + offset, rows[:, 3:])
     cubes = [lt.Box([edge] * 3, centre) for centre in centres]
     arm = lt.Arm.load("panda", tip="panda_hand")
-    around = arm.follow(motion, obstacles=cubes, margin=0.004)
-    assert arm.check(around, cubes, margin=0.004).ok
+    around = arm.follow(motion, obstacles=cubes)
+    assert arm.check(around, cubes, margin=MARGIN).ok
     report = arm.path_report(around, motion)
     assert report.position_error.max() < 1e-4
     assert report.orientation_error.max() < np.radians(0.1)
     assert np.abs(np.diff(around.positions, axis=0)).max() < 0.05
-    assert _least_in_coal(around.positions[::5], edge, centres) > 0.003
+    assert _least_in_coal(around.positions[::5], edge, centres) > MARGIN - 1e-6
 
 
 def _least_in_coal(q, edge, centres):
