@@ -14,8 +14,8 @@ constexpr int kRounds = 8;
 constexpr double kLeastRoom = 0.001;  // m beyond the margins that the refinement looks for
 constexpr double kMoreRoom = 5e-4;    // m beyond what a round missed
 // Of the certificate, m: in most rounds, and in the last ones, where little is missing.
-constexpr double kExactness = 5e-4, kGreatExactness = 5e-5;
-constexpr int kLastRounds = 3;
+constexpr double kExactness = 2e-4, kGreatExactness = 2e-5;
+constexpr int kLastRounds = 2;
 constexpr Eigen::Index kMostParts = 32;  // that a sample's interval is checked in
 constexpr double kAstray = 0.3;          // rad or m that a sample may be away from the curve
 
@@ -156,27 +156,38 @@ class Search {
     std::optional<Approach> touch;
     std::vector<double> more(knots_.size(), 0.0);
     for (std::size_t scene = 0; scene < scenes_.size(); ++scene) {
-      const double bulging = bulge(scenes_[scene], q);
+      const CollisionScene& around = scenes_[scene];
+      // What the check may miss is kept besides.
+      const double least = (scene == 0 ? margins_.obstacles : margins_.itself) + exactness;
+      const double bulging = bulge(around, q);
       const auto parts = std::clamp<Eigen::Index>(
           static_cast<Eigen::Index>(std::ceil(std::sqrt(4.0 * bulging / exactness))), 1,
           kMostParts);
-      const Rows curve = parts > 1 ? denser(q, parts) : q;
-      const double needed = (scene == 0 ? margins_.obstacles : margins_.itself) +
-                            (parts > 1 ? bulge(scenes_[scene], curve) : bulging);
-      const MotionReport report = check_motion(scenes_[scene], curve, {needed, exactness, 1});
-      if (!report.first) continue;
-      Approach closest = report.closest;
-      closest.sample /= static_cast<double>(parts);
-      if (!touch || closest.nearest.distance < touch->nearest.distance) touch = closest;
-      raise(closest, needed, more);
-      raise({report.first->nearest, report.first->sample / static_cast<double>(parts)}, needed,
-            more);
-      for (std::size_t i = 0; i < report.samples.size(); ++i)
-        raise({report.samples[i], static_cast<double>(i) / static_cast<double>(parts)}, needed,
-              more);
+      if (parts > 1) {
+        const Rows curve = denser(q, parts);
+        look_at(around, curve, parts, {least + bulge(around, curve), exactness, 1}, touch, more);
+      }
+      const double straight = parts > 1 ? 0.0 : bulging;
+      look_at(around, q, 1, {least + straight, exactness, 1}, touch, more);
     }
     for (std::size_t k = 0; k < knots_.size(); ++k) knots_[k].room += more[k];
     return touch;
+  }
+
+  // Where rows, `parts` of them a sample, come too near; and how much room that asks for.
+  void look_at(const CollisionScene& scene, const Rows& rows, Eigen::Index parts,
+               const MotionOptions& options, std::optional<Approach>& touch,
+               std::vector<double>& more) const {
+    const MotionReport report = check_motion(scene, rows, options);
+    if (!report.first) return;
+    const auto per_sample = static_cast<double>(parts);
+    Approach closest = report.closest;
+    closest.sample /= per_sample;
+    if (!touch || closest.nearest.distance < touch->nearest.distance) touch = closest;
+    raise(closest, options.margin, more);
+    raise({report.first->nearest, report.first->sample / per_sample}, options.margin, more);
+    for (std::size_t i = 0; i < report.samples.size(); ++i)
+      raise({report.samples[i], static_cast<double>(i) / per_sample}, options.margin, more);
   }
 
   // The samples and, between them, places of a cubic through them.

@@ -261,13 +261,13 @@ class FramedSkill(Archived, Generic[MotionT_co]):
         """
         if not isinstance(self.skill, Conditioned):
             raise UnsupportedQuery(
-                f"condition: a skill of kind {self.skill.kind!r} cannot be conditioned; fit "
-                "Framed(ProMP()), or give via points where the skill takes them"
+                f"condition: a skill of kind {self.skill.kind!r} cannot be conditioned; give via "
+                "points where the skill takes them; in Python, fit Framed(ProMP())"
             )
         if covariance is not None and self.poses:
             raise UnsupportedQuery(
-                "covariance: expected none for poses; condition the skill inside in its own frame, "
-                "skill.skill.condition(...)"
+                "covariance: expected none for poses; condition the skill inside in its own frame; "
+                "in Python, skill.skill.condition(...)"
             )
         seen = cast(Place, self._local(position, "position"))
         uncertain = covariance_seen(self.frame, covariance)

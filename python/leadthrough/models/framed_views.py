@@ -101,8 +101,8 @@ def limits_seen(
     if np.abs(np.abs(frame.axes).max(axis=0) - 1.0).max() > _ALIGNED:
         raise UnsupportedQuery(
             "limits: limits of the base frame are none of single columns in a frame that is turned "
-            "against it; give walls as obstacles, lt.Box, or ask the skill inside, "
-            "skill.skill.generate(limits=...), for limits in its own frame"
+            "against it; give walls as obstacles, or ask the skill inside for limits in its own "
+            "frame; in Python, skill.skill.generate(limits=...)"
         )
     turned = (corners - frame.origin) @ np.round(frame.axes)
     return turned.min(axis=0), turned.max(axis=0)

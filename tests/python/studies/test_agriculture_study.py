@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from leadthrough import rotations
-from leadthrough.errors import IkFailure
 from leadthrough.models import PoseDMP, SkillLibrary
 from leadthrough.motion import PoseTrajectory
 from leadthrough_studies.agriculture.measures import judged
@@ -231,8 +230,8 @@ def digging():
     return learn(ARM, "digging", PoseDMP(), (0, 1, 3, 4), seed=0)
 
 
-def test_digging_succeeds_only_near_the_demonstrated_posture(digging):
-    """The wrist turns far: pulled to the middle of its ranges, the arm cannot go all the way."""
+def test_digging_succeeds_in_the_demonstrated_posture_and_by_looking_ahead(digging):
+    """The wrist turns far: only from some postures the arm can go all the way."""
     whole = chain(digging, targets("digging")[0])
     row, joints = on_the_arm(ARM, whole.poses, whole.joints)
     assert row["limits_kept"]
@@ -243,8 +242,8 @@ def test_digging_succeeds_only_near_the_demonstrated_posture(digging):
         rack, _ = ARM.forward_kinematics(POSTURES["rack"])
         reached, _ = ARM.forward_kinematics(q)
         np.testing.assert_allclose(reached, rack, atol=2e-3)
-    with pytest.raises(IkFailure):
-        ARM.follow(whole.poses, seed=whole.joints.positions[0])
+    ahead = ARM.follow(whole.poses, seed=whole.joints.positions[0])
+    assert ARM.path_report(ahead, whole.poses).position_error.max() < 1e-5
 
 
 def test_between_targets_interpolated_skills_are_closer_to_demonstrations_and_feasible(digging):
