@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from leadthrough.arm import Arm
-from leadthrough.arm.options import Axis
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
 from leadthrough.motion import JointTrajectory, PoseTrajectory
@@ -19,7 +19,7 @@ SPACES = {
     "panda": ((0.3, -0.45, 0.15), (0.6, 0.45, 0.55)),
     "ur3": ((-0.35, 0.15, 0.05), (0.35, 0.35, 0.3)),
 }
-FREE: dict[str, tuple[Axis, ...]] = {
+FREE: dict[str, tuple[Literal["rz"], ...]] = {
     "panda": (),
     "ur3": ("rz",),
 }  # the UR3's tool may spin about its own axis

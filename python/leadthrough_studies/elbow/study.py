@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from leadthrough.arm import Arm
-from leadthrough.arm.options import Axis
 from leadthrough.errors import IkFailure
 from leadthrough_studies.elbow.report import report
 from leadthrough_studies.elbow.scenes import FREE, Scene, scene
@@ -88,7 +88,7 @@ def trap(*, arm: str, seed: int, index: int) -> list[Row]:
     return [row]
 
 
-def _impossible(arm: Arm, made: Scene, free: tuple[Axis, ...]) -> bool:
+def _impossible(arm: Arm, made: Scene, free: tuple[Literal["rz"], ...]) -> bool:
     """Whether the arm cannot stand clear at one of the samples."""
     rng = np.random.default_rng(0)
     low, high = (np.clip(ends, -np.pi, np.pi) for ends in (arm.limits.lower, arm.limits.upper))
