@@ -94,10 +94,11 @@ def follow(
     complete = track.reached == len(path)
     q = track.q
     if not complete or (around is not None and not around.clear_along(q)):
-        freest = replace(follower, path=replace(path, free=freedoms[-1]))
-        searched = None if too_fast in _IN_TIME else freest.searched(seed, around)
+        followed = replace(path, free=freedoms[tracks.index(track)])
+        # An arm of few joints goes around obstacles by turning its tip away.
+        ahead = replace(follower, path=replace(path, free=followed.free or freedoms[-1]))
+        searched = None if too_fast in _IN_TIME else ahead.searched(seed, around)
         if searched is None:
-            followed = replace(path, free=freedoms[tracks.index(track)])
             on_the_way = "too_fast" if too_fast in _IN_TIME else "jump"
             raise failure(chain, limits, followed, track, on_the_way=on_the_way)
         q = searched

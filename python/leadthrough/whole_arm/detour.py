@@ -41,8 +41,12 @@ def paths_beside(
         near: configuration (joints,) of the arm there.
 
     Yields:
-        At most two paths for each length of the offset, in directions far apart.
+        At most two paths for each length of the offset, in directions far apart; none for a part
+        where the tip still stands at an end of the path.
     """
+    length = along(tip)
+    if length[narrows.samples[0]] == 0.0 or length[narrows.samples[-1]] == length[-1]:
+        return
     for more, offset in enumerate(_OFFSETS):
         part = narrows.widened(more)
         directions = _with_room(room, tip, part, near, offset)

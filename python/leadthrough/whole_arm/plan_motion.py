@@ -22,6 +22,7 @@ from leadthrough.whole_arm.tip_paths import TipMotion, TipPaths
 
 # Failures to follow that another path of the tip may cure.
 _NO_ROOM = ("blocked", "jump")
+_SIX = 6  # joints, with which an arm can have any position and orientation
 
 
 def plan_motion(
@@ -89,7 +90,7 @@ def plan_motion(
         "margin": margin,
         "self_margin": self_margin,
     }
-    paths = TipPaths(skill, query, Room(arm, shapes, margin, self_margin, tuple(free or ())))
+    paths = TipPaths(skill, query, Room(arm, shapes, margin, self_margin, _free_of(arm, free)))
     path = learned = paths.first()
     reasons: list[str] = []
     while True:
@@ -97,12 +98,19 @@ def plan_motion(
             joints = arm.follow(path, **following)
             break
         except IkFailure as failure:
-            if failure.status not in _NO_ROOM or len(reasons) + 1 >= most:
+            if not shapes or failure.status not in _NO_ROOM or len(reasons) + 1 >= most:
                 raise
             path = paths.another(path, failure)
             reasons.append(str(failure))
     clearance = arm.check(joints, shapes).obstacles.minimum_distance if shapes else np.inf
     return PlannedMotion(joints, path, _farthest(path, learned), clearance, tuple(reasons))
+
+
+def _free_of(arm: Arm, free: Sequence[Axis] | None) -> tuple[Axis, ...]:
+    """The axes free where the arm stands: of fewer than six joints, it turns as it has to."""
+    if free is None and len(arm.joint_names) < _SIX:
+        return ("rx", "ry", "rz")
+    return tuple(free or ())
 
 
 def _farthest(path: TipMotion, learned: TipMotion) -> float:

@@ -1,11 +1,16 @@
 """Motions of skills with which the whole arm keeps clear."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 from scipy.spatial import KDTree
 
 import leadthrough as lt
 from leadthrough.errors import IkFailure, InvalidInput
+from leadthrough.whole_arm.detour import paths_beside
+from leadthrough.whole_arm.room import Narrows, Room
 
 MARGIN = 0.005
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
@@ -107,3 +112,50 @@ def test_the_rounds_are_the_callers(panda, shown, box):
         lt.plan_motion(skill, panda, rounds=0)
     with pytest.raises(InvalidInput, match="margin"):
         lt.plan_motion(skill, panda, obstacles=[box], margin=-0.01)
+
+
+def test_an_arm_of_five_joints_stands_where_it_has_to_turn_its_tool(panda, shown):
+    """It cannot tilt the tool sideways, as shown, anywhere; at start and goal nothing is near."""
+    arm = panda.hold({"panda_joint3": 0.0, "panda_joint5": 0.0})
+    tilted = lt.rotations.compose(DOWN[None], lt.rotations.exp([[0.0, 0.2, 0.0]]))
+    motion = lt.PoseTrajectory(shown[1].times, shown[1].positions, np.tile(tilted, (61, 1)))
+    skill = lt.PoseDMP().fit([motion])
+    aside = lt.plan_motion(skill, arm, obstacles=[lt.Sphere(0.05, [0.6, 0.0, 0.42])], dt=0.02)
+    report = arm.path_report(aside.joints, aside.tip)
+    assert report.position_error.max() < 1e-5
+    assert 0.1 < report.orientation_error.max() < 0.2
+    with pytest.raises(IkFailure, match=r"obstacle 0 and panda_hand$"):
+        lt.plan_motion(skill, arm, obstacles=[lt.Sphere(0.03, [0.5, 0.0, 0.4])], dt=0.02, rounds=3)
+
+
+def test_without_obstacles_the_tip_keeps_its_path_or_it_fails(panda):
+    """From this posture the arm would have to jump, and no obstacle is the reason."""
+    rng = np.random.default_rng(0)
+    lower, upper = panda.limits.lower, panda.limits.upper
+    times = np.linspace(0.0, 6.0, 301)
+    for _ in range(21):  # the last of them is hard
+        way = rng.uniform(lower + 0.1, upper - 0.1, (4, 7))
+    joints = np.clip(CubicSpline(np.linspace(0.0, 6.0, 4), way)(times), lower + 0.01, upper - 0.01)
+    tip = lt.PoseTrajectory(times, *panda.forward_kinematics(joints))
+    skill = SimpleNamespace(supports=frozenset(), generate=lambda **_: tip)
+    with pytest.raises(IkFailure, match="jump") as alone:
+        panda.follow(tip, seed=joints[0])
+    with pytest.raises(IkFailure) as planned:
+        lt.plan_motion(skill, panda, seed=joints[0])
+    assert str(planned.value) == str(alone.value)
+
+
+def test_a_part_where_the_tip_still_stands_is_not_moved_aside(panda, shown):
+    motion = shown[1]
+    waiting = lt.PoseTrajectory(
+        motion.times,
+        np.vstack([np.tile(motion.positions[0], (20, 1)), motion.positions[:41]]),
+        motion.orientations,
+    )
+    room = Room(panda, (), MARGIN, 0.0, ())
+    places = np.array([0, 10, 30, 60])
+    near = panda.follow(motion).positions[0]
+    assert list(paths_beside(room, waiting, Narrows(places, 1, 1), near)) == []
+    beside = next(paths_beside(room, waiting, Narrows(places, 2, 2), near))
+    np.testing.assert_array_equal(beside.positions[:20], waiting.positions[:20])
+    assert np.isfinite(beside.positions).all()
