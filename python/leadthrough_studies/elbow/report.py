@@ -29,6 +29,7 @@ def _row(arm: str, rows: list[Row]) -> Row:
         "touch_without": sum(row["touches_without"] for row in rows),
         "possible": possible,
         "solved": len(solved),
+        "clear": sum(row["clear"] for row in solved),
         "solved_share": len(solved) / possible if possible else None,
         "median_cpu_s": float(np.median(times)),
         "p95_cpu_s": float(np.quantile(times, 0.95)),
