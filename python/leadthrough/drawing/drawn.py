@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from html import escape
 from typing import TYPE_CHECKING
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from leadthrough.drawing.panels import Panel
 
 
-class Drawn(Brief):
+class Drawn(Brief, ABC):
     """Classes that derive from this one show a drawing in notebooks, and have `plot`."""
 
     __slots__ = ()
@@ -31,9 +32,9 @@ class Drawn(Brief):
 
         return figure(self._panels())
 
+    @abstractmethod
     def _panels(self) -> Sequence[Panel]:
         """What to draw, side by side."""
-        raise NotImplementedError
 
     def _repr_html_(self) -> str:
         """A drawing with the short text below it; the text alone where nothing can be drawn."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from copy import copy
 from functools import cached_property
 from typing import Any, Self
@@ -18,7 +19,7 @@ UNTURNED = (1.0, 0.0, 0.0, 0.0)
 _FARTHEST = 1e6  # m; beyond, rounding would eat what is thin
 
 
-class Placed(Brief):
+class Placed(Brief, ABC):
     """A shape at a place."""
 
     position: Float64Array
@@ -50,8 +51,9 @@ class Placed(Brief):
         """The shape as the compiled core takes it."""
         return self._compile()
 
+    @abstractmethod
     def _compile(self) -> _core.Shape:
-        raise NotImplementedError
+        """The shape for the compiled core, made anew."""
 
     def __getstate__(self) -> dict[str, Any]:  # what is cached is made again
         fields = self.__dataclass_fields__  # type: ignore[attr-defined]
@@ -113,9 +115,9 @@ class Bounded(Turned):
         outline = self._outline()
         return outline.min(axis=0), outline.max(axis=0)
 
+    @abstractmethod
     def _outline(self) -> Float64Array:
         """The points (n, 3), m in the base frame."""
-        raise NotImplementedError
 
     @property
     def _rounding(self) -> float:
