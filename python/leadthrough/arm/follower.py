@@ -102,8 +102,8 @@ def follow(
             on_the_way = "too_fast" if too_fast in _IN_TIME else "jump"
             raise failure(chain, limits, followed, track, on_the_way=on_the_way)
         q = searched
-    times = _slowed(chain, path.times, q, limits) if too_fast == "slow" else path.times
-    velocities = _velocities(times, q)
+    times = slowed(chain, path.times, q, limits) if too_fast == "slow" else path.times
+    velocities = velocities_of(times, q)
     if too_fast != "exceed_limits":
         velocities[[0, -1]] = 0.0
     return JointTrajectory(
@@ -277,19 +277,25 @@ def _distance(track: Track, unit: tuple[float, float]) -> float:
     )
 
 
-def _slowed(
+def slowed(
     chain: _core.Chain, times: Float64Array, q: Float64Array, limits: JointLimits
 ) -> Float64Array:
-    slowed, stuck = _core.slow_down(times, q, limits.velocity, known_acceleration(limits))
+    """The times, stretched where joints (n, joints) would exceed velocity or acceleration limits.
+
+    Raises:
+        LimitsInfeasible: if a joint has to move whose limit is 0.
+    """
+    stretched, stuck = _core.slow_down(times, q, limits.velocity, known_acceleration(limits))
     if stuck >= 0:
         joint = chain.joint_names[stuck]
         raise LimitsInfeasible(
             f"{joint} has to move, but its velocity or acceleration limit is 0", joint=joint
         )
-    return slowed
+    return stretched
 
 
-def _velocities(times: Float64Array, q: Float64Array) -> Float64Array:
+def velocities_of(times: Float64Array, q: Float64Array) -> Float64Array:
+    """Time differences of joints (n, joints), of second order."""
     if len(times) == 1:
         return np.zeros_like(q)
     return np.asarray(np.gradient(q, times, axis=0, edge_order=2 if len(times) > 2 else 1))

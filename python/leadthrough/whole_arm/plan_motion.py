@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,13 +12,16 @@ from scipy.spatial import KDTree
 from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.arm.options import Axis
-from leadthrough.errors import IkFailure
+from leadthrough.errors import IkFailure, InvalidInput
 from leadthrough.models.protocol import Place, Skill
 from leadthrough.motion import Motion
 from leadthrough.shapes import Shape, check_shapes
+from leadthrough.whole_arm.last_resort import past_the_part
 from leadthrough.whole_arm.planned_motion import PlannedMotion
 from leadthrough.whole_arm.room import Room
 from leadthrough.whole_arm.tip_paths import TipMotion, TipPaths
+
+LastResort = Literal["joint_space"]
 
 # Failures to follow that another path of the tip may cure.
 _NO_ROOM = ("blocked", "jump")
@@ -42,6 +45,7 @@ def plan_motion(
     position_tolerance: float = 1e-5,
     orientation_tolerance: float = 1e-5,
     rounds: int = 12,
+    last_resort: LastResort | None = None,
 ) -> PlannedMotion:
     """A motion of the skill with which the whole arm keeps clear, between samples too.
 
@@ -68,16 +72,27 @@ def plan_motion(
         position_tolerance: error in m that counts as reached, > 0.
         orientation_tolerance: error in rad that counts as reached, > 0.
         rounds: how often the path of the tip may be planned, >= 1.
+        last_resort: what to do where no path of the tip was found that the arm can follow.
+            None: raise IkFailure.
+            "joint_space": follow the first path up to where the arm has no room, go on through
+            joint space to where it has room again, found by OMPL's RRT-Connect and certified by
+            the same check, and follow the rest. The arm stops at the corners of that way, and its
+            tip goes anywhere: the answer's `connected` says when. Needs the extra `ompl`.
 
     Raises:
         InvalidInput: if an argument is wrong.
         UnsupportedQuery: for a part of the query that the skill does not support.
         NoPath: where obstacles leave the tip no way.
+        MissingDependency: if `last_resort` is needed and OMPL is not installed.
         IkFailure: where the arm cannot follow, also after the path was changed; with the place, the
             reason and, where obstacles are in the way, the bodies.
     """
+    if not isinstance(arm, Arm):
+        raise InvalidInput(f"arm: expected an Arm, got {arm!r}; load one with lt.Arm.load")
     shapes = check_shapes(obstacles)
     most = check.integer(rounds, "rounds", at_least=1)
+    if last_resort is not None:
+        check.choice(last_resort, "last_resort", get_args(LastResort))
     query: dict[str, Any] = {"start": start, "goal": goal, "duration": duration, "dt": dt}
     query = {name: value for name, value in query.items() if value is not None}
     following: dict[str, Any] = {
@@ -90,20 +105,36 @@ def plan_motion(
         "margin": margin,
         "self_margin": self_margin,
     }
-    paths = TipPaths(skill, query, Room(arm, shapes, margin, self_margin, _free_of(arm, free)))
+    room = Room(arm, shapes, margin, self_margin, _free_of(arm, free))
+    paths = TipPaths(skill, query, room)
     path = learned = paths.first()
-    reasons: list[str] = []
+    failures: list[IkFailure] = []
+    connected = None
     while True:
         try:
             joints = arm.follow(path, **following)
             break
         except IkFailure as failure:
-            if not shapes or failure.status not in _NO_ROOM or len(reasons) + 1 >= most:
+            if not shapes or failure.status not in _NO_ROOM:
                 raise
-            path = paths.another(path, failure)
-            reasons.append(str(failure))
+            failures.append(failure)
+        try:
+            path = _another(paths, path, failures, most)
+        except IkFailure:
+            if last_resort is None:
+                raise
+            joints, path, connected = past_the_part(room, learned, failures[0], following)
+            break
     clearance = arm.check(joints, shapes).obstacles.minimum_distance if shapes else np.inf
-    return PlannedMotion(joints, path, _farthest(path, learned), clearance, tuple(reasons))
+    reasons = tuple(str(failure) for failure in failures)
+    return PlannedMotion(joints, path, _farthest(path, learned), clearance, reasons, connected)
+
+
+def _another(paths: TipPaths, path: TipMotion, failures: list[IkFailure], most: int) -> TipMotion:
+    """Another path than the one that failed last, if one may be made."""
+    if len(failures) >= most:
+        raise failures[-1]
+    return paths.another(path, failures[-1])
 
 
 def _free_of(arm: Arm, free: Sequence[Axis] | None) -> tuple[Axis, ...]:

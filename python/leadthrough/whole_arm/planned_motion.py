@@ -20,6 +20,8 @@ class PlannedMotion(Brief):
         clearance: the least distance of the arm from the obstacles between samples too, m; infinite
             without obstacles.
         reasons: why the tip had to leave that path, one line for each time that it was changed.
+        connected: when the arm goes through joint space, with its tip anywhere, from and to, s;
+            None where it does not.
     """
 
     joints: JointTrajectory
@@ -27,6 +29,7 @@ class PlannedMotion(Brief):
     deviation: float
     clearance: float
     reasons: tuple[str, ...]
+    connected: tuple[float, float] | None = None
 
     @property
     def rounds(self) -> int:

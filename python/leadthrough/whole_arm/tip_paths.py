@@ -50,7 +50,7 @@ class TipPaths:
         else:
             found = self._aside(path, failure)
         if found is None:
-            raise _with(failure, "no other path of the tip was found")
+            raise with_reason(failure, "no other path of the tip was found")
         return found
 
     def _closing(self, path: TipMotion, failure: IkFailure) -> TipMotion | None:
@@ -72,7 +72,7 @@ class TipPaths:
     def _narrows(self, path: TipMotion, failure: IkFailure) -> Narrows:
         narrows = narrows_at(self._room, path, failure.index, failure.q)
         if narrows.end:
-            raise _with(failure, f"the arm cannot stand clear at the {narrows.end}")
+            raise with_reason(failure, f"the arm cannot stand clear at the {narrows.end}")
         return narrows
 
     def _generated(self, closed: tuple[Shape, ...]) -> TipMotion:
@@ -86,7 +86,8 @@ class TipPaths:
         return motion
 
 
-def _with(failure: IkFailure, reason: str) -> IkFailure:
+def with_reason(failure: IkFailure, reason: str) -> IkFailure:
+    """The failure with a reason added to its message."""
     return IkFailure(
         f"{failure}; {reason}",
         index=failure.index,

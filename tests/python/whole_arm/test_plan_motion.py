@@ -159,3 +159,8 @@ def test_a_part_where_the_tip_still_stands_is_not_moved_aside(panda, shown):
     beside = next(paths_beside(room, waiting, Narrows(places, 2, 2), near))
     np.testing.assert_array_equal(beside.positions[:20], waiting.positions[:20])
     assert np.isfinite(beside.positions).all()
+
+
+def test_an_arm_must_be_given(shown):
+    with pytest.raises(InvalidInput, match=r"arm: expected an Arm, got None"):
+        lt.plan_motion(lt.PoseDMP().fit(shown), None)
