@@ -35,14 +35,21 @@ class Search {
 
   ClearPath run(const std::optional<JointArray>& start) {
     ClearPath result;
+    // Where a search fails, the next looks more closely, and at all families of postures.
     struct Effort {
       std::size_t width;
       double cell;
+      double layers;  // apart, beside what is usual
+      bool of_every_family;
     };
-    for (const Effort& effort : {Effort{64, 0.1}, Effort{128, 0.06}, Effort{256, 0.04}}) {
+    for (const Effort& effort : {Effort{64, 0.1, 1.0, false}, Effort{128, 0.06, 0.5, true},
+                                 Effort{256, 0.04, 0.5, true}}) {
       LadderOptions options;
       options.width = effort.width;
       options.cell = effort.cell;
+      options.spacing *= effort.layers;
+      options.turning *= effort.layers;
+      options.of_every_family = effort.of_every_family;
       const Climb found = climb(chain_, path_, test_, postures_, start, options);
       result.dead_end = found.dead_end;
       if (!found.q.empty()) result.last = found.q.back();

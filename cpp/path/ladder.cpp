@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <set>
+#include <unordered_map>
 #include <unordered_set>
 
 #include "ik/joint_ranges.hpp"
@@ -22,7 +23,8 @@ constexpr double kRoom = 0.02;      // m that an obstacle is better away
 constexpr double kLimitZone = 0.1;  // rad or m before a limit
 constexpr double kStride =
     1.6;  // cells that a step along what is free takes: it must leave its own
-constexpr std::size_t kFew = 12;      // configurations of a layer
+constexpr double kFamily = 0.8;   // rad or m: configurations of a family are nearer to each other
+constexpr std::size_t kFew = 12;  // configurations of a layer
 constexpr double kFinestCell = 0.01;  // rad or m
 constexpr int kRestarts = 100;        // of inverse kinematics at the first layer
 constexpr int kRestartSteps = 40;
@@ -240,7 +242,20 @@ class Ladder {
     std::stable_sort(layer.nodes.begin(), layer.nodes.end(),
                      [](const Node& a, const Node& b) { return a.cost < b.cost; });
     const std::size_t most = (&layer == layers_.data() ? 4 : 1) * options_.width;
-    if (layer.nodes.size() > most) layer.nodes.resize(most);
+    if (layer.nodes.size() <= most) return;
+    if (options_.of_every_family) take_turns(layer.nodes);
+    layer.nodes.resize(most);
+  }
+
+  // First the cheapest of every family, then the second of every one, and so on.
+  void take_turns(std::vector<Node>& nodes) const {
+    std::unordered_map<std::uint64_t, int> counts;
+    std::vector<std::pair<int, Node>> ranked;
+    for (const Node& node : nodes) ranked.emplace_back(counts[cell(node.q, kFamily)]++, node);
+    std::stable_sort(ranked.begin(), ranked.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::transform(ranked.begin(), ranked.end(), nodes.begin(),
+                   [](const auto& each) { return each.second; });
   }
 
   // Sees that the cheapest way holds between its layers too, or takes the next. The layer up to
@@ -319,11 +334,12 @@ class Ladder {
 
   // A number for the cube of cells that a configuration lies in (FNV-1a over its coordinates);
   // whole turns count for nothing.
-  std::uint64_t cell(const JointArray& q) const {
+  std::uint64_t cell(const JointArray& q) const { return cell(q, cell_); }
+  std::uint64_t cell(const JointArray& q, double size) const {
     std::uint64_t hash = 0xcbf29ce484222325U;
     for (std::size_t i = 0; i < n_; ++i) {
       const double value = chain_.turns[i] ? std::remainder(q[i], kTurn) : q[i];
-      hash ^= static_cast<std::uint64_t>(static_cast<std::int64_t>(std::lround(value / cell_)));
+      hash ^= static_cast<std::uint64_t>(static_cast<std::int64_t>(std::lround(value / size)));
       hash *= 0x100000001b3U;
     }
     return hash;

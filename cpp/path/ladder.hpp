@@ -19,6 +19,8 @@ struct LadderOptions {
   double cell = 0.15;      // configurations nearer than this to each other are one, rad or m
   double longest = 0.5;    // that a joint moves from layer to layer, rad or m
   std::size_t width = 64;  // the most configurations that a layer hands on
+  // Where there are more: the cheapest of every family of postures, not of all.
+  bool of_every_family = false;
 };
 
 // Where no configuration is left. pairs: of shapes that were in the way, with how often.

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -42,13 +43,16 @@ class Surroundings:
 
     def clear_along(self, q: Float64Array) -> bool:
         """Whether straight motions from row to row of q (n, joints) keep the margins."""
-        scenes = (
-            (_core.against(self.model, self.obstacles), self.margin),
-            (_core.itself(self.model), self.self_margin),
-        )
         return all(
             _core.check_motion(scene, q, margin, _TOLERANCE, 1)[2] is None
-            for scene, margin in scenes
+            for scene, margin in self._scenes
+        )
+
+    @cached_property
+    def _scenes(self) -> tuple[tuple[_core.CollisionScene, float], ...]:
+        return (
+            (_core.against(self.model, self.obstacles), self.margin),
+            (_core.itself(self.model), self.self_margin),
         )
 
 

@@ -8,15 +8,19 @@ Source: Kuffner and LaValle 2000; Sucan, Moll and Kavraki 2012 (OMPL).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from leadthrough import optional
+from leadthrough import check, optional
+from leadthrough.arm import Arm
 from leadthrough.arm.clearing import Surroundings
 from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.shapes import Shape, check_shapes, compiled
 
 # Length of an edge of the trees at the most, rad or m over all joints.
 _RANGE = 1.0
@@ -25,37 +29,71 @@ _TURNS = 2.0 * np.pi
 
 
 def connect(
-    around: Surroundings,
-    limits: tuple[Float64Array, Float64Array],
-    start: Float64Array,
-    goals: Float64Array,
+    arm: Arm,
+    start: ArrayLike,
+    goals: ArrayLike,
     *,
+    obstacles: Iterable[Shape] = (),
+    margin: float = 0.005,
+    self_margin: float = 0.0,
     seed: int = 0,
     steps: int = 5000,
 ) -> Float64Array | None:
     """Configurations (m, joints) on straight ways from the start to one of the goals.
 
-    The way has been shortened, and its corners have been cut.
+    The way has been shortened, and is clear all along. Needs the extra `ompl`.
 
     Args:
-        around: what the arm keeps clear of, all along.
-        limits: of the joints, lower and upper, (joints,) each.
-        start: configuration (joints,), inside the limits.
-        goals: configurations (k, joints), likewise.
-        seed: of the random numbers, >= 0.
-        steps: how often the trees may grow.
+        arm: the arm.
+        start: configuration (joints,).
+        goals: configurations (k, joints), or (joints,) for one.
+        obstacles: shapes in the base frame.
+        margin: distance in m to keep from obstacles, >= 0.
+        self_margin: distance in m to keep between parts of the arm, >= 0.
+        seed: of the random number generator, >= 0.
+        steps: how often the trees may grow, >= 1.
 
     Returns:
-        The way, or None if none was found.
+        The way; None if none was found.
 
     Raises:
+        InvalidInput: if an argument is wrong.
         MissingDependency: if OMPL is not installed.
     """
+    if not isinstance(arm, Arm):
+        raise InvalidInput(f"arm: expected an Arm, got {arm!r}; load one with lt.Arm.load")
+    joints = len(arm.joint_names)
+    around = Surroundings(
+        arm._collision,
+        compiled(check_shapes(obstacles)),
+        check.number(margin, "margin", at_least=0.0),
+        check.number(self_margin, "self_margin", at_least=0.0),
+    )
+    begin = check.array(start, "start", shape=(joints,))
+    ends = check.array(np.atleast_2d(np.asarray(goals)), "goals", shape=("k", joints))
+    for name, q in (("start", begin[None]), ("goals", ends)):
+        if np.any(q < arm.limits.lower) or np.any(q > arm.limits.upper):
+            raise InvalidInput(f"{name}: expected joints inside the arm's limits, got {q.tolist()}")
+    first = check.integer(seed, "seed", at_least=0) + 1  # OMPL keeps 0 for a seed of its own
+    most = check.integer(steps, "steps", at_least=1)
+    limits = arm.limits.lower, arm.limits.upper
+    return _connected(around, limits, begin, ends, seed=first, steps=most)
+
+
+def _connected(
+    around: Surroundings,
+    limits: tuple[Float64Array, Float64Array],
+    start: Float64Array,
+    goals: Float64Array,
+    *,
+    seed: int,
+    steps: int,
+) -> Float64Array | None:
     base, geometric, util = (
         optional.load(f"ompl.{name}", extra="ompl") for name in ("base", "geometric", "util")
     )
     with _quiet(util):
-        util.RNG.setSeed(seed + 1)  # OMPL keeps 0 for a seed of its own
+        util.RNG.setSeed(seed)
         space = _space(base, limits, np.vstack([start[None], goals]), around)
         problem = base.ProblemDefinition(space)
         problem.addStartState(_state(space, start))
@@ -72,7 +110,8 @@ def connect(
             return None
         way = problem.getSolutionPath()
         geometric.PathSimplifier(space).simplifyMax(way)
-        return np.array([_values(state, len(start)) for state in way.getStates()])
+    found = np.array([_values(state, len(start)) for state in way.getStates()])
+    return found if around.clear_along(found) else None
 
 
 def _space(

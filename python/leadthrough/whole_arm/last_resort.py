@@ -95,15 +95,18 @@ def _part(
     room: Room, path: TipMotion, before: JointTrajectory, after: JointTrajectory
 ) -> JointTrajectory | None:
     """From the end of one motion to the start of another; None if no way was found."""
-    limits, around = room.arm.limits, room.around
-    start, goal = before.positions[-1], after.positions[0]
-    way = connect(around, (limits.lower, limits.upper), start, goal[None])
+    way = connect(
+        room.arm,
+        before.positions[-1],
+        after.positions[0],
+        obstacles=room.obstacles,
+        margin=room.margin,
+        self_margin=room.self_margin,
+    )
     if way is None:
         return None
     dt = float(np.median(np.diff(path.times)))
-    times, q = _from_rest_to_rest(way, limits, dt)
-    if not around.clear_along(q):
-        return None
+    times, q = _from_rest_to_rest(way, room.arm.limits, dt)
     return JointTrajectory(times, q, joint_names=tuple(room.arm.joint_names))
 
 

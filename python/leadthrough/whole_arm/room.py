@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough.arm import Arm
-from leadthrough.arm.clearing import Surroundings
 from leadthrough.arm.options import Axis
 from leadthrough.check import Float64Array
 from leadthrough.motion import PoseTrajectory, Trajectory
-from leadthrough.shapes import Shape, compiled
+from leadthrough.shapes import Shape
 
 # Configurations that inverse kinematics starts from: few at first, more where those fail.
 _TRIES = (4, 28)
@@ -40,12 +39,6 @@ class Room:
     margin: float
     self_margin: float
     free: Sequence[Axis]
-
-    @property
-    def around(self) -> Surroundings:
-        """What the arm keeps clear of, for searches in joint space."""
-        shapes = compiled(self.obstacles)
-        return Surroundings(self.arm._collision, shapes, self.margin, self.self_margin)
 
     def stands(
         self,

@@ -1,18 +1,25 @@
-"""Reaches of an arm, and obstacles that stand where its links pass but not its tip."""
+"""Motions of an arm's tip, and obstacles that stand where its links pass but not its tip.
+
+The motions are reaches, or demonstrations by hand with a Panda in its own frame: Auddy et al. 2023,
+"Continual learning from demonstration of robotics skills", data set RoboTasks.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
+from leadthrough import rotations
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
 from leadthrough.motion import JointTrajectory, PoseTrajectory
 from leadthrough.shapes import Box, Cylinder, Shape, Sphere
 from leadthrough.trajectories import minimum_jerk_rise
+from leadthrough_studies.robotasks.study import read
 
 # Where the ends of the reaches lie, m in the arm's base frame.
 SPACES = {
@@ -23,10 +30,13 @@ FREE: dict[str, tuple[Literal["rz"], ...]] = {
     "panda": (),
     "ur3": ("rz",),
 }  # the UR3's tool may spin about its own axis
+MARGIN = 0.005  # m that the arm is to keep from obstacles
 _DOWN = (0.0, 1.0, 0.0, 0.0)
 _SAMPLES, _DURATION, _SHORTEST = 81, 3.0, 0.25  # s, m
 _OFF_THE_TIP, _OFF_THE_BASE, _IN_THE_WAY = 0.05, 0.15, 0.005  # m
 _SIZES = (0.04, 0.15)  # m
+# By how much a demonstration is moved to the sides, m, and turned about the base's axis, rad.
+_MOVED, _TURNED = 0.04, 0.6
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,10 +54,26 @@ class Scene:
     obstacles: tuple[Shape, ...]
 
 
-def scene(arm: Arm, name: str, rng: np.random.Generator) -> Scene:
-    """A random reach of the arm, with one to four obstacles in its way."""
+def drawn_scene(arm: Arm, name: str, seed: int, index: int, files: Sequence[str]) -> Scene:
+    """The scene of an index, on demonstrations in files of RoboTasks; on a reach without any."""
+    shown = [each.motion for file in files for each in read(file)]
+    return scene(arm, name, np.random.default_rng([seed, index]), shown)
+
+
+def scene(
+    arm: Arm, name: str, rng: np.random.Generator, shown: Sequence[PoseTrajectory] = ()
+) -> Scene:
+    """A random motion of the arm, with one to four obstacles in its way.
+
+    Args:
+        arm: the arm.
+        name: its name, a key of SPACES.
+        rng: random numbers.
+        shown: demonstrations, one of which is moved and turned a little; without any, a reach is
+            drawn.
+    """
     while True:
-        tip = _reach(name, rng)
+        tip = _placed(shown, rng) if shown else _reach(name, rng)
         try:
             joints = arm.follow(tip, free=FREE[name])
         except IkFailure:
@@ -67,6 +93,19 @@ def _reach(name: str, rng: np.random.Generator) -> PoseTrajectory:
     bow = np.outer(np.sin(np.pi * u), rng.uniform(-0.08, 0.08, 3))
     way = ends[0] + np.outer(minimum_jerk_rise(u), ends[1] - ends[0]) + bow
     return PoseTrajectory(_DURATION * u, way, np.tile(_DOWN, (_SAMPLES, 1)))
+
+
+def _placed(shown: Sequence[PoseTrajectory], rng: np.random.Generator) -> PoseTrajectory:
+    one = shown[int(rng.integers(len(shown)))]
+    kept = np.linspace(0, len(one) - 1, _SAMPLES).round().astype(int)
+    angle = rng.uniform(-_TURNED, _TURNED)
+    turn = np.array([np.cos(0.5 * angle), 0.0, 0.0, np.sin(0.5 * angle)])
+    way = one.positions[kept] @ rotations.to_matrix(turn[None])[0].T
+    return PoseTrajectory(
+        one.times[kept],
+        way + rng.uniform(-_MOVED, _MOVED, 3),
+        rotations.compose(np.tile(turn, (_SAMPLES, 1)), one.orientations[kept]),
+    )
 
 
 def _in_the_way(

@@ -1,27 +1,33 @@
 """Random obstacles in the volume that the arm sweeps, at least 5 cm off the tip's path.
 
-`Arm.follow` with these obstacles keeps the tip on its path and moves the rest of the arm around. A
-scene that it does not solve is looked at more closely: at every fourth sample, inverse kinematics
-from 600 random configurations says whether the arm can stand clear there at all. Where it cannot at
-one of them, no search could succeed ("impossible").
+`Arm.follow` with these obstacles keeps the tip on its path and moves the rest of the arm around.
+The first scenes of each kind are also given to a slow search (`reference`) and, where OMPL is
+installed, to its RRT-Connect, which knows the ends of the path only. A scene that `follow` does not
+solve is looked at more closely: at every fourth sample, inverse kinematics from 600 random
+configurations says whether the arm can stand clear there at all. Where it cannot at one of them, no
+search could succeed ("impossible").
 """
 
 from __future__ import annotations
 
+import os
 import time
 from dataclasses import dataclass
-from typing import Literal
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 
 from leadthrough.arm import Arm
 from leadthrough.errors import IkFailure
+from leadthrough_studies.elbow.peers import connected, searched
 from leadthrough_studies.elbow.report import report
-from leadthrough_studies.elbow.scenes import FREE, Scene, scene
+from leadthrough_studies.elbow.scenes import FREE, MARGIN, Scene, drawn_scene
 from leadthrough_studies.study import Row, Study, Task
 
-MARGIN = 0.005  # m
 _TRIES, _EVERY = 600, 4
+_FOLDER = "robotasks"
 
 
 @dataclass(frozen=True)
@@ -30,33 +36,58 @@ class ElbowConfig:
 
     Attributes:
         arms: names of arms.
-        scenes: of each arm.
+        scenes: of each kind: reaches of each arm, and demonstrations of RoboTasks with the Panda.
+        compared: how many of each kind are given to the slow search and to RRT-Connect.
+        files: demonstrations of RoboTasks; without any, there are only reaches.
         seed: of the scenes.
     """
 
     arms: tuple[str, ...] = ("panda", "ur3")
-    scenes: int = 250
+    scenes: int = 170
+    compared: int = 60
+    files: tuple[str, ...] = ()
     seed: int = 0
 
 
 def configure(quick: bool, seed: int) -> ElbowConfig:
-    """The full configuration, or ten scenes of each arm."""
-    return ElbowConfig(scenes=10, seed=seed) if quick else ElbowConfig(seed=seed)
+    """The full configuration with the recordings in LEADTHROUGH_DATA, or ten scenes of each kind.
+
+    The quick one compares with nothing.
+    """
+    folder = Path(os.environ.get("LEADTHROUGH_DATA", "")) / _FOLDER
+    files = tuple(str(file) for file in sorted(folder.glob("*.npy")))
+    if quick:
+        return ElbowConfig(scenes=10, compared=0, files=files, seed=seed)
+    return ElbowConfig(files=files, seed=seed)
 
 
 def tasks(config: ElbowConfig) -> list[Task]:
-    """A task for every scene."""
-    return [
-        Task(trap, {"arm": arm, "seed": config.seed, "index": i})
-        for arm in config.arms
+    """A task for every scene and everyone who is given it."""
+    made = [
+        Task(trap, {**kind, "seed": config.seed, "index": i})
+        for kind in _kinds(config)
         for i in range(config.scenes)
+    ]
+    peers = [searched, connected] if find_spec("ompl") else [searched]
+    return made + [
+        Task(peer, {**kind, "seed": config.seed, "index": i})
+        for peer in peers
+        for kind in _kinds(config)
+        for i in range(min(config.compared, config.scenes))
     ]
 
 
-def trap(*, arm: str, seed: int, index: int) -> list[Row]:
+def _kinds(config: ElbowConfig) -> list[dict[str, Any]]:
+    kinds = [{"arm": arm, "motion": "reach", "files": []} for arm in config.arms]
+    if config.files and "panda" in config.arms:
+        kinds.append({"arm": "panda", "motion": "shown", "files": list(config.files)})
+    return kinds
+
+
+def trap(*, arm: str, motion: str, seed: int, index: int, files: list[str]) -> list[Row]:
     """One row: a scene, whether the arm touches without looking, and what it does if it looks."""
     body = Arm.load(arm)
-    made = scene(body, arm, np.random.default_rng([seed, index]))
+    made = drawn_scene(body, arm, seed, index, files)
     body.is_clear(made.joints.positions[0])  # the shapes are made ready outside the measured time
     begin = time.process_time()
     try:
@@ -67,7 +98,9 @@ def trap(*, arm: str, seed: int, index: int) -> list[Row]:
     except IkFailure as error:
         failure = str(error)
     row = {
+        "by": "follow",
         "arm": arm,
+        "motion": motion,
         "index": index,
         "obstacles": len(made.obstacles),
         "touches_without": int(not body.check(made.joints, made.obstacles).ok),

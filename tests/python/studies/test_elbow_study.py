@@ -7,14 +7,16 @@ import pytest
 from arm.coal_arm import CoalArm
 
 import leadthrough as lt
-from leadthrough_studies.elbow.scenes import FREE, scene
-from leadthrough_studies.elbow.study import MARGIN, STUDY, ElbowConfig
-from leadthrough_studies.study import run
+from leadthrough_studies.elbow.reference import Roadmap
+from leadthrough_studies.elbow.scenes import FREE, MARGIN, drawn_scene, scene
+from leadthrough_studies.elbow.study import STUDY, ElbowConfig
+from leadthrough_studies.study import run, selected
 
 
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
-    return run(STUDY, ElbowConfig(scenes=12), out=tmp_path_factory.mktemp("elbow"), jobs=1)
+    config = ElbowConfig(scenes=12, compared=3)
+    return run(STUDY, config, out=tmp_path_factory.mktemp("elbow"), jobs=1)
 
 
 def test_scenes_that_can_be_solved_are(outcome):
@@ -29,16 +31,59 @@ def test_scenes_that_can_be_solved_are(outcome):
 
 
 def test_failures_name_the_time_and_what_is_in_the_way(outcome):
-    failed = [row for row in outcome.rows if not row["solved"]]
+    failed = selected(outcome.rows, by="follow", solved=0)
     assert failed
     for row in failed:
         assert " s: " in row["failure"]
         assert "blocked" in row["failure"] or "jump" in row["failure"]
 
 
+def test_what_the_slow_search_solves_is_solved(outcome):
+    for row in outcome.report.table:
+        assert row["compared"] == 3
+        assert row["both_solved"] == row["reference_solved"]
+    assert outcome.report.summary["solved_by_the_reference_alone"] == []
+    assert sum(row["reference_solved"] for row in outcome.report.table) >= 1
+
+
+def test_the_slow_search_finds_a_way_that_is_clear_or_where_it_ends():
+    arm = lt.Arm.load("panda")
+    made = drawn_scene(arm, "panda", 0, 2, [])
+    way = Roadmap(arm, made.tip, made.obstacles, MARGIN, ()).way()
+    tip, _ = arm.forward_kinematics(way)
+    np.testing.assert_allclose(tip, made.tip.positions, atol=1e-5)
+    assert np.abs(np.diff(way, axis=0)).max() < 0.5
+    assert arm.check(way, made.obstacles, margin=MARGIN).ok
+    walled = Roadmap(arm, made.tip, (lt.Sphere(0.04, made.tip.positions[40]),), MARGIN, ())
+    assert walled.way() is None
+    assert 0 < walled.last < 40
+
+
+# Of an arm of six joints whose tool may spin: where the nearest family of postures ends on the way
+# (34), or at the goal (36), and where it touches itself by 0.2 mm between two layers (77).
+@pytest.mark.parametrize("index", [34, 36, 77])
+def test_another_family_of_postures_is_found(index):
+    arm = lt.Arm.load("ur3")
+    made = drawn_scene(arm, "ur3", 0, index, [])
+    first = made.joints.positions[0]
+    joints = arm.follow(made.tip, seed=first, free=FREE["ur3"], obstacles=made.obstacles)
+    assert arm.check(joints, made.obstacles, margin=MARGIN).ok
+    assert np.abs(joints.positions[0] - first).max() > 1.0
+
+
+def test_demonstrations_by_hand_are_followed(recordings):
+    files = sorted(str(file) for file in (recordings / "robotasks").glob("*.npy"))
+    arm = lt.Arm.load("panda")
+    made = drawn_scene(arm, "panda", 0, 2, files)
+    assert not arm.check(made.joints, made.obstacles).ok
+    joints = arm.follow(made.tip, seed=made.joints.positions[0], obstacles=made.obstacles)
+    assert arm.check(joints, made.obstacles, margin=MARGIN).ok
+    assert arm.path_report(joints, made.tip).position_error.max() < 1e-5
+
+
 @pytest.mark.parametrize("name", ["panda", "ur3"])
 def test_coal_finds_no_touch(outcome, name):
-    row = next(row for row in outcome.rows if row["arm"] == name and row["solved"])
+    row = selected(outcome.rows, by="follow", arm=name, solved=1)[0]
     arm = lt.Arm.load(name)
     made = scene(arm, name, np.random.default_rng([0, row["index"]]))
     joints = arm.follow(

@@ -5,7 +5,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.errors import IkFailure, InvalidInput, MissingDependency
-from leadthrough.whole_arm import connection
+from leadthrough.whole_arm import connect, connection
 
 MARGIN = 0.005
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
@@ -109,11 +109,26 @@ def test_without_ompl_the_extra_is_named(panda, shown, box, monkeypatch):
 def test_a_connection_is_clear_or_not_found_in_the_steps_allowed(panda):
     pytest.importorskip("ompl")
     wall = [lt.Box([0.3, 0.02, 0.6], [0.5, 0.0, 0.3])]
-    around = panda._surroundings(wall, MARGIN, 0.0, "slow")
     left, right = (panda.inverse_kinematics([0.5, y, 0.3], DOWN).q for y in (-0.3, 0.3))
-    limits = panda.limits.lower, panda.limits.upper
     assert not panda.check([left, right], wall, margin=MARGIN).ok
-    way = connection.connect(around, limits, left, right[None])
+    way = connect(panda, left, right, obstacles=wall)
     np.testing.assert_array_equal(way[[0, -1]], [left, right])
     assert panda.check(way, wall, margin=MARGIN).ok
-    assert connection.connect(around, limits, left, right[None], steps=1) is None
+    assert connect(panda, left, right, obstacles=wall, steps=1) is None
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"arm": None}, "arm: expected an Arm, got None"),
+        ({"start": [0.0] * 6}, "start"),
+        ({"goals": [[9.0] * 7]}, "goals: expected joints inside the arm's limits"),
+        ({"margin": -0.1}, "margin"),
+        ({"seed": -1}, "seed"),
+        ({"steps": 0}, "steps"),
+    ],
+)
+def test_wrong_arguments_of_a_connection_are_named(panda, change, message):
+    q = panda.inverse_kinematics([0.5, 0.0, 0.3], DOWN).q
+    with pytest.raises(InvalidInput, match=message):
+        connect(**{"arm": panda, "start": q, "goals": q} | change)

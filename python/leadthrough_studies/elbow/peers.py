@@ -1,0 +1,93 @@
+"""What others make of a scene: the slow search of `reference`, and OMPL's RRT-Connect."""
+
+from __future__ import annotations
+
+import time
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from leadthrough.arm import Arm
+from leadthrough.check import Float64Array
+from leadthrough.whole_arm import connect
+from leadthrough_studies.elbow.reference import Roadmap
+from leadthrough_studies.elbow.scenes import FREE, MARGIN, Scene, drawn_scene
+from leadthrough_studies.study import Row
+
+# Configurations that inverse kinematics starts from at either end, and ends that are tried.
+_TRIES, _ENDS = 200, 8
+_DENSE = 0.02  # rad between the configurations at which the tip is looked at
+
+
+def searched(*, arm: str, motion: str, seed: int, index: int, files: list[str]) -> list[Row]:
+    """One row: whether the slow search solves a scene."""
+    body = Arm.load(arm)
+    made = drawn_scene(body, arm, seed, index, files)
+    begin = time.process_time()
+    roadmap = Roadmap(body, made.tip, made.obstacles, MARGIN, FREE[arm])
+    way = roadmap.way()
+    spent = time.process_time() - begin
+    return [
+        {
+            "by": "reference",
+            "arm": arm,
+            "motion": motion,
+            "index": index,
+            "solved": int(way is not None),
+            "last_sample": roadmap.last,
+            "reference_cpu_s": spent,
+        }
+    ]
+
+
+def connected(*, arm: str, motion: str, seed: int, index: int, files: list[str]) -> list[Row]:
+    """One row: whether RRT-Connect finds a way between the ends, and how far the tip strays."""
+    body = Arm.load(arm)
+    made = drawn_scene(body, arm, seed, index, files)
+    starts, goals = (_standing(body, made, i, FREE[arm]) for i in (0, -1))
+    begin = time.process_time()
+    way = None
+    if len(starts) and len(goals):
+        way = connect(body, starts[0], goals, obstacles=made.obstacles, margin=MARGIN)
+    spent = time.process_time() - begin
+    return [
+        {
+            "by": "RRT-Connect",
+            "arm": arm,
+            "motion": motion,
+            "index": index,
+            "solved": int(way is not None),
+            "off_path_m": None if way is None else _off_path(body, made, way),
+            "connect_cpu_s": spent,
+        }
+    ]
+
+
+def _standing(arm: Arm, made: Scene, sample: int, free: tuple[Literal["rz"], ...]) -> Float64Array:
+    """Clear configurations (k, joints) at a sample, those nearest to the arm's usual one first."""
+    rng = np.random.default_rng(0)
+    near = made.joints.positions[sample]
+    low, high = (np.clip(ends, -np.pi, np.pi) for ends in (arm.limits.lower, arm.limits.upper))
+    seeds = np.vstack([near[None], rng.uniform(low, high, (_TRIES, len(near)))])
+    found = arm.inverse_kinematics_batch(
+        np.tile(made.tip.positions[sample], (len(seeds), 1)),
+        np.tile(made.tip.orientations[sample], (len(seeds), 1)),
+        seeds=seeds,
+        free=free,
+        max_restarts=0,
+    )
+    q = found.q[found.success]
+    q = q[np.asarray(arm.is_clear(q, made.obstacles, margin=MARGIN))] if len(q) else q
+    return np.asarray(q[np.argsort(np.abs(q - near).max(axis=1), kind="stable")][:_ENDS])
+
+
+def _off_path(arm: Arm, made: Scene, way: Float64Array) -> float:
+    """How far the tip is from the shown path at the most, m."""
+    pieces = [
+        a + np.linspace(0.0, 1.0, int(np.ceil(np.abs(b - a).max() / _DENSE)) + 1)[:, None] * (b - a)
+        for a, b in pairwise(way)
+    ]
+    tip, _ = arm.forward_kinematics(np.vstack(pieces))
+    return float(KDTree(made.tip.positions).query(tip)[0].max())
