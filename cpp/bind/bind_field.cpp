@@ -216,26 +216,6 @@ py::array_t<double> transform(const CArray<bool>& mask, const std::vector<double
   return owning(std::move(distance), shape_of(mask));
 }
 
-const char* name(DescentStatus status) {
-  switch (status) {
-    case DescentStatus::kOk:
-      return "ok";
-    case DescentStatus::kStartOutside:
-      return "start_outside";
-    case DescentStatus::kStartUnreached:
-      return "start_unreached";
-    case DescentStatus::kGoalNotSource:
-      return "goal_not_source";
-    case DescentStatus::kOtherSource:
-      return "other_source";
-    case DescentStatus::kTooManySteps:
-      return "too_many_steps";
-    case DescentStatus::kNotTimes:
-      break;
-  }
-  return "not_times";
-}
-
 template <typename Real>
 py::tuple follow_down(const CArray<Real>& arrival, const std::vector<double>& spacing,
                       const std::vector<double>& start, const std::vector<double>& goal,

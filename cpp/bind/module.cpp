@@ -3,6 +3,7 @@
 PYBIND11_MODULE(_core, module) {
   module.doc() = "Numeric kernels of leadthrough; arguments are checked by the Python layer above.";
   leadthrough::bind_alignment(module);
+  leadthrough::bind_cells(module);
   leadthrough::bind_chain(module);
   leadthrough::bind_shapes(module);  // before those that take shapes
   leadthrough::bind_collision(module);

@@ -23,9 +23,25 @@ CellIndex cell_of(const Coordinates& p) {
 }
 
 template <typename Real>
+struct DenseTimes {
+  const Real* times;
+  double at(Index cell) const { return static_cast<double>(times[cell]); }
+};
+
+// Cells that the set does not hold are not reached.
+struct SparseTimes {
+  const CellSet& set;
+  const double* times;
+  double at(Index cell) const {
+    const CellSet::Place place = set.find(cell);
+    return place == set.missing() ? kInfinity : times[place];
+  }
+};
+
+template <typename Times>
 class Field {
  public:
-  Field(const Grid& grid, const Real* arrival)
+  Field(const Grid& grid, const Times& arrival)
       : grid_(grid),
         strides_(grid.strides()),
         smallest_(*std::min_element(grid.spacing.begin(), grid.spacing.end())),
@@ -38,7 +54,7 @@ class Field {
       if (cell[axis] < 0 || cell[axis] >= grid_.shape[axis]) return kInfinity;
       offset += cell[axis] * strides_[axis];
     }
-    return static_cast<double>(arrival_[offset]);
+    return arrival_.at(offset);
   }
 
   bool contains(const CellIndex& cell) const {
@@ -60,12 +76,12 @@ class Field {
   const Grid& grid_;
   std::array<Index, 3> strides_;
   double smallest_;
-  const Real* arrival_;
+  Times arrival_;
 };
 
 // The cell itself if no neighbour across a face is earlier.
-template <typename Real>
-CellIndex Field<Real>::earliest_neighbour(const CellIndex& cell) const {
+template <typename Times>
+CellIndex Field<Times>::earliest_neighbour(const CellIndex& cell) const {
   CellIndex result = cell;
   double earliest = at(cell);
   for (int axis = 0; axis < 3; ++axis) {
@@ -81,8 +97,8 @@ CellIndex Field<Real>::earliest_neighbour(const CellIndex& cell) const {
 }
 
 // Time per distance at a cell of finite arrival, from the earlier neighbour along every axis.
-template <typename Real>
-Coordinates Field<Real>::upwind_gradient(const CellIndex& cell) const {
+template <typename Times>
+Coordinates Field<Times>::upwind_gradient(const CellIndex& cell) const {
   Coordinates gradient{};
   for (int axis = 0; axis < 3; ++axis) {
     CellIndex before = cell, after = cell;
@@ -98,8 +114,8 @@ Coordinates Field<Real>::upwind_gradient(const CellIndex& cell) const {
 // Arrival and gradient between the centres of cells, multilinear over the corners of finite
 // arrival; infinite in a wall. Corners behind a wall, not joined to the point's cell by faces
 // between free corners, do not count.
-template <typename Real>
-double Field<Real>::interpolate(const Coordinates& p, Coordinates& gradient) const {
+template <typename Times>
+double Field<Times>::interpolate(const Coordinates& p, Coordinates& gradient) const {
   constexpr int kCorners = 8;
   CellIndex low{};
   Coordinates part{};
@@ -142,8 +158,8 @@ double Field<Real>::interpolate(const Coordinates& p, Coordinates& gradient) con
 
 // Whether a segment touches only cells of finite arrival: one point between any two crossings of
 // cells' borders, and the end.
-template <typename Real>
-bool Field<Real>::is_free(const Coordinates& from, const Coordinates& to) const {
+template <typename Times>
+bool Field<Times>::is_free(const Coordinates& from, const Coordinates& to) const {
   constexpr int kMostCrossings = 16;  // ample: a segment crosses two borders at most along an axis
   std::array<double, kMostCrossings> crossings{0.0, 1.0};
   int count = 2;
@@ -163,8 +179,8 @@ bool Field<Real>::is_free(const Coordinates& from, const Coordinates& to) const 
   return at(cell_of(to)) < kInfinity;
 }
 
-template <typename Real>
-bool Field<Real>::is_near(const Coordinates& p, const Coordinates& goal) const {
+template <typename Times>
+bool Field<Times>::is_near(const Coordinates& p, const Coordinates& goal) const {
   for (int axis = 0; axis < 3; ++axis)
     if (std::abs(p[axis] - goal[axis]) > kNearGoal) return false;
   return true;
@@ -187,8 +203,8 @@ Coordinates moved(const Grid& grid, const Coordinates& p, const Coordinates& gra
 
 // One midpoint step down the gradient, halved until it lowers the arrival and meets no wall;
 // `arrival` is the point's on entry and the new point's on return. False if no step does.
-template <typename Real>
-bool step_down(const Field<Real>& field, double length, Coordinates& p, double& arrival) {
+template <typename Times>
+bool step_down(const Field<Times>& field, double length, Coordinates& p, double& arrival) {
   constexpr int kHalvings = 3;
   Coordinates gradient{};
   field.interpolate(p, gradient);
@@ -211,8 +227,8 @@ bool step_down(const Field<Real>& field, double length, Coordinates& p, double& 
 // From centre to centre of ever earlier cells until one is earlier than `arrival`. The discrete
 // equation gives every cell but a source an earlier neighbour across a face, and the box of two
 // such cells is free. False if a source is not earlier.
-template <typename Real>
-bool walk_down(const Field<Real>& field, std::vector<Coordinates>& path, double& arrival) {
+template <typename Times>
+bool walk_down(const Field<Times>& field, std::vector<Coordinates>& path, double& arrival) {
   CellIndex cell = cell_of(path.back());
   do {
     const CellIndex next = field.earliest_neighbour(cell);
@@ -225,8 +241,8 @@ bool walk_down(const Field<Real>& field, std::vector<Coordinates>& path, double&
 }
 
 // Whether the cells about a cell hold times; `Field` trusts them.
-template <typename Real>
-bool holds_times(const Field<Real>& field, const CellIndex& cell) {
+template <typename Times>
+bool holds_times(const Field<Times>& field, const CellIndex& cell) {
   constexpr Index kReach = 3;  // a step, its interpolation and the neighbours' slopes
   CellIndex at{};
   for (at[0] = cell[0] - kReach; at[0] <= cell[0] + kReach; ++at[0])
@@ -257,12 +273,10 @@ Coordinates unit_vector(const Grid& grid, const Coordinates& from, const Coordin
   return result;
 }
 
-}  // namespace
-
-template <typename Real>
-Descent descend(const Grid& grid, const Real* arrival, const Coordinates& start,
-                const Coordinates& goal, double step) {
-  const Field<Real> field(grid, arrival);
+template <typename Times>
+Descent descend_in(const Field<Times>& field, const Coordinates& start, const Coordinates& goal,
+                   double step) {
+  const Grid& grid = field.grid();
   if (!field.contains(cell_of(start))) return {DescentStatus::kStartOutside, {}};
   if (field.at(cell_of(start)) == kInfinity) return {DescentStatus::kStartUnreached, {}};
   const CellIndex source = cell_of(goal);
@@ -289,10 +303,43 @@ Descent descend(const Grid& grid, const Real* arrival, const Coordinates& start,
   return result;
 }
 
+}  // namespace
+
+const char* name(DescentStatus status) {
+  switch (status) {
+    case DescentStatus::kOk:
+      return "ok";
+    case DescentStatus::kStartOutside:
+      return "start_outside";
+    case DescentStatus::kStartUnreached:
+      return "start_unreached";
+    case DescentStatus::kGoalNotSource:
+      return "goal_not_source";
+    case DescentStatus::kOtherSource:
+      return "other_source";
+    case DescentStatus::kTooManySteps:
+      return "too_many_steps";
+    case DescentStatus::kNotTimes:
+      break;
+  }
+  return "not_times";
+}
+
+template <typename Real>
+Descent descend(const Grid& grid, const Real* arrival, const Coordinates& start,
+                const Coordinates& goal, double step) {
+  return descend_in(Field(grid, DenseTimes<Real>{arrival}), start, goal, step);
+}
+
+Descent descend(const CellSet& set, const double* arrival, const Coordinates& start,
+                const Coordinates& goal, double step) {
+  return descend_in(Field(set.grid(), SparseTimes{set, arrival}), start, goal, step);
+}
+
 template <typename Real>
 Direction direction(const Grid& grid, const Real* arrival, const Coordinates& p) {
   constexpr double kStep = 0.5;  // cells
-  const Field<Real> field(grid, arrival);
+  const Field field(grid, DenseTimes<Real>{arrival});
   const CellIndex cell = cell_of(p);
   if (!field.contains(cell)) return {DescentStatus::kStartOutside, {}};
   if (!holds_times(field, cell)) return {DescentStatus::kNotTimes, {}};

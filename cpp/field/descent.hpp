@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "field/cell_set.hpp"
 #include "field/grid.hpp"
 
 namespace leadthrough {
@@ -23,6 +24,9 @@ enum class DescentStatus {
   kNotTimes,  // NaN or a negative number near the point
 };
 
+// The name of a status as callers in other languages know it.
+const char* name(DescentStatus status);
+
 struct Descent {
   DescentStatus status;
   std::vector<Coordinates> path;  // from start to goal if the status is kOk
@@ -34,6 +38,10 @@ struct Descent {
 // Real is float or double.
 template <typename Real>
 Descent descend(const Grid& grid, const Real* arrival, const Coordinates& start,
+                const Coordinates& goal, double step);
+
+// The same down the times of a set of cells, one each; the others are not reached.
+Descent descend(const CellSet& set, const double* arrival, const Coordinates& start,
                 const Coordinates& goal, double step);
 
 struct Direction {

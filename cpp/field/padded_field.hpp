@@ -41,6 +41,7 @@ struct PaddedField {
     const Index line = index / shape[2];
     return static_cast<Cell>(row(line / shape[1], line % shape[1]) + index % shape[2]);
   }
+  Index next(Index cell, int axis, int side) const { return cell + side * stride[axis]; }
   bool has_cubes() const {
     return std::all_of(spacing.begin(), spacing.end(), [](Real h) { return h == Real(1); });
   }

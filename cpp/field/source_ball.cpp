@@ -3,7 +3,9 @@
 #include <cmath>
 #include <vector>
 
+#include "base/constants.hpp"
 #include "field/eikonal.hpp"
+#include "field/sparse_march.hpp"
 
 namespace leadthrough {
 
@@ -49,37 +51,60 @@ Index moved(const Grid& grid, Index cell, const std::array<Index, 3>& by) {
   return result;
 }
 
+// Adds a source and the ball about it. `speed_at` tells the speed of a cell, NaN where it is not
+// known, and `is_source` whether a cell is one.
+template <typename SpeedAt, typename IsSource>
+void append_ball(const Grid& grid, const std::vector<Offset>& offsets, const Source& source,
+                 Index ball, const SpeedAt& speed_at, const IsSource& is_source,
+                 std::vector<Source>& result) {
+  const auto own = speed_at(source.cell);
+  double border = kInfinity;  // the ball ends before it
+  for (const Offset& offset : offsets) {
+    if (offset.distance >= border) break;
+    const Index cell = moved(grid, source.cell, offset.cells);
+    if (cell == kOutside) continue;
+    if (!(speed_at(cell) == own)) border = offset.distance;
+    if (is_source(cell)) border = std::min(border, 0.5 * offset.distance);
+  }
+  result.push_back({source.cell, source.time, ball});
+  for (const Offset& offset : offsets) {
+    if (offset.distance >= border) break;
+    const Index cell = moved(grid, source.cell, offset.cells);
+    if (cell != kOutside)
+      result.push_back({cell, source.time + offset.distance / static_cast<double>(own), ball});
+  }
+}
+
+std::vector<Offset> ball_offsets(const Grid& grid, double radius) {
+  return offsets_within(grid, radius * *std::min_element(grid.spacing.begin(), grid.spacing.end()));
+}
+
 }  // namespace
 
 template <typename Real>
 std::vector<Source> with_balls(const Grid& grid, const Real* speed,
                                const std::vector<Source>& sources, double radius) {
-  const double smallest = *std::min_element(grid.spacing.begin(), grid.spacing.end());
-  const std::vector<Offset> offsets = offsets_within(grid, radius * smallest);
   std::vector<bool> is_source(static_cast<std::size_t>(grid.size()), false);
   for (const Source& source : sources) is_source[source.cell] = true;
-
+  const std::vector<Offset> offsets = ball_offsets(grid, radius);
   std::vector<Source> result;
-  for (std::size_t n = 0; n < sources.size(); ++n) {
-    const Source& source = sources[n];
-    const Real own = speed[source.cell];
-    double border = radius * smallest * 2.0;  // the ball ends before it
-    for (const Offset& offset : offsets) {
-      if (offset.distance >= border) break;
-      const Index cell = moved(grid, source.cell, offset.cells);
-      if (cell == kOutside) continue;
-      if (speed[cell] != own) border = offset.distance;
-      if (is_source[cell]) border = std::min(border, 0.5 * offset.distance);
-    }
-    const Index ball = static_cast<Index>(n);
-    result.push_back({source.cell, source.time, ball});
-    for (const Offset& offset : offsets) {
-      if (offset.distance >= border) break;
-      const Index cell = moved(grid, source.cell, offset.cells);
-      if (cell != kOutside)
-        result.push_back({cell, source.time + offset.distance / static_cast<double>(own), ball});
-    }
-  }
+  for (std::size_t n = 0; n < sources.size(); ++n)
+    append_ball(
+        grid, offsets, sources[n], static_cast<Index>(n), [&](Index cell) { return speed[cell]; },
+        [&](Index cell) { return is_source[cell]; }, result);
+  return result;
+}
+
+std::vector<Source> with_ball(const CellSet& set, const double* speed, const Source& source,
+                              double radius) {
+  const auto speed_at = [&](Index cell) {
+    const CellSet::Place place = set.find(cell);
+    return place == set.missing() ? std::nan("") : speed[place];
+  };
+  std::vector<Source> result;
+  append_ball(
+      set.grid(), ball_offsets(set.grid(), radius), source, 0, speed_at,
+      [](Index) { return false; }, result);
   return result;
 }
 

@@ -21,10 +21,10 @@ from leadthrough.shapes import Shape
 
 Speeds = TypeVar("Speeds", NDArray[np.float32], NDArray[np.float64])
 
-_ROUNDING = 1e-9
+ROUNDING = 1e-9
 # Cells faster than the saturation by more than this fraction lie in a tube; float32 is coarser
 # than the speeds themselves.
-_IN_TUBE = 1e-6
+IN_TUBE = 1e-6
 
 
 def experience_map(
@@ -40,9 +40,9 @@ def experience_map(
     """
     labelled = np.zeros(grid.shape, dtype=bool)
     for path in paths:
-        labelled[tuple(grid.cells_of(_dense(path, grid)).T)] = True
+        labelled[tuple(grid.cells_of(fine_samples(path, grid)).T)] = True
     # Radii are often whole numbers of cells: rounding must not decide which cells belong.
-    reach = area_of_influence * (1.0 + _ROUNDING)
+    reach = area_of_influence * (1.0 + ROUNDING)
     tube = distance_transform(labelled, spacing=grid.spacing) <= reach
     depth = distance_transform(~tube, spacing=grid.spacing)
     deepest = depth.max()
@@ -74,7 +74,7 @@ def tube_map(
 
     speed = np.full(grid.shape, saturation)
     for path, weight in zip(paths, weights, strict=True):
-        dense = _dense(path, grid)
+        dense = fine_samples(path, grid)
         cells = _cells_near(grid, dense, area_of_influence)
         distance, _ = cKDTree(dense).query(grid.points_at(cells.astype(np.float64)))
         closeness = weight * np.maximum(1.0 - distance / area_of_influence, 0.0)
@@ -133,7 +133,7 @@ def add_passable_obstacles(
     if part is None:
         return speed
     result = speed.copy()
-    struck = (beside == 0.0) & (result[part] > saturation * (1.0 + _IN_TUBE))
+    struck = (beside == 0.0) & (result[part] > saturation * (1.0 + IN_TUBE))
     if struck.any():
         near = distance_transform(struck, spacing=grid.spacing) <= reach
         closeness = np.where(near, 1.0 - np.abs(2.0 * beside - 1.0), 0.0)
@@ -213,7 +213,7 @@ def _around(cells: NDArray[np.bool_], grid: Grid, radius: float) -> tuple[slice,
     )
 
 
-def _dense(path: Float64Array, grid: Grid) -> Float64Array:
+def fine_samples(path: Float64Array, grid: Grid) -> Float64Array:
     """The path sampled finely enough to label every cell it crosses, except clipped corners."""
     if len(path) < 2:
         return path

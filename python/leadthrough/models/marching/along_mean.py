@@ -20,12 +20,16 @@ from leadthrough.errors import NoPath
 from leadthrough.models.marching import mean_path
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.extent import grid_over
+from leadthrough.models.marching.hindrance import hindered_field
 from leadthrough.models.marching.mean_path import MeanPath
 from leadthrough.models.marching.query import Query
-from leadthrough.models.marching.route import CELLS_PER_KNOT, Route, quickest, route_along
+from leadthrough.models.marching.route import CELLS_PER_KNOT, Route, route_along
 from leadthrough.models.marching.scales import Scales
+from leadthrough.planning.band import quickest
+from leadthrough.planning.blocks import numbers_of
 from leadthrough.planning.grid import Grid
-from leadthrough.planning.speed_map import add_obstacles, tube_map
+from leadthrough.planning.speed_field import SpeedField, TubeField
+from leadthrough.planning.walls import Walls
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Shape
 
@@ -96,20 +100,15 @@ def _through(mean: MeanPath, faced: Sequence[Experience], query: Query, scales: 
         way[[0, -1]] = query.ends
     knot_spacing = _KNOTS * scales.radius
     grid, scales = grid_over([way], query.obstacles, scales)
-    beside = add_obstacles(
-        np.ones(grid.shape), grid, query.obstacles, area_of_influence=scales.clearance
-    )
-    path = _along_tube(way, grid, beside, scales)
+    path = _along_tube(way, grid, query.obstacles, scales)
     if path is not way:
         knot_spacing = CELLS_PER_KNOT * float(grid.spacing.max())
-    speed = _joined(beside, _tube(way, grid, scales), scales)
     chosen = mean.weights > 0.0
     used = tuple(each for each, wanted in zip(faced, chosen, strict=True) if wanted)
     weights = np.ones(len(used))  # whose start is nearest says nothing about the pace
     return route_along(
         path,
-        grid,
-        speed,
+        _tube(way, grid, query.obstacles, scales),
         knot_spacing=knot_spacing,
         used=used,
         weights=weights,
@@ -118,41 +117,37 @@ def _through(mean: MeanPath, faced: Sequence[Experience], query: Query, scales: 
     )
 
 
-def _joined(beside: Float64Array, tube: Float64Array, scales: Scales) -> Float64Array:
-    """The map of a tube with that of the obstacles: their product, or the paper's eq. 7."""
-    if scales.obstacle_map == "minimum":
-        return np.where(beside < scales.saturation, np.minimum(beside, tube), tube)
-    return beside * tube
-
-
 def _along_tube(
-    mean: Float64Array, grid: Grid, beside: Float64Array, scales: Scales
+    mean: Float64Array, grid: Grid, obstacles: Sequence[Shape], scales: Scales
 ) -> Float64Array:
     """A mean path with detours through its tube; itself where there is none.
 
-    It leaves the mean path where the obstacles' map `beside`, (0 to 1), changes the speed on it.
+    It leaves the mean path where the obstacles' own map changes the speed on it.
 
     Raises:
         NoPath: where obstacles separate its ends.
     """
+    if not obstacles:
+        return mean
     most = scales.saturation if scales.obstacle_map == "minimum" else 1.0
-    influenced = beside[tuple(grid.cells_of(mean).T)] < most
+    passed, of = np.unique(numbers_of(grid.cells_of(mean), grid.shape), return_inverse=True)
+    beside = Walls(grid, obstacles).distances(passed, scales.clearance) / scales.clearance
+    influenced = beside[of] < most
     if not influenced.any():
         return mean
     try:
         parts = [
-            _detour(stretch, grid, beside, scales) if blocked else stretch
+            _detour(stretch, grid, obstacles, scales) if blocked else stretch
             for stretch, blocked in _stretches(mean, influenced)
         ]
     except NoPath:
         # An end of a detour may be enclosed although start and goal are not.
-        speed = _joined(beside, _tube(mean, grid, scales), scales)
-        parts = [quickest(grid, speed, mean[0], mean[-1])]
+        parts = [quickest(_tube(mean, grid, obstacles, scales), mean[0], mean[-1])]
     return np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
 
 
 def _detour(
-    stretch: Float64Array, grid: Grid, beside: Float64Array, scales: Scales
+    stretch: Float64Array, grid: Grid, obstacles: Sequence[Shape], scales: Scales
 ) -> Float64Array:
     """The quickest path from end to end of a stretch.
 
@@ -161,13 +156,15 @@ def _detour(
     """
     # As wide a tube as the detour may become: it leaves and rejoins the path gently.
     wide = replace(scales, radius=0.5 * float(arc_length(stretch)[-1]))
-    return quickest(grid, _joined(beside, _tube(stretch, grid, wide), scales), *stretch[[0, -1]])
+    return quickest(_tube(stretch, grid, obstacles, wide), stretch[0], stretch[-1])
 
 
-def _tube(path: Float64Array, grid: Grid, scales: Scales) -> Float64Array:
-    return tube_map(
+def _tube(path: Float64Array, grid: Grid, obstacles: Sequence[Shape], scales: Scales) -> SpeedField:
+    """Speeds in a tube, and a whole clearance about obstacles: their product, or eq. 7."""
+    free = TubeField(
         grid, [path], [1.0], area_of_influence=scales.radius, saturation=scales.saturation
     )
+    return hindered_field(free, obstacles, scales, band=1.0)
 
 
 def _stretches(

@@ -6,12 +6,20 @@ from collections.abc import Sequence
 
 from leadthrough.models.marching.scales import Scales
 from leadthrough.planning.grid import Grid
+from leadthrough.planning.speed_field import (
+    FreeField,
+    HinderedField,
+    PassableField,
+    SaturatedField,
+    SpeedField,
+)
 from leadthrough.planning.speed_map import (
     Speeds,
     add_obstacles,
     add_passable_obstacles,
     add_saturated_obstacles,
 )
+from leadthrough.planning.walls import Walls
 from leadthrough.shapes import Shape
 
 OBSTACLE_MAPS = ("product", "minimum")
@@ -59,6 +67,46 @@ def passable(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scal
         speed,
         grid,
         obstacles,
+        band=BAND * scales.clearance,
+        saturation=scales.saturation,
+        reach=REACH * scales.clearance,
+    )
+
+
+def hindered_field(
+    free: SpeedField, obstacles: Sequence[Shape], scales: Scales, *, band: float = BAND
+) -> SpeedField:
+    """The speeds of `hindered`, where they are asked for.
+
+    Args:
+        free: speeds without obstacles.
+        obstacles: in the grid's unit.
+        scales: of the map.
+        band: width of the band in which the product slows the wave down, in clearances.
+    """
+    if not obstacles:
+        return free
+    walls = Walls(free.grid, obstacles)
+    if scales.obstacle_map == "minimum":
+        return SaturatedField(
+            free, walls, area_of_influence=scales.clearance, saturation=scales.saturation
+        )
+    return HinderedField(free, walls, area_of_influence=band * scales.clearance)
+
+
+def passable_field(free: FreeField, obstacles: Sequence[Shape], scales: Scales) -> SpeedField:
+    """The speeds of `passable`, where they are asked for.
+
+    Args:
+        free: speeds without obstacles.
+        obstacles: in the grid's unit.
+        scales: of the map.
+    """
+    if not obstacles or scales.obstacle_map == "minimum":
+        return hindered_field(free, obstacles, scales)
+    return PassableField(
+        free,
+        Walls(free.grid, obstacles),
         band=BAND * scales.clearance,
         saturation=scales.saturation,
         reach=REACH * scales.clearance,

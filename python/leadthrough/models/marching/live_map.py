@@ -12,18 +12,20 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
-from leadthrough.models.marching import route
+from leadthrough.errors import InvalidInput, NoPath
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.extent import grid_over
 from leadthrough.models.marching.hindrance import hindered, passable
-from leadthrough.models.marching.route import Route
+from leadthrough.models.marching.route import Route, route_along
 from leadthrough.models.marching.scales import Scales
+from leadthrough.planning.arrival import arrival_times
+from leadthrough.planning.descent import descend
 from leadthrough.planning.grid import Grid
+from leadthrough.planning.speed_field import MapField
 from leadthrough.planning.speed_map import experience_map
 from leadthrough.shapes import Shape, check_shapes
 
@@ -85,12 +87,30 @@ class LiveMap:
                 raise InvalidInput(f"{name}: expected a point inside the workspace, got {end}")
         shapes = check_shapes(obstacles)
         around = passable(self._free, self._grid, shapes, self._scales)
-        path = route.quickest(self._grid, around, ends[0], ends[1], order=1)
-        speed = hindered(self._free, self._grid, shapes, self._scales)
+        path = _quickest(self._grid, around, *ends)
+        speed = MapField(self._grid, hindered(self._free, self._grid, shapes, self._scales))
         used = tuple(each.facing(ends[0], ends[1]) for each in self._known)
-        return route.route_along(
-            path, self._grid, speed, used=used, weights=np.ones(len(used)), method="map"
-        )
+        return route_along(path, speed, used=used, weights=np.ones(len(used)), method="map")
+
+
+def _quickest(
+    grid: Grid, speed: NDArray[np.float32], start: Float64Array, goal: Float64Array
+) -> Float64Array:
+    """The path (n, d) of least time in a map of speeds, at first order.
+
+    Raises:
+        NoPath: where an end lies in an obstacle, or obstacles separate them.
+    """
+    start_cell, goal_cell = grid.cells_of(np.stack([start, goal]))
+    for name, point, cell in (("start", start, start_cell), ("goal", goal, goal_cell)):
+        if speed[tuple(cell)] == 0.0:
+            raise NoPath(f"{name}: {point} lies in an obstacle", reason=f"{name}_in_wall")
+    arrival = arrival_times(
+        speed, goal_cell, spacing=grid.spacing, order=1, dtype=np.float32, stop=start_cell
+    )
+    if np.isinf(arrival[tuple(start_cell)]):
+        raise NoPath("goal: obstacles separate it from the start", reason="goal_enclosed")
+    return descend(arrival, grid, start, goal)
 
 
 def live_model(

@@ -8,24 +8,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.ndimage import map_coordinates
 
 from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
-from leadthrough.errors import NoPath
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.extent import grid_over
-from leadthrough.models.marching.hindrance import hindered, passable
+from leadthrough.models.marching.hindrance import hindered_field, passable_field
 from leadthrough.models.marching.query import Query
 from leadthrough.models.marching.scales import Scales
-from leadthrough.planning.arrival import arrival_times
-from leadthrough.planning.descent import descend
-from leadthrough.planning.grid import Grid
-from leadthrough.planning.speed_map import experience_map, tube_map
+from leadthrough.planning.band import quickest
+from leadthrough.planning.speed_field import (
+    ExperienceField,
+    FreeField,
+    SpeedField,
+    TubeField,
+    speeds_at,
+)
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.preprocess.smooth_path import smooth_path
 
@@ -93,13 +94,11 @@ def through_map(
     mapped = known if useful is None else useful
     paths = [each.way for each in mapped]
     grid, scales = grid_over([*paths, query.ends], query.obstacles, scales)
-    speed = experience_map(
+    free = ExperienceField(
         grid, paths, area_of_influence=scales.radius, saturation=scales.saturation
     )
-    path = _through(grid, speed, query, scales)
-    speed = hindered(speed, grid, query.obstacles, scales)
     used = tuple(each.facing(query.start, query.goal) for each in mapped or known)
-    return route_along(path, grid, speed, used=used, weights=np.ones(len(used)), method="map")
+    return _through(free, query, scales, used=used, weights=np.ones(len(used)), method="map")
 
 
 def from_start(known: Sequence[Experience], query: Query, scales: Scales) -> Route:
@@ -117,51 +116,30 @@ def from_start(known: Sequence[Experience], query: Query, scales: Scales) -> Rou
     weights = _nearness(np.stack([each.path[0] for each in used]), query.start)
     paths = [each.way for each in used]
     grid, scales = grid_over([*paths, query.ends], query.obstacles, scales)
-    speed = tube_map(
+    free = TubeField(
         grid, paths, weights, area_of_influence=scales.radius, saturation=scales.saturation
     )
-    path = _through(grid, speed, query, scales)
-    speed = hindered(speed, grid, query.obstacles, scales)
-    return route_along(path, grid, speed, used=used, weights=weights, method="start")
+    return _through(free, query, scales, used=used, weights=weights, method="start")
 
 
-def _through(grid: Grid, speed: Float64Array, query: Query, scales: Scales) -> Float64Array:
-    """The quickest path (n, d) of a query in a map without its obstacles."""
-    map_around = passable(speed, grid, query.obstacles, scales)
-    return quickest(grid, map_around, query.start, query.goal)
-
-
-def quickest(
-    grid: Grid, speed: NDArray[Any], start: Float64Array, goal: Float64Array, *, order: int = 2
-) -> Float64Array:
-    """The path (n, d) of least time, computed in the speed's precision.
-
-    Args:
-        grid: cells of the map.
-        speed: in each cell, 0 in obstacles.
-        start: (d,).
-        goal: (d,).
-        order: of the upwind differences, 1 or 2.
-
-    Raises:
-        NoPath: where an end lies in an obstacle, or obstacles separate them.
-    """
-    start_cell, goal_cell = grid.cells_of(np.stack([start, goal]))
-    for name, point, cell in (("start", start, start_cell), ("goal", goal, goal_cell)):
-        if speed[tuple(cell)] == 0.0:
-            raise NoPath(f"{name}: {point} lies in an obstacle", reason=f"{name}_in_wall")
-    arrival = arrival_times(
-        speed, goal_cell, spacing=grid.spacing, order=order, dtype=speed.dtype, stop=start_cell
-    )
-    if np.isinf(arrival[tuple(start_cell)]):
-        raise NoPath("goal: obstacles separate it from the start", reason="goal_enclosed")
-    return descend(arrival, grid, start, goal)
+def _through(
+    free: FreeField,
+    query: Query,
+    scales: Scales,
+    *,
+    used: tuple[Experience, ...],
+    weights: Float64Array,
+    method: str,
+) -> Route:
+    """The quickest route of a query in a map without its obstacles."""
+    path = quickest(passable_field(free, query.obstacles, scales), query.start, query.goal)
+    around = hindered_field(free, query.obstacles, scales)
+    return route_along(path, around, used=used, weights=weights, method=method)
 
 
 def route_along(
     path: Float64Array,
-    grid: Grid,
-    speed: NDArray[Any],
+    field: SpeedField,
     *,
     used: tuple[Experience, ...],
     weights: Float64Array,
@@ -173,28 +151,39 @@ def route_along(
 
     Args:
         path: (n, d).
-        grid: cells of the map.
-        speed: in each cell, 0 in obstacles.
+        field: speeds of the map, 0 in obstacles.
         used: the demonstrations that it follows.
         weights: (k,) how much each one's timing counts.
         method: the method that found it.
         knot_spacing: length below which details vanish; None: that of the noise of the grid.
         region: corners (lower, upper) that the smooth path is kept in.
     """
-    walls = speed == 0.0
+    grid = field.grid
     smoothed = smooth_path(
         path,
         knot_spacing=knot_spacing or CELLS_PER_KNOT * float(grid.spacing.max()),
-        accept=lambda points: not walls[tuple(grid.cells_of(points).T)].any(),
+        accept=lambda points: bool(speeds_at(field, grid.cells_of(points)).all()),
     )
     if region is not None:
         smoothed = np.clip(smoothed, *region)
-    along = map_coordinates(
-        speed, grid.coordinates(smoothed).T, np.float64, order=1, mode="nearest"
-    )
-    # Between a free cell and a wall the interpolated speed may vanish; a path never stands still.
-    slowest = float(speed[~walls].min())
-    return Route(smoothed, np.maximum(along, slowest), used, weights, method)
+    return Route(smoothed, _between_cells(field, smoothed), used, weights, method)
+
+
+def _between_cells(field: SpeedField, points: Float64Array) -> Float64Array:
+    """Speeds (n,) at points (n, d), multilinear between the centres of cells.
+
+    Between a free cell and a wall they may vanish; they are at least those of the slowest free cell
+    around the points, as a path never stands still.
+    """
+    last = np.array(field.grid.shape) - 1
+    places = np.clip(field.grid.coordinates(points), 0.0, last)
+    low = np.floor(places).astype(np.int64)
+    corners = np.array(list(product((0, 1), repeat=len(last))))
+    parts = np.where(corners[:, None], places - low, 1.0 - (places - low))
+    cells = np.minimum(low + corners[:, None], last)
+    speeds = speeds_at(field, cells.reshape(-1, len(last))).reshape(cells.shape[:2])
+    along = (parts.prod(axis=2) * speeds).sum(axis=0)
+    return np.asarray(np.maximum(along, speeds[speeds > 0.0].min()))
 
 
 def _nearness(starts: Float64Array, start: Float64Array) -> Float64Array:

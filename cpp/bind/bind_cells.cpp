@@ -1,0 +1,217 @@
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "bind/parts.hpp"
+#include "field/cell_set.hpp"
+#include "field/descent.hpp"
+#include "field/path_distance.hpp"
+#include "field/sparse_distance.hpp"
+#include "field/sparse_march.hpp"
+
+namespace py = pybind11;
+
+namespace leadthrough {
+
+namespace {
+
+template <typename T>
+using CArray = py::array_t<T, py::array::c_style>;
+
+// A 2D grid gets a first axis of one cell.
+Grid grid_of(const std::vector<Index>& shape, const std::vector<double>& spacing) {
+  require((shape.size() == 2 || shape.size() == 3) && spacing.size() == shape.size());
+  Grid grid;
+  const std::size_t lead = 3 - shape.size();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (axis >= lead) grid.shape[axis] = shape[axis - lead];
+    grid.spacing[axis] = spacing[axis < lead ? 0 : axis - lead];
+    require(grid.shape[axis] > 0 && std::isfinite(grid.spacing[axis]) && grid.spacing[axis] > 0.0);
+  }
+  return grid;
+}
+
+std::vector<Index> ascending_cells(const Grid& grid, const CArray<Index>& cells) {
+  require(cells.ndim() == 1);
+  const Index *first = cells.data(), *last = first + cells.size();
+  require(std::adjacent_find(first, last, [](Index a, Index b) { return a >= b; }) == last);
+  require(first == last || (*first >= 0 && last[-1] < grid.size()));
+  return {first, last};
+}
+
+std::vector<Point> points_of(const CArray<double>& rows) {
+  require(rows.ndim() == 2 && (rows.shape(1) == 2 || rows.shape(1) == 3));
+  std::vector<Point> points(static_cast<std::size_t>(rows.shape(0)), Point{});
+  const double* from = rows.data();
+  for (Point& point : points) {
+    std::copy(from, from + rows.shape(1), point.begin());
+    from += rows.shape(1);
+  }
+  return points;
+}
+
+// Cells of a grid with what is computed on them.
+class BoundCells {
+ public:
+  BoundCells(const std::vector<Index>& shape, const std::vector<double>& spacing,
+             const CArray<Index>& cells)
+      : dimensions_(shape.size()), set_(make(grid_of(shape, spacing), cells)) {}
+
+  // The places of cells in the set, -1 for those that it does not hold.
+  py::array_t<Index> find(const CArray<Index>& cells) const {
+    require(cells.ndim() == 1);
+    py::array_t<Index> places(cells.size());
+    std::transform(cells.data(), cells.data() + cells.size(), places.mutable_data(),
+                   [this](Index cell) {
+                     const CellSet::Place place = set_.find(cell);
+                     return place == set_.missing() ? Index(-1) : static_cast<Index>(place);
+                   });
+    return places;
+  }
+
+  py::array_t<double> march(const CArray<double>& speed, const CArray<Index>& cells,
+                            const CArray<double>& times, double source_radius, Index stop) const {
+    require_speeds(speed);
+    require(cells.ndim() == 1 && times.ndim() == 1 && cells.size() == times.size());
+    require(source_radius >= 0.0 && (source_radius == 0.0 || cells.size() == 1));
+    std::vector<Source> sources;
+    for (py::ssize_t n = 0; n < cells.size(); ++n) {
+      require(times.at(n) >= 0.0 && std::isfinite(times.at(n)));
+      sources.push_back({cells.at(n), times.at(n)});
+    }
+    std::vector<double> arrival;
+    {
+      const py::gil_scoped_release release;
+      if (source_radius > 0.0) sources = with_ball(set_, speed.data(), sources[0], source_radius);
+      arrival = march_second_order(set_, speed.data(), sources, stop);
+    }
+    return as_array(arrival);
+  }
+
+  py::tuple follow_down(const CArray<double>& arrival, const std::vector<double>& start,
+                        const std::vector<double>& goal, double step) const {
+    require(arrival.ndim() == 1 && static_cast<std::size_t>(arrival.size()) == set_.size());
+    const Coordinates from = leading_zero(start), to = leading_zero(goal);
+    Descent descent;
+    {
+      const py::gil_scoped_release release;
+      descent = descend(set_, arrival.data(), from, to, step);
+    }
+    py::array_t<double> path({descent.path.size(), dimensions_});
+    double* target = path.mutable_data();
+    for (const Coordinates& p : descent.path)
+      target = std::copy(p.end() - static_cast<std::ptrdiff_t>(dimensions_), p.end(), target);
+    return py::make_tuple(name(descent.status), path);
+  }
+
+  bool is_open(const CArray<double>& times) const {
+    require(times.ndim() == 1 && static_cast<std::size_t>(times.size()) == set_.size());
+    return set_.is_open(times.data());
+  }
+
+  py::array_t<double> distances(const CArray<bool>& mask) const {
+    require(mask.ndim() == 1 && static_cast<std::size_t>(mask.size()) == set_.size());
+    return transformed(reinterpret_cast<const std::uint8_t*>(mask.data()), Outside::kUnknown);
+  }
+
+  py::array_t<double> depths() const {
+    const std::vector<std::uint8_t> none(set_.size(), 0);
+    return transformed(none.data(), Outside::kTarget);
+  }
+
+ private:
+  static CellSet make(const Grid& grid, const CArray<Index>& cells) {
+    std::vector<Index> checked = ascending_cells(grid, cells);
+    const py::gil_scoped_release release;
+    return {grid, std::move(checked)};
+  }
+
+  void require_speeds(const CArray<double>& speed) const {
+    require(speed.ndim() == 1 && static_cast<std::size_t>(speed.size()) == set_.size());
+    const double *first = speed.data(), *last = first + speed.size();
+    require(std::all_of(first, last, [](double v) { return std::isfinite(v) && v >= 0.0; }));
+    require(std::any_of(first, last, [](double v) { return v > 0.0; }));
+  }
+
+  Coordinates leading_zero(const std::vector<double>& coordinates) const {
+    require(coordinates.size() == dimensions_);
+    Coordinates result{};
+    std::copy_backward(coordinates.begin(), coordinates.end(), result.end());
+    return result;
+  }
+
+  py::array_t<double> transformed(const std::uint8_t* mask, Outside outside) const {
+    std::vector<double> found;
+    {
+      const py::gil_scoped_release release;
+      found = distance_transform(set_, mask, outside);
+    }
+    return as_array(found);
+  }
+
+  std::size_t dimensions_;
+  CellSet set_;
+};
+
+py::array_t<Index> widened(const std::vector<Index>& shape, const std::vector<double>& spacing,
+                           const CArray<Index>& cells, double radius) {
+  require(std::isfinite(radius) && radius >= 0.0);
+  const Grid grid = grid_of(shape, spacing);
+  const std::vector<Index> given = ascending_cells(grid, cells);
+  std::vector<Index> found;
+  {
+    const py::gil_scoped_release release;
+    found = cells_within(grid, given, radius);
+  }
+  return as_array(found);
+}
+
+py::array_t<Index> refined(const std::vector<Index>& coarse_shape,
+                           const std::vector<Index>& fine_shape, const CArray<Index>& cells) {
+  const std::vector<double> unit(coarse_shape.size(), 1.0);
+  const Grid coarse = grid_of(coarse_shape, unit), fine = grid_of(fine_shape, unit);
+  for (int axis = 0; axis < 3; ++axis) require(coarse.shape[axis] == (fine.shape[axis] + 1) / 2);
+  return as_array(finer_cells(coarse, fine, ascending_cells(coarse, cells)));
+}
+
+py::array_t<double> distances_to_path(const CArray<double>& points, const CArray<double>& path,
+                                      double most) {
+  require(points.ndim() == 2 && path.ndim() == 2 && points.shape(1) == path.shape(1));
+  require(path.shape(0) > 0 && most >= 0.0);
+  const std::vector<Point> from = points_of(points), along = points_of(path);
+  std::vector<double> found;
+  {
+    const py::gil_scoped_release release;
+    found = path_distances(from, along, most);
+  }
+  return as_array(found);
+}
+
+}  // namespace
+
+void bind_cells(py::module_& module) {
+  py::class_<BoundCells>(module, "CellSet")
+      .def(py::init<const std::vector<Index>&, const std::vector<double>&, const CArray<Index>&>(),
+           py::arg("shape"), py::arg("spacing"), py::arg("cells").noconvert())
+      .def("find", &BoundCells::find, py::arg("cells").noconvert())
+      .def("march", &BoundCells::march, py::arg("speed").noconvert(), py::arg("cells").noconvert(),
+           py::arg("times").noconvert(), py::arg("source_radius"), py::arg("stop"))
+      .def("descend", &BoundCells::follow_down, py::arg("arrival").noconvert(), py::arg("start"),
+           py::arg("goal"), py::arg("step"))
+      .def("is_open", &BoundCells::is_open, py::arg("times").noconvert())
+      .def("distances", &BoundCells::distances, py::arg("mask").noconvert())
+      .def("depths", &BoundCells::depths);
+  module.def("cells_within", &widened, py::arg("shape"), py::arg("spacing"),
+             py::arg("cells").noconvert(), py::arg("radius"));
+  module.def("finer_cells", &refined, py::arg("coarse_shape"), py::arg("fine_shape"),
+             py::arg("cells").noconvert());
+  module.def("path_distances", &distances_to_path, py::arg("points").noconvert(),
+             py::arg("path").noconvert(), py::arg("most"));
+}
+
+}  // namespace leadthrough

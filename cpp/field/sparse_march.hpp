@@ -1,0 +1,22 @@
+#pragma once
+
+// The march of second order on a set of cells, for fronts that need only a band of a large grid.
+
+#include <vector>
+
+#include "field/cell_set.hpp"
+#include "field/eikonal.hpp"
+
+namespace leadthrough {
+
+// The source together with the cells around it at their exact times, as `with_balls` gives them;
+// the ball ends before the first cell that the set does not hold.
+std::vector<Source> with_ball(const CellSet& set, const double* speed, const Source& source,
+                              double radius);
+
+// One time and one speed a cell of the set; cells that it does not hold are walls, and sources in
+// them are passed over. Later cells than the cell to stop at stay infinite.
+std::vector<double> march_second_order(const CellSet& set, const double* speed,
+                                       const std::vector<Source>& sources, Index stop = kNoStop);
+
+}  // namespace leadthrough

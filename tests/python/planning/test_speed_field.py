@@ -1,0 +1,115 @@
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough.planning import Grid, speed_map
+from leadthrough.planning.blocks import Blocks
+from leadthrough.planning.speed_field import (
+    ExperienceField,
+    HinderedField,
+    MapField,
+    PassableField,
+    SaturatedField,
+    TubeField,
+    speeds_at,
+)
+from leadthrough.planning.walls import Walls
+
+SATURATION, RADIUS, REACH = 0.05, 0.063, 0.087
+
+
+def grid_and_paths(dimensions):
+    rng = np.random.default_rng(dimensions)
+    u = np.linspace(0.0, 1.0, 60)[:, None]
+    paths = [
+        (1 - u) * a + u * b + 0.1 * np.sin(np.pi * u) * c
+        for a, b, c in rng.uniform(0.0, 0.5, (3, 3, dimensions))
+    ]
+    spacing = [0.013, 0.011, 0.017][:dimensions]
+    return Grid.covering(np.concatenate(paths), margin=0.1, spacing=spacing), paths
+
+
+def obstacles_on(path):
+    places = np.zeros((3, 3))
+    places[:, : path.shape[1]] = path[[10, 30, 45]]
+    return [
+        lt.Box((0.1, 0.05, 0.08), places[0], (0.8, 0.0, 0.0, 0.6)),
+        lt.Sphere(0.03, places[1]),
+        lt.Capsule(0.02, 0.2, places[2] + 0.02),
+    ]
+
+
+def free_fields(grid, paths):
+    sizes = {"area_of_influence": RADIUS, "saturation": SATURATION}
+    weights = [1.0, 0.3, 0.8]
+    yield ExperienceField(grid, paths, **sizes), speed_map.experience_map(grid, paths, **sizes)
+    tubes = (grid, paths, weights)
+    yield TubeField(*tubes, **sizes), speed_map.tube_map(*tubes, **sizes)
+
+
+def fields(dimensions):
+    """Every kind of field, with the same map as a whole."""
+    grid, paths = grid_and_paths(dimensions)
+    obstacles = obstacles_on(paths[0])
+    walls = Walls(grid, obstacles)
+    for free, map_ in free_fields(grid, paths):
+        yield free, map_
+        yield MapField(grid, map_), map_
+        yield (
+            HinderedField(free, walls, area_of_influence=REACH),
+            speed_map.add_obstacles(map_, grid, obstacles, area_of_influence=REACH),
+        )
+        saturated = {"area_of_influence": REACH, "saturation": 0.3}
+        yield (
+            SaturatedField(free, walls, **saturated),
+            speed_map.add_saturated_obstacles(map_, grid, obstacles, **saturated),
+        )
+        ways = {"band": REACH / 2, "saturation": SATURATION, "reach": 0.17}
+        yield (
+            PassableField(free, walls, **ways),
+            speed_map.add_passable_obstacles(map_, grid, obstacles, **ways),
+        )
+
+
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_speeds_are_those_of_the_whole_map(dimensions):
+    for field, map_ in fields(dimensions):
+        whole = field.at(np.arange(map_.size))
+        np.testing.assert_allclose(whole, map_.ravel(), rtol=1e-12, atol=1e-15)
+        assert ((whole == 0.0) == (map_.ravel() == 0.0)).all()
+        some = np.flatnonzero(np.random.default_rng(1).random(map_.size) < 0.02)
+        np.testing.assert_array_equal(field.at(some), whole[some])
+        cells = np.argwhere(map_ > -1.0)[some[::-1]]
+        np.testing.assert_array_equal(speeds_at(field, cells), whole[some[::-1]])
+
+
+@pytest.mark.parametrize("dimensions", [2, 3])
+@pytest.mark.parametrize("level", [0, 1, 3])
+def test_no_cell_of_a_block_is_faster_than_its_bound(dimensions, level):
+    for field, map_ in fields(dimensions):
+        blocks = Blocks(field.grid, level)
+        bounds = field.fastest(blocks, np.arange(blocks.count))
+        largest = map_
+        for axis, count in enumerate(map_.shape):
+            largest = np.maximum.reduceat(largest, np.arange(0, count, 2**level), axis=axis)
+        assert largest.shape == blocks.shape
+        assert (bounds >= largest.ravel() * (1.0 - 1e-12)).all()
+
+
+def test_without_experience_the_wave_is_slow_everywhere_and_with_nothing_else_fast():
+    grid = Grid((0.0, 0.0), 0.1, (20, 30))
+    sizes = {"area_of_influence": 9.0, "saturation": 0.2}
+    some = np.arange(0, 600, 7)
+    assert (ExperienceField(grid, [], **sizes).at(some) == 0.2).all()
+    assert (ExperienceField(grid, [np.ones((2, 2))], **sizes).at(some) == 1.0).all()
+
+
+def test_blocks_count_from_the_first_cell_and_reach_their_cells():
+    grid = Grid((1.0, 2.0), (0.5, 0.25), (9, 6))
+    blocks = Blocks(grid, 2)
+    assert blocks.shape == (3, 2) and blocks.count == 6
+    for cell in np.ndindex(grid.shape):
+        number = blocks.around(np.array([cell]))
+        centre = blocks.centres(number)
+        away = np.linalg.norm(grid.points_at(np.array([cell], float)) - centre)
+        assert away <= blocks.reach + 1e-12
