@@ -219,6 +219,9 @@ bool apart(const Convex& a, const Pose& T_base_a, const Convex& b, const Pose& T
   const NearestOfCores cores = between_cores(difference, -(T_base_a.rotation.transpose() * normal),
                                              least + rounding, Overlap::kJustSeen);
   normal = T_base_a.rotation * cores.normal;
+  // Cores that overlap may do so by less than is allowed: bodies that touch overlap by rounding.
+  if (cores.distance == -kInfinity && least < 0.0)
+    return separation(a, T_base_a, b, T_base_b, least).distance >= least;
   return cores.distance - rounding >= least;
 }
 

@@ -16,6 +16,18 @@ ARMS = {
 }
 
 
+# A Panda whose fingers move.
+ERD_PANDA = ("example-robot-data", "panda.urdf")
+
+
+def urdf_in_package(package, file):
+    """The path of a URDF among a package's files."""
+    for entry in importlib.metadata.distribution(package).files:
+        if entry.name == file:
+            return Path(entry.locate())
+    raise FileNotFoundError(file)
+
+
 def urdf_of(name, folder):
     """The path of an arm's URDF; what is only a xacro is expanded into the folder."""
     file, _, _ = ARMS[name]

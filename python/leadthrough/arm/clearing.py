@@ -48,6 +48,11 @@ class Surroundings:
             for scene, margin in self._scenes
         )
 
+    def clear_at(self, q: Float64Array) -> bool:
+        """Whether the arm keeps the margins at every row of q (n, joints); quick to say no."""
+        margins = self.margin, self.self_margin
+        return bool(np.all(_core.clear_batch(self.model, self.obstacles, q, *margins)))
+
     @cached_property
     def _scenes(self) -> tuple[tuple[_core.CollisionScene, float], ...]:
         return (

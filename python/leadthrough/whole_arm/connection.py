@@ -1,7 +1,7 @@
 """Ways of an arm between two configurations, without a path of the tip: OMPL's RRT-Connect.
 
 A number of steps bounds the search, not the time, and the random numbers have a seed, so the answer
-is the same each time. Every edge is checked without a gap between its ends.
+is the same each time. The way found is checked without a gap between its configurations.
 
 Source: Kuffner and LaValle 2000; Sucan, Moll and Kavraki 2012 (OMPL).
 """
@@ -22,8 +22,9 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.shapes import Shape, check_shapes, compiled
 
-# Length of an edge of the trees at the most, rad or m over all joints.
-_RANGE = 1.0
+# Between the configurations of an edge that are looked at, over the extent of the joints' space:
+# finer where the way found is not clear between them.
+_RESOLUTIONS = (0.01, 0.003)
 # Of a joint that turns without end, rad.
 _TURNS = 2.0 * np.pi
 
@@ -37,7 +38,7 @@ def connect(
     margin: float = 0.005,
     self_margin: float = 0.0,
     seed: int = 0,
-    steps: int = 5000,
+    steps: int = 20_000,
 ) -> Float64Array | None:
     """Configurations (m, joints) on straight ways from the start to one of the goals.
 
@@ -77,24 +78,32 @@ def connect(
     first = check.integer(seed, "seed", at_least=0) + 1  # OMPL keeps 0 for a seed of its own
     most = check.integer(steps, "steps", at_least=1)
     limits = arm.limits.lower, arm.limits.upper
-    return _connected(around, limits, begin, ends, seed=first, steps=most)
+    for resolution in _RESOLUTIONS:
+        way = _way(around, limits, begin, ends, resolution=resolution, seed=first, steps=most)
+        if way is not None:
+            return way
+    return None
 
 
-def _connected(
+def _way(
     around: Surroundings,
     limits: tuple[Float64Array, Float64Array],
     start: Float64Array,
     goals: Float64Array,
     *,
+    resolution: float,
     seed: int,
     steps: int,
 ) -> Float64Array | None:
+    """A way that is clear at this resolution, certified; None if there is none."""
     base, geometric, util = (
         optional.load(f"ompl.{name}", extra="ompl") for name in ("base", "geometric", "util")
     )
     with _quiet(util):
         util.RNG.setSeed(seed)
         space = _space(base, limits, np.vstack([start[None], goals]), around)
+        space.setStateValidityCheckingResolution(resolution)
+        space.setup()
         problem = base.ProblemDefinition(space)
         problem.addStartState(_state(space, start))
         ends = base.GoalStates(space)
@@ -102,16 +111,16 @@ def _connected(
             ends.addState(_state(space, goal))
         problem.setGoal(ends)
         planner = geometric.RRTConnect(space)
-        planner.setRange(_RANGE)
         planner.setProblemDefinition(problem)
         planner.setup()
         planner.solve(base.PlannerTerminationCondition(_after(steps)))
         if not problem.hasExactSolution():
             return None
-        way = problem.getSolutionPath()
-        geometric.PathSimplifier(space).simplifyMax(way)
-    found = np.array([_values(state, len(start)) for state in way.getStates()])
-    return found if around.clear_along(found) else None
+        path = problem.getSolutionPath()
+        found = _rows(path, len(start))
+        geometric.PathSimplifier(space).simplifyMax(path)
+        shortened = _rows(path, len(start))
+    return next((way for way in (shortened, found) if around.clear_along(way)), None)
 
 
 def _space(
@@ -130,16 +139,7 @@ def _space(
         bounds.setHigh(i, float(upper[i]))
     space.setBounds(bounds)
     information = base.SpaceInformation(space)
-    information.setStateValidityChecker(
-        lambda state: around.clear_along(_values(state, joints)[None])
-    )
-
-    class Edges(base.MotionValidator):  # type: ignore[misc]
-        def checkMotion(self, a: Any, b: Any) -> bool:  # noqa: N802 (OMPL asks for this name)
-            return around.clear_along(np.array([_values(a, joints), _values(b, joints)]))
-
-    information.setMotionValidator(Edges(information))
-    information.setup()
+    information.setStateValidityChecker(lambda state: around.clear_at(_values(state, joints)[None]))
     return information
 
 
@@ -148,6 +148,10 @@ def _state(space: Any, q: Float64Array) -> Any:
     for i, value in enumerate(q):
         state[i] = float(value)
     return state
+
+
+def _rows(path: Any, joints: int) -> Float64Array:
+    return np.array([_values(state, joints) for state in path.getStates()])
 
 
 def _values(state: Any, joints: int) -> Float64Array:

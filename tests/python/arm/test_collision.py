@@ -72,6 +72,31 @@ def test_distance_to_obstacles_is_that_of_coal(bundled):
         assert agrees(ours, theirs)
 
 
+def test_among_shelves_and_cans_distance_and_verdict_are_those_of_coal(panda):
+    peer, rng = CoalArm("panda"), np.random.default_rng(6)
+    boards = [lt.Box((0.3, 0.8, 0.02), (0.6, 0.0, z)) for z in (0.2, 0.5, 0.8)]
+    cans = [lt.Cylinder(0.03, 0.12, (0.55, y, 0.27), TURN) for y in (-0.2, 0.15)]
+    solids = [coal.Box(*board.size) for board in boards] + [coal.Cylinder(0.03, 0.12)] * len(cans)
+    shelf = list(zip(solids, [placed(shape) for shape in boards + cans], strict=True))
+    rows = rng.uniform(panda.limits.lower, panda.limits.upper, (120, 7))
+    clear = panda.is_clear(rows, boards + cans)
+    for q, ours, verdict in zip(rows, panda.distance(rows, boards + cans), clear, strict=True):
+        peer.place(q)
+        theirs = min(peer.distance_to(peer.moving_links(), *each) for each in shelf)
+        itself = min(peer.link_distance(*pair) for pair in panda.collision_pairs.checked)
+        assert agrees(ours, theirs)
+        assert verdict == (min(theirs, itself) > -1e-6)
+    assert 10 < clear.sum() < 110
+
+
+def test_what_touches_by_rounding_is_clear(panda):
+    """Two links of the Panda meet at its wrist, in the URDF, whatever the joints."""
+    rows = configurations(panda, 3000, 7)
+    touching = np.abs(panda.self_distance(rows)) < 1e-6
+    assert touching.sum() > 100
+    assert panda.is_clear(rows[touching]).all()
+
+
 def placed(shape):
     w, x, y, z = getattr(shape, "orientation", (1, 0, 0, 0))
     return pin.SE3(pin.Quaternion(w, x, y, z).matrix(), np.array(shape.position))
