@@ -24,9 +24,9 @@ from leadthrough.planning.speed_field import SpeedField
 
 # Maps of fewer blocks are marched as a whole.
 _MOST_BLOCKS = 2_000
-# A limit exceeds what blocks let hope for by this fraction, times their level: finer ones find more
-# in the way.
-_HOPE = 0.04
+# A limit exceeds what blocks let hope for by this fraction, times two for every level: the smaller
+# they are, the more there is in the way.
+_HOPE = 0.0175
 # By how much the scheme's error may let a wave seem later than it is.
 _ERROR = 0.01
 # A limit at which obstacles separate the ends in the band grows by this factor.
@@ -167,7 +167,7 @@ class _Search:
         numbers = np.arange(self._levels[0].count)
         for blocks, finer in pairwise(self._levels):
             seen = self._first if blocks is self._levels[0] else self._look(blocks, numbers)
-            hope = _HOPE * blocks.level
+            hope = _HOPE * 2**blocks.level
             if not self._holds(seen.arrival, hope, seen.is_open):
                 return None
             self._limit = min(self._limit, max(self._least, seen.arrival * (1.0 + hope)))

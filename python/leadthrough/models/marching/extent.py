@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,13 +19,44 @@ _CELLS_PER_RADIUS = 5.0
 _LEAST_CELLS_PER_RADIUS = 2.0
 # Beyond this many cells a default resolution gets coarser: 160 cubed, half a second to march.
 _MOST_DEFAULT_CELLS = 4_000_000
+# And of a map that a way from far away leads into: it may lead anywhere, and is looked for widely.
+MOST_CELLS_FROM_AFAR = 500_000
 # Room around everything, in radii, and around obstacles, as a fraction of the extent.
 _MARGIN = 4.0
 _ROOM = 0.25
+# An end is far away at this distance from the demonstrations, in their extent.
+_FAR = 1.0
+
+
+def covered_ends(
+    paths: Sequence[Float64Array], ends: Float64Array, scales: Scales
+) -> Iterator[Float64Array]:
+    """Which ends (k, d) a grid has to cover, beside paths: first without one far away, then all.
+
+    The wave runs evenly beyond the grid, so that one that comes from far away need not be marched
+    there, unless obstacles turn out to stand in its way.
+
+    Args:
+        paths: (n, d) each, which may be none.
+        ends: start and goal, (2, d).
+        scales: of the map.
+    """
+    if paths and scales.workspace is None:
+        points = np.concatenate(paths)
+        lower, upper = points.min(axis=0), points.max(axis=0)
+        away = np.maximum(lower - ends, ends - upper).max(axis=1)
+        farthest = int(np.argmax(away))
+        if away[farthest] > _FAR * float((upper - lower).max()):
+            yield np.delete(ends, farthest, axis=0)
+    yield ends
 
 
 def grid_over(
-    points: Sequence[Float64Array], obstacles: Sequence[Shape], scales: Scales
+    points: Sequence[Float64Array],
+    obstacles: Sequence[Shape],
+    scales: Scales,
+    *,
+    most_cells: int = _MOST_DEFAULT_CELLS,
 ) -> tuple[Grid, Scales]:
     """A grid around points, and the scales made definite for it.
 
@@ -35,6 +66,7 @@ def grid_over(
         points: arrays (n, d).
         obstacles: shapes in the same frame.
         scales: of the map; a resolution of None is chosen here.
+        most_cells: beyond which a resolution that is chosen here gets coarser.
 
     Raises:
         InvalidInput: if the grid would be too large, or the points leave a workspace that was set.
@@ -43,7 +75,7 @@ def grid_over(
     resolution = scales.resolution
     if resolution is None:
         sides = np.ptp(corners, axis=0) + 2.0 * margin
-        coarsest = float((sides.prod() / _MOST_DEFAULT_CELLS) ** (1.0 / len(sides)))
+        coarsest = float((sides.prod() / most_cells) ** (1.0 / len(sides)))
         widest = scales.growth * scales.radius / _LEAST_CELLS_PER_RADIUS
         resolution = min(max(scales.radius / _CELLS_PER_RADIUS, coarsest), widest)
     radius = max(scales.radius, _LEAST_CELLS_PER_RADIUS * resolution)

@@ -6,7 +6,7 @@ demonstrations count by how near they start. The module `along_mean` has the thi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -14,12 +14,15 @@ import numpy as np
 
 from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
+from leadthrough.errors import NoPath
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.marching.extent import grid_over
+from leadthrough.models.marching.extent import MOST_CELLS_FROM_AFAR, covered_ends, grid_over
 from leadthrough.models.marching.hindrance import hindered_field, passable_field
+from leadthrough.models.marching.outside import clear_outside, smooth_between_walls
 from leadthrough.models.marching.query import Query
 from leadthrough.models.marching.scales import Scales
 from leadthrough.planning.band import quickest
+from leadthrough.planning.grid import Grid
 from leadthrough.planning.speed_field import (
     ExperienceField,
     FreeField,
@@ -28,7 +31,6 @@ from leadthrough.planning.speed_field import (
     speeds_at,
 )
 from leadthrough.preprocess.resample import arc_length
-from leadthrough.preprocess.smooth_path import smooth_path
 
 # Grid noise is shorter than this many cells; the shapes of demonstrations are not.
 CELLS_PER_KNOT = 8.0
@@ -93,12 +95,15 @@ def through_map(
     """
     mapped = known if useful is None else useful
     paths = [each.way for each in mapped]
-    grid, scales = grid_over([*paths, query.ends], query.obstacles, scales)
-    free = ExperienceField(
-        grid, paths, area_of_influence=scales.radius, saturation=scales.saturation
-    )
+
+    def free(grid: Grid, scales: Scales) -> FreeField:
+        return ExperienceField(
+            grid, paths, area_of_influence=scales.radius, saturation=scales.saturation
+        )
+
     used = tuple(each.facing(query.start, query.goal) for each in mapped or known)
-    return _through(free, query, scales, used=used, weights=np.ones(len(used)), method="map")
+    path, around = _through(free, paths, query, scales)
+    return route_along(path, around, used=used, weights=np.ones(len(used)), method="map")
 
 
 def from_start(known: Sequence[Experience], query: Query, scales: Scales) -> Route:
@@ -115,26 +120,49 @@ def from_start(known: Sequence[Experience], query: Query, scales: Scales) -> Rou
     used = tuple(each.facing(query.start, query.goal) for each in known)
     weights = _nearness(np.stack([each.path[0] for each in used]), query.start)
     paths = [each.way for each in used]
-    grid, scales = grid_over([*paths, query.ends], query.obstacles, scales)
-    free = TubeField(
-        grid, paths, weights, area_of_influence=scales.radius, saturation=scales.saturation
-    )
-    return _through(free, query, scales, used=used, weights=weights, method="start")
+
+    def free(grid: Grid, scales: Scales) -> FreeField:
+        return TubeField(
+            grid, paths, weights, area_of_influence=scales.radius, saturation=scales.saturation
+        )
+
+    path, around = _through(free, paths, query, scales)
+    return route_along(path, around, used=used, weights=weights, method="start")
 
 
 def _through(
-    free: FreeField,
+    free: Callable[[Grid, Scales], FreeField],
+    paths: Sequence[Float64Array],
     query: Query,
     scales: Scales,
-    *,
-    used: tuple[Experience, ...],
-    weights: Float64Array,
-    method: str,
-) -> Route:
-    """The quickest route of a query in a map without its obstacles."""
-    path = quickest(passable_field(free, query.obstacles, scales), query.start, query.goal)
-    around = hindered_field(free, query.obstacles, scales)
-    return route_along(path, around, used=used, weights=weights, method=method)
+) -> tuple[Float64Array, SpeedField]:
+    """The quickest path (n, d) of a query, and the map with its obstacles.
+
+    Args:
+        free: makes the map of paths, without obstacles.
+        paths: (n, d) each.
+        query: start, goal and obstacles.
+        scales: of the map.
+
+    Raises:
+        NoPath: where an end lies in an obstacle, or obstacles separate them.
+    """
+    *near, everything = covered_ends(paths, query.ends, scales)
+    for ends in near:
+        grid, own = grid_over(
+            [*paths, ends], query.obstacles, scales, most_cells=MOST_CELLS_FROM_AFAR
+        )
+        field = free(grid, own)
+        try:
+            path = quickest(passable_field(field, query.obstacles, own), query.start, query.goal)
+        except NoPath:  # beyond the grid there may be a way
+            break
+        if clear_outside(path, grid, query.obstacles, own.clearance):
+            return path, hindered_field(field, query.obstacles, own)
+    grid, own = grid_over([*paths, everything], query.obstacles, scales)
+    field = free(grid, own)
+    path = quickest(passable_field(field, query.obstacles, own), query.start, query.goal)
+    return path, hindered_field(field, query.obstacles, own)
 
 
 def route_along(
@@ -158,12 +186,8 @@ def route_along(
         knot_spacing: length below which details vanish; None: that of the noise of the grid.
         region: corners (lower, upper) that the smooth path is kept in.
     """
-    grid = field.grid
-    smoothed = smooth_path(
-        path,
-        knot_spacing=knot_spacing or CELLS_PER_KNOT * float(grid.spacing.max()),
-        accept=lambda points: bool(speeds_at(field, grid.cells_of(points)).all()),
-    )
+    spacing = knot_spacing or CELLS_PER_KNOT * float(field.grid.spacing.max())
+    smoothed = smooth_between_walls(path, field, spacing)
     if region is not None:
         smoothed = np.clip(smoothed, *region)
     return Route(smoothed, _between_cells(field, smoothed), used, weights, method)
@@ -175,6 +199,11 @@ def _between_cells(field: SpeedField, points: Float64Array) -> Float64Array:
     Between a free cell and a wall they may vanish; they are at least those of the slowest free cell
     around the points, as a path never stands still.
     """
+    inside = field.grid.contains(points)
+    if not inside.all():
+        result = np.full(len(points), field.outside)
+        result[inside] = _between_cells(field, points[inside])
+        return result
     last = np.array(field.grid.shape) - 1
     places = np.clip(field.grid.coordinates(points), 0.0, last)
     low = np.floor(places).astype(np.int64)
