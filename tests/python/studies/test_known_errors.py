@@ -13,10 +13,14 @@ HANDWRITING = {
     "ProMP": (lt.ProMP(), (1.01 * 101.3, np.inf, np.inf, np.inf)),
 }
 # DTW distance per sample, mm, and mean error of the orientation, degrees.
-TASKS = {
-    "bottle2shelf": ("PoseDMP", 12.0, 4.3),
-    "pouring": ("FastMarching", 15.6, 5.5),
-}
+TASKS = [
+    ("bottle2shelf", "PoseDMP", 12.0, 4.3),
+    ("pouring", "FastMarching", 15.6, 5.5),
+    ("bottle2shelf", "GMR", 12.0, 4.4),
+    ("pouring", "GMR", 16.3, 5.8),
+    ("bottle2shelf", "TaskGMR", 13.6, 4.56),
+    ("pouring", "TaskGMR", 15.8, 5.6),
+]
 
 
 @pytest.mark.parametrize("name", HANDWRITING)
@@ -35,10 +39,11 @@ def test_left_out_handwriting_is_reproduced_as_well_as_ever(name):
     assert (np.mean(rows, axis=0) <= most).all()
 
 
-@pytest.mark.parametrize("task", TASKS)
-def test_left_out_poses_of_a_real_tool_are_predicted_as_well_as_ever(recordings, task):
+@pytest.mark.parametrize(("task", "method", "path", "turn"), TASKS)
+def test_left_out_poses_of_a_real_tool_are_predicted_as_well_as_ever(
+    recordings, task, method, path, turn
+):
     """The nearest demonstration, shifted: 16.7 and 16.9 mm, 7.1 and 8.3 degrees."""
-    method, path, turn = TASKS[task]
     file = str(recordings / "robotasks" / f"{task}.npy")
     rows = study.compare(file=file, method=method, left_out=None)
     assert len(rows) == 9

@@ -11,6 +11,7 @@ algorithm".
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -26,9 +27,13 @@ from leadthrough.models.mixtures.kmeans import clustered, seeds
 # maximises the likelihood under that bound, so that EM still never loses any.
 LEAST_VARIANCE = 1e-6
 _TOLERANCE = 1e-6  # gain of the mean log-likelihood per point
-# To which the best end goes on: how the units round shall not be seen in the motion.
-_LAST_TOLERANCE = 1e-9
-_MOST_ITERATIONS = 500
+# To which the best end goes on: the likelihood may hardly grow for 400 iterations, and the motion
+# shall tell neither when they were ended nor how the units round.
+_LAST_TOLERANCE = 1e-10
+_MOST_ITERATIONS, _LAST_ITERATIONS = 500, 3000
+# Ends whose mean log-likelihoods differ by less are at one maximum, or as good: the first is taken,
+# not the one that rounding favours.
+_AS_LIKELY = 1e-4
 # Ways to begin that are tried for each start, and for how many iterations; the best go on.
 _TRIALS, _TRIAL_ITERATIONS = 4, 40
 
@@ -80,18 +85,20 @@ def fit_blocks(
     first = np.eye(count)
     if count == 1 or starts == 1:
         labels = clustered(clustering, seeds(clustering, count, rng)).labels
-        return steps.run(steps.maximise(first[labels]), _MOST_ITERATIONS)
-    trials = []
-    for i in range(_TRIALS * starts):
-        start = steps.maximise(first[_cells(clustering, count, i, rng)])
-        trials.append(steps.run(start, _TRIAL_ITERATIONS))
-    trials.sort(key=lambda trial: -trial[1][-1])
+        begun = [steps.run(steps.maximise(first[labels]), _TRIAL_ITERATIONS)]
+    else:
+        begun = []
+        for i in range(_TRIALS * starts):
+            start = steps.maximise(first[_cells(clustering, count, i, rng)])
+            begun.append(steps.run(start, _TRIAL_ITERATIONS))
+    promising = sorted(range(len(begun)), key=lambda i: -begun[i][1][-1])[:starts]
     ends = []
-    for components, history in trials[:starts]:
+    for components, history in (begun[i] for i in sorted(promising)):
         end, more = steps.run(components, _MOST_ITERATIONS)
         ends.append((end, history + more[1:]))
-    best, history = max(ends, key=lambda end: end[1][-1])
-    end, more = steps.run(best, _MOST_ITERATIONS, tolerance=_LAST_TOLERANCE)
+    enough = max(history[-1] for _, history in ends) - _AS_LIKELY
+    best, history = next(end for end in ends if end[1][-1] >= enough)
+    end, more = steps.run(best, _LAST_ITERATIONS, tolerance=_LAST_TOLERANCE)
     return end, history + more[1:]
 
 
@@ -131,6 +138,16 @@ class Steps:
         self._monomials = [_monomials(block) for block in blocks]
         self._before = before
         self._least = least
+
+    def bounded_by(self, least: float) -> Steps:
+        """The steps for the same points with another least variance.
+
+        Args:
+            least: least variance of a component in any direction.
+        """
+        other = copy(self)
+        other._least = least
+        return other
 
     def run(
         self, components: Blocks, iterations: int, *, tolerance: float = _TOLERANCE
@@ -194,7 +211,7 @@ class Steps:
             second = _squares(each[:, 1 + size :], size) / counts[:, None, None]
             means.append(mean)
             spread = second - mean[:, :, None] * mean[:, None, :]
-            covariances.append(_bounded(spread, self._least))
+            covariances.append(bounded(spread, self._least))
         return Blocks(counts / counts.sum(), tuple(means), tuple(covariances))
 
     def _of_before(self, coefficients: Sequence[Float64Array]) -> float:
@@ -260,8 +277,13 @@ def _coefficients(means: Float64Array, covariances: Float64Array) -> Float64Arra
     return np.hstack([constant[:, None], linear, quadratic])
 
 
-def _bounded(covariances: Float64Array, least: float) -> Float64Array:
-    """Covariances (k, d, d) with eigenvalues of at least `least`."""
+def bounded(covariances: Float64Array, least: float) -> Float64Array:
+    """Covariances (k, d, d) with eigenvalues of at least a bound.
+
+    Args:
+        covariances: covariances (k, d, d).
+        least: the least eigenvalue that they may have.
+    """
     values, vectors = np.linalg.eigh(covariances)
     if values[:, 0].min() >= least:
         return covariances

@@ -65,25 +65,12 @@ def fit_mixture(
     """
     data, count = _checked(points, components, seed)
     check.integer(starts, "starts", at_least=1)
-    return _fitted(data, count, own_units(data), seed=seed, starts=starts)
-
-
-def fit_phases(
-    points: Float64Array, components: int, units: Units, *, seed: int, starts: int
-) -> FittedMixture:
-    """The most likely mixture of times and columns, each start of EM from clusters of the times.
-
-    Clusters of places would tell demonstrations apart and not their phases. Those of the times do
-    not depend on the places at all, so that no change of one lets EM start elsewhere.
-
-    Args:
-        points: times and columns (n, 1 + d).
-        components: number of components, 1 to n.
-        units: units in which EM measures the points.
-        seed: seed of the random number generator that draws the starts.
-        starts: number of starts that are followed to the end, as in `fit_mixture`.
-    """
-    return _fitted(points, components, units, seed=seed, starts=starts, by_time=True)
+    units = own_units(data)
+    scaled = units.scaled(data)
+    blocks, history = fit_blocks([scaled], scaled, count, seed=seed, starts=starts)
+    return FittedMixture(
+        _unscaled(blocks, units), tuple(value - units.log_volume for value in history)
+    )
 
 
 def choose_components(
@@ -107,34 +94,21 @@ def choose_components(
     """
     data = check.array(points, "points", shape=("n", "d"))
     most = min(check.integer(at_most, "at_most", at_least=1), len(data))
-    return _least_criterion(
+    return least_criterion(
         lambda count: fit_mixture(data, count, seed=seed, starts=starts), len(data), most
     )
 
 
-def choose_phases(
-    points: Float64Array, units: Units, *, seed: int, starts: int, at_most: int = 15
-) -> FittedMixture:
-    """What `choose_components` is for `fit_mixture`, for `fit_phases`.
-
-    Args:
-        points: times and columns (n, 1 + d).
-        units: units in which EM measures the points.
-        seed: seed of the random number generator that draws the starts.
-        starts: number of starts for each number of components.
-        at_most: largest number of components to try.
-    """
-    return _least_criterion(
-        lambda count: fit_phases(points, count, units, seed=seed, starts=starts),
-        len(points),
-        at_most,
-    )
-
-
-def _least_criterion(
+def least_criterion(
     fitted: Callable[[int], FittedMixture], samples: int, most: int
 ) -> FittedMixture:
-    """The fit of least Bayesian information criterion, of those with 1, 2, ... components."""
+    """The fit of least Bayesian information criterion, of those with 1, 2, ... components.
+
+    Args:
+        fitted: the fit with a number of components.
+        samples: number of points that are fitted.
+        most: largest number of components to try.
+    """
     best, least = 1, np.inf
     fits = {}
     for count in range(1, most + 1):
@@ -196,23 +170,16 @@ def bic(fit: FittedMixture, samples: int) -> float:
     return free * float(np.log(samples)) - 2.0 * samples * fit.log_likelihood
 
 
-def _fitted(
-    data: Float64Array,
-    count: int,
-    units: Units,
-    *,
-    seed: int,
-    starts: int,
-    by_time: bool = False,
-) -> FittedMixture:
-    """The most likely mixture, with starts in all columns or in the first, the time."""
-    scaled = units.scaled(data)
-    clustering = scaled[:, :1] if by_time else scaled
-    blocks, history = fit_blocks(
-        [scaled], clustering, count, seed=seed, starts=starts, least=units.least
+def in_order(components: Blocks) -> Mixture:
+    """The mixture of components of one block, ordered by their means' first column.
+
+    Args:
+        components: components in the columns' own units.
+    """
+    order = np.argsort(components.means[0][:, 0], kind="stable")
+    return Mixture(
+        components.weights[order], components.means[0][order], components.covariances[0][order]
     )
-    volume = float(np.log(units.scale).sum())
-    return FittedMixture(_unscaled(blocks, units), tuple(value - volume for value in history))
 
 
 def _checked(points: ArrayLike, components: int, seed: int) -> tuple[Float64Array, int]:
@@ -226,15 +193,11 @@ def _checked(points: ArrayLike, components: int, seed: int) -> tuple[Float64Arra
 
 def _scaled(mixture: Mixture, units: Units) -> Blocks:
     """The components of a mixture as one block of columns in units."""
-    covariances = mixture.covariances / units.scale / units.scale[:, None]
+    covariances = units.scaled_covariances(mixture.covariances)
     return Blocks(mixture.weights, (units.scaled(mixture.means),), (covariances,))
 
 
 def _unscaled(blocks: Blocks, units: Units) -> Mixture:
-    """The components of one block in their columns' own units, ordered by the first column."""
-    order = np.argsort(blocks.means[0][:, 0], kind="stable")
-    return Mixture(
-        blocks.weights[order],
-        units.means(blocks.means[0][order]),
-        units.covariances(blocks.covariances[0][order]),
-    )
+    """The components of one block in their columns' own units, in order."""
+    means, covariances = units.means(blocks.means[0]), units.covariances(blocks.covariances[0])
+    return in_order(Blocks(blocks.weights, (means,), (covariances,)))

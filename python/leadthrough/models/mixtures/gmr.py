@@ -15,17 +15,11 @@ from leadthrough.errors import InvalidInput
 from leadthrough.models import archive
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
-from leadthrough.models.mixtures.fitting import (
-    FittedMixture,
-    choose_components,
-    choose_phases,
-    fit_mixture,
-    fit_phases,
-)
+from leadthrough.models.mixtures.fitting import FittedMixture
 from leadthrough.models.mixtures.gmr_skill import GMRSkill
 from leadthrough.models.mixtures.mixture import Mixture
+from leadthrough.models.mixtures.phases import choose_phases, fit_phases
 from leadthrough.models.mixtures.samples import SAMPLES, sampled
-from leadthrough.models.mixtures.units import pose_units
 from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import MotionT
 
@@ -76,14 +70,9 @@ class GMR(Unfitted):
 
     def _fitted(self, points: Float64Array, *, poses: bool) -> FittedMixture:
         """The mixture of times and columns (n, 1 + d)."""
-        if poses:
-            units = pose_units(points)
-            if self.components is None:
-                return choose_phases(points, units, seed=self.seed, starts=self.starts)
-            return fit_phases(points, self.components, units, seed=self.seed, starts=self.starts)
         if self.components is None:
-            return choose_components(points, seed=self.seed, starts=self.starts)
-        return fit_mixture(points, self.components, seed=self.seed, starts=self.starts)
+            return choose_phases(points, poses=poses, seed=self.seed, starts=self.starts)
+        return fit_phases(points, self.components, poses=poses, seed=self.seed, starts=self.starts)
 
 
 # Any: settings are whatever JSON holds.

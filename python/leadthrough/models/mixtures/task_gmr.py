@@ -22,14 +22,19 @@ from leadthrough.models.chart import Chart, chart_of
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.frame import Frame
 from leadthrough.models.mean_turning import middle_orientations
-from leadthrough.models.mixtures.em import Blocks, fit_blocks
+from leadthrough.models.mixtures.em import Blocks
 from leadthrough.models.mixtures.mixture import Mixture
+from leadthrough.models.mixtures.phases import phase_blocks
 from leadthrough.models.mixtures.samples import SAMPLES, sampled, timed_columns
+from leadthrough.models.mixtures.shrinkage import shrunk
 from leadthrough.models.mixtures.task_frames import checked_frames
 from leadthrough.models.mixtures.task_gmr_skill import TaskGMRSkill
-from leadthrough.models.mixtures.units import own_units, pose_units
 from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import MotionT
+
+# A deviation of 5 % of a column's: frames are not weighed by finer agreement than that, which few
+# demonstrations show by chance.
+_LEAST_VARIANCE = 3e-3
 
 
 @dataclass(frozen=True)
@@ -40,9 +45,7 @@ class TaskGMR(Unfitted):
         components: number of components, 1 to 200.
         seed: seed of the random number generator that draws the starts of EM, >= 0.
         starts: number of starts of EM that are followed to the end, >= 1; the most likely result
-            is taken. 1 is several times faster, and steadier: one sample changed by 1 mm changed
-            poses by at most 3.3 mm in 96 trials, but twice by up to 19 mm with 5, where another
-            maximum of the likelihood won.
+            is taken. 1 is several times faster.
 
     Raises:
         InvalidInput: if a setting is out of range.
@@ -89,7 +92,14 @@ class TaskGMR(Unfitted):
             rows = timed_columns(local, shown.phases, charts[-1], shown.duration)
             seen.append(np.concatenate(rows))
         poses = shown.chart.kind == "poses"
-        components = _fitted(seen, self.components, poses=poses, seed=self.seed, starts=self.starts)
+        components = _fitted(
+            seen,
+            self.components,
+            demonstrations=len(shown.motions),
+            poses=poses,
+            seed=self.seed,
+            starts=self.starts,
+        )
         at_ends = frames is None
         return TaskGMRSkill(
             self, shown.chart, tuple(charts), components, shown.duration, shown.ends, at_ends
@@ -129,18 +139,17 @@ def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> TaskGMRSki
 
 
 def _fitted(
-    seen: Sequence[Float64Array], count: int, *, poses: bool, seed: int, starts: int
+    seen: Sequence[Float64Array],
+    count: int,
+    *,
+    demonstrations: int,
+    poses: bool,
+    seed: int,
+    starts: int,
 ) -> Blocks:
     """Components of the times and columns (n, 1 + d) seen from each frame."""
-    units = [pose_units(each) if poses else own_units(each) for each in seen]
-    scaled = [own.scaled(each) for each, own in zip(seen, units, strict=True)]
-    # Started from clusters of the time alone: clusters of places would tell the demonstrations
-    # apart and not their phases.
-    found, _ = fit_blocks(
-        scaled, scaled[0][:, :1], count, seed=seed, starts=starts, least=units[0].least
+    found, _ = phase_blocks(
+        seen, count, poses=poses, seed=seed, starts=starts, least=_LEAST_VARIANCE
     )
-    return Blocks(
-        found.weights,
-        tuple(own.means(each) for each, own in zip(found.means, units, strict=True)),
-        tuple(own.covariances(each) for each, own in zip(found.covariances, units, strict=True)),
-    )
+    rounder = tuple(shrunk(each, demonstrations, poses=poses) for each in found.covariances)
+    return replace(found, covariances=rounder)

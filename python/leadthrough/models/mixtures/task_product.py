@@ -18,6 +18,7 @@ import numpy as np
 from leadthrough.check import Float64Array
 from leadthrough.models.mixtures.em import Blocks
 from leadthrough.models.mixtures.mixture import Mixture
+from leadthrough.models.mixtures.shrinkage import conditional, round_ones
 from leadthrough.models.mixtures.task_frames import Placed
 
 # A frame that moves takes the mean along by no more than this many times its own way.
@@ -45,9 +46,8 @@ def multiplied(components: Blocks, seen: Sequence[Placed], *, poses: bool) -> Mi
     rates, inner = [], []
     for each, covariances in zip(seen, components.covariances, strict=True):
         rate = covariances[:, 0, 1:] / covariances[:, :1, 0]
-        own = covariances[:, 1:, 1:] - rate[:, :, None] * covariances[:, :1, 1:]
         rates.append(_applied(each.maps, rate) + each.drift)
-        inner.append(each.maps @ own @ each.maps.transpose(0, 2, 1))
+        inner.append(each.maps @ conditional(covariances) @ each.maps.transpose(0, 2, 1))
     weights = _weights(inner, _units(seen, poses=poses), poses=poses)
     means = _combined(weights, [each.means for each in seen])
     slope = _combined(weights, rates)
@@ -72,7 +72,7 @@ def _weights(
         poses: whether the last three columns are a rotation.
     """
     scaled = [each / units / units[:, None] for each in covariances]
-    rounds = [_round(each, poses=poses) for each in scaled]
+    rounds = [round_ones(each, poses=poses) for each in scaled]
     chosen = _products(scaled)
     done = np.zeros(len(scaled[0]), dtype=bool)
     for fraction in _ROUND:
@@ -96,18 +96,6 @@ def _products(covariances: Sequence[Float64Array]) -> list[Float64Array]:
     precisions = [np.asarray(np.linalg.inv(each)) for each in covariances]
     total = np.asarray(np.linalg.inv(np.sum(precisions, axis=0)))
     return [total @ each for each in precisions]
-
-
-def _round(covariances: Float64Array, *, poses: bool) -> Float64Array:
-    """Covariances (k, d, d) of the same variances in all directions."""
-    size = covariances.shape[1]
-    even = np.zeros_like(covariances)
-    split = size - _ROTATION if poses else size
-    for group in (np.arange(split), np.arange(split, size)):
-        if len(group) > 0:
-            variances = covariances[:, group, group].mean(axis=1)
-            even[:, group, group] = variances[:, None]
-    return even
 
 
 def _units(seen: Sequence[Placed], *, poses: bool) -> Float64Array:

@@ -1,11 +1,8 @@
-"""The units in which EM measures points, and the least variance that it may conclude in them.
+"""The units in which EM measures points.
 
-EM itself does not depend on units; its starts and its least variance do. Columns that are scaled
-to variance one each have a least variance of their own. For poses that is too little: relative to
-the reference, orientations vary by hundredths of a radian, and of a few demonstrations the least
-deviation is then 1e-5 rad. The likelihood of such thin components outweighs that of all positions,
-so that they follow single demonstrations and not the phases of all, and one sample changed by a
-millimetre lets another start win. So positions share one unit, and rotations have theirs.
+EM itself does not depend on units; its starts and its least variance do. For motions, positions of
+poses share one unit, as a direction in which the demonstrations hardly move tells no phases, and
+rotations have theirs. The time counts by slices: a component of average length has deviation one.
 """
 
 from __future__ import annotations
@@ -15,10 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from leadthrough.check import Float64Array
-from leadthrough.models.mixtures.em import LEAST_VARIANCE
 
-# A deviation of 3 % of the unit, about 1 % of the motion's extent.
-LEAST_VARIANCE_OF_POSES = 1e-3
 _ROTATION_UNIT = 1.0  # rad
 _POSITION, _ROTATION = slice(1, 4), slice(4, 7)  # columns after the time
 
@@ -30,16 +24,23 @@ class Units:
     Attributes:
         middle: means (d,) of the columns.
         scale: units (d,) of the columns.
-        least: least variance of a component in any direction, in these units.
     """
 
     middle: Float64Array
     scale: Float64Array
-    least: float = LEAST_VARIANCE
+
+    @property
+    def log_volume(self) -> float:
+        """What log densities in these units exceed those in the columns' own units by."""
+        return float(np.log(self.scale).sum())
 
     def scaled(self, points: Float64Array) -> Float64Array:
         """Points (n, d) in these units."""
         return (points - self.middle) / self.scale
+
+    def scaled_covariances(self, covariances: Float64Array) -> Float64Array:
+        """Covariances (k, d, d) in these units."""
+        return covariances / self.scale / self.scale[:, None]
 
     def means(self, scaled: Float64Array) -> Float64Array:
         """Means (k, d) in the columns' own units."""
@@ -61,22 +62,17 @@ def own_units(points: Float64Array) -> Units:
     return Units(middle, np.where(deviations > rounding, deviations, 1.0))
 
 
-def pose_units(points: Float64Array) -> Units:
-    """Units of the time, which has its own, of positions, which share the widest one's, and rad.
-
-    Args:
-        points: times and columns (n, 7) of poses.
-    """
-    return of_poses(own_units(points))
-
-
-def of_poses(own: Units) -> Units:
-    """Units of poses, as `pose_units` has them, of the columns' own ones.
+def phase_units(own: Units, count: int, *, poses: bool) -> Units:
+    """Units of the time and the columns of motions, for components that follow phases.
 
     Args:
         own: means and standard deviations of the time and the columns.
+        count: number of components.
+        poses: whether the columns are positions and rotation vectors.
     """
     scale = own.scale.copy()
-    scale[_POSITION] = scale[_POSITION].max()
-    scale[_ROTATION] = _ROTATION_UNIT
-    return Units(own.middle, scale, LEAST_VARIANCE_OF_POSES)
+    scale[0] /= count
+    if poses:
+        scale[_POSITION] = scale[_POSITION].max()
+        scale[_ROTATION] = _ROTATION_UNIT
+    return Units(own.middle, scale)

@@ -15,10 +15,11 @@ import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.models.demonstrated import Demonstrations, motions_of
-from leadthrough.models.mixtures.em import Blocks, Steps, sums_of
+from leadthrough.models.mixtures.em import LEAST_VARIANCE, Blocks, Steps, bounded, sums_of
 from leadthrough.models.mixtures.mixture import Mixture
+from leadthrough.models.mixtures.phases import WIDE, thinner
 from leadthrough.models.mixtures.samples import timed_columns
-from leadthrough.models.mixtures.units import Units, of_poses
+from leadthrough.models.mixtures.units import Units, phase_units
 from leadthrough.motion import Motion, normalised_times
 
 if TYPE_CHECKING:
@@ -48,34 +49,31 @@ def learned(
     samples = timed_columns(motions, phases, skill.chart, skill.duration)
     total = skill.demonstration_count + len(motions)
     points = np.concatenate(samples)
-    units = _units(skill.mixture, poses=skill.chart.kind == "poses")
     before = len(points) / len(motions) * skill.demonstration_count
-    mixture = _adapted(skill.mixture, points, before, units)
+    mixture = _adapted(skill.mixture, points, before, poses=skill.chart.kind == "poses")
     ends = np.sum([each[[0, -1], 1:] for each in samples], axis=0)
     return mixture, (skill.ends * skill.demonstration_count + ends) / total, total
 
 
-def _adapted(mixture: Mixture, points: Float64Array, before: float, units: Units) -> Mixture:
-    """The mixture of new points (n, d) and of the `before` old ones that it stands for."""
-    scale = units.scale
-    covariances = mixture.covariances / (scale * scale[:, None])
+def _adapted(mixture: Mixture, points: Float64Array, before: float, *, poses: bool) -> Mixture:
+    """The mixture of new points (n, d) and of the `before` old ones that it stands for.
+
+    EM starts from the old components and goes on as in a fit.
+    """
+    units = _units(mixture, poses=poses)
+    covariances = units.scaled_covariances(mixture.covariances)
     old = Blocks(mixture.weights, (units.scaled(mixture.means),), (covariances,))
-    steps = Steps([units.scaled(points)], sums_of(old, before), least=units.least)
-    new, _ = steps.run(old, _MOST_ITERATIONS)
+    blocks, sums = [units.scaled(points)], sums_of(old, before)
+    steps = Steps(blocks, sums, least=WIDE)
+    wide = replace(old, covariances=(bounded(covariances, WIDE),))
+    found, _ = steps.run(wide, _MOST_ITERATIONS)
+    new, _ = thinner(found, steps, LEAST_VARIANCE)
     return Mixture(new.weights, units.means(new.means[0]), units.covariances(new.covariances[0]))
 
 
 def _units(mixture: Mixture, *, poses: bool) -> Units:
-    """Units of the points that a mixture stands for.
-
-    Where a mixture is thinner than the least variance of poses, as those in files of earlier
-    versions are, it may stay so: EM would undo each step that makes it less likely.
-    """
+    """Units of the points that a mixture stands for."""
     middle = mixture.weights @ mixture.means
     variances = np.einsum("kii->ki", mixture.covariances) + (mixture.means - middle) ** 2
     own = Units(middle, np.sqrt(mixture.weights @ variances))
-    if not poses:
-        return own
-    units = of_poses(own)
-    scaled = mixture.covariances / units.scale / units.scale[:, None]
-    return replace(units, least=min(units.least, float(np.linalg.eigvalsh(scaled).min())))
+    return phase_units(own, mixture.count, poses=poses)

@@ -114,22 +114,6 @@ def test_a_situation_asked_for_by_frames_is_near_the_usual_one_too():
         assert farthest(after, before) <= 2.0 * 0.001 * 0.7
 
 
-@pytest.mark.parametrize(("model", "most"), [(lt.GMR(), 0.001), (TaskGMR(starts=1), 0.004)])
-@pytest.mark.parametrize("count", [2, 3])
-@pytest.mark.parametrize("share_goal", [True, False])
-def test_a_millimetre_in_one_sample_moves_poses_by_a_few_at_most(model, most, count, share_goal):
-    """Thin components of single demonstrations let it move them by 14 and 45 mm."""
-    motions = [each.motion for each in family("poses", count, share_goal=share_goal)]
-    goal = motions[0].positions[-1] + [0.05, -0.05, 0.02]
-    usual = model.fit(motions).generate(goal=goal, dt=0.02)
-    for row in (0, 33, 50, 83, 99):
-        moved = motions[0].positions.copy()
-        moved[row, 0] += 0.001
-        changed = [replace(motions[0], positions=moved), *motions[1:]]
-        made = model.fit(changed).generate(goal=goal, dt=0.02)
-        assert farthest(made, usual) <= most
-
-
 def test_mixtures_of_poses_follow_phases_and_not_single_demonstrations():
     """Units of the columns' own deviations took the mean motion 190 mm from the demonstrations'."""
     for share_goal in (True, False):

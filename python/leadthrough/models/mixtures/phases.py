@@ -1,0 +1,120 @@
+"""Mixtures over the time and the columns of motions, whose components follow phases.
+
+The most likely components are thin: from few demonstrations they follow single ones and not the
+phases of all, their likelihood has many maxima, and one sample changed by a millimetre lets another
+win. So starts are clusters of the times alone, and until EM has converged, no component is thinner
+than a sixth of the motion. Nearly all starts then end at one maximum, which moves little where a
+sample does. From there, a single step each with lower bounds leads to thin components.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from leadthrough.check import Float64Array
+from leadthrough.models.mixtures.em import LEAST_VARIANCE, Blocks, Steps, fit_blocks
+from leadthrough.models.mixtures.fitting import FittedMixture, in_order, least_criterion
+from leadthrough.models.mixtures.units import Units, own_units, phase_units
+
+# The least variance of a component in any direction until EM has converged, in phase units, and in
+# the single steps from there. With one step more in all, a sample moves the motion of joints up to
+# seven times as far.
+WIDE = 0.03
+_THINNER = (0.01, 0.003, 0.001)
+_MOST_COMPONENTS = 15
+
+
+def fit_phases(
+    points: Float64Array, components: int, *, poses: bool, seed: int, starts: int
+) -> FittedMixture:
+    """The mixture of times and columns whose components follow phases.
+
+    Args:
+        points: times and columns (n, 1 + d).
+        components: number of components, 1 to n.
+        poses: whether the columns are positions and rotation vectors.
+        seed: seed of the random number generator that draws the starts.
+        starts: number of starts that are followed to the end, as in `fit_mixture`.
+    """
+    found, history = phase_blocks(
+        [points], components, poses=poses, seed=seed, starts=starts, least=LEAST_VARIANCE
+    )
+    return FittedMixture(in_order(found), tuple(history))
+
+
+def choose_phases(points: Float64Array, *, poses: bool, seed: int, starts: int) -> FittedMixture:
+    """What `choose_components` is for `fit_mixture`, for `fit_phases`.
+
+    Args:
+        points: times and columns (n, 1 + d).
+        poses: whether the columns are positions and rotation vectors.
+        seed: seed of the random number generator that draws the starts.
+        starts: number of starts for each number of components.
+    """
+    return least_criterion(
+        lambda count: fit_phases(points, count, poses=poses, seed=seed, starts=starts),
+        len(points),
+        _MOST_COMPONENTS,
+    )
+
+
+def phase_blocks(
+    blocks: Sequence[Float64Array],
+    count: int,
+    *,
+    poses: bool,
+    seed: int,
+    starts: int,
+    least: float,
+) -> tuple[Blocks, list[float]]:
+    """Components of times and columns given in blocks, each with the time first.
+
+    Args:
+        blocks: times and columns (n, 1 + d) in each block.
+        count: number of components.
+        poses: whether the columns are positions and rotation vectors.
+        seed: seed of the random number generator that draws the starts.
+        starts: number of starts that are followed to the end.
+        least: least variance of a component in any direction at the end, in phase units.
+
+    Returns:
+        The components, and the mean log-likelihood per point at every iteration and at the end.
+    """
+    units = [phase_units(own_units(each), count, poses=poses) for each in blocks]
+    scaled = [own.scaled(each) for each, own in zip(blocks, units, strict=True)]
+    wide, history = fit_blocks(
+        scaled, scaled[0][:, :1], count, seed=seed, starts=starts, least=WIDE
+    )
+    found, more = thinner(wide, Steps(scaled), least)
+    history += more
+    volume = sum(own.log_volume for own in units)
+    return _unscaled(found, units), [value - volume for value in history]
+
+
+def thinner(components: Blocks, steps: Steps, least: float) -> tuple[Blocks, list[float]]:
+    """Components after a step of EM with each of the lower bounds, down to the least.
+
+    Args:
+        components: components that EM has converged to with the bound `WIDE`.
+        steps: the steps of EM for the points.
+        least: least variance of a component in any direction at the end, in phase units.
+
+    Returns:
+        The components, and the mean log-likelihood per point after every step.
+    """
+    history = []
+    responsibilities, _ = steps.expect(components)
+    for bound in [*(each for each in _THINNER if each > least), least]:
+        components = steps.bounded_by(bound).maximise(responsibilities)
+        responsibilities, likelihood = steps.expect(components)
+        history.append(likelihood)
+    return components, history
+
+
+def _unscaled(found: Blocks, units: Sequence[Units]) -> Blocks:
+    """Components in their columns' own units."""
+    return Blocks(
+        found.weights,
+        tuple(own.means(each) for each, own in zip(found.means, units, strict=True)),
+        tuple(own.covariances(each) for each, own in zip(found.covariances, units, strict=True)),
+    )
