@@ -3,7 +3,7 @@
 The most likely components are thin: from few demonstrations they follow single ones and not the
 phases of all, their likelihood has many maxima, and one sample changed by a millimetre lets another
 win. So starts are clusters of the times alone, and until EM has converged, no component is thinner
-than a sixth of the motion. Nearly all starts then end at one maximum, which moves little where a
+than a fifth of the motion. Nearly all starts then end at one maximum, which moves little where a
 sample does. From there, a single step each with lower bounds leads to thin components.
 """
 
@@ -17,10 +17,10 @@ from leadthrough.models.mixtures.fitting import FittedMixture, in_order, least_c
 from leadthrough.models.mixtures.units import Units, own_units, phase_units
 
 # The least variance of a component in any direction until EM has converged, in phase units, and in
-# the single steps from there. With one step more in all, a sample moves the motion of joints up to
-# seven times as far.
-WIDE = 0.03
-_THINNER = (0.01, 0.003, 0.001)
+# the single steps from there. Three steps without these bounds instead let a sample move the motion
+# of joints seven times as far.
+WIDE = 0.05
+_THINNER = (0.03, 0.01, 0.003, 0.001)
 _MOST_COMPONENTS = 15
 
 
