@@ -164,10 +164,13 @@ class _Follower:
         """
         try:
             q = clear_path(self.chain, self.path, around, start=seed, tolerance=self.tolerance)
-        except IkFailure:
-            if around is not None:
+        except IkFailure as ended:
+            if around is None:
+                return None
+            if ended.status != "jump":
                 raise
-            return None
+            stuck = Track.standing(self.chain, self.path, ended.index, ended.q)
+            raise failure(self.chain, self.limits, self.path, stuck, on_the_way="jump") from None
         leaps = np.abs(np.diff(q, axis=0)).max(initial=0.0) > self.max_step
         return None if leaps else q
 

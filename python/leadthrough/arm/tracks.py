@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import _core
+from leadthrough import _core, rotations
 from leadthrough.arm.options import Axis, ik_options
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
@@ -106,6 +106,19 @@ class Track:
         q, positions, orientations = columns
         missed = positions[-1] > allowed[0] or orientations[-1] > allowed[1]
         return Track(q, positions, orientations, len(q) - int(missed))
+
+    @staticmethod
+    def standing(chain: _core.Chain, path: TipPath, sample: int, q: Float64Array) -> Track:
+        """The arm stands still at q (joints,) and misses the given sample of a path."""
+        position, orientation = chain.forward_kinematics(q[None])
+        wanted = path.only(slice(sample, sample + 1))
+        far = float(np.linalg.norm(position - wanted.positions))
+        turned = 0.0
+        if len(wanted.orientations):
+            turned = float(rotations.distance(orientation, wanted.orientations)[0])
+        rows = np.repeat(q[None], sample + 1, axis=0)
+        errors = np.full(sample + 1, far), np.full(sample + 1, turned)
+        return Track(rows, *errors, sample)
 
 
 def solve_sample(

@@ -110,39 +110,88 @@ def test_is_clear_says_what_distances_say(panda):
     assert 50 < clear.sum() < 450
 
 
-# Where published paths among cubes lie before a Panda whose tip is its hand (TORM, CppFlow): the
-# offset of the path, the edge of the cubes and their centres, m.
-AMONG_CUBES = {
-    "1cube": ((0.0, 0.5421984559194368, 0.7885155964931997), 0.25, [(0.0, 0.2, 0.7)]),
-    "2cubes": ((0.0, 0.54, 0.79), 0.15, [(0.2, 0.3, 0.4), (-0.25, 0.3, 0.75)]),
+# Where published paths among boxes lie before a Panda whose tip is its hand (TORM, CppFlow): the
+# offset of the path, the size of the boxes and their centres, m, and the largest step of a joint.
+AMONG_BOXES = {
+    "1cube": (
+        (0.0, 0.5421984559194368, 0.7885155964931997),
+        (0.25, 0.25, 0.25),
+        [(0.0, 0.2, 0.7)],
+        0.05,
+    ),
+    "2cubes": (
+        (0.0, 0.54, 0.79),
+        (0.15, 0.15, 0.15),
+        [(0.2, 0.3, 0.4), (-0.25, 0.3, 0.75)],
+        0.05,
+    ),
+    "flappy_bird": (
+        (0.0, 0.54, 0.79),
+        (0.05, 0.15, 0.3),
+        [(0.0, 0.25, 1.0), (0.0, 0.25, 0.5)],
+        0.15,
+    ),
 }
 
 
-@pytest.mark.parametrize("name", AMONG_CUBES)
-def test_published_paths_among_cubes_are_followed(name, recordings):
-    offset, edge, centres = AMONG_CUBES[name]
+def published(recordings, name, offset, turn=(1.0, 0.0, 0.0, 0.0)):
+    """A path, each of whose poses is turned where it is; their README's matrix turns no places."""
     rows = np.loadtxt(recordings / "tip_paths" / f"{name}.csv", delimiter=",", skiprows=1)[:, -7:]
-    motion = lt.PoseTrajectory(0.02 * np.arange(len(rows)), rows[:, :3] + offset, rows[:, 3:])
-    cubes = [lt.Box([edge] * 3, centre) for centre in centres]
+    turns = rows[:, 3:] / np.linalg.norm(rows[:, 3:], axis=1, keepdims=True)
+    orientations = lt.rotations.compose(np.tile(turn, (len(rows), 1)), turns)
+    return lt.PoseTrajectory(0.02 * np.arange(len(rows)), rows[:, :3] + offset, orientations)
+
+
+@pytest.mark.parametrize("name", AMONG_BOXES)
+def test_published_paths_among_boxes_are_followed(name, recordings):
+    offset, size, centres, largest_step = AMONG_BOXES[name]
+    motion = published(recordings, name, offset)
+    boxes = [lt.Box(size, centre) for centre in centres]
     arm = lt.Arm.load("panda", tip="panda_hand")
-    around = arm.follow(motion, obstacles=cubes)
-    assert arm.check(around, cubes, margin=MARGIN).ok
+    around = arm.follow(motion, obstacles=boxes)
+    assert arm.check(around, boxes, margin=MARGIN).ok
     report = arm.path_report(around, motion)
     assert report.position_error.max() < 1e-4
     assert report.orientation_error.max() < np.radians(0.1)
-    assert np.abs(np.diff(around.positions, axis=0)).max() < 0.05
-    assert _least_in_coal(around.positions[::5], edge, centres) > MARGIN - 1e-6
+    assert np.abs(np.diff(around.positions, axis=0)).max() < largest_step
+    assert _least_in_coal(around.positions[::5], size, centres) > MARGIN - 1e-6
 
 
-def _least_in_coal(q, edge, centres):
+@pytest.mark.parametrize("obstacles", [(), (lt.Sphere(0.05, [-0.8, 0.0, 0.3]),)])
+def test_a_published_path_that_leaves_the_reach_is_refused_there(recordings, obstacles):
+    """ "square": no configuration reaches samples 153 to 181."""
+    quarter = np.sqrt(0.5)
+    motion = published(recordings, "square", (0.75, 0.0, 0.5), (quarter, 0.0, quarter, 0.0))
+    arm = lt.Arm.load("panda", tip="panda_hand")
+    seeds = np.random.default_rng(0).uniform(arm.limits.lower, arm.limits.upper, (100, 7))
+    reached = []
+    for i in (150, 153, 167, 181, 184):
+        found = arm.inverse_kinematics_batch(
+            np.tile(motion.positions[i], (100, 1)),
+            np.tile(motion.orientations[i], (100, 1)),
+            seeds=seeds,
+            max_restarts=0,
+            position_tolerance=1e-5,
+            orientation_tolerance=1e-5,
+        )
+        reached.append(bool(found.success.any()))
+    assert reached == [True, False, False, False, True]
+    with pytest.raises(IkFailure, match=r"limits .*panda_joint5 at its lower limit") as failure:
+        arm.follow(motion, obstacles=obstacles)
+    assert 153 <= failure.value.index <= 156
+    assert failure.value.status == "limits"
+    assert "panda_joint5" in failure.value.limiting_joints
+
+
+def _least_in_coal(q, size, centres):
     peer = CoalArm("panda")
-    cube = coal.Box(edge, edge, edge)
+    box = coal.Box(*size)
     least = np.inf
     for row in q:
         peer.place(row)
         for centre in centres:
             there = pin.SE3(np.eye(3), np.array(centre))
-            least = min(least, peer.distance_to(peer.moving_links(), cube, there))
+            least = min(least, peer.distance_to(peer.moving_links(), box, there))
     return least
 
 

@@ -133,7 +133,7 @@ def test_without_obstacles_the_tip_keeps_its_path_or_it_fails(panda):
     rng = np.random.default_rng(0)
     lower, upper = panda.limits.lower, panda.limits.upper
     times = np.linspace(0.0, 6.0, 301)
-    for _ in range(21):  # the last of them is hard
+    for _ in range(85):  # the last of them is hard
         way = rng.uniform(lower + 0.1, upper - 0.1, (4, 7))
     joints = np.clip(CubicSpline(np.linspace(0.0, 6.0, 4), way)(times), lower + 0.01, upper - 0.01)
     tip = lt.PoseTrajectory(times, *panda.forward_kinematics(joints))
