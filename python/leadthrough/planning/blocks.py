@@ -51,9 +51,12 @@ class Blocks(Brief):
 
     def centres(self, numbers: Numbers) -> Float64Array:
         """Centres (n, d) of blocks."""
-        indices = np.stack(np.unravel_index(numbers, self.shape), axis=-1)
         first = self.grid.origin + 0.5 * (2**self.level - 1) * self.grid.spacing
-        return np.asarray(first + indices * np.array(self.spacing))
+        result = np.empty((len(numbers), len(self.shape)))
+        for axis, indices in enumerate(np.unravel_index(numbers, self.shape)):
+            np.multiply(indices, self.spacing[axis], out=result[:, axis])
+            result[:, axis] += first[axis]
+        return result
 
     def around(self, cells: CellArray) -> Numbers:
         """Numbers of the blocks that hold cells of the grid, (n, d)."""

@@ -82,8 +82,8 @@ class Walls:
         if points.shape[1] == 2:
             points = np.column_stack([points, np.zeros(len(points))])
         for obstacle in self._obstacles:
-            away = np.abs(points - obstacle.middle) - obstacle.half_extents
-            near = away.max(axis=1) < result
+            middle, half = obstacle.middle[:, None], obstacle.half_extents[:, None]
+            near = (np.abs(points.T - middle) - half).max(axis=0) < result
             if near.all():
                 result = np.minimum(result, obstacle.distance(points))
             elif near.any():

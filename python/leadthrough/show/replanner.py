@@ -172,7 +172,7 @@ class Replanner:
         return self.skill
 
     def preview(self) -> Answer:
-        """An answer in less than a tenth of a second, coarser if it has to be."""
+        """A quick answer, which a check of the whole arm may still refuse."""
         return self._answer(_PREVIEW_STEP, preview=True)
 
     def plan(self) -> Answer:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Generic
 
 import numpy as np
@@ -17,26 +16,24 @@ from leadthrough.shapes import Shape
 if TYPE_CHECKING:
     from leadthrough.models.marching.skill import FastMarchingSkill
 
-# Cells of a map that is kept, and of one that is made anew for every answer.
+# Cells of a map that is kept.
 _KEPT_CELLS = 1_000_000
-_COARSE_CELLS = 40_000
-# Room around demonstrations, goal and obstacles, as a fraction of their extent: what a path may
-# need, and in which things may be dragged before a map that is kept has to be made anew.
-_ROOM_TO_PASS = 0.25
+# Room around demonstrations, goal and obstacles, as a fraction of their extent, in which things may
+# be dragged before a map that is kept has to be made anew.
 _ROOM_TO_DRAG = 0.5
 
 
 class Preview(Generic[MotionT_co]):
-    """A skill of one method that answers quickly and coarsely; made by `FastMarchingSkill.preview`.
+    """Answers of a skill while its query is dragged; made by `FastMarchingSkill.preview`.
 
-    With the method "map" the map of the demonstrations is kept from one answer to the next, and
-    made anew when the goal leaves it. The other methods plan in large cells.
+    With the method "map" the map of the demonstrations is kept from one answer to the next, made
+    anew when the goal leaves it, and marched at first order. With the other methods, of which the
+    wave needs only a band, an answer is what the skill itself plans.
     """
 
     def __init__(self, skill: FastMarchingSkill[MotionT_co]) -> None:
         self._skill = skill
         self._map: LiveMap | None = None
-        self._coarse: FastMarchingSkill[MotionT_co] | None = None
 
     @property
     def live_map(self) -> LiveMap | None:
@@ -54,30 +51,26 @@ class Preview(Generic[MotionT_co]):
     ) -> MotionT_co:
         """A motion as by `FastMarchingSkill.generate`, which documents arguments and errors."""
         skill = self._skill
+        if skill.model.method != "map":
+            return skill.generate(
+                start=start, goal=goal, duration=duration, dt=dt, obstacles=obstacles
+            )
         ends = skill.query(start=start, goal=goal).ends
-        if skill.model.method == "map":
-            found = self._map_around(ends, obstacles).route(ends[0], ends[1], obstacles)
-            return skill.in_time(found, start=start, goal=goal, duration=duration, dt=dt)
-        if self._coarse is None:
-            lower, upper = self._workspace(ends, obstacles, _ROOM_TO_PASS)
-            edge = float((np.prod(upper - lower) / _COARSE_CELLS) ** (1.0 / len(lower)))
-            self._coarse = replace(skill, model=replace(skill.model, resolution=edge))
-        return self._coarse.generate(
-            start=start, goal=goal, duration=duration, dt=dt, obstacles=obstacles
-        )
+        found = self._map_around(ends, obstacles).route(ends[0], ends[1], obstacles)
+        return skill.in_time(found, start=start, goal=goal, duration=duration, dt=dt)
 
     def _map_around(self, ends: Float64Array, obstacles: Sequence[Shape]) -> LiveMap:
         if self._map is None or not self._map.grid.contains(ends).all():
-            space = self._workspace(ends, obstacles, _ROOM_TO_DRAG)
+            space = self._workspace(ends, obstacles)
             self._map = self._skill.live_map(space, cells=_KEPT_CELLS)
         return self._map
 
     def _workspace(
-        self, ends: Float64Array, obstacles: Sequence[Shape], room: float
+        self, ends: Float64Array, obstacles: Sequence[Shape]
     ) -> tuple[Float64Array, Float64Array]:
         """Corners (d,) around demonstrations, ends (2, d) and the middles of obstacles."""
         middles = [shape.position[None, : ends.shape[1]] for shape in obstacles]
         points = np.concatenate([*self._skill.experience, *middles, ends])
         lower, upper = points.min(axis=0), points.max(axis=0)
-        margin = room * float((upper - lower).max())
+        margin = _ROOM_TO_DRAG * float((upper - lower).max())
         return lower - margin, upper + margin

@@ -283,7 +283,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
         return LiveMap(self._all, replace(self, model=model)._map_scales)
 
     def preview(self) -> Preview[MotionT_co]:
-        """Quick answers, coarser where they have to be, while goal and obstacles are dragged."""
+        """Quick answers while goal and obstacles are dragged: plans, but for the method "map"."""
         return Preview(self)
 
     def policy(self, position: ArrayLike) -> Float64Array:

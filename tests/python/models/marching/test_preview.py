@@ -1,4 +1,4 @@
-"""Quick, coarse answers of Fast Marching Learning."""
+"""Quick answers of Fast Marching Learning while something is dragged."""
 
 import numpy as np
 import pytest
@@ -21,6 +21,17 @@ def test_preview_keeps_clear_and_ends_at_the_goal_as_the_skill_does(method):
         assert motion.positions[-1] == pytest.approx((0.4, height))
         assert motion.duration == pytest.approx(3.0)
         assert disc.distance(np.pad(motion.positions, ((0, 0), (0, 1)))).min() > 0.0
+
+
+@pytest.mark.parametrize("method", ["auto", "start", "mean_path"])
+def test_preview_is_the_plan(method):
+    skill = lt.FastMarching(method=method).fit(ARCHES)
+    preview = skill.preview()
+    for height in (0.0, 0.02):
+        query = {"goal": (0.4, height), "obstacles": [lt.Sphere(0.02, (0.2, 0.1, 0.0))], "dt": 0.04}
+        np.testing.assert_array_equal(
+            preview.generate(**query).positions, skill.generate(**query).positions
+        )
 
 
 def test_a_map_is_kept_until_the_goal_leaves_it():
