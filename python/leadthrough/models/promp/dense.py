@@ -71,6 +71,36 @@ def root_of(matrix: Float64Array) -> Float64Array:
     return _factorised(matrix, len(matrix) * np.finfo(np.float64).eps * largest)[0]
 
 
+def row_basis(rows: Float64Array, *, least: float) -> tuple[Float64Array, list[int]]:
+    """Orthonormal vectors that span the rows of a matrix, and the rows that they come from.
+
+    Each comes from the row that those before leave the most of, which they are orthogonal to.
+
+    Args:
+        rows: (m, n).
+        least: fraction of the longest row below which what is left of a row counts as zero.
+
+    Returns:
+        Vectors (r, n), and the indices of r rows.
+    """
+    left = rows.copy()
+    squared = np.einsum("ij,ij->i", left, left)
+    smallest = least**2 * squared.max(initial=0.0)
+    found, chosen = np.zeros((0, rows.shape[1])), []
+    while len(found) < min(rows.shape):
+        row = int(np.argmax(squared))
+        if squared[row] <= smallest:
+            break
+        # Once more, as what is left of the row has rounding errors of the whole row.
+        axis = left[row] - np.einsum("ij,i->j", found, np.einsum("ij,j->i", found, left[row]))
+        axis /= np.sqrt((axis**2).sum())
+        left -= np.einsum("ij,j->i", left, axis)[:, None] * axis
+        squared = np.einsum("ij,ij->i", left, left)
+        found = np.vstack([found, axis])
+        chosen.append(row)
+    return found, chosen
+
+
 def _factorised(matrix: Float64Array, least: float) -> tuple[Float64Array, Float64Array]:
     """The root (n, n) by Cholesky's method with pivots, and those pivots that exceed `least`."""
     size = len(matrix)

@@ -9,6 +9,7 @@ from scipy.optimize import nnls
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.promp.basis import Basis
+from leadthrough.models.promp.dense import product
 from leadthrough.models.promp.gaussian import Gaussian
 
 _PHASES_PER_WEIGHT = 10
@@ -70,16 +71,16 @@ def moved_inside(
     """
     rows = basis(phases_of(basis))
     active: list[tuple[int, int, int]] = []  # sample, column, side
-    mean = weights.mean
+    moved = weights.mean
     for _ in range(_MOST_ROUNDS):
-        excess = _excess(rows @ mean.reshape(len(scale), -1).T, bounds, scale)
+        excess = _excess(product(rows, moved.reshape(len(scale), -1).T), bounds, scale)
         worst = _worst_of_each(excess)
         if not worst:
-            return mean
+            return moved
         active = list(dict.fromkeys([*active, *worst]))
         constraints = np.stack([_constraint(rows, each, len(scale)) for each in active])
         limits = np.array([_limit(each, bounds, scale) for each in active])
-        mean = _solved(weights, constraints, limits)
+        moved = _solved(weights, constraints, limits)
     raise _fixed_outside()
 
 
@@ -126,8 +127,8 @@ def _solved(weights: Gaussian, constraints: Float64Array, limits: Float64Array) 
 
     With w = mean + root z it is the least distance programme of Lawson and Hanson 1974, chapter 23.
     """
-    reduced = -constraints @ weights.root
-    needed = constraints @ weights.mean - limits
+    reduced = -product(constraints, weights.steady_root)
+    needed = product(constraints, weights.mean[:, None])[:, 0] - limits
     system = np.vstack([reduced.T, needed])
     target = np.zeros(len(system))
     target[-1] = 1.0
@@ -135,8 +136,8 @@ def _solved(weights: Gaussian, constraints: Float64Array, limits: Float64Array) 
         multipliers, residual = nnls(system, target, maxiter=100 * len(limits))
     except RuntimeError:
         raise _fixed_outside() from None
-    left = system @ multipliers - target
+    left = product(system, multipliers[:, None])[:, 0] - target
     if residual < _INFEASIBLE:
         raise _fixed_outside()
     z = -left[:-1] / left[-1]
-    return np.asarray(weights.mean + weights.root @ z)
+    return np.asarray(weights.mean + product(weights.steady_root, z[:, None])[:, 0])

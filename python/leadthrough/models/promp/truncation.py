@@ -17,6 +17,7 @@ import numpy as np
 from leadthrough import _core
 from leadthrough.check import Float64Array
 from leadthrough.models.promp.basis import Basis
+from leadthrough.models.promp.dense import product, root_of, row_basis, solve_definite
 from leadthrough.models.promp.gaussian import CERTAIN, Gaussian
 from leadthrough.models.promp.limits import MARGIN, Bounds, moved_inside, phases_of
 
@@ -43,16 +44,14 @@ class Truncated:
 
     def __init__(self, free: Gaussian, basis: Basis, bounds: Bounds, scale: Float64Array) -> None:
         self._free, self._basis, self._bounds, self._scale = free, basis, bounds, scale
+        self._root = free.steady_root
         mode = moved_inside(free, basis, bounds, scale)
-        rows, room, at_mode = self._near(mode)
+        rows, self._room, at_mode = self._near(mode)
         # Deviations are root @ z with z standard normal; the walls see only few directions of z.
-        reached = rows @ free.root
-        across, lengths, along = np.linalg.svd(reached, full_matrices=False)
-        seen = lengths > _UNSEEN * lengths.max(initial=0.0)
-        self._seen = along[seen]
-        self._walls = np.ascontiguousarray(across[:, seen] * lengths[seen])
-        self._room = room
-        self._start = (across[:, seen] / lengths[seen]).T @ at_mode
+        reached = product(rows, self._root)
+        self._seen, chosen = row_basis(reached, least=_UNSEEN)
+        self._walls = product(reached, self._seen.T)
+        self._start = _substituted(self._walls[chosen], at_mode[chosen])
 
     @cached_property
     def moments(self) -> Gaussian:
@@ -61,11 +60,12 @@ class Truncated:
             return self._free
         drawn = self._drawn(_matched(np.random.default_rng(0), _MANY, len(self._seen)), 1)
         middle = drawn.mean(axis=0)
-        change = (drawn - middle).T @ (drawn - middle) / _MANY - np.eye(len(middle))
-        root = self._free.root
-        reach = root @ self._seen.T
-        covariance = root @ root.T + reach @ change @ reach.T
-        return Gaussian(self._free.mean + reach @ middle, 0.5 * (covariance + covariance.T))
+        apart = drawn - middle
+        change = product(apart.T, apart) / _MANY - np.eye(len(middle))
+        reach = product(self._root, self._seen.T)
+        covariance = product(self._root, self._root.T) + product(product(reach, change), reach.T)
+        mean = self._free.mean + product(reach, middle[:, None])[:, 0]
+        return Gaussian(mean, 0.5 * (covariance + covariance.T))
 
     def draw(self, count: int, rng: np.random.Generator) -> Float64Array:
         """Random weights (count, d k), all inside the limits."""
@@ -73,8 +73,8 @@ class Truncated:
         if len(self._seen) > 0:
             velocities = rng.standard_normal((count * _STRIDE, len(self._seen)))
             drawn = self._drawn(velocities, _STRIDE)
-            normal += (drawn - normal @ self._seen.T) @ self._seen
-        weights = self._free.mean + normal @ self._free.root.T
+            normal += product(drawn - product(normal, self._seen.T), self._seen)
+        weights = self._free.mean + product(normal, self._root.T)
         # In what the walls hardly see, a motion may still leave the limits: it is moved back.
         spread = self._free.covariance
         return np.stack([self._kept(Gaussian(each, spread)) for each in weights])
@@ -86,11 +86,12 @@ class Truncated:
         """Rows (m, d k) of walls in reach, the way to each from the free mean, and to the mode."""
         size, count = len(self._scale), self._basis.count
         basis = self._basis(phases_of(self._basis))
-        blocks = self._free.root.reshape(size, count, -1)
+        blocks = self._root.reshape(size, count, -1)
+        curves = [product(basis, w.reshape(size, count).T) for w in (self._free.mean, mode)]
         rows, room, at_mode = [np.zeros((0, size * count))], [np.zeros(0)], [np.zeros(0)]
         for column, scale in enumerate(self._scale):
-            spread = np.sqrt(((basis @ blocks[column]) ** 2).sum(axis=1))
-            free, moved = (basis @ w.reshape(size, count)[column] for w in (self._free.mean, mode))
+            spread = np.sqrt((product(basis, blocks[column]) ** 2).sum(axis=1))
+            free, moved = (curve[:, column] for curve in curves)
             for side, bound in ((-1.0, self._bounds[0]), (1.0, self._bounds[1])):
                 ahead = side * (bound[column] - free)
                 done = side * (moved - free)
@@ -120,5 +121,14 @@ def _matched(rng: np.random.Generator, count: int, size: int) -> Float64Array:
     """
     normal = rng.standard_normal((count, size))
     normal -= normal.mean(axis=0)
-    lower = np.linalg.cholesky(normal.T @ normal / count)
-    return np.ascontiguousarray(np.linalg.solve(lower, normal.T).T)
+    spread = product(normal.T, normal) / count
+    # With a root R of the covariance C, the inverse of R is R.T @ inv(C).
+    return product(solve_definite(spread, normal.T).T, root_of(spread))
+
+
+def _substituted(lower: Float64Array, right: Float64Array) -> Float64Array:
+    """The solution (r,) of a system with a lower triangular matrix (r, r)."""
+    solved = np.zeros(len(right))
+    for i in range(len(right)):
+        solved[i] = (right[i] - (lower[i, :i] * solved[:i]).sum()) / lower[i, i]
+    return solved

@@ -43,3 +43,15 @@ def test_determinants_and_inverses_agree_with_numpys():
     stiff = np.eye(9) + 1e12 * np.outer(wide[0], wide[0])
     wanted = np.log1p(1e12 * (wide[0] ** 2).sum())
     assert dense.log_determinant(stiff, least=1.0) == pytest.approx(wanted, abs=0.01)
+
+
+def test_row_basis_spans_the_rows_and_is_orthonormal_where_they_nearly_agree():
+    rng = np.random.default_rng(3)
+    lengths = np.diag([1.0, 1e-3, 1e-6, 1e-12])
+    rows = rng.standard_normal((30, 4)) @ lengths @ rng.standard_normal((4, 50))
+    basis, chosen = dense.row_basis(rows, least=1e-9)
+    assert basis.shape == (3, 50)
+    np.testing.assert_allclose(basis @ basis.T, np.eye(3), atol=1e-9)
+    np.testing.assert_allclose(rows @ basis.T @ basis, rows, atol=1e-10)
+    triangle = rows[chosen] @ basis.T
+    assert np.abs(np.triu(triangle, 1)).max() < 1e-14
