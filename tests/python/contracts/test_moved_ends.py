@@ -33,9 +33,11 @@ MODELS = {
     "fast marching of poses": (lt.FastMarching(), "poses"),
 }
 
-# With the poses of mixtures, whose ends test_moved.py moves.
+# With the mixtures whose ends test_moved.py moves.
 STEADY = MODELS | {
     "mixture of poses": (lt.GMR(), "poses"),
+    "task mixture": (TaskGMR(starts=1), "points"),
+    "task mixture of joints": (TaskGMR(starts=1), "joints"),
     "task mixture of poses": (TaskGMR(), "poses"),
 }
 
