@@ -7,13 +7,13 @@ those of `planners`: Euler angles ZYZ and the plain logarithm, with which the pa
 own; "lifted", the paper's dynamic parameterisation; "lauretti", its whole planner by its own
 equations; and "anchored", ours. `measures` defines the measures.
 
-The arm follows every reproduction, slows down to its limits, and is checked as a whole, with its
-hand, against itself and the floor. The redundant arm stays near the demonstrated posture. Whole
-tasks are chained from their subtasks, each starting where the previous one ended, for targets on
-the grid and between. The gripper closes or opens at the end of a subtask; its events keep their
-places on the path when the arm slows down. Between the targets, skills are looked up at the nearest
-target or interpolated, and compared with demonstrations there. If a folder of recordings is given,
-motions of a real arm are learned and replayed as well.
+The arm follows every reproduction with all of it clear of the floor, slows down to its limits, and
+is checked as a whole, with its hand, against itself and the floor. The redundant arm stays near the
+demonstrated posture. Whole tasks are chained from their subtasks, each starting where the previous
+one ended, for targets on the grid and between. The gripper closes or opens at the end of a subtask;
+its events keep their places on the path when the arm slows down. Between the targets, skills are
+looked up at the nearest target or interpolated, and compared with demonstrations there. If a folder
+of recordings is given, motions of a real arm are learned and replayed as well.
 """
 
 from __future__ import annotations
@@ -238,7 +238,7 @@ def on_the_arm(
     """
     row: Row = {"followed": 0}
     try:
-        joints = arm.follow(motion, posture=posture, too_fast="slow")
+        joints = arm.follow(motion, posture=posture, too_fast="slow", obstacles=[floor()])
     except IkFailure as error:
         return row | {"arm_failure": f"{error.status} at sample {error.index}"}, None
     row = {"followed": 1}

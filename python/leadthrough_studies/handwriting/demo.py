@@ -58,6 +58,10 @@ class HandwritingConfig:
     posture: tuple[float, ...] = (0.0, -1.6, 1.9, -1.9, -1.6, 0.0)
 
 
+# Fraction of the pen's height above the table that the whole arm keeps clear of everything.
+_OF_THE_LIFT = 0.5
+
+
 @dataclass(frozen=True, eq=False)
 class Handwriting:
     """One motion, from the recordings to the joints; lengths in m on the table.
@@ -102,7 +106,15 @@ def run(name: str, arm: Arm, config: HandwritingConfig) -> Handwriting:
     box = _box_in_the_way(reproduction.positions, config)
     detour = skill.generate(start=start, obstacles=[box])
     poses = _hurried(_with_pen(detour, config), config)
-    asked = differentiate(arm.follow(poses, seed=config.posture, too_fast="exceed_limits"))
+    holding, around = arm.with_attached(pen(config)), [_table(), box]
+    followed = holding.follow(
+        poses,
+        seed=config.posture,
+        too_fast="exceed_limits",
+        obstacles=around,
+        margin=_OF_THE_LIFT * config.pen_lift,
+    )
+    asked = differentiate(followed)
     joints = scale_to_limits(asked, arm.limits)
     return Handwriting(
         name=name,
@@ -116,7 +128,7 @@ def run(name: str, arm: Arm, config: HandwritingConfig) -> Handwriting:
         slowing=joints.duration / asked.duration,
         limits=check_limits(joints, arm.limits),
         errors=metrics.reproduction_errors(drawings[-1], placement.on_paper(reproduction)),
-        clearance=arm.with_attached(pen(config)).check(joints, [_table(), box]),
+        clearance=holding.check(joints, around),
     )
 
 
