@@ -12,6 +12,7 @@ namespace {
 constexpr int kMostKnots = 160;
 constexpr int kRounds = 8;
 constexpr double kLeastRoom = 0.001;  // m beyond the margins that the refinement looks for
+constexpr double kWide = 0.004;       // m beyond the margins, of a way that is not narrow
 constexpr double kMoreRoom = 5e-4;    // m beyond what a round missed
 // Of the certificate, m: in most rounds, and in the last ones, where little is missing.
 constexpr double kExactness = 2e-4, kGreatExactness = 2e-5;
@@ -35,7 +36,9 @@ class Search {
 
   ClearPath run(const std::optional<JointArray>& start) {
     ClearPath result;
-    // Where a search fails, the next looks more closely, and at all families of postures.
+    bool was_narrow = false;
+    // Where a search fails, the next looks more closely, and at all families of postures. A way
+    // that cannot be made clear is narrow: the next has more room, if there is one.
     struct Effort {
       std::size_t width;
       double cell;
@@ -50,9 +53,11 @@ class Search {
       options.spacing *= effort.layers;
       options.turning *= effort.layers;
       options.of_every_family = effort.of_every_family;
+      options.room = was_narrow ? kWide : 0.0;
       const Climb found = climb(chain_, path_, test_, postures_, start, options);
       result.dead_end = found.dead_end;
       if (!found.q.empty()) result.last = found.q.back();
+      was_narrow = found.arrived();
       if (!found.arrived()) continue;
       const std::optional<Rows> q = smooth(found, result.touch);
       if (!q) continue;

@@ -193,7 +193,7 @@ class Ladder {
     constexpr int kNew = -1;
     Node node{q, 0.0, 0.0, -1};
     if (k > 0 && !adopt(k, kNew, node)) return false;
-    if (!test_.clear(q.data())) {
+    if (!test_.clear(q.data(), -options_.room)) {
       ++dead_end_.pairs[test_.blocker()];
       return true;
     }

@@ -17,6 +17,7 @@ struct LadderOptions {
   double spacing = 0.025;  // m between layers at the most
   double turning = 0.17;   // rad between layers at the most
   double cell = 0.15;      // configurations nearer than this to each other are one, rad or m
+  double room = 0.0;       // m that configurations are farther away than their margins
   double longest = 0.5;    // that a joint moves from layer to layer, rad or m
   std::size_t width = 64;  // the most configurations that a layer hands on
   // Where there are more: the cheapest of every family of postures, not of all.

@@ -71,6 +71,15 @@ def test_another_family_of_postures_is_found(index):
     assert np.abs(joints.positions[0] - first).max() > 1.0
 
 
+def test_where_the_nearest_family_is_too_narrow_another_is_taken():
+    """Near the first posture, the forearm would pass 4.6 mm beside an obstacle at best."""
+    arm = lt.Arm.load("panda")
+    made = drawn_scene(arm, "panda", 0, 123, [])
+    first = made.joints.positions[0]
+    joints = arm.follow(made.tip, seed=first, obstacles=made.obstacles)
+    assert arm.check(joints, made.obstacles, margin=MARGIN).ok
+
+
 def test_demonstrations_by_hand_are_followed(recordings):
     files = sorted(str(file) for file in (recordings / "robotasks").glob("*.npy"))
     arm = lt.Arm.load("panda")
