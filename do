@@ -44,9 +44,12 @@ need() {
   done
   [ ${#missing[@]} = 0 ] && return
   echo "installing Debian packages: ${missing[*]}"
-  as_root apt-get update -qq
-  as_root env DEBIAN_FRONTEND=noninteractive \
-    apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+  ( # One installation at a time, whatever else runs.
+    flock 9
+    as_root apt-get update -qq
+    as_root env DEBIAN_FRONTEND=noninteractive \
+      apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+  ) 9<do
 }
 
 find_python() {
@@ -86,11 +89,12 @@ pip_install() {
   flock .venv/pip.lock .venv/bin/pip install -q --no-compile --disable-pip-version-check "$@"
 }
 
-# The core, compiled in build/core, and the package, editable; nothing if nothing changed.
-install_core() {
+# The core, compiled in build/core, and the package, editable; nothing if nothing changed. Of
+# several runs at once the first does it and the others wait.
+install_core() (
+  flock 8
   need "${BUILD_PACKAGES[@]}"
   make_environment
-  local digest
   digest=$(sources_digest)
   done_with installed-core "$digest" && return
   echo "building and installing leadthrough"
@@ -99,7 +103,7 @@ install_core() {
     --config-settings=build-dir=build/core \
     --config-settings=cmake.define.LEADTHROUGH_WERROR=ON -e .
   echo "$digest" >.venv/installed-core
-}
+) 8<.
 
 # install_package EXTRAS: the package and what these extras need.
 install_package() {
@@ -167,7 +171,8 @@ main() {
       install_package test & # waits for the network while the compiler works
       run_cpp_tests
       wait $!
-      .venv/bin/python -m pytest -n "$(nproc)" "$@"
+      # A process for each core, and none of NumPy's own threads, which would wait for one another.
+      OPENBLAS_NUM_THREADS=1 .venv/bin/python -m pytest -n "$(nproc)" "$@"
       ;;
     sanitize)
       need "${TEST_PACKAGES[@]}"

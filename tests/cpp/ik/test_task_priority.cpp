@@ -1,12 +1,12 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/SVD>
 #include <random>
 #include <thread>
 
 #include "arm/robots.hpp"
 #include "base/allocations.hpp"
 #include "base/constants.hpp"
+#include "base/dense.hpp"
 #include "ik/arm_tasks.hpp"
 #include "ik/task_priority.hpp"
 
@@ -67,7 +67,7 @@ Eigen::VectorXd by_pseudo_inverses(const std::vector<Level>& levels, int joints)
   Eigen::VectorXd motion = Eigen::VectorXd::Zero(joints);
   for (const Level& each : levels) {
     const Eigen::MatrixXd reduced = each.jacobian * projector;
-    const Eigen::MatrixXd inverse = reduced.completeOrthogonalDecomposition().pseudoInverse();
+    const Eigen::MatrixXd inverse = test::pseudo_inverse(reduced);
     motion += inverse * (each.wanted - each.jacobian * motion);
     projector -= inverse * reduced;
   }
@@ -140,7 +140,7 @@ TEST(TaskPriority, RegularStacksAgreeWithThePseudoInverses) {
       levels.push_back(level(random.matrix(rows, 8), random.matrix(rows, 1)));
     Eigen::MatrixXd whole(6, 8);
     whole << levels[0].jacobian, levels[1].jacobian, levels[2].jacobian;
-    if (whole.jacobiSvd().singularValues()[5] < 0.5) continue;  // near-singular ones are damped
+    if (test::singular_values(whole)[5] < 0.5) continue;  // near-singular ones are damped
     const JointVector motion = resolve(levels, unbounded(8), PriorityScheme::kForward);
     EXPECT_LT((motion - by_pseudo_inverses(levels, 8)).norm(), 1e-8 * (1.0 + motion.norm()));
   }

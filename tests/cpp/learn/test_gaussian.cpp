@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <random>
 
+#include "base/dense.hpp"
 #include "learn/gaussian.hpp"
 
 using leadthrough::Columns;
@@ -42,8 +42,8 @@ TEST(Gaussian, ConditionedWeightsAreThoseOfBayesRule) {
     }
     all_noise.block(2 * i, 2 * i, 2, 2) = noise;
   }
-  const Rows gain =
-      covariance * rows.transpose() * (rows * covariance * rows.transpose() + all_noise).inverse();
+  const Rows innovation = rows * covariance * rows.transpose() + all_noise;
+  const Rows gain = covariance * rows.transpose() * leadthrough::test::pseudo_inverse(innovation);
 
   const auto found =
       condition_weights(mean, covariance, basis, columns, values, noise, scale, 1e-9);
