@@ -1,8 +1,9 @@
-"""Runs the benchmarks: python python/benchmarks/run.py [--quick] [--out DIR] [--only TEXT].
+"""Runs the benchmarks: python python/benchmarks/run.py [OPTIONS], see --help.
 
-Prints a table and writes benchmarks.json with versions and the machine's data. If calls are timed
-one by one, times are median/99th percentile in us. Answers are checked first; a wrong one fails the
-run.
+Prints a table and writes benchmarks.json, with versions and the machine's data; a complete run also
+writes table.md, the README's table, and --check compares its figures with the README's. If calls
+are timed one by one, times are median/99th percentile in us. Answers are checked first; a wrong one
+fails the run.
 """
 
 from __future__ import annotations
@@ -14,10 +15,12 @@ import json
 import os
 import platform
 import sys
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import printed
 from frame import Row, measure
 
 FILES = [
@@ -35,11 +38,12 @@ FILES = [
     "bench_time_law",
     "bench_way_points",
 ]
+README = Path(__file__).parents[2] / "README.md"
 REPEATS = {"quick": 3, "full": 5}
 
 
 def main() -> int:
-    """Run the benchmarks; the exit code is 0 if all answers agree."""
+    """Run the benchmarks; the exit code is 0 if all answers agree and the README's table holds."""
     options = _options()
     repeats = REPEATS["quick" if options.quick else "full"]
     print(f"{'problem':<65} {'peer':<12} {'error':>8} {'ours s':>9} {'peer s':>9} {'ratio':>6}")
@@ -49,8 +53,20 @@ def main() -> int:
             if options.only in benchmark.name:
                 rows.append(measure(benchmark, repeats))
                 print(_text(rows[-1]), flush=True)
-    _write(options.out / "benchmarks.json", _report(rows, quick=options.quick))
-    return 0 if all(row.passed for row in rows) else 1
+    _write(
+        options.out / "benchmarks.json", json.dumps(_report(rows, quick=options.quick), indent=2)
+    )
+    if not options.quick and not options.only:
+        _write(options.out / "table.md", printed.table(rows))
+    holds = not options.check or _table_holds(rows)
+    return 0 if holds and all(row.passed for row in rows) else 1
+
+
+def _table_holds(rows: Sequence[Row]) -> bool:
+    faults = printed.too_good(README.read_text(), rows)
+    for fault in faults:
+        print(fault)
+    return not faults
 
 
 def _options() -> argparse.Namespace:
@@ -59,12 +75,20 @@ def _options() -> argparse.Namespace:
         "--quick", action="store_true", help="run small problems, in under half a minute"
     )
     parser.add_argument(
+        "--check",
+        action="store_true",
+        help="end with 1 if a figure in README.md is over 15 %% better than measured",
+    )
+    parser.add_argument(
         "--out", type=Path, default=Path("benchmark-results"), help="folder for the results"
     )
     parser.add_argument(
         "--only", default="", help="run only the problems whose name contains this text"
     )
-    return parser.parse_args()
+    options = parser.parse_args()
+    if options.check and (options.quick or options.only):
+        parser.error("--check needs a complete run: leave --quick and --only away")
+    return options
 
 
 def _text(row: Row) -> str:
@@ -112,9 +136,9 @@ def _version(name: str) -> str | None:
         return None
 
 
-def _write(path: Path, report: dict[str, Any]) -> None:
+def _write(path: Path, text: str) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(report, indent=2))
+    path.write_text(text)
     print(f"written: {path}")
 
 
