@@ -202,7 +202,18 @@ void bind_chain(py::module_& module) {
             }
             return py::make_tuple(std::move(poses.positions), std::move(poses.orientations));
           },
-          py::arg("q").noconvert());
+          py::arg("q").noconvert())
+      .def(
+          "pose",
+          [](const Chain& chain, const py::object& q) -> py::object {
+            const double* joints = finite_vector(q, chain.joints());
+            if (!joints) return py::none();
+            const Pose pose = forward_kinematics(chain, joints);
+            const Eigen::Vector4d orientation = so3::from_matrix(pose.rotation);
+            return py::make_tuple(py::array_t<double>(3, pose.position.data()),
+                                  py::array_t<double>(4, orientation.data()));
+          },
+          py::arg("q"));
 }
 
 }  // namespace leadthrough

@@ -27,6 +27,24 @@ void bind_jacobian(py::module_& module) {
       },
       py::arg("chain"), py::arg("q").noconvert());
   module.def(
+      "jacobian_of_one",
+      [](const Chain& chain, const py::object& q) -> py::object {
+        const double* joints = finite_vector(q, chain.joints());
+        if (!joints) return py::none();
+        Kinematics kinematics;
+        forward_kinematics(chain, joints, kinematics);
+        py::array_t<double> matrix({6, chain.joints()});
+        auto entries = matrix.mutable_unchecked<2>();
+        bool finite = true;
+        for (int column = 0; column < chain.joints(); ++column) {
+          const Vector6& twist = kinematics.jacobian[static_cast<std::size_t>(column)];
+          finite = finite && twist.allFinite();
+          for (int row = 0; row < 6; ++row) entries(row, column) = twist[row];
+        }
+        return finite ? py::object(matrix) : py::none();
+      },
+      py::arg("chain"), py::arg("q"));
+  module.def(
       "jacobian_derivative",
       [](const Chain& chain, const RowsRef& q, const RowsRef& qd) {
         require(fit(chain, q, q) && fit(chain, q, qd));

@@ -4,6 +4,8 @@
 #include <pybind11/pybind11.h>
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <vector>
 
@@ -37,6 +39,18 @@ inline void require(bool sizes_agree) {
 template <typename Value>
 pybind11::array_t<Value> as_array(const std::vector<Value>& values) {
   return pybind11::array_t<Value>(static_cast<pybind11::ssize_t>(values.size()), values.data());
+}
+
+// The numbers of a contiguous vector of this many finite float64, which needs no other check; null
+// for any other object.
+inline const double* finite_vector(const pybind11::handle& object, pybind11::ssize_t size) {
+  using Vector = pybind11::array_t<double, pybind11::array::c_style>;
+  if (!pybind11::isinstance<Vector>(object)) return nullptr;
+  const auto vector = pybind11::reinterpret_borrow<Vector>(object);
+  if (vector.ndim() != 1 || vector.shape(0) != size) return nullptr;
+  const double* values = vector.data();
+  const bool finite = std::all_of(values, values + size, [](double x) { return std::isfinite(x); });
+  return finite ? values : nullptr;
 }
 
 // Orientations may have no rows.

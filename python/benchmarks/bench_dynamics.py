@@ -32,6 +32,10 @@ def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
                 lambda arm=arm, q=q: arm.jacobian(q),
                 lambda peer=peer, full=full: [peer.jacobian(row) for row in full],
             ),
+            "Jacobians one by one": (
+                lambda arm=arm, q=q: [arm.jacobian(row) for row in q],
+                lambda peer=peer, full=full: [peer.jacobian(row) for row in full],
+            ),
             "Jacobian derivatives": (
                 lambda arm=arm, q=q, qd=qd: arm.jacobian_derivative(q, qd),
                 lambda peer=peer, full=full, qd=qd: list(map(peer.derivative, full, qd)),
@@ -51,7 +55,7 @@ def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
                 ours=ours,
                 peer=theirs,
                 peer_name="pin",
-                error=lambda a, b: float(np.abs(a - np.array(b)).max()),
+                error=lambda a, b: float(np.abs(np.array(a) - np.array(b)).max()),
                 tolerance=TOLERANCE,
             )
 

@@ -33,6 +33,9 @@ class ArmKinematics(ArmDefinition):
         Raises:
             InvalidInput: if q has another shape or is not finite.
         """
+        pose = self._chain.pose(q)  # the usual case, without the cost of checks
+        if pose is not None:
+            return pose
         batch, (rows,) = joint_rows(self._chain, q=q)
         positions, orientations = self._chain.forward_kinematics(rows)
         return (positions, orientations) if batch else (positions[0], orientations[0])
@@ -144,6 +147,9 @@ def condition_number(jacobians: Float64Array, rotation_weight: float) -> Float64
 
 def jacobian(chain: _core.Chain, q: ArrayLike) -> Float64Array:
     """See `Arm.jacobian`."""
+    matrix = _core.jacobian_of_one(chain, q)
+    if matrix is not None:
+        return matrix
     return _matrices(_core.jacobian, chain, q=q)
 
 

@@ -50,6 +50,10 @@ def test_a_batch_is_its_rows_one_by_one(arm, random_configurations):
         position, orientation = arm.forward_kinematics(q[i])
         np.testing.assert_array_equal(position, positions[i])
         np.testing.assert_array_equal(orientation, orientations[i])
+        jacobian = arm.jacobian(q)[i]
+        for same in (q[i], list(q[i]), q[i].astype(np.longdouble), np.repeat(q[i], 2)[::2]):
+            np.testing.assert_array_equal(arm.jacobian(same), jacobian)
+            np.testing.assert_array_equal(arm.forward_kinematics(same)[0], positions[i])
 
 
 def test_the_jacobian_is_the_derivative_of_the_pose(arm, posture):

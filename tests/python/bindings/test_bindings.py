@@ -14,7 +14,7 @@ FREE = dict(
     re.findall(
         r"(\S+?)\(([^)]*)\)",
         """
-    ArrivalField(cells speed)  Chain.forward_kinematics(q)
+    ArrivalField(cells speed)  Chain.forward_kinematics(q)  Chain.pose(q)
     DmpForces(nodes)  DmpPath(coefficients)
     IkOptions(posture reference)  PursuitOptions(acceleration velocity)  TimedPath(coefficients)
     Shape.distances(points)  TimedPath.positions_at(lengths)  all_finite(values)
@@ -23,7 +23,8 @@ FREE = dict(
     condition_weights(basis)  descend(arrival)  directions(arrival points)
     distance_transform(mask)  dmp_orientations(values)  dmp_rollout(phases)
     dmp_rollout_around(phases)  dtw_distance(a b)  dtw_path(a b)  frechet_distance(a b)
-    jacobian(q)  longest_step(q)  march(cells speed)  mass_matrix(q)  nearest_bodies(q)
+    jacobian(q)  jacobian_of_one(q)
+    longest_step(q)  march(cells speed)  mass_matrix(q)  nearest_bodies(q)
     nearest_sources(arrival)  normalised_bells(centres phases)  posture_task(q velocity)
     product(left right)  solve_definite(right)
     fit_spline(q)  rows_apart(q)  time_lines(points)
@@ -59,6 +60,8 @@ OPTIONAL = {
     "IkOptions": ("axes", "reference", "posture"),
     "TrackOptions": ("axes",),
     "clear_path": ("axes", "model", "start"),
+    "pose": ("q",),  # answers with None to whatever is not one configuration
+    "jacobian_of_one": ("q",),
 }
 
 
