@@ -1,3 +1,5 @@
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -118,3 +120,11 @@ def test_start_at_the_goal_is_a_path_of_one_place():
     place = np.array([10.2, 20.1])
     path = quickest(field, place, place)
     np.testing.assert_array_equal(path, np.broadcast_to(place, path.shape))
+
+
+def test_threads_find_the_same_bits():
+    field, path = random_scene(3)
+    with ThreadPoolExecutor(2) as pool:
+        found = list(pool.map(lambda _: quickest(field, path[0], path[-1]), range(4)))
+    for each in found[1:]:
+        np.testing.assert_array_equal(each, found[0])
