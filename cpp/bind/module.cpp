@@ -12,6 +12,7 @@ PYBIND11_MODULE(_core, module) {
   leadthrough::bind_field(module);
   leadthrough::bind_finite(module);
   leadthrough::bind_gaussian(module);
+  leadthrough::bind_guard(module);
   leadthrough::bind_ik(module);
   leadthrough::bind_jacobian(module);
   leadthrough::bind_jerk_filter(module);

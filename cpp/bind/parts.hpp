@@ -20,6 +20,7 @@ void bind_dynamics(pybind11::module_& module);
 void bind_field(pybind11::module_& module);
 void bind_finite(pybind11::module_& module);
 void bind_gaussian(pybind11::module_& module);
+void bind_guard(pybind11::module_& module);
 void bind_ik(pybind11::module_& module);
 void bind_jacobian(pybind11::module_& module);
 void bind_jerk_filter(pybind11::module_& module);

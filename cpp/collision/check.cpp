@@ -6,6 +6,7 @@
 
 #include "base/constants.hpp"
 #include "base/parallel.hpp"
+#include "collision/motion_bound.hpp"
 #include "collision/scene.hpp"
 
 namespace leadthrough {
@@ -66,37 +67,6 @@ class Placement {
   std::vector<double> balls_;
 };
 
-// How far any point of each shape can be from each joint's axis, m; 1 for a prismatic joint, whose
-// value is a way itself. extent: the largest absolute value that each joint takes.
-std::vector<MovingValues> reaches(const CollisionScene& scene, const MovingValues& extent) {
-  std::vector<MovingValues> result(scene.shapes.size(), MovingValues{});
-  const Chain& chain = scene.chain;
-  for (std::size_t s = 0; s < scene.shapes.size(); ++s) {
-    const BodyShape& shape = scene.shapes[s];
-    // A ball that holds the shape, first about its own origin, then about each joint's.
-    double radius = shape.radius;
-    Eigen::Vector3d offset = shape.T_frame_shape.position;
-    for (auto k = static_cast<std::size_t>(scene.joints[s]); k-- > 0;) {
-      result[s][k] = chain.prismatic[k] ? 1.0 : offset.head<2>().norm() + radius;
-      radius += offset.norm() + (chain.prismatic[k] ? extent[k] : 0.0);
-      offset = chain.fixed[k].position;
-    }
-  }
-  return result;
-}
-
-// A bound on how far the shapes of a pair move against each other while the joints change.
-double pair_motion(const CollisionScene& scene, const std::vector<MovingValues>& reach,
-                   const ShapePair& pair, const MovingValues& change) {
-  const auto a = static_cast<std::size_t>(pair.a);
-  const auto b = static_cast<std::size_t>(pair.b);
-  double sum = 0.0;
-  for (auto k = static_cast<std::size_t>(scene.joints[a]);
-       k < static_cast<std::size_t>(scene.joints[b]); ++k)
-    sum += change[k] * reach[b][k];
-  return sum;
-}
-
 // Between two samples: the nearest approach and the first hit, if it is not at the first sample.
 struct Interval {
   Approach closest;
@@ -108,7 +78,10 @@ struct Interval {
 class Motion {
  public:
   Motion(const CollisionScene& scene, const Eigen::Ref<const Rows>& q, const MotionOptions& options)
-      : scene_(scene), q_(q), options_(options), reach_(reaches(scene, extents(scene.chain, q))) {}
+      : scene_(scene),
+        q_(q),
+        options_(options),
+        reach_(collision::reaches(scene, extents(scene.chain, q))) {}
 
   // The largest absolute value of each moving joint.
   static MovingValues extents(const Chain& chain, const Eigen::Ref<const Rows>& q) {
@@ -162,7 +135,7 @@ class Motion {
     }
     double longest = 0.0;
     for (std::size_t p = 0; p < scene_.pairs.size(); ++p) {
-      motion[p] = pair_motion(scene_, reach_, scene_.pairs[p], change);
+      motion[p] = collision::pair_motion(scene_, reach_, scene_.pairs[p], change);
       longest = std::max(longest, motion[p]);
     }
     return longest;

@@ -1,6 +1,7 @@
 from . import (
     arm,
     errors,
+    guard,
     io,
     models,
     planning,
@@ -13,6 +14,7 @@ from . import (
 )
 from .arm import Arm, DifferentialIk
 from .events import Event
+from .guard import Admission, Guard, connect
 from .io import (
     read_demonstrations,
     read_mesh,
@@ -42,6 +44,7 @@ __version__: str
 __all__ = [
     "DMP",
     "GMR",
+    "Admission",
     "Arm",
     "Box",
     "Capsule",
@@ -51,6 +54,7 @@ __all__ = [
     "Event",
     "FastMarching",
     "Grid",
+    "Guard",
     "JointTrajectory",
     "Mesh",
     "PlannedMotion",
@@ -66,8 +70,10 @@ __all__ = [
     "arm",
     "arrival_times",
     "check_limits",
+    "connect",
     "differentiate",
     "errors",
+    "guard",
     "io",
     "load_skill",
     "models",

@@ -305,6 +305,46 @@ def clear_batch(
     margin: float,
     self_margin: float,
 ) -> list[bool]: ...
+
+class StepLimits:
+    def __init__(
+        self,
+        lower: Float64Array,
+        upper: Float64Array,
+        step: Float64Array,
+        bend: Float64Array,
+        twist: Float64Array,
+    ) -> None: ...
+
+class Surroundings:
+    def __init__(
+        self,
+        model: CollisionModel,
+        obstacles: Sequence[Shape],
+        growth: Sequence[float],
+        margin: float,
+        self_margin: float,
+    ) -> None: ...
+
+def first_excess(
+    limits: StepLimits, history: Float64Array, samples: Float64Array
+) -> tuple[int, int, int, float] | None: ...
+def brake(limits: StepLimits, history: Float64Array) -> Float64Array: ...
+def bridge_to_start(
+    limits: StepLimits, history: Float64Array, target: Float64Array, most_steps: int
+) -> tuple[Float64Array, int] | None: ...
+def bridge_on_time(
+    limits: StepLimits, history: Float64Array, target: Float64Array, most_steps: int
+) -> tuple[Float64Array, int] | None: ...
+def slowed(
+    limits: StepLimits, path: Float64Array, most_samples: int
+) -> tuple[Float64Array, Float64Array] | None: ...
+def stopped(
+    limits: StepLimits, history: Float64Array, path: Float64Array
+) -> tuple[Float64Array, Float64Array] | None: ...
+def first_contact(
+    around: Surroundings, start: Float64Array, samples: Float64Array, age: float
+) -> tuple[float, str, str] | None: ...
 def clear_path(
     chain: Chain,
     model: CollisionModel | None,

@@ -34,6 +34,7 @@ STAGES = (
     "arm",
     "timing",
     "whole_arm",
+    "guard",
     "show",
     "cli",
 )

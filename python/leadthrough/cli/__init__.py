@@ -12,6 +12,7 @@ from leadthrough.cli.command import Command, Commands
 from leadthrough.cli.demo import demo
 from leadthrough.cli.example import example
 from leadthrough.cli.experiment import experiment
+from leadthrough.cli.guard import guard
 from leadthrough.cli.info import info
 from leadthrough.cli.learn import learn
 from leadthrough.cli.plan import plan
@@ -39,7 +40,7 @@ def _version(wanted: bool) -> None:
 app = typer.Typer(
     cls=Commands, no_args_is_help=True, pretty_exceptions_enable=False, epilog=_ENDINGS
 )
-for each in (demo, example, info, clean, learn, plan, retime, check, view, experiment):
+for each in (demo, example, info, clean, learn, plan, retime, check, guard, view, experiment):
     app.command(cls=Command)(each)
 
 

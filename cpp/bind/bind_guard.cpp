@@ -1,0 +1,142 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "bind/parts.hpp"
+#include "collision/placed_shapes.hpp"
+#include "guard/brake.hpp"
+#include "guard/bridge.hpp"
+#include "guard/contact.hpp"
+#include "guard/pace.hpp"
+
+namespace py = pybind11;
+
+namespace leadthrough {
+
+namespace {
+
+using Eigen::Index;
+using guard::RowsRef;
+using guard::StepLimits;
+using guard::Surroundings;
+
+constexpr Index kLeastRows = 3;
+
+StepLimits make_limits(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
+                       const Eigen::VectorXd& step, const Eigen::VectorXd& bend,
+                       const Eigen::VectorXd& twist) {
+  const Index joints = step.size();
+  require(lower.size() == joints && upper.size() == joints && bend.size() == joints &&
+          twist.size() == joints);
+  require(step.minCoeff() > 0.0 && bend.minCoeff() > 0.0 && twist.minCoeff() > 0.0);
+  return {lower, upper, step, bend, twist};
+}
+
+void require_rows(const StepLimits& limits, const RowsRef& rows, Index least) {
+  require(rows.cols() == limits.joints() && rows.rows() >= least);
+}
+
+void require_history(const StepLimits& limits, const RowsRef& history) {
+  require(history.cols() == limits.joints() && history.rows() == guard::kHistory);
+}
+
+// order, sample, joint, ratio; for order 0 the position.
+std::optional<std::tuple<int, Index, Index, double>> first_excess(const StepLimits& limits,
+                                                                  const RowsRef& history,
+                                                                  const RowsRef& samples) {
+  require_history(limits, history);
+  require_rows(limits, samples, 0);
+  const py::gil_scoped_release release;
+  const auto found = guard::first_excess(limits, history, samples);
+  if (!found) return std::nullopt;
+  return std::make_tuple(found->order, found->sample, found->joint, found->ratio);
+}
+
+Rows brake(const StepLimits& limits, const RowsRef& history) {
+  require_history(limits, history);
+  const py::gil_scoped_release release;
+  return guard::brake(limits, history);
+}
+
+template <typename Find>
+auto bridge(const Find& find) {
+  return [find](const StepLimits& limits, const RowsRef& history, const RowsRef& target,
+                Index most_steps) -> std::optional<std::pair<Rows, Index>> {
+    require_history(limits, history);
+    require_rows(limits, target, kLeastRows);
+    require(most_steps > 0);
+    const py::gil_scoped_release release;
+    auto found = find(limits, history, target, most_steps);
+    if (!found) return std::nullopt;
+    return std::make_pair(std::move(found->samples), found->skipped);
+  };
+}
+
+using PacedRows = std::optional<std::pair<Rows, Eigen::VectorXd>>;
+
+PacedRows pair_of(std::optional<guard::Paced> paced) {
+  if (!paced) return std::nullopt;
+  return std::make_pair(std::move(paced->samples), std::move(paced->places));
+}
+
+PacedRows slowed(const StepLimits& limits, const RowsRef& path, Index most_samples) {
+  require_rows(limits, path, kLeastRows);
+  require(most_samples > 0);
+  const py::gil_scoped_release release;
+  return pair_of(guard::slowed(limits, path, most_samples));
+}
+
+PacedRows stopped(const StepLimits& limits, const RowsRef& history, const RowsRef& path) {
+  require_history(limits, history);
+  require_rows(limits, path, 1);
+  const py::gil_scoped_release release;
+  return pair_of(guard::stopped(limits, history, path));
+}
+
+// sample and the two bodies by name.
+std::optional<std::tuple<double, std::string, std::string>> first_contact(
+    const Surroundings& around, const Eigen::VectorXd& start, const RowsRef& samples, double age) {
+  const CollisionScene& scene = around.arm.scene;
+  require(start.size() == scene.chain.joints() && samples.cols() == scene.chain.joints());
+  const py::gil_scoped_release release;
+  const auto found = guard::first_contact(around, start, samples, age);
+  if (!found) return std::nullopt;
+  return std::make_tuple(found->sample, scene.names[static_cast<std::size_t>(found->a)],
+                         scene.names[static_cast<std::size_t>(found->b)]);
+}
+
+}  // namespace
+
+void bind_guard(py::module_& module) {
+  py::class_<StepLimits>(module, "StepLimits")
+      .def(py::init(&make_limits), py::arg("lower"), py::arg("upper"), py::arg("step"),
+           py::arg("bend"), py::arg("twist"));
+  module.def("first_excess", &first_excess, py::arg("limits"), py::arg("history").noconvert(),
+             py::arg("samples").noconvert());
+  module.def("brake", &brake, py::arg("limits"), py::arg("history").noconvert());
+  module.def("bridge_to_start", bridge(&guard::bridge_to_start), py::arg("limits"),
+             py::arg("history").noconvert(), py::arg("target").noconvert(), py::arg("most_steps"));
+  module.def("bridge_on_time", bridge(&guard::bridge_on_time), py::arg("limits"),
+             py::arg("history").noconvert(), py::arg("target").noconvert(), py::arg("most_steps"));
+  module.def("slowed", &slowed, py::arg("limits"), py::arg("path").noconvert(),
+             py::arg("most_samples"));
+  module.def("stopped", &stopped, py::arg("limits"), py::arg("history").noconvert(),
+             py::arg("path").noconvert());
+
+  py::class_<Surroundings>(module, "Surroundings")
+      .def(py::init([](const CollisionModel& model, const std::vector<Shape>& obstacles,
+                       const std::vector<double>& growth, double margin, double self_margin) {
+             require(growth.size() == obstacles.size());
+             return guard::surroundings(model, placed_shapes(obstacles), growth, margin,
+                                        self_margin);
+           }),
+           py::arg("model"), py::arg("obstacles"), py::arg("growth"), py::arg("margin"),
+           py::arg("self_margin"));
+  module.def("first_contact", &first_contact, py::arg("around"), py::arg("start"),
+             py::arg("samples").noconvert(), py::arg("age"));
+}
+
+}  // namespace leadthrough

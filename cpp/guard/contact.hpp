@@ -1,0 +1,36 @@
+#pragma once
+
+// Whether a stream of positions keeps clear, certified between its samples as well, of obstacles
+// that may move too.
+
+#include <optional>
+#include <vector>
+
+#include "collision/clearance.hpp"
+#include "guard/step_limits.hpp"
+
+namespace leadthrough::guard {
+
+// growth: by how much an obstacle may come nearer in a period, m, one for each.
+struct Surroundings {
+  WholeArm arm;
+  std::vector<double> growth;  // of each pair of shapes
+};
+// Pairs that touch by their URDF are left out: no margin can be kept between them.
+Surroundings surroundings(const CollisionModel& model, const PlacedShapes& obstacles,
+                          const std::vector<double>& growth, double margin, double self_margin);
+
+// Where two bodies first come nearer than their margin: before a sample, by a fraction of the way
+// from the one before.
+struct Contact {
+  double sample = 0.0;
+  int a = -1, b = -1;
+};
+
+// Along the samples from `start` (joints,) on, straight and in proportion in between. age: periods
+// since the obstacles were where they are said to be. Nothing that is clear comes nearer than the
+// margin by more than 0.1 mm, or touches.
+std::optional<Contact> first_contact(const Surroundings& around, const Eigen::VectorXd& start,
+                                     const RowsRef& samples, double age);
+
+}  // namespace leadthrough::guard

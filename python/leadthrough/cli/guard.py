@@ -1,0 +1,77 @@
+"""`leadthrough guard`: a motion in, what may run of it out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated
+
+import typer
+
+from leadthrough.cli import chain, options
+
+
+def guard(
+    ctx: typer.Context,
+    motion: options.MotionFile,
+    robot: options.RobotName,
+    out: options.Output,
+    limits: options.LimitsFile = None,
+    base: options.BaseLink = None,
+    tip: options.TipLink = None,
+    obstacle: options.Obstacles = None,
+    margin: Annotated[float, typer.Option(help="Clearance to keep from obstacles, in m.")] = 0.005,
+    rate: Annotated[
+        float | None,
+        typer.Option(help="Commands per second; by default those of the motion."),
+    ] = None,
+    format: options.FormatName = None,
+    as_json: options.AsJson = False,
+) -> None:
+    """Write what may run of a joint motion: as it is, or the nearest motion that is allowed.
+
+    Jumps are bridged, the motion is slowed down along its path where it exceeds a limit, and it is
+    cut before a contact. The motion written ends at rest. Exits with code 1 if none of it may run.
+
+    leadthrough guard motion.json --robot panda --obstacle box:0.1,0.1,0.4@0.5,0.2,0.2 -o safe.json
+    """
+    import numpy as np
+
+    from leadthrough.cli import errors, parse, reading, tables
+    from leadthrough.cli import robot as robots
+    from leadthrough.guard import Guard
+    from leadthrough.io import write_motion
+    from leadthrough.timing import differentiate
+
+    reading.check_output(out, format)
+    arm = robots.load(robot, limits, base, tip)
+    joints = robots.joints_in(arm, motion)
+    obstacles = [parse.obstacle(text) for text in obstacle or ()]
+    per_second = rate or 1.0 / float(np.diff(joints.times).min(initial=1.0))
+    admits = Guard(arm, obstacles, rate=per_second, margin=margin)
+    first = joints.positions[0]
+    answer = admits.admit(joints[1:] if len(joints) > 1 else joints, first)
+    whole = answer.to_rest
+    written = replace(
+        whole,
+        times=np.concatenate([[whole.times[0] - 1.0 / per_second], whole.times]),
+        positions=np.concatenate([first[None], whole.positions]),
+        velocities=None,
+        accelerations=None,
+    )
+    with errors.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
+        write_motion(differentiate(written), out, format=format)
+    found = {
+        "motion": str(out),
+        "verdict": answer.verdict,
+        "safe": answer.safe,
+        "reasons": [str(each) for each in answer.reasons],
+        "duration_before": joints.duration,
+        "duration": written.duration,
+        "rate": per_second,
+    }
+    units = {"duration_before": "s", "duration": "s", "rate": "Hz"}
+    tables.facts(found, as_json=as_json, units=units)
+    if not as_json and reading.can_read(out):
+        chain.hint(ctx, "leadthrough", "check", out, *chain.arm(ctx), *chain.typed(ctx, "obstacle"))
+    if answer.verdict == "braking" or not answer.safe:
+        raise typer.Exit(1)

@@ -1,0 +1,8 @@
+"""What may run: admission of motions from anywhere, braking, and ways onto and off a motion."""
+
+from leadthrough.guard.admission import Admission, CommandedState, Reason
+from leadthrough.guard.connect import connect
+from leadthrough.guard.guard import Guard
+from leadthrough.guard.rules import Moving
+
+__all__ = ["Admission", "CommandedState", "Guard", "Moving", "Reason", "connect"]

@@ -1,0 +1,357 @@
+"""The gate before an arm: motions from anywhere go in, motions that may run come out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leadthrough import _core, check
+from leadthrough.arm import Arm
+from leadthrough.brief import Brief
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.events import Event
+from leadthrough.guard.admission import KINDS, Admission, CommandedState, Reason, Verdict
+from leadthrough.guard.changing import Changed, changed
+from leadthrough.guard.chunks import Chunk, chunk_of
+from leadthrough.guard.findings import exceeded, not_finite
+from leadthrough.guard.rules import (
+    HISTORY,
+    Contact,
+    Obstacle,
+    Way,
+    history_of,
+    rules_for,
+    surroundings,
+)
+from leadthrough.guard.writing import moved_events, trajectories
+from leadthrough.motion import JointTrajectory
+
+_SLOWEST, _FASTEST = 1.0, 1e4  # Hz
+
+
+class Guard(Brief):
+    """Admits chunks of joint motion to an arm: as they are, changed, or not at all.
+
+        guard = lt.Guard(arm, obstacles, rate=50.0)
+        guard.admit(chunk, state=q)                # whenever the policy has a new one
+        while running:
+            send(guard.next().q)                   # every period
+
+    What has not been commanded yet is always a motion that ends at rest, certified as a whole:
+    inside the limits of position, velocity, acceleration and jerk, and clear by the margins between
+    samples as well. A chunk only takes its place if there is such a motion that begins with it. So
+    if chunks come late, or none comes any more, the arm follows what was admitted and brakes.
+
+    Velocity, acceleration and jerk are the differences of the commanded positions. Nothing is
+    random, and equal calls have equal answers.
+
+    Args:
+        arm: the arm; all limits of its joints have to be known.
+        obstacles: shapes in the base frame, `Moving` ones with a bound on their speed.
+        margin: distance to keep from obstacles in m, >= 0.
+        self_margin: distance to keep between parts of the arm in m, >= 0.
+        rate: commands per second, 1 to 1e4.
+
+    Raises:
+        InvalidInput: if a limit is not known, an obstacle is no shape, or a number is out of range.
+        InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        obstacles: Iterable[Obstacle] = (),
+        *,
+        rate: float,
+        margin: float = 0.005,
+        self_margin: float = 0.0,
+    ) -> None:
+        self._arm = arm
+        self._period = 1.0 / check.number(rate, "rate", at_least=_SLOWEST, at_most=_FASTEST)
+        self._margins = (margin, self_margin)
+        self._rules = rules_for(
+            arm, obstacles, self._period, margin=margin, self_margin=self_margin
+        )
+        self._age = 0.0  # periods since the obstacles were seen
+        self._stream: Float64Array | None = None  # commanded from three rows before `_at` on
+        self._at = 0
+        self._safe = True
+
+    @property
+    def arm(self) -> Arm:
+        """The arm."""
+        return self._arm
+
+    @property
+    def rate(self) -> float:
+        """Commands per second."""
+        return 1.0 / self._period
+
+    @property
+    def state(self) -> CommandedState:
+        """What is commanded now.
+
+        Raises:
+            InvalidInput: if no state was given yet.
+        """
+        last = self._history()
+        velocity = (last[2] - last[1]) / self._period
+        before = (last[1] - last[0]) / self._period
+        return CommandedState(last[2].copy(), velocity, (velocity - before) / self._period)
+
+    @property
+    def safe(self) -> bool:
+        """Whether what is left to command is certified; see `Admission.safe`."""
+        return self._safe
+
+    @property
+    def remaining(self) -> int:
+        """How many commands are left until the arm rests."""
+        return 0 if self._stream is None else len(self._stream) - HISTORY - self._at
+
+    def next(self) -> CommandedState:
+        """Goes on by one period: the state to command now. At the end of all motion the arm rests.
+
+        Raises:
+            InvalidInput: if no state was given yet.
+        """
+        self._history()
+        assert self._stream is not None
+        if self.remaining == 0:
+            self._stream = np.concatenate([self._stream[-2:], self._stream[-1:]])
+            self._at = 0
+        else:
+            self._at += 1
+        self._age += 1.0
+        return self.state
+
+    def admit(
+        self,
+        chunk: JointTrajectory | ArrayLike,
+        state: CommandedState | ArrayLike | None = None,
+    ) -> Admission:
+        """What may run of a chunk, which replaces all that has not been commanded yet.
+
+        Args:
+            chunk: joint motion whose first sample is due one period from now. A trajectory at
+                another rate is put on the guard's clock; an array (n, joints) is on it. NaN and
+                infinity in an array refuse the chunk, and the arm brakes.
+            state: what is commanded now, where that is not what `next` returned last, as at the
+                start: a `CommandedState`, or positions (joints,) at which the arm rests.
+
+        Raises:
+            InvalidInput: if an argument has another shape, or the first call has no state. What
+                was admitted before then stays.
+        """
+        given = chunk_of(chunk, self._arm, self._period)
+        if state is not None:
+            self._start(state)
+        history = self._history()
+        times = given.start + self._period * np.arange(len(given.rows), dtype=np.float64)
+        wrong = not_finite(given.rows, self._arm.joint_names, times)
+        if wrong is not None:
+            return self._braking((wrong,), start=given.start)
+        told: tuple[Reason, ...] = ()
+        if given.resampled:
+            told = (Reason("resampled", given.start),)
+        if self._rules.excess(history, given.rows) is None:
+            way = self._rules.braked(history, given.rows)
+            if way is not None and self._rules.contact(history, way.rows, self._age) is None:
+                return self._allowed(given, way, told)
+            places = np.arange(len(given.rows), dtype=np.float64)
+            return self._cut(Changed(given.rows, places, complete=True), given, told)
+        told += exceeded(self._rules, history, given.rows, times)
+        better = changed(self._rules, history, given.rows)
+        return self._cut(better, given, told)
+
+    def world(self, obstacles: Iterable[Obstacle]) -> Admission | None:
+        """What may still run now that the obstacles are these; they count as seen just now.
+
+        Args:
+            obstacles: all obstacles, as for the guard itself.
+
+        Returns:
+            None if no state was given yet.
+
+        Raises:
+            InvalidInput: if an obstacle is no shape.
+        """
+        self._rules = replace(self._rules, around=self._around(obstacles))
+        self._age = 0.0
+        if self._stream is None:
+            return None
+        rows = self._left()
+        found = self._rules.contact(self._history(), rows, self._age)
+        if found is None:
+            return self._admitted(Way(rows, len(rows)), "allowed", (), start=self._period)
+        places = np.arange(len(rows), dtype=np.float64)
+        reason = _contact_reason(found, places, self._period, self._period)
+        return self._shortened(
+            rows[: int(found.sample)], places, (reason,), start=self._period, events=()
+        )
+
+    def stop(self) -> Admission:
+        """Brakes now.
+
+        Raises:
+            InvalidInput: if no state was given yet.
+        """
+        return self._braking((), start=self._period)
+
+    def _around(self, obstacles: Iterable[Obstacle]) -> _core.Surroundings:
+        margin, self_margin = self._margins
+        return surroundings(
+            self._arm, obstacles, margin=margin, self_margin=self_margin, period=self._period
+        )
+
+    def _start(self, state: CommandedState | ArrayLike) -> None:
+        """Makes a state the present one, with nothing known beyond it."""
+        if self._stream is not None and isinstance(state, CommandedState):
+            now = self.state
+            if all(map(np.array_equal, (now.q, now.qd, now.qdd), (state.q, state.qd, state.qdd))):
+                return
+        self._stream = history_of(state, len(self._arm.joint_names), self._period)
+        self._at = 0
+
+    def _history(self) -> Float64Array:
+        if self._stream is None:
+            raise InvalidInput(
+                "state: expected the joints at the first call of admit, got none; give the "
+                "positions that the arm is commanded to now"
+            )
+        return self._stream[self._at : self._at + HISTORY]
+
+    def _left(self) -> Float64Array:
+        assert self._stream is not None
+        return self._stream[self._at + HISTORY :]
+
+    def _allowed(self, given: Chunk, way: Way, told: tuple[Reason, ...]) -> Admission:
+        """The chunk as it is; its own velocities and accelerations only if they keep the limits."""
+        answer = self._admitted(
+            way, "changed" if told else "allowed", told, start=given.start, events=given.events
+        )
+        own = given.given
+        if own is None or not _derivatives_kept(own, self._arm):
+            return answer
+        return replace(answer, motion=own)
+
+    def _cut(self, better: Changed, given: Chunk, told: tuple[Reason, ...]) -> Admission:
+        """As much of the rows as is certified."""
+        history, rows, complete = self._history(), better.rows, better.complete
+        wrong = self._rules.excess(history, rows)
+        if wrong is not None:
+            rows, complete = rows[: wrong[1]], False
+        if not complete:
+            at = better.places[len(rows) - 1] + 1.0 if len(rows) else 0.0
+            told += (Reason("no way on", given.start + self._period * float(at)),)
+        way = self._rules.braked(history, rows)
+        found = self._rules.contact(history, rows if way is None else way.rows, self._age)
+        if way is not None and found is None and len(rows):
+            events = moved_events(
+                given.events, better.places[: len(rows)], start=given.start, period=self._period
+            )
+            return self._admitted(way, "changed", told, start=given.start, events=events)
+        if found is not None:
+            told += (_contact_reason(found, better.places, given.start, self._period),)
+            rows = rows[: int(found.sample)]
+        elif len(rows):
+            told += (self._stop_reason(rows, better.places, given.start),)
+        return self._shortened(rows, better.places, told, start=given.start, events=given.events)
+
+    def _shortened(
+        self,
+        rows: Float64Array,
+        places: Float64Array,
+        told: tuple[Reason, ...],
+        *,
+        start: float,
+        events: tuple[Event, ...],
+    ) -> Admission:
+        """As many of the rows, known to be clear, as leave room to brake."""
+        way = self._rules.cut(self._history(), rows, self._age)
+        if way is None or way.kept == 0:
+            return self._braking(told, start=start, way=way)
+        kept = moved_events(events, places[: way.kept], start=start, period=self._period)
+        return self._admitted(way, "changed", told, start=start, events=kept)
+
+    def _braking(
+        self, told: tuple[Reason, ...], *, start: float, way: Way | None = None
+    ) -> Admission:
+        """The fastest stop, or what was certified before; where neither is, the fastest one."""
+        history, left = self._history(), self._left()
+        if way is None:
+            way = self._rules.clear_braked(history, left[:0], self._age)
+        if way is None and self._rules.contact(history, left, self._age) is None and len(left):
+            way = Way(left, 0)
+        if way is not None:
+            return self._admitted(way, "braking", told, start=start)
+        way = self._rules.braked(history, left[:0])
+        if way is None:
+            stop = _core.brake(self._rules.limits, history)
+            way = Way(left if len(left) else stop, 0)
+        found = self._rules.contact(history, way.rows, self._age)
+        if found is not None:
+            places = np.arange(len(way.rows), dtype=np.float64)
+            told += (_contact_reason(found, places, start, self._period),)
+        elif not len(left):
+            told += (self._stop_reason(left, np.empty(0), start),)
+        return self._admitted(way, "braking", told, start=start, safe=False)
+
+    def _stop_reason(self, rows: Float64Array, places: Float64Array, start: float) -> Reason:
+        """Which limit the fastest stop after the rows leaves."""
+        end = np.concatenate([self._history(), rows])[-HISTORY:]
+        wrong = self._rules.stop_excess(end)
+        assert wrong is not None
+        order, row, joint, ratio = wrong
+        at = (places[len(rows) - 1] + 1.0 if len(rows) else 0.0) + row
+        name = self._arm.joint_names[joint]
+        return Reason(KINDS[order], start + self._period * float(at), name, ratio=ratio)
+
+    def _admitted(
+        self,
+        way: Way,
+        verdict: Verdict,
+        told: tuple[Reason, ...],
+        *,
+        start: float,
+        events: tuple[Event, ...] = (),
+        safe: bool = True,
+    ) -> Admission:
+        """Makes a way to rest the one that is commanded from now on."""
+        history = self._history()
+        rows = way.rows if len(way.rows) else history[-1:]
+        motion, brake = trajectories(
+            history,
+            rows,
+            way.kept or len(rows),
+            names=self._arm.joint_names,
+            start=start,
+            period=self._period,
+            events=events,
+        )
+        self._stream = np.concatenate([history, rows])
+        self._at = 0
+        self._safe = safe
+        return Admission(motion, brake, verdict, safe, told)
+
+
+def _contact_reason(found: Contact, places: Float64Array, start: float, period: float) -> Reason:
+    """When a contact comes, on the chunk's clock; after its end, as if it went on."""
+    row = int(found.sample)
+    beyond = row - len(places) + 1.0 if row >= len(places) else 0.0
+    place = float(places[min(row, len(places) - 1)]) + beyond if len(places) else 0.0
+    return Reason("contact", start + period * max(0.0, place), bodies=found.bodies)
+
+
+def _derivatives_kept(own: JointTrajectory, arm: Arm) -> bool:
+    """Whether the velocities and accelerations given with positions are inside the limits."""
+    limits = arm.limits
+    pairs = ((own.velocities, limits.velocity), (own.accelerations, limits.acceleration))
+    return all(
+        given is None or limit is None or bool((np.abs(given) <= limit * (1.0 + 1e-6)).all())
+        for given, limit in pairs
+    )

@@ -1,0 +1,263 @@
+"""What a stream of commanded positions has to keep, and the ways to rest that keep it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leadthrough import _core, check
+from leadthrough.arm import Arm, JointLimits
+from leadthrough.brief import Brief
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.guard.admission import CommandedState
+from leadthrough.shapes import Shape, check_shapes, compiled
+
+HISTORY = 3  # commanded positions that the next differences reach back to
+_RATES = ("velocity", "acceleration", "jerk")
+
+
+@dataclass(frozen=True, eq=False)
+class Moving(Brief):
+    """An obstacle that moves, or of which it is not known whether it will.
+
+    Attributes:
+        shape: the obstacle where it is now, in the base frame.
+        speed: no point of it moves faster than this, m/s, >= 0.
+
+    Raises:
+        InvalidInput: if the shape is none, or the speed is negative or not finite.
+    """
+
+    shape: Shape
+    speed: float
+
+    def __post_init__(self) -> None:
+        check_shapes([self.shape])
+        check.number(self.speed, "speed", at_least=0.0)
+
+
+Obstacle = Shape | Moving
+
+
+@dataclass(frozen=True, eq=False)
+class Way:
+    """Commands to rest.
+
+    Attributes:
+        rows: (n, joints), one a period, the last at rest.
+        kept: how many of them come before the arm brakes.
+    """
+
+    rows: Float64Array
+    kept: int
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """Two bodies that come nearer than their margin.
+
+    Attributes:
+        sample: before which row, with the fraction of the way from the one before.
+        bodies: by name.
+    """
+
+    sample: float
+    bodies: tuple[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class Rules:
+    """Limits and surroundings.
+
+    Attributes:
+        joints: the limits of the joints.
+        period: between commands, s.
+        limits: of the joints, per period.
+        around: the arm and its obstacles.
+    """
+
+    joints: JointLimits
+    period: float
+    limits: _core.StepLimits
+    around: _core.Surroundings
+
+    def excess(
+        self, history: Float64Array, rows: Float64Array
+    ) -> tuple[int, int, int, float] | None:
+        """The first limit that rows (n, joints) exceed: its order, row, joint and ratio.
+
+        Args:
+            history: (3, joints), the commands before.
+            rows: commands.
+        """
+        return _core.first_excess(self.limits, history, rows)
+
+    def contact(
+        self, history: Float64Array, rows: Float64Array, age: float, *, before: int = 0
+    ) -> Contact | None:
+        """Where rows first come too near something.
+
+        Args:
+            history: (3, joints), the commands before.
+            rows: commands (n, joints).
+            age: periods since the obstacles were seen.
+            before: rows that are known to be clear.
+        """
+        if before >= len(rows):
+            return None
+        start = rows[before - 1] if before else history[-1]
+        found = _core.first_contact(self.around, start, rows[before:], age + before)
+        return None if found is None else Contact(before + found[0], found[1:])
+
+    def braked(self, history: Float64Array, rows: Float64Array) -> Way | None:
+        """Rows, then the fastest stop; None if that leaves a limit.
+
+        Args:
+            history: (3, joints), the commands before.
+            rows: commands (n, joints) inside the limits.
+        """
+        end = np.concatenate([history, rows])[-HISTORY:]
+        stop = _core.brake(self.limits, end)
+        if self.excess(end, stop) is not None:
+            return None
+        return Way(np.concatenate([rows, stop]), len(rows))
+
+    def stop_excess(self, history: Float64Array) -> tuple[int, int, int, float] | None:
+        """The first limit that the fastest stop leaves: its order, row, joint and ratio.
+
+        Args:
+            history: (3, joints), the commands before.
+        """
+        return self.excess(history, _core.brake(self.limits, history))
+
+    def clear_braked(self, history: Float64Array, rows: Float64Array, age: float) -> Way | None:
+        """Rows known to be clear, then the fastest stop; None if that is not certified."""
+        way = self.braked(history, rows)
+        if way is None or self.contact(history, way.rows, age, before=len(rows)) is not None:
+            return None
+        return way
+
+    def cut(self, history: Float64Array, rows: Float64Array, age: float) -> Way | None:
+        """As many of the rows as can be kept before the arm has to brake, and the stop.
+
+        First it is tried to stop on the rows themselves, then joint by joint.
+
+        Args:
+            history: (3, joints), the commands before.
+            rows: commands (n, joints) inside the limits, known to be clear.
+            age: periods since the obstacles were seen.
+        """
+        if len(rows):
+            stopped = _core.stopped(self.limits, history, rows)
+            if stopped is not None and self.contact(history, stopped[0], age) is None:
+                kept = int(np.count_nonzero(stopped[1] == np.arange(len(stopped[1]))))
+                return Way(stopped[0], kept)
+        best = self.clear_braked(history, rows[:0], age)
+        low, high = 0, len(rows)
+        while best is not None and high - low > 1:
+            middle = (low + high) // 2
+            way = self.clear_braked(history, rows[:middle], age)
+            low, high = (low, middle) if way is None else (middle, high)
+            best = best if way is None else way
+        return best
+
+
+def rules_for(
+    arm: Arm, obstacles: Iterable[Obstacle], period: float, *, margin: float, self_margin: float
+) -> Rules:
+    """The rules of an arm among obstacles.
+
+    Args:
+        arm: the arm.
+        obstacles: shapes in the base frame, those that move with their speed.
+        period: between commands, s.
+        margin: m.
+        self_margin: m.
+
+    Raises:
+        InvalidInput: if a limit is not known or zero, an obstacle is no shape, or a margin is
+            negative.
+        InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
+    """
+    if not isinstance(arm, Arm):
+        raise InvalidInput(f"arm: expected an Arm, got {arm!r}; load one with lt.Arm.load")
+    limits = step_limits(arm.limits, period)
+    margin = check.number(margin, "margin", at_least=0.0)
+    self_margin = check.number(self_margin, "self_margin", at_least=0.0)
+    around = surroundings(arm, obstacles, margin=margin, self_margin=self_margin, period=period)
+    return Rules(arm.limits, period, limits, around)
+
+
+def history_of(state: CommandedState | ArrayLike, joints: int, period: float) -> Float64Array:
+    """The three commands (3, joints) that end in a state.
+
+    Args:
+        state: a commanded state, or positions (joints,) at rest.
+        joints: how many there are.
+        period: between commands, s.
+
+    Raises:
+        InvalidInput: if the state has another shape.
+    """
+    if not isinstance(state, CommandedState):
+        return np.repeat(check.array(state, "state", shape=(joints,))[None], HISTORY, axis=0)
+    q = check.array(state.q, "state.q", shape=(joints,))
+    step = check.array(state.qd, "state.qd", shape=(joints,)) * period
+    bend = check.array(state.qdd, "state.qdd", shape=(joints,)) * period**2
+    return np.stack([q - step - (step - bend), q - step, q])
+
+
+def step_limits(limits: JointLimits, period: float) -> _core.StepLimits:
+    """Limits per period.
+
+    Args:
+        limits: of the joints.
+        period: s.
+
+    Raises:
+        InvalidInput: if a velocity, acceleration or jerk limit is not known, or zero.
+    """
+    for name in _RATES:
+        value = getattr(limits, name)
+        if value is None or not (np.isfinite(value) & (value > 0.0)).all():
+            raise InvalidInput(
+                f"arm: expected {name} limits > 0 of all joints, to brake inside them; "
+                f"Arm.from_urdf takes a file of limits:\n{limits.template()}"
+            )
+    assert limits.acceleration is not None
+    assert limits.jerk is not None
+    return _core.StepLimits(
+        limits.lower,
+        limits.upper,
+        limits.velocity * period,
+        limits.acceleration * period**2,
+        limits.jerk * period**3,
+    )
+
+
+def surroundings(
+    arm: Arm, obstacles: Iterable[Obstacle], *, margin: float, self_margin: float, period: float
+) -> _core.Surroundings:
+    """The arm among obstacles.
+
+    Args:
+        arm: the arm.
+        obstacles: shapes in the base frame, those that move with their speed.
+        margin: m.
+        self_margin: m.
+        period: s.
+
+    Raises:
+        InvalidInput: if an obstacle is no shape.
+        InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
+    """
+    if not isinstance(obstacles, Iterable):
+        raise InvalidInput(f"obstacles: expected a sequence, got {type(obstacles).__name__}")
+    things: Sequence[Obstacle] = tuple(obstacles)
+    shapes = check_shapes([each.shape if isinstance(each, Moving) else each for each in things])
+    growth = [each.speed * period if isinstance(each, Moving) else 0.0 for each in things]
+    return _core.Surroundings(arm._collision, compiled(shapes), growth, margin, self_margin)

@@ -1,0 +1,276 @@
+"""What a guard lets through, what it changes, and what it says of it."""
+
+import numpy as np
+import pytest
+from guard.adversary import HOMES, RATE, smooth
+from guard.judge import EXCESS, worst_use
+
+import leadthrough as lt
+from leadthrough.errors import InvalidInput
+from leadthrough.guard import CommandedState, Moving
+
+Q = HOMES["panda"]
+PERIOD = 1.0 / RATE
+TIMES = PERIOD * np.arange(1, 51)
+WALL = lt.Box([0.02, 2.0, 2.0], [0.6, 0.0, 0.5])
+
+
+@pytest.fixture(scope="module")
+def panda():
+    return lt.Arm.load("panda")
+
+
+@pytest.fixture
+def guard(panda):
+    return lt.Guard(panda, [WALL], rate=RATE)
+
+
+def wave(size, turns=0.5):
+    return Q + size * (1.0 - np.cos(2.0 * np.pi * turns * TIMES[:, None])) * np.linspace(0.2, 1, 7)
+
+
+def run(guard, count):
+    return np.array([guard.next().q for _ in range(count)])
+
+
+def finished(guard):
+    """All that is left to command, to rest, behind the command now."""
+    return np.concatenate([guard.state.q[None], run(guard, guard.remaining + 1)])
+
+
+def assert_kept(panda, rows):
+    assert worst_use(rows, panda.limits, RATE) <= 1.0 + EXCESS
+    assert panda.check(rows, [WALL]).ok
+
+
+def test_a_chunk_that_is_allowed_passes_to_the_bit(panda, guard):
+    rows = wave(0.1)
+    answer = guard.admit(rows, Q)
+    assert (answer.verdict, answer.safe, answer.reasons) == ("allowed", True, ())
+    assert np.array_equal(answer.motion.positions, rows)
+    assert np.array_equal(run(guard, 50), rows)
+    assert np.array_equal(run(guard, len(answer.brake)), answer.brake.positions)
+    assert_kept(panda, np.concatenate([Q[None], rows, answer.brake.positions]))
+
+
+def test_a_trajectory_that_is_allowed_is_the_answer_itself(panda, guard):
+    motion = lt.JointTrajectory(TIMES, wave(0.1), joint_names=panda.joint_names)
+    assert guard.admit(motion, Q).motion is motion
+
+
+def test_without_a_new_chunk_the_arm_brakes_and_rests(panda, guard):
+    guard.admit(wave(0.2)[:20], Q)
+    rows = finished(guard)
+    assert len(rows) > 21
+    assert_kept(panda, rows)
+    still = guard.next()
+    assert np.array_equal(still.q, rows[-1])
+    assert not still.qd.any()
+
+
+def test_a_jump_is_bridged_and_named(panda, guard):
+    rows = wave(0.1)
+    rows[20:] += 0.3
+    answer = guard.admit(rows, Q)
+    assert answer.verdict == "changed"
+    assert (answer.reasons[0].kind, answer.reasons[0].time) == ("jump", pytest.approx(0.42))
+    assert answer.reasons[0].joint == "panda_joint1"
+    assert np.array_equal(answer.motion.positions[:20], rows[:20])
+    assert np.allclose(answer.motion.positions[-20:], rows[-20:], atol=1e-12)
+    assert_kept(panda, finished(guard))
+
+
+def test_a_chunk_that_is_too_fast_keeps_its_path(panda, guard):
+    fast = wave(0.25, turns=2.0)
+    answer = guard.admit(fast, Q)
+    assert answer.verdict == "changed"
+    assert "acceleration" in {reason.kind for reason in answer.reasons}
+    # The joints of a wave move in proportion.
+    moved = answer.motion.positions - Q
+    along = moved[:, -1:] * np.linspace(0.2, 1, 7)
+    assert np.abs(moved - along).max() < 1e-3
+    assert np.abs(answer.motion.positions - fast[-1]).max(axis=1).min() < 1e-3
+    assert_kept(panda, finished(guard))
+
+
+def test_positions_stay_inside_their_limits(panda, guard):
+    out = Q + np.outer(TIMES, [0, 0, 0, 2.2, 0, 0, 0])
+    answer = guard.admit(out, Q)
+    assert "position" in {reason.kind for reason in answer.reasons}
+    rows = finished(guard)
+    assert rows[:, 3].max() <= panda.limits.upper[3]
+    assert_kept(panda, rows)
+
+
+def towards_the_wall(panda):
+    """A motion of the tip straight into the wall."""
+    start, turned = panda.forward_kinematics(Q)
+    goal = [0.65, 0.0, start[2]]
+    share = np.linspace(0.0, 1.0, 51)[:, None]
+    ease = share**2 * (3.0 - 2.0 * share)
+    way = lt.PoseTrajectory(3.0 * share[:, 0], start + ease * (goal - start), [turned] * 51)
+    followed = panda.follow(way, seed=Q)
+    fast = lt.retime(followed, panda.limits, rate=3.0 * RATE)
+    return lt.JointTrajectory(3.0 * fast.times, fast.positions, joint_names=panda.joint_names)
+
+
+def test_a_motion_is_cut_before_a_contact(panda, guard):
+    hit = towards_the_wall(panda)
+    assert not panda.check(hit, [WALL]).ok
+    answer = guard.admit(hit, hit.positions[0])
+    assert (answer.verdict, answer.safe) == ("changed", True)
+    (reason,) = (reason for reason in answer.reasons if reason.kind == "contact")
+    assert reason.bodies[0] == "obstacle 0"
+    kept = len(answer.motion)
+    assert np.array_equal(answer.motion.positions, hit.positions[:kept])
+    rows = finished(guard)
+    assert_kept(panda, rows)
+    assert panda.distance(rows[-1], [WALL]) < 0.05
+
+
+def test_nan_refuses_the_chunk_and_brakes(panda, guard):
+    guard.admit(wave(0.2), Q)
+    run(guard, 20)
+    bad = wave(0.2)
+    bad[3, 2] = np.nan
+    answer = guard.admit(bad)
+    assert (answer.verdict, answer.safe) == ("braking", True)
+    assert str(answer.reasons[0]) == "a value of panda_joint3 is not finite at 0.080 s"
+    assert_kept(panda, finished(guard))
+
+
+def test_chunks_replace_each_other_on_their_clock(panda, guard):
+    """Temporal ensembling: each chunk overlaps the one before and is a little off it."""
+    whole = np.concatenate([wave(0.15, turns=0.4), wave(0.15, turns=0.4)[::-1]])
+    rng = np.random.default_rng(3)
+    commanded = [Q]
+    guard.admit(whole[:50], Q)
+    for start in range(10, 50, 10):
+        commanded.extend(run(guard, 10))
+        answer = guard.admit(whole[start : start + 50] + rng.normal(0.0, 2e-4, 7))
+        assert answer.verdict in ("allowed", "changed")
+        assert len(answer.motion) == 50
+    commanded.extend(finished(guard)[1:])
+    assert_kept(panda, np.array(commanded))
+
+
+def test_an_obstacle_that_appears_shortens_what_was_admitted(panda):
+    guard = lt.Guard(panda, rate=RATE)
+    hit = towards_the_wall(panda)
+    assert guard.admit(hit, hit.positions[0]).verdict == "allowed"
+    before = run(guard, 10)
+    answer = guard.world([WALL])
+    assert (answer.verdict, answer.safe) == ("changed", True)
+    assert answer.reasons[0].bodies[0] == "obstacle 0"
+    assert_kept(panda, np.concatenate([hit.positions[:1], before, finished(guard)[1:]]))
+
+
+def test_an_obstacle_too_near_to_brake_for_is_reported_and_braked_for(panda):
+    guard = lt.Guard(panda, rate=RATE)
+    hit = towards_the_wall(panda)
+    guard.admit(hit, hit.positions[0])
+    fastest = int(np.abs(np.diff(hit.positions, axis=0)).max(axis=1).argmax())
+    before = run(guard, fastest)
+    left = guard.remaining
+    tip = panda.forward_kinematics(guard.state.q + 0.04 * guard.state.qd)[0]
+    answer = guard.world([lt.Sphere(0.02, tip)])
+    assert (answer.verdict, answer.safe, guard.safe) == ("braking", False, False)
+    assert answer.reasons[-1].kind == "contact"
+    assert "NOT SAFE" in str(answer)
+    assert guard.remaining < left
+    rows = np.concatenate([hit.positions[:1], before, finished(guard)[1:]])
+    assert worst_use(rows, panda.limits, RATE) <= 1.0 + EXCESS
+
+
+def test_an_obstacle_that_moves_needs_more_room_the_later_it_is_met(panda):
+    hit = towards_the_wall(panda)
+    kept = []
+    for speed in (0.0, 0.05, 0.2):
+        guard = lt.Guard(panda, [Moving(WALL, speed)], rate=RATE)
+        kept.append(len(guard.admit(hit, hit.positions[0]).motion))
+    assert kept[0] > kept[1] > kept[2]
+
+
+def test_what_was_seen_long_ago_counts_as_having_moved(panda):
+    guard = lt.Guard(panda, [Moving(WALL, 0.1)], rate=RATE)
+    guard.admit(Q[None], Q)
+    early = len(guard.admit(towards_the_wall(panda)).motion)
+    guard.stop()
+    run(guard, 100)
+    late = len(guard.admit(towards_the_wall(panda)).motion)
+    assert late < early
+    guard.world([Moving(WALL, 0.1)])
+    assert len(guard.admit(towards_the_wall(panda)).motion) == early
+
+
+def test_stopping_is_the_fastest_motion_to_rest(panda, guard):
+    guard.admit(wave(0.3), Q)
+    run(guard, 25)
+    speed = np.abs(guard.state.qd / panda.limits.acceleration).max()
+    answer = guard.stop()
+    assert answer.verdict == "braking"
+    assert len(answer.motion) <= np.ceil(speed * RATE) + 2
+
+
+def test_a_chunk_at_another_rate_is_put_on_the_guards_clock(panda, guard):
+    times = np.linspace(0.1, 1.0, 10)
+    slow = lt.JointTrajectory(times, np.asarray(Q + 0.05 * np.outer(1 - np.cos(times), np.ones(7))))
+    answer = guard.admit(slow, slow.positions[0])
+    assert "resampled" in {reason.kind for reason in answer.reasons}
+    assert len(answer.motion) == 46
+    assert np.abs(answer.motion.at(slow.times[1:-1]) - slow.positions[1:-1]).max() < 1e-3
+
+
+def test_events_keep_their_place_on_the_motion(panda, guard):
+    events = [lt.Event(0.5, "closed")]
+    rows = wave(0.1)
+    motion = lt.JointTrajectory(TIMES, rows, joint_names=panda.joint_names, events=events)
+    assert guard.admit(motion, Q).motion.events == tuple(events)
+    jumped = rows.copy()
+    jumped[10:] += 0.3
+    late = lt.JointTrajectory(TIMES, jumped, joint_names=panda.joint_names, events=events)
+    (event,) = guard.admit(late, Q).motion.events
+    assert 0.7 < event.time < 1.0
+
+
+def test_a_state_that_no_motion_can_save_is_said_to_be_unsafe(panda, guard):
+    q = np.array(Q)
+    q[0] = panda.limits.upper[0] - 0.01
+    fast = CommandedState(q, np.eye(7)[0] * 2.0, np.zeros(7))
+    answer = guard.admit(q[None], fast)
+    assert (answer.verdict, answer.safe) == ("braking", False)
+    assert answer.reasons[-1].kind == "position"
+
+
+def test_equal_calls_have_equal_answers(panda):
+    def stream():
+        guard = lt.Guard(panda, [WALL], rate=RATE)
+        rng = np.random.default_rng(5)
+        guard.admit(Q[None], Q)
+        rows = []
+        for _ in range(5):
+            guard.admit(smooth(rng, guard.state.q, size=1.0))
+            rows.append(run(guard, 9))
+        return np.concatenate(rows)
+
+    assert np.array_equal(stream(), stream())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"chunk": np.zeros((3, 6)), "state": Q}, r"chunk: expected shape \(n, 7\)"),
+        ({"chunk": np.zeros((0, 7)), "state": Q}, "chunk: expected at least one sample"),
+        ({"chunk": np.zeros((3, 7))}, "state: expected the joints at the first call"),
+        ({"chunk": np.zeros((3, 7)), "state": Q[:3]}, r"state: expected shape \(7,\)"),
+    ],
+)
+def test_wrong_arguments_are_named(guard, arguments, message):
+    with pytest.raises(InvalidInput, match=message):
+        guard.admit(**arguments)
+
+
+def test_an_arm_without_acceleration_limits_is_refused(panda):
+    bare = lt.Arm.from_urdf(panda.document, base=panda.base, tip=panda.tip)
+    with pytest.raises(InvalidInput, match="arm: expected acceleration limits"):
+        lt.Guard(bare, rate=RATE)
