@@ -39,8 +39,8 @@ def guard(
     from leadthrough.cli import errors, parse, reading, tables
     from leadthrough.cli import robot as robots
     from leadthrough.guard import Guard
+    from leadthrough.guard.writing import from_state
     from leadthrough.io import write_motion
-    from leadthrough.timing import differentiate
 
     reading.check_output(out, format)
     arm = robots.load(robot, limits, base, tip)
@@ -50,16 +50,17 @@ def guard(
     admits = Guard(arm, obstacles, rate=per_second, margin=margin)
     first = joints.positions[0]
     answer = admits.admit(joints[1:] if len(joints) > 1 else joints, first)
-    whole = answer.to_rest
-    written = replace(
-        whole,
-        times=np.concatenate([[whole.times[0] - 1.0 / per_second], whole.times]),
-        positions=np.concatenate([first[None], whole.positions]),
-        velocities=None,
-        accelerations=None,
+    rest = answer.to_rest
+    events = [replace(each, time=each.time - joints.times[0]) for each in rest.events]
+    written = from_state(
+        first,
+        np.concatenate([first[None], rest.positions]),
+        names=arm.joint_names,
+        period=1.0 / per_second,
+        events=tuple(events),
     )
     with errors.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
-        write_motion(differentiate(written), out, format=format)
+        write_motion(written, out, format=format)
     found = {
         "motion": str(out),
         "verdict": answer.verdict,

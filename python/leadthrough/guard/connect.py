@@ -15,7 +15,7 @@ from leadthrough.guard.admission import CommandedState
 from leadthrough.guard.chunks import chunk_of
 from leadthrough.guard.joining import LANDING, joined_at_start
 from leadthrough.guard.rules import HISTORY, Obstacle, Rules, history_of, rules_for
-from leadthrough.guard.writing import trajectories
+from leadthrough.guard.writing import from_state
 from leadthrough.motion import JointTrajectory
 
 _TURN = 2.0 * np.pi  # rad
@@ -79,21 +79,7 @@ def connect(
     commands = np.concatenate([history[-1:], ease, rows, way.rows])
     shift = period * (1 + len(ease)) - chunk.start
     events = tuple(replace(each, time=each.time + shift) for each in chunk.events)
-    motion, _ = trajectories(
-        history[:-1],
-        commands,
-        len(commands),
-        names=arm.joint_names,
-        start=0.0,
-        period=period,
-        events=events,
-    )
-    assert motion.velocities is not None
-    velocities = motion.velocities.copy()
-    velocities[0] = (
-        history[-1] - history[-2]
-    ) / period  # as commanded, and zero for an arm at rest
-    return replace(motion, velocities=velocities)
+    return from_state(history[-2], commands, names=arm.joint_names, period=period, events=events)
 
 
 def _ease_in(rules: Rules, history: Float64Array, rows: Float64Array) -> Float64Array:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from leadthrough.check import Float64Array
@@ -25,7 +27,7 @@ def trajectories(
     the differences of the positions keep.
 
     Args:
-        history: (3, joints), the commands before.
+        history: (k, joints), the commands before.
         rows: (n, joints), n > 0, to rest.
         kept: how many belong to the first trajectory, > 0.
         names: of the joints.
@@ -44,6 +46,32 @@ def trajectories(
         JointTrajectory(first, rows[:kept], velocities[:kept], accelerations[:kept], names, events),
         JointTrajectory(then, rows[after], velocities[after], accelerations[after], names),
     )
+
+
+def from_state(
+    before: Float64Array,
+    rows: Float64Array,
+    *,
+    names: tuple[str, ...],
+    period: float,
+    events: tuple[Event, ...] = (),
+) -> JointTrajectory:
+    """The motion of commands, the first of which is the present one, at time 0.
+
+    Args:
+        before: the command before that, (joints,).
+        rows: (n, joints), to rest.
+        names: of the joints.
+        period: between rows, s.
+        events: of the motion.
+    """
+    motion, _ = trajectories(
+        before[None], rows, len(rows), names=names, start=0.0, period=period, events=events
+    )
+    assert motion.velocities is not None
+    velocities = motion.velocities.copy()
+    velocities[0] = (rows[0] - before) / period  # as commanded, and zero for an arm at rest
+    return replace(motion, velocities=velocities)
 
 
 def moved_events(

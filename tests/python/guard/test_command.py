@@ -1,0 +1,52 @@
+"""`leadthrough guard`: files in, what may run out."""
+
+import json
+
+import numpy as np
+import pytest
+from guard.adversary import HOMES
+from typer.testing import CliRunner
+
+import leadthrough as lt
+from leadthrough.cli import app
+
+Q = HOMES["panda"]
+
+
+@pytest.fixture
+def written(tmp_path):
+    """A motion of the Panda with a jump in it, as a table."""
+    arm = lt.Arm.load("panda")
+    times = 0.02 * np.arange(100)
+    rows = Q + 0.1 * np.outer(1.0 - np.cos(np.pi * times), np.ones(7))
+    rows[40:] += 0.2
+    event = lt.Event(1.0, "closed")
+    motion = lt.JointTrajectory(times, rows, joint_names=arm.joint_names, events=[event])
+    lt.write_motion(motion, tmp_path / "jump.npz")
+    return tmp_path
+
+
+def run(folder, *words):
+    command = ["guard", str(folder / "jump.npz"), "--robot", "panda", *words, "--json"]
+    result = CliRunner().invoke(app, [*command, "-o", str(folder / "safe.npz")])
+    return result.exit_code, json.loads(result.stdout)
+
+
+def test_the_nearest_motion_that_is_allowed_is_written(written):
+    code, found = run(written)
+    assert (code, found["verdict"], found["safe"]) == (0, "changed", True)
+    assert "panda_joint1 jumps at 0.800 s" in found["reasons"][0]
+    motion = lt.read_motion(written / "safe.npz")
+    arm = lt.Arm.load("panda")
+    assert lt.check_limits(motion, arm.limits).ok
+    assert np.array_equal(motion.positions[0], Q)
+    assert motion.events[0].name == "closed"
+    assert found["duration"] == pytest.approx(motion.times[-1])
+
+
+def test_nothing_runs_from_inside_an_obstacle_and_the_exit_code_says_so(written):
+    tip = lt.Arm.load("panda").forward_kinematics(Q)[0]
+    place = ",".join(f"{x:.4f}" for x in tip)
+    code, found = run(written, "--obstacle", f"sphere:0.1@{place}")
+    assert (code, found["verdict"]) == (1, "braking")
+    assert "obstacle 0" in found["reasons"][-1]
