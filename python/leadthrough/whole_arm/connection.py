@@ -24,7 +24,7 @@ from leadthrough.shapes import Shape, check_shapes, compiled
 
 # Between the configurations of an edge that are looked at, over the extent of the joints' space:
 # finer where the way found is not clear between them.
-_RESOLUTIONS = (0.01, 0.003)
+_RESOLUTIONS = (0.01, 0.003, 0.001, 0.0003)
 # Of a joint that turns without end, rad.
 _TURNS = 2.0 * np.pi
 
