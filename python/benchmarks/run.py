@@ -25,6 +25,7 @@ from frame import Row, measure
 
 FILES = [
     "bench_arm",
+    "bench_band",
     "bench_collision",
     "bench_curves",
     "bench_differential",
