@@ -18,7 +18,7 @@ constexpr int kLocalRounds = 8, kRounds = 24;
 // Each round aims at a little less than the limit, so that it is the last one.
 constexpr double kSpare = 1.002;
 // A stop takes longer with each attempt by this fraction.
-constexpr Index kFractions = 8;
+constexpr Index kStopFractions = 8;
 
 // Periods in which the fastest joint of the path can stop: so gently the pace has to change.
 Index gentle(const StepLimits& limits, const RowsRef& path) {
@@ -132,7 +132,7 @@ std::optional<Paced> stopped(const StepLimits& limits, const RowsRef& history,
   const PathCurve curve(rows);
   Rows samples(2 * path.rows() + 2 + kHistory, path.cols());
   ArrayXd places(samples.rows());
-  for (Index stop = 2; stop / 2 < path.rows(); stop += 1 + stop / kFractions) {
+  for (Index stop = 2; stop / 2 < path.rows(); stop += 1 + stop / kStopFractions) {
     // The pace falls from 1 to 0 as 1 - 3 s^2 + 2 s^3, in half as many rows as periods.
     const Index kept = path.rows() - 1 - stop / 2;
     samples.topRows(kept) = path.topRows(kept);
