@@ -29,7 +29,7 @@ _RESOLUTIONS = (0.01, 0.003, 0.001, 0.0003)
 _TURNS = 2.0 * np.pi
 
 
-def connect(
+def way_between(
     arm: Arm,
     start: ArrayLike,
     goals: ArrayLike,

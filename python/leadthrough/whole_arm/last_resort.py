@@ -16,7 +16,7 @@ from leadthrough.errors import IkFailure
 from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory, normalised_times
 from leadthrough.preprocess import join
 from leadthrough.trajectories import minimum_jerk_rise
-from leadthrough.whole_arm.connection import connect
+from leadthrough.whole_arm.connection import way_between
 from leadthrough.whole_arm.room import Room, narrows_at
 from leadthrough.whole_arm.tip_paths import TipMotion, with_reason
 
@@ -95,7 +95,7 @@ def _part(
     room: Room, path: TipMotion, before: JointTrajectory, after: JointTrajectory
 ) -> JointTrajectory | None:
     """From the end of one motion to the start of another; None if no way was found."""
-    way = connect(
+    way = way_between(
         room.arm,
         before.positions[-1],
         after.positions[0],

@@ -11,7 +11,7 @@ from scipy.spatial import KDTree
 
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
-from leadthrough.whole_arm import connect
+from leadthrough.whole_arm import way_between
 from leadthrough_studies.elbow.reference import Roadmap
 from leadthrough_studies.elbow.scenes import FREE, MARGIN, Scene, drawn_scene
 from leadthrough_studies.study import Row
@@ -50,7 +50,7 @@ def connected(*, arm: str, motion: str, seed: int, index: int, files: list[str])
     begin = time.process_time()
     way = None
     if len(starts) and len(goals):
-        way = connect(body, starts[0], goals, obstacles=made.obstacles, margin=MARGIN)
+        way = way_between(body, starts[0], goals, obstacles=made.obstacles, margin=MARGIN)
     spent = time.process_time() - begin
     return [
         {

@@ -9,7 +9,7 @@ from arm.motion_bench_maker import KINDS, problems
 from foreign_arms import ERD_PANDA, urdf_in_package
 
 import leadthrough as lt
-from leadthrough.whole_arm import connect
+from leadthrough.whole_arm import way_between
 
 
 def in_coal(shape):
@@ -50,6 +50,6 @@ def test_what_rrt_connect_solves_is_solved_and_certified(recordings):
     for kind, number, problem in problems(recordings, [1, 4]):
         if (kind, number) in asked:
             ends = problem.start, problem.goal
-            way = connect(arm, *ends, obstacles=problem.obstacles, margin=0.0)
+            way = way_between(arm, *ends, obstacles=problem.obstacles, margin=0.0)
             np.testing.assert_array_equal(way[[0, -1]], ends)
             assert arm.check(way, problem.obstacles).ok

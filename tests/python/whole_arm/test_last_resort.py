@@ -5,7 +5,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.errors import IkFailure, InvalidInput, MissingDependency
-from leadthrough.whole_arm import connect, connection
+from leadthrough.whole_arm import connection, way_between
 
 MARGIN = 0.005
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
@@ -111,10 +111,10 @@ def test_a_connection_is_clear_or_not_found_in_the_steps_allowed(panda):
     wall = [lt.Box([0.3, 0.02, 0.6], [0.5, 0.0, 0.3])]
     left, right = (panda.inverse_kinematics([0.5, y, 0.3], DOWN).q for y in (-0.3, 0.3))
     assert not panda.check([left, right], wall, margin=MARGIN).ok
-    way = connect(panda, left, right, obstacles=wall)
+    way = way_between(panda, left, right, obstacles=wall)
     np.testing.assert_array_equal(way[[0, -1]], [left, right])
     assert panda.check(way, wall, margin=MARGIN).ok
-    assert connect(panda, left, right, obstacles=wall, steps=1) is None
+    assert way_between(panda, left, right, obstacles=wall, steps=1) is None
 
 
 @pytest.mark.parametrize(
@@ -131,4 +131,4 @@ def test_a_connection_is_clear_or_not_found_in_the_steps_allowed(panda):
 def test_wrong_arguments_of_a_connection_are_named(panda, change, message):
     q = panda.inverse_kinematics([0.5, 0.0, 0.3], DOWN).q
     with pytest.raises(InvalidInput, match=message):
-        connect(**{"arm": panda, "start": q, "goals": q} | change)
+        way_between(**{"arm": panda, "start": q, "goals": q} | change)
