@@ -184,7 +184,7 @@ def rules_for(
         InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
     """
     if not isinstance(arm, Arm):
-        raise InvalidInput(f"arm: expected an Arm, got {arm!r}; load one with lt.Arm.load")
+        raise InvalidInput(f"arm: expected an Arm, got {type(arm).__name__}")
     limits = step_limits(arm.limits, period)
     margin = check.number(margin, "margin", at_least=0.0)
     self_margin = check.number(self_margin, "self_margin", at_least=0.0)
@@ -225,7 +225,8 @@ def step_limits(limits: JointLimits, period: float) -> _core.StepLimits:
         value = getattr(limits, name)
         if value is None or not (np.isfinite(value) & (value > 0.0)).all():
             raise InvalidInput(
-                f"arm: expected {name} limits > 0 of all joints, to brake inside them; "
+                f"limits: expected {name} limits > 0 of all joints, to brake inside them; "
+                "`leadthrough info --write-limits` writes a file with assumed ones; in Python, "
                 f"Arm.from_urdf takes a file of limits:\n{limits.template()}"
             )
     assert limits.acceleration is not None
