@@ -62,7 +62,7 @@ def way_between(
         MissingDependency: if OMPL is not installed.
     """
     if not isinstance(arm, Arm):
-        raise InvalidInput(f"arm: expected an Arm, got {arm!r}; load one with lt.Arm.load")
+        raise InvalidInput(f"arm: expected an Arm, got {arm!r}; in Python, lt.Arm.load loads one")
     joints = len(arm.joint_names)
     around = Surroundings(
         arm._collision,

@@ -88,7 +88,7 @@ def plan_motion(
             reason and, where obstacles are in the way, the bodies.
     """
     if not isinstance(arm, Arm):
-        raise InvalidInput(f"arm: expected an Arm, got {arm!r}; load one with lt.Arm.load")
+        raise InvalidInput(f"arm: expected an Arm, got {arm!r}; in Python, lt.Arm.load loads one")
     shapes = check_shapes(obstacles)
     most = check.integer(rounds, "rounds", at_least=1)
     if last_resort is not None:
