@@ -4,6 +4,8 @@ from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
+import bindings.calls_of_cells
+import bindings.calls_of_guard  # noqa: F401, both note their calls
 import pytest
 from bindings.calls import CALLS, MADE, OTHERS
 

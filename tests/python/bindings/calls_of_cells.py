@@ -1,0 +1,32 @@
+"""Calls of what computes in some cells of a map only."""
+
+import numpy as np
+from bindings.calls import call, make
+
+from leadthrough import _core as core
+
+# All cells of 3 x 4 and, for what takes any number of cells, the first.
+CELLS = make(core.CellSet, shape=[3, 4], spacing=[1.0, 1.0], cells=np.arange(12))
+FIRST_ROW = np.array([0.0, 1.0, 2.0, 3.0, *np.full(8, np.inf)])
+SOURCE = {"cells": np.array([0]), "times": np.zeros(1), "source_radius": 0.0, "stop": -1}
+MAP = {"shape": [3, 4], "spacing": [1.0, 1.0], "cells": np.array([0])}
+
+call(CELLS.find, [0, 5, -1], cells=np.array([0, 5, 20]))
+call(CELLS.march, FIRST_ROW, speed=np.where(np.arange(12) < 4, 1.0, 0.0), **SOURCE)
+call(CELLS.is_open, False, times=FIRST_ROW)
+call(
+    CELLS.distances,
+    np.hypot(*np.divmod(np.arange(12), 4)),
+    mask=np.arange(12) == 0,
+)
+call(CELLS.depths, np.full(12, np.inf))
+call(CELLS.descend, "ok", arrival=FIRST_ROW, start=[0.0, 3.0], goal=[0.0, 0.0], step=0.5)
+call(core.cells_within, [0, 1, 4], **MAP, radius=1.0)
+call(core.finer_cells, [0, 1, 4, 5], coarse_shape=[2, 2], fine_shape=[4, 4], cells=np.array([0]))
+call(
+    core.path_distances,
+    [1, 1],
+    points=np.array([[0.0, 1.0], [3.0, 0.0]]),
+    path=np.array([[0.0, 0.0], [2.0, 0.0]]),
+    most=9.0,
+)
