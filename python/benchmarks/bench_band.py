@@ -17,7 +17,7 @@ from leadthrough.planning.band import quickest
 from leadthrough.planning.speed_field import HinderedField, TubeField
 from leadthrough.planning.speed_map import add_obstacles, tube_map
 from leadthrough.planning.walls import Walls
-from leadthrough.preprocess.curve_distance import frechet_distance
+from leadthrough.preprocess import frechet_distance
 from leadthrough.preprocess.resample import by_arc_length
 
 RADIUS, SATURATION, CLEARANCE = 0.2, 0.02, 0.012  # m, 1, m

@@ -46,7 +46,8 @@ def guard(
     arm = robots.load(robot, limits, base, tip)
     joints = robots.joints_in(arm, motion)
     obstacles = [parse.obstacle(text) for text in obstacle or ()]
-    per_second = rate or 1.0 / float(np.diff(joints.times).min(initial=1.0))
+    shown = 1.0 / float(np.diff(joints.times).min(initial=1.0))
+    per_second = shown if rate is None else rate
     admits = Guard(arm, obstacles, rate=per_second, margin=margin)
     first = joints.positions[0]
     answer = admits.admit(joints[1:] if len(joints) > 1 else joints, first)

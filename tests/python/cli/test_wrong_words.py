@@ -20,6 +20,7 @@ ENOUGH = {
     "plan": ["skill.npz", "-o", "out.json"],
     "retime": ["shown/reach1.csv", "-o", "out.json"],
     "check": ["shown/reach1.csv"],
+    "guard": ["shown/reach1.csv", "-o", "out.json"],
     "view": ["shown/reach1.csv", "--html", "out.html"],
     "experiment": ["ur3"],
     **{("info", name): ["ur3.urdf"] for name in ("base", "limits", "tip", "write_limits")},
