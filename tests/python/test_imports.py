@@ -15,6 +15,7 @@ STUDIES = Path(leadthrough_studies.__file__).parent
 STAGES = (
     "errors",
     "optional",
+    "one_thread",
     "brief",
     "check",
     "events",

@@ -22,6 +22,7 @@ from leadthrough.models.mixtures.phases import choose_phases, fit_phases
 from leadthrough.models.mixtures.samples import SAMPLES, sampled
 from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import MotionT
+from leadthrough.one_thread import one_blas_thread
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,7 @@ class GMR(Unfitted):
         check.integer(self.seed, "seed", at_least=0)
         check.integer(self.starts, "starts", at_least=1)
 
+    @one_blas_thread()
     def fit(self, demonstrations: Demonstrations[MotionT]) -> GMRSkill[MotionT]:
         """A skill from demonstrations, each resampled at 200 evenly spaced times.
 

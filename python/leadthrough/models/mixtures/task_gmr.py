@@ -31,6 +31,7 @@ from leadthrough.models.mixtures.task_frames import checked_frames
 from leadthrough.models.mixtures.task_gmr_skill import TaskGMRSkill
 from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import MotionT
+from leadthrough.one_thread import one_blas_thread
 
 # A deviation of 5 % of a column's: frames are not weighed by finer agreement than that, which few
 # demonstrations show by chance.
@@ -60,6 +61,7 @@ class TaskGMR(Unfitted):
         check.integer(self.seed, "seed", at_least=0)
         check.integer(self.starts, "starts", at_least=1)
 
+    @one_blas_thread()
     def fit(
         self,
         demonstrations: Demonstrations[MotionT],

@@ -29,6 +29,7 @@ from leadthrough.models.promp.belief import common_noise
 from leadthrough.models.promp.durations import Continuation
 from leadthrough.models.promp.skill import ProMPSkill
 from leadthrough.motion import Motion, MotionT, MotionT_co
+from leadthrough.one_thread import one_blas_thread
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +120,7 @@ class Inference(Brief, Generic[MotionT_co]):
         return size * float(fisher.ppf(probability, size, freedom)) * (freedom - 2.0) / freedom
 
 
+@one_blas_thread()
 def infer(
     observed: Motion, skills: Sequence[ProMPSkill[MotionT]], *, prior: ArrayLike | None = None
 ) -> Inference[MotionT]:

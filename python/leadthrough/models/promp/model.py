@@ -32,6 +32,7 @@ from leadthrough.models.promp.least_squares import least_squares
 from leadthrough.models.promp.skill import ProMPSkill
 from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import Motion, MotionT, normalised_times
+from leadthrough.one_thread import one_blas_thread
 
 Estimator: TypeAlias = Literal["least_squares", "em"]
 
@@ -81,6 +82,7 @@ class ProMP(Unfitted):
         if self.margin is not None:
             check.number(self.margin, "margin", at_least=0.0, at_most=1.0)
 
+    @one_blas_thread()
     def fit(
         self,
         demonstrations: Demonstrations[MotionT],

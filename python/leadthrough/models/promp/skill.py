@@ -29,6 +29,7 @@ from leadthrough.models.promp.saved import taken_apart
 from leadthrough.models.promp.task_space import TaskMap
 from leadthrough.models.promp.truncation import Truncated
 from leadthrough.motion import Motion, MotionT_co, normalised_times
+from leadthrough.one_thread import one_blas_thread
 from leadthrough.shapes import Shape
 
 if TYPE_CHECKING:
@@ -256,6 +257,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         """
         return replace(self, duration=check.number(duration, "duration", above=0.0))
 
+    @one_blas_thread()
     def within(self, lower: ArrayLike, upper: ArrayLike) -> ProMPSkill[MotionT_co]:
         """A skill whose mean and samples keep limits.
 

@@ -53,6 +53,23 @@ arrays += [drawn.positions for drawn in limited.sample(3, seed=1)]
 print(hashlib.sha256(b"".join(each.tobytes() for each in arrays)).hexdigest())
 """
 
+INFERRED = """
+import hashlib
+import numpy as np
+import leadthrough as lt
+
+u = np.linspace(0.0, 1.0, 100)
+rng = np.random.default_rng(0)
+shown = []
+for i in range(12):
+    waves = [np.sin((1 + 0.2 * j) * u + 0.1 * rng.normal()) for j in range(7)]
+    shown.append(lt.JointTrajectory(2 * u, np.column_stack(waves), joint_names=tuple("abcdefg")))
+skill = lt.ProMP(weights=35).fit(shown[1:])
+found = lt.models.infer(shown[0][:40], [skill])
+arrays = [found.durations, found.skills[0].weights.mean, found.skills[0].weights.covariance]
+print(hashlib.sha256(b"".join(each.tobytes() for each in arrays)).hexdigest())
+"""
+
 
 def digest_of(code, threads):
     names = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
@@ -70,7 +87,8 @@ def test_poses_are_fitted_and_drawn_to_the_same_bits_with_one_thread_and_two(wei
     assert one == two
 
 
-def test_limits_are_kept_to_the_same_bits_with_one_thread_and_two():
-    one, two = (digest_of(WITHIN, threads) for threads in (1, 2))
+@pytest.mark.parametrize("code", [WITHIN, INFERRED], ids=["within", "infer"])
+def test_the_rest_has_the_same_bits_with_one_thread_and_two(code):
+    one, two = (digest_of(code, threads) for threads in (1, 2))
     assert len(one) == 65
     assert one == two
