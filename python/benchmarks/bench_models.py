@@ -2,6 +2,7 @@
 
 Twenty demonstrations of seven joints have 200 samples each. The error of a fit is how far its mean
 and standard deviation are from those of the demonstrations; it must not exceed the peer's. Ours
+estimates the deviation of the family that they come from, with n - 1, the peer theirs, with n. Ours
 returns full covariances, the peer variances. Handwriting is predicted from the start of a
 demonstration that was left out; the error is our area between the curves over the peer's.
 """
@@ -57,8 +58,8 @@ def _promp(u: Any, curves: Any) -> Iterator[Benchmark]:
         peer=peer_fit,
         peer_name="movement_primitives",
         error=lambda a, b: (
-            _misfit(_mean_and_deviation(a, u), curves)
-            / _misfit((b.mean_trajectory(u.copy()), np.sqrt(b.var_trajectory(u.copy()))), curves)
+            _misfit(_mean_and_deviation(a, u), curves, ddof=1)
+            / _misfit(_peer_mean_and_deviation(b, u), curves, ddof=0)
         ),
         tolerance=1.0,
     )
@@ -208,9 +209,13 @@ def _mean_and_deviation(skill: Any, u: Any) -> tuple[Any, Any]:
     return mean, np.sqrt(np.einsum("nii->ni", covariance))
 
 
-def _misfit(fitted: tuple[Any, Any], curves: Any) -> float:
-    """Root mean square error of a mean and of standard deviations."""
-    own = curves.mean(axis=0), curves.std(axis=0)
+def _peer_mean_and_deviation(promp: PeerProMP, u: Any) -> tuple[Any, Any]:
+    return promp.mean_trajectory(u.copy()), np.sqrt(promp.var_trajectory(u.copy()))
+
+
+def _misfit(fitted: tuple[Any, Any], curves: Any, *, ddof: int) -> float:
+    """Root mean square error of a mean and of standard deviations with n - ddof."""
+    own = curves.mean(axis=0), curves.std(axis=0, ddof=ddof)
     squares = [((a - b) ** 2).mean() for a, b in zip(fitted, own, strict=True)]
     return float(np.sqrt(np.sum(squares)))
 

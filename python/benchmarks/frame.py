@@ -64,7 +64,7 @@ def measure(benchmark: Benchmark, repeats: int) -> Row:
     if benchmark.calls:
         return _measure_calls(benchmark)
     error = float(benchmark.error(benchmark.ours(), benchmark.peer()))
-    passed = error <= benchmark.tolerance
+    passed = bool(error <= benchmark.tolerance)
     answer = (benchmark.name, benchmark.peer_name, error, benchmark.tolerance, passed)
     if not passed:
         return Row(*answer)
@@ -94,7 +94,7 @@ def _measure_calls(benchmark: Benchmark) -> Row:
                 times[side].append(benchmark.clock() - start)
                 answers[side].append(answer)
     error = float(benchmark.error(*answers))
-    passed = error <= benchmark.tolerance
+    passed = bool(error <= benchmark.tolerance)
     answer = (benchmark.name, benchmark.peer_name, error, benchmark.tolerance, passed)
     if not passed:
         return Row(*answer)
