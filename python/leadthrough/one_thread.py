@@ -8,23 +8,28 @@ as one thread computes.
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
-from functools import cache
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from functools import cache, wraps
+from typing import TYPE_CHECKING, ParamSpec, TypeVar
 
 if TYPE_CHECKING:
     from threadpoolctl import ThreadpoolController
 
+_Arguments = ParamSpec("_Arguments")
+_Result = TypeVar("_Result")
 # The setting is one of the process: of several Python threads one is inside, the others wait.
 _INSIDE = threading.RLock()
 
 
-@contextmanager
-def one_blas_thread() -> Iterator[None]:
-    """A context, or decorator of a function, in which linear algebra uses one thread."""
-    with _INSIDE, _controller().limit(limits=1, user_api="blas"):
-        yield
+def one_blas_thread(function: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Result]:
+    """The same function, inside of which linear algebra uses one thread."""
+
+    @wraps(function)
+    def limited(*args: _Arguments.args, **kwargs: _Arguments.kwargs) -> _Result:
+        with _INSIDE, _controller().limit(limits=1, user_api="blas"):
+            return function(*args, **kwargs)
+
+    return limited
 
 
 @cache

@@ -36,12 +36,12 @@ class Suspicious(UserWarning):
     """An input that can hardly be meant, such as a wrong unit; the message says what to do."""
 
 
-def warn(message: str) -> None:
-    """Warns of something suspicious, at the line of the user's program that caused it."""
+def warn(message: str, category: type[UserWarning] = Suspicious) -> None:
+    """Warns at the line of the user's program that caused it; by default of something suspicious."""
     level, frame = 1, sys._getframe(0)
     while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith(_PACKAGE):
         level, frame = level + 1, frame.f_back
-    warnings.warn(message, Suspicious, stacklevel=level)
+    warnings.warn(message, category, stacklevel=level)
 
 
 def place(wanted: Float64Array, shown: Float64Array, name: str) -> None:
@@ -50,6 +50,11 @@ def place(wanted: Float64Array, shown: Float64Array, name: str) -> None:
     Raises:
         InvalidInput: for such a place.
     """
+    first = shown[0]
+    if np.abs(first - wanted).max() <= _FAR * max(
+        np.abs(first).max(), np.abs(shown[-1] - first).max()
+    ):
+        return  # most queries, told at once
     size = max(float(np.ptp(shown, axis=0).max()), float(np.abs(shown).max()))
     away = float(np.abs(shown - wanted).max(axis=1).min())
     if size > 0.0 and away > _FAR * size:
@@ -97,6 +102,8 @@ def obstacles(shapes: Sequence[Shape], shown: Float64Array) -> None:
 
     A plane or a wall may be large; what is large and far away, or far away alone, is not meant.
     """
+    if not shapes:
+        return
     size = max(float(np.ptp(shown, axis=0).max()), float(np.abs(shown).max()))
     for i, shape in enumerate(shapes):
         farthest = float(np.abs(shape.middle).max())

@@ -24,14 +24,15 @@ def before():
 
 
 def test_there_is_one_inside_and_as_many_as_before_after(before):
-    with one_blas_thread():
-        with one_blas_thread():
-            assert threads() == [1] * len(before)
-        assert threads() == [1] * len(before)
+    @one_blas_thread
+    def outer():
+        return [one_blas_thread(threads)(), threads()]
+
+    assert outer() == 2 * [[1] * len(before)]
 
 
 def test_an_error_restores_too(before):
-    @one_blas_thread()
+    @one_blas_thread
     def wrong():
         raise ValueError(threads())
 
@@ -41,7 +42,7 @@ def test_an_error_restores_too(before):
 
 
 def test_python_threads_take_turns(before):
-    @one_blas_thread()
+    @one_blas_thread
     def seen(_):
         first = threads()
         sleep(0.01)

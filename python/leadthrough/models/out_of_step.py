@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 
+from leadthrough import plausible
 from leadthrough.motion import Motion
 from leadthrough.preprocess.in_step import lateness
 
@@ -16,21 +16,19 @@ class OutOfStep(UserWarning):
     """Demonstrations are out of step: the message names them, and what to do."""
 
 
-def warn_of_others_timing(motions: Sequence[Motion], *, stacklevel: int) -> None:
+def warn_of_others_timing(motions: Sequence[Motion]) -> None:
     """Warns where a fit blurs what demonstrations show at different times.
 
     Args:
         motions: the motions of the demonstrations, all of one type and size.
-        stacklevel: how many calls lie between this one and the user's.
     """
     late = lateness(motions)
     if not late.any():
         return
     named = [i for i, each in enumerate(late) if each >= _NAMED * late.max()]
-    warnings.warn(
+    plausible.warn(
         f"demonstrations {named}: out of step, up to {late.max():.0%} of the duration ahead of "
         "or behind the mean timing of all, so that the fit blurs what they show; bring them into "
         "step with preprocess.align_by_time_warping, or leave them out",
         OutOfStep,
-        stacklevel=stacklevel + 1,
     )

@@ -1,5 +1,6 @@
 import contextlib
 import pickle
+import sys
 
 import numpy as np
 import pytest
@@ -186,6 +187,8 @@ def test_a_robot_of_robot_descriptions_is_found_by_its_name(tmp_path, monkeypatc
     )
     (package / "other_mj_description.py").write_text("MJCF_PATH = 'other.xml'\n")
     monkeypatch.syspath_prepend(tmp_path)
+    for name in [name for name in sys.modules if name.startswith("robot_descriptions")]:
+        monkeypatch.delitem(sys.modules, name)  # the true one, where it is installed
     for name in ("planar", "planar_description"):
         assert lt.Arm.load(name).joint_names == ("turn",)
     with pytest.raises(InvalidInput, match="has no URDF"):

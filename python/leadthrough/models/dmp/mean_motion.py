@@ -84,7 +84,7 @@ def mean_motion(
     positions = np.mean([_positions_at(motion, even) for motion in motions], axis=0)
     duration = float(np.mean([motion.duration for motion in motions]))
     turned = _mean_turn(motions, even)
-    warn_of_others_timing(motions, stacklevel=3)
+    warn_of_others_timing(motions)
     return MeanMotion(even, positions, turned, duration, names, happened, posture)
 
 

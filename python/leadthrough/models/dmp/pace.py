@@ -9,6 +9,7 @@ tool that hardly moves, or hardly turns, when it is shown sets no pace for that.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -67,6 +68,10 @@ class Part:
         own, still = self.extent**4, self.measure.still**4
         return own / (own + still) if own > 0.0 else 0.0
 
+    @cached_property
+    def _own_peak(self) -> float:
+        return self.measure.peak(self.velocities)
+
     def lengthening(self, velocities: Float64Array, duration: float) -> float:
         """The factor by which a motion with velocities (n, d) per unit of phase must take longer.
 
@@ -77,7 +82,7 @@ class Part:
         if self.extent <= self.measure.still:
             return 1.0
         slow = self.measure.slow * duration
-        allowed = max(QUICKER * self.measure.peak(self.velocities), slow)
+        allowed = max(QUICKER * self._own_peak, slow)
         return max(self.measure.peak(velocities) / allowed, 1.0)
 
 

@@ -139,6 +139,8 @@ class PoseDMPSkill(Primitive["PoseDMP", _core.PoseState]):
     ) -> _core.PoseState:
         """The state at the start, for `step`; arguments and errors as in `generate`."""
         check_final_velocity(final_velocity, self.springs.form)
+        if duration is None and start_velocity is None and final_velocity is None and via == ():
+            return self._begin_at_own_pace(start, goal)
         total = self._duration(duration, start, goal)
         first, first_turned = as_pose(start, "start")
         last, last_turned = as_pose(goal, "goal")
@@ -158,6 +160,16 @@ class PoseDMPSkill(Primitive["PoseDMP", _core.PoseState]):
         )
         as_demonstrated = first_turned is None and last_turned is None
         return state if as_demonstrated else self._without_spin(state)
+
+    def _begin_at_own_pace(self, start: Place | None, goal: Place | None) -> _core.PoseState:
+        """The state of a motion that lasts as `default_duration` says, which needs this state."""
+        state = self.begin(start=start, goal=goal, duration=self.duration)
+        if (start is None and goal is None) or self.springs.form != "blended":
+            return state
+        total = self.duration * self._lengthening(state)
+        return _core.PoseState(
+            state.course, state.value, state.slope, state.phase, total, state.curve, state.offset
+        )
 
     def step(
         self,

@@ -50,7 +50,7 @@ class GMR(Unfitted):
         check.integer(self.seed, "seed", at_least=0)
         check.integer(self.starts, "starts", at_least=1)
 
-    @one_blas_thread()
+    @one_blas_thread
     def fit(self, demonstrations: Demonstrations[MotionT]) -> GMRSkill[MotionT]:
         """A skill from demonstrations, each resampled at 200 evenly spaced times.
 

@@ -66,7 +66,7 @@ def sampled(
     motions = motions_of(demonstrations)
     phases = [normalised_times(motion.times) for motion in motions]
     chart = chart_of(motions, phases, middle=middle)
-    warn_of_others_timing(motions, stacklevel=3)
+    warn_of_others_timing(motions)
     duration = float(np.median([motion.duration for motion in motions]))
     return Sampled(
         motions, phases, chart, duration, timed_columns(motions, phases, chart, duration)

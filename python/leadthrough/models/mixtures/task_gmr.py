@@ -61,7 +61,7 @@ class TaskGMR(Unfitted):
         check.integer(self.seed, "seed", at_least=0)
         check.integer(self.starts, "starts", at_least=1)
 
-    @one_blas_thread()
+    @one_blas_thread
     def fit(
         self,
         demonstrations: Demonstrations[MotionT],

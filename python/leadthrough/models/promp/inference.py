@@ -120,7 +120,7 @@ class Inference(Brief, Generic[MotionT_co]):
         return size * float(fisher.ppf(probability, size, freedom)) * (freedom - 2.0) / freedom
 
 
-@one_blas_thread()
+@one_blas_thread
 def infer(
     observed: Motion, skills: Sequence[ProMPSkill[MotionT]], *, prior: ArrayLike | None = None
 ) -> Inference[MotionT]:

@@ -82,7 +82,7 @@ class ProMP(Unfitted):
         if self.margin is not None:
             check.number(self.margin, "margin", at_least=0.0, at_most=1.0)
 
-    @one_blas_thread()
+    @one_blas_thread
     def fit(
         self,
         demonstrations: Demonstrations[MotionT],
@@ -113,7 +113,7 @@ class ProMP(Unfitted):
         )
         chart = chart_of(motions, at)
         if phases is None:
-            warn_of_others_timing(motions, stacklevel=2)
+            warn_of_others_timing(motions)
         columns = [
             chart.columns(motion, u, f"demonstrations[{i}]")
             for i, (motion, u) in enumerate(zip(motions, at, strict=True))

@@ -257,7 +257,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         """
         return replace(self, duration=check.number(duration, "duration", above=0.0))
 
-    @one_blas_thread()
+    @one_blas_thread
     def within(self, lower: ArrayLike, upper: ArrayLike) -> ProMPSkill[MotionT_co]:
         """A skill whose mean and samples keep limits.
 
