@@ -37,7 +37,7 @@ class Suspicious(UserWarning):
 
 
 def warn(message: str, category: type[UserWarning] = Suspicious) -> None:
-    """Warns at the line of the user's program that caused it; by default of something suspicious."""
+    """Warns, by default of something suspicious, at the line of the user's program to blame."""
     level, frame = 1, sys._getframe(0)
     while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith(_PACKAGE):
         level, frame = level + 1, frame.f_back
