@@ -30,7 +30,8 @@ def guard(
     """Write what may run of a joint motion: as it is, or the nearest motion that is allowed.
 
     Jumps are bridged, the motion is slowed down along its path where it exceeds a limit, and it is
-    cut before a contact. The motion written ends at rest. Exits with code 1 if none of it may run.
+    cut before a contact. The motion written ends at rest. Exits with code 1 if none of it may run;
+    where not even standing still is allowed, nothing is written.
 
     leadthrough guard motion.json --robot panda --obstacle box:0.1,0.1,0.4@0.5,0.2,0.2 -o safe.json
     """
@@ -60,10 +61,11 @@ def guard(
         period=1.0 / per_second,
         events=tuple(events),
     )
-    with errors.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
-        write_motion(written, out, format=format)
+    if answer.safe:
+        with errors.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
+            write_motion(written, out, format=format)
     found = {
-        "motion": str(out),
+        "motion": str(out) if answer.safe else "not written",
         "verdict": answer.verdict,
         "safe": answer.safe,
         "reasons": [str(each) for each in answer.reasons],
@@ -73,7 +75,7 @@ def guard(
     }
     units = {"duration_before": "s", "duration": "s", "rate": "Hz"}
     tables.facts(found, as_json=as_json, units=units)
-    if not as_json and reading.can_read(out):
+    if answer.safe and not as_json and reading.can_read(out):
         chain.hint(ctx, "leadthrough", "check", out, *chain.arm(ctx), *chain.typed(ctx, "obstacle"))
     if answer.verdict == "braking" or not answer.safe:
         raise typer.Exit(1)

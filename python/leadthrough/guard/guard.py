@@ -184,7 +184,8 @@ class Guard(Brief):
         self._age = 0.0
         if self._stream is None:
             return None
-        rows = self._left()
+        # At rest the arm stands still, which has to be clear too.
+        rows = self._left() if len(self._left()) else self._history()[-1:]
         found = self._rules.contact(self._history(), rows, self._age)
         if found is None:
             return self._admitted(Way(rows, len(rows)), "allowed", (), start=self._period)
@@ -291,12 +292,12 @@ class Guard(Brief):
             return self._admitted(way, "braking", told, start=start)
         way = self._rules.braked(history, left[:0])
         if way is None:
-            stop = _core.brake(self._rules.limits, history)
-            way = Way(left if len(left) else stop, 0)
+            way = Way(left if len(left) else self._rules.stop(history), 0)
         found = self._rules.contact(history, way.rows, self._age)
         if found is not None:
             places = np.arange(len(way.rows), dtype=np.float64)
-            told += (_contact_reason(found, places, start, self._period),)
+            reason = _contact_reason(found, places, start, self._period)
+            told += () if str(reason) in map(str, told) else (reason,)
         elif not len(left):
             told += (self._stop_reason(left, np.empty(0), start),)
         return self._admitted(way, "braking", told, start=start, safe=False)

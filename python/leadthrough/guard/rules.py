@@ -113,6 +113,15 @@ class Rules:
         found = _core.first_contact(self.around, start, rows[before:], age + before)
         return None if found is None else Contact(before + found[0], found[1:])
 
+    def stop(self, history: Float64Array) -> Float64Array:
+        """The fastest stop (n, joints); at rest one command, which has to keep the rules too.
+
+        Args:
+            history: (3, joints), the commands before.
+        """
+        rows = _core.brake(self.limits, history)
+        return rows if len(rows) else history[-1:]
+
     def braked(self, history: Float64Array, rows: Float64Array) -> Way | None:
         """Rows, then the fastest stop; None if that leaves a limit.
 
@@ -121,7 +130,7 @@ class Rules:
             rows: commands (n, joints) inside the limits.
         """
         end = np.concatenate([history, rows])[-HISTORY:]
-        stop = _core.brake(self.limits, end)
+        stop = _core.brake(self.limits, end) if len(rows) else self.stop(end)
         if self.excess(end, stop) is not None:
             return None
         return Way(np.concatenate([rows, stop]), len(rows))
@@ -132,7 +141,7 @@ class Rules:
         Args:
             history: (3, joints), the commands before.
         """
-        return self.excess(history, _core.brake(self.limits, history))
+        return self.excess(history, self.stop(history))
 
     def clear_braked(self, history: Float64Array, rows: Float64Array, age: float) -> Way | None:
         """Rows known to be clear, then the fastest stop; None if that is not certified."""

@@ -50,3 +50,12 @@ def test_nothing_runs_from_inside_an_obstacle_and_the_exit_code_says_so(written)
     code, found = run(written, "--obstacle", f"sphere:0.1@{place}")
     assert (code, found["verdict"]) == (1, "braking")
     assert "obstacle 0" in found["reasons"][-1]
+
+
+def test_where_not_even_standing_still_is_allowed_nothing_is_written(written):
+    start = lt.read_motion(written / "jump.npz").positions[0]
+    place = lt.Arm.load("panda").forward_kinematics(start)[0]
+    ball = f"sphere:0.1@{','.join(map(str, place))}"
+    code, found = run(written, "--obstacle", ball)
+    assert (code, found["safe"], found["motion"]) == (1, False, "not written")
+    assert not (written / "safe.npz").exists()

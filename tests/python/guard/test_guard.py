@@ -242,6 +242,27 @@ def test_a_state_that_no_motion_can_save_is_said_to_be_unsafe(panda, guard):
     assert answer.reasons[-1].kind == "position"
 
 
+def test_an_arm_that_rests_where_it_may_not_is_said_to_be_unsafe(panda):
+    beyond = Q.copy()
+    beyond[3] = panda.limits.upper[3] + 0.1
+    answer = lt.Guard(panda, rate=RATE).admit(Q + np.zeros((20, 7)), beyond)
+    assert (answer.verdict, answer.safe) == ("braking", False)
+    assert ("position", "panda_joint4") in {(each.kind, each.joint) for each in answer.reasons}
+    ball = lt.Sphere(0.1, panda.forward_kinematics(Q)[0])
+    standing = lt.Guard(panda, [ball], rate=RATE).admit(Q + np.zeros((20, 7)), Q)
+    assert (standing.verdict, standing.safe) == ("braking", False)
+    assert [each.kind for each in standing.reasons] == ["contact"]
+
+
+def test_an_obstacle_that_appears_in_a_resting_arm_is_reported(panda, guard):
+    guard.admit(Q[None], Q)
+    guard.next()
+    assert guard.world([]).safe
+    answer = guard.world([lt.Sphere(0.1, panda.forward_kinematics(Q)[0])])
+    assert (answer.safe, guard.safe) == (False, False)
+    assert guard.world([]).safe
+
+
 def test_equal_calls_have_equal_answers(panda):
     def stream():
         guard = lt.Guard(panda, [WALL], rate=RATE)
