@@ -40,6 +40,8 @@ STAGES = (
     "cli",
 )
 FAMILIES = ("dmp", "promp", "mixtures", "marching")
+# Folders of models/ that every family may use, and that use none.
+HALL = ("gaussians",)
 # Files of the hall of models/ that know every family: what skills there are, and who holds them.
 OVER_FAMILIES = {"__init__", "skills", "library"}
 FREE = {"_core"}  # the compiled kernels know nothing of Python's stages

@@ -33,7 +33,8 @@ def test_the_command_line_loads_no_library_that_computes_or_draws():
 
 def test_a_model_loads_no_family_but_its_own():
     loaded = modules_after("import leadthrough as lt; lt.DMP")
-    families = {f"leadthrough.models.{name}" for name in ("dmp", "marching", "mixtures", "promp")}
+    names = ("dmp", "dynamical", "gaussians", "marching", "mixtures", "promp")
+    families = {f"leadthrough.models.{name}" for name in names}
     assert loaded & families == {"leadthrough.models.dmp"}
 
 

@@ -6,14 +6,14 @@ from .dmp.rhythmic_pose import RhythmicPoseDMP, RhythmicPoseDMPSkill
 from .frame import Frame
 from .framed import Framed, FramedSkill
 from .framed_state import FramedState
+from .gaussians.fitting import FittedMixture, choose_components, fit_mixture, trace_mixture
+from .gaussians.kmeans import Clusters, kmeans
+from .gaussians.mixture import Mixture
 from .library import OutsideTargets, SkillLibrary
 from .marching.model import FastMarching
 from .marching.skill import FastMarchingSkill
-from .mixtures.fitting import FittedMixture, choose_components, fit_mixture, trace_mixture
 from .mixtures.gmr import GMR
 from .mixtures.gmr_skill import GMRSkill
-from .mixtures.kmeans import Clusters, kmeans
-from .mixtures.mixture import Mixture
 from .mixtures.stiffness import stiffness_profile
 from .mixtures.task_gmr import TaskGMR
 from .mixtures.task_gmr_skill import TaskGMRSkill

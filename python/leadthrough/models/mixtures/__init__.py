@@ -1,1 +1,1 @@
-"""Gaussian mixtures and the regression with them."""
+"""Motions by Gaussian mixture regression over time."""

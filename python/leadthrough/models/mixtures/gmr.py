@@ -15,9 +15,9 @@ from leadthrough.errors import InvalidInput
 from leadthrough.models import archive
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
-from leadthrough.models.mixtures.fitting import FittedMixture
+from leadthrough.models.gaussians.fitting import FittedMixture
+from leadthrough.models.gaussians.mixture import Mixture
 from leadthrough.models.mixtures.gmr_skill import GMRSkill
-from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.phases import choose_phases, fit_phases
 from leadthrough.models.mixtures.samples import SAMPLES, sampled
 from leadthrough.models.unfitted import Unfitted

@@ -17,9 +17,9 @@ from leadthrough.models.asked_times import asked_times
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.even_times import even_times
+from leadthrough.models.gaussians.mixture import Mixture
 from leadthrough.models.judged import judged
 from leadthrough.models.mixtures.ends import shifted, wanted_ends
-from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.update import learned
 from leadthrough.models.parameters import Parameter, fitted_again
 from leadthrough.models.place import Place

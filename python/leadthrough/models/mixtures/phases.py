@@ -12,9 +12,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from leadthrough.check import Float64Array
-from leadthrough.models.mixtures.em import LEAST_VARIANCE, Blocks, Steps, fit_blocks
-from leadthrough.models.mixtures.fitting import FittedMixture, in_order, least_criterion
-from leadthrough.models.mixtures.units import Units, own_units, phase_units
+from leadthrough.models.gaussians.em import LEAST_VARIANCE, Blocks, Steps, fit_blocks
+from leadthrough.models.gaussians.fitting import FittedMixture, in_order, least_criterion
+from leadthrough.models.gaussians.units import Units, own_units, phase_units
 
 # The least variance of a component in any direction until EM has converged, in phase units, and in
 # the single steps from there. Three steps without these bounds instead let a sample move the motion

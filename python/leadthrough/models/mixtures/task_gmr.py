@@ -21,9 +21,9 @@ from leadthrough.models import archive
 from leadthrough.models.chart import Chart, chart_of
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.frame import Frame
+from leadthrough.models.gaussians.em import Blocks
+from leadthrough.models.gaussians.mixture import Mixture
 from leadthrough.models.mean_turning import middle_orientations
-from leadthrough.models.mixtures.em import Blocks
-from leadthrough.models.mixtures.mixture import Mixture
 from leadthrough.models.mixtures.phases import phase_blocks
 from leadthrough.models.mixtures.samples import SAMPLES, sampled, timed_columns
 from leadthrough.models.mixtures.shrinkage import shrunk

@@ -14,8 +14,8 @@ from leadthrough.models.archive import Archived, Arrays
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.frame import Frame
+from leadthrough.models.gaussians.em import Blocks
 from leadthrough.models.judged import judged
-from leadthrough.models.mixtures.em import Blocks
 from leadthrough.models.mixtures.ends import wanted_ends
 from leadthrough.models.mixtures.gmr import GMR
 from leadthrough.models.mixtures.gmr_skill import MOST_COMPONENTS, GMRSkill

@@ -16,8 +16,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from leadthrough.check import Float64Array
-from leadthrough.models.mixtures.em import Blocks
-from leadthrough.models.mixtures.mixture import Mixture
+from leadthrough.models.gaussians.em import Blocks
+from leadthrough.models.gaussians.mixture import Mixture
 from leadthrough.models.mixtures.shrinkage import conditional, round_ones
 from leadthrough.models.mixtures.task_frames import Placed
 

@@ -15,11 +15,11 @@ import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.models.demonstrated import Demonstrations, motions_of
-from leadthrough.models.mixtures.em import LEAST_VARIANCE, Blocks, Steps, bounded, sums_of
-from leadthrough.models.mixtures.mixture import Mixture
+from leadthrough.models.gaussians.em import LEAST_VARIANCE, Blocks, Steps, bounded, sums_of
+from leadthrough.models.gaussians.mixture import Mixture
+from leadthrough.models.gaussians.units import Units, phase_units
 from leadthrough.models.mixtures.phases import WIDE, thinner
 from leadthrough.models.mixtures.samples import timed_columns
-from leadthrough.models.mixtures.units import Units, phase_units
 from leadthrough.motion import Motion, normalised_times
 
 if TYPE_CHECKING:

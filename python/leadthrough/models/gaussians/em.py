@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
-from leadthrough.models.mixtures.kmeans import clustered, seeds
+from leadthrough.models.gaussians.kmeans import clustered, seeds
 
 # The least variance of a component in any direction, of columns scaled to variance one: a
 # thousandth of the data's spread. Bounding a covariance from below by cutting off its eigenvalues

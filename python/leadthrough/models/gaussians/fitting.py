@@ -15,10 +15,10 @@ from leadthrough import check
 from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
-from leadthrough.models.mixtures.em import Blocks, Steps, fit_blocks
-from leadthrough.models.mixtures.kmeans import clustered, seeds
-from leadthrough.models.mixtures.mixture import Mixture
-from leadthrough.models.mixtures.units import Units, own_units
+from leadthrough.models.gaussians.em import Blocks, Steps, fit_blocks
+from leadthrough.models.gaussians.kmeans import clustered, seeds
+from leadthrough.models.gaussians.mixture import Mixture
+from leadthrough.models.gaussians.units import Units, own_units
 
 # The search for a number of components ends after this many numbers without improvement.
 _PATIENCE = 3

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from leadthrough.errors import InvalidInput
 from leadthrough.models import kmeans
-from leadthrough.models.mixtures.kmeans import seeds
+from leadthrough.models.gaussians.kmeans import seeds
 
 
 def blobs(seed=0):

@@ -7,9 +7,9 @@ from scipy.stats import multivariate_normal
 import leadthrough as lt
 from leadthrough.errors import FitError, InvalidInput
 from leadthrough.models import Mixture, choose_components, fit_mixture, trace_mixture
-from leadthrough.models.mixtures.em import LEAST_VARIANCE, Steps
-from leadthrough.models.mixtures.fitting import bic
-from leadthrough.models.mixtures.kmeans import clustered, seeds
+from leadthrough.models.gaussians.em import LEAST_VARIANCE, Steps
+from leadthrough.models.gaussians.fitting import bic
+from leadthrough.models.gaussians.kmeans import clustered, seeds
 from leadthrough.models.mixtures.samples import sampled
 
 

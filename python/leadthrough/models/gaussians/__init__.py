@@ -1,0 +1,1 @@
+"""Gaussian mixtures, fitted to points and regressed with, for the families that use them."""
