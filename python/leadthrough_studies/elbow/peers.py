@@ -1,4 +1,7 @@
-"""What others make of a scene: the slow search of `reference`, and OMPL's RRT-Connect."""
+"""What others make of a scene: the slow search of `reference`, and OMPL's RRT-Connect.
+
+The slow search is asked only where `follow` has no solution.
+"""
 
 from __future__ import annotations
 
@@ -11,33 +14,44 @@ from scipy.spatial import KDTree
 
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
+from leadthrough.errors import IkFailure
 from leadthrough.whole_arm import way_between
-from leadthrough_studies.elbow.reference import Roadmap
-from leadthrough_studies.elbow.scenes import FREE, MARGIN, Scene, drawn_scene
+from leadthrough_studies.elbow.reference import searched_for_a_minute
+from leadthrough_studies.elbow.scenes import FREE, MARGIN, Scene, drawn_scene, followed
 from leadthrough_studies.study import Row
 
 # Configurations that inverse kinematics starts from at either end, and ends that are tried.
 _TRIES, _ENDS = 200, 8
+# The same where it is asked whether there is any that is clear, and the samples apart.
+_MANY_TRIES, _EVERY = 600, 4
 _DENSE = 0.02  # rad between the configurations at which the tip is looked at
 
 
 def searched(*, arm: str, motion: str, seed: int, index: int, files: list[str]) -> list[Row]:
-    """One row: whether the slow search solves a scene."""
+    """One row for a scene that `follow` does not solve: whether the slow search does.
+
+    None where the arm cannot stand clear at one of the samples.
+    """
     body = Arm.load(arm)
     made = drawn_scene(body, arm, seed, index, files)
+    try:
+        followed(body, arm, made)
+        return []
+    except IkFailure:
+        pass
+    if impossible(body, arm, made):
+        return []
     begin = time.process_time()
-    roadmap = Roadmap(body, made.tip, made.obstacles, MARGIN, FREE[arm])
-    way = roadmap.way()
-    spent = time.process_time() - begin
+    roadmap = searched_for_a_minute(body, made.tip, made.obstacles, margin=MARGIN, free=FREE[arm])
     return [
         {
             "by": "reference",
             "arm": arm,
             "motion": motion,
             "index": index,
-            "solved": int(way is not None),
+            "solved": int(roadmap.arrived),
             "last_sample": roadmap.last,
-            "reference_cpu_s": spent,
+            "reference_cpu_s": time.process_time() - begin,
         }
     ]
 
@@ -81,6 +95,28 @@ def _standing(arm: Arm, made: Scene, sample: int, free: tuple[Literal["rz"], ...
     q = found.q[found.success]
     q = q[np.asarray(arm.is_clear(q, made.obstacles, margin=MARGIN))] if len(q) else q
     return np.asarray(q[np.argsort(np.abs(q - near).max(axis=1), kind="stable")][:_ENDS])
+
+
+def impossible(arm: Arm, name: str, made: Scene) -> bool:
+    """Whether the arm cannot stand clear at one of some samples."""
+    rng = np.random.default_rng(0)
+    low, high = (np.clip(ends, -np.pi, np.pi) for ends in (arm.limits.lower, arm.limits.upper))
+    seeds = rng.uniform(low, high, (_MANY_TRIES, len(arm.joint_names)))
+    for i in range(0, len(made.tip), _EVERY):
+        near = np.vstack([made.joints.positions[i], seeds])
+        found = arm.inverse_kinematics_batch(
+            np.tile(made.tip.positions[i], (len(near), 1)),
+            np.tile(made.tip.orientations[i], (len(near), 1)),
+            seeds=near,
+            free=FREE[name],
+            position_tolerance=1e-5,
+            orientation_tolerance=1e-5,
+            max_restarts=0,
+        )
+        q = found.q[found.success]
+        if not np.any(arm.is_clear(q, made.obstacles, margin=MARGIN)):
+            return True
+    return False
 
 
 def _off_path(arm: Arm, made: Scene, way: Float64Array) -> float:

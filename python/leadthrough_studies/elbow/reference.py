@@ -9,6 +9,7 @@ of `Arm.follow` but forward and inverse kinematics and `Arm.is_clear`.
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -24,18 +25,47 @@ from leadthrough.shapes import Shape
 
 # Random configurations that inverse kinematics starts from at each sample.
 _SEEDS = 1500
+_MINUTE = 60.0  # s of processor time
+_MORE = 4  # times the effort of the search before
 # Steps beside each configuration reached, rad.
 _BESIDE = np.array([-0.08, -0.03, 0.03, 0.08])
 # Configurations nearer than this to each other are one, rad: at first, and by how much more while
 # there are too many of a sample.
 _CELL, _COARSER = 0.03, 1.3
-_WIDEST = 1500
+_WIDEST = 1500  # configurations of a sample
 _LEAP = 0.4  # rad that a joint moves along an edge at the most
 _PARTS = 4  # of an edge; the places between them are looked at
 _ASTRAY = 0.15  # rad that a place may be away from the edge's straight line
 # Configurations before it from which the search tries to reach another.
 _PARENTS = 6
 _EXACT = 1e-5  # m and rad
+
+
+def searched_for_a_minute(
+    arm: Arm,
+    tip: PoseTrajectory,
+    obstacles: tuple[Shape, ...],
+    *,
+    margin: float,
+    free: tuple[Literal["rz"], ...],
+) -> Roadmap:
+    """The first search that finds a way; else the one that a minute of processor time ends with.
+
+    Each search has more effort than the one before, and none is broken off.
+
+    Args:
+        arm: the arm.
+        tip: the path.
+        obstacles: what to keep clear of.
+        margin: distance to keep in m.
+        free: axes of the tip's poses left free.
+    """
+    effort, begin = 1, time.process_time()
+    while True:
+        roadmap = Roadmap(arm, tip, obstacles, margin, free, effort)
+        if roadmap.way() is not None or time.process_time() - begin > _MINUTE:
+            return roadmap
+        effort *= _MORE
 
 
 @dataclass(eq=False)
@@ -48,6 +78,7 @@ class Roadmap:
         obstacles: what to keep clear of.
         margin: distance to keep in m.
         free: axes of the tip's poses left free.
+        effort: how many times the usual number of configurations are looked at.
         reached: configurations (m, joints) of each sample that edges lead to.
         parents: which of the sample before each comes from, (m,).
     """
@@ -57,24 +88,30 @@ class Roadmap:
     obstacles: tuple[Shape, ...]
     margin: float
     free: tuple[Literal["rz"], ...]
+    effort: int = 1
     reached: list[Float64Array] = field(default_factory=list)
     parents: list[NDArray[np.int64]] = field(default_factory=list)
 
     def way(self) -> Float64Array | None:
         """A configuration for each sample, (n, joints); None if the edges end before the last."""
-        self.reached = [_thinned(self._clear(self._settled(0.0, self._random())))]
+        self.reached = [_thinned(self._clear(self._settled(0.0, self._random())), self.effort)]
         self.parents = [np.full(len(self.reached[0]), -1)]
         for sample in range(1, len(self.tip)):
             if not len(self.reached[-1]):
                 return None
             self._go_on(sample)
-        if not len(self.reached[-1]):
+        if not self.arrived:
             return None
         at, rows = 0, []
         for nodes, parents in zip(self.reached[::-1], self.parents[::-1], strict=True):
             rows.append(nodes[at])
             at = int(parents[at])
         return np.array(rows[::-1])
+
+    @property
+    def arrived(self) -> bool:
+        """Whether edges lead to the last sample."""
+        return self.last == len(self.tip) - 1
 
     @property
     def last(self) -> int:
@@ -86,7 +123,7 @@ class Roadmap:
         seeds = np.vstack([before, *self._beside(before)])
         nodes = self._settled(float(sample), seeds)
         nodes = np.vstack([nodes, self._settled(float(sample), self._random())])
-        nodes = _thinned(self._clear(nodes))
+        nodes = _thinned(self._clear(nodes), self.effort)
         parents = self._connected(sample, before, nodes)
         self.reached.append(nodes[parents >= 0])
         self.parents.append(parents[parents >= 0])
@@ -94,7 +131,7 @@ class Roadmap:
     def _random(self) -> Float64Array:
         rng = np.random.default_rng(len(self.reached))
         low, high = (np.clip(ends, -np.pi, np.pi) for ends in self._limits())
-        return rng.uniform(low, high, (_SEEDS, len(low)))
+        return rng.uniform(low, high, (self.effort * _SEEDS, len(low)))
 
     def _limits(self) -> tuple[Float64Array, Float64Array]:
         return self.arm.limits.lower, self.arm.limits.upper
@@ -172,12 +209,12 @@ class Roadmap:
         return holds
 
 
-def _thinned(q: Float64Array) -> Float64Array:
+def _thinned(q: Float64Array, effort: int) -> Float64Array:
     """One configuration for each cell, the first."""
-    cell = _CELL
+    cell = _CELL / effort
     while True:
         cells = np.round(q / cell).astype(np.int64)
         kept = np.sort(np.unique(cells, axis=0, return_index=True)[1])
-        if len(kept) <= _WIDEST:
+        if len(kept) <= effort * _WIDEST:
             return q[kept]
         cell *= _COARSER

@@ -60,6 +60,16 @@ def drawn_scene(arm: Arm, name: str, seed: int, index: int, files: Sequence[str]
     return scene(arm, name, np.random.default_rng([seed, index]), shown)
 
 
+def followed(arm: Arm, name: str, made: Scene) -> JointTrajectory:
+    """The arm along a scene's path with the whole of it clear: what the study judges.
+
+    Raises:
+        IkFailure: if it finds no way.
+    """
+    seed = made.joints.positions[0]
+    return arm.follow(made.tip, seed=seed, free=FREE[name], obstacles=made.obstacles, margin=MARGIN)
+
+
 def scene(
     arm: Arm, name: str, rng: np.random.Generator, shown: Sequence[PoseTrajectory] = ()
 ) -> Scene:

@@ -1,32 +1,38 @@
 """Random obstacles in the volume that the arm sweeps, at least 5 cm off the tip's path.
 
 `Arm.follow` with these obstacles keeps the tip on its path and moves the rest of the arm around.
-The first scenes of each kind are also given to a slow search (`reference`) and, where OMPL is
-installed, to its RRT-Connect, which knows the ends of the path only. A scene that `follow` does not
-solve is looked at more closely: at every fourth sample, inverse kinematics from 600 random
-configurations says whether the arm can stand clear there at all. Where it cannot at one of them, no
-search could succeed ("impossible").
+A scene that it does not solve is looked at more closely: at every fourth sample, inverse kinematics
+from 600 random configurations says whether the arm can stand clear there at all. Where it cannot at
+one of them, no search could succeed ("impossible"). The others that `follow` does not solve are
+given to a slow search (`reference`) for at least a minute of processor time. Where `follow` has a
+solution, the scene counts as one that such a search solves as well.
+
+Every solution is looked at again by coal, if that and Pinocchio are installed, in steps of 0.1 mm
+along the spline that is executed. The first scenes of each kind are also given to OMPL's
+RRT-Connect, if that is installed, which knows the ends of the path only.
 """
 
 from __future__ import annotations
 
 import os
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from leadthrough.arm import Arm
 from leadthrough.errors import IkFailure
-from leadthrough_studies.elbow.peers import connected, searched
+from leadthrough_studies import coal_arm
+from leadthrough_studies.elbow.peers import connected, impossible, searched
+from leadthrough_studies.elbow.recheck import rechecked
 from leadthrough_studies.elbow.report import report
-from leadthrough_studies.elbow.scenes import FREE, MARGIN, Scene, drawn_scene
+from leadthrough_studies.elbow.scenes import MARGIN, drawn_scene, followed
 from leadthrough_studies.study import Row, Study, Task
 
-_TRIES, _EVERY = 600, 4
 _FOLDER = "robotasks"
 
 
@@ -37,14 +43,16 @@ class ElbowConfig:
     Attributes:
         arms: names of arms.
         scenes: of each kind: reaches of each arm, and demonstrations of RoboTasks with the Panda.
-        compared: how many of each kind are given to the slow search and to RRT-Connect.
+        searched: whether what `follow` does not solve is given to the slow search.
+        connected: how many of each kind are given to RRT-Connect.
         files: demonstrations of RoboTasks; without any, there are only reaches.
         seed: of the scenes.
     """
 
     arms: tuple[str, ...] = ("panda", "ur3")
     scenes: int = 170
-    compared: int = 60
+    searched: bool = True
+    connected: int = 60
     files: tuple[str, ...] = ()
     seed: int = 0
 
@@ -52,28 +60,29 @@ class ElbowConfig:
 def configure(quick: bool, seed: int) -> ElbowConfig:
     """The full configuration with the recordings in LEADTHROUGH_DATA, or ten scenes of each kind.
 
-    The quick one compares with nothing.
+    The quick one asks neither the slow search nor RRT-Connect.
     """
     folder = Path(os.environ.get("LEADTHROUGH_DATA", "")) / _FOLDER
     files = tuple(str(file) for file in sorted(folder.glob("*.npy")))
     if quick:
-        return ElbowConfig(scenes=10, compared=0, files=files, seed=seed)
+        return ElbowConfig(scenes=10, searched=False, connected=0, files=files, seed=seed)
     return ElbowConfig(files=files, seed=seed)
 
 
 def tasks(config: ElbowConfig) -> list[Task]:
     """A task for every scene and everyone who is given it."""
-    made = [
-        Task(trap, {**kind, "seed": config.seed, "index": i})
+    asked: list[tuple[Callable[..., list[Row]], int]] = [(trap, config.scenes)]
+    if config.searched:
+        asked.append((searched, config.scenes))
+    if coal_arm.installed():
+        asked.append((rechecked, config.scenes))
+    if find_spec("ompl"):
+        asked.append((connected, min(config.connected, config.scenes)))
+    return [
+        Task(function, {**kind, "seed": config.seed, "index": i})
+        for function, count in asked
         for kind in _kinds(config)
-        for i in range(config.scenes)
-    ]
-    peers = [searched, connected] if find_spec("ompl") else [searched]
-    return made + [
-        Task(peer, {**kind, "seed": config.seed, "index": i})
-        for peer in peers
-        for kind in _kinds(config)
-        for i in range(min(config.compared, config.scenes))
+        for i in range(count)
     ]
 
 
@@ -91,9 +100,7 @@ def trap(*, arm: str, motion: str, seed: int, index: int, files: list[str]) -> l
     body.is_clear(made.joints.positions[0])  # the shapes are made ready outside the measured time
     begin = time.process_time()
     try:
-        joints = body.follow(
-            made.tip, seed=made.joints.positions[0], free=FREE[arm], obstacles=made.obstacles
-        )
+        joints = followed(body, arm, made)
         failure = None
     except IkFailure as error:
         failure = str(error)
@@ -117,30 +124,8 @@ def trap(*, arm: str, motion: str, seed: int, index: int, files: list[str]) -> l
         row["largest_step_rad"] = float(np.abs(np.diff(joints.positions, axis=0)).max())
     else:
         row |= {"clear": 0, "distance_m": None, "tip_error_m": None, "largest_step_rad": None}
-        row["impossible"] = int(_impossible(body, made, FREE[arm]))
+        row["impossible"] = int(impossible(body, arm, made))
     return [row]
-
-
-def _impossible(arm: Arm, made: Scene, free: tuple[Literal["rz"], ...]) -> bool:
-    """Whether the arm cannot stand clear at one of the samples."""
-    rng = np.random.default_rng(0)
-    low, high = (np.clip(ends, -np.pi, np.pi) for ends in (arm.limits.lower, arm.limits.upper))
-    seeds = rng.uniform(low, high, (_TRIES, len(arm.joint_names)))
-    for i in range(0, len(made.tip), _EVERY):
-        near = np.vstack([made.joints.positions[i], seeds])
-        found = arm.inverse_kinematics_batch(
-            np.tile(made.tip.positions[i], (len(near), 1)),
-            np.tile(made.tip.orientations[i], (len(near), 1)),
-            seeds=near,
-            free=free,
-            position_tolerance=1e-5,
-            orientation_tolerance=1e-5,
-            max_restarts=0,
-        )
-        q = found.q[found.success]
-        if not np.any(arm.is_clear(q, made.obstacles, margin=MARGIN)):
-            return True
-    return False
 
 
 STUDY = Study(configure, tasks, report)

@@ -6,12 +6,12 @@ import coal
 import numpy as np
 import pinocchio as pin
 import pytest
-from arm.coal_arm import CoalArm
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput, InvalidRobot
+from leadthrough_studies.coal_arm import CoalArm
 
 BUNDLED = ("panda", "ur3", "tiago")
 TURN = (0.5, 0.5, 0.5, 0.5)
@@ -19,7 +19,8 @@ TURN = (0.5, 0.5, 0.5, 0.5)
 
 @pytest.fixture(scope="module", params=BUNDLED)
 def bundled(request):
-    return lt.Arm.load(request.param), CoalArm(request.param)
+    arm = lt.Arm.load(request.param)
+    return arm, CoalArm(arm)
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +74,7 @@ def test_distance_to_obstacles_is_that_of_coal(bundled):
 
 
 def test_among_shelves_and_cans_distance_and_verdict_are_those_of_coal(panda):
-    peer, rng = CoalArm("panda"), np.random.default_rng(6)
+    peer, rng = CoalArm(panda), np.random.default_rng(6)
     boards = [lt.Box((0.3, 0.8, 0.02), (0.6, 0.0, z)) for z in (0.2, 0.5, 0.8)]
     cans = [lt.Cylinder(0.03, 0.12, (0.55, y, 0.27), TURN) for y in (-0.2, 0.15)]
     solids = [coal.Box(*board.size) for board in boards] + [coal.Cylinder(0.03, 0.12)] * len(cans)

@@ -4,11 +4,11 @@ import coal
 import numpy as np
 import pinocchio as pin
 import pytest
-from arm.coal_arm import CoalArm
 from scipy.interpolate import CubicSpline
 
 import leadthrough as lt
 from leadthrough.errors import IkFailure, InvalidInput
+from leadthrough_studies.coal_arm import CoalArm
 
 MARGIN = 0.005
 DOWN = [0.0, 1.0, 0.0, 0.0]
@@ -184,7 +184,7 @@ def test_a_published_path_that_leaves_the_reach_is_refused_there(recordings, obs
 
 
 def _least_in_coal(q, size, centres):
-    peer = CoalArm("panda")
+    peer = CoalArm(lt.Arm.load("panda"))
     box = coal.Box(*size)
     least = np.inf
     for row in q:

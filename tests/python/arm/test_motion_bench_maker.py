@@ -1,31 +1,22 @@
 """Published scenes for a Panda: distances and verdicts of coal, connections that are certified."""
 
-import coal
 import numpy as np
-import pinocchio as pin
 import pytest
-from arm.coal_arm import CoalArm
 from arm.motion_bench_maker import KINDS, problems
 from foreign_arms import ERD_PANDA, urdf_in_package
 
 import leadthrough as lt
 from leadthrough.whole_arm import way_between
-
-
-def in_coal(shape):
-    w, x, y, z = shape.orientation
-    pose = pin.SE3(pin.Quaternion(w, x, y, z).matrix(), np.array(shape.position))
-    if isinstance(shape, lt.Box):
-        return coal.Box(*shape.size), pose
-    return coal.Cylinder(shape.radius, shape.length), pose
+from leadthrough_studies.coal_arm import CoalArm
 
 
 def test_distances_and_verdicts_are_those_of_coal(recordings):
-    arm, peer, rng = lt.Arm.load("panda"), CoalArm("panda"), np.random.default_rng(0)
+    arm, rng = lt.Arm.load("panda"), np.random.default_rng(0)
+    peer = CoalArm(arm)
     for _, _, problem in problems(recordings, [1]):
         some = rng.uniform(arm.limits.lower, arm.limits.upper, (4, 7))
         rows = np.vstack([problem.start, problem.goal, some])
-        solids = [in_coal(shape) for shape in problem.obstacles]
+        solids = [peer.solid(shape) for shape in problem.obstacles]
         clear = arm.is_clear(rows, problem.obstacles)
         ours = arm.distance(rows, problem.obstacles)
         for q, found, verdict in zip(rows, ours, clear, strict=True):

@@ -4,13 +4,13 @@ import coal
 import numpy as np
 import pinocchio as pin
 import pytest
-from arm.coal_arm import CoalArm
 
 import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.arm.task_stack import TaskStack
 from leadthrough.errors import InvalidInput
 from leadthrough.show import solids
+from leadthrough_studies.coal_arm import CoalArm
 
 TURN = rotations.exp([[0.3, -0.7, 1.1]])[0]
 Y = np.array([0.0, 1.0, 0.0])
@@ -52,7 +52,7 @@ def test_a_cloud_is_as_far_as_its_nearest_ball(arm):
 
 def test_distance_to_a_cloud_and_a_mesh_is_that_of_coal(arm):
     points, rows = scattered(40), configurations(arm, 25, 3)
-    peer = CoalArm("panda" if len(rows[0]) == 7 else "ur3")
+    peer = CoalArm(arm)
     corners = np.random.default_rng(4).normal(size=(30, 3)) * (0.1, 0.2, 0.15)
     mesh = lt.Mesh(corners, np.arange(29)[:, None] + (0, 1, 1), (0.4, 0.2, 0.5), TURN)
     vertices = coal.StdVec_Vec3s()

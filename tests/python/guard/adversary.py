@@ -141,7 +141,7 @@ def main():
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
     arm = lt.Arm.load(options.robot)
-    meet = meeting(arm, options.robot)
+    meet = meeting(arm)
     total = dict.fromkeys(("chunks", "samples", "violations", "contacts", "moving_at_end"), 0)
     total |= dict.fromkeys(("unsafe", "unsafe_hits", "allowed", "changed", "braking"), 0)
     worst, spent = 0.0, []

@@ -5,10 +5,10 @@ from itertools import pairwise
 import coal
 import numpy as np
 import pinocchio as pin
-from arm.coal_arm import CoalArm
 
 import leadthrough as lt
 from leadthrough.arm.robots import find_robot
+from leadthrough_studies.coal_arm import CoalArm
 
 EXCESS = 1e-6
 _ROUNDING = 1e-9  # rad, of positions
@@ -80,9 +80,9 @@ class CoalScene:
         return count
 
 
-def meeting(arm, name):
+def meeting(arm):
     """Pairs of links that touch by their URDF and never overlap: no guard can keep them apart."""
-    coal_arm = CoalArm(name)
+    coal_arm = CoalArm(arm)
     rng = np.random.default_rng(0)
     lower, upper = np.maximum(arm.limits.lower, -np.pi), np.minimum(arm.limits.upper, np.pi)
     gaps = []

@@ -11,7 +11,7 @@ import leadthrough as lt
 @pytest.mark.parametrize("name", ["panda", "ur3"])
 def test_no_stream_leaves_a_limit_touches_anything_or_ends_in_motion(name):
     arm = lt.Arm.load(name)
-    meet = meeting(arm, name)
+    meet = meeting(arm)
     for seed in range(3):
         rng = np.random.default_rng([11, seed])
         found = run_stream(arm, rng, lambda w: CoalScene(arm, name, w, meet), chunks=25)

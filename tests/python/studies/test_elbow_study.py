@@ -1,33 +1,42 @@
 """Obstacles in the way of the elbow: what is solved is clear by another library's measure too."""
 
-import coal
 import numpy as np
-import pinocchio as pin
 import pytest
-from arm.coal_arm import CoalArm
 
 import leadthrough as lt
+from leadthrough_studies.elbow.recheck import rechecked
 from leadthrough_studies.elbow.reference import Roadmap
-from leadthrough_studies.elbow.scenes import FREE, MARGIN, drawn_scene, scene
-from leadthrough_studies.elbow.study import STUDY, ElbowConfig
+from leadthrough_studies.elbow.scenes import FREE, MARGIN, drawn_scene
+from leadthrough_studies.elbow.study import STUDY, ElbowConfig, trap
 from leadthrough_studies.study import run, selected
 
 
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
-    config = ElbowConfig(scenes=12, compared=0)
+    config = ElbowConfig(scenes=12, searched=False, connected=0)
     return run(STUDY, config, out=tmp_path_factory.mktemp("elbow"), jobs=1)
 
 
 def test_scenes_that_can_be_solved_are(outcome):
     assert not outcome.failures
-    for row in outcome.report.table:
+    for row in outcome.report.table[:2]:
         assert row["touch_without"] == row["scenes"] == 12
         assert row["clear"] == row["solved"] >= 2
         assert row["least_distance_m"] >= MARGIN
         assert row["most_tip_error_m"] < 1e-5
-    panda = outcome.report.table[0]
+        assert row["asked_of_connect"] == row["solved_by_the_search_alone"] == 0
+        assert row["share_of_solvable"] == 1.0
+    panda, ur3, both = outcome.report.table
     assert panda["solved"] == panda["possible"]
+    assert both["solved"] == panda["solved"] + ur3["solved"]
+
+
+def test_every_motion_is_looked_at_again_by_coal_between_its_samples(outcome):
+    for row in outcome.report.table:
+        assert row["rechecked"] == row["solved"]
+        assert row["rechecked_steps"] > 10_000 * row["rechecked"]
+        assert row["touches"] == 0
+        assert MARGIN - 1e-5 < row["least_coal_distance_m"] < row["least_distance_m"] + 1e-3
 
 
 def test_failures_name_the_time_and_what_is_in_the_way(outcome):
@@ -38,18 +47,20 @@ def test_failures_name_the_time_and_what_is_in_the_way(outcome):
         assert "blocked" in row["failure"] or "jump" in row["failure"]
 
 
-def test_what_the_slow_search_solves_is_solved():
-    config = ElbowConfig(arms=("panda",), scenes=3, compared=3)
-    asked = STUDY.tasks(config)
-    report = STUDY.report(
-        config, [row for each in asked for row in each.function(**each.arguments)]
-    )
-    (row,) = report.table
-    assert row["compared"] == 3
-    assert row["both_solved"] == row["reference_solved"] == 1
-    assert row["share_of_reference"] == 1.0
-    assert row["connect_solved"] in {None, 2}  # without OMPL it is not asked
-    assert report.summary["solved_by_the_reference_alone"] == []
+def test_the_slow_search_and_rrt_connect_are_asked(outcome):
+    """The search where the arm can stand but `follow` has no way, which is none of these scenes."""
+    config = ElbowConfig(arms=("panda",), scenes=3, connected=3)
+    asked = [task for task in STUDY.tasks(config) if task.function not in {trap, rechecked}]
+    found = [row for task in asked for row in task.function(**task.arguments)]
+    assert not selected(found, by="reference")
+    own = [row for row in selected(outcome.rows, arm="panda") if row["index"] < 3]
+    (row,) = STUDY.report(config, own + found).table
+    assert row["solved"] == 1
+    assert (row["asked_of_connect"], row["connect_solved"]) in {(3, 2), (0, 0)}  # without OMPL
+    alone = {"by": "reference", "arm": "panda", "motion": "reach", "index": 1, "solved": 1}
+    report = STUDY.report(config, [*own, alone | {"reference_cpu_s": 70.0}])
+    assert report.table[0]["share_of_solvable"] == 0.5
+    assert [each["index"] for each in report.summary["solved_by_the_search_alone"]] == [1]
 
 
 def test_the_slow_search_finds_a_way_that_is_clear_or_where_it_ends():
@@ -94,27 +105,3 @@ def test_demonstrations_by_hand_are_followed(recordings):
     joints = arm.follow(made.tip, seed=made.joints.positions[0], obstacles=made.obstacles)
     assert arm.check(joints, made.obstacles, margin=MARGIN).ok
     assert arm.path_report(joints, made.tip).position_error.max() < 1e-5
-
-
-@pytest.mark.parametrize("name", ["panda", "ur3"])
-def test_coal_finds_no_touch(outcome, name):
-    row = selected(outcome.rows, by="follow", arm=name, solved=1)[0]
-    arm = lt.Arm.load(name)
-    made = scene(arm, name, np.random.default_rng([0, row["index"]]))
-    joints = arm.follow(
-        made.tip, seed=made.joints.positions[0], free=FREE[name], obstacles=made.obstacles
-    )
-    peer = CoalArm(name)
-    for q in joints.positions:
-        peer.place(q)
-        for shape in made.obstacles:
-            pose = pin.SE3(np.eye(3), shape.position)
-            assert peer.distance_to(peer.moving_links(), _in_coal(shape), pose) > MARGIN - 1e-5
-
-
-def _in_coal(shape):
-    if isinstance(shape, lt.Box):
-        return coal.Box(*shape.size)
-    if isinstance(shape, lt.Sphere):
-        return coal.Sphere(shape.radius)
-    return coal.Cylinder(shape.radius, shape.length)
