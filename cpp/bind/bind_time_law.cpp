@@ -3,6 +3,7 @@
 #include "bind/parts.hpp"
 #include "time/kept_limits.hpp"
 #include "time/line_law.hpp"
+#include "time/sampled.hpp"
 #include "time/time_law.hpp"
 
 namespace py = pybind11;
@@ -88,6 +89,28 @@ py::tuple largest_use_(const Vector& times, const Table& positions, const Table&
   return py::make_tuple(use.order, use.sample, use.joint, use.ratio);
 }
 
+py::tuple central_differences_(const Vector& times, const Table& positions, const Table& beyond) {
+  require(times.size() > 1 && positions.rows() == times.size() && beyond.rows() == 2 &&
+          beyond.cols() == positions.cols());
+  Derivatives found;
+  {
+    const py::gil_scoped_release release;
+    found = central_differences(times, positions, beyond);
+  }
+  return py::make_tuple(std::move(found.velocities), std::move(found.accelerations));
+}
+
+py::array_t<Eigen::Index> stops_(const Table& positions, const Table& velocities) {
+  require(positions.rows() == velocities.rows() && positions.cols() == velocities.cols());
+  return as_array(stops(positions, velocities));
+}
+
+py::tuple extent_(const Table& rows) {
+  require(rows.rows() > 0);
+  const Extent found = extent_of(rows);
+  return py::make_tuple(found.least, found.largest);
+}
+
 }  // namespace
 
 void bind_time_law(py::module_& module) {
@@ -111,6 +134,10 @@ void bind_time_law(py::module_& module) {
   module.def("time_lines", &time_lines_, py::arg("points").noconvert(),
              py::arg("velocity").noconvert(), py::arg("acceleration").noconvert(),
              py::arg("jerk").noconvert(), py::arg("period"), py::arg("parts"), py::arg("longest"));
+  module.def("central_differences", &central_differences_, py::arg("times").noconvert(),
+             py::arg("positions").noconvert(), py::arg("beyond").noconvert());
+  module.def("stops", &stops_, py::arg("positions").noconvert(), py::arg("velocities").noconvert());
+  module.def("extent", &extent_, py::arg("rows").noconvert());
   module.def("largest_use", &largest_use_, py::arg("times").noconvert(),
              py::arg("positions").noconvert(), py::arg("velocities").noconvert(),
              py::arg("accelerations").noconvert(), py::arg("rests_at_start"),

@@ -1,10 +1,27 @@
 #include "time/polynomial_path.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace leadthrough {
 
 using Eigen::Index;
+
+namespace {
+
+// Horner's scheme for a number of joints that is known when compiling: the loops unroll, and the
+// sums stay in registers. `row` is behind the last coefficient.
+template <std::size_t joints>
+void evaluate(const double* row, Index terms, double h, double* q) {
+  std::array<double, joints> sum{};
+  for (Index k = terms; k > 0; --k) {
+    row -= joints;
+    for (std::size_t j = 0; j < joints; ++j) sum[j] = sum[j] * h + row[j];
+  }
+  std::copy(sum.begin(), sum.end(), q);
+}
+
+}  // namespace
 
 Index PolynomialPath::piece_of(double s, Index piece) const {
   while (piece > 0 && s < breaks[piece]) --piece;
@@ -15,9 +32,12 @@ Index PolynomialPath::piece_of(double s, Index piece) const {
 void PolynomialPath::position(double s, Index piece, double* q) const {
   const Index n = joints();
   const double h = s - breaks[piece];
-  const double* row = coefficients.data() + (piece + 1) * terms() * n;
+  const Index count = terms();
+  const double* row = coefficients.data() + (piece + 1) * count * n;
+  if (n == 6) return evaluate<6>(row, count, h, q);
+  if (n == 7) return evaluate<7>(row, count, h, q);
   std::fill(q, q + n, 0.0);
-  for (Index k = terms(); k > 0; --k) {
+  for (Index k = count; k > 0; --k) {
     row -= n;
     for (Index j = 0; j < n; ++j) q[j] = q[j] * h + row[j];
   }

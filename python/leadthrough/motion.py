@@ -277,6 +277,38 @@ def computed(
     return motion
 
 
+def computed_joints(
+    times: Float64Array,
+    positions: Float64Array,
+    velocities: Float64Array,
+    accelerations: Float64Array,
+    *,
+    joint_names: tuple[str, ...],
+    events: Events = (),
+) -> JointTrajectory:
+    """Joints of arrays just computed, as `computed` makes motions of points and poses.
+
+    Args:
+        times: (n,) s, strictly increasing.
+        positions: (n, joints) rad.
+        velocities: (n, joints) rad/s.
+        accelerations: (n, joints) rad/s^2.
+        joint_names: one per column.
+        events: inside the motion's times, in their order.
+    """
+    motion = object.__new__(JointTrajectory)
+    arrays = {
+        "times": times,
+        "positions": positions,
+        "velocities": velocities,
+        "accelerations": accelerations,
+    }
+    for array in arrays.values():
+        array.setflags(write=False)
+    vars(motion).update(arrays, joint_names=joint_names, events=events)
+    return motion
+
+
 def checked_motion(value: MotionT, name: str) -> MotionT:
     """`value`, if it is a motion.
 

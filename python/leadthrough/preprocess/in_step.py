@@ -32,6 +32,9 @@ _FEW_SAMPLES, _LEAST_SAMPLES = 200, 100
 # Demonstrations this fraction of the duration ahead or behind are told, and as many are compared.
 _LATE = 0.15
 _MOST_COMPARED = 12
+# A glance at fewer samples, warped once, leaves at least this fraction of the spread of motions in
+# step: twice of what those clearly out of step keep after closer looks.
+_GLANCED_SAMPLES, _GLANCED = 40, 2.0 * _CLEARLY
 _ROUNDING = 1e-12  # of the motions' extent
 
 
@@ -66,7 +69,12 @@ def lateness(motions: Sequence[Motion]) -> Float64Array:
     if len(motions) < 2:
         return result
     some = np.linspace(0, len(motions) - 1, min(len(motions), _MOST_COMPARED)).round().astype(int)
-    curves = features([motions[i] for i in some], _LEAST_SAMPLES)
+    compared = [motions[i] for i in some]
+    glanced = features(compared, _GLANCED_SAMPLES)
+    warps = mean_timing(glanced, glanced[0], rigidity=FREE, rounds=1)
+    if spread(warped(glanced, warps)) > _GLANCED * spread(glanced):
+        return result
+    curves = features(compared, _LEAST_SAMPLES)
     warps = mean_timing(curves, curves[0], rigidity=FREE)
     if spread(warped(curves, warps)) < _CLEARLY * spread(curves):
         late = np.abs(np.array(warps) - np.linspace(0.0, 1.0, _LEAST_SAMPLES)).max(axis=1)

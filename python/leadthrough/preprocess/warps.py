@@ -19,7 +19,6 @@ from leadthrough.motion import Motion, PoseTrajectory, normalised_times
 
 # Samples at which motions are compared; a path of pairs takes a byte for each pair.
 COMPARED = 1000
-# Rounds in which the mean curve and the warps to it are improved in turn.
 _ROUNDS = 3
 _SMOOTHED = 0.021  # fraction of a warp that is averaged
 # A smaller turn counts as if it were this large: what is left of it is mostly noise.
@@ -70,7 +69,11 @@ def spread(curves: Sequence[Float64Array]) -> float:
 
 
 def mean_timing(
-    curves: Sequence[Float64Array], first: Float64Array, *, rigidity: float
+    curves: Sequence[Float64Array],
+    first: Float64Array,
+    *,
+    rigidity: float,
+    rounds: int = _ROUNDS,
 ) -> list[Float64Array]:
     """For each curve (n, m) its fractions (n,) of the duration at those of the mean timing.
 
@@ -78,10 +81,11 @@ def mean_timing(
         curves: the curves.
         first: the curve that they are warped to at first, then to their mean.
         rigidity: see `warp`.
+        rounds: in which the mean curve and the warps to it are improved in turn.
     """
     even = np.linspace(0.0, 1.0, len(first))
     middle = first
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         warps = [warp(middle, each, rigidity=rigidity) for each in curves]
         back = np.interp(even, np.mean(warps, axis=0), even)
         warps = [np.interp(back, even, each) for each in warps]
@@ -105,7 +109,7 @@ def warp(middle: Float64Array, curve: Float64Array, *, rigidity: float) -> Float
     late = _mean_partner(_core.dtw_path(*timed)) / (len(even) - 1.0) - even
     # Mirrored through both ends, where it is 0, by as much as two averages take away.
     window = round(_SMOOTHED * len(even)) | 1
-    late = np.pad(late, window - 1, mode="reflect", reflect_type="odd")
+    late = np.concatenate([-late[window - 1 : 0 : -1], late, -late[-2 : -window - 1 : -1]])
     for _ in range(2):
         late = np.convolve(late, np.full(window, 1.0 / window), mode="valid")
     fractions = np.clip(even + late, 0.0, 1.0)

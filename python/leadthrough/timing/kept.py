@@ -84,14 +84,16 @@ def excess(motion: Samples, limits: JointLimits, *, rests: tuple[bool, bool]) ->
         LimitsInfeasible: if a position lies outside its limits.
     """
     lower, upper = limits.lower - _ROUNDING, limits.upper + _ROUNDING
-    outside = ((motion.positions < lower) | (motion.positions > upper)).any(axis=0)
+    positions = np.ascontiguousarray(motion.positions)
+    least, largest = _core.extent(positions)
+    outside = (least < lower) | (largest > upper)
     if outside.any():
         name = limits.joint_names[int(np.argmax(outside))]
         raise LimitsInfeasible(f"{name} leaves its position limits along the path", joint=name)
-    still = np.ptp(motion.positions, axis=0) <= AT_REST
+    still = largest - least <= AT_REST
     order, sample, joint, ratio = _core.largest_use(
         motion.times,
-        np.ascontiguousarray(motion.positions),
+        positions,
         np.ascontiguousarray(motion.velocities),
         np.ascontiguousarray(motion.accelerations),
         *rests,
@@ -110,8 +112,11 @@ def tightened(limits: JointLimits, found: Excess) -> JointLimits:
 
 def _parted(motion: Samples, limits: JointLimits, rate: float) -> Samples:
     last = len(motion.times) - 1
-    arrives = (np.diff(motion.positions, axis=0) != 0.0).any(axis=1)
-    rows = np.flatnonzero(arrives[:-1] & ~motion.velocities[1:-1].any(axis=1)) + 1
+    rows = _core.stops(
+        np.ascontiguousarray(motion.positions), np.ascontiguousarray(motion.velocities)
+    )
+    if not len(rows):
+        return motion
     around = np.clip(rows[:, None] + np.arange(-_REACH, _REACH + 1), 0, last)
     q = motion.positions[around]
     copies = np.zeros(len(rows), dtype=np.intp)

@@ -19,7 +19,7 @@ from leadthrough import check, events
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.motion import JointTrajectory
+from leadthrough.motion import JointTrajectory, computed_joints
 from leadthrough.timing import request as checks
 from leadthrough.timing.bounds import InverseDynamics, Jacobian
 from leadthrough.timing.kept import excess, parted, tightened
@@ -162,7 +162,8 @@ def _trajectory(
     """The motion with the path's first time and events, where it has them."""
     moved = motion.positions, motion.velocities, motion.accelerations
     if not isinstance(path, JointTrajectory):
-        return JointTrajectory(motion.times, *moved, names)
+        return computed_joints(motion.times, *moved, joint_names=names)
     times = path.times[0] + motion.times
     shown = np.interp(motion.places, np.arange(len(path.times)), path.times)
-    return JointTrajectory(times, *moved, names, events.moved(path.events, shown, times))
+    kept = events.moved(path.events, shown, times)
+    return computed_joints(times, *moved, joint_names=names, events=kept)

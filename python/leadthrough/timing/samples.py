@@ -35,7 +35,7 @@ class Samples:
     def at_rest(q: Float64Array) -> Samples:
         """A single sample at rest at a configuration (joints,)."""
         still = np.zeros((1, len(q)))
-        return Samples(np.zeros(1), np.zeros(1), q[None], still, still)
+        return Samples(np.zeros(1), np.zeros(1), q[None].copy(), still, still)
 
     def held_before(self, time: float, rate: float) -> Samples:
         """The motion after a rest.
@@ -68,6 +68,8 @@ class Samples:
     @staticmethod
     def joined(motions: Sequence[Samples]) -> Samples:
         """All motions; each begins where the one before ends."""
+        if len(motions) == 1:
+            return motions[0]
         ends = np.cumsum([0.0, *(motion.times[-1] for motion in motions[:-1])])
         cut = [slice(int(i > 0), None) for i in range(len(motions))]
         pairs = list(zip(motions, cut, strict=True))
@@ -102,6 +104,8 @@ class Samples:
 
     def thinned(self, parts: int) -> Samples:
         """Every sample of `parts` and the last; one half a step or less before it is left out."""
+        if parts == 1:
+            return self
         last = len(self.times) - 1
         rows = np.arange(0, last, parts)
         if len(rows) > 1 and last - rows[-1] < 0.5 * parts:
@@ -142,14 +146,10 @@ def differentiated(
         path: what the motion runs along.
         speeds: of the path's length at both ends; beyond them the motion goes on as it is there.
     """
-    steps = np.diff(times)
-    steps = np.concatenate([steps[:1], steps, steps[-1:]])[:, None]
-    ends = path.length[[0, -1]] + np.array([-speeds[0] * steps[0, 0], speeds[1] * steps[-1, 0]])
+    first, last = times[1] - times[0], times[-1] - times[-2]
+    ends = path.length[[0, -1]] + np.array([-speeds[0] * first, speeds[1] * last])
     beyond = path.positions_at(np.ascontiguousarray(ends))
-    slopes = np.diff(np.vstack([beyond[:1], q, beyond[1:]]), axis=0) / steps
-    before, after = steps[:-1], steps[1:]
-    velocities = (after * slopes[:-1] + before * slopes[1:]) / (before + after)
-    accelerations = 2.0 * np.diff(slopes, axis=0) / (before + after)
+    velocities, accelerations = _core.central_differences(times, q, beyond)
     for end, speed in zip((0, -1), speeds, strict=True):  # there they are known exactly
         velocities[end] = path.first[end] * speed
         accelerations[end] = path.second[end] * speed**2

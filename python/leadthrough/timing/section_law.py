@@ -89,10 +89,9 @@ def _passing(
     section: Section, limits: JointLimits, request: Request, begin: float, *, most_delay: float
 ) -> tuple[Samples, Float64Array]:
     """The fastest motion along a section that rests nowhere inside, and its pinches."""
-    spread = np.ptp(
-        section.spline.evaluate(np.linspace(*section.spline.domain, _POINTS_OF_SPREAD)), axis=0
-    )
-    rates = rates_within(limits, spread)
+    places = np.linspace(*section.spline.domain, _POINTS_OF_SPREAD)
+    least, largest = _core.extent(section.spline.evaluate(places))
+    rates = rates_within(limits, largest - least)
     path = _timed_path(section.spline, rates.scale)
     _check_positions(path, limits)
     speeds = (
@@ -125,7 +124,8 @@ def _timed_path(spline: Spline, scale: Float64Array) -> _core.TimedPath:
 
 def _check_positions(path: _core.TimedPath, limits: JointLimits) -> None:
     lower, upper = limits.lower - _ROUNDING, limits.upper + _ROUNDING
-    outside = ((path.positions < lower) | (path.positions > upper)).any(axis=0)
+    least, largest = _core.extent(path.positions)
+    outside = (least < lower) | (largest > upper)
     if outside.any():
         name = limits.joint_names[int(np.argmax(outside))]
         raise LimitsInfeasible(f"{name} leaves its position limits along the path", joint=name)

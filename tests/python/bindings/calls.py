@@ -372,6 +372,10 @@ rates = {"velocity": SPEED, "acceleration": LOOSE, "jerk": np.full(2, 99.0)}
 call(core.time_lines, -1, points=LINE, period=0.01, parts=1, longest=1e5, **rates)
 sampled = {"positions": LINE, "velocities": 0 * LINE, "accelerations": 0 * LINE}
 ends = {"rests_at_start": True, "rests_at_end": True}
+steady = {"times": np.array([0.0, 1.0]), "positions": LINE, "beyond": LINE}
+call(core.central_differences, [[0.5, -0.5]] * 2, **steady)
+call(core.stops, [], positions=LINE, velocities=0 * LINE)
+call(core.extent, [0.0, -1.0], rows=LINE)
 call(core.largest_use, 1, times=np.array([0.0, 1.0]), **sampled, **ends, **rates)
 ramp = np.linspace(0.0, 1.0, 20)
 call(core.fit_spline, [0, 4, 9, 14, 19], parameters=ramp, q=ramp[:, None], tolerance=1e-9)

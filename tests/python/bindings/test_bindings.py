@@ -17,7 +17,7 @@ FREE = dict(
     ArrivalField(cells speed)  CellSet(cells)  CellSet.find(cells)  Chain.forward_kinematics(q)
     Chain.pose(q)  bridge_on_time(target)  bridge_to_start(target)  cells_within(cells)
     finer_cells(cells)  first_contact(samples)  first_excess(samples)  path_distances(path points)
-    slowed(path)  stopped(path)
+    extent(rows)  slowed(path)  stopped(path)
     DmpForces(nodes)  DmpPath(coefficients)
     IkOptions(posture reference)  PursuitOptions(acceleration velocity)  TimedPath(coefficients)
     Shape.distances(points)  TimedPath.positions_at(lengths)  all_finite(values)

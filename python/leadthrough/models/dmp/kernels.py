@@ -8,7 +8,7 @@ Source: Ijspeert et al. 2013, section 2.1.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -50,7 +50,7 @@ class Kernels:
     fade: Float64Array
     rhythmic: bool
 
-    @property
+    @cached_property
     def features(self) -> Float64Array:
         """Features (m, weights): the force is features @ weights."""
         return np.asarray(self.values / self.values.sum(axis=1, keepdims=True) * self.regressor)

@@ -30,6 +30,7 @@ from leadthrough.models.dmp.springs import (
     Ends,
     Springs,
     course,
+    each_alone,
     kernels_of,
     minimum_jerk,
     tabulated,
@@ -80,8 +81,10 @@ class _Target:
         Raises:
             FitError: with the form "ijspeert", where a channel moves, but ends where it began.
         """
+        if self.form != "ijspeert":
+            return
         short = ~self._unmoved & (np.abs(self.scale) < _SHORTEST * self._reach)
-        if self.form == "ijspeert" and short.any():
+        if short.any():
             raise FitError(
                 f"demonstrations: channel {int(np.argmax(short))} ends where it began, so the goal "
                 'cannot scale its force; use the form "blended" or "hoffmann"'
@@ -233,7 +236,7 @@ def _responses(kernels: Kernels, phases: Float64Array) -> tuple[Float64Array, Fl
     """Errors (n, weights) that each function alone makes, and the last value and slope of them."""
     rest = np.zeros(kernels.values.shape[1])
     still = course("hoffmann", Ends(rest, rest, rest, rest))
-    values, slopes = _core.dmp_rollout(tabulated(kernels), still, rest, rest, phases)
+    values, slopes = _core.dmp_rollout(each_alone(kernels), still, rest, rest, phases)
     return values, np.stack([values[-1], slopes[-1]])
 
 

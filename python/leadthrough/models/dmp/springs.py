@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -131,15 +131,21 @@ def kernels_of(form: str, weights: int) -> Kernels:
     return rhythmic(weights) if form == RHYTHMIC else discrete(weights)
 
 
-def tabulated(kernels: Kernels, weights: Float64Array | None = None) -> _core.DmpForces:
+def tabulated(kernels: Kernels, weights: Float64Array) -> _core.DmpForces:
     """Forces as the compiled core takes them.
 
     Args:
         kernels: of the force.
-        weights: (weights, channels); None: one channel for each kernel, of which the weight is 1.
+        weights: (weights, channels).
     """
-    table = kernels.features if weights is None else kernels.features @ weights
-    nodes = np.ascontiguousarray(table)
+    nodes = np.ascontiguousarray(kernels.features @ weights)
+    return _core.DmpForces(nodes, kernels.fade, RATE, kernels.rhythmic)
+
+
+@lru_cache(maxsize=8)
+def each_alone(kernels: Kernels) -> _core.DmpForces:
+    """Forces of one channel for each kernel, of which the weight is 1."""
+    nodes = np.ascontiguousarray(kernels.features)
     return _core.DmpForces(nodes, kernels.fade, RATE, kernels.rhythmic)
 
 
