@@ -68,6 +68,14 @@ class NoContinuousLogarithm(LeadthroughError):
         self.index = index
 
 
+class ClusterLost(LeadthroughError):
+    """The scheduler of a Dask cluster does not answer any more; what was finished is stored."""
+
+
+class OtherCode(InvalidInput):
+    """A worker of a Dask cluster has other code than the machine that sends the tasks."""
+
+
 class IkFailure(LeadthroughError):
     """No joint configuration reaches a sample of a motion.
 

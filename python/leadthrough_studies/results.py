@@ -1,44 +1,17 @@
-"""The files of a study: results.json, table.csv, figures, and a store of computed rows."""
+"""The files of a study: results.json, table.csv and figures."""
 
 from __future__ import annotations
 
 import csv
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
 
 from leadthrough.io.atomic import replacing
-
-Row = dict[str, Any]
-
-
-@dataclass(frozen=True)
-class Store:
-    """Rows by key. The rows of a key are in a file of their own, which is complete or absent."""
-
-    folder: Path
-
-    def read(self, key: str) -> list[Row] | None:
-        """The rows of a key, or None if there are none or the file is damaged."""
-        try:
-            rows = json.loads(self._path(key).read_text(encoding="utf-8"))
-        except (FileNotFoundError, ValueError):
-            return None
-        return rows if isinstance(rows, list) else None
-
-    def write(self, key: str, text: str) -> list[Row]:
-        """Store rows given as JSON text, and return them as `read` will."""
-        self.folder.mkdir(parents=True, exist_ok=True)
-        _write_text(self._path(key), text)
-        rows: list[Row] = json.loads(text)
-        return rows
-
-    def _path(self, key: str) -> Path:
-        return self.folder / f"{key}.json"
+from leadthrough.tasks import Row
 
 
 def write(

@@ -1,64 +1,45 @@
 """Studies: a frozen configuration in; rows, a table and figures out.
 
-A study consists of independent tasks. They run in a number of processes, or wherever
-`joblib.parallel_config` sends them. The folder of the results keeps the rows of each task until its
-arguments or the package's code change, so that a study that was stopped resumes where it was.
+A study consists of independent tasks. They run in processes of this machine or on a Dask cluster.
+The folder of the results keeps the rows of each task until its arguments or the code that it
+imports change, so that a study that was stopped resumes where it was.
 """
 
 from __future__ import annotations
 
-import hashlib
-import json
 import platform
 import time
-from collections.abc import Callable, Iterator, Sequence
+import traceback
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
-from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from joblib import Parallel, delayed, parallel_config
 from matplotlib.figure import Figure
-from rich.console import Console
-from rich.progress import track
 
-import leadthrough
-from leadthrough import _core, check
+from leadthrough import tasks
 from leadthrough.drawing import style
+from leadthrough.errors import ClusterLost, OtherCode
+from leadthrough.tasks import Row, Task
+from leadthrough.tasks.code import digest
 from leadthrough_studies import results
 
-Row = dict[str, Any]
+__all__ = [
+    "Outcome",
+    "Report",
+    "Row",
+    "Study",
+    "Task",
+    "cpu_time",
+    "mean",
+    "run",
+    "selected",
+    "versions",
+]
 
-# The packages whose code determines the rows.
-_PACKAGES = (Path(leadthrough.__file__).parent, Path(__file__).parent)
-_LIBRARIES = ("leadthrough", "numpy", "scipy", "joblib")
-# Code that only displays the rows.
-_WITHOUT_INFLUENCE = ("show/*", "cli/*", "*/report.py")
-
-
-@dataclass(frozen=True)
-class Task:
-    """A piece of work: `function(**arguments)` returns rows of text and finite numbers.
-
-    Columns whose names end in "_cpu_s" hold measured processor times; all others are the same in
-    every run.
-
-    Attributes:
-        function: importable by its name.
-        arguments: values that JSON can hold; they include the seed if the function uses random
-            numbers.
-    """
-
-    function: Callable[..., list[Row]]
-    arguments: dict[str, Any]
-
-    @property
-    def key(self) -> str:
-        """A text that changes with the arguments, the function and the package's code."""
-        name = f"{self.function.__module__}.{self.function.__qualname__}"
-        text = json.dumps([code_digest(), name, self.arguments], sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()[:32]
+_STORE = "cache"
+_LIBRARIES = ("leadthrough", "numpy", "scipy")
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,29 +88,71 @@ class Outcome:
     report: Report
 
 
-def run(study: Study, config: Any, *, out: Path, jobs: int | None = None) -> Outcome:
+def run(
+    study: Study,
+    config: Any,
+    *,
+    out: Path,
+    on: str | None = None,
+    task_timeout: float | None = None,
+) -> Outcome:
     """Run the tasks that have no rows yet; write results.json, table.csv and the figures.
+
+    results.json and manifest.json are written whatever becomes of the tasks.
 
     Args:
         study: the study to run.
         config: its configuration.
         out: folder for the results, made if missing.
-        jobs: number of processes; None for the setting of `joblib.parallel_config`.
+        on: where the tasks run, as for `leadthrough.tasks.run`; None for this process.
+        task_timeout: the longest that a task may take, s; None for no bound.
 
     Raises:
-        InvalidInput: if jobs is not a positive integer or a file cannot be written.
+        InvalidInput: if an argument is wrong, a file cannot be written or a worker has other code.
+        MissingDependency: for a Dask cluster, if the extra `dask` is not installed.
+        ClusterLost: if its scheduler does not answer any more.
     """
-    tasks = study.tasks(config)
-    rows, failures = _solve_all(tasks, out, jobs)
-    with style.applied():
-        report = study.report(config, rows)
+    todo = study.tasks(config)
+    store = tasks.Store(out / _STORE)
+    failures: dict[int, Row] = {}
+    stopped: BaseException | None = None
+    try:
+        outcomes = tasks.run(todo, store, on=on, timeout=task_timeout)
+        for each in tasks.shown(tasks.listed(outcomes, out), len(todo), "tasks"):
+            if each.failure:
+                failures[each.index] = {"task": todo[each.index].arguments, **each.failure}
+    except (KeyboardInterrupt, ClusterLost, OtherCode) as error:
+        stopped = error
+    outcome = _written(study, config, out, todo, [failures[i] for i in sorted(failures)])
+    if stopped is not None:
+        raise stopped
+    return outcome
+
+
+def _written(
+    study: Study, config: Any, out: Path, todo: Sequence[Task], failures: list[Row]
+) -> Outcome:
+    """The outcome, in files; where the report fails for want of rows, that is a failure too."""
+    store = tasks.Store(out / _STORE)
+    known = [store.rows(task.key) for task in todo]
+    rows = [row for found in known for row in found or ()]
+    missing = sum(found is None for found in known) - len(failures)
+    try:
+        with style.applied():
+            report = study.report(config, rows)
+    except Exception as error:
+        if not missing and not failures:
+            raise
+        report = Report([])
+        failures = [*failures, {"task": "report", **_told(error)}]
     results.write(
         out,
         document={
             "configuration": asdict(config),
-            "versions": versions(),
+            "versions": versions(todo),
             "summary": report.summary,
             "table": report.table,
+            "unfinished": missing,
             "failures": failures,
         },
         rows=rows,
@@ -139,73 +162,24 @@ def run(study: Study, config: Any, *, out: Path, jobs: int | None = None) -> Out
     return Outcome(rows, failures, report)
 
 
-def versions() -> dict[str, str]:
-    """Versions of everything that the results depend on besides the configuration."""
+def _told(error: Exception) -> Row:
+    lines = "".join(traceback.format_exception(error))
+    return {"error": type(error).__name__, "message": str(error), "traceback": lines}
+
+
+def versions(todo: Sequence[Task]) -> dict[str, str]:
+    """Versions of everything that the results depend on besides the configuration.
+
+    Args:
+        todo: the tasks that make them.
+    """
+    modules = sorted({task.function.__module__ for task in todo})
     return {
         **{name: version(name) for name in _LIBRARIES},
-        "code": code_digest(),
+        "code": " ".join(digest(module) for module in modules),
         "python": platform.python_version(),
         "machine": f"{platform.system()} {platform.machine()}",
     }
-
-
-@cache
-def code_digest() -> str:
-    """A digest of the sources and the compiled core that determine the rows of a study."""
-    sources = [path for package in _PACKAGES for path in _deciding(package)]
-    digest = hashlib.sha256()
-    for path in (*sources, Path(_core.__file__)):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def _deciding(package: Path) -> list[Path]:
-    idle = {path for pattern in _WITHOUT_INFLUENCE for path in package.glob(pattern)}
-    return sorted(set(package.rglob("*.py")) - idle)
-
-
-def _solve_all(tasks: Sequence[Task], out: Path, jobs: int | None) -> tuple[list[Row], list[Row]]:
-    store = results.Store(out / "cache")
-    known = [store.read(task.key) for task in tasks]
-    missing = [i for i, rows in enumerate(known) if rows is None]
-    failures: dict[int, Row] = {}
-    for i, text, failure in _progress(tasks, missing, jobs):
-        if failure:
-            failures[i] = {"task": tasks[i].arguments, **failure}
-        else:
-            known[i] = store.write(tasks[i].key, text)
-    return [row for rows in known for row in rows or ()], [failures[i] for i in sorted(failures)]
-
-
-def _progress(
-    tasks: Sequence[Task], missing: Sequence[int], jobs: int | None
-) -> Iterator[tuple[int, str, Row]]:
-    solved = _parallel(jobs)(
-        delayed(_attempt)(i, tasks[i].function, tasks[i].arguments) for i in missing
-    )
-    description = f"{len(missing)} of {len(tasks)} tasks"
-    console = Console(stderr=True)
-    yield from track(solved, description=description, total=len(missing), console=console)
-
-
-def _parallel(jobs: int | None) -> Parallel:
-    if jobs is None:
-        return Parallel(return_as="generator_unordered")
-    count = check.integer(jobs, "jobs", at_least=1)
-    # BLAS gets one thread, for equal bits and honest processor times. A running process cannot be
-    # limited any more, so a single job also runs in a new process; the second one gets no work.
-    with parallel_config(backend="loky", n_jobs=max(count, 2), inner_max_num_threads=1):
-        return Parallel(return_as="generator_unordered", pre_dispatch=count, batch_size=1)
-
-
-def _attempt(
-    index: int, function: Callable[..., list[Row]], arguments: dict[str, Any]
-) -> tuple[int, str, Row]:
-    """The rows as JSON, or the error: one failing task must not lose the work of the others."""
-    try:
-        return index, json.dumps(function(**arguments), allow_nan=False), {}
-    except Exception as error:
-        return index, "", {"error": type(error).__name__, "message": str(error)}
 
 
 def selected(rows: Sequence[Row], **values: Any) -> list[Row]:

@@ -16,6 +16,7 @@ from contextlib import contextmanager
 import typer
 
 from leadthrough.errors import (
+    ClusterLost,
     FitError,
     IkFailure,
     LeadthroughError,
@@ -25,7 +26,7 @@ from leadthrough.errors import (
 )
 
 # The input was right, and there is no such motion.
-_NO = (FitError, IkFailure, LimitsInfeasible, NoContinuousLogarithm, NoPath)
+_NO = (ClusterLost, FitError, IkFailure, LimitsInfeasible, NoContinuousLogarithm, NoPath)
 # The last words of some messages, for those who program: "; in Python, Arm.joints_of picks ...".
 _IN_PYTHON = re.compile(r"[,;:]?\s+in\s+Python\b.*", re.DOTALL)
 _OPTION = re.compile(r"(?:^|: )(--[a-z-]+)")

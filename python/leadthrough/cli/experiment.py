@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from leadthrough.cli import completion
+from leadthrough.cli import completion, options
 from leadthrough.cli.tables import table
 
 
@@ -25,9 +25,16 @@ def experiment(
         Path | None, typer.Option(help="Folder for the results; by default leadthrough-NAME.")
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the random number generator.")] = 0,
-    jobs: Annotated[int, typer.Option(help="Number of parallel processes.")] = 1,
+    jobs: Annotated[
+        int, typer.Option(help="Number of parallel processes; the same as --on local:N.")
+    ] = 1,
+    on: options.On = None,
+    task_timeout: options.TaskTimeout = None,
 ) -> None:
-    """Run a study; results that are already in its folder are not computed again."""
+    """Run a study; results that are already in its folder are not computed again.
+
+    leadthrough experiment lasa --quick --on tcp://host:8786
+    """
     from leadthrough import check
     from leadthrough_studies import study
     from leadthrough_studies.catalogue import STUDIES
@@ -38,11 +45,14 @@ def experiment(
     chosen = STUDIES[check.choice(name, "NAME", STUDIES)]
     folder = out or Path(f"leadthrough-{name}")
     config = chosen.configure(quick, check.integer(seed, "seed", at_least=0))
-    outcome = study.run(chosen, config, out=folder, jobs=jobs)
+    place = on or f"local:{check.integer(jobs, 'jobs', at_least=1)}"
+    outcome = study.run(chosen, config, out=folder, on=place, task_timeout=task_timeout)
     console = Console()
-    console.print(table(outcome.report.table))
+    if outcome.report.table:
+        console.print(table(outcome.report.table))
     console.print(f"results.json, table.csv and figures: {folder}/")
     for failure in outcome.failures:
-        console.print(f"failed: {failure}", style="red", markup=False)
+        told = f"failed: {failure['task']}: {failure['error']}: {failure['message']}"
+        console.print(told, style="red", markup=False)
     if outcome.failures:
         raise typer.Exit(1)

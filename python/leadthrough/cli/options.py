@@ -136,6 +136,18 @@ Pause = Annotated[
     float | None,
     typer.Option(help="Shortest standing still that counts as a pause, in s."),
 ]
+On = Annotated[
+    str | None,
+    typer.Option(
+        help="Where to compute: local:N for N processes of this machine, the address of a Dask "
+        "scheduler such as tcp://host:8786, or the .json file that it wrote.",
+        autocompletion=completion.one_of("local:2", "tcp://"),
+    ),
+]
+TaskTimeout = Annotated[
+    float | None,
+    typer.Option(help="Longest time that one task may take, in s; by default any time."),
+]
 
 
 def of_model(model: object) -> dict[str, str]:

@@ -15,6 +15,8 @@ from leadthrough.preprocess.resample import arc_length
 Shown = Sequence[Demonstration[Trajectory]]
 Method = Callable[[Shown, Float64Array], Trajectory]
 
+# The protocol whose paths are drawn.
+HEADLINE = "LOO"
 PIXELS_PER_MM = 8.3
 PAPER_AREA_OF_INFLUENCE = 25.0 / PIXELS_PER_MM  # mm
 PAPER_SATURATION = 0.1

@@ -11,11 +11,10 @@ from matplotlib.figure import Figure
 from leadthrough.io import lasa
 from leadthrough.motion import Trajectory
 from leadthrough.show import plot
-from leadthrough_studies.lasa.methods import PIXELS_PER_MM
+from leadthrough_studies.lasa.methods import HEADLINE, PIXELS_PER_MM
 from leadthrough_studies.study import Report, Row, mean, selected
 
 ERRORS = ("SEA_mm2", "V_rmse_mm_s", "DTWD_per_N_mm", "Frechet_mm", "end_error_mm")
-HEADLINE = "LOO"
 DRAWN = "FML"
 
 # Prados et al. 2023, Table 2: SEA and V_rmse as printed there.

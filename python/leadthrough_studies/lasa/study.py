@@ -20,8 +20,8 @@ from leadthrough.models import FastMarchingSkill
 from leadthrough.motion import Demonstration, Trajectory
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough_studies import metrics
-from leadthrough_studies.lasa.methods import METHODS, SETTINGS, generated_by
-from leadthrough_studies.lasa.report import HEADLINE, report
+from leadthrough_studies.lasa.methods import HEADLINE, METHODS, SETTINGS, generated_by
+from leadthrough_studies.lasa.report import report
 from leadthrough_studies.study import Row, Study, Task
 
 # Number of demonstrations, out of 7, that a method learns from.

@@ -69,10 +69,11 @@ def test_experiment_writes_results_and_goes_on_where_it_was(tmp_path, monkeypatc
     assert (tmp_path / "results.json").read_bytes() == written
 
 
-def test_experiment_with_a_failure_says_so_and_ends_with_one(tmp_path, monkeypatch):
-    def fail(*, setup, **_):
-        raise ValueError(f"setup {setup} is out of paper")
+def fail(*, setup, **_):
+    raise ValueError(f"setup {setup} is out of paper")
 
+
+def test_experiment_with_a_failure_says_so_and_ends_with_one(tmp_path, monkeypatch):
     broken = replace(
         STUDY,
         tasks=lambda config: [study.Task(fail, {"setup": n}) for n in config.setups],

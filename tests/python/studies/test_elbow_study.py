@@ -14,7 +14,7 @@ from leadthrough_studies.study import run, selected
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
     config = ElbowConfig(scenes=12, searched=False, connected=0)
-    return run(STUDY, config, out=tmp_path_factory.mktemp("elbow"), jobs=1)
+    return run(STUDY, config, out=tmp_path_factory.mktemp("elbow"), on="local:1")
 
 
 def test_scenes_that_can_be_solved_are(outcome):

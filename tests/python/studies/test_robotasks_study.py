@@ -44,7 +44,7 @@ def test_the_nearest_demonstration_is_carried_to_both_ends(folder):
 
 def test_a_left_out_shift_is_predicted_by_every_method(folder):
     config = STUDY.configure(True, 0)
-    outcome = run(STUDY, config, out=folder / "out", jobs=1)
+    outcome = run(STUDY, config, out=folder / "out", on="local:1")
     assert not outcome.failures
     assert len(outcome.rows) == 2 * len(config.methods)
     # The middle demonstration is the mean of the others, and all of them turn alike.

@@ -4,7 +4,6 @@ import csv
 import json
 from dataclasses import dataclass, replace
 
-import joblib
 import pytest
 from matplotlib.figure import Figure
 
@@ -101,14 +100,14 @@ def test_a_study_that_was_stopped_goes_on_where_it_was(tmp_path):
 
 def test_rows_are_computed_again_when_the_code_changes(tmp_path, monkeypatch):
     study.run(squares(), Config(), out=tmp_path)
-    monkeypatch.setattr(study, "code_digest", lambda: "other")
+    monkeypatch.setattr("leadthrough.tasks.code.digest", lambda _: "other")
     study.run(squares(), Config(), out=tmp_path)
     assert CALLS == [1, 2, 3, 1, 2, 3]
 
 
 def test_a_damaged_file_of_the_store_is_computed_again(tmp_path):
     study.run(squares(), Config(), out=tmp_path)
-    for path in (tmp_path / "cache").iterdir():
+    for path in (tmp_path / "cache").rglob("*.json"):
         path.write_text('[{"number": 1')
     assert study.run(squares(), Config(), out=tmp_path).rows[0]["square"] == 1
     assert CALLS == [1, 2, 3, 1, 2, 3]
@@ -119,11 +118,14 @@ def test_a_task_that_fails_is_reported_and_tried_again(tmp_path):
     outcome = study.run(squares(), config, out=tmp_path)
     assert [row["number"] for row in outcome.rows] == [1, 1, 3, 3]
     (failure,) = outcome.failures
+    traceback = failure.pop("traceback")
     assert failure == {
         "task": {"number": -2},
         "error": "FitError",
         "message": "-2 is negative",
     }
+    assert "in square" in traceback
+    failure["traceback"] = traceback
     assert document(tmp_path)["failures"] == [failure]
     CALLS.clear()
     study.run(squares(), config, out=tmp_path)
@@ -137,7 +139,7 @@ def test_rows_that_are_not_finite_are_failures(tmp_path):
     assert document(tmp_path)["rows"] == []
 
 
-def test_rows_do_not_depend_on_the_number_of_jobs(tmp_path):
+def test_rows_do_not_depend_on_where_tasks_run(tmp_path):
     config = LasaConfig(
         ("Line", "Worm"),
         methods=("nearest demonstration, shifted",),
@@ -146,23 +148,17 @@ def test_rows_do_not_depend_on_the_number_of_jobs(tmp_path):
         settings=(),
     )
     one, two = (
-        study.run(STUDY, config, out=tmp_path / str(jobs), jobs=jobs).rows for jobs in (1, 2)
+        study.run(STUDY, config, out=tmp_path / name, on=on).rows
+        for name, on in (("one", None), ("two", "local:2"))
     )
     assert one == two
     assert len(one) == 28
 
 
-def test_the_ambient_parallel_config_is_used_where_no_jobs_are_given(tmp_path):
-    with joblib.parallel_config(backend="threading", n_jobs=2):
-        outcome = study.run(squares(), Config(), out=tmp_path)
-    assert [row["number"] for row in outcome.rows] == [1, 1, 2, 2, 3, 3]
-    assert sorted(CALLS) == [1, 2, 3]
-
-
-@pytest.mark.parametrize("jobs", [0, -1, 1.5])
-def test_an_invalid_number_of_jobs_is_refused(tmp_path, jobs):
-    with pytest.raises(InvalidInput, match="jobs"):
-        study.run(squares(), Config(), out=tmp_path, jobs=jobs)
+@pytest.mark.parametrize("on", ["local:0", "local:-1", "local:1.5", "somewhere", "none.json"])
+def test_a_wrong_place_is_refused(tmp_path, on):
+    with pytest.raises(InvalidInput, match="on: "):
+        study.run(squares(), Config(), out=tmp_path, on=on)
 
 
 def test_a_folder_that_cannot_be_made_is_an_expected_error(tmp_path):

@@ -1,0 +1,160 @@
+"""Pieces of work, and the form in which they travel to whoever does them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from leadthrough.errors import InvalidInput
+from leadthrough.tasks import code
+
+Row = dict[str, Any]
+"""Values by the names of columns: text and finite numbers."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """A piece of work: `function(**arguments, **files)` returns rows of text and finite numbers.
+
+    Columns whose names end in "_cpu_s" hold measured processor times; all others are the same in
+    every run.
+
+    Attributes:
+        function: importable by its name.
+        arguments: values that JSON can hold; they include the seed if the function uses random
+            numbers.
+        files: files that the function reads, by the names of its arguments. It gets the path of a
+            file with this content and suffix, wherever it runs.
+    """
+
+    function: Callable[..., list[Row]]
+    arguments: dict[str, Any]
+    files: Mapping[str, Path] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """The function's full name."""
+        return f"{self.function.__module__}.{self.function.__qualname__}"
+
+    @property
+    def key(self) -> str:
+        """A text that changes with the arguments, the files' content and the function's code."""
+        parts: list[Any] = [code.digest(self.function.__module__), self.name, self.arguments]
+        if self.files:
+            parts.append({name: content_of(path) for name, path in self.files.items()})
+        text = json.dumps(parts, sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+@dataclass(frozen=True)
+class Job:
+    """A task as it travels: its function by name.
+
+    Attributes:
+        key: of the task.
+        module: that has the function.
+        function: its name in the module.
+        arguments: values that JSON can hold.
+        files: paths by the names of further arguments.
+        contents: a digest of each file's content, by the same names.
+        code: the digest of the function's code.
+        store: folder of the store, and the text that tells it from others.
+        timeout: s; None for no bound.
+    """
+
+    key: str
+    module: str
+    function: str
+    arguments: dict[str, Any]
+    files: dict[str, str]
+    contents: dict[str, str]
+    code: str
+    store: tuple[str, str]
+    timeout: float | None
+
+
+@dataclass(frozen=True)
+class Report:
+    """What became of a job.
+
+    Attributes:
+        key: of the task.
+        host: the process that did it.
+        seconds: that it took, from when the function was called.
+        attempts: how often it was begun.
+        rows: as JSON; None if they are in the store already or there are none.
+        failure: the error, its message and where it was raised; None if there are rows.
+    """
+
+    key: str
+    host: str
+    seconds: float
+    attempts: int = 1
+    rows: str | None = None
+    failure: dict[str, str] | None = None
+
+
+def job(task: Task, store: tuple[str, str], timeout: float | None) -> Job:
+    """A task in the form in which it travels.
+
+    Args:
+        task: to do.
+        store: folder of the store, and the text that tells it from others.
+        timeout: s; None for no bound.
+
+    Raises:
+        InvalidInput: if a file cannot be read.
+    """
+    function = task.function
+    return Job(
+        task.key,
+        function.__module__,
+        function.__qualname__,
+        task.arguments,
+        {name: str(Path(path).resolve()) for name, path in task.files.items()},
+        {name: content_of(path) for name, path in task.files.items()},
+        code.digest(function.__module__),
+        store,
+        timeout,
+    )
+
+
+def content_of(path: Path) -> str:
+    """A digest of a file's content.
+
+    Raises:
+        InvalidInput: if it cannot be read.
+    """
+    try:
+        changed = path.stat()
+        return _content(path, changed.st_mtime_ns, changed.st_size)
+    except OSError as error:
+        raise InvalidInput(f"{path}: cannot be read ({error.strerror})") from None
+
+
+@cache
+def _content(path: Path, changed: int, size: int) -> str:  # noqa: ARG001  # a file may change
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()[:32]
+
+
+def check_importable(function: Callable[..., Any]) -> None:
+    """Refuses a function that another process cannot import by its name.
+
+    Raises:
+        InvalidInput: if it is no function of a module, or one of the program's main module.
+    """
+    module = sys.modules.get(function.__module__)
+    if function.__module__ == "__main__" or (
+        getattr(module, function.__qualname__, None) is not function
+    ):
+        raise InvalidInput(
+            f"function: expected one that another process can import by its name, got "
+            f"{function.__module__}.{function.__qualname__}; put it into a module"
+        )

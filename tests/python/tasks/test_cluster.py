@@ -1,0 +1,196 @@
+"""A Dask cluster of three workers in processes of their own, which tests kill one by one."""
+
+import json
+import signal
+import time
+
+import pytest
+from distributed import Client
+from tasks import of_numbers, running, work
+from typer.testing import CliRunner
+
+from leadthrough import cli, tasks
+from leadthrough.errors import OtherCode
+from leadthrough.tasks import Store, Task
+from leadthrough_studies import catalogue
+
+WORKERS = 3
+
+
+class RunningCluster:
+    """A scheduler and its workers."""
+
+    def __init__(self, folder):
+        self.file = folder / "scheduler.json"
+        self.log = folder / "messages"
+        common = ("--scheduler-file", self.file, "--no-dashboard")
+        self.scheduler = running.program(
+            "distributed.cli.dask_scheduler", *common, "--host", "127.0.0.1", "--port", "0",
+            log=self.log,
+        )  # fmt: skip
+        self.workers = [
+            running.program(
+                "distributed.cli.dask_worker",
+                *common,
+                "--no-nanny",
+                "--nthreads",
+                "1",
+                "--name",
+                name,
+                "--local-directory",
+                folder,
+                log=self.log,
+            )
+            for name in range(WORKERS)
+        ]
+        running.wait(self.file.exists, self.scheduler, self.log)
+        self.client = Client(scheduler_file=str(self.file), set_as_default=False)
+        self.client.wait_for_workers(WORKERS, timeout=60)
+
+    def close(self):
+        self.client.close()
+        for process in (*self.workers, self.scheduler):
+            process.kill()
+            process.wait()
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    found = RunningCluster(tmp_path_factory.mktemp("cluster"))
+    yield found
+    found.close()
+
+
+def run(todo, store, cluster, **options):
+    found = tasks.run(todo, store, on=str(cluster.file), **options)
+    return sorted(found, key=lambda each: each.index)
+
+
+def rows_of(todo, store):
+    return [store.rows(task.key) for task in todo]
+
+
+@pytest.fixture(scope="module")
+def serial(tmp_path_factory):
+    """Rows by seed of a serial run."""
+    folder = tmp_path_factory.mktemp("serial")
+    todo = work.draws_of(of_numbers.COUNT, folder / "log")
+    list(tasks.run(todo, Store(folder)))
+    return rows_of(todo, Store(folder))
+
+
+def test_rows_are_those_of_a_serial_run_and_several_workers_make_them(cluster, tmp_path, serial):
+    todo = work.draws_of(12, tmp_path / "log", 0.05)
+    outcomes = run(todo, Store(tmp_path), cluster)
+    assert rows_of(todo, Store(tmp_path)) == serial[:12]
+    assert len({each.host for each in outcomes}) >= 2
+
+
+def test_a_file_comes_to_the_workers_by_its_content(cluster, tmp_path):
+    files = [tmp_path / "one.csv", tmp_path / "same.csv"]
+    for file in files:
+        file.write_text("shown")
+    todo = [
+        Task(work.reads, {"times": times}, {"recording": file})
+        for times in range(1, 4)
+        for file in files
+    ]
+    run(todo, Store(tmp_path / "store"), cluster)
+    assert rows_of(todo[::2], Store(tmp_path / "store")) == [
+        [{"text": times * "shown", "suffix": ".csv"}] for times in range(1, 4)
+    ]
+    kept = list(cluster.file.parent.rglob("leadthrough/*.csv"))
+    assert 1 <= len(kept) <= WORKERS
+
+
+def test_rows_come_back_where_the_workers_do_not_see_the_store(cluster, tmp_path, monkeypatch):
+    store = Store(tmp_path)
+    monkeypatch.setattr(Store, "identity", lambda _: "elsewhere")
+    todo = [Task(work.reads, {}, {"recording": tmp_path / "a.txt"})]
+    (tmp_path / "a.txt").write_text("shown")
+    run(todo, store, cluster)
+    assert rows_of(todo, store) == [[{"text": "shown", "suffix": ".txt"}]]
+
+
+def test_a_task_that_ends_its_process_is_one_failure_of_the_study(cluster, tmp_path, monkeypatch):
+    todo = [
+        *work.draws_of(3, tmp_path / "log"),
+        Task(work.ends, {"code": 5}),
+        Task(work.lasts, {"seconds": 60.0}),
+    ]
+    monkeypatch.setitem(catalogue.STUDIES, "ur3", of_numbers.study_of(todo))
+    words = ["experiment", "ur3", "--out", str(tmp_path), "--on", str(cluster.file)]
+    result = CliRunner().invoke(cli.app, [*words, "--task-timeout", "1"])
+    assert result.exit_code == 1, result.output
+    document = json.loads((tmp_path / "results.json").read_text())
+    assert [failure["error"] for failure in document["failures"]] == ["WorkerKilled", "Timeout"]
+    assert [row["seed"] for row in document["rows"]] == [0, 1, 2]
+
+
+def test_a_worker_with_other_code_is_refused(cluster, tmp_path, monkeypatch):
+    monkeypatch.setattr("leadthrough.tasks.code.digest", lambda _: "edited")
+    with pytest.raises(OtherCode, match="other code"):
+        run(work.draws_of(2, tmp_path / "log"), Store(tmp_path), cluster)
+    assert not (tmp_path / "log").exists()
+
+
+def test_a_killed_client_goes_on_with_what_is_missing(cluster, tmp_path, serial):
+    out = tmp_path / "out"
+    client = running.started(out, cluster.file)
+    client.kill()
+    client.wait()
+    todo = of_numbers.slow(out)
+    store = Store(out / "cache")
+    ran = until_quiet(out / "log")
+    known = sum(store.report(task.key) is not None for task in todo)
+    assert 3 <= known <= ran < of_numbers.COUNT
+    assert sum(each.known for each in run(todo, store, cluster)) == known
+    assert until_quiet(out / "log") == of_numbers.COUNT + ran - known
+    assert rows_of(todo, store) == serial
+
+
+def until_quiet(log):
+    """The number of tasks that noted in a file that they ran, once no more do."""
+    before = -1
+    while (count := len(log.read_text().split())) != before:
+        before = count
+        time.sleep(0.4)
+    return count
+
+
+def test_a_killed_worker_changes_no_row(cluster, tmp_path, serial):
+    todo = work.draws_of(of_numbers.COUNT, tmp_path / "log", 0.1)
+    store = Store(tmp_path)
+    for number, each in enumerate(tasks.run(todo, store, on=str(cluster.file))):
+        assert each.failure is None
+        if number == 2:
+            cluster.workers[0].send_signal(signal.SIGKILL)
+    assert rows_of(todo, store) == serial
+
+
+def test_without_its_scheduler_a_study_keeps_what_is_finished(cluster, tmp_path, monkeypatch):
+    todo = Ending(work.draws_of(of_numbers.COUNT, tmp_path / "log", 0.02), cluster.scheduler)
+    monkeypatch.setitem(catalogue.STUDIES, "ur3", of_numbers.study_of(todo))
+    words = ["experiment", "ur3", "--out", str(tmp_path), "--on", str(cluster.file)]
+    result = CliRunner().invoke(cli.app, words)
+    assert result.exit_code == 1, result.output
+    assert "scheduler" in result.stderr and "Traceback" not in result.stderr
+    document = json.loads((tmp_path / "results.json").read_text())
+    done = of_numbers.COUNT - document["unfinished"]
+    assert 8 <= len(document["rows"]) == done < of_numbers.COUNT
+    assert len(list(tmp_path.glob("cache/??/*.json"))) == done
+
+
+class Ending(list):
+    """Tasks of which the 20th is followed by the end of the scheduler."""
+
+    def __init__(self, todo, scheduler):
+        super().__init__(todo)
+        self.scheduler = scheduler
+
+    def __iter__(self):
+        for number, task in enumerate(super().__iter__()):
+            if number == 20 and self.scheduler.poll() is None:
+                self.scheduler.kill()
+                self.scheduler.wait()
+            yield task

@@ -1,0 +1,99 @@
+"""Tasks in processes of this machine: one that ends its process or is too slow stops no other."""
+
+import json
+import signal
+
+import pytest
+from tasks import of_numbers, running, work
+
+from leadthrough import tasks
+from leadthrough.errors import InvalidInput
+from leadthrough.tasks import Store, Task
+
+
+def rows_of(todo, store):
+    return [store.rows(task.key) for task in todo]
+
+
+def test_processes_make_the_rows_of_a_serial_run(tmp_path):
+    todo = work.draws_of(6, tmp_path / "log")
+    runs = {name: Store(tmp_path / name) for name in ("serial", "processes")}
+    assert len(list(tasks.run(todo, runs["serial"]))) == 6
+    hosts = {each.host for each in tasks.run(todo, runs["processes"], on="local:2")}
+    assert len(hosts) == 2
+    assert rows_of(todo, runs["serial"]) == rows_of(todo, runs["processes"])
+
+
+def test_what_is_stored_is_not_done_again(tmp_path):
+    store = Store(tmp_path / "store")
+    list(tasks.run(work.draws_of(3, tmp_path / "log"), store))
+    again = list(tasks.run(work.draws_of(5, tmp_path / "log"), store))
+    assert [each.known for each in again] == [True, True, True, False, False]
+    assert (tmp_path / "log").read_text().split() == ["0", "1", "2", "3", "4"]
+
+
+def test_each_bad_task_is_one_failure_and_the_others_are_done(tmp_path):
+    log = tmp_path / "log"
+    todo = [
+        Task(work.ends, {"code": 7}),
+        Task(work.ends, {"code": -signal.SIGSEGV}),
+        Task(work.lasts, {"seconds": 60.0}),
+        Task(work.exits, {}),
+        Task(work.is_killed_once, {"log": str(tmp_path / "killed")}),
+        *work.draws_of(3, log),
+    ]
+    store = Store(tmp_path / "store")
+    outcomes = sorted(tasks.run(todo, store, on="local:2", timeout=2.0), key=lambda o: o.index)
+    failures = [each.failure for each in outcomes[:4]]
+    assert [failure["error"] for failure in failures] == [
+        "WorkerKilled",
+        "WorkerKilled",
+        "Timeout",
+        "SystemExit",
+    ]
+    assert "exit code 7 in each of 3 attempts" in failures[0]["message"]
+    assert "SIGSEGV" in failures[1]["message"]
+    assert "longer than 2 s" in failures[2]["message"]
+    assert "raise SystemExit(3)" in failures[3]["traceback"]
+    assert [each.failure for each in outcomes[4:]] == [None] * 4
+    assert outcomes[4].attempts == 2
+    # The attempts of a task that failed are counted over all runs.
+    assert [each.attempts for each in tasks.run(todo[:1], store, on="local:1")] == [6]
+
+
+def test_a_file_is_known_by_its_content(tmp_path):
+    store = Store(tmp_path / "store")
+    files = [tmp_path / name for name in ("one.csv", "same.csv", "other.csv")]
+    for file, text in zip(files, ("x", "x", "y"), strict=True):
+        file.write_text(text)
+    todo = [Task(work.reads, {}, {"recording": file}) for file in files]
+    assert todo[0].key == todo[1].key != todo[2].key
+    assert [each.known for each in tasks.run(todo, store)] == [False, True, False]
+    assert rows_of(todo, store)[1:] == [
+        [{"text": "x", "suffix": ".csv"}],
+        [{"text": "y", "suffix": ".csv"}],
+    ]
+    with pytest.raises(InvalidInput, match=r"none\.csv"):
+        list(tasks.run([Task(work.reads, {}, {"recording": tmp_path / "none.csv"})], store))
+
+
+def test_a_function_that_no_process_can_import_is_refused(tmp_path):
+    with pytest.raises(InvalidInput, match="import by its name"):
+        list(tasks.run([Task(lambda: [], {})], Store(tmp_path), on="local:1"))
+
+
+def test_ctrl_c_writes_the_results_and_the_next_run_goes_on(tmp_path):
+    out = tmp_path / "out"
+    client = running.started(out, "local:2")
+    client.send_signal(signal.SIGINT)
+    assert client.wait(20) == -signal.SIGINT
+    document = json.loads((out / "results.json").read_text())
+    done = len(document["rows"])
+    assert document["unfinished"] == of_numbers.COUNT - done
+    assert done <= len(json.loads((out / "manifest.json").read_text())) <= done + 2
+    ran = (out / "log").read_text().split()
+    assert 3 <= done <= len(ran) <= done + 4 < of_numbers.COUNT
+    # Rows that were stored as the client stopped are known too.
+    store = Store(out / "cache")
+    known = sum(store.report(task.key) is not None for task in of_numbers.slow(out))
+    assert done <= known <= done + 2
