@@ -231,6 +231,19 @@ so3::Quaternions orientations(const Curve& curve, const Path& offset, const Vect
   return dmp::orientations_at(curve, offset, phases, values);
 }
 
+// The highest linear and angular speed of the motion that a state begins.
+py::tuple peak_speeds(const Forces& forces, const PoseState& state, const VectorIn& phases) {
+  require(forces.nodes.cols() == state.channels() && phases.size() >= 2);
+  dmp::Peaks peaks;
+  {
+    const py::gil_scoped_release release;
+    const dmp::State first{state.state.value, state.state.slope, phases[0]};
+    const dmp::Rollout motion = dmp::rollout(forces, *state.course, first, phases);
+    peaks = dmp::peak_speeds(*state.curve, *state.offset, phases, motion);
+  }
+  return py::make_tuple(peaks.linear, peaks.angular);
+}
+
 // Value and slope of the coordinates of an orientation and its angular velocity per phase.
 py::tuple coordinates(const Curve& curve, const Path& offset, double phase,
                       const so3::Quaternion& orientation, const so3::Vector3& velocity,
@@ -327,6 +340,8 @@ void bind_dmp(py::module_& module) {
              py::arg("shown").noconvert(), py::arg("near").noconvert());
   module.def("dmp_orientations", &orientations, py::arg("curve"), py::arg("offset"),
              py::arg("phases").noconvert(), py::arg("values").noconvert());
+  module.def("dmp_peak_speeds", &peak_speeds, py::arg("forces"), py::arg("state"),
+             py::arg("phases").noconvert());
   module.def("dmp_coordinates", &coordinates, py::arg("curve"), py::arg("offset"), py::arg("phase"),
              py::arg("orientation").noconvert(), py::arg("velocity").noconvert(),
              py::arg("near").noconvert());

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/constants.hpp"
+#include "dmp/turning_parts.hpp"
 #include "rotation/curve.hpp"
 
 namespace leadthrough::dmp {
@@ -16,20 +17,6 @@ using so3::Vector3;
 
 // Of the two shortest ways to an offset of half a turn within this, a rule takes one.
 constexpr double kHalfTurn = 1e-9;  // rad
-
-// Of cos(x) and sin(x) / x, in powers of x^2; exact to rounding below this square of half an angle.
-constexpr double kSeriesSquare = 0.07;  // rad^2
-constexpr double kCosine[] = {1.0,           -1.0 / 2.0,       1.0 / 24.0,       -1.0 / 720.0,
-                              1.0 / 40320.0, -1.0 / 3628800.0, 1.0 / 479001600.0};
-constexpr double kSinc[] = {1.0,           -1.0 / 6.0,     1.0 / 120.0,
-                            -1.0 / 5040.0, 1.0 / 362880.0, -1.0 / 39916800.0};
-
-template <std::size_t size>
-double polynomial(const double (&coefficients)[size], double x) {
-  double result = coefficients[size - 1];
-  for (std::size_t power = size - 1; power-- > 0;) result = result * x + coefficients[power];
-  return result;
-}
 
 // so3::exp without a root, sine and cosine: the curve's steps and the coordinates are short.
 Quaternion short_exp(const Vector3& vector) {
@@ -66,11 +53,6 @@ struct Moving {
   }
 };
 
-// A share that has passed, and how fast it does.
-struct Progress {
-  double share, speed;
-};
-
 template <typename Product>
 void turn_by_offset(const Path& offset, double phase, Product& product) {
   if (offset.empty()) return;
@@ -86,20 +68,6 @@ void turn_by_offset(const Path& offset, double phase, Product& product) {
   product.times(so3::exp(vector), [&]() -> Vector3 {
     return moves ? Vector3(so3::left_jacobian(vector) * slope) : Vector3(Vector3::Zero());
   });
-}
-
-// The place on the curve. Beyond phase 1 it stands, or runs on.
-Progress place_on(const Curve& curve, double phase) {
-  const Eigen::Index intervals = curve.speeds.size() - 1;
-  const auto count = static_cast<double>(intervals);
-  const bool ends = curve.canonical == Canonical::kDiscrete;
-  if (ends && phase >= 1.0) return {curve.covered[intervals], 0.0};
-  const double at = count * (phase - (ends ? 0.0 : std::floor(phase)));
-  const auto node = std::clamp<Eigen::Index>(static_cast<Eigen::Index>(at), 0, intervals - 1);
-  const double share = at - static_cast<double>(node);
-  const double left = curve.speeds[node];
-  const double rise = curve.speeds[node + 1] - left;
-  return {curve.covered[node] + share * (left + 0.5 * share * rise) / count, left + share * rise};
 }
 
 template <typename Product>
@@ -181,6 +149,25 @@ Vector3 slope_of(Chart chart, const Vector3& value, const Vector3& velocity) {
 
 }  // namespace
 
+Progress place_on(const Curve& curve, double phase) {
+  const Eigen::Index intervals = curve.speeds.size() - 1;
+  const auto count = static_cast<double>(intervals);
+  const bool ends = curve.canonical == Canonical::kDiscrete;
+  if (ends && phase >= 1.0) return {curve.covered[intervals], 0.0};
+  const double at = count * (phase - (ends ? 0.0 : std::floor(phase)));
+  const auto node = std::clamp<Eigen::Index>(static_cast<Eigen::Index>(at), 0, intervals - 1);
+  const double share = at - static_cast<double>(node);
+  const double left = curve.speeds[node];
+  const double rise = curve.speeds[node + 1] - left;
+  return {curve.covered[node] + share * (left + 0.5 * share * rise) / count, left + share * rise};
+}
+
+Quaternion offset_at(const Path& offset, double phase) {
+  Still product;
+  turn_by_offset(offset, phase, product);
+  return product.orientation;
+}
+
 Vector3 offset_between(const Quaternion& wanted, const Quaternion& shown, const Vector3& near) {
   Quaternion turn = so3::compose(wanted, so3::inverse(shown));
   if (std::abs(turn[0]) < 0.5 * kHalfTurn) {
@@ -224,20 +211,6 @@ Quaternion orientation_at(const Curve& curve, const Path& offset, double phase,
   // Rounding has left it so near to unit length that one step of Newton's makes it that.
   const double excess = product.orientation.squaredNorm() - 1.0;
   return product.orientation * (1.0 - 0.5 * excess);
-}
-
-so3::Quaternions orientations_at(const Curve& curve, const Path& offset,
-                                 const Eigen::Ref<const Vector>& phases,
-                                 const Eigen::Ref<const Rows>& values) {
-  so3::Quaternions result(phases.size(), 4);
-  Quaternion previous = Quaternion::Zero();
-  for (Eigen::Index n = 0; n < phases.size(); ++n) {
-    const Vector3 value = values.row(n).tail<3>();
-    const Quaternion q = orientation_at(curve, offset, phases[n], value);
-    previous = q.dot(previous) < 0.0 ? Quaternion(-q) : q;
-    result.row(n) = previous;
-  }
-  return result;
 }
 
 }  // namespace leadthrough::dmp

@@ -59,4 +59,11 @@ so3::Quaternions orientations_at(const Curve& curve, const Path& offset,
                                  const Eigen::Ref<const Vector>& phases,
                                  const Eigen::Ref<const Rows>& values);
 
+// The highest speeds of a motion rolled out at even phases from 0 to 1, per unit of phase.
+struct Peaks {
+  double linear = 0.0, angular = 0.0;
+};
+Peaks peak_speeds(const Curve& curve, const Path& offset, const Eigen::Ref<const Vector>& phases,
+                  const Rollout& motion);
+
 }  // namespace leadthrough::dmp

@@ -627,6 +627,9 @@ def dmp_orientations(
     phases: Float64Array,
     values: Float64Array,
 ) -> Float64Array: ...
+def dmp_peak_speeds(
+    forces: DmpForces, state: PoseState, phases: Float64Array
+) -> tuple[float, float]: ...
 def dmp_coordinates(
     curve: DmpCurve,
     offset: DmpPath,

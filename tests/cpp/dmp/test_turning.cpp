@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/constants.hpp"
@@ -95,6 +96,42 @@ TEST(Turning, ShortAndLongCoordinatesAgreeWithTheExponential) {
     const Quaternion q = orientation_at(curve, none, 0.2, vector);
     EXPECT_LT(so3::distance(q, so3::compose(base, so3::exp(vector))), 1e-15) << angle;
   }
+}
+
+// Four phases at a time, some by themselves, and some too long for the series.
+TEST(Turning, ManyOrientationsAreThoseOfEachPhase) {
+  for (const Chart chart : {Chart::kRotationVector, Chart::kZyz}) {
+    const Curve curve = winding(chart);
+    const Vector phases = Vector::LinSpaced(23, 0.0, 1.1);
+    Rows values(23, 6);
+    for (Eigen::Index n = 0; n < values.rows(); ++n)
+      for (Eigen::Index k = 0; k < 6; ++k)
+        values(n, k) = (n < 15 ? 0.1 : 0.9) * std::sin(static_cast<double>(n * k + k));
+    for (const Path& offset : {Path{}, kOffset}) {
+      const so3::Quaternions all = orientations_at(curve, offset, phases, values);
+      for (Eigen::Index n = 0; n < values.rows(); ++n) {
+        const Quaternion one = orientation_at(curve, offset, phases[n], values.row(n).tail<3>());
+        const Quaternion found = all.row(n);
+        EXPECT_TRUE(found == one || found == -one) << n;
+        if (n > 0) EXPECT_GE(all.row(n).dot(all.row(n - 1)), 0.0) << n;
+      }
+    }
+  }
+}
+
+TEST(Turning, PeakSpeedsAreThoseOfDenseDifferences) {
+  const Curve curve = winding(Chart::kRotationVector);
+  const Vector phases = Vector::LinSpaced(2001, 0.0, 1.0);
+  Rollout motion{Rows::Zero(2001, 6), Rows::Zero(2001, 6)};
+  motion.slopes.row(700) << 3.0, 0.0, -4.0, 9.0, 9.0, 9.0;
+  const Peaks peaks = peak_speeds(curve, Path{}, phases, motion);
+  double fastest = 0.0;
+  for (const double phase : phases) {
+    const Vector3 zero = Vector3::Zero();
+    fastest = std::max(fastest, turn_at(curve, Path{}, phase, zero, zero).velocity.norm());
+  }
+  EXPECT_EQ(peaks.linear, 5.0);
+  EXPECT_NEAR(peaks.angular, fastest, 1e-3);
 }
 
 TEST(Turning, StandsAfterTheEndOrGoesRoundAgain) {

@@ -330,6 +330,7 @@ call(
 call(core.dmp_offset, HALF_PI_Z[0], wanted=QUARTER[0], shown=ONE[0], near=0 * X[0])
 on_curve = {"curve": curve, "offset": bent}
 call(core.dmp_orientations, ONE, phases=BREAKS, values=np.zeros((2, 3)), **on_curve)
+call(core.dmp_peak_speeds, None, forces=forces6, state=pose, phases=BREAKS)
 spin = {"orientation": QUARTER[0], "velocity": 0 * X[0], "near": 0 * X[0]}
 call(core.dmp_coordinates, HALF_PI_Z[0], phase=0.5, **spin, **on_curve)
 

@@ -18,7 +18,7 @@ FREE = dict(
     Chain.pose(q)  bridge_on_time(target)  bridge_to_start(target)  cells_within(cells)
     finer_cells(cells)  first_contact(samples)  first_excess(samples)  path_distances(path points)
     extent(rows)  slowed(path)  stopped(path)
-    DmpForces(nodes)  DmpPath(coefficients)
+    DmpForces(nodes)  DmpPath(coefficients)  dmp_peak_speeds(phases)
     IkOptions(posture reference)  PursuitOptions(acceleration velocity)  TimedPath(coefficients)
     Shape.distances(points)  TimedPath.positions_at(lengths)  all_finite(values)
     cloud_shape(points)

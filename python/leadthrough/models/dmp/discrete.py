@@ -265,7 +265,7 @@ class DMPSkill(Primitive[DMP, _core.PointState], Generic[MotionT_co]):
 
     def _lengthening(self, state: _core.PointState) -> float:
         _, slopes = self._looked_at(state)
-        return self._shown.lengthening(slopes, self.duration)
+        return self._shown.lengthening(self._shown.measure.peak(slopes), self.duration)
 
     def _motion(
         self, duration: float, phases: Float64Array, positions: Float64Array, slopes: Float64Array

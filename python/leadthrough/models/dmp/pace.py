@@ -72,18 +72,18 @@ class Part:
     def _own_peak(self) -> float:
         return self.measure.peak(self.velocities)
 
-    def lengthening(self, velocities: Float64Array, duration: float) -> float:
-        """The factor by which a motion with velocities (n, d) per unit of phase must take longer.
+    def lengthening(self, peak: float, duration: float) -> float:
+        """The factor by which a motion of another highest speed must take longer.
 
         Args:
-            velocities: of the motion that is asked for.
+            peak: highest speed of the motion that is asked for, per unit of phase.
             duration: s, of the replayed one.
         """
         if self.extent <= self.measure.still:
             return 1.0
         slow = self.measure.slow * duration
         allowed = max(QUICKER * self._own_peak, slow)
-        return max(self.measure.peak(velocities) / allowed, 1.0)
+        return max(peak / allowed, 1.0)
 
 
 def pose_progress(moving: Part, turning: Part) -> Progress:

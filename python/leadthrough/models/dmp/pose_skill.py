@@ -274,12 +274,10 @@ class PoseDMPSkill(Primitive["PoseDMP", _core.PoseState]):
         return Part(MOVING, slopes[:, :3], moved), Part(TURNING, spins_of(q), turned)
 
     def _lengthening(self, state: _core.PoseState) -> float:
-        values, slopes = self._looked_at(state)
-        spins = spins_of(self.turning.orientations(COARSE_PHASES, values, state.offset))
+        linear, angular = _core.dmp_peak_speeds(self.springs.forces, state, COARSE_PHASES)
         moving, turning = self._shown
         return max(
-            moving.lengthening(slopes[:, :3], self.duration),
-            turning.lengthening(spins, self.duration),
+            moving.lengthening(linear, self.duration), turning.lengthening(angular, self.duration)
         )
 
     def _constraints(

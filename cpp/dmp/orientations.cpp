@@ -1,0 +1,165 @@
+// Orientations at many phases, four at a time: each is a long chain of operations that wait for one
+// another, four chains wait together. The operations on each are those of a single orientation, in
+// their order, so that the numbers are the same.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "dmp/turning.hpp"
+#include "dmp/turning_parts.hpp"
+
+namespace leadthrough::dmp {
+
+namespace {
+
+using Eigen::Index;
+using so3::Quaternion;
+using so3::Vector3;
+
+constexpr Index kLanes = 4;
+using Lanes = Eigen::Array<double, kLanes, 1>;
+
+struct Vectors4 {
+  Lanes x, y, z;
+
+  void set(Index lane, const double* from) {
+    x[lane] = from[0];
+    y[lane] = from[1];
+    z[lane] = from[2];
+  }
+  // Of their lengths.
+  Lanes quarter_squared() const { return 0.25 * (x * x + y * y + z * z); }
+};
+
+struct Quaternions4 {
+  Lanes w, x, y, z;
+
+  void set(Index lane, const double* from) {
+    w[lane] = from[0];
+    x[lane] = from[1];
+    y[lane] = from[2];
+    z[lane] = from[3];
+  }
+  Quaternion get(Index lane) const { return {w[lane], x[lane], y[lane], z[lane]}; }
+};
+
+Quaternions4 compose(const Quaternions4& a, const Quaternions4& b) {
+  return {a.w * b.w - (a.x * b.x + a.y * b.y + a.z * b.z),
+          a.w * b.x + b.w * a.x + (a.y * b.z - a.z * b.y),
+          a.w * b.y + b.w * a.y + (a.z * b.x - a.x * b.z),
+          a.w * b.z + b.w * a.z + (a.x * b.y - a.y * b.x)};
+}
+
+// What four orientations are the product of.
+struct Factors {
+  Quaternions4 offset, control;
+  std::array<Vectors4, 3> steps;  // each times its share
+  Vectors4 coordinates;
+
+  bool are_short() const {
+    bool all = (coordinates.quarter_squared() < kSeriesSquare).all();
+    for (const Vectors4& step : steps) all = all && (step.quarter_squared() < kSeriesSquare).all();
+    return all;
+  }
+};
+
+Quaternions4 short_exp(const Vectors4& vector) {
+  const Lanes h = vector.quarter_squared();
+  const Lanes scale = 0.5 * polynomial(kSinc, h);
+  return {polynomial(kCosine, h), scale * vector.x, scale * vector.y, scale * vector.z};
+}
+
+Factors factors_of(const Curve& curve, const Path& offset, const double* phases,
+                   const Eigen::Ref<const Rows>& values, Index first) {
+  Factors result;
+  std::array<Lanes, 3> shares;
+  Lanes s;
+  std::array<Index, kLanes> intervals;
+  for (Index lane = 0; lane < kLanes; ++lane) {
+    const double place = place_on(curve, phases[lane]).share;
+    const auto i = std::clamp<Index>(static_cast<Index>(place), 0, curve.controls.rows() - 4);
+    intervals[static_cast<std::size_t>(lane)] = i;
+    s[lane] = place - static_cast<double>(i);
+    result.control.set(lane, curve.controls.row(i).data());
+    result.offset.set(lane, offset_at(offset, phases[lane]).data());
+    result.coordinates.set(lane, values.row(first + lane).tail<3>().data());
+  }
+  const Lanes r = 1.0 - s;
+  shares[0] = 1.0 - r * r * r / 6.0;
+  shares[1] = (1.0 + s * (3.0 + s * (3.0 - 2.0 * s))) / 6.0;
+  shares[2] = s * s * s / 6.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    Vectors4& step = result.steps[k];
+    for (Index lane = 0; lane < kLanes; ++lane)
+      step.set(lane,
+               curve.steps.row(intervals[static_cast<std::size_t>(lane)] + static_cast<Index>(k))
+                   .data());
+    step = {shares[k] * step.x, shares[k] * step.y, shares[k] * step.z};
+  }
+  return result;
+}
+
+Quaternions4 product(const Factors& factors) {
+  Quaternions4 q = compose(factors.offset, factors.control);
+  for (const Vectors4& step : factors.steps) q = compose(q, short_exp(step));
+  q = compose(q, short_exp(factors.coordinates));
+  const Lanes excess = (q.w * q.w + q.y * q.y) + (q.x * q.x + q.z * q.z) - 1.0;
+  const Lanes scale = 1.0 - 0.5 * excess;
+  return {q.w * scale, q.x * scale, q.y * scale, q.z * scale};
+}
+
+}  // namespace
+
+so3::Quaternions orientations_at(const Curve& curve, const Path& offset,
+                                 const Eigen::Ref<const Vector>& phases,
+                                 const Eigen::Ref<const Rows>& values) {
+  so3::Quaternions result(phases.size(), 4);
+  Quaternion previous = Quaternion::Zero();
+  const auto add = [&](Index n, const Quaternion& q) {
+    previous = q.dot(previous) < 0.0 ? Quaternion(-q) : q;
+    result.row(n) = previous;
+  };
+  for (Index n = 0; n < phases.size();) {
+    const Index many = curve.chart == Chart::kRotationVector ? n + kLanes : phases.size() + 1;
+    if (many <= phases.size()) {
+      const Factors factors = factors_of(curve, offset, phases.data() + n, values, n);
+      if (factors.are_short()) {
+        const Quaternions4 found = product(factors);
+        for (Index lane = 0; lane < kLanes; ++lane) add(n++, found.get(lane));
+        continue;
+      }
+    }
+    add(n, orientation_at(curve, offset, phases[n], values.row(n).tail<3>()));
+    ++n;
+  }
+  return result;
+}
+
+Peaks peak_speeds(const Curve& curve, const Path& offset, const Eigen::Ref<const Vector>& phases,
+                  const Rollout& motion) {
+  Peaks peaks;
+  for (Index n = 0; n < motion.slopes.rows(); ++n) {
+    const double* v = motion.slopes.row(n).data();
+    peaks.linear = std::max(peaks.linear, std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
+  }
+  const so3::Quaternions q = orientations_at(curve, offset, phases, motion.values);
+  const Index last = q.rows() - 1;
+  const auto count = static_cast<double>(last);
+  Vector3 before = Vector3::Zero();
+  for (Index n = 0; n <= last; ++n) {
+    // Central differences, and at both ends one-sided ones.
+    Vector3 between = before;
+    if (n < last) {
+      const Quaternion turn = so3::compose(q.row(n + 1), so3::inverse(q.row(n)));
+      between = so3::log(turn) * count;
+    }
+    const Vector3 spin = n == 0 || n == last ? between : Vector3(0.5 * (between + before));
+    const double squared = spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2];
+    peaks.angular = std::max(peaks.angular, std::sqrt(squared));
+    before = between;
+  }
+  return peaks;
+}
+
+}  // namespace leadthrough::dmp

@@ -1,0 +1,37 @@
+#pragma once
+
+// What single orientations of a pose primitive and many of them at once are made of.
+
+#include <cstddef>
+
+#include "dmp/turning.hpp"
+
+namespace leadthrough::dmp {
+
+// Of cos(x) and sin(x) / x, in powers of x^2; exact to rounding below this square of half an angle.
+inline constexpr double kSeriesSquare = 0.07;  // rad^2
+inline constexpr double kCosine[] = {
+    1.0, -1.0 / 2.0, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40320.0, -1.0 / 3628800.0, 1.0 / 479001600.0};
+inline constexpr double kSinc[] = {1.0,           -1.0 / 6.0,     1.0 / 120.0,
+                                   -1.0 / 5040.0, 1.0 / 362880.0, -1.0 / 39916800.0};
+
+// Of a number, or of several numbers in an array.
+template <typename Number, std::size_t size>
+Number polynomial(const double (&coefficients)[size], const Number& x) {
+  Number result = coefficients[size - 1] * x + coefficients[size - 2];
+  for (std::size_t power = size - 2; power-- > 0;) result = result * x + coefficients[power];
+  return result;
+}
+
+// A share that has passed, and how fast it does.
+struct Progress {
+  double share, speed;
+};
+
+// The place on the curve. Beyond phase 1 it stands, or runs on.
+Progress place_on(const Curve& curve, double phase);
+
+// The rotation by which the offset turns at a phase.
+so3::Quaternion offset_at(const Path& offset, double phase);
+
+}  // namespace leadthrough::dmp
