@@ -8,6 +8,7 @@ from . import (
     preprocess,
     rotations,
     show,
+    simulation,
     timing,
     trajectories,
     whole_arm,
@@ -36,6 +37,7 @@ from .models import (
 from .motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from .planning import Grid, arrival_times
 from .shapes import Box, Capsule, Cylinder, Mesh, PointCloud, Sphere
+from .simulation import SimulationReport, simulate
 from .timing import check_limits, differentiate, retime, scale_to_limits
 from .whole_arm import PlannedMotion, plan_motion
 
@@ -64,6 +66,7 @@ __all__ = [
     "ProMP",
     "RhythmicDMP",
     "RhythmicPoseDMP",
+    "SimulationReport",
     "SkillLibrary",
     "Sphere",
     "Trajectory",
@@ -88,6 +91,8 @@ __all__ = [
     "rotations",
     "scale_to_limits",
     "show",
+    "simulate",
+    "simulation",
     "timing",
     "trajectories",
     "whole_arm",

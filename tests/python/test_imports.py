@@ -37,6 +37,7 @@ STAGES = (
     "timing",
     "whole_arm",
     "guard",
+    "simulation",
     "show",
     "cli",
 )

@@ -1,0 +1,27 @@
+"""Arms under gravity, friction and a controller: what a motion does before a real arm runs it."""
+
+from leadthrough.simulation.cartesian import CartesianImpedance
+from leadthrough.simulation.controllers import (
+    ComputedTorque,
+    Controller,
+    JointImpedance,
+    PositionServo,
+)
+from leadthrough.simulation.report import Contact, Finding, SimulationReport
+from leadthrough.simulation.simulate import simulate
+from leadthrough.simulation.simulated_arm import Push, SimulatedArm, Touch
+
+__all__ = [
+    "CartesianImpedance",
+    "ComputedTorque",
+    "Contact",
+    "Controller",
+    "Finding",
+    "JointImpedance",
+    "PositionServo",
+    "Push",
+    "SimulatedArm",
+    "SimulationReport",
+    "Touch",
+    "simulate",
+]

@@ -1,0 +1,323 @@
+"""Controllers of the joints: torques from where the arm should be and where it is.
+
+A controller is a frozen description; `law` makes the function of a run. Each law also states its
+own linear model, from which `leadthrough.simulation.theory` tells what error it allows.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leadthrough import _core, check
+from leadthrough.arm import Arm
+from leadthrough.brief import Brief
+from leadthrough.check import Float64Array
+from leadthrough.guard import CommandedState
+
+# Fraction of the heaviest joint's inertia, of turning and of sliding joints apart.
+_LIGHTEST = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """What a controller knows at the beginning of a period.
+
+    Attributes:
+        target: where the arm should be now, and the acceleration that takes it on.
+        q: measured positions (joints,).
+        qd: measured velocities (joints,).
+        progress: fraction of the path that the tip has gone, in [0, 1].
+    """
+
+    target: CommandedState
+    q: Float64Array
+    qd: Float64Array
+    progress: float
+
+
+@dataclass(frozen=True, eq=False)
+class Gains(Brief):
+    """What a law answers to small errors, along a motion.
+
+    Attributes:
+        stiffness: (n, joints, joints), N m/rad.
+        damping: (n, joints, joints), N m s/rad, without that of the drives.
+        unmodelled: (n, joints), N m: what the motion needs and the law does not feed forward.
+    """
+
+    stiffness: Float64Array
+    damping: Float64Array
+    unmodelled: Float64Array
+
+
+class Law(ABC):
+    """A controller of one arm.
+
+    Args:
+        arm: as the controller knows it.
+        gravity: (3,), m/s^2 in the base frame.
+    """
+
+    def __init__(self, arm: Arm, gravity: Float64Array) -> None:
+        self.arm = arm
+        self.gravity = gravity
+        self._chain = arm._chain
+        # N m s/rad (N s/m) per joint, of dampers in the drives: these know their joint's velocity
+        # at once, at a far higher rate.
+        self.drive_damping = np.zeros(len(arm.joint_names))
+
+    @abstractmethod
+    def torques(self, now: Moment) -> Float64Array:
+        """Torques (joints,), N m (N), for one period."""
+
+    @abstractmethod
+    def gains(self, motion: Motion) -> Gains:
+        """The linear model of the law along a motion."""
+
+    def needed(self, q: Float64Array, qd: Float64Array, qdd: Float64Array) -> Float64Array:
+        """Torques (joints,) that a motion needs, without any check of the arguments."""
+        rows = _core.inverse_dynamics(self._chain, q[None], qd[None], qdd[None], self.gravity)
+        return np.asarray(rows[0])
+
+    def held(self, q: Float64Array) -> Float64Array:
+        """Torques (joints,) that hold the arm against gravity, likewise."""
+        still = np.zeros_like(q)
+        return self.needed(q, still, still)
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Samples (n, joints) of a motion of which a law's linear model is wanted.
+
+    Attributes:
+        q: positions.
+        mass: mass matrices (n, joints, joints).
+        torques: that the motion needs.
+        weight: of these, those that hold the arm against gravity.
+        progress: (n,) fractions of the tip's path.
+    """
+
+    q: Float64Array
+    mass: Float64Array
+    torques: Float64Array
+    weight: Float64Array
+    progress: Float64Array
+
+
+class Controller(Brief, ABC):
+    """What simulated arms are controlled by."""
+
+    @abstractmethod
+    def law(self, arm: Arm, q: Float64Array, *, gravity: Float64Array) -> Law:
+        """The controller at work.
+
+        Args:
+            arm: as the controller knows it.
+            q: where it begins (joints,), for gains that follow from the arm's inertia.
+            gravity: (3,), m/s^2 in the base frame.
+
+        Raises:
+            InvalidInput: if gains do not fit the arm.
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class ComputedTorque(Controller):
+    """Inverse dynamics of the arm, with errors that fade as those of a linear oscillator.
+
+    Attributes:
+        frequency: natural frequency of the error, rad/s, > 0.
+        damping_ratio: 1 for no overshoot, > 0.
+
+    Raises:
+        InvalidInput: if one is not > 0.
+
+    Source: Siciliano et al. 2009, "Robotics", section 8.5.2.
+    """
+
+    frequency: float = 30.0
+    damping_ratio: float = 1.0
+
+    def __post_init__(self) -> None:
+        _require_positive(self, "frequency", "damping_ratio")
+
+    def law(
+        self,
+        arm: Arm,
+        q: Float64Array,  # noqa: ARG002  # its gains are the same everywhere
+        *,
+        gravity: Float64Array,
+    ) -> Law:
+        return _Linearised(arm, gravity, self)
+
+
+class _Linearised(Law):
+    def __init__(self, arm: Arm, gravity: Float64Array, made: ComputedTorque) -> None:
+        super().__init__(arm, gravity)
+        self._k = made.frequency**2
+        self._d = 2.0 * made.damping_ratio * made.frequency
+
+    def torques(self, now: Moment) -> Float64Array:
+        target = now.target
+        wanted = target.qdd + self._d * (target.qd - now.qd) + self._k * (target.q - now.q)
+        return self.needed(now.q, now.qd, wanted)
+
+    def gains(self, motion: Motion) -> Gains:
+        return Gains(self._k * motion.mass, self._d * motion.mass, np.zeros_like(motion.q))
+
+
+@dataclass(frozen=True, eq=False)
+class PositionServo(Controller):
+    """A spring and a damper at each joint, without any model of the arm.
+
+    Attributes:
+        stiffness: (joints,) or one number, N m/rad (N/m), > 0; by default that which gives the
+            inertia of each joint at the start the frequency.
+        frequency: natural frequency of the joints, rad/s, > 0; without a stiffness.
+        damping_ratio: of each joint with its inertia at the start, > 0.
+
+    Raises:
+        InvalidInput: if one is not > 0.
+    """
+
+    stiffness: ArrayLike | None = None
+    frequency: float = 100.0
+    damping_ratio: float = 1.0
+
+    def __post_init__(self) -> None:
+        _require_positive(self, "frequency", "damping_ratio")
+
+    def law(self, arm: Arm, q: Float64Array, *, gravity: Float64Array) -> Law:
+        springs, dampers = joint_gains(
+            arm, q, self.stiffness, frequency=self.frequency, damping_ratio=self.damping_ratio
+        )
+        return _Springs(arm, gravity, springs, dampers, weightless=False)
+
+
+@dataclass(frozen=True, eq=False)
+class JointImpedance(Controller):
+    """A spring and a damper at each joint, and torques that carry the arm's weight.
+
+    Attributes:
+        stiffness: (joints,) or one number, N m/rad (N/m), > 0; by default that which gives the
+            inertia of each joint at the start the frequency.
+        frequency: natural frequency of the joints, rad/s, > 0; without a stiffness.
+        damping_ratio: of each joint with its inertia at the start, > 0.
+
+    Raises:
+        InvalidInput: if one is not > 0.
+
+    Source: Albu-Schaeffer, Ott and Hirzinger 2007.
+    """
+
+    stiffness: ArrayLike | None = None
+    frequency: float = 20.0
+    damping_ratio: float = 1.0
+
+    def __post_init__(self) -> None:
+        _require_positive(self, "frequency", "damping_ratio")
+
+    def law(self, arm: Arm, q: Float64Array, *, gravity: Float64Array) -> Law:
+        springs, dampers = joint_gains(
+            arm, q, self.stiffness, frequency=self.frequency, damping_ratio=self.damping_ratio
+        )
+        return _Springs(arm, gravity, springs, dampers, weightless=True)
+
+
+class _Springs(Law):
+    def __init__(  # the law's own parts
+        self,
+        arm: Arm,
+        gravity: Float64Array,
+        springs: Float64Array,
+        dampers: Float64Array,
+        *,
+        weightless: bool,
+    ) -> None:
+        super().__init__(arm, gravity)
+        self._springs, self._weightless = springs, weightless
+        self.drive_damping = dampers
+
+    def torques(self, now: Moment) -> Float64Array:
+        pull = self._springs * (now.target.q - now.q)
+        pull += self.drive_damping * (now.target.qd - now.qd)
+        return pull + self.held(now.q) if self._weightless else pull
+
+    def gains(self, motion: Motion) -> Gains:
+        count = (len(motion.q), 1, 1)
+        left = motion.torques - motion.weight if self._weightless else motion.torques
+        springs = np.tile(np.diag(self._springs), count)
+        return Gains(springs, np.zeros_like(springs), left)
+
+
+def joint_gains(
+    arm: Arm,
+    q: Float64Array,
+    stiffness: ArrayLike | None,
+    *,
+    frequency: float,
+    damping_ratio: float,
+) -> tuple[Float64Array, Float64Array]:
+    """Springs and dampers (joints,) of an arm's joints.
+
+    Args:
+        arm: whose inertia counts.
+        q: where.
+        stiffness: as for `JointImpedance`.
+        frequency: rad/s.
+        damping_ratio: of each joint.
+
+    Raises:
+        InvalidInput: if a stiffness is not > 0 or their number is not that of the joints.
+    """
+    inertia = _inertias(arm, q)
+    if stiffness is None:
+        springs = frequency**2 * inertia
+    else:
+        springs = per_joint(stiffness, "stiffness", arm, above=0.0)
+    return springs, 2.0 * damping_ratio * np.sqrt(springs * inertia)
+
+
+def _inertias(arm: Arm, q: Float64Array) -> Float64Array:
+    """What each joint moves (joints,), kg m^2 (kg); light joints as a part of the heaviest.
+
+    The motors' own inertia, which a URDF does not state, lets real joints be no lighter.
+    """
+    inertia = np.diag(arm.mass_matrix(q)).copy()
+    path = arm.robot.path(arm.base, arm.tip)
+    slides = {joint.name for joint in path if joint.kind == "prismatic"}
+    kinds = np.array([name in slides for name in arm.joint_names])
+    for kind in (kinds, ~kinds):
+        inertia[kind] = np.maximum(inertia[kind], _LIGHTEST * inertia[kind].max(initial=0.0))
+    return inertia
+
+
+def per_joint(
+    value: ArrayLike,
+    name: str,
+    arm: Arm,
+    *,
+    above: float | None = None,
+    at_least: float | None = None,
+) -> Float64Array:
+    """A number for each joint (joints,), from as many or from one for all.
+
+    Raises:
+        InvalidInput: if there are others, or one is out of its range.
+    """
+    count = len(arm.joint_names)
+    if np.ndim(value) == 0:
+        value = np.full(count, value)
+    numbers = check.array(value, name, shape=(count,))
+    for number in numbers:
+        check.number(number, name, above=above, at_least=at_least)
+    return numbers
+
+
+def _require_positive(made: object, *names: str) -> None:
+    for name in names:
+        check.number(getattr(made, name), name, above=0.0)

@@ -1,0 +1,276 @@
+"""An arm as a MuJoCo model, made from what its URDF states; no scene file is read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from leadthrough import _core, optional, rotations
+from leadthrough.arm import Arm
+from leadthrough.arm.attachment import Load
+from leadthrough.arm.link_poses import link_poses
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidRobot
+from leadthrough.shapes import Shape
+from leadthrough.simulation.geometry import link_solids, solids_of
+from leadthrough.simulation.inertias import link_inertias
+
+ATTACHED = "attached"  # as collision reports call it
+# MuJoCo refuses moving bodies without a mass, kg and kg m^2: too little to be felt.
+_LEAST = 1e-13
+
+
+@dataclass(frozen=True, eq=False)
+class Plant:
+    """A compiled model and where the arm's joints are in it.
+
+    Attributes:
+        model: `mujoco.MjModel`.
+        joints: indices of the arm's joints among its coordinates; its motors have their order.
+        drives: of each coordinate, the arm's joint that drives it, a factor and an offset: those of
+            joints that mimic another are not 1 and 0.
+        tip: index of the body of the tip link.
+        effort: (joints,), N m (N): the lower of the URDF's and the limits'; infinite if neither
+            states one.
+        velocity: (joints,), rad/s (m/s), likewise.
+        friction: (joints,), N m (N), whichever way the joint moves.
+        damping: (joints,), N m s/rad (N s/m).
+    """
+
+    model: Any
+    joints: NDArray[np.int64]
+    drives: tuple[tuple[int, float, float], ...]
+    tip: int
+    effort: Float64Array
+    velocity: Float64Array
+    friction: Float64Array
+    damping: Float64Array
+
+    def coordinates(self, q: Float64Array) -> Float64Array:
+        """Positions of all joints of the model, from the arm's own (joints,)."""
+        return np.array([factor * q[joint] + offset for joint, factor, offset in self.drives])
+
+
+def plant(
+    arm: Arm,
+    obstacles: Sequence[Shape],
+    *,
+    payload: float,
+    friction: Float64Array,
+    damping: Float64Array,
+    drive_damping: Float64Array,
+    gravity: Float64Array,
+    period: float,
+) -> Plant:
+    """The model of an arm among obstacles.
+
+    Args:
+        arm: the arm.
+        obstacles: shapes in the base frame.
+        payload: factor by which the loads at the tip are heavier than the arm knows.
+        friction: (joints,), N m (N), besides the URDF's.
+        damping: (joints,), N m s/rad (N s/m), besides the URDF's.
+        drive_damping: (joints,), N m s/rad (N s/m), of dampers inside the motors' drives.
+        gravity: (3,), m/s^2 in the base frame.
+        period: of a step, s.
+
+    Raises:
+        InvalidRobot: if the URDF states no masses, or no bodies have its inertias.
+        MissingDependency: if MuJoCo is not installed.
+    """
+    mujoco = optional.load("mujoco", extra="simulation")
+    if arm._chain.mass == 0.0:
+        raise InvalidRobot("robot", "no link that the arm moves has a mass, so nothing resists")
+    stated = _dynamics(arm)
+    dry, viscous = friction + stated[0], damping + stated[1]
+    spec = mujoco.MjSpec()
+    _set_options(mujoco, spec, gravity, period)
+    _add_links(mujoco, spec, arm, link_inertias(arm, payload=payload))
+    _add_obstacles(spec, obstacles)
+    for a, b in _never_touching(arm):
+        spec.add_exclude(bodyname1=a, bodyname2=b)
+    own = _core.Chain(arm._robot, arm.base, arm.tip)
+    effort = _stricter(own.effort, arm.limits.effort)
+    drives = _add_joints(
+        mujoco,
+        spec,
+        arm,
+        effort=effort,
+        friction=dry,
+        damping=viscous,
+        drive_damping=drive_damping,
+    )
+    try:
+        model = spec.compile()
+    except ValueError as error:
+        raise InvalidRobot("robot", f"MuJoCo cannot simulate it: {error}") from None
+    order = [model.joint(name) for name in drives]
+    joints = [model.joint(name).dofadr[0] for name in arm.joint_names]
+    placed = {each.qposadr[0]: drives[each.name] for each in order}
+    return Plant(
+        model,
+        np.array(joints, dtype=np.int64),
+        tuple(placed[i] for i in range(len(placed))),
+        model.body(arm.tip).id,
+        effort,
+        _stricter(own.velocity, arm.limits.velocity),
+        dry,
+        viscous,
+    )
+
+
+def _stricter(urdf: Float64Array, limits: Float64Array | None) -> Float64Array:
+    """The lower of what a URDF and a limits file state; 0 in a URDF states nothing."""
+    stated = np.where(urdf > 0.0, urdf, np.inf)
+    return stated if limits is None else np.minimum(stated, np.where(limits > 0.0, limits, np.inf))
+
+
+def _set_options(mujoco: Any, spec: Any, gravity: Float64Array, period: float) -> None:
+    spec.option.timestep = period
+    spec.option.gravity = gravity
+    # With this one, positions go on by the new velocities: their differences are the velocities.
+    # Dampers act at the end of a step, so that strong ones on light joints are stable.
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE
+    spec.compiler.degree = False
+
+
+def _add_links(mujoco: Any, spec: Any, arm: Arm, bodies: Mapping[str, Load]) -> None:
+    """All links of the robot: those that the arm moves as bodies of a tree, others stand still."""
+    robot = arm.robot
+    still = link_poses(arm, arm._chain.middle[None])
+    solids = link_solids(arm)
+    driven = {joint.name for joint in robot.path(arm.base, arm.tip) if joint.kind != "fixed"}
+    made: dict[int, Any] = {}
+    incoming = {joint.child: joint for joint in robot.tree}
+    for i in [0, *(joint.child for joint in robot.tree)]:
+        joint, name = incoming.get(i), robot.links[i]
+        if joint is not None and (joint.name in driven or joint.parent in made):
+            parent = made.get(joint.parent, spec.worldbody)
+            at = _at_rest(arm, joint, driven)
+            if joint.parent not in made:  # the arm's first joint: on a link that stands still
+                turned, placed = (part[0] for part in still[robot.links[joint.parent]])
+                at = (placed + turned @ at[0], turned @ at[1])
+            made[i] = body = parent.add_body(name=name, pos=at[0], quat=_quaternion(at[1]))
+            _set_inertia(body, bodies.get(name), joint.name in driven)
+            if joint.name in driven:
+                slides = joint.kind == "prismatic"
+                kind = mujoco.mjtJoint.mjJNT_SLIDE if slides else mujoco.mjtJoint.mjJNT_HINGE
+                body.add_joint(name=joint.name, type=kind, axis=joint.axis)
+        else:
+            turned, placed = (part[0] for part in still[name])
+            body = spec.worldbody.add_body(name=name, pos=placed, quat=_quaternion(turned))
+        _add_solids(spec, body, solids.get(name, ()))
+        if name == arm.tip and arm.attached:
+            held = body.add_body(name=ATTACHED)
+            _add_solids(spec, held, chain.from_iterable(map(solids_of, arm.attached)))
+
+
+def _at_rest(arm: Arm, joint: _core.Joint, driven: set[str]) -> tuple[Float64Array, Float64Array]:
+    """Position and rotation of a joint's child in its parent's frame, where the model begins."""
+    if joint.name in driven or joint.kind == "fixed":
+        return joint.position, joint.rotation
+    poses = link_poses(arm, arm._chain.middle[None])
+    links = arm.robot.links
+    (turned, placed), (here, at) = (
+        (part[0] for part in poses[links[i]]) for i in (joint.parent, joint.child)
+    )
+    return turned.T @ (at - placed), turned.T @ here
+
+
+def _set_inertia(body: Any, load: Load | None, driven: bool) -> None:
+    if load is None and not driven:
+        return
+    body.explicitinertial = True
+    body.mass = _LEAST if load is None else load.mass
+    if load is None:
+        body.inertia = np.full(3, _LEAST)
+        return
+    moments = load.inertia + _LEAST * np.eye(3)
+    body.ipos = load.center
+    body.fullinertia = [*np.diag(moments), moments[0, 1], moments[0, 2], moments[1, 2]]
+
+
+def _add_solids(spec: Any, body: Any, solids: Any) -> None:
+    for solid in solids:
+        solid.add_to(spec, body)
+
+
+def _add_obstacles(spec: Any, obstacles: Sequence[Shape]) -> None:
+    for i, shape in enumerate(obstacles):
+        _add_solids(spec, spec.worldbody.add_body(name=f"obstacle {i}"), solids_of(shape))
+
+
+def _add_joints(
+    mujoco: Any,
+    spec: Any,
+    arm: Arm,
+    *,
+    effort: Float64Array,
+    friction: Float64Array,
+    damping: Float64Array,
+    drive_damping: Float64Array,
+) -> dict[str, tuple[int, float, float]]:
+    """Limits, friction and motors of the joints; what drives each, by its name."""
+    index = {name: i for i, name in enumerate(arm.joint_names)}
+    drives = {}
+    for joint in arm.robot.path(arm.base, arm.tip):
+        if joint.kind == "fixed":
+            continue
+        made = spec.joint(joint.name)
+        if joint.mimic is not None:
+            rule = joint.mimic
+            drives[joint.name] = (index[rule.joint], rule.multiplier, rule.offset)
+            equal = spec.add_equality(
+                type=mujoco.mjtEq.mjEQ_JOINT, name1=joint.name, name2=rule.joint
+            )
+            equal.data[:2] = rule.offset, rule.multiplier
+            continue
+        i = index[joint.name]
+        drives[joint.name] = (i, 1.0, 0.0)
+        motor = spec.add_actuator(name=joint.name, target=joint.name)
+        motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
+        motor.biastype = mujoco.mjtBias.mjBIAS_AFFINE
+        motor.biasprm[2] = -drive_damping[i]
+        if np.isfinite(effort[i]):
+            motor.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
+            motor.forcerange = -effort[i], effort[i]
+        made.frictionloss = friction[i]
+        made.damping[0] = damping[i]
+        low, high = arm.limits.lower[i], arm.limits.upper[i]
+        if np.isfinite(low) and np.isfinite(high):
+            made.limited = mujoco.mjtLimited.mjLIMITED_TRUE
+            made.range = low, high
+    return drives
+
+
+def _never_touching(arm: Arm) -> list[tuple[str, str]]:
+    """Pairs of bodies that collision checks leave out, except those that never come near."""
+    try:
+        return [pair for pair, why in arm.collision_pairs.left_out.items() if why != "never"]
+    except InvalidRobot:
+        return []  # no geometry, so no contacts
+
+
+def _dynamics(arm: Arm) -> tuple[Float64Array, Float64Array]:
+    """Friction (joints,), N m (N), and damping, N m s/rad (N s/m), that the URDF states."""
+    joints = {
+        joint.get("name"): joint.find("dynamics")
+        for joint in ElementTree.fromstring(arm.document).findall("joint")
+    }
+    found = [joints[name] for name in arm.joint_names]
+    friction, damping = (
+        np.array([0.0 if each is None else float(each.get(key, "0")) for each in found])
+        for key in ("friction", "damping")
+    )
+    return friction, damping
+
+
+def _quaternion(rotation: Float64Array) -> Float64Array:
+    return np.asarray(rotations.from_matrix(rotation[None])[0])

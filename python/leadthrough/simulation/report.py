@@ -1,0 +1,162 @@
+"""What a simulation showed: errors, torques, contacts and energy, and whether all is well."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from leadthrough.arm import Arm
+from leadthrough.brief import Brief
+from leadthrough.check import Float64Array
+from leadthrough.drawing import palette
+from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing.panels import Line, Panel, over
+from leadthrough.motion import JointTrajectory
+from leadthrough.shapes import Shape
+
+Kind = Literal["torque", "velocity", "tracking", "contact", "tip", "no way onto it", "unstable"]
+_DRAWN = 400  # points of a curve
+
+
+@dataclass(frozen=True, eq=False)
+class Contact(Brief):
+    """Two bodies that touched.
+
+    Attributes:
+        bodies: links by name, "attached", or "obstacle" with its index.
+        start: s, when they first touched.
+        end: s, when they last touched.
+        force: the largest of it, N.
+    """
+
+    bodies: tuple[str, str]
+    start: float
+    end: float
+    force: float
+
+    def __str__(self) -> str:
+        a, b = self.bodies
+        return f"{a} and {b} touch from {self.start:.3f} s on, with up to {self.force:.3g} N"
+
+
+@dataclass(frozen=True, eq=False)
+class Finding(Brief):
+    """Why a motion is not fit to run.
+
+    Attributes:
+        kind: "torque" where the controller asks for more than a joint has; "velocity" where the
+            motion is faster than the URDF's or the arm's limit; "tracking" where the error is
+            larger than the controller's gains allow by theory; "contact"; "tip" where the tip's
+            error exceeds the tolerance; "no way onto it" where no motion inside the limits leads
+            onto the motion, or from its end to rest; "unstable" where the arm runs away, or by
+            theory would.
+        time: s, when it begins.
+        joint: name of the joint, or None.
+        bodies: of a contact, or None.
+        ratio: the largest, by how many times the limit is exceeded; of a contact its force in N.
+    """
+
+    kind: Kind
+    time: float
+    joint: str | None = None
+    bodies: tuple[str, str] | None = None
+    ratio: float | None = None
+
+    def __str__(self) -> str:
+        when = f"at {self.time:.3f} s"
+        if self.bodies is not None and self.ratio is not None:
+            return f"{' and '.join(self.bodies)} touch {when}, with up to {self.ratio:.3g} N"
+        times = f"up to {self.ratio:.3g} times" if self.ratio is not None else ""
+        since = f"from {self.time:.3f} s on"
+        told = {
+            "torque": f"{self.joint} needs {times} its highest torque, {since}",
+            "velocity": f"{self.joint} is to move at {times} its highest velocity, {since}",
+            "tracking": f"{self.joint} is off by {times} what the gains allow, {since}",
+            "tip": f"the tip is off by {times} the tolerance, {since}",
+            "no way onto it": "no motion inside the limits leads onto the motion, or to rest",
+            "unstable": "the controller is unstable; lower gains or delay, or raise the rate",
+        }
+        return told.get(self.kind, f"{self.kind} {when}")
+
+
+@dataclass(frozen=True, eq=False)
+class SimulationReport(Drawn):
+    """A motion as a controller and gravity made it; a motion that fails is a finding, no error.
+
+    Attributes:
+        arm: the arm, as its controller knows it.
+        planned: what was commanded, with the ways onto the motion and to rest, a period apart.
+        simulated: what the arm did.
+        span: from when to when the motion that was given lasts, s.
+        torques: of the motors (n, joints), N m (N).
+        torque_limits: (joints,), N m (N), infinite where none is known.
+        expected: tracking errors (n, joints), rad (m), by the linear theory of the controller.
+        allowed: the largest tracking error (joints,), rad (m), that the gains allow by theory.
+        tip_errors: distances (n,) of the tip from where it should be, m.
+        tip_turns: angles (n,) of the tip from how it should be turned, rad.
+        contacts: what touched, in the order of time.
+        energy: (joints,), J, that the motors put in; what they take up while they brake does not
+            count.
+        work: (joints,), J, with what they take up subtracted.
+        findings: why the motion is not fit to run; () if it is.
+        obstacles: of the simulation.
+    """
+
+    arm: Arm = field(repr=False)
+    planned: JointTrajectory
+    simulated: JointTrajectory
+    span: tuple[float, float]
+    torques: Float64Array
+    torque_limits: Float64Array
+    expected: Float64Array
+    allowed: Float64Array
+    tip_errors: Float64Array
+    tip_turns: Float64Array
+    contacts: tuple[Contact, ...]
+    energy: Float64Array
+    work: Float64Array
+    findings: tuple[Finding, ...]
+    obstacles: tuple[Shape, ...] = field(default=(), repr=False)
+
+    @property
+    def ok(self) -> bool:
+        """Whether there is nothing against running the motion."""
+        return not self.findings
+
+    @property
+    def errors(self) -> Float64Array:
+        """Tracking errors (n, joints), planned minus simulated, rad (m)."""
+        return self.planned.positions - self.simulated.positions
+
+    @property
+    def torque_fractions(self) -> Float64Array:
+        """The largest torque of each joint (joints,), as a fraction of its limit; 0 without one."""
+        return np.asarray(np.abs(self.torques).max(axis=0) / self.torque_limits)
+
+    def __str__(self) -> str:
+        if self.findings:
+            return "not fit to run: " + "; ".join(map(str, self.findings))
+        i = int(self.torque_fractions.argmax())
+        return (
+            f"fit to run: the tip is off by at most {1e3 * self.tip_errors.max():.2f} mm, torques "
+            f"up to {self.torque_fractions[i]:.0%} of the limit ({self.arm.joint_names[i]}), "
+            "no contact"
+        )
+
+    def _brief_parts(self) -> list[str]:
+        return [f"ok={self.ok}", str(self)]
+
+    def _panels(self) -> list[Panel]:
+        step = max(1, len(self.planned.times) // _DRAWN)
+        times, names = self.planned.times[::step], self.arm.joint_names
+        fractions = 100.0 * self.torques[::step] / self.torque_limits
+        tip = Line(times, 1e3 * self.tip_errors[::step], "tip", colour=palette.PATH)
+        ends = [(time, "") for time in self.span]
+        errors = 1e3 * self.errors[::step]
+        return [
+            over(times, errors, names, title="tracking error in mrad (mm)", marks=ends),
+            over(times, fractions, names, title="torque in % of the limit", marks=ends),
+            Panel("error of the tip in mm", [tip], "time in s", marks=ends),
+        ]

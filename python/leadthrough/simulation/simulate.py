@@ -1,0 +1,262 @@
+"""A motion run by an arm under gravity, friction and a controller, before the real one runs it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leadthrough import check, optional, rotations
+from leadthrough.arm import Arm
+from leadthrough.arm.dynamics import GRAVITY
+from leadthrough.arm.limits import known_acceleration
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput, LimitsInfeasible, NoPath
+from leadthrough.events import Event
+from leadthrough.guard import CommandedState, connect
+from leadthrough.guard.chunks import chunk_of
+from leadthrough.motion import JointTrajectory
+from leadthrough.shapes import Shape, check_shapes
+from leadthrough.simulation.controllers import Controller
+from leadthrough.simulation.report import SimulationReport
+from leadthrough.simulation.simulated_arm import Push, SimulatedArm
+from leadthrough.simulation.theory import allowed_errors, expected_errors
+from leadthrough.simulation.verdict import Run, findings, summed_contacts
+
+_SETTLING = 0.2  # s that the arm is held after the end
+_AFTER_TOUCH = 0.1  # s after the first contact, by when real controllers have stopped
+_ROUNDING = 1e-9  # of acceleration limits
+_BEGUN = "begun"  # event that marks the given motion in one with ways onto it and off it
+
+
+def simulate(
+    arm: Arm,
+    trajectory: JointTrajectory,
+    *,
+    obstacles: Iterable[Shape] = (),
+    controller: Controller | None = None,
+    state: CommandedState | ArrayLike | None = None,
+    payload: float = 1.0,
+    friction: ArrayLike = 0.0,
+    damping: ArrayLike = 0.0,
+    delay: float = 0.0,
+    encoder: float = 0.0,
+    pushes: Sequence[Push] = (),
+    gravity: ArrayLike = GRAVITY,
+    tip_tolerance: float | None = None,
+    rate: float = 1000.0,
+) -> SimulationReport:
+    """What an arm does with a motion under gravity, friction and a controller.
+
+    The arm is made from its own URDF: masses, inertias, joint limits, friction, collision shapes,
+    and motors with its highest torques. The controller knows the arm, and nothing of the
+    disturbances. Where the motion does not begin or end at rest, or the arm is elsewhere, ways onto
+    it and to rest are added as by `lt.connect`; the arm is held for 0.2 s after the end. The
+    simulation ends 0.1 s after a first contact, by when real controllers have stopped.
+    Equal calls have equal answers.
+
+    Args:
+        arm: the arm; with acceleration and jerk limits if ways have to be added.
+        trajectory: of the arm's joints, at any rate.
+        obstacles: shapes in the base frame.
+        controller: a `ComputedTorque`, which is the default, `PositionServo`, `JointImpedance` or
+            `CartesianImpedance`.
+        state: where the arm is: positions (joints,) at rest, or a `CommandedState`; by default at
+            the first sample.
+        payload: factor by which what the tip carries is heavier than the arm knows, >= 0. Errors
+            that follow from it count as more than the gains allow.
+        friction: of the joints, N m (N), >= 0, (joints,) or one number; besides the URDF's.
+        damping: of the joints, N m s/rad (N s/m), >= 0, likewise.
+        delay: of what is measured, s, 0 to 1, in whole periods.
+        encoder: steps in which positions are measured, rad (m), >= 0.
+        pushes: forces on the tip.
+        gravity: acceleration (3,) of gravity in the base frame, m/s^2.
+        tip_tolerance: largest error of the tip, m, > 0, that is acceptable; by default any.
+        rate: of the controller, Hz, 100 to 1e4.
+
+    Returns:
+        The motion as planned and as simulated, with torques, errors, contacts and a verdict.
+
+    Raises:
+        InvalidInput: if an argument is malformed or out of its range, or a payload is changed of an
+            arm that carries none.
+        InvalidRobot: if the URDF states no masses, or no bodies have its inertias.
+        MissingDependency: if the extra `simulation` is not installed.
+    """
+    optional.load("mujoco", extra="simulation")
+    if not isinstance(arm, Arm):
+        raise InvalidInput(f"arm: expected an Arm, got {type(arm).__name__}")
+    period = 1.0 / check.number(rate, "rate", at_least=100.0, at_most=1e4)
+    most = tip_tolerance
+    if most is not None:
+        most = check.number(most, "tip_tolerance", above=0.0)
+    shapes = check_shapes(obstacles)
+    plan = _plan(arm, trajectory, state, period)
+    real = SimulatedArm(
+        arm,
+        plan.start,
+        obstacles=shapes,
+        controller=controller,
+        payload=payload,
+        friction=friction,
+        damping=damping,
+        delay=delay,
+        encoder=encoder,
+        pushes=pushes,
+        gravity=gravity,
+        rate=rate,
+    )
+    run = _run(real, plan)
+    count = len(run.q)
+    expected = expected_errors(
+        real,
+        plan.q[:count],
+        plan.qd[:count],
+        plan.qdd[:count],
+        plan.progress[:count],
+        pushes=tuple(pushes),
+        late=round(delay / period),
+    )
+    allowed = allowed_errors(expected, encoder=encoder)
+    tip_errors, tip_turns = _tip_errors(arm, plan.q[:count], run.q)
+    contacts = summed_contacts(run.touches, period)
+    times = period * np.arange(count)
+    return SimulationReport(
+        arm=arm,
+        planned=JointTrajectory(
+            times, plan.q[:count], plan.qd[:count], plan.qdd[:count], arm.joint_names
+        ),
+        simulated=JointTrajectory(times, run.q, run.qd, run.qdd, arm.joint_names),
+        span=plan.span,
+        torques=run.torques,
+        torque_limits=real.plant.effort,
+        expected=expected,
+        allowed=allowed,
+        tip_errors=tip_errors,
+        tip_turns=tip_turns,
+        contacts=contacts,
+        energy=np.maximum(run.work, 0.0).sum(axis=0),
+        work=run.work.sum(axis=0),
+        findings=findings(
+            real,
+            run,
+            plan.q[:count],
+            plan.qd[:count],
+            allowed=allowed,
+            contacts=contacts,
+            tip=(tip_errors, most),
+            way_found=plan.way_found,
+        ),
+        obstacles=shapes,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Plan:
+    """Commands (n, joints) a period apart, and where the given motion is in them, s."""
+
+    start: CommandedState
+    q: Float64Array
+    qd: Float64Array
+    qdd: Float64Array
+    progress: Float64Array
+    span: tuple[float, float]
+    way_found: bool
+
+
+def _plan(
+    arm: Arm,
+    trajectory: JointTrajectory,
+    state: CommandedState | ArrayLike | None,
+    period: float,
+) -> _Plan:
+    if not isinstance(trajectory, JointTrajectory):
+        raise InvalidInput(
+            f"trajectory: expected a JointTrajectory, got {type(trajectory).__name__}"
+        )
+    if len(trajectory.times) < 2:
+        raise InvalidInput("trajectory: expected at least two samples, got one")
+    own = trajectory if trajectory.joint_names == arm.joint_names else arm.joints_of(trajectory)
+    whole, offset, way_found = _connected(arm, own, state)
+    rows = chunk_of(whole, arm, period).rows
+    begins_at_rest = offset is not None or _at_rest(arm, own, 0)
+    first = np.zeros(rows.shape[1]) if begins_at_rest else (rows[1] - rows[0]) / period
+    held = np.repeat(rows[-1:], round(_SETTLING / period), axis=0)
+    q = np.concatenate([rows, held])
+    qd = np.concatenate([first[None], np.diff(q, axis=0) / period])
+    qdd = np.diff(qd, axis=0, append=qd[-1:]) / period
+    shift = (offset or 0.0) - own.times[0]
+    span = (float(own.times[0] + shift), float(own.times[-1] + shift))
+    begun = state if isinstance(state, CommandedState) else None
+    start = begun or CommandedState(q[0], first, np.zeros_like(first))
+    return _Plan(start, q, qd, qdd, _progress(arm, q, span, period), span, way_found)
+
+
+def _connected(
+    arm: Arm, own: JointTrajectory, state: CommandedState | ArrayLike | None
+) -> tuple[JointTrajectory, float | None, bool]:
+    """The motion with ways onto it and to rest, the length of the first, and whether they exist."""
+    known = arm.limits.acceleration is not None and arm.limits.jerk is not None
+    if state is None and (not known or (_at_rest(arm, own, 0) and _at_rest(arm, own, -1))):
+        return own, None, True
+    marked = replace(own, events=(Event(float(own.times[0]), _BEGUN),))
+    try:
+        whole = connect(own.positions[0] if state is None else state, marked, arm)
+    except (LimitsInfeasible, NoPath):
+        return own, None, False
+    return whole, whole.events[0].time, True
+
+
+def _at_rest(arm: Arm, motion: JointTrajectory, end: int) -> bool:
+    """Whether one end of a motion is at rest: its first step is no longer than the limits allow."""
+    a, b = (0, 1) if end == 0 else (-2, -1)
+    step = motion.times[b] - motion.times[a]
+    most = known_acceleration(arm.limits) * step**2 * (1.0 + _ROUNDING)
+    return bool((np.abs(motion.positions[b] - motion.positions[a]) <= most).all())
+
+
+def _progress(arm: Arm, q: Float64Array, span: tuple[float, float], period: float) -> Float64Array:
+    """Fractions (n,) of the motion's path that the tip has gone, by length."""
+    places, _ = arm.forward_kinematics(q)
+    gone = np.concatenate([[0.0], np.linalg.norm(np.diff(places, axis=0), axis=1).cumsum()])
+    first, last = np.interp(np.array(span) / period, np.arange(len(q)), gone)
+    if last - first <= 0.0:
+        return np.zeros(len(q))
+    return np.asarray(np.clip((gone - first) / (last - first), 0.0, 1.0))
+
+
+def _run(real: SimulatedArm, plan: _Plan) -> Run:
+    """All steps, or as many as the arm does not run away in."""
+    count, joints = plan.q.shape
+    rows = {name: np.zeros((count, joints)) for name in ("q", "qd", "qdd", "torques", "work")}
+    rows["demanded"] = np.zeros((count, joints))
+    touches, done, whole = [], count, True
+    q, dofs = real.q, real.plant.joints
+    for k in range(count):
+        after = min(k + 1, count - 1)
+        command = CommandedState(plan.q[after], plan.qd[after], plan.qdd[k])
+        rows["q"][k], rows["qd"][k] = q, real.data.qvel[dofs]
+        try:
+            q = real.step(command, progress=plan.progress[k])
+        except FloatingPointError:
+            done, whole = k + 1, False
+            break
+        rows["qdd"][k] = (real.data.qvel[dofs] - rows["qd"][k]) / real.period
+        rows["torques"][k], rows["demanded"][k] = real.torques, real.demanded
+        rows["work"][k] = real.torques * (q - rows["q"][k])
+        if real.data.ncon:
+            touches.append((k, real.touches))
+        if touches and k - touches[0][0] >= _AFTER_TOUCH / real.period:
+            done = k + 1
+            break
+    kept = {name: row[:done] for name, row in rows.items()}
+    return Run(**kept, touches=touches, whole=whole)
+
+
+def _tip_errors(
+    arm: Arm, planned: Float64Array, simulated: Float64Array
+) -> tuple[Float64Array, Float64Array]:
+    (at, turned), (there, done) = (arm.forward_kinematics(q) for q in (planned, simulated))
+    return np.linalg.norm(at - there, axis=1), rotations.distance(turned, done)

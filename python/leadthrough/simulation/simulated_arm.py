@@ -1,0 +1,278 @@
+"""An arm in simulation that takes a command every period, as a real one does."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leadthrough import check, optional
+from leadthrough.arm import Arm
+from leadthrough.arm.dynamics import GRAVITY
+from leadthrough.brief import Brief
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.guard import CommandedState
+from leadthrough.shapes import Shape, check_shapes
+from leadthrough.simulation.controllers import ComputedTorque, Controller, Moment, per_joint
+from leadthrough.simulation.model import plant
+
+_LONGEST_DELAY = 1.0  # s
+_RUNAWAY = 1e3  # rad/s (m/s): no arm moves so fast, and MuJoCo would soon give up
+
+
+@dataclass(frozen=True, eq=False)
+class Push(Brief):
+    """A force on the tip that nobody told the controller of.
+
+    Attributes:
+        time: when it begins, s after the start of the motion.
+        force: (3,), N in the base frame.
+        duration: s, > 0.
+
+    Raises:
+        InvalidInput: if one is malformed or out of its range.
+    """
+
+    time: float
+    force: ArrayLike
+    duration: float = 0.1
+
+    def __post_init__(self) -> None:
+        check.number(self.time, "time", at_least=0.0)
+        check.number(self.duration, "duration", above=0.0)
+        object.__setattr__(self, "force", check.frozen(self.force, "force", shape=(3,)))
+
+
+@dataclass(frozen=True, eq=False)
+class Touch(Brief):
+    """Two bodies that touch.
+
+    Attributes:
+        bodies: links by name, "attached", or "obstacle" with its index.
+        force: of all their contact points together, N.
+    """
+
+    bodies: tuple[str, str]
+    force: float
+
+
+class SimulatedArm(Brief):
+    """An arm under gravity and a controller that takes a command every period.
+
+        real = lt.simulation.SimulatedArm(arm, q)
+        while running:
+            real.step(guard.next())
+            print(real.q)
+
+    Its model is made from the arm's own URDF: masses, inertias, joint limits, friction, collision
+    shapes and the highest torques. The controller knows the same arm, but nothing of the
+    disturbances. Equal calls have equal answers.
+
+    `torques` are those of the motors during the last period (joints,), N m (N), and `demanded`
+    those that the controller asked them for.
+
+    Args:
+        arm: the arm.
+        state: where it begins: positions (joints,) at rest, or a `CommandedState`.
+        obstacles: shapes in the base frame.
+        controller: what makes torques of the commands.
+        payload: factor by which what the tip carries is heavier than the arm knows, >= 0.
+        friction: of the joints, N m (N), >= 0, (joints,) or one number; besides the URDF's.
+        damping: of the joints, N m s/rad (N s/m), >= 0, likewise.
+        delay: of what is measured, s, 0 to 1, in whole periods.
+        encoder: steps in which positions are measured, rad (m), >= 0; velocities are their
+            differences.
+        pushes: forces on the tip.
+        gravity: acceleration (3,) of gravity in the base frame, m/s^2.
+        rate: commands per second, 100 to 1e4.
+
+    Raises:
+        InvalidInput: if an argument is malformed or out of its range, or a payload is changed of an
+            arm that carries none.
+        InvalidRobot: if the URDF states no masses, or no bodies have its inertias.
+        MissingDependency: if the extra `simulation` is not installed.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        state: CommandedState | ArrayLike,
+        *,
+        obstacles: Iterable[Shape] = (),
+        controller: Controller | None = None,
+        payload: float = 1.0,
+        friction: ArrayLike = 0.0,
+        damping: ArrayLike = 0.0,
+        delay: float = 0.0,
+        encoder: float = 0.0,
+        pushes: Sequence[Push] = (),
+        gravity: ArrayLike = GRAVITY,
+        rate: float = 1000.0,
+    ) -> None:
+        self._mujoco = optional.load("mujoco", extra="simulation")
+        self.arm = arm
+        self.period = 1.0 / check.number(rate, "rate", at_least=100.0, at_most=1e4)
+        pull = check.array(gravity, "gravity", shape=(3,))
+        factor = check.number(payload, "payload", at_least=0.0)
+        if factor != 1.0 and not arm.attachment.loads:
+            raise InvalidInput(
+                f"payload: expected 1 for an arm that carries nothing, got {factor:g}; state what "
+                "it carries first; in Python, by arm.with_payload or arm.with_attached"
+            )
+        start = _started(state, len(arm.joint_names))
+        self.law = (ComputedTorque() if controller is None else controller).law(
+            arm, start.q, gravity=pull
+        )
+        self.plant = plant(
+            arm,
+            check_shapes(obstacles),
+            payload=factor,
+            friction=per_joint(friction, "friction", arm, at_least=0.0),
+            damping=per_joint(damping, "damping", arm, at_least=0.0),
+            drive_damping=self.law.drive_damping,
+            gravity=pull,
+            period=self.period,
+        )
+        late = check.number(delay, "delay", at_least=0.0, at_most=_LONGEST_DELAY)
+        self._encoder = check.number(encoder, "encoder", at_least=0.0)
+        self._pushes = _checked_pushes(pushes)
+        self._begin(start, round(late / self.period))
+
+    def _begin(self, start: CommandedState, late: int) -> None:
+        self.data: Any = self._mujoco.MjData(self.plant.model)
+        self.data.qpos[:] = self.plant.coordinates(start.q)
+        for i, (joint, factor, _) in enumerate(self.plant.drives):
+            self.data.qvel[i] = factor * start.qd[joint]
+        self._target = start
+        self._ticks = 0
+        before = self._encoded(start.q - self.period * start.qd)
+        self._seen = deque([self._encoded(start.q)] * (late + 1), maxlen=late + 1)
+        self._seen_qd = deque([start.qd] * (late + 1), maxlen=late + 1)
+        self._last_seen = before
+        self.demanded = self.torques = np.zeros(len(start.q))
+        self._mujoco.mj_forward(self.plant.model, self.data)
+
+    @property
+    def time(self) -> float:
+        """Since the start, s."""
+        return self._ticks * self.period
+
+    @property
+    def q(self) -> Float64Array:
+        """Where the joints are (joints,), rad (m)."""
+        return np.array(self.data.qpos[self.plant.joints])
+
+    @property
+    def qd(self) -> Float64Array:
+        """How fast they move (joints,), rad/s (m/s)."""
+        return np.array(self.data.qvel[self.plant.joints])
+
+    @property
+    def touches(self) -> list[Touch]:
+        """What touched at the beginning of the last period, one entry for each pair of bodies."""
+        if self.data.ncon == 0:
+            return []
+        return _touches(self._mujoco, self.plant.model, self.data)
+
+    def step(self, command: CommandedState, *, progress: float = 0.0) -> Float64Array:
+        """Goes on by one period, after which the joints should be as commanded.
+
+        Args:
+            command: as `Guard.next` returns it: the acceleration is that of this period.
+            progress: fraction of its path that the tip has gone, for controllers whose gains change
+                along it.
+
+        Returns:
+            Where the joints are then (joints,), rad (m).
+
+        Raises:
+            FloatingPointError: if the arm runs away: the gains are too high for the rate.
+        """
+        q, qd = self._measured()
+        target = CommandedState(self._target.q, self._target.qd, command.qdd)
+        asked = self.law.torques(Moment(target, q, qd, progress))
+        before = self.qd
+        # The drives subtract what their own dampers give.
+        self.data.ctrl[:] = asked + self.law.drive_damping * qd
+        self.demanded = asked + self.law.drive_damping * (qd - before)
+        if self._pushes:
+            self._push()
+        self._mujoco.mj_step(self.plant.model, self.data)
+        if not np.abs(self.data.qvel).max() < _RUNAWAY:
+            raise FloatingPointError(
+                f"the arm runs away after {self.time:.3f} s; lower the gains or raise the rate"
+            )
+        self.torques = self._given(before)
+        self._target = command
+        self._ticks += 1
+        return self.q
+
+    def _given(self, before: Float64Array) -> Float64Array:
+        """Torques of the motors during the period; the drives' dampers act at its end."""
+        force = np.array(self.data.actuator_force)
+        free = np.abs(force) < self.plant.effort
+        return np.asarray(force - free * self.law.drive_damping * (self.qd - before))
+
+    def _measured(self) -> tuple[Float64Array, Float64Array]:
+        """Positions and velocities as the controller sees them."""
+        now = self._encoded(self.q)
+        if self._encoder > 0.0:
+            speed = (now - self._last_seen) / self.period
+            self._last_seen = now
+        else:
+            speed = self.qd
+        self._seen.append(now)
+        self._seen_qd.append(speed)
+        return self._seen[0], self._seen_qd[0]
+
+    def _encoded(self, q: Float64Array) -> Float64Array:
+        return np.asarray(np.round(q / self._encoder) * self._encoder) if self._encoder else q
+
+    def _push(self) -> None:
+        body = self.plant.tip
+        force = np.zeros(3)
+        for push in self._pushes:
+            if push.time <= self.time < push.time + push.duration:
+                force += np.asarray(push.force)
+        turned = self.data.xmat[body].reshape(3, 3)
+        tip = self.data.xpos[body] + turned @ self.arm.tool[0]
+        self.data.xfrc_applied[body, :3] = force
+        self.data.xfrc_applied[body, 3:] = np.cross(tip - self.data.xipos[body], force)
+
+
+def _started(state: CommandedState | ArrayLike, joints: int) -> CommandedState:
+    if isinstance(state, CommandedState):
+        rows = (
+            check.array(row, "state", shape=(joints,)) for row in (state.q, state.qd, state.qdd)
+        )
+        return CommandedState(*rows)
+    q = check.array(state, "state", shape=(joints,))
+    return CommandedState(q, np.zeros(joints), np.zeros(joints))
+
+
+def _checked_pushes(pushes: Sequence[Push]) -> tuple[Push, ...]:
+    given = tuple(pushes)
+    for each in given:
+        if not isinstance(each, Push):
+            raise InvalidInput(f"pushes: expected Push objects, got {type(each).__name__}")
+    return given
+
+
+def _touches(mujoco: Any, model: Any, data: Any) -> list[Touch]:
+    forces: dict[tuple[str, str], Float64Array] = {}
+    wrench = np.zeros(6)
+    for i in range(data.ncon):
+        contact = data.contact[i]
+        names = (model.body(model.geom_bodyid[geom]).name for geom in contact.geom)
+        a, b = names
+        # Obstacles come last, as in collision reports.
+        pair, sign = ((b, a), -1.0) if a.startswith("obstacle ") else ((a, b), 1.0)
+        mujoco.mj_contactForce(model, data, i, wrench)
+        force = sign * contact.frame.reshape(3, 3).T @ wrench[:3]
+        forces[pair] = forces.get(pair, np.zeros(3)) + force
+    return [Touch(pair, float(np.linalg.norm(force))) for pair, force in forces.items()]

@@ -1,0 +1,110 @@
+"""Whether a simulated motion is fit to run, and why not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from leadthrough.check import Float64Array
+from leadthrough.simulation.report import Contact, Finding, Kind
+from leadthrough.simulation.simulated_arm import SimulatedArm, Touch
+
+_ROUNDING = 1e-6  # of limits, relative
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What was recorded, (n, joints) each; the torques are those of the period that follows.
+
+    Attributes:
+        q: positions.
+        qd: velocities.
+        qdd: accelerations.
+        torques: of the motors.
+        demanded: what the controller asked of them.
+        work: of the motors during the period, J.
+        touches: with the index of their sample.
+        whole: whether the arm went through to the end.
+    """
+
+    q: Float64Array
+    qd: Float64Array
+    qdd: Float64Array
+    torques: Float64Array
+    demanded: Float64Array
+    work: Float64Array
+    touches: list[tuple[int, list[Touch]]]
+    whole: bool
+
+
+def findings(
+    real: SimulatedArm,
+    run: Run,
+    q: Float64Array,
+    qd: Float64Array,
+    *,
+    allowed: Float64Array,
+    contacts: Sequence[Contact],
+    tip: tuple[Float64Array, float | None],
+    way_found: bool,
+) -> tuple[Finding, ...]:
+    """What speaks against running a motion, one of each kind: where it begins, and at its worst.
+
+    Args:
+        real: the arm that ran.
+        run: what it did.
+        q: planned positions (n, joints).
+        qd: planned velocities.
+        allowed: largest errors (joints,) by theory.
+        contacts: what touched.
+        tip: errors (n,) of the tip, m, and the tolerance.
+        way_found: whether there are ways onto the motion and to rest.
+    """
+    names, plant = real.arm.joint_names, real.plant
+    period = real.period
+
+    def worst(kind: Kind, ratios: Float64Array) -> Iterator[Finding]:
+        """(n, joints) fractions of a limit; the joint that exceeds it most, when it first does."""
+        if ratios.max() > 1.0 + _ROUNDING:
+            joint = int(ratios.max(axis=0).argmax())
+            first = int(np.argmax(ratios[:, joint] > 1.0 + _ROUNDING))
+            yield Finding(kind, period * first, names[joint], ratio=float(ratios[:, joint].max()))
+
+    def found() -> Iterator[Finding]:
+        if not way_found:
+            yield Finding("no way onto it", 0.0)
+        yield from worst("velocity", np.abs(qd) / plant.velocity)
+        yield from worst("torque", np.abs(run.demanded) / plant.effort)
+        for each in contacts:
+            yield Finding("contact", each.start, bodies=each.bodies, ratio=each.force)
+        yield from worst("tracking", np.abs(q - run.q) / allowed)
+        errors, most = tip
+        if most is not None and errors.max() > most:
+            first = int(np.argmax(errors > most))
+            yield Finding("tip", period * first, ratio=float(errors.max() / most))
+        if not run.whole or not np.isfinite(allowed).all():
+            yield Finding("unstable", period * (len(run.q) - 1))
+
+    return tuple(found())
+
+
+def summed_contacts(
+    touches: Sequence[tuple[int, list[Touch]]], period: float
+) -> tuple[Contact, ...]:
+    """One entry for each pair of bodies, in the order of their first touch.
+
+    Args:
+        touches: with the index of their sample.
+        period: between samples, s.
+    """
+    spans: dict[tuple[str, str], tuple[int, int, float]] = {}
+    for sample, pairs in touches:
+        for each in pairs:
+            first, _, force = spans.get(each.bodies, (sample, sample, 0.0))
+            spans[each.bodies] = (first, sample, max(force, each.force))
+    return tuple(
+        Contact(bodies, period * first, period * last, force)
+        for bodies, (first, last, force) in spans.items()
+    )

@@ -1,0 +1,28 @@
+"""A short motion of a Panda with a payload, and what it is in simulation."""
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+
+HOME = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])
+AWAY = np.array([0.6, -0.1, -0.3, -1.6, 0.3, 1.3, 1.2])
+
+
+@pytest.fixture(scope="session")
+def loaded():
+    """A Panda with 1 kg at its tip."""
+    return lt.Arm.load("panda").with_payload(1.0, (0.0, 0.0, 0.03))
+
+
+@pytest.fixture(scope="session")
+def swing(loaded):
+    """From rest to rest, as fast as the limits allow."""
+    way = lt.trajectories.minimum_jerk_rise(np.linspace(0.0, 1.0, 101))
+    return lt.retime(HOME + np.outer(way, AWAY - HOME), loaded.limits)
+
+
+@pytest.fixture(scope="session")
+def simulated(loaded, swing):
+    """The motion with the default controller."""
+    return lt.simulate(loaded, swing)

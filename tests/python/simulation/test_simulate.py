@@ -1,0 +1,235 @@
+"""Motions in simulation: what controllers make of them, and what is found."""
+
+import sys
+from time import process_time
+
+import numpy as np
+import pytest
+from simulation.conftest import AWAY, HOME
+
+import leadthrough as lt
+from leadthrough.errors import InvalidInput, MissingDependency
+from leadthrough.simulation import (
+    CartesianImpedance,
+    ComputedTorque,
+    JointImpedance,
+    PositionServo,
+    Push,
+)
+
+
+def kinds(report):
+    return {each.kind for each in report.findings}
+
+
+def test_a_motion_that_the_arm_can_run_is_fit_to_run(simulated, swing):
+    assert simulated.ok
+    assert str(simulated).startswith("fit to run")
+    assert np.abs(simulated.errors).max() < 1e-9
+    assert (simulated.torque_fractions < 1.0).all()
+    first, last = simulated.span
+    assert last - first == pytest.approx(swing.duration)
+    assert simulated.plot().axes
+
+
+def test_equal_calls_have_equal_answers(loaded, swing, simulated):
+    again = lt.simulate(loaded, swing)
+    for name in ("torques", "expected", "tip_errors"):
+        assert np.array_equal(getattr(again, name), getattr(simulated, name))
+    assert np.array_equal(again.simulated.positions, simulated.simulated.positions)
+
+
+def test_it_takes_at_most_a_tenth_of_real_time(loaded):
+    times = np.linspace(0.0, 3.0, 301)
+    motion = lt.JointTrajectory(times, HOME + 0.3 * np.sin(times)[:, None] ** 3)
+    begin = process_time()
+    report = lt.simulate(loaded, motion)
+    assert process_time() - begin < 0.1 * report.planned.times[-1]
+
+
+@pytest.mark.parametrize(
+    "controller",
+    [PositionServo(), JointImpedance(), JointImpedance(300.0), CartesianImpedance(3000.0)],
+    ids=lambda made: type(made).__name__,
+)
+@pytest.mark.parametrize("disturbed", [{}, {"friction": 0.3, "damping": 0.2, "delay": 0.002}])
+def test_the_error_is_that_of_the_linear_theory(loaded, swing, controller, disturbed):
+    gentle = lt.JointTrajectory(2.0 * swing.times[::4], swing.positions[::4])
+    report = lt.simulate(loaded, gentle, controller=controller, **disturbed)
+    assert report.ok, str(report)
+    expected = np.abs(report.expected).max()
+    assert expected > 1e-3
+    if disturbed:  # where friction holds a joint, it may rest anywhere within what it holds
+        assert np.abs(report.errors).max() == pytest.approx(expected, rel=0.25)
+    else:
+        assert np.abs(report.errors - report.expected).max() < 0.25 * expected
+
+
+@pytest.mark.parametrize(
+    ("disturbed", "least"),
+    [
+        ({"friction": 0.5}, 1e-3),
+        ({"damping": 1.0}, 1e-3),
+        ({"delay": 0.003}, 1e-3),
+        ({"encoder": 1e-5}, 1e-6),
+        ({"pushes": [Push(0.2, (0.0, 0.0, -20.0))]}, 1e-3),
+    ],
+    ids=["friction", "damping", "delay", "encoder", "push"],
+)
+def test_disturbances_that_are_stated_are_allowed_for(loaded, swing, disturbed, least):
+    report = lt.simulate(loaded, swing, **disturbed)
+    assert np.abs(report.errors).max() > least
+    assert report.ok, str(report)
+
+
+def test_a_held_arm_gives_way_to_a_push_by_its_compliance(loaded):
+    still = lt.JointTrajectory([0.0, 1.0], np.tile(HOME, (2, 1)))
+    force = np.array([3.0, 0.0, -2.0])
+    report = lt.simulate(
+        loaded, still, controller=JointImpedance(400.0), pushes=[Push(0.0, force, 5.0)]
+    )
+    way = loaded.jacobian(HOME)[:3].T @ force / 400.0
+    assert np.abs(report.errors[-1] + way).max() < 0.02 * np.abs(way).max()
+
+
+def test_the_tip_gives_way_by_its_stiffness(loaded):
+    still = lt.JointTrajectory([0.0, 1.5], np.tile(HOME, (2, 1)))
+    matrix = np.diag([500.0, 1000.0, 2000.0])
+    report = lt.simulate(
+        loaded,
+        still,
+        controller=CartesianImpedance(matrix),
+        pushes=[Push(0.0, (2.0, 3.0, -4.0), 9.0)],
+    )
+    here = loaded.forward_kinematics(report.simulated.positions[-1])[0]
+    moved = here - loaded.forward_kinematics(HOME)[0]
+    assert np.allclose(moved, [0.004, 0.003, -0.002], atol=1e-4)
+
+
+def test_a_heavier_payload_is_found(loaded, swing):
+    assert "tracking" in kinds(lt.simulate(loaded, swing, payload=3.0))
+
+
+def test_too_little_torque_is_found(loaded, swing):
+    values = vars(loaded.limits) | {"effort": 0.3 * loaded.limits.effort}
+    weak = lt.Arm.load("panda", limits=lt.arm.JointLimits(**values))
+    report = lt.simulate(weak, swing)
+    assert {"torque", "tracking"} <= kinds(report)
+    assert (np.abs(report.torques) <= values["effort"] * (1.0 + 1e-12)).all()
+
+
+def test_speed_beyond_the_urdfs_limit_is_found(loaded, swing):
+    fast = lt.JointTrajectory(0.5 * swing.times, swing.positions)
+    assert "velocity" in kinds(lt.simulate(loaded, fast))
+
+
+def test_obstacles_and_the_arm_itself_are_hit(loaded, swing):
+    middle = loaded.forward_kinematics(0.5 * (HOME + AWAY))[0]
+    report = lt.simulate(loaded, swing, obstacles=[lt.Box((0.05, 0.05, 0.4), middle)])
+    assert "contact" in kinds(report)
+    assert report.contacts[0].bodies[1] == "obstacle 0"
+    way = lt.trajectories.minimum_jerk_rise(np.linspace(0.0, 1.0, 51))[:, None]
+    bent = HOME + way * [1.0, 0.6, -0.4, 0.7, 0.3, -0.5, 1.0]
+    hit = loaded.check(bent).first
+    report = lt.simulate(loaded, lt.JointTrajectory(np.linspace(0.0, 1.0, 51), bent))
+    assert hit is not None
+    assert {each.bodies for each in report.contacts} == {hit.bodies}
+
+
+def test_an_error_of_the_tip_beyond_the_tolerance_is_found(loaded, swing):
+    report = lt.simulate(loaded, swing, controller=JointImpedance(), tip_tolerance=0.005)
+    assert kinds(report) == {"tip"}
+
+
+def test_gains_too_high_for_the_rate_are_found(loaded, swing):
+    report = lt.simulate(loaded, swing, controller=ComputedTorque(3000.0), rate=500.0)
+    assert kinds(report) & {"unstable", "torque"}
+
+
+def test_the_arm_comes_from_where_it_is_and_ends_at_rest(loaded, swing):
+    part = swing[100:300]
+    report = lt.simulate(loaded, part, state=HOME - 0.05)
+    assert report.ok
+    assert np.array_equal(report.planned.positions[0], HOME - 0.05)
+    first, last = (round(1000.0 * each) for each in report.span)
+    assert np.abs(report.planned.positions[first : last + 1] - part.positions).max() < 1e-9
+    assert np.abs(report.planned.velocities[-1]).max() == 0.0
+    cut = lt.simulate(loaded, part)
+    assert cut.ok and cut.span[0] > 0.0
+    assert np.abs(cut.simulated.velocities[-1]).max() < 1e-6
+
+
+def test_a_motion_that_no_way_leads_onto_is_found(loaded, swing):
+    torn = np.array(swing.positions)
+    torn[:, 0] += 2.5 * (torn[:, 0] > HOME[0] + 0.3)
+    report = lt.simulate(loaded, lt.JointTrajectory(swing.times, torn)[290:330])
+    assert not report.ok
+
+
+def test_a_skills_tight_and_loose_phases_are_felt(loaded):
+    """Demonstrations that agree at the end and not on the way: the tip is stiff at the end."""
+    rng = np.random.default_rng(2)
+    u = np.linspace(0.0, 1.0, 40)
+    way = HOME + np.outer(lt.trajectories.minimum_jerk_rise(u), AWAY - HOME)
+    bulge = np.sin(np.pi * u)[:, None] ** 2
+    shown = [
+        lt.JointTrajectory(
+            1.2 * u, way + bulge * rng.normal(0.0, 0.05, 7), joint_names=loaded.joint_names
+        )
+        for _ in range(5)
+    ]
+    skill = lt.ProMP(weights=10).fit([lt.Demonstration(each) for each in shown])
+    made = CartesianImpedance.of_skill(skill, loaded, softest=200.0, stiffest=2000.0)
+    stiffness = np.linalg.eigvalsh(np.asarray(made.stiffness))
+    assert stiffness[50].max() < 0.5 * stiffness[-1].max()
+    motion = lt.JointTrajectory(1.2 * u, way)
+    quiet = lt.simulate(loaded, motion, controller=made).simulated.positions
+    off = []
+    for time in (0.5, 1.2):
+        push = Push(time, (0.0, 0.0, 8.0), 0.15)
+        moved = lt.simulate(loaded, motion, controller=made, pushes=[push]).simulated.positions
+        there, here = (loaded.forward_kinematics(q)[0] for q in (moved, quiet))
+        off.append(np.linalg.norm(there - here, axis=1).max())
+    assert off[0] > 1.2 * off[1]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"payload": -1.0}, "payload"),
+        ({"friction": [1.0, 2.0]}, "friction"),
+        ({"damping": -1.0}, "damping"),
+        ({"delay": 2.0}, "delay"),
+        ({"encoder": -1.0}, "encoder"),
+        ({"pushes": [1.0]}, "pushes"),
+        ({"rate": 10.0}, "rate"),
+        ({"state": [0.0]}, "state"),
+        ({"tip_tolerance": 0.0}, "tip_tolerance"),
+        ({"controller": PositionServo(-1.0)}, "stiffness"),
+        ({"gravity": [1.0]}, "gravity"),
+        ({"obstacles": [1.0]}, "obstacles"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else None,
+)
+def test_wrong_arguments_are_named(loaded, swing, wrong, message):
+    with pytest.raises(InvalidInput, match=f"^{message}"):
+        lt.simulate(loaded, swing, **wrong)
+
+
+def test_a_payload_of_an_arm_that_carries_none_is_refused(swing):
+    with pytest.raises(InvalidInput, match="payload: expected 1 for an arm that carries nothing"):
+        lt.simulate(lt.Arm.load("panda"), swing, payload=2.0)
+
+
+@pytest.mark.parametrize(
+    "wrong", [-1.0, [[1.0, 2.0], [3.0, 4.0]], -np.eye(3), np.triu(np.ones((3, 3)))]
+)
+def test_wrong_stiffnesses_are_named(wrong):
+    with pytest.raises(InvalidInput, match=r"^stiffness"):
+        CartesianImpedance(wrong)
+
+
+def test_without_mujoco_the_error_names_the_extra(loaded, swing, monkeypatch):
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(MissingDependency, match=r"leadthrough\[simulation\]"):
+        lt.simulate(loaded, swing)
