@@ -2,6 +2,7 @@
 
 from leadthrough_studies import (
     agriculture,
+    connection,
     elbow,
     human,
     lasa,
@@ -14,6 +15,7 @@ from leadthrough_studies.study import Study
 
 STUDIES: dict[str, Study] = {
     "agriculture": agriculture.STUDY,
+    "connection": connection.STUDY,
     "elbow": elbow.STUDY,
     "human": human.STUDY,
     "lasa": lasa.STUDY,

@@ -26,6 +26,7 @@ MODELS = (
 )
 STUDIES = (
     "agriculture",
+    "connection",
     "elbow",
     "human",
     "lasa",

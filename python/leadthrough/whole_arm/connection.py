@@ -1,13 +1,17 @@
 """Ways of an arm between two configurations, without a path of the tip: OMPL's RRT-Connect.
 
-A number of steps bounds the search, not the time, and the random numbers have a seed, so the answer
-is the same each time. The way found is checked without a gap between its configurations.
+How long a search takes depends on luck more than on the problem, so it is broken off and begun
+again with other random numbers, later each time (Luby, Sinclair and Zuckerman 1993). The way found
+is checked without a gap between its configurations; where it touches, the next search looks at its
+edges more closely. A number of steps bounds all searches, not the time, and the random numbers have
+a seed, so the answer is the same each time.
 
 Source: Kuffner and LaValle 2000; Sucan, Moll and Kavraki 2012 (OMPL).
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -25,6 +29,8 @@ from leadthrough.shapes import Shape, check_shapes, compiled
 # Between the configurations of an edge that are looked at, over the extent of the joints' space:
 # finer where the way found is not clear between them.
 _RESOLUTIONS = (0.01, 0.003, 0.001, 0.0003)
+# Steps of the first two searches; the next two have twice as many, and so on.
+_FIRST_STEPS = 500
 # Of a joint that turns without end, rad.
 _TURNS = 2.0 * np.pi
 
@@ -38,7 +44,7 @@ def way_between(
     margin: float = 0.005,
     self_margin: float = 0.0,
     seed: int = 0,
-    steps: int = 20_000,
+    steps: int = 60_000,
 ) -> Float64Array | None:
     """Configurations (m, joints) on straight ways from the start to one of the goals.
 
@@ -52,7 +58,7 @@ def way_between(
         margin: distance in m to keep from obstacles, >= 0.
         self_margin: distance in m to keep between parts of the arm, >= 0.
         seed: of the random number generator, >= 0.
-        steps: how often the trees may grow, >= 1.
+        steps: how often the trees of all searches may grow, >= 1.
 
     Returns:
         The way; None if none was found.
@@ -78,14 +84,35 @@ def way_between(
     first = check.integer(seed, "seed", at_least=0) + 1  # OMPL keeps 0 for a seed of its own
     most = check.integer(steps, "steps", at_least=1)
     limits = arm.limits.lower, arm.limits.upper
-    for resolution in _RESOLUTIONS:
-        way = _way(around, limits, begin, ends, resolution=resolution, seed=first, steps=most)
-        if way is not None:
-            return way
+    touching = 0
+    for count, few in enumerate(_broken_off(most)):
+        found = _ways(
+            around,
+            limits,
+            begin,
+            ends,
+            resolution=_RESOLUTIONS[min(touching, len(_RESOLUTIONS) - 1)],
+            seed=first + count,
+            steps=few,
+        )
+        if way := [each for each in found if around.clear_along(each)]:
+            return way[0]
+        touching += bool(found)
     return None
 
 
-def _way(
+def _broken_off(steps: int) -> Iterator[int]:
+    """After how many steps each search is broken off; all together take the number given."""
+    few = _FIRST_STEPS
+    for count in itertools.count(1):
+        yield min(few, steps)
+        steps -= few
+        if steps <= 0:
+            return
+        few *= 2 - count % 2
+
+
+def _ways(
     around: Surroundings,
     limits: tuple[Float64Array, Float64Array],
     start: Float64Array,
@@ -94,8 +121,8 @@ def _way(
     resolution: float,
     seed: int,
     steps: int,
-) -> Float64Array | None:
-    """A way that is clear at this resolution, certified; None if there is none."""
+) -> list[Float64Array]:
+    """A way that is clear at this resolution, shortened first, then as found; none without one."""
     base, geometric, util = (
         optional.load(f"ompl.{name}", extra="ompl") for name in ("base", "geometric", "util")
     )
@@ -115,12 +142,12 @@ def _way(
         planner.setup()
         planner.solve(base.PlannerTerminationCondition(_after(steps)))
         if not problem.hasExactSolution():
-            return None
+            return []
         path = problem.getSolutionPath()
         found = _rows(path, len(start))
         geometric.PathSimplifier(space).simplifyMax(path)
         shortened = _rows(path, len(start))
-    return next((way for way in (shortened, found) if around.clear_along(way)), None)
+    return [shortened, found]
 
 
 def _space(
