@@ -18,6 +18,7 @@ from leadthrough.cli.learn import learn
 from leadthrough.cli.plan import plan
 from leadthrough.cli.profile import FILE
 from leadthrough.cli.retime import retime
+from leadthrough.cli.simulate import simulate
 from leadthrough.cli.view import view
 
 __all__ = ["app", "main"]
@@ -40,7 +41,20 @@ def _version(wanted: bool) -> None:
 app = typer.Typer(
     cls=Commands, no_args_is_help=True, pretty_exceptions_enable=False, epilog=_ENDINGS
 )
-for each in (demo, example, info, clean, learn, plan, retime, check, guard, view, experiment):
+for each in (
+    demo,
+    example,
+    info,
+    clean,
+    learn,
+    plan,
+    retime,
+    check,
+    guard,
+    simulate,
+    view,
+    experiment,
+):
     app.command(cls=Command)(each)
 
 

@@ -11,6 +11,7 @@ from leadthrough.cli import chain, options
 
 if TYPE_CHECKING:
     from leadthrough.arm import Clearance
+    from leadthrough.simulation import SimulationReport
     from leadthrough.timing import Peak
 
 
@@ -23,16 +24,23 @@ def check(
     tip: options.TipLink = None,
     obstacle: options.Obstacles = None,
     margin: Annotated[float, typer.Option(help="Clearance to keep from obstacles, in m.")] = 0.0,
+    physics: Annotated[
+        bool,
+        typer.Option(
+            "--physics", help="Also simulate it under gravity; `leadthrough simulate` tells more."
+        ),
+    ] = False,
     as_json: options.AsJson = False,
 ) -> None:
     """Check a joint motion against the arm's limits and for collisions, also with itself.
 
-    Exits with code 1 if a limit is exceeded or there is a collision.
+    Exits with code 1 if a limit is exceeded, there is a collision, or the simulated arm fails.
 
     leadthrough check timed.json --robot panda --obstacle box:0.1,0.1,0.4@0.5,0.2,0.2
     """
     from leadthrough.cli import parse, tables
     from leadthrough.cli import robot as robots
+    from leadthrough.simulation import simulate
     from leadthrough.timing import check_limits
 
     arm = robots.load(robot, limits, base, tip)
@@ -41,9 +49,13 @@ def check(
     kept = check_limits(joints, arm.limits)
     with tables.busy("checking"):
         clearance = arm.check(joints, obstacles, margin=margin)
+    simulated = None
+    if physics:
+        with tables.busy("simulating"):
+            simulated = simulate(arm, joints, obstacles=obstacles)
     quantities = ("position", "velocity", "acceleration", "jerk")
     found = {
-        "ok": kept.ok and clearance.ok,
+        "ok": kept.ok and clearance.ok and (simulated is None or simulated.ok),
         "limits_kept": kept.ok,
         **{f"{name}_used": _peak(getattr(kept, name), as_json) for name in quantities},
         "clear": clearance.ok,
@@ -51,14 +63,17 @@ def check(
         "nearest_itself": _approach(clearance.itself, as_json),
         "duration": joints.duration,
     }
+    if simulated is not None:
+        found["simulated"] = _simulated(simulated, as_json)
     tables.facts(found, as_json=as_json, units={"duration": "s"})
     if not as_json:
-        _hint(ctx, motion, limits_kept=kept.ok, clear=clearance.ok)
+        fails = simulated is not None and not simulated.ok
+        _hint(ctx, motion, limits_kept=kept.ok, clear=clearance.ok, fails=fails)
     if not found["ok"]:
         raise typer.Exit(1)
 
 
-def _hint(ctx: typer.Context, motion: Path, *, limits_kept: bool, clear: bool) -> None:
+def _hint(ctx: typer.Context, motion: Path, *, limits_kept: bool, clear: bool, fails: bool) -> None:
     arm = chain.arm(ctx)
     if not clear:
         chain.advise("plan with a larger --obstacle or another --posture, then retime and check")
@@ -72,11 +87,19 @@ def _hint(ctx: typer.Context, motion: Path, *, limits_kept: bool, clear: bool) -
             "-o",
             motion.with_stem(f"{motion.stem}-timed"),
         )
+    elif fails:
+        chain.hint(ctx, "leadthrough", "simulate", motion, *arm, *chain.typed(ctx, "obstacle"))
     else:
         page = motion.with_suffix(".html")
         chain.hint(
             ctx, "leadthrough", "view", motion, *arm, *chain.typed(ctx, "obstacle"), "--html", page
         )
+
+
+def _simulated(report: SimulationReport, as_json: bool) -> object:
+    from leadthrough.cli import simulated
+
+    return simulated.facts(report, as_json=True) if as_json else str(report)
 
 
 def _peak(peak: Peak | None, as_json: bool) -> object:

@@ -1,0 +1,80 @@
+"""`leadthrough simulate` and `leadthrough check --physics`."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+from cli.command_line import run
+
+import leadthrough as lt
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, swing):
+    """A folder with a motion of a Panda."""
+    made = tmp_path_factory.mktemp("simulated")
+    lt.write_motion(swing, made / "swing.npz")
+    return made
+
+
+@pytest.fixture(autouse=True)
+def _there(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+
+
+def test_a_sound_motion_is_fit_to_run_and_shown():
+    result = run("simulate", "swing.npz", "--robot", "panda", "--friction", "0.2")
+    assert "fit to run   yes" in result.stdout
+    page = result.stdout.split()[-1]
+    run("simulate", "swing.npz", "--robot", "panda", "--html", page)
+    assert "planned arm" in Path(page).read_text() or Path(page).stat().st_size > 100_000
+
+
+def test_a_heavier_payload_is_found():
+    words = ["swing.npz", "--robot", "panda", "--mass", "1", "--payload", "3"]
+    found = json.loads(run("simulate", *words, "--json", code=1).stdout)
+    assert not found["fit_to_run"]
+    assert "what the gains allow" in found["findings"][0]
+    assert "next: state the right --mass" in run("simulate", *words, code=1).stdout
+
+
+def test_controllers_and_disturbances_are_taken():
+    run(
+        *("simulate", "swing.npz", "--robot", "panda", "--controller", "cartesian-impedance"),
+        *("--stiffness", "2000", "--push", "0.2,0,5,0", "--delay", "0.001", "--damping", "0.1"),
+        *("--encoder", "1e-6", "--start", "0.02,-0.5,0,-2,0,1.6,0.7"),
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--stiffness", "5"], "--stiffness: only used with another --controller"),
+        (["--payload", "2"], "--payload: only used with --mass"),
+        (["--skill", "none.npz"], "--skill: only used with --controller cartesian-impedance"),
+        (["--push", "1,2,3,x"], "--push"),
+    ],
+)
+def test_options_that_do_not_go_together_are_named(words, said):
+    assert said in run("simulate", "swing.npz", "--robot", "panda", *words, code=2).stderr
+
+
+def test_the_check_simulates_where_it_is_asked_to():
+    middle = "box:0.05,0.05,0.3@0.46,0.1,0.55"
+    sound = json.loads(run("check", "swing.npz", "--robot", "panda", "--physics", "--json").stdout)
+    assert sound["ok"] and sound["simulated"]["fit_to_run"]
+    words = ["check", "swing.npz", "--robot", "panda", "--physics", "--obstacle", middle]
+    hit = json.loads(run(*words, "--json", code=1).stdout)
+    assert not hit["clear"] and not hit["simulated"]["fit_to_run"]
+    assert "simulated" not in run("check", "swing.npz", "--robot", "panda").stdout
+
+
+@pytest.mark.parametrize("words", [["simulate"], ["check", "--physics"]])
+def test_without_mujoco_one_line_names_the_extra(words, monkeypatch):
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    said = run(*words, "swing.npz", "--robot", "panda", code=2).stderr.strip()
+    assert said.splitlines() == [
+        "leadthrough: mujoco is not installed; install it with: "
+        "pip install 'leadthrough[simulation]'"
+    ]
