@@ -4,6 +4,7 @@ import pickle
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 import leadthrough as lt
@@ -29,6 +30,32 @@ def test_importing_the_package_loads_none_of_its_parts_and_no_heavy_library():
 def test_the_command_line_loads_no_library_that_computes_or_draws():
     loaded = modules_after("import leadthrough.cli")
     assert not loaded & (HEAVY - {"rich"})  # typer's own --help is printed by rich
+
+
+def test_commands_that_learn_plan_check_and_guard_load_no_library_that_they_do_not_use(tmp_path):
+    times = np.linspace(0.0, 2.0, 30)
+    s = lt.trajectories.minimum_jerk_rise(times / 2.0)[:, None]
+    shown, joints = (str(tmp_path / name) for name in ("shown.csv", "joints.csv"))
+    lt.write_motion(lt.Trajectory(times, s * [0.3, 0.2, 0.1]), shown)
+    bent = s * 0.3 + [0.0, -1.0, 1.0, -1.0, -1.0, 0.0]
+    lt.write_motion(
+        lt.JointTrajectory(times, bent, joint_names=lt.Arm.load("ur3").joint_names), joints
+    )
+    lines = [
+        ["learn", shown, "-o", "skill.npz"],
+        ["plan", "skill.npz", "-o", "plan.csv"],
+        ["check", joints, "--robot", "ur3"],
+        ["guard", joints, "--robot", "ur3", "-o", "guarded.csv"],
+    ]
+    code = f"""
+import os
+from typer.testing import CliRunner
+from leadthrough import cli
+os.chdir({str(tmp_path)!r})
+for words in {lines}:
+    result = CliRunner().invoke(cli.app, words)
+    assert result.exit_code == 0, result.output"""
+    assert not modules_after(code) & {"matplotlib", "scipy", "yaml"}
 
 
 def test_a_model_loads_no_family_but_its_own():

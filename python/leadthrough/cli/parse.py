@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import yaml
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
@@ -156,6 +155,10 @@ def parameters(given: Sequence[str]) -> dict[str, Any]:
     Raises:
         InvalidInput: for another form.
     """
+    if not given:
+        return {}
+    import yaml
+
     try:
         return {key: yaml.safe_load(value) for key, value in _pairs(given, "--set")}
     except yaml.YAMLError as error:

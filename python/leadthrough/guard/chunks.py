@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from leadthrough import check
 from leadthrough.arm import Arm
@@ -73,6 +72,8 @@ def _own(value: JointTrajectory, arm: Arm) -> JointTrajectory:
 
 def _interpolated(own: JointTrajectory, at: Float64Array) -> Float64Array:
     """Positions at times, along a smooth curve through the samples."""
+    from scipy.interpolate import CubicHermiteSpline, CubicSpline
+
     if len(own.times) == 1:
         return np.repeat(own.positions, len(at), axis=0)
     if own.velocities is not None:

@@ -15,8 +15,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import nnls
-from scipy.spatial import Delaunay, QhullError
 
 from leadthrough import check, events
 from leadthrough.brief import Brief
@@ -262,6 +260,8 @@ def _told(subtask: str, point: Float64Array, outside: float) -> str:
 
 def _distance_from_hull(targets: Float64Array, point: Float64Array) -> float:
     """The distance of a point (d,) from the convex hull of targets (n, d), 0 inside."""
+    from scipy.optimize import nnls
+
     apart = targets - point
     scale = float(np.abs(apart).max())
     if scale == 0.0:
@@ -300,6 +300,8 @@ def _barycentric(targets: Float64Array, point: Float64Array) -> Float64Array:
 
 
 def _in_simplex(targets: Float64Array, point: Float64Array) -> Float64Array:
+    from scipy.spatial import Delaunay, QhullError
+
     weights = np.zeros(len(targets))
     try:
         mesh = Delaunay(targets)

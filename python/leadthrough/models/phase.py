@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.ndimage import uniform_filter1d
 
 from leadthrough.check import Float64Array
 from leadthrough.motion import normalised_times
@@ -56,6 +54,8 @@ def progress_by_speed(path: Float64Array, speed: Float64Array) -> Float64Array:
 
 def speed_of(progress: Float64Array) -> Float64Array:
     """The smoothed change of a progress (1001,) from sample to sample, (1001,)."""
+    from scipy.ndimage import uniform_filter1d
+
     speed = np.gradient(progress)
     for _ in range(2):
         speed = uniform_filter1d(speed, int(_SMOOTHING * SAMPLES), mode="nearest")
@@ -82,6 +82,8 @@ def progress_at(progress: Float64Array, normalised_times: Float64Array) -> Float
     Returns:
         Fractions (n,) in [0, 1].
     """
+    from scipy.interpolate import CubicSpline
+
     spline = CubicSpline(np.linspace(0.0, 1.0, len(progress)), progress, bc_type="clamped")
     return np.asarray(np.clip(spline(normalised_times), 0.0, 1.0))
 

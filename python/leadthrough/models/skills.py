@@ -3,48 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
 from typing import Any
 
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath
-from leadthrough.models import archive, framed
-from leadthrough.models.dmp import discrete, pose, rhythmic, rhythmic_pose
-from leadthrough.models.dmp.discrete import DMPSkill
-from leadthrough.models.dmp.pose_skill import PoseDMPSkill
-from leadthrough.models.dmp.rhythmic import RhythmicDMPSkill
-from leadthrough.models.dmp.rhythmic_pose import RhythmicPoseDMPSkill
-from leadthrough.models.framed import FramedSkill
-from leadthrough.models.marching import model as marching
-from leadthrough.models.marching.skill import FastMarchingSkill
-from leadthrough.models.mixtures import gmr, task_gmr
-from leadthrough.models.mixtures.gmr_skill import GMRSkill
-from leadthrough.models.mixtures.task_gmr_skill import TaskGMRSkill
-from leadthrough.models.promp import model as promp
-from leadthrough.models.promp.skill import ProMPSkill
+from leadthrough.models import archive
 from leadthrough.models.protocol import Skill
 
-
-def _framed(settings: dict[str, Any], arrays: archive.Arrays) -> FramedSkill:
-    """A skill in the frame of its task, with the skill inside."""
-    inside = {
-        name.removeprefix("skill_"): value
-        for name, value in arrays.items()
-        if name.startswith("skill_")
-    }
-    skill = _KINDS[settings["kind"]](settings["skill"], inside)
-    return framed.from_archive(skill, settings, arrays)
-
-
-_KINDS: dict[str, Callable[[dict[str, Any], archive.Arrays], Skill]] = {
-    DMPSkill.kind: discrete.from_archive,
-    FastMarchingSkill.kind: marching.from_archive,
-    FramedSkill.kind: _framed,
-    GMRSkill.kind: gmr.from_archive,
-    PoseDMPSkill.kind: pose.from_archive,
-    ProMPSkill.kind: promp.from_archive,
-    RhythmicDMPSkill.kind: rhythmic.from_archive,
-    RhythmicPoseDMPSkill.kind: rhythmic_pose.from_archive,
-    TaskGMRSkill.kind: task_gmr.from_archive,
+# The modules that put skills of each kind together again, imported when one of that kind is read.
+_KINDS = {
+    "dmp": "dmp.discrete",
+    "fast_marching": "marching.model",
+    "framed": "framed",
+    "gmr": "mixtures.gmr",
+    "pose_dmp": "dmp.pose",
+    "promp": "promp.model",
+    "rhythmic_dmp": "dmp.rhythmic",
+    "rhythmic_pose_dmp": "dmp.rhythmic_pose",
+    "task_gmr": "mixtures.task_gmr",
 }
 
 
@@ -77,6 +54,21 @@ def restored(path: StrPath, kind: str, settings: dict[str, Any], arrays: archive
     if kind not in _KINDS:
         raise InvalidInput(f"path: expected a skill of {sorted(_KINDS)}, got {kind!r}")
     try:
-        return _KINDS[kind](settings, arrays)
+        return _put_together(kind, settings, arrays)
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise InvalidInput(f"path: {path} is damaged ({error})") from None
+
+
+def _put_together(kind: str, settings: dict[str, Any], arrays: archive.Arrays) -> Skill:
+    module = import_module(f"leadthrough.models.{_KINDS[kind]}")
+    if kind != "framed":
+        from_archive: Callable[[dict[str, Any], archive.Arrays], Skill] = module.from_archive
+        return from_archive(settings, arrays)
+    inside = {
+        name.removeprefix("skill_"): value
+        for name, value in arrays.items()
+        if name.startswith("skill_")
+    }
+    skill = _put_together(settings["kind"], settings["skill"], inside)
+    framed: Skill = module.from_archive(skill, settings, arrays)
+    return framed

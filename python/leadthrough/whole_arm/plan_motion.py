@@ -7,7 +7,6 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial import KDTree
 
 from leadthrough import check
 from leadthrough.arm import Arm
@@ -146,6 +145,8 @@ def _free_of(arm: Arm, free: Sequence[Axis] | None) -> tuple[Axis, ...]:
 
 def _farthest(path: TipMotion, learned: TipMotion) -> float:
     """How far a path is from another one at the most, m."""
+    from scipy.spatial import KDTree
+
     if path is learned:
         return 0.0
     return float(KDTree(learned.positions).query(path.positions)[0].max())

@@ -14,13 +14,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import comb
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, PchipInterpolator, PPoly
-from scipy.ndimage import uniform_filter1d
 
 from leadthrough.check import Float64Array
 from leadthrough.trajectories.minimum_jerk import minimum_jerk_rise
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
 
 # Velocities are sampled at this many intervals of the phase; c has this many pieces.
 INTERVALS = 1000
@@ -94,10 +96,14 @@ class Progress:
 
     def scaled(self, height: Float64Array) -> PPoly:
         """The curve that rises to a height (channels,) instead of to 1."""
+        from scipy.interpolate import PPoly
+
         return PPoly(self.curve.c * height, self.curve.x)
 
     def part(self, channels: slice) -> Progress:
         """That of some of the channels."""
+        from scipy.interpolate import PPoly
+
         return Progress(PPoly(self.curve.c[:, :, channels], self.curve.x))
 
 
@@ -127,6 +133,8 @@ def progress_of(speeds: Float64Array) -> Progress:
         speeds: as `speeds_of` returns them, or weighted sums of such; a channel in which all are 0
             counts as a uniform motion.
     """
+    from scipy.interpolate import CubicHermiteSpline, PchipInterpolator, PPoly
+
     nodes = np.linspace(0.0, 1.0, _PIECES + 1)
     at_nodes = np.maximum(_averaged(speeds)[:: INTERVALS // _PIECES], 0.0)
     at_nodes[:, at_nodes.max(axis=0) <= 0.0] = 1.0
@@ -152,6 +160,8 @@ def speeds_of(velocities: Float64Array) -> Float64Array:
 
 def _averaged(values: Float64Array) -> Float64Array:
     """Running means of running means along the first axis."""
+    from scipy.ndimage import uniform_filter1d
+
     size = int(_SMOOTHING * INTERVALS)
     once = uniform_filter1d(values, size, axis=0, mode="nearest")
     return np.asarray(uniform_filter1d(once, size, axis=0, mode="nearest"))

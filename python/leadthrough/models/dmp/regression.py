@@ -18,7 +18,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import trapezoid
 
 from leadthrough import _core
 from leadthrough.check import Float64Array
@@ -152,6 +151,8 @@ def fit_rhythm(phases: Float64Array, values: Float64Array, *, weights: int) -> S
     Raises:
         FitError: where values overflow.
     """
+    from scipy.integrate import trapezoid
+
     with np.errstate(all="ignore"):  # what is not finite is refused below
         centre = trapezoid(values, phases, axis=0)
         kernels = kernels_of(RHYTHMIC, weights)

@@ -26,7 +26,6 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PPoly, make_interp_spline
 
 from leadthrough import _core, check
 from leadthrough.brief import Brief
@@ -194,6 +193,8 @@ def with_via(before: _core.DmpCourse, via: Via) -> _core.DmpCourse:
         before: the course without via points.
         via: (phase, offset (channels,)) from its motion, at least one.
     """
+    from scipy.interpolate import make_interp_spline
+
     phases = np.array([0.0, *(phase for phase, _ in via), 1.0])
     nothing = np.zeros(len(before.gain))
     offsets = np.array([nothing, *(offset for _, offset in via), nothing])
@@ -249,6 +250,8 @@ def minimum_jerk(ends: Ends) -> Float64Array:
 
 def _added(before: _core.DmpCourse, curve: Any, breaks: Float64Array) -> _core.DmpCourse:
     """A course plus a curve (channels,) whose pieces join at breaks."""
+    from scipy.interpolate import PPoly
+
     powers = before.coefficients.reshape(-1, 6, len(before.gain)).transpose(1, 0, 2)[::-1]
     joined = np.union1d(before.breaks, breaks)
     coefficients = _taylor(PPoly(powers, before.breaks), joined) + _taylor(curve, joined)

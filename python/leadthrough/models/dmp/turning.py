@@ -29,7 +29,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
 
 from leadthrough import _core, check, rotations
 from leadthrough.brief import Brief
@@ -283,6 +282,8 @@ def _anchored(
 
 def _calmed(q: Float64Array) -> Float64Array:
     """The orientations (n, 4), or smoothed ones where they are noisy; the ends stay."""
+    from scipy.ndimage import uniform_filter1d
+
     if _noise(q) < _NOISY:
         return q
     calm = q
@@ -337,6 +338,8 @@ def _speeds(
     phases: Float64Array, covered: Float64Array, pieces: int, smoothing: float, mode: str
 ) -> Float64Array:
     """Speeds (intervals + 1,) >= 0 on the curve, in pieces per phase, at evenly spaced phases."""
+    from scipy.ndimage import uniform_filter1d
+
     nodes = np.linspace(0.0, 1.0, _INTERVALS + 1)
     between = np.diff(np.interp(nodes, phases, covered))
     for _ in range(2):

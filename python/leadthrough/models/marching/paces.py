@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from leadthrough.check import Float64Array
 from leadthrough.models import phase
 from leadthrough.models.marching.experience import Experience
 from leadthrough.preprocess.resample import arc_length
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 _NEIGHBOURS = 8
 _STEP = 5  # every fifth of the samples of a demonstration's progress
@@ -46,6 +49,8 @@ class Paces:
 
     @cached_property
     def _tree(self) -> cKDTree:
+        from scipy.spatial import cKDTree
+
         return cKDTree(self._places)
 
 

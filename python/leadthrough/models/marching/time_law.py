@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from leadthrough import events
 from leadthrough.check import Float64Array
@@ -41,6 +40,8 @@ def timed(
     Raises:
         InvalidInput: if there is neither a duration nor a demonstration.
     """
+    from scipy.interpolate import CubicSpline
+
     length = float(arc_length(route.path)[-1])
     if duration is None and not route.used:
         raise InvalidInput(

@@ -9,14 +9,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from leadthrough import _core
 from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 BasisKind: TypeAlias = Literal["bspline", "gaussian", "rhythmic"]
 KINDS = get_args(BasisKind)
@@ -87,6 +89,8 @@ class Basis(Brief):
 
     @cached_property
     def _spline(self) -> BSpline:
+        from scipy.interpolate import BSpline
+
         inner = np.linspace(0.0, 1.0, self.count - _DEGREE + 1)
         knots = np.concatenate([np.zeros(_DEGREE), inner, np.ones(_DEGREE)])
         return BSpline(knots, np.eye(self.count), _DEGREE)

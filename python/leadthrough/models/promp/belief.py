@@ -16,8 +16,6 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.linalg import solve_triangular
-from scipy.special import gammaln
 
 from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
@@ -186,6 +184,9 @@ def _log_density_of_rest(
         freedom: degrees of freedom.
         size: number d of columns.
     """
+    from scipy.linalg import solve_triangular
+    from scipy.special import gammaln
+
     lower = np.linalg.cholesky(spread)
     rest = slice(len(_BEGINNING) * size, None)
     white = solve_triangular(lower, missed, lower=True)[rest]

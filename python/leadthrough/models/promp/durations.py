@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import logsumexp
 
 from leadthrough.check import Float64Array
 from leadthrough.models.promp.belief import Belief, Experience
@@ -41,6 +40,8 @@ class Continuation:
     """
 
     def __init__(self, observed: Motion, skill: ProMPSkill, noise: Float64Array) -> None:
+        from scipy.special import logsumexp
+
         chosen = np.unique(np.linspace(0, len(observed.times) - 1, _MOST_SAMPLES).round())
         self._rows = chosen.astype(int)
         self._observed, self._skill, self._noise = observed, skill, noise

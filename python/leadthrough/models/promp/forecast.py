@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import logsumexp
 
 from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
@@ -97,6 +96,8 @@ class Seen:
 
 def _believed(freedom: float) -> tuple[Float64Array, Float64Array]:
     """Factors (n,) of the covariance, and the logs of their prior probabilities."""
+    from scipy.special import logsumexp
+
     if np.isinf(freedom):
         return np.ones(1), np.zeros(1)
     log_density = -0.5 * freedom * (_FACTORS + np.exp(-_FACTORS) - 1.0)

@@ -16,8 +16,6 @@ from typing import Generic
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.stats import chi2
-from scipy.stats import f as fisher
 
 from leadthrough import check
 from leadthrough.brief import Brief
@@ -114,6 +112,9 @@ class Inference(Brief, Generic[MotionT_co]):
 
     def _radius(self, size: int, skill: int, probability: float) -> float:
         """Squared Mahalanobis distance, by the covariance, at which a region ends."""
+        from scipy.stats import chi2
+        from scipy.stats import f as fisher
+
         freedom = float(self.freedom[skill])
         if np.isinf(freedom):
             return float(chi2.ppf(probability, size))

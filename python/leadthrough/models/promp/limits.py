@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import nnls
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
@@ -127,6 +126,8 @@ def _solved(weights: Gaussian, constraints: Float64Array, limits: Float64Array) 
 
     With w = mean + root z it is the least distance programme of Lawson and Hanson 1974, chapter 23.
     """
+    from scipy.optimize import nnls
+
     reduced = -product(constraints, weights.steady_root)
     needed = product(constraints, weights.mean[:, None])[:, 0] - limits
     system = np.vstack([reduced.T, needed])
