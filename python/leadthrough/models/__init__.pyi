@@ -10,6 +10,7 @@ from .gaussians.fitting import FittedMixture, choose_components, fit_mixture, tr
 from .gaussians.kmeans import Clusters, kmeans
 from .gaussians.mixture import Mixture
 from .library import OutsideTargets, SkillLibrary
+from .many import generate_all
 from .marching.model import FastMarching
 from .marching.skill import FastMarchingSkill
 from .mixtures.gmr import GMR
@@ -61,6 +62,7 @@ __all__ = [
     "choose_components",
     "combine",
     "fit_mixture",
+    "generate_all",
     "infer",
     "kmeans",
     "load_skill",

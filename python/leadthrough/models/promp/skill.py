@@ -18,6 +18,7 @@ from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.even_times import even_times
 from leadthrough.models.judged import judged
+from leadthrough.models.many import mapped
 from leadthrough.models.parameters import Parameter, whole_number
 from leadthrough.models.place import Place
 from leadthrough.models.promp import dense, ends, limits, observation, resolution, task_space
@@ -149,7 +150,8 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         skill = self if duration is None else self.lasting(duration)
         asked = self._asked(start, goal)
         skill = ends.moved(skill, asked) if asked else skill
-        return skill._motion(skill.weights.mean, even_times(skill.duration, dt))
+        times = even_times(skill.duration, dt)
+        return skill._motion(skill.weights.mean, times, skill._bases(times))
 
     def novelty(self, *, start: Place | None = None, goal: Place | None = None) -> float:
         """How far a start and a goal lie from what was shown, in standard deviations.
@@ -277,20 +279,25 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         bounded = replace(self, bounds=bounds).with_weights(self.free)
         return replace(bounded, experience=self.experience)
 
-    def sample(self, count: int, *, seed: int, dt: float = 0.01) -> list[MotionT_co]:
+    def sample(
+        self, count: int, *, seed: int, dt: float = 0.01, threads: int = 1
+    ) -> list[MotionT_co]:
         """Random motions, inside the limits, from `distribution`.
 
         Args:
             count: number of motions, >= 1.
             seed: seed of the random number generator, >= 0.
             dt: largest time between samples, s, > 0.
+            threads: number of threads, 1 to 256; does not change the motions.
 
         Raises:
             InvalidInput: if an argument is out of range.
         """
         times = even_times(self.duration, check.number(dt, "dt", above=0.0))
         check.affordable_count(count, "count", each=len(times) * self.chart.width)
-        return [self._motion(weights, times) for weights in self.sample_weights(count, seed=seed)]
+        bases = self._bases(times)
+        drawn = self.sample_weights(count, seed=seed)
+        return mapped(lambda weights: self._motion(weights, times, bases), drawn, threads)
 
     def sample_weights(self, count: int, *, seed: int) -> Float64Array:
         """Random weight vectors, inside the limits.
@@ -391,9 +398,15 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         cyclic = self.basis.is_rhythmic
         return phases_at(times, name, duration=self.duration, repeats=cyclic, at_least=at_least)
 
-    def _motion(self, weights: Float64Array, times: Float64Array) -> MotionT_co:
+    def _bases(self, times: Float64Array) -> list[Float64Array]:
+        """The basis functions (n, k) at times, and their derivatives that motions have too."""
+        orders = (0, 1, 2) if self.chart.kind == "joints" else (0,)
+        return [self.basis(times / self.duration, order) for order in orders]
+
+    def _motion(
+        self, weights: Float64Array, times: Float64Array, bases: Sequence[Float64Array]
+    ) -> MotionT_co:
         phases = times / self.duration
         curves = weights.reshape(self.chart.width, -1).T
-        orders = (0, 1, 2) if self.chart.kind == "joints" else (0,)
-        values = (self.basis(phases, order) @ curves * self.duration**-order for order in orders)
+        values = (rows @ curves * self.duration**-order for order, rows in enumerate(bases))
         return self.chart.motion(times, phases, *values)
