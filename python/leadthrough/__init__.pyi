@@ -9,8 +9,10 @@ from . import (
     rotations,
     show,
     simulation,
+    tasks,
     timing,
     trajectories,
+    validation,
     whole_arm,
 )
 from .arm import Arm, DifferentialIk
@@ -39,6 +41,7 @@ from .planning import Grid, arrival_times
 from .shapes import Box, Capsule, Cylinder, Mesh, PointCloud, Sphere
 from .simulation import SimulationReport, simulate
 from .timing import check_limits, differentiate, retime, scale_to_limits
+from .validation import validate
 from .whole_arm import PlannedMotion, plan_motion
 
 __version__: str
@@ -93,8 +96,11 @@ __all__ = [
     "show",
     "simulate",
     "simulation",
+    "tasks",
     "timing",
     "trajectories",
+    "validate",
+    "validation",
     "whole_arm",
     "write_motion",
 ]

@@ -38,6 +38,7 @@ STAGES = (
     "whole_arm",
     "guard",
     "simulation",
+    "validation",
     "show",
     "cli",
 )

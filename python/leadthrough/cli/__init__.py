@@ -19,6 +19,7 @@ from leadthrough.cli.plan import plan
 from leadthrough.cli.profile import FILE
 from leadthrough.cli.retime import retime
 from leadthrough.cli.simulate import simulate
+from leadthrough.cli.validate import validate
 from leadthrough.cli.view import view
 
 __all__ = ["app", "main"]
@@ -52,6 +53,7 @@ for each in (
     check,
     guard,
     simulate,
+    validate,
     view,
     experiment,
 ):

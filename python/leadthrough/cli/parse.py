@@ -10,7 +10,9 @@ import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.models.certificate import Scattered
 from leadthrough.models.place import Place
+from leadthrough.models.places import Places
 from leadthrough.motion import Motion, PoseTrajectory
 from leadthrough.shapes import Box, Capsule, Cylinder, Shape, Sphere
 
@@ -147,6 +149,46 @@ def columns(given: Sequence[str]) -> dict[str, list[str]] | None:
         InvalidInput: for another form.
     """
     return {role: names.split(",") for role, names in _pairs(given, "--column")} or None
+
+
+def places(text: str, middle: Float64Array, name: str) -> Places:
+    """A region: distances to both sides of a place, or two corners, with /ANGLE for poses.
+
+    Args:
+        text: the option's value.
+        middle: (d,) the place.
+        name: the option, for messages.
+
+    Raises:
+        InvalidInput: if a part is no number, or they are more or fewer than the coordinates.
+    """
+    sides, _, angle = text.partition("/")
+    corners = [numbers(part, name) for part in sides.split(":")]
+    for corner in corners:
+        if len(corner) != len(middle) or len(corners) > 2:
+            raise InvalidInput(f"{name}: expected {len(middle)} numbers, or twice as many with a "
+                               f"colon between them, got {text!r}")  # fmt: skip
+    turn = float(numbers(angle, name)[0]) if angle else 0.0
+    try:
+        if len(corners) == 1:
+            return Places.around(middle, corners[0], turn=turn)
+        return Places(corners[0], corners[1], turn)
+    except InvalidInput as error:
+        raise InvalidInput(f"{name}: {error}") from None
+
+
+def scattered(text: str) -> Scattered:
+    """An obstacle at a random position, such as box:0.1,0.1,0.2@0.4,0,0.1~0.1,0.1,0.
+
+    Raises:
+        InvalidInput: for another form.
+    """
+    form, _, reach = text.rpartition("~")
+    try:
+        shape = _shape(form)
+        return Scattered(shape, Places.around(shape.position, numbers(reach, "distances")))
+    except InvalidInput as error:
+        raise InvalidInput(f"--worlds {text}: {error}") from None
 
 
 def parameters(given: Sequence[str]) -> dict[str, Any]:

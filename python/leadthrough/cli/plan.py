@@ -11,6 +11,7 @@ import typer
 from leadthrough.cli import chain, completion, options
 
 if TYPE_CHECKING:
+    from leadthrough.arm import Arm
     from leadthrough.models.protocol import Place, Skill
     from leadthrough.motion import Motion
 
@@ -159,6 +160,8 @@ def plan(
         "goal": motion.positions[-1].tolist(),
         **told,
     }
+    if learned.certificate is not None:
+        found["certificate"] = _certified(learned, asked, arm)
     if reason := _lengthened(learned, asked):
         found["lengthened"] = reason
     unit = "rad (m)" if hasattr(motion, "joint_names") else "m"
@@ -250,6 +253,29 @@ def _warn_of_novelty(learned: Skill, asked: dict[str, Any]) -> None:
                 "choose a nearer one or add a demonstration of it",
                 file=sys.stderr,
             )
+
+
+def _certified(learned: Skill, asked: dict[str, Any], arm: Arm | None) -> str:
+    """Whether the query is one of those that the skill's certificate speaks of."""
+    from leadthrough.motion import PoseTrajectory
+    from leadthrough.validation.validate import name_of
+
+    certificate = learned.certificate
+    assert certificate is not None  # asked before
+    motion = learned.generate()
+    ends = {}
+    for name, index in (("start", 0), ("goal", -1)):
+        place: Place = motion.positions[index]
+        if isinstance(motion, PoseTrajectory):
+            place = (motion.positions[index], motion.orientations[index])
+        ends[name] = asked.get(name, place)
+    reasons = certificate.outside(
+        **ends, obstacles=asked.get("obstacles", ()), robot=name_of(arm) if arm else ""
+    )
+    if reasons:
+        return f"outside: {'; '.join(reasons)}"
+    low, high = certificate.interval
+    return f"inside: {low:.1%} to {high:.1%} of {certificate.runs} such queries succeed"
 
 
 def _lengthened(learned: Skill, asked: dict[str, Any]) -> str | None:

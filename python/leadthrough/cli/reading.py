@@ -222,14 +222,18 @@ def refuse_skills(files: Sequence[Path]) -> None:
             )
 
 
-def check_skill_output(out: Path) -> None:
+def check_skill_output(out: Path, option: str = "--out") -> None:
     """Refuses a file that no skill would be read from again, before anything is computed.
+
+    Args:
+        out: the file.
+        option: that names it.
 
     Raises:
         InvalidInput: if the file has another suffix.
     """
     if out.suffix.lower() != _SKILL:
-        raise InvalidInput(f"--out: expected a name that ends in {_SKILL}, got {out}")
+        raise InvalidInput(f"{option}: expected a name that ends in {_SKILL}, got {out}")
 
 
 def _is_skill(file: Path) -> bool:

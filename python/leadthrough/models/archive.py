@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 import json
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +17,12 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io import npz
 from leadthrough.io.atomic import StrPath, replacing
+from leadthrough.models.certificate import Certificate
 from leadthrough.models.shown import ShownSkill
 
 FORMAT = "leadthrough skill"
 VERSION = 1
+_CERTIFICATE = "certificate"
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -33,6 +36,22 @@ class Archived(ShownSkill):
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         """Settings, plain values only, and arrays of numbers that make it up."""
 
+    @property
+    def certificate(self) -> Certificate | None:
+        """What a validation found of it; None if it was not validated, or changed since."""
+        found: Certificate | None = vars(self).get(_CERTIFICATE)
+        return found
+
+    def certified(self, certificate: Certificate | None) -> Self:
+        """The same skill with a certificate, which its file keeps too.
+
+        Args:
+            certificate: of a validation; None takes away what there is.
+        """
+        same = copy.copy(self)
+        vars(same)[_CERTIFICATE] = certificate
+        return same
+
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads.
 
@@ -42,10 +61,17 @@ class Archived(ShownSkill):
         Raises:
             InvalidInput: if the file cannot be written.
         """
-        write(path, self.kind, *self.to_archive())
+        write(path, self.kind, *self.to_archive(), certificate=self.certificate)
 
 
-def write(path: StrPath, kind: str, settings: Mapping[str, Any], arrays: Arrays) -> None:
+def write(
+    path: StrPath,
+    kind: str,
+    settings: Mapping[str, Any],
+    arrays: Arrays,
+    *,
+    certificate: Certificate | None = None,
+) -> None:
     """Writes a skill to a file.
 
     Args:
@@ -53,17 +79,32 @@ def write(path: StrPath, kind: str, settings: Mapping[str, Any], arrays: Arrays)
         kind: the name that files have for this kind of skill.
         settings: plain values by name, as JSON knows them.
         arrays: arrays of numbers by name.
+        certificate: of a skill that has one.
 
     Raises:
         InvalidInput: if the file cannot be written.
     """
     head = {"format": FORMAT, "version": VERSION, "kind": kind, "settings": dict(settings)}
+    if certificate is not None:
+        head[_CERTIFICATE] = certificate.to_settings()
     with replacing(path) as temporary, temporary.open("wb") as file:
         np.savez(file, allow_pickle=False, head=np.array(json.dumps(head)), **dict(arrays))
 
 
 def read(path: StrPath) -> tuple[str, dict[str, Any], dict[str, NDArray[Any]]]:
     """Kind, settings and arrays of a skill in a file.
+
+    Raises:
+        InvalidInput: if it is no skill, is damaged, or of a newer format version.
+    """
+    kind, settings, arrays, _ = read_certified(path)
+    return kind, settings, arrays
+
+
+def read_certified(
+    path: StrPath,
+) -> tuple[str, dict[str, Any], dict[str, NDArray[Any]], Certificate | None]:
+    """Kind, settings, arrays and certificate of a skill in a file.
 
     Raises:
         InvalidInput: if it is no skill, is damaged, or of a newer format version.
@@ -81,7 +122,9 @@ def read(path: StrPath) -> tuple[str, dict[str, Any], dict[str, NDArray[Any]]]:
             f"path: expected a skill of format version {VERSION} or earlier, got {path} of version "
             f"{version}; update leadthrough"
         )
-    return kind, settings, arrays
+    found = head.get(_CERTIFICATE)
+    certificate = None if found is None else Certificate.from_settings(found)
+    return kind, settings, arrays, certificate
 
 
 def quaternions(arrays: Arrays, name: str, *, shape: Sequence[int | str]) -> Float64Array:

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough.check import Float64Array
 from leadthrough.io.atomic import StrPath
+from leadthrough.models.certificate import Certificate
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.place import Place
@@ -97,6 +98,17 @@ class Skill(Generator[MotionT_co], Protocol[MotionT_co]):
     @property
     def kind(self) -> str:
         """The name of this kind of skill in files."""
+
+    @property
+    def certificate(self) -> Certificate | None:
+        """What a validation found of it; None if it was not validated, or changed since."""
+
+    def certified(self, certificate: Certificate | None) -> Skill[MotionT_co]:
+        """The same skill with a certificate, which its file keeps too.
+
+        Args:
+            certificate: of a validation; None takes away what there is.
+        """
 
     def parameters(
         self, demonstrations: Demonstrations[Motion] = ()

@@ -36,7 +36,9 @@ def load_skill(path: StrPath) -> Skill:
     Raises:
         InvalidInput: if it is no skill, is damaged, or of a newer format version.
     """
-    return restored(path, *archive.read(path))
+    kind, settings, arrays, certificate = archive.read_certified(path)
+    skill = restored(path, kind, settings, arrays)
+    return skill if certificate is None else skill.certified(certificate)
 
 
 def restored(path: StrPath, kind: str, settings: dict[str, Any], arrays: archive.Arrays) -> Skill:

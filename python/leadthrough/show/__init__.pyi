@@ -1,5 +1,6 @@
 from . import plot
 from .simulated import simulation_page
+from .validation_page import write_validation
 from .viewing import open_view, view
 
-__all__ = ["open_view", "plot", "simulation_page", "view"]
+__all__ = ["open_view", "plot", "simulation_page", "view", "write_validation"]

@@ -22,6 +22,7 @@ ENOUGH = {
     "check": ["shown/reach1.csv"],
     "guard": ["shown/reach1.csv", "-o", "out.json"],
     "simulate": ["shown/reach1.csv"],
+    "validate": ["skill.npz", "--runs", "1", "--out", "found"],
     "view": ["shown/reach1.csv", "--html", "out.html"],
     "experiment": ["ur3"],
     **{("info", name): ["ur3.urdf"] for name in ("base", "limits", "tip", "write_limits")},
@@ -48,6 +49,8 @@ WRONG = {
     "friction": "-1",
     "free_axis": "spin",
     "goal": "a,b,c",
+    "certify": "out.pdf",
+    "goals": "1,2",
     "html": "nowhere/out.html",
     "jobs": "0",
     "limits": "none.toml",
@@ -74,6 +77,8 @@ WRONG = {
     "rate": "0",
     "rest": "-1",
     "robot": "r2d2",
+    "required": "1",
+    "runs": "0",
     "seed": "-1",
     "skill": "none.npz",
     "smoothing": "-1",
@@ -82,15 +87,19 @@ WRONG = {
     "angular_speed": "-1",
     "start": "a,b,c",
     "stiffness": "-1",
+    "starts": "1,2:3",
     "task_timeout": "0",
     "tip": "nose",
     "tip_speed": "0",
     "tip_tolerance": "-1",
     "topic": "/none",
+    "width": "2",
+    "worlds": "sphere:0.1@0,0,0",
     "write_limits": "ur3.toml",
     ("demo", "motion"): "Scribble",
     ("demo", "out"): "ur3.toml/out",
     ("experiment", "out"): "ur3.toml/out",
+    ("validate", "out"): "ur3.toml/out",
     ("learn", "out"): "nowhere/out.npz",
 }
 # Without a wrong value; and files, which the error names instead.
@@ -112,6 +121,7 @@ NAMED_BY_THEIR_VALUE = {
     ("simulate", "skill"),
     ("demo", "out"),
     ("experiment", "out"),
+    ("validate", "out"),
 }
 # Words of Python: keywords with values, calls, names in modules.
 PYTHON = re.compile(

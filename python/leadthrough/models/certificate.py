@@ -1,0 +1,208 @@
+"""What a validation found of a skill, kept with it in its file: regions, runs and successes."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from leadthrough.brief import Brief
+from leadthrough.errors import InvalidInput
+from leadthrough.models.place import Place
+from leadthrough.models.places import Places
+from leadthrough.shapes import Shape
+
+_PLACED = ("position", "orientation")
+
+
+@dataclass(frozen=True, eq=False)
+class Scattered(Brief):
+    """An obstacle whose position is drawn at random.
+
+    Attributes:
+        shape: the obstacle; its own position does not count.
+        region: of its positions (3,), m in the base frame.
+    """
+
+    shape: Shape
+    region: Places
+
+    def draw(self, rng: np.random.Generator) -> Shape:
+        """The shape at a position at random.
+
+        Args:
+            rng: source of the random numbers.
+        """
+        return self.shape.at(rng.uniform(self.region.lower, self.region.upper))
+
+
+@dataclass(frozen=True)
+class ValidatedObstacle:
+    """An obstacle of a validation, as its certificate knows it.
+
+    Attributes:
+        form: a text that only shapes of this kind, size and orientation have.
+        lower: (3,) smallest coordinates of its position, m.
+        upper: (3,) largest ones.
+    """
+
+    form: str
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+
+    @staticmethod
+    def of(obstacle: Shape | Scattered) -> ValidatedObstacle:
+        """An obstacle that stands still, or one whose position is drawn."""
+        if isinstance(obstacle, Scattered):
+            region = obstacle.region
+            corners = region.lower.tolist(), region.upper.tolist()
+            return ValidatedObstacle(form_of(obstacle.shape), *map(tuple, corners))
+        here = tuple(obstacle.position.tolist())
+        return ValidatedObstacle(form_of(obstacle), here, here)
+
+    def covers(self, shape: Shape) -> bool:
+        """Whether a shape is this obstacle at one of its positions."""
+        here = shape.position
+        inside = (here >= np.subtract(self.lower, 1e-9)) & (here <= np.add(self.upper, 1e-9))
+        return bool(inside.all()) and form_of(shape) == self.form
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate(Brief):
+    """How often a skill's motions succeed, for queries drawn at random from stated regions.
+
+    Attributes:
+        goals: where the queries' goals lie.
+        starts: where their starts lie.
+        obstacles: of every query.
+        robot: the arm: its name, base and tip.
+        margin: distance that the arm kept from obstacles, m.
+        runs: number of queries.
+        successes: of them, whose motion the arm can run.
+        causes: number of failures by their cause.
+        interval: lower and upper bound of the fraction that succeeds.
+        confidence: with which the interval holds it.
+        method: of the interval.
+        required: fraction that `holds` promises.
+        holds: the largest part of `goals` in which at least the required fraction succeeds, with
+            the same confidence; None if there is none.
+        seed: of the random number generator.
+    """
+
+    goals: Places
+    starts: Places
+    obstacles: tuple[ValidatedObstacle, ...]
+    robot: str
+    margin: float
+    runs: int
+    successes: int
+    causes: Mapping[str, int]
+    interval: tuple[float, float]
+    confidence: float
+    method: str
+    required: float
+    holds: Places | None
+    seed: int
+
+    @property
+    def fraction(self) -> float:
+        """The fraction of the queries that succeeded."""
+        return self.successes / self.runs
+
+    def outside(
+        self, *, start: Place, goal: Place, obstacles: Sequence[Shape] = (), robot: str = ""
+    ) -> tuple[str, ...]:
+        """Why a query is none of those that the certificate speaks of; empty if it is one.
+
+        Args:
+            start: where the motion starts.
+            goal: where it ends.
+            obstacles: of the query.
+            robot: the arm, as `robot` names it; empty if none is known.
+        """
+        reasons = [
+            f"{name} outside {region}"
+            for name, region, place in (("start", self.starts, start), ("goal", self.goals, goal))
+            if not region.contains(place)
+        ]
+        if not _matched(list(obstacles), list(self.obstacles)):
+            reasons.append("other obstacles")
+        if robot and robot != self.robot:
+            reasons.append(f"another arm than {self.robot}")
+        return tuple(reasons)
+
+    def to_settings(self) -> dict[str, Any]:
+        """Plain values, as JSON knows them."""
+        plain = {each.name: getattr(self, each.name) for each in fields(self)}
+        holds = None if self.holds is None else self.holds.to_settings()
+        return plain | {
+            "goals": self.goals.to_settings(),
+            "starts": self.starts.to_settings(),
+            "obstacles": [asdict(each) for each in self.obstacles],
+            "causes": dict(self.causes),
+            "interval": list(self.interval),
+            "holds": holds,
+        }
+
+    @staticmethod
+    def from_settings(settings: Mapping[str, Any]) -> Certificate:
+        """The certificate with these plain values.
+
+        Args:
+            settings: as `to_settings` made them.
+
+        Raises:
+            InvalidInput: if one is missing or wrong.
+        """
+        try:
+            holds = settings["holds"]
+            low, high = settings["interval"]
+            obstacles = tuple(
+                ValidatedObstacle(each["form"], tuple(each["lower"]), tuple(each["upper"]))
+                for each in settings["obstacles"]
+            )
+            made = {
+                "goals": Places.from_settings(settings["goals"]),
+                "starts": Places.from_settings(settings["starts"]),
+                "obstacles": obstacles,
+                "interval": (float(low), float(high)),
+                "holds": None if holds is None else Places.from_settings(holds),
+            }
+            plain = {each.name: settings[each.name] for each in fields(Certificate)}
+            return Certificate(**{**plain, **made})
+        except (KeyError, TypeError, ValueError) as error:
+            raise InvalidInput(f"certificate: damaged ({error})") from None
+
+    def __str__(self) -> str:
+        low, high = self.interval
+        return (
+            f"{self.successes} of {self.runs} queries succeed, {self.fraction:.2%}; with "
+            f"{self.confidence:.0%} confidence {low:.2%} to {high:.2%}"
+        )
+
+
+def form_of(shape: Shape) -> str:
+    """A text that only shapes of this kind, size and orientation have.
+
+    Args:
+        shape: the shape; its position does not count.
+    """
+    total = hashlib.sha256()
+    for name, value in sorted(shape.__getstate__().items()):
+        if name != _PLACED[0]:
+            array = np.round(np.asarray(value, dtype=np.float64), 9) + 0.0
+            total.update(f"{name}{array.shape}".encode() + array.tobytes())
+    return f"{type(shape).__name__} {total.hexdigest()[:12]}"
+
+
+def _matched(shapes: list[Shape], known: list[ValidatedObstacle]) -> bool:
+    """Whether each shape is one of the known obstacles, and each of these is there once."""
+    for shape in shapes:
+        found = next((each for each in known if each.covers(shape)), None)
+        if found is None:
+            return False
+        known.remove(found)
+    return not known

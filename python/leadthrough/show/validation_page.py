@@ -1,0 +1,118 @@
+"""The report of a validation: numbers, a map of the goals, and what failed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from leadthrough.check import Float64Array
+from leadthrough.drawing import style
+from leadthrough.io.atomic import replacing
+from leadthrough.show import page
+from leadthrough.validation import Validation
+
+_CELLS = 12  # of the map along each axis
+_AXES = "xyz"
+
+
+def write_validation(folder: Path, found: Validation) -> None:
+    """Writes report.html and results.json.
+
+    Args:
+        folder: where to write, made if missing.
+        found: by `lt.validate`.
+
+    Raises:
+        InvalidInput: if a file cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    certificate = found.certificate
+    with replacing(folder / "results.json") as temporary:
+        temporary.write_text(json.dumps(_document(found), indent=1) + "\n", encoding="utf-8")
+    rows = [
+        [cause, count, f"{count / certificate.runs:.2%}"]
+        for cause, count in certificate.causes.items()
+    ]
+    parts = [
+        page.text(f"{certificate}. Bounds by: {certificate.method}. Seed {certificate.seed}."),
+        page.text(f"Arm: {certificate.robot}. Goals: {certificate.goals}. Starts: "
+                  f"{certificate.starts}. {len(certificate.obstacles)} obstacles."),
+        page.text(_holding(found)),
+        page.figure(success_map(found), "Success rate by the goal's position; failures as dots"),
+        page.heading("Why motions failed"),
+        page.table(["cause", "queries", "of all"], rows),
+    ]  # fmt: skip
+    if found.nearest:
+        told = f"query {found.nearest.number}, goal {found.nearest.goal.round(4).tolist()}"
+        parts.append(page.text(f"Nearest failure to the middle: {told}. {found.nearest.detail}"))
+    page.write_page(folder / "report.html", "Validation", parts)
+
+
+def success_map(found: Validation) -> Figure:
+    """The success rate over the region of goals, seen along its shortest side.
+
+    Args:
+        found: by `lt.validate`.
+    """
+    goals = found.certificate.goals
+    sides = goals.upper - goals.lower
+    wide = sorted(np.argsort(-sides, kind="stable")[:2].tolist())
+    with style.applied():
+        figure = Figure(figsize=(5.5, 4.5))
+        _draw(figure, found, wide, sides)
+    return figure
+
+
+def _draw(figure: Figure, found: Validation, wide: list[int], sides: Float64Array) -> None:
+    goals, axes = found.certificate.goals, figure.add_subplot()
+    names = [_AXES[i] if len(sides) == len(_AXES) else f"coordinate {i + 1}" for i in wide]
+    axes.set(xlabel=f"{names[0]} / m", ylabel=f"{names[-1]} / m")
+    at = found.goals[:, wide] if found.goals.size else np.empty((0, len(wide)))
+    known = np.isfinite(at).all(axis=1)
+    if len(wide) == 2 and sides[wide].min() > 0.0:
+        edges = [np.linspace(goals.lower[i], goals.upper[i], _CELLS + 1) for i in wide]
+        every = _counted(at[known], edges)
+        good = _counted(at[known & found.succeeded], edges)
+        rate = np.divide(good, every, out=np.full_like(every, np.nan), where=every > 0)
+        drawn = axes.pcolormesh(edges[0], edges[1], rate.T, vmin=0.0, vmax=1.0, cmap="viridis")
+        figure.colorbar(drawn, ax=axes, label="success rate")
+    failed = at[known & ~found.succeeded]
+    if len(failed):
+        axes.plot(failed[:, 0], failed[:, -1], ".", color="black", markersize=3)
+
+
+def _counted(at: Float64Array, edges: list[Float64Array]) -> Float64Array:
+    """The number of places (n, 2) in each cell between the edges."""
+    cells = [np.searchsorted(edge, column) - 1 for edge, column in zip(edges, at.T, strict=True)]
+    counts = np.zeros((_CELLS, _CELLS))
+    np.add.at(counts, tuple(np.clip(each, 0, _CELLS - 1) for each in cells), 1.0)
+    return counts
+
+
+def _holding(found: Validation) -> str:
+    certificate = found.certificate
+    if certificate.holds is None:
+        return f"No part of the goals has a success rate of {certificate.required:.0%} for certain."
+    return (
+        f"With {certificate.confidence:.0%} confidence, at least {certificate.required:.0%} of the "
+        f"motions to goals in {certificate.holds} succeed."
+    )
+
+
+def _document(found: Validation) -> dict[str, object]:
+    failed = np.flatnonzero(~found.succeeded)
+    return {
+        "certificate": found.certificate.to_settings(),
+        "errors": found.errors,
+        "failures": [
+            {"query": int(i), "cause": str(found.causes[i]), "goal": _listed(found.goals[i])}
+            for i in failed
+        ],
+    }
+
+
+def _listed(place: Float64Array) -> list[float] | None:
+    return place.tolist() if np.isfinite(place).all() else None

@@ -1,0 +1,18 @@
+"""How often a skill's motions succeed on an arm, measured on random queries, with its certainty."""
+
+from leadthrough.models.certificate import Certificate, Scattered
+from leadthrough.models.places import Places
+from leadthrough.validation.statistics import clopper_pearson, confidence_sequence
+from leadthrough.validation.validate import validate
+from leadthrough.validation.validation import Failing, Validation
+
+__all__ = [
+    "Certificate",
+    "Failing",
+    "Places",
+    "Scattered",
+    "Validation",
+    "clopper_pearson",
+    "confidence_sequence",
+    "validate",
+]
