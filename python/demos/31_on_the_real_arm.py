@@ -1,0 +1,59 @@
+"""A loop that runs a motion on an arm: guarded, with pause, resume, speed override and stop.
+
+Writes sent.json: python python/demos/31_on_the_real_arm.py [FOLDER]   (extra `simulation`)
+On hardware, where it has not been run: 31_on_the_real_arm.py ur HOST, or franka HOST
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import leadthrough as lt
+from real_arms import Franka, Simulated, UniversalRobot
+
+kind, host = sys.argv[1:] if len(sys.argv) == 3 else ("simulated", "")
+arm = lt.Arm.load("ur3" if kind == "ur" else "panda")
+home = [0.0, -1.4, 1.6, -1.8, -1.5, 0.0] if kind == "ur" else [0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7]
+table = lt.Box((2.0, 2.0, 0.05), (0.9, 0.0, -0.1))
+kinds = {
+    "simulated": lambda: Simulated(arm, np.array(home) - 0.1, [table]),
+    "ur": lambda: UniversalRobot(host),
+    "franka": lambda: Franka(host),
+}
+
+# Half of the limits: the rest is for pausing, resuming and changing the speed on the path.
+slower = {name: 0.5 * getattr(arm.limits, name) for name in ("velocity", "acceleration", "jerk")}
+limits = lt.arm.JointLimits(**{**vars(arm.limits), **slower})
+way = lt.trajectories.minimum_jerk_rise(np.linspace(0.0, 1.0, 101))
+motion = lt.retime(home + np.outer(way, np.full(len(home), 0.9)), limits)
+
+robot = kinds[kind]()
+guard = lt.Guard(arm, [table], rate=robot.rate)
+whole = lt.connect(robot.q, motion, lt.Arm.load(arm.robot.name, limits=limits), obstacles=[table])
+play = lt.guard.Playback(whole, arm.limits, rate=robot.rate)
+sent, stopped = [robot.q], False
+answer = guard.admit(robot.q[None], state=robot.q)
+asked = {0.3: play.pause, 1.0: play.resume, 2.2: guard.stop}  # what a person does
+try:
+    for tick in range(int(3.0 * robot.rate)):
+        time = tick / robot.rate
+        play.speed = 1.0 if time < 1.5 else 0.5
+        answer = asked.get(time, lambda: None)() or answer
+        stopped = stopped or answer.verdict == "braking"  # asked for, or the guard has refused
+        if not stopped and not play.done:
+            answer = guard.admit(play.next()[None])
+        sent.append(guard.next().q)
+        robot.send(guard.state)
+        if tick % int(0.25 * robot.rate) == 0:
+            place = f"{play.time:.2f} s of {whole.duration:.2f} s"
+            print(f"{time:.2f} s: speed {play.speed_now:.2f} at {place}, {answer}")
+finally:
+    robot.close()
+print(f"at rest: {not guard.state.qd.any()}; certified: {guard.safe}")
+if kind == "simulated":
+    print(f"the arm was off by at most {1e3 * robot.largest_error:.2f} mrad")
+file = Path(sys.argv[1] if len(sys.argv) == 2 else ".") / "sent.json"
+times = np.arange(len(sent)) / robot.rate
+lt.write_motion(lt.JointTrajectory(times, sent, joint_names=arm.joint_names), file)
+print(f"wrote {file}")

@@ -1,0 +1,140 @@
+"""A motion commanded one period at a time, which can be paused, resumed and slowed down.
+
+The motion q(s) is run by a phase s whose speed a jerk filter leads to the speed that is asked for,
+so that the arm stays on its path. With the largest rates v, a, j of the motion and the limits A, J,
+
+    |s''| <= min((A - a) / v, (J - j) / (6 a)),  |s'''| <= (J - j) / (2 v)
+
+keep the acceleration q'' s'^2 + q' s'' and the jerk q''' s'^3 + 3 q'' s' s'' + q' s''' inside them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from leadthrough import check
+from leadthrough.arm import JointLimits
+from leadthrough.brief import Brief
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.motion import JointTrajectory
+from leadthrough.trajectories.filters import FilterState
+from leadthrough.trajectories.jerk_filter import JerkFilter
+
+_LEAST_ROOM = 0.01  # fraction of a limit that a motion has to leave
+_SLOWEST, _FASTEST = 1.0, 1e4  # Hz
+_EASIEST = 100.0  # 1/s^2: a motion that hardly moves may stop within some periods
+
+
+class Playback(Brief):
+    """A motion to command one period at a time, at a speed that may change at any time.
+
+        play = lt.guard.Playback(motion, arm.limits, rate=1000.0)
+        while not play.done:
+            guard.admit(play.next()[None])
+            send(guard.next())
+
+    It stays on its path, and inside the limits of acceleration and jerk while its speed changes:
+    the more room a motion leaves below them, the sooner it pauses. The motion has to begin and end
+    at rest; `lt.connect` makes it so.
+
+    Args:
+        motion: of an arm's joints, at any rate.
+        limits: of the same joints; acceleration and jerk have to be known.
+        rate: commands per second, 1 to 1e4.
+
+    Raises:
+        InvalidInput: if the motion has fewer than two samples or other joints, a limit is not
+            known, or the motion leaves less than a hundredth of an acceleration or jerk limit.
+    """
+
+    def __init__(self, motion: JointTrajectory, limits: JointLimits, *, rate: float) -> None:
+        self._period = 1.0 / check.number(rate, "rate", at_least=_SLOWEST, at_most=_FASTEST)
+        if not isinstance(motion, JointTrajectory) or len(motion.times) < 2:
+            raise InvalidInput("motion: expected a JointTrajectory of at least two samples")
+        if motion.positions.shape[1] != len(limits.joint_names):
+            raise InvalidInput(
+                f"motion: expected {len(limits.joint_names)} joints, "
+                f"got {motion.positions.shape[1]}"
+            )
+        self._times = motion.times
+        self._curve = CubicSpline(motion.times, motion.positions, bc_type="clamped")
+        bend, jerk = _phase_limits(motion, limits)
+        self._filter = JerkFilter(bend, jerk, jerk / self._period)
+        self._now: FilterState | None = None
+        self._phase = float(motion.times[0])
+        self._asked = 1.0
+        self._paused = False
+
+    @property
+    def speed(self) -> float:
+        """The speed that is asked for, 0 to 1; 1 is that of the motion. It may be set."""
+        return self._asked
+
+    @speed.setter
+    def speed(self, value: float) -> None:
+        self._asked = check.number(value, "speed", at_least=0.0, at_most=1.0)
+
+    @property
+    def speed_now(self) -> float:
+        """The speed now, which follows the one that is asked for; 0 before the first period."""
+        return 0.0 if self._now is None else float(self._now.position[0])
+
+    @property
+    def paused(self) -> bool:
+        """Whether it is paused, or slowing down to be."""
+        return self._paused
+
+    @property
+    def done(self) -> bool:
+        """Whether the end has been commanded."""
+        return bool(self._phase >= self._times[-1])
+
+    @property
+    def time(self) -> float:
+        """Where the motion is, s on its own clock."""
+        return self._phase
+
+    def pause(self) -> None:
+        """Slows down to rest on the path."""
+        self._paused = True
+
+    def resume(self) -> None:
+        """Goes on."""
+        self._paused = False
+
+    def next(self) -> Float64Array:
+        """Goes on by one period: where the joints should be then (joints,)."""
+        target = np.array([0.0 if self._paused else self._asked])
+        # The motion begins at rest, where any speed will do.
+        before = FilterState.at_rest(target) if self._now is None else self._now
+        self._now = self._filter.step(before, target, self._period)
+        gone = max(self.speed_now, 0.0) * self._period
+        self._phase = min(self._phase + gone, float(self._times[-1]))
+        return np.asarray(self._curve(self._phase))
+
+
+def _phase_limits(motion: JointTrajectory, limits: JointLimits) -> tuple[float, float]:
+    """The largest acceleration, 1/s, and jerk, 1/s^2, of the phase."""
+    if limits.acceleration is None or limits.jerk is None:
+        raise InvalidInput("limits: expected acceleration and jerk limits, got none")
+    steps = np.diff(motion.times)[:, None]
+    speeds = np.diff(motion.positions, axis=0) / steps
+    bends = np.diff(speeds, axis=0) / (0.5 * (steps[1:] + steps[:-1]))
+    jerks = np.diff(bends, axis=0) / steps[1:-1]
+    v, a, j = (np.abs(rows).max(axis=0, initial=0.0) for rows in (speeds, bends, jerks))
+    room, jerk_room = limits.acceleration - a, limits.jerk - j
+    for left, limit, name in (
+        (room, limits.acceleration, "acceleration"),
+        (jerk_room, limits.jerk, "jerk"),
+    ):
+        if (left < _LEAST_ROOM * limit).any():
+            joint = limits.joint_names[int(np.argmin(left / limit))]
+            raise InvalidInput(
+                f"motion: expected room below the {name} limit of {joint}, to change the speed on "
+                "the path; time the motion with lower limits, such as half of them"
+            )
+    tiny = np.finfo(np.float64).tiny
+    bend = min((room / (v + tiny)).min(), (jerk_room / (6.0 * a + tiny)).min(), _EASIEST)
+    return float(bend), float(min((0.5 * jerk_room / (v + tiny)).min(), _EASIEST**2))
