@@ -1,7 +1,7 @@
 """A loop that runs a motion on an arm: guarded, with pause, resume, speed override and stop.
 
-Writes sent.json: python python/demos/31_on_the_real_arm.py [FOLDER]   (extra `simulation`)
-On hardware, where it has not been run: 31_on_the_real_arm.py ur HOST, or franka HOST
+Writes sent.json: python python/demos/32_on_the_real_arm.py [FOLDER]   (extra `simulation`)
+On hardware, where it has not been run: 32_on_the_real_arm.py ur HOST, or franka HOST
 """
 
 import sys
@@ -50,10 +50,10 @@ try:
             print(f"{time:.2f} s: speed {play.speed_now:.2f} at {place}, {answer}")
 finally:
     robot.close()
-print(f"at rest: {not guard.state.qd.any()}; certified: {guard.safe}")
-if kind == "simulated":
-    print(f"the arm was off by at most {1e3 * robot.largest_error:.2f} mrad")
+off = f"; off by at most {1e3 * robot.largest_error:.2f} mrad" if kind == "simulated" else ""
+print(f"at rest: {not guard.state.qd.any()}; certified: {guard.safe}{off}")
 file = Path(sys.argv[1] if len(sys.argv) == 2 else ".") / "sent.json"
 times = np.arange(len(sent)) / robot.rate
-lt.write_motion(lt.JointTrajectory(times, sent, joint_names=arm.joint_names), file)
+done = lt.JointTrajectory(times, sent, joint_names=arm.joint_names)
+lt.write_motion(lt.differentiate(done), file)
 print(f"wrote {file}")
