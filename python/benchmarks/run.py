@@ -1,9 +1,10 @@
 """Runs the benchmarks: python python/benchmarks/run.py [OPTIONS], see --help.
 
-Prints a table and writes benchmarks.json, with versions and the machine's data; a complete run also
-writes table.md, the README's table, and --check compares its figures with the README's. If calls
-are timed one by one, times are median/99th percentile in us. Answers are checked first; a wrong one
-fails the run.
+Prints a table and writes benchmarks.json, with versions and the machine's data, and scaling.svg:
+how costs grow with the size of a problem, ours and the peers'. A complete run also writes table.md,
+the README's table, and --check compares its figures with the README's. If calls are timed one by
+one, times are median/99th percentile in us. Answers are checked first; a wrong one fails the run.
+With --loops it times the steps of control loops instead, a million each.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import control_loop
 import printed
 from frame import Row, measure
 
@@ -46,6 +48,9 @@ REPEATS = {"quick": 3, "full": 5}
 def main() -> int:
     """Run the benchmarks; the exit code is 0 if all answers agree and the README's table holds."""
     options = _options()
+    if options.loops:
+        control_loop.run(options.out, steps=control_loop.STEPS // (100 if options.quick else 1))
+        return 0
     repeats = REPEATS["quick" if options.quick else "full"]
     print(f"{'problem':<65} {'peer':<12} {'error':>8} {'ours s':>9} {'peer s':>9} {'ratio':>6}")
     rows = []
@@ -54,6 +59,8 @@ def main() -> int:
             if options.only in benchmark.name:
                 rows.append(measure(benchmark, repeats))
                 print(_text(rows[-1]), flush=True)
+    if not options.only:
+        rows += _scaling(options.out, quick=options.quick)
     _write(
         options.out / "benchmarks.json", json.dumps(_report(rows, quick=options.quick), indent=2)
     )
@@ -61,6 +68,18 @@ def main() -> int:
         _write(options.out / "table.md", printed.table(rows))
     holds = not options.check or _table_holds(rows)
     return 0 if holds and all(row.passed for row in rows) else 1
+
+
+def _scaling(out: Path, *, quick: bool) -> list[Row]:
+    """Rows of growing problems, which it prints and draws."""
+    scaling = importlib.import_module("scaling")
+    results = []
+    for series, rows in scaling.measured(quick=quick):
+        results.append((series, rows))
+        print(*map(_text, rows), sep="\n", flush=True)
+    scaling.plot(results, out / "scaling.svg")
+    print(f"written: {out / 'scaling.svg'}")
+    return [row for _, rows in results for row in rows]
 
 
 def _table_holds(rows: Sequence[Row]) -> bool:
@@ -72,13 +91,14 @@ def _table_holds(rows: Sequence[Row]) -> bool:
 
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument(
-        "--quick", action="store_true", help="run small problems, in under half a minute"
-    )
+    parser.add_argument("--quick", action="store_true", help="run small problems, in two minutes")
     parser.add_argument(
         "--check",
         action="store_true",
         help="end with 1 if a figure in README.md is over 15 %% better than measured",
+    )
+    parser.add_argument(
+        "--loops", action="store_true", help="time steps of control loops, and nothing else"
     )
     parser.add_argument(
         "--out", type=Path, default=Path("benchmark-results"), help="folder for the results"

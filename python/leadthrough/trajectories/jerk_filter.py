@@ -159,7 +159,7 @@ class JerkFilter(Brief):
         """States (3, d), limits (6, d), low and high, and targets (d,)."""
         if not isinstance(state, FilterState):
             raise InvalidInput(f"state: expected a FilterState, got {type(state).__name__}")
-        states = np.stack([state.position, state.velocity, state.acceleration])
+        states = np.array((state.position, state.velocity, state.acceleration))
         goal = check.array(target, "target", shape=state.position.shape)
         if max(np.abs(x).max(initial=0.0) for x in (states, goal)) > _LARGEST:
             raise InvalidInput(f"state, target: expected numbers up to {_LARGEST:g}")
@@ -168,6 +168,8 @@ class JerkFilter(Brief):
     def _limits_of(self, dimensions: int) -> Float64Array:
         """Limits (6, d)."""
         size = self._limits.shape[1]
+        if size == dimensions:  # the quick way, for control loops
+            return self._limits
         if size not in {1, dimensions}:
             raise InvalidInput(f"limits: expected limits of {dimensions} dimensions, got {size}")
         return np.ascontiguousarray(np.broadcast_to(self._limits, (6, dimensions)))
