@@ -3,6 +3,7 @@ from . import (
     errors,
     guard,
     io,
+    judging,
     models,
     planning,
     preprocess,
@@ -25,6 +26,7 @@ from .io import (
     read_point_cloud,
     write_motion,
 )
+from .judging import judge_demonstrations
 from .models import (
     DMP,
     GMR,
@@ -81,6 +83,8 @@ __all__ = [
     "errors",
     "guard",
     "io",
+    "judge_demonstrations",
+    "judging",
     "load_skill",
     "models",
     "plan_motion",

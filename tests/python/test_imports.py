@@ -33,6 +33,7 @@ STAGES = (
     "trajectories",
     "planning",
     "models",
+    "judging",
     "arm",
     "timing",
     "whole_arm",

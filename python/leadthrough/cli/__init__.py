@@ -14,6 +14,7 @@ from leadthrough.cli.example import example
 from leadthrough.cli.experiment import experiment
 from leadthrough.cli.guard import guard
 from leadthrough.cli.info import info
+from leadthrough.cli.judge import judge
 from leadthrough.cli.learn import learn
 from leadthrough.cli.plan import plan
 from leadthrough.cli.profile import FILE
@@ -47,6 +48,7 @@ for each in (
     example,
     info,
     clean,
+    judge,
     learn,
     plan,
     retime,

@@ -143,7 +143,7 @@ def learn(
     if arm is not None:
         demonstrations = [_of_the_arm(arm, shown, as_joints=as_joints) for shown in demonstrations]
     kind = model or _USUAL[type(demonstrations[0].motion).__name__]
-    chosen = _model(kind, parse.parameters(parameter or []))
+    chosen = model_of(kind, parse.parameters(parameter or []))
     _refuse_other_kinds(kind, demonstrations)
     words = options.of_model(chosen) | _as_names(demonstrations)
     with tables.busy("learning"), errors.naming(**words, path="--out"), _told(demonstrations):
@@ -171,7 +171,16 @@ def models() -> dict[str, Any]:
     }
 
 
-def _model(name: str, parameters: dict[str, Any]) -> Model:
+def model_of(name: str, parameters: dict[str, Any]) -> Model:
+    """A model by its name on the command line.
+
+    Args:
+        name: the option `--model`.
+        parameters: those of the options `--set`.
+
+    Raises:
+        InvalidInput: if there is no such model or parameter, or a value is wrong.
+    """
     from leadthrough import check
 
     known = models()

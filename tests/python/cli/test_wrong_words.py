@@ -16,6 +16,7 @@ ENOUGH = {
     "example": ["reach", "elsewhere"],
     "info": ["shown"],
     "clean": ["shown/reach1.csv", "-o", "out.csv"],
+    "judge": ["shown", "shown"],
     "learn": ["shown/reach1.csv", "-o", "out.npz"],
     "plan": ["skill.npz", "-o", "out.json"],
     "retime": ["shown/reach1.csv", "-o", "out.json"],
@@ -28,6 +29,7 @@ ENOUGH = {
     **{("info", name): ["ur3.urdf"] for name in ("base", "limits", "tip", "write_limits")},
     ("info", "topic"): ["shown.mcap"],
     ("clean", "topic"): ["shown.mcap", "-o", "out.csv"],
+    ("judge", "topic"): ["shown.mcap"],
     ("learn", "topic"): ["shown.mcap", "-o", "out.npz"],
     ("simulate", "skill"): ["shown/reach1.csv", "--controller", "cartesian-impedance"],
     ("plan", "margin"): ["skill.npz", "-o", "out.json", "--obstacle", "sphere:0.1@1,1,1"],
@@ -99,6 +101,7 @@ WRONG = {
     ("demo", "motion"): "Scribble",
     ("demo", "out"): "ur3.toml/out",
     ("experiment", "out"): "ur3.toml/out",
+    ("judge", "out"): "ur3.toml/out",
     ("validate", "out"): "ur3.toml/out",
     ("learn", "out"): "nowhere/out.npz",
 }
@@ -121,6 +124,7 @@ NAMED_BY_THEIR_VALUE = {
     ("simulate", "skill"),
     ("demo", "out"),
     ("experiment", "out"),
+    ("judge", "out"),
     ("validate", "out"),
 }
 # Words of Python: keywords with values, calls, names in modules.

@@ -1,0 +1,40 @@
+"""Seven demonstrations, one of them spoiled: which it is, what each is worth, what to show next.
+
+Writes judged.png: python python/demos/32_which_to_keep.py [FOLDER]
+"""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import leadthrough as lt
+from leadthrough.validation import Places
+
+shown = lt.io.lasa.load("Spoon")
+spoiled = shown[2].motion
+phase = np.linspace(0.0, 1.0, len(spoiled))[:, None]
+bump = 12.0 * np.sin(np.pi * phase) ** 2 * [1.0, -1.0]  # mm
+shown[2] = replace(shown[2], motion=lt.Trajectory(spoiled.times, spoiled.positions + bump))
+
+found = lt.judge_demonstrations(shown, goals=Places([-10.0, -10.0], [10.0, 10.0]))
+for verdict in found.verdicts:
+    told = ", ".join(verdict.faults) or "no fault"
+    print(f"{verdict.name}: {told}, suspicion {verdict.suspicion:.1f}, worth {verdict.worth:+.0%}")
+print(f"leave out {found.remove}: error {found.error:.2%} -> {found.error_without:.2%}")
+assert found.remove == (2,)
+assert found.error_without < found.error
+if found.next:
+    print(f"show next: a motion to {found.next.goal.round(1)} mm")
+
+figure = Figure(figsize=(5, 4))
+axes = figure.add_subplot()
+for verdict, each in zip(found.verdicts, shown, strict=True):
+    colour = "tab:red" if verdict.remove else "tab:blue"
+    axes.plot(*each.motion.positions.T, color=colour)
+axes.set(xlabel="x / mm", ylabel="y / mm", aspect="equal")
+file = Path(sys.argv[1] if len(sys.argv) > 1 else ".") / "judged.png"
+figure.savefig(file)
+print(f"wrote {file}")

@@ -1,0 +1,100 @@
+"""Spoiled demonstrations are found, and leaving them out does no harm."""
+
+import numpy as np
+import pytest
+from cli.command_line import facts
+from judging.spoiled import WAYS, copies
+from sklearn.metrics import roc_auc_score
+
+import leadthrough as lt
+from leadthrough.errors import InvalidInput
+from leadthrough.judging.traits import TRAITS, peculiarities
+from leadthrough.validation import Places
+from leadthrough_studies.robotasks.study import read
+
+FAULTS = {
+    "jerky": {"jerky"},
+    "stalled": {"stalled"},
+    "outlier": {"outlier"},
+    "other_mode": {"outlier", "another mode"},
+    "out_of_step": {"out of step"},
+}
+
+
+@pytest.fixture(scope="module")
+def lasa():
+    return {name: [each.motion for each in lt.io.lasa.load(name)] for name in lt.io.lasa.motions()}
+
+
+def area(sets, seed):
+    """Under the curve of the suspicion, for all demonstrations of spoiled copies."""
+    is_spoiled, suspicions = [], []
+    for _, motions, spoiled in copies(sets, seed):
+        found = peculiarities(motions)
+        suspicions += list(np.max([found[trait] for trait in TRAITS], axis=0))
+        is_spoiled += [i == spoiled for i in range(len(motions))]
+    return roc_auc_score(is_spoiled, suspicions)
+
+
+def test_spoiled_demonstrations_of_handwriting_are_found(lasa):
+    assert area(lasa, 0) >= 0.95
+
+
+def test_spoiled_demonstrations_of_poses_are_found(recordings):
+    files = sorted((recordings / "robotasks").glob("*.npy"))
+    sets = {file.stem: [each.motion for each in read(str(file))] for file in files}
+    assert area(sets, 0) >= 0.95
+
+
+def thinned(motions, every=10):
+    return [lt.Trajectory(each.times[::every], each.positions[::every]) for each in motions]
+
+
+@pytest.mark.parametrize("way", range(len(WAYS)), ids=[way.__name__ for way in WAYS])
+def test_the_fault_has_a_name_and_leaving_it_out_never_harms(lasa, way):
+    sets = {name: thinned(lasa[name]) for name in ("Spoon", "Worm")}
+    name, motions, spoiled = list(copies(sets, 1))[way]
+    found = lt.judge_demonstrations(motions)
+    verdict = found.verdicts[spoiled]
+    assert FAULTS[name] & set(verdict.faults)
+    assert found.error_without <= found.error
+    assert all(found.verdicts[i].faults for i in found.remove)
+    if name in ("outlier", "other_mode"):
+        assert found.remove == (spoiled,)
+        assert verdict.worth < 0.0 and found.error_without < found.error
+
+
+def test_two_that_go_another_way_are_another_mode(lasa):
+    motions = thinned(lasa["Sine"], 20)
+    for i in (1, 4):
+        path = motions[i].positions * [1.0, -1.0]
+        motions[i] = lt.Trajectory(motions[i].times, path)
+    verdicts = lt.judge_demonstrations(motions).verdicts
+    assert [i for i, each in enumerate(verdicts) if "another mode" in each.faults] == [1, 4]
+
+
+def test_what_lies_far_from_all_shown_is_to_be_shown_next(lasa):
+    motions = [
+        lt.Trajectory(each.times, each.positions + np.linspace(0, 1, 100)[:, None] * [5.0 * i, 0])
+        for i, each in enumerate(thinned(lasa["Line"]))
+    ]
+    goals = Places([0.0, -1.0], [90.0, 1.0])  # shown: from 0 to 30
+    found = lt.judge_demonstrations(motions, goals=goals)
+    assert found.next.goal[0] > 75.0
+    assert found.next.uncertainty > 0.0
+
+
+def test_too_few_are_refused(lasa):
+    with pytest.raises(InvalidInput, match="at least 4"):
+        lt.judge_demonstrations(lasa["Line"][:3])
+
+
+def test_the_command_names_the_recordings(lasa, tmp_path):
+    _, motions, spoiled = list(copies({"a": thinned(lasa["Spoon"]), "b": lasa["Worm"]}, 1))[2]
+    for i, motion in enumerate(motions):
+        lt.write_motion(motion, tmp_path / f"shown{i}.csv")
+    found = facts("judge", tmp_path, "--rest", "inf", "--goals", "5,5", "--set", "weights=10")
+    marked = [each["recording"] for each in found["recordings"] if each["leave_out"]]
+    assert [f"shown{spoiled}" in name for name in marked] == [True]
+    assert found["without_those"] < found["left_out_error"]
+    assert len(found["show_next"]) == 2
