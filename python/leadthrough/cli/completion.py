@@ -31,6 +31,7 @@ STUDIES = (
     "human",
     "lasa",
     "robotasks",
+    "simulation",
     "singularity",
     "trajectories",
     "ur3",
