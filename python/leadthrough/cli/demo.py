@@ -37,6 +37,8 @@ def demo(
     overview = report.write_summary(results, out)
     report.write_page(results, arm, config, out, overview=overview, learning=learning)
 
+    simulated = report.write_simulation(results[0], arm, config, out)
+
     columns = ("motion", "SEA\nmm²", "V_rmse\nmm/s", "DTWD/N\nmm", "Fréchet\nmm", "time\ns")
     table = Table(*columns, "slowed", "limits", "arm", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
     rows = report.error_rows(results)
@@ -50,5 +52,6 @@ def demo(
     console.print(table)
     console.print(f"Figures, errors.csv and the joint trajectories: {out}/")
     console.print(f"Report to open in a browser: {out / 'report.html'}")
+    console.print(f"The first motion under gravity and a controller: {simulated}")
     if not all(result.limits.ok and result.clearance.ok for result in results):
         raise typer.Exit(1)

@@ -34,6 +34,14 @@ def retime(
     torques: Annotated[
         bool, typer.Option("--torques", help="Also keep within the joint torque limits.")
     ] = False,
+    start: Annotated[
+        str | None,
+        typer.Option(
+            help="Joint positions, such as 0,-0.5,1, at which the arm rests before; a way from "
+            "there onto the motion is written with it."
+        ),
+    ] = None,
+    obstacle: options.Obstacles = None,
     format: options.FormatName = None,
     as_json: options.AsJson = False,
 ) -> None:
@@ -41,14 +49,21 @@ def retime(
 
     leadthrough retime motion.json --robot panda -o timed.json
 
+    With --start, whole turns are taken the short way, and --obstacle names what the way has to
+    keep clear of.
+
     leadthrough retime motion.csv --robot ur5.urdf --limits ur5.toml --rate 500 -o timed.script
     """
     from leadthrough import timing
-    from leadthrough.cli import errors, reading, tables
+    from leadthrough.cli import errors, parse, reading, tables
     from leadthrough.cli import robot as robots
+    from leadthrough.guard import connect
     from leadthrough.io import write_motion
 
     reading.check_output(out, format)
+    if start is None:
+        robots.refuse("--start", obstacle=obstacle)
+    around = [parse.obstacle(text) for text in obstacle or ()]
     arm = robots.load(robot, limits, base, tip)
     path = robots.joints_in(arm, motion)
     with tables.busy("timing"):
@@ -62,9 +77,12 @@ def retime(
             jacobian=None if tip_speed is None else arm.jacobian,
             inverse_dynamics=arm.inverse_dynamics if torques else None,
         )
+    bindings = timing.binding_limits(timed, arm.limits)
+    if start is not None:
+        with errors.naming(state="--start"):
+            timed = connect(parse.numbers(start, "--start"), timed, arm, obstacles=around)
     with errors.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
         write_motion(timed, out, format=format)
-    bindings = timing.binding_limits(timed, arm.limits)
     found = {
         "motion": str(out),
         "duration_before": path.duration,

@@ -123,6 +123,6 @@ def _infeasible(rules: Rules, history: Float64Array, where: str) -> LimitsInfeas
 def _blocked(bodies: tuple[str, str], reason: str, what: str) -> NoPath:
     return NoPath(
         f"{what} is not clear: {' and '.join(bodies)} come too near; move the arm elsewhere "
-        "first, for which `leadthrough.whole_arm.way_between` finds a way",
+        "first; in Python, `leadthrough.whole_arm.way_between` finds a way",
         reason=reason,
     )

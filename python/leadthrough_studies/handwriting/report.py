@@ -13,12 +13,14 @@ from matplotlib.figure import Figure
 from leadthrough import io
 from leadthrough.arm import Arm, JointLimits
 from leadthrough.drawing import style
+from leadthrough.errors import MissingDependency
 from leadthrough.io import joint_trajectory
 from leadthrough.io.atomic import replacing
 from leadthrough.motion import Demonstration, Trajectory
 from leadthrough.shapes import Box
-from leadthrough.show import page, plot
+from leadthrough.show import page, plot, simulation_page
 from leadthrough.show.scene import Scene, arm_scene
+from leadthrough.simulation import simulate
 from leadthrough_studies.handwriting.demo import Handwriting, HandwritingConfig, pen
 from leadthrough_studies.results import save_figure
 
@@ -31,6 +33,7 @@ _INTRODUCTION = (
     "Drag a scene with the left mouse button to rotate it, with the right button to move it; the "
     "wheel zooms.",
 )
+_PEN_MASS = 0.02  # kg
 _ERRORS = "Errors of the reproductions against the seventh drawing, in mm of the drawings."
 
 COLUMNS = ("motion", "SEA_mm2", "V_rmse_mm_s", "DTWD_per_N_mm", "Frechet_mm")
@@ -101,6 +104,21 @@ def write_page(
     page.write_page(
         folder / "report.html", "Handwriting, learned and written by a robot arm", parts
     )
+
+
+def write_simulation(result: Handwriting, arm: Arm, config: HandwritingConfig, folder: Path) -> str:
+    """Write simulated.html: a motion run by the simulated arm, beside the planned one.
+
+    Returns:
+        The file and the verdict, or what to install.
+    """
+    try:
+        found = simulate(arm.with_attached(pen(config), mass=_PEN_MASS), result.joints)
+    except MissingDependency as error:
+        return str(error)
+    file = folder / "simulated.html"
+    simulation_page(found, file, title=f"{result.name}, simulated")
+    return f"{file}, {found}"
 
 
 def _motion_parts(

@@ -76,10 +76,9 @@ def _correlations(rows: list[Row]) -> list[Row]:
         condition = [row["largest_condition"] for row in own]
         for measure in MEASURES:
             rank = spearmanr(condition, [row[measure] for row in own])
-            found.append(
-                {"approach": number, "measure": measure, "motions": len(own)}
-                | {"rank_correlation": _number(rank.statistic), "p": _number(rank.pvalue)}
-            )
+            correlation = {"rank_correlation": _number(rank.statistic), "p": _number(rank.pvalue)}
+            labels = {"approach": number, "measure": measure, "motions": len(own)}
+            found.append({**labels, **correlation})
     return found
 
 
@@ -92,11 +91,9 @@ def _compared(rows: list[Row]) -> list[Row]:
                 [row[measure] for row in selected(rows, source=source, learned=learned)]
                 for source in ("human", "DLS-IK")
             ]
-            found.append(
-                {"learned": learned, "measure": measure}
-                | {"human": float(np.median(pair[0])), "dls_ik": float(np.median(pair[1]))}
-                | {"p": _number(mannwhitneyu(*pair).pvalue)}
-            )
+            medians = {"human": float(np.median(pair[0])), "dls_ik": float(np.median(pair[1]))}
+            p = _number(mannwhitneyu(*pair).pvalue)
+            found.append({"learned": learned, "measure": measure, **medians, "p": p})
     return found
 
 

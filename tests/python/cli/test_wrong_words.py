@@ -32,6 +32,7 @@ ENOUGH = {
     ("judge", "topic"): ["shown.mcap"],
     ("learn", "topic"): ["shown.mcap", "-o", "out.npz"],
     ("simulate", "skill"): ["shown/reach1.csv", "--controller", "cartesian-impedance"],
+    ("retime", "obstacle"): ["shown/reach1.csv", "-o", "out.json", "--start", "0,0,0,0,0,0"],
     ("plan", "margin"): ["skill.npz", "-o", "out.json", "--obstacle", "sphere:0.1@1,1,1"],
 }
 # What is wrong for an option in any command, and in one of them.

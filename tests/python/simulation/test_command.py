@@ -78,3 +78,23 @@ def test_without_mujoco_one_line_names_the_extra(words, monkeypatch):
         "leadthrough: mujoco is not installed; install it with: "
         "pip install 'leadthrough[simulation]'"
     ]
+
+
+def test_an_export_begins_where_the_arm_is(folder):
+    """Joint 7 has turned by 0.2 rad meanwhile; the way from there is written with the motion."""
+    words = ["retime", "swing.npz", "--robot", "panda", "-o", "from_there.npz"]
+    run(*words, "--start", "0,-0.5,0,-2,0,1.6,0.9")
+    made, arm = lt.read_motion("from_there.npz"), lt.Arm.load("panda")
+    assert made.positions[0].tolist() == [0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.9]
+    assert lt.check_limits(made, arm.limits).ok
+    assert run("simulate", "from_there.npz", "--robot", "panda")
+    blocked = run(
+        *words,
+        "--start",
+        "0.5,-0.5,0,-2,0,1.6,0.9",
+        "--obstacle",
+        "box:0.1,0.1,1@0.5,0.15,0.5",
+        code=1,
+    )
+    assert "is not clear" in blocked.stderr
+    assert "way_between" not in blocked.stderr
