@@ -37,6 +37,7 @@ STAGES = (
     "arm",
     "timing",
     "whole_arm",
+    "reaching",
     "guard",
     "simulation",
     "validation",

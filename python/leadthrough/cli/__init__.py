@@ -18,6 +18,7 @@ from leadthrough.cli.judge import judge
 from leadthrough.cli.learn import learn
 from leadthrough.cli.plan import plan
 from leadthrough.cli.profile import FILE
+from leadthrough.cli.reach import reach
 from leadthrough.cli.retime import retime
 from leadthrough.cli.simulate import simulate
 from leadthrough.cli.validate import validate
@@ -56,6 +57,7 @@ for each in (
     guard,
     simulate,
     validate,
+    reach,
     view,
     experiment,
 ):

@@ -177,6 +177,21 @@ def places(text: str, middle: Float64Array, name: str) -> Places:
         raise InvalidInput(f"{name}: {error}") from None
 
 
+def corners(text: str, name: str) -> Places:
+    """The region between two corners X,Y,Z:X,Y,Z.
+
+    Args:
+        text: the option's value.
+        name: the option, for messages.
+
+    Raises:
+        InvalidInput: for another form.
+    """
+    if text.count(":") != 1:
+        raise InvalidInput(f"{name}: expected two corners such as 0,0,0:1,1,1, got {text!r}")
+    return places(text, np.zeros(3), name)
+
+
 def scattered(text: str) -> Scattered:
     """An obstacle at a random position, such as box:0.1,0.1,0.2@0.4,0,0.1~0.1,0.1,0.
 

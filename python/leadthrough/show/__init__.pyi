@@ -1,6 +1,15 @@
 from . import plot
+from .reach_picture import placement_figure, reach_figure
 from .simulated import simulation_page
 from .validation_page import write_validation
 from .viewing import open_view, view
 
-__all__ = ["open_view", "plot", "simulation_page", "view", "write_validation"]
+__all__ = [
+    "open_view",
+    "placement_figure",
+    "plot",
+    "reach_figure",
+    "simulation_page",
+    "view",
+    "write_validation",
+]

@@ -2,8 +2,8 @@
 
 from leadthrough.tasks.engine import Outcome, run
 from leadthrough.tasks.manifest import listed
-from leadthrough.tasks.progress import shown
+from leadthrough.tasks.progress import Shown, shown
 from leadthrough.tasks.store import Store
 from leadthrough.tasks.task import Row, Task
 
-__all__ = ["Outcome", "Row", "Store", "Task", "listed", "run", "shown"]
+__all__ = ["Outcome", "Row", "Shown", "Store", "Task", "listed", "run", "shown"]

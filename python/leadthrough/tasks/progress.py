@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from leadthrough.tasks.engine import Outcome
+
+Shown = Callable[[Iterable[Outcome], int, str], Iterator[Outcome]]
+"""What shows outcomes and passes them on: of the outcomes, their number and what they are."""
 
 
 def shown(outcomes: Iterable[Outcome], total: int, what: str) -> Iterator[Outcome]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -25,8 +25,6 @@ from leadthrough.tasks import Outcome, Row, Store, Task
 from leadthrough.validation.answer import Scene, answers
 from leadthrough.validation.findings import ERROR, Findings
 from leadthrough.validation.validation import Validation
-
-Shown = Callable[[Iterable[Outcome], int, str], Iterator[Outcome]]
 
 # Queries of a task: a second of work, so that what a task costs beside it does not count.
 _EACH = 20
@@ -50,7 +48,7 @@ def validate(
     on: str | None = None,
     out: Path | None = None,
     task_timeout: float | None = None,
-    shown: Shown | None = None,
+    shown: tasks.Shown | None = None,
 ) -> Validation:
     """How often the arm can run the skill's motion, for queries drawn at random from regions.
 

@@ -1,6 +1,6 @@
 """Seven demonstrations, one of them spoiled: which it is, what each is worth, what to show next.
 
-Writes judged.png: python python/demos/32_which_to_keep.py [FOLDER]
+Writes judged.png: python python/demos/33_which_to_keep.py [FOLDER]
 """
 
 import sys

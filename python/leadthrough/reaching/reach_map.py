@@ -1,0 +1,179 @@
+"""A map of the places that an arm reaches, in how many orientations, and how well it moves."""
+
+from __future__ import annotations
+
+import pickle
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from leadthrough import check, tasks
+from leadthrough.arm import Arm
+from leadthrough.brief import Brief
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.io.atomic import StrPath, replacing
+from leadthrough.models.places import Places
+from leadthrough.reaching.orientations import spread_orientations
+from leadthrough.reaching.solving import Workspace, reach_rows
+from leadthrough.shapes import Shape, check_shapes
+from leadthrough.tasks import Outcome, Store, Task
+
+_POSES = 2000  # of a task: a fraction of a second
+_MOST_PLACES = 10_000_000
+_DRAWN = 4000  # configurations from which the volume is taken where none is given
+
+
+@dataclass(frozen=True, eq=False)
+class ReachMap(Brief):
+    """What an arm reaches on a grid of places.
+
+    Attributes:
+        origin: (3,) of the first place, m in the base frame.
+        spacing: between neighbouring places, m.
+        orientations: (k, 4) w, x, y, z that were tried at each place.
+        fraction: (nx, ny, nz) of the orientations that are reached clear of the arm itself and of
+            obstacles, 0 to 1.
+        manipulability: (nx, ny, nz), the largest of the solutions, as `Arm.manipulability`; 0 where
+            nothing is reached.
+    """
+
+    origin: Float64Array
+    spacing: float
+    orientations: Float64Array
+    fraction: Float64Array
+    manipulability: Float64Array
+
+    @property
+    def volume(self) -> float:
+        """Of the places that are reached in any orientation, m^3."""
+        return float((self.fraction > 0.0).sum()) * self.spacing**3
+
+    @property
+    def axes(self) -> tuple[Float64Array, Float64Array, Float64Array]:
+        """Coordinates of the places along x, y and z, m."""
+        x, y, z = (
+            start + self.spacing * np.arange(count)
+            for start, count in zip(self.origin, self.fraction.shape, strict=True)
+        )
+        return x, y, z
+
+    def save(self, path: StrPath) -> None:
+        """Writes the arrays by their names to a .npz file.
+
+        Args:
+            path: the file; one that exists is replaced in one go.
+
+        Raises:
+            InvalidInput: if the file cannot be written.
+        """
+        with replacing(path) as temporary, temporary.open("wb") as file:
+            np.savez_compressed(
+                file,
+                allow_pickle=False,
+                origin=self.origin,
+                spacing=np.array(self.spacing),
+                orientations=self.orientations,
+                fraction=self.fraction,
+                manipulability=self.manipulability,
+            )
+
+
+def reach_map(
+    arm: Arm,
+    *,
+    volume: Places | None = None,
+    spacing: float = 0.1,
+    orientations: int = 12,
+    obstacles: Sequence[Shape] = (),
+    seed: int = 0,
+    on: str | None = None,
+    out: Path | None = None,
+    task_timeout: float | None = None,
+    shown: tasks.Shown | None = None,
+) -> ReachMap:
+    """Where an arm's tip can be: in how many orientations, and how well it moves there.
+
+    Each pose is solved by inverse kinematics; it is reached if a solution inside the joint limits
+    touches neither the arm itself nor an obstacle. The search is random: a pose counted as out of
+    reach may, rarely, have a solution.
+
+    Args:
+        arm: with collision shapes.
+        volume: corners of the grid, m in the base frame; by default the arm's whole reach.
+        spacing: between neighbouring places, m, > 0.
+        orientations: number of orientations at each place, spread evenly over all, >= 1.
+        obstacles: shapes in the base frame.
+        seed: of the random number generator.
+        on: where to compute, as `leadthrough.tasks.run` takes it; None for this process.
+        out: folder that keeps what is finished, made if missing; None keeps nothing.
+        task_timeout: the longest that one task may take, s; None for no bound.
+        shown: passes the tasks' outcomes on and shows them, such as `leadthrough.tasks.shown`.
+
+    Raises:
+        InvalidInput: if an argument is wrong, or the grid has too many places.
+        InvalidRobot: if the robot has no collision geometry.
+        MissingDependency: for a Dask cluster, if the extra `dask` is not installed.
+        ClusterLost: if its scheduler does not answer any more.
+    """
+    if not isinstance(arm, Arm):
+        raise InvalidInput(f"arm: expected an Arm, got {arm!r}; in Python, lt.Arm.load loads one")
+    step = check.number(spacing, "spacing", above=0.0)
+    number = check.integer(seed, "seed", at_least=0)
+    turned = spread_orientations(check.integer(orientations, "orientations", at_least=1))
+    corners = _whole_reach(arm, step) if volume is None else volume
+    if len(corners.lower) != 3:
+        raise InvalidInput(f"volume: expected 3 coordinates, got {len(corners.lower)}")
+    counts = (np.floor((corners.upper - corners.lower) / step + 1e-9) + 1).astype(int)
+    if counts.prod() > _MOST_PLACES:
+        raise InvalidInput(
+            f"spacing: expected at most {_MOST_PLACES:,} places, got {counts.prod():,}; raise it"
+        )
+    axes = [low + step * np.arange(n) for low, n in zip(corners.lower, counts, strict=True)]
+    places = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    with ExitStack() as stack:
+        folder = out or Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        folder.mkdir(parents=True, exist_ok=True)
+        file = folder / "workspace.pickle"
+        common = Workspace(arm, check_shapes(obstacles), turned, places)
+        with replacing(file) as temporary:
+            temporary.write_bytes(pickle.dumps(common, protocol=5))
+        each = max(1, _POSES // len(turned))
+        todo = [
+            Task(
+                reach_rows,
+                {"first": first, "count": min(each, len(places) - first), "seed": number},
+                {"workspace": file},
+            )
+            for first in range(0, len(places), each)
+        ]
+        store = Store(folder / "cache")
+        outcomes = tasks.listed(tasks.run(todo, store, on=on, timeout=task_timeout), folder)
+        told = outcomes if shown is None else shown(outcomes, len(todo), "reaching")
+        found = _collected(told, todo, store)
+    fraction, measure = (column.reshape(counts) for column in found.T)
+    return ReachMap(corners.lower, step, turned, fraction / len(turned), measure)
+
+
+def _collected(outcomes: Iterator[Outcome], todo: Sequence[Task], store: Store) -> Float64Array:
+    """The number of orientations and the manipulability (n, 2) of all places."""
+    for each in outcomes:
+        if each.failure is not None:
+            raise InvalidInput(
+                f"arm: a task failed: {each.failure['error']}: {each.failure['message']}"
+            )
+    rows = (row for task in todo for row in store.rows(task.key) or ())
+    return np.array([[row["reached"], row["manipulability"]] for row in rows], dtype=np.float64)
+
+
+def _whole_reach(arm: Arm, spacing: float) -> Places:
+    """The box around the tips of random configurations, on multiples of the spacing."""
+    rng = np.random.default_rng(0)
+    shape = (_DRAWN, len(arm.joint_names))
+    positions, _ = arm.forward_kinematics(rng.uniform(arm.limits.lower, arm.limits.upper, shape))
+    lower = np.floor(positions.min(axis=0) / spacing) * spacing
+    return Places(lower, np.ceil(positions.max(axis=0) / spacing) * spacing)
