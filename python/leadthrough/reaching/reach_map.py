@@ -19,7 +19,7 @@ from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.models.places import Places
 from leadthrough.reaching.orientations import spread_orientations
-from leadthrough.reaching.solving import Workspace, reach_rows
+from leadthrough.reaching.solving import Workspace, ranges, reach_rows
 from leadthrough.shapes import Shape, check_shapes
 from leadthrough.tasks import Outcome, Store, Task
 
@@ -174,6 +174,6 @@ def _whole_reach(arm: Arm, spacing: float) -> Places:
     """The box around the tips of random configurations, on multiples of the spacing."""
     rng = np.random.default_rng(0)
     shape = (_DRAWN, len(arm.joint_names))
-    positions, _ = arm.forward_kinematics(rng.uniform(arm.limits.lower, arm.limits.upper, shape))
+    positions, _ = arm.forward_kinematics(rng.uniform(*ranges(arm), shape))
     lower = np.floor(positions.min(axis=0) / spacing) * spacing
     return Places(lower, np.ceil(positions.max(axis=0) / spacing) * spacing)

@@ -38,6 +38,12 @@ class Workspace:
     places: Float64Array
 
 
+def ranges(arm: Arm) -> tuple[Float64Array, Float64Array]:
+    """Lowest and highest joints; of a joint that turns without end, a whole turn."""
+    lower, upper = arm.limits.lower, arm.limits.upper
+    return np.where(np.isfinite(lower), lower, -np.pi), np.where(np.isfinite(upper), upper, np.pi)
+
+
 def reached(
     arm: Arm,
     positions: Float64Array,
@@ -57,7 +63,7 @@ def reached(
     found = np.zeros(len(positions), dtype=bool)
     joints = np.full((len(positions), len(arm.joint_names)), np.nan)
     rng = np.random.default_rng(seed)
-    lower, upper = arm.limits.lower, arm.limits.upper
+    lower, upper = ranges(arm)
     left = np.arange(len(positions))
     for attempt in range(_TRIES):
         if not len(left):

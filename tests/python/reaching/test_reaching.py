@@ -82,6 +82,13 @@ def test_the_arm_runs_the_motion_from_where_it_is_to_stand(panda, poses):
     assert far.best is None and far.fraction.tolist() == [0.0]
 
 
+def test_a_joint_that_turns_without_end_is_drawn_from_a_turn():
+    ur3 = lt.Arm.load("ur3")
+    assert np.isinf(ur3.limits.upper).any()
+    found = reach_map(ur3, spacing=0.5, orientations=2)
+    assert 0.0 < found.fraction.mean() < 0.5
+
+
 def test_too_fine_a_grid_is_refused(panda):
     with pytest.raises(InvalidInput, match="spacing"):
         reach_map(panda, spacing=0.001)
