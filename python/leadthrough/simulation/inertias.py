@@ -28,7 +28,8 @@ def link_inertias(arm: Arm, *, payload: float) -> dict[str, Load]:
     Returns:
         Bodies in the links' frames, one for each link that has a mass.
     """
-    stated = {link.get("name", ""): link for link in ElementTree.fromstring(arm.document)}
+    links = ElementTree.fromstring(arm.document).findall("link")
+    stated = {link.get("name", ""): link for link in links}
     found = {}
     for name in _moved_links(arm):
         bodies = [_stated(stated[name])]

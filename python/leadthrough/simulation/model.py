@@ -22,6 +22,7 @@ from leadthrough.simulation.geometry import link_solids, solids_of
 from leadthrough.simulation.inertias import link_inertias
 
 ATTACHED = "attached"  # as collision reports call it
+LINK = "link "  # before the names of links, of which one may be "world", as MuJoCo calls its own
 # MuJoCo refuses moving bodies without a mass, kg and kg m^2: too little to be felt.
 _LEAST = 1e-13
 
@@ -94,7 +95,7 @@ def plant(
     _add_links(mujoco, spec, arm, link_inertias(arm, payload=payload))
     _add_obstacles(spec, obstacles)
     for a, b in _never_touching(arm):
-        spec.add_exclude(bodyname1=a, bodyname2=b)
+        spec.add_exclude(bodyname1=_body(a), bodyname2=_body(b))
     own = _core.Chain(arm._robot, arm.base, arm.tip)
     effort = _stricter(own.effort, arm.limits.effort)
     drives = _add_joints(
@@ -117,7 +118,7 @@ def plant(
         model,
         np.array(joints, dtype=np.int64),
         tuple(placed[i] for i in range(len(placed))),
-        model.body(arm.tip).id,
+        model.body(LINK + arm.tip).id,
         effort,
         _stricter(own.velocity, arm.limits.velocity),
         dry,
@@ -157,7 +158,7 @@ def _add_links(mujoco: Any, spec: Any, arm: Arm, bodies: Mapping[str, Load]) -> 
             if joint.parent not in made:  # the arm's first joint: on a link that stands still
                 turned, placed = (part[0] for part in still[robot.links[joint.parent]])
                 at = (placed + turned @ at[0], turned @ at[1])
-            made[i] = body = parent.add_body(name=name, pos=at[0], quat=_quaternion(at[1]))
+            made[i] = body = parent.add_body(name=LINK + name, pos=at[0], quat=_quaternion(at[1]))
             _set_inertia(body, bodies.get(name), joint.name in driven)
             if joint.name in driven:
                 slides = joint.kind == "prismatic"
@@ -165,7 +166,7 @@ def _add_links(mujoco: Any, spec: Any, arm: Arm, bodies: Mapping[str, Load]) -> 
                 body.add_joint(name=joint.name, type=kind, axis=joint.axis)
         else:
             turned, placed = (part[0] for part in still[name])
-            body = spec.worldbody.add_body(name=name, pos=placed, quat=_quaternion(turned))
+            body = spec.worldbody.add_body(name=LINK + name, pos=placed, quat=_quaternion(turned))
         _add_solids(spec, body, solids.get(name, ()))
         if name == arm.tip and arm.attached:
             held = body.add_body(name=ATTACHED)
@@ -248,6 +249,11 @@ def _add_joints(
             made.limited = mujoco.mjtLimited.mjLIMITED_TRUE
             made.range = low, high
     return drives
+
+
+def _body(name: str) -> str:
+    """What a body of a collision report is called in the model."""
+    return name if name == ATTACHED else LINK + name
 
 
 def _never_touching(arm: Arm) -> list[tuple[str, str]]:

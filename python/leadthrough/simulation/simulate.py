@@ -181,7 +181,7 @@ def _plan(
     own = trajectory if trajectory.joint_names == arm.joint_names else arm.joints_of(trajectory)
     whole, offset, way_found = _connected(arm, own, state)
     rows = chunk_of(whole, arm, period).rows
-    begins_at_rest = offset is not None or _at_rest(arm, own, 0)
+    begins_at_rest = offset is not None or (_rates_known(arm) and _at_rest(arm, own, 0))
     first = np.zeros(rows.shape[1]) if begins_at_rest else (rows[1] - rows[0]) / period
     held = np.repeat(rows[-1:], round(_SETTLING / period), axis=0)
     q = np.concatenate([rows, held])
@@ -198,8 +198,9 @@ def _connected(
     arm: Arm, own: JointTrajectory, state: CommandedState | ArrayLike | None
 ) -> tuple[JointTrajectory, float | None, bool]:
     """The motion with ways onto it and to rest, the length of the first, and whether they exist."""
-    known = arm.limits.acceleration is not None and arm.limits.jerk is not None
-    if state is None and (not known or (_at_rest(arm, own, 0) and _at_rest(arm, own, -1))):
+    if state is None and (
+        not _rates_known(arm) or (_at_rest(arm, own, 0) and _at_rest(arm, own, -1))
+    ):
         return own, None, True
     marked = replace(own, events=(Event(float(own.times[0]), _BEGUN),))
     try:
@@ -207,6 +208,10 @@ def _connected(
     except (LimitsInfeasible, NoPath):
         return own, None, False
     return whole, whole.events[0].time, True
+
+
+def _rates_known(arm: Arm) -> bool:
+    return arm.limits.acceleration is not None and arm.limits.jerk is not None
 
 
 def _at_rest(arm: Arm, motion: JointTrajectory, end: int) -> bool:

@@ -19,7 +19,7 @@ from leadthrough.errors import InvalidInput
 from leadthrough.guard import CommandedState
 from leadthrough.shapes import Shape, check_shapes
 from leadthrough.simulation.controllers import ComputedTorque, Controller, Moment, per_joint
-from leadthrough.simulation.model import plant
+from leadthrough.simulation.model import LINK, plant
 
 _LONGEST_DELAY = 1.0  # s
 _RUNAWAY = 1e3  # rad/s (m/s): no arm moves so fast, and MuJoCo would soon give up
@@ -268,7 +268,8 @@ def _touches(mujoco: Any, model: Any, data: Any) -> list[Touch]:
     wrench = np.zeros(6)
     for i in range(data.ncon):
         contact = data.contact[i]
-        names = (model.body(model.geom_bodyid[geom]).name for geom in contact.geom)
+        bodies = (model.body(model.geom_bodyid[geom]).name for geom in contact.geom)
+        names = (name.removeprefix(LINK) for name in bodies)
         a, b = names
         # Obstacles come last, as in collision reports.
         pair, sign = ((b, a), -1.0) if a.startswith("obstacle ") else ((a, b), 1.0)
