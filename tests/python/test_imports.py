@@ -44,7 +44,7 @@ STAGES = (
     "show",
     "cli",
 )
-FAMILIES = ("dmp", "promp", "mixtures", "marching")
+FAMILIES = ("dmp", "promp", "mixtures", "marching", "dynamical")
 # Folders of models/ that every family may use, and that use none.
 HALL = ("gaussians",)
 # Files of the hall of models/ that know every family: what skills there are, and who holds them.

@@ -3,6 +3,14 @@ from .dmp.pose import PoseDMP
 from .dmp.pose_skill import PoseDMPSkill
 from .dmp.rhythmic import RhythmicDMP, RhythmicDMPSkill
 from .dmp.rhythmic_pose import RhythmicPoseDMP, RhythmicPoseDMPSkill
+from .dynamical.clf_dm import CLFDM
+from .dynamical.fsm_dm import FSMDM
+from .dynamical.lpv_ds import LPVDS
+from .dynamical.modified_ds import ModifiedDS
+from .dynamical.seds import SEDS
+from .dynamical.skill import DynamicalSkill
+from .dynamical.stability import StabilityReport
+from .dynamical.umic import UMIC
 from .frame import Frame
 from .framed import Framed, FramedSkill
 from .framed_state import FramedState
@@ -28,10 +36,16 @@ from .protocol import Skill
 from .skills import load_skill
 
 __all__ = [
+    "CLFDM",
     "DMP",
+    "FSMDM",
     "GMR",
+    "LPVDS",
+    "SEDS",
+    "UMIC",
     "Clusters",
     "DMPSkill",
+    "DynamicalSkill",
     "FastMarching",
     "FastMarchingSkill",
     "FittedMixture",
@@ -42,6 +56,7 @@ __all__ = [
     "GMRSkill",
     "Inference",
     "Mixture",
+    "ModifiedDS",
     "OutOfStep",
     "OutsideTargets",
     "Parameter",
@@ -56,6 +71,7 @@ __all__ = [
     "RhythmicPoseDMPSkill",
     "Skill",
     "SkillLibrary",
+    "StabilityReport",
     "TaskGMR",
     "TaskGMRSkill",
     "blend",

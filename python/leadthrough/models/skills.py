@@ -14,6 +14,7 @@ from leadthrough.models.protocol import Skill
 # The modules that put skills of each kind together again, imported when one of that kind is read.
 _KINDS = {
     "dmp": "dmp.discrete",
+    "dynamical": "dynamical.saved",
     "fast_marching": "marching.model",
     "framed": "framed",
     "gmr": "mixtures.gmr",

@@ -1,6 +1,7 @@
 """What every model promises of every type of motion. A new one joins with one line in MODELS."""
 
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.errors import FitError, InvalidInput
-from leadthrough.models import TaskGMR
+from leadthrough.models import CLFDM, FSMDM, LPVDS, SEDS, UMIC, ModifiedDS, TaskGMR
 
 T = np.linspace(0.0, 1.0, 150)
 U = 10 * T**3 - 15 * T**4 + 6 * T**5
@@ -110,6 +111,13 @@ MODELS = {
     "GMR, task-parameterised": (TaskGMR(components=4), POINTS),
     "GMR of joints, task-parameterised": (TaskGMR(components=4), JOINTS),
     "GMR of poses, task-parameterised": (TaskGMR(components=4), POSES),
+    "SEDS": (SEDS(components=3), POINTS),
+    "SEDS of joints, least squares": (SEDS(components=3, objective="mse"), JOINTS),
+    "LPV-DS of joints": (LPVDS(components=4), JOINTS),
+    "CLF-DM": (CLFDM(components=4, quadratics=1), POINTS),
+    "FSM-DM": (FSMDM(units=10), POINTS),
+    "UMIC": (UMIC(kernels=12), POINTS),
+    "modified system": (ModifiedDS(units=40, energy_units=5), POINTS),
 }
 
 
@@ -154,8 +162,14 @@ def shown(space):
 
 
 @pytest.fixture
-def skill(model, shown):
-    return model.fit(shown)
+def skill(model, space):
+    return fitted(model, space.shown)
+
+
+@cache
+def fitted(model, motion):
+    """The skill that a model learns; tests share it, as it is frozen."""
+    return model.fit([lt.Demonstration(motion(shift)) for shift in SHIFTS])
 
 
 def test_fit_leaves_model_and_demonstrations_alone_and_returns_a_frozen_skill(model, shown):

@@ -1,0 +1,1 @@
+"""Motions as autonomous dynamical systems that come to the goal from everywhere."""

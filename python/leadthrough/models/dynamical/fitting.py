@@ -1,0 +1,65 @@
+"""From demonstrations to a skill, the same way for all systems."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from leadthrough.errors import FitError
+from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.dynamical.arrival import LONGEST
+from leadthrough.models.dynamical.field import Field
+from leadthrough.models.dynamical.integration import ends
+from leadthrough.models.dynamical.samples import NEAR_GOAL, Shown, shown_about_goals
+from leadthrough.models.dynamical.skill import DynamicalSkill
+from leadthrough.motion import MotionT
+
+# A system's speed is changed by no more than this: one that is so slow rests somewhere on the way.
+_MOST_PACE = 2.0
+
+
+def fit_skill(
+    model: Any, demonstrations: Demonstrations[MotionT], learned: Callable[[Shown], Field]
+) -> DynamicalSkill[MotionT]:
+    """The skill whose system a model learns.
+
+    Args:
+        model: the settings.
+        demonstrations: one or more demonstrations, or motions, of one type.
+        learned: takes the normalised demonstrations to the system.
+
+    Raises:
+        InvalidInput: if the demonstrations differ in type.
+        FitError: if there is none, one does not move, or the goal is reached from none of the starts.
+    """
+    shown = shown_about_goals(demonstrations)
+    field = learned(shown)
+    return DynamicalSkill(
+        model,
+        shown.chart,
+        field,
+        shown.scale,
+        shown.ends,
+        shown.duration,
+        _pace(field, shown),
+        shown.x,
+    )
+
+
+def _pace(field: Field, shown: Shown) -> float:
+    """The median over the demonstrations of how much longer the system takes from their starts.
+
+    Both are timed until they are near the goal for good: how the end is approached tells little of
+    the pace.
+    """
+    starts = np.array([each[0] for each in shown.positions])
+    found = ends(field, starts, near=NEAR_GOAL, longest=LONGEST)
+    if not found.arrived.any():
+        raise FitError(
+            "demonstrations: the system that was learned does not reach the goal from any of their "
+            "starts; use another model"
+        )
+    slower = float(np.median((found.times / shown.approaches)[found.arrived]))
+    return min(max(slower, 1.0 / _MOST_PACE), _MOST_PACE)

@@ -1,0 +1,125 @@
+"""LPV-DS: a mixture of linear systems with a learned quadratic energy.
+
+x' = sum_k h_k(x) A_k x with the posteriors h_k of a mixture of positions and P A_k + A_k^T P < 0:
+the energy x^T P x falls everywhere. In turn, the mixture is fitted so that a component holds
+positions near each other with velocities in one direction, P is learned so that the energy falls
+along the demonstrations, and the A_k are the least squares of a semidefinite programme.
+
+Source: Figueroa and Billard 2018, "A physically-consistent Bayesian non-parametric mixture model
+for dynamical system learning", CoRL, 927-946. Its mixture is drawn by Gibbs sampling from a
+distance-dependent process; ours is the most likely one, by EM, of positions and directions of
+motion that are independent of each other within a component, with the number of components by the
+Bayesian information criterion. P is learned as the quadratic part of CLF-DM's energy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from leadthrough import check
+from leadthrough.check import Float64Array
+from leadthrough.errors import FitError
+from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.dynamical import asymmetric_quadratics
+from leadthrough.models.dynamical.fitting import fit_skill
+from leadthrough.models.dynamical.gates import GaussianGates
+from leadthrough.models.dynamical.linear_mixture import LinearMixture
+from leadthrough.models.dynamical.samples import Shown
+from leadthrough.models.dynamical.semidefinite import stable_matrices
+from leadthrough.models.dynamical.skill import DynamicalSkill
+from leadthrough.models.gaussians.em import Blocks, fit_blocks
+from leadthrough.models.unfitted import Unfitted
+from leadthrough.motion import MotionT
+from leadthrough.one_thread import one_blas_thread
+
+_DECAY, _RIDGE = 0.1, 1e-6
+# The least deviation of a component, of positions and of directions.
+_LEAST = 0.02**2
+_MOST_COMPONENTS = 10
+_PATIENCE = 3  # numbers of components without improvement after which the search ends
+
+
+@dataclass(frozen=True)
+class LPVDS(Unfitted):
+    """Linear systems mixed by position, for points, joints or poses; needs the extra `stable`.
+
+    Attributes:
+        components: number of components, 1 to 50; None for the number from 1 to 10 with the least
+            Bayesian information criterion.
+        seed: seed of the random number generator that draws the starts of EM, >= 0.
+
+    Raises:
+        InvalidInput: if a setting is out of range.
+    """
+
+    components: int | None = None
+    seed: int = 0
+
+    slider: ClassVar[tuple[str, int, int]] = ("components", 1, 15)
+
+    def __post_init__(self) -> None:
+        if self.components is not None:
+            check.integer(self.components, "components", at_least=1, at_most=50)
+        check.integer(self.seed, "seed", at_least=0)
+
+    @one_blas_thread
+    def fit(self, demonstrations: Demonstrations[MotionT]) -> DynamicalSkill[MotionT]:
+        """A skill from demonstrations.
+
+        Args:
+            demonstrations: one or more demonstrations, or motions: all of points, all of the same
+                joints or all of poses.
+
+        Raises:
+            InvalidInput: if the demonstrations differ in type.
+            FitError: if there is none, one does not move, or orientations have no mean at the goal
+                or turn by a full turn or more.
+            MissingDependency: without the extra `stable`.
+        """
+        return fit_skill(self, demonstrations, self._learned)
+
+    def _learned(self, shown: Shown) -> LinearMixture:
+        x, v = shown.x, shown.v
+        found = self._mixture(x, v)
+        gates = GaussianGates.of(found.weights, found.means[0], found.covariances[0])
+        metric = asymmetric_quadratics.fitted(x, v, 0, seed=self.seed).symmetric
+        metric = metric * len(metric) / np.trace(metric)
+        weights = gates.weights(x)
+        matrices = stable_matrices(weights, x, v, metric=metric, decay=_DECAY, ridge=_RIDGE)
+        return LinearMixture(gates, matrices, metric)
+
+    def _mixture(self, x: Float64Array, v: Float64Array) -> Blocks:
+        directions = v / np.maximum(np.linalg.norm(v, axis=1, keepdims=True), 1e-9)
+        if self.components is not None:
+            return self._fitted(x, directions, self.components)[0]
+        d = x.shape[1]
+        best: tuple[float, Blocks] | None = None
+        worse = 0
+        for count in range(1, min(_MOST_COMPONENTS, len(x)) + 1):
+            found, likelihood = self._fitted(x, directions, count)
+            free = count * (1 + 2 * d + d * (d + 1)) - 1
+            # Neighbouring samples tell little that is new: ten count as one.
+            criterion = free * np.log(len(x)) - 2.0 * 0.1 * len(x) * likelihood
+            if best is None or criterion < best[0]:
+                best, worse = (float(criterion), found), 0
+            else:
+                worse += 1
+                if worse == _PATIENCE:
+                    break
+        assert best is not None
+        return best[1]
+
+    def _fitted(
+        self, x: Float64Array, directions: Float64Array, count: int
+    ) -> tuple[Blocks, float]:
+        """The components of positions and directions, and the mean log-likelihood per sample."""
+        if count > len(x):
+            raise FitError(f"components: expected at most one per sample, {len(x)}, got {count}")
+        both = np.hstack([x, directions])
+        blocks, history = fit_blocks(
+            [x, directions], both, count, seed=self.seed, starts=1, least=_LEAST
+        )
+        return blocks, history[-1]
