@@ -23,6 +23,12 @@ MODELS = (
     "fast-marching",
     "rhythmic-dmp",
     "rhythmic-pose-dmp",
+    "seds",
+    "lpv-ds",
+    "clf-dm",
+    "fsm-dm",
+    "umic",
+    "modified-ds",
 )
 STUDIES = (
     "agriculture",

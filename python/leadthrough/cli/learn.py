@@ -52,8 +52,9 @@ def learn(
     model: Annotated[
         str | None,
         typer.Option(
-            help="Model to fit: dmp, pose-dmp, promp, gmr, fast-marching, rhythmic-dmp or "
-            "rhythmic-pose-dmp; by default pose-dmp for poses, otherwise dmp.",
+            help="Model to fit: dmp, pose-dmp, promp, gmr, fast-marching, rhythmic-dmp, "
+            "rhythmic-pose-dmp, or a dynamical system: seds, lpv-ds, clf-dm, fsm-dm, umic or "
+            "modified-ds; by default pose-dmp for poses, otherwise dmp.",
             autocompletion=completion.one_of(*completion.MODELS),
         ),
     ] = None,
@@ -168,6 +169,12 @@ def models() -> dict[str, Any]:
         "fast-marching": models.FastMarching,
         "rhythmic-dmp": models.RhythmicDMP,
         "rhythmic-pose-dmp": models.RhythmicPoseDMP,
+        "seds": models.SEDS,
+        "lpv-ds": models.LPVDS,
+        "clf-dm": models.CLFDM,
+        "fsm-dm": models.FSMDM,
+        "umic": models.UMIC,
+        "modified-ds": models.ModifiedDS,
     }
 
 

@@ -32,7 +32,7 @@ def fit_skill(
 
     Raises:
         InvalidInput: if the demonstrations differ in type.
-        FitError: if there is none, one does not move, or the goal is reached from none of the starts.
+        FitError: if there is none, one does not move, or the goal is reached from no start.
     """
     shown = shown_about_goals(demonstrations)
     field = learned(shown)

@@ -22,6 +22,8 @@ _TOLERANCE, _NEAREST = 1e-4, 0.01
 _FIRST, _LONGEST = 1e-3, 0.05
 _SHRINK, _GROW, _SAFETY = 0.2, 4.0, 0.9
 _MOST_STEPS = 20_000
+# Sizes of the motion beyond which a trajectory is lost.
+_FARTHEST = 1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,4 +131,5 @@ def _steps(
         steps[going] = np.minimum(steps[going] * np.clip(change, _SHRINK, _GROW), _LONGEST)
         yield times, states, rates
         kept = ~_near(states[going], size, near) & (times[going] < longest)
+        kept &= _near(states[going], size, _FARTHEST)
         going = going[kept]
