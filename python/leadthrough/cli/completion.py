@@ -132,10 +132,10 @@ def parameters(ctx: typer.Context, incomplete: str) -> list[str]:
     """
     from dataclasses import fields
 
-    from leadthrough.cli.learn import models
+    from leadthrough.cli.learn import MODELS, model_class
 
-    kind = models().get(ctx.params.get("model") or "pose-dmp")
-    known = fields(kind) if kind is not None else ()
+    name = ctx.params.get("model") or "pose-dmp"
+    known = fields(model_class(name)) if name in MODELS else ()
     return _beginning((f"{field.name}={field.default}" for field in known), incomplete)
 
 

@@ -26,6 +26,22 @@ if TYPE_CHECKING:
 # By the type of motion, where the model is not named.
 _USUAL = {"PoseTrajectory": "pose-dmp", "Trajectory": "dmp", "JointTrajectory": "dmp"}
 _NAMES = {"PoseTrajectory": "poses", "Trajectory": "points", "JointTrajectory": "joints"}
+# The classes of the models, by their names on the command line.
+MODELS = {
+    "dmp": "DMP",
+    "pose-dmp": "PoseDMP",
+    "promp": "ProMP",
+    "gmr": "GMR",
+    "fast-marching": "FastMarching",
+    "rhythmic-dmp": "RhythmicDMP",
+    "rhythmic-pose-dmp": "RhythmicPoseDMP",
+    "seds": "SEDS",
+    "lpv-ds": "LPVDS",
+    "clf-dm": "CLFDM",
+    "fsm-dm": "FSMDM",
+    "umic": "UMIC",
+    "modified-ds": "ModifiedDS",
+}
 # The types of motion of models that do not learn all, and what to use for others.
 _POINTS, _POSES = ("Trajectory", "JointTrajectory"), ("PoseTrajectory",)
 _ONLY = {
@@ -157,25 +173,11 @@ def learn(
         chain.hint(ctx, "leadthrough", "plan", out, *chain.arm(ctx), "-o", motion)
 
 
-def models() -> dict[str, Any]:
-    """The classes of the models, by their names on the command line."""
+def model_class(name: str) -> Any:  # Any: the models' settings differ
+    """The class of a model by its name on the command line; no other family is loaded."""
     from leadthrough import models
 
-    return {
-        "dmp": models.DMP,
-        "pose-dmp": models.PoseDMP,
-        "promp": models.ProMP,
-        "gmr": models.GMR,
-        "fast-marching": models.FastMarching,
-        "rhythmic-dmp": models.RhythmicDMP,
-        "rhythmic-pose-dmp": models.RhythmicPoseDMP,
-        "seds": models.SEDS,
-        "lpv-ds": models.LPVDS,
-        "clf-dm": models.CLFDM,
-        "fsm-dm": models.FSMDM,
-        "umic": models.UMIC,
-        "modified-ds": models.ModifiedDS,
-    }
+    return getattr(models, MODELS[name])
 
 
 def model_of(name: str, parameters: dict[str, Any]) -> Model:
@@ -190,8 +192,7 @@ def model_of(name: str, parameters: dict[str, Any]) -> Model:
     """
     from leadthrough import check
 
-    known = models()
-    kind: Any = known[check.choice(name, "--model", known)]
+    kind = model_class(check.choice(name, "--model", MODELS))
     for key in parameters:
         check.choice(key, "--set", kind.__dataclass_fields__)
     try:
