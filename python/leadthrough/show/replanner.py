@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.arm import Arm
+from leadthrough.arm.clearing import Surroundings
 from leadthrough.arm.missed import limits_in_the_way
 from leadthrough.arm.recorded import warn_of_another_arm
 from leadthrough.brief import Brief
@@ -20,13 +21,19 @@ from leadthrough.errors import IkFailure, InvalidInput, LeadthroughError
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.protocol import Conditioned, Generator, Place, Previewed, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
-from leadthrough.shapes import Shape, check_shapes
+from leadthrough.shapes import Shape, check_shapes, compiled
 from leadthrough.show.scene import tip_path
 from leadthrough.whole_arm import plan_motion
 
 # Sampling of a preview and of a plan, s.
 _PREVIEW_STEP = 0.04
 _STEP = 0.01
+# What `Arm.follow` keeps by default from obstacles and from the arm itself, m.
+_MARGINS = (0.005, 0.0)
+# A way around obstacles is looked for at this distance first, m: it serves for some more moves.
+_AMPLE = 0.03
+# How strongly a preview stays next to the answer before, 1/s: at any larger rate it is the same.
+_PULL = 100.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +105,8 @@ class Replanner:
         warn_of_another_arm(arm._chain, usual)
         self.usual_duration = float(usual.duration)
         self._first: Float64Array | None = None
+        self._last: JointTrajectory | None = None
+        self._has_ample_room = True
         self._is_of_joints = isinstance(usual, JointTrajectory)
         self._is_of_poses = isinstance(usual, PoseTrajectory)
         self.goal_position, self.goal_orientation = self._usual_goal(usual)
@@ -206,7 +215,7 @@ class Replanner:
             if self._first is None:
                 raise
             planned = plan_motion(self.skill, self.arm, **query)
-        self._first = planned.joints.positions[0]
+        self._first, self._last = planned.joints.positions[0], planned.joints
         return planned.tip.positions, planned.joints
 
     def _path_of_the_tip_alone(self) -> Float64Array | None:
@@ -233,17 +242,40 @@ class Replanner:
     def _followed(self, motion: Trajectory | PoseTrajectory | JointTrajectory) -> JointTrajectory:
         if isinstance(motion, JointTrajectory):
             return motion
-        joints = self._from_the_same_posture(motion)
-        self._first = joints.positions[0]
+        joints = self._next_to_the_last(motion) or self._from_the_same_posture(motion)
+        self._first, self._last = joints.positions[0], joints
         return joints
+
+    def _next_to_the_last(self, motion: Trajectory | PoseTrajectory) -> JointTrajectory | None:
+        """The arm as if there were no obstacles, or else next to where it went around them last.
+
+        Both take a few milliseconds, a search for another way around some hundred. None where
+        neither keeps clear.
+        """
+        if self._first is None or not self.obstacles:
+            return None
+        around = Surroundings(self.arm._collision, compiled(self.obstacles), *_MARGINS)
+        for posture, pull in ((None, None), (self._last, _PULL)):
+            try:
+                joints = self.arm.follow(motion, seed=self._first, posture=posture, midrange=pull)
+            except IkFailure:
+                continue
+            if around.clear_along(joints.positions):
+                self._has_ample_room = True
+                return joints
+        return None
 
     def _from_the_same_posture(self, motion: Trajectory | PoseTrajectory) -> JointTrajectory:
         """Starts as before if possible: an arm that jumps while one drags is hard to look at."""
+        margin, _ = _MARGINS
         if self._first is not None:
-            try:
-                return self.arm.follow(motion, seed=self._first, obstacles=self.obstacles)
-            except IkFailure:
-                pass
+            for distance in (_AMPLE, margin) if self._has_ample_room else (margin,):
+                try:
+                    return self.arm.follow(
+                        motion, seed=self._first, obstacles=self.obstacles, margin=distance
+                    )
+                except IkFailure:
+                    self._has_ample_room = False
         return self.arm.follow(motion, obstacles=self.obstacles)
 
     def _usual_goal(self, usual: Motion) -> tuple[Float64Array, Float64Array | None]:
