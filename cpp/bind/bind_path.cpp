@@ -11,18 +11,19 @@ namespace leadthrough {
 
 namespace {
 
-// model: none if nothing is to keep clear. Joints, or none and what was in the way: the last
-// configuration, the sample, and pairs of bodies with how often; then the nearest approach where
-// the way found is not clear between samples.
+// model: none if nothing is to keep clear. tube: as TipPath has it. Joints, or none and what was in
+// the way: the last configuration, the sample, and pairs of bodies with how often; then the nearest
+// approach where the way found is not clear between samples.
 py::tuple clear_path(const Chain& chain, const CollisionModel* own_shapes,
                      const std::vector<Shape>& obstacles, const Eigen::Ref<const Rows3>& positions,
                      const Eigen::Ref<const Rows4>& orientations, const std::optional<IkAxes>& axes,
                      const Eigen::Ref<const Rows>& postures,
                      const std::optional<Eigen::VectorXd>& start, double margin, double self_margin,
-                     const IkTolerance& tolerance) {
+                     const IkTolerance& tolerance, const Eigen::Ref<const Rows>& tube) {
   require(positions.rows() > 0 && orientations_fit(positions.rows(), orientations.rows()) &&
           postures.rows() == positions.rows() && postures.cols() == chain.joints() &&
-          (!start || start->size() == chain.joints()));
+          (!start || start->size() == chain.joints()) && tube.cols() == 6 &&
+          (tube.rows() == 0 || (tube.rows() == 6 * positions.rows() && axes)));
   CollisionModel model;
   if (own_shapes != nullptr)
     model = without_meeting_pairs(*own_shapes);
@@ -34,8 +35,8 @@ py::tuple clear_path(const Chain& chain, const CollisionModel* own_shapes,
     const py::gil_scoped_release release;
     std::optional<JointArray> near;
     if (start) std::copy(start->data(), start->data() + start->size(), near.emplace().begin());
-    found = path::find_clear_path(model, shapes, {positions, orientations, axes}, postures, near,
-                                  {margin, self_margin}, tolerance);
+    found = path::find_clear_path(model, shapes, {positions, orientations, axes, tube}, postures,
+                                  near, {margin, self_margin}, tolerance);
   }
   const CollisionScene scene = whole_arm(model, shapes, margin, self_margin).scene;
   std::vector<std::tuple<std::string, std::string, int>> blocking;
@@ -64,7 +65,8 @@ void bind_path(py::module_& module) {
   module.def("clear_path", &clear_path, py::arg("chain"), py::arg("model"), py::arg("obstacles"),
              py::arg("positions").noconvert(), py::arg("orientations").noconvert(), py::arg("axes"),
              py::arg("postures").noconvert(), py::arg("start"), py::arg("margin"),
-             py::arg("self_margin"), py::arg("tolerance"));
+             py::arg("self_margin"), py::arg("tolerance"),
+             py::arg("tube").noconvert() = Rows(0, 6));
 }
 
 }  // namespace leadthrough

@@ -17,14 +17,17 @@ namespace {
 // Costs, in squared radians of a step from one layer to the next.
 constexpr double kAwayFromPosture = 2e-3;  // a squared radian
 constexpr double kAwayFromStart = 1.0;     // at the first layer
+constexpr double kAwayFromPath = 0.02;     // on the surface of the tube
 constexpr double kBesideObstacle = 0.02;
 constexpr double kBesideLimit = 0.02;
 constexpr double kRoom = 0.02;      // m that an obstacle is better away
 constexpr double kLimitZone = 0.1;  // rad or m before a limit
 constexpr double kStride =
-    1.6;  // cells that a step along what is free takes: it must leave its own
-constexpr double kFamily = 0.8;   // rad or m: configurations of a family are nearer to each other
-constexpr std::size_t kFew = 12;  // configurations of a layer
+    1.6;                        // cells that a step along what is free takes: it must leave its own
+constexpr double kAside = 0.5;  // of a tube, that a step in it takes
+constexpr double kSurface = 0.95;  // of a tube, where a step ends that would leave it
+constexpr double kFamily = 0.8;    // rad or m: configurations of a family are nearer to each other
+constexpr std::size_t kFew = 12;   // configurations of a layer
 constexpr double kFinestCell = 0.01;  // rad or m
 constexpr int kRestarts = 100;        // of inverse kinematics at the first layer
 constexpr int kRestartSteps = 40;
@@ -112,8 +115,8 @@ class Ladder {
     for (int i = 0; i < kRestarts; ++i) {
       RandomStream random(0, static_cast<std::uint64_t>(i));
       JointArray q = i == 0 ? reference : random_configuration(chain_, random);
-      if (!layer.task.settle(limits_, options_.tolerance, q, kRestartSteps)) continue;
-      if (cells_.count(cell(q)) > 0) continue;
+      if (!layer.task.settle_at({}, limits_, options_.tolerance, q, kRestartSteps)) continue;
+      if (cells_.count(cell(layer.task, q)) > 0) continue;
       open.push_back(q);
       offer(0, q);
     }
@@ -135,13 +138,17 @@ class Ladder {
     for (const Node& from : layers_[k - 1].nodes) {
       JointArray q = from.q;
       if (layer.task.settle(around(q), options_.tolerance, q) && offer(k, q)) open_.push_back(q);
+      if (!layer.task.tube()) continue;
+      q = from.q;  // back onto the path
+      if (layer.task.settle_at({}, around(q), options_.tolerance, q) && offer(k, q))
+        open_.push_back(q);
     }
     // Where little room is left it is looked at more closely.
     fill(k);
     while (layer.nodes.size() < kFew && cell_ > kFinestCell) {
       cell_ *= 0.5;
       cells_.clear();
-      for (const JointArray& q : open_) cells_.insert(cell(q));
+      for (const JointArray& q : open_) cells_.insert(cell(layer.task, q));
       fill(k);
     }
     narrow(layer);
@@ -179,8 +186,26 @@ class Ladder {
         JointArray q = from;
         for (std::size_t j = 0; j < n_; ++j)
           q[j] = std::clamp(q[j] + step * direction[j], limits_.lower[j], limits_.upper[j]);
-        if (cells_.count(cell(q)) > 0) continue;
-        if (task.settle(around(from), options_.tolerance, q) && cells_.count(cell(q)) == 0)
+        if (cells_.count(cell(task, q)) > 0) continue;
+        if (task.settle(around(from), options_.tolerance, q) && cells_.count(cell(task, q)) == 0)
+          found(q);
+      }
+    }
+    if (task.tube()) walk_in_tube(task, from, found);
+  }
+
+  // The same for places of the tube, on both sides along each of its axes.
+  template <typename Found>
+  void walk_in_tube(const TipTask& task, const JointArray& from, Found found) {
+    const TubePlace here = task.place(from);
+    for (int k = 0; k < here.size(); ++k) {
+      for (const double step : {kAside, -kAside}) {
+        TubePlace place = here;
+        place[k] += step;
+        if (place.norm() > 1.0) place *= kSurface / place.norm();
+        JointArray q = from;
+        if (task.settle_at(place, around(from), options_.tolerance, q) &&
+            cells_.count(cell(task, q)) == 0)
           found(q);
       }
     }
@@ -189,7 +214,7 @@ class Ladder {
   // Keeps a configuration that is clear, new and can be reached; false where it is not new or out
   // of reach.
   bool offer(std::size_t k, const JointArray& q) {
-    if (!cells_.insert(cell(q)).second) return false;
+    if (!cells_.insert(cell(layers_[k].task, q)).second) return false;
     constexpr int kNew = -1;
     Node node{q, 0.0, 0.0, -1};
     if (k > 0 && !adopt(k, kNew, node)) return false;
@@ -227,6 +252,7 @@ class Ladder {
 
   double own_cost(std::size_t k, const JointArray& q) {
     double cost = test_.clear(q.data(), -kRoom) ? 0.0 : kBesideObstacle;
+    if (layers_[k].task.tube()) cost += kAwayFromPath * layers_[k].task.place(q).squaredNorm();
     for (std::size_t i = 0; i < n_; ++i) {
       const double away = q[i] - layers_[k].posture[i];
       if (std::isfinite(away)) cost += kAwayFromPosture * away * away;
@@ -334,15 +360,25 @@ class Ladder {
 
   // A number for the cube of cells that a configuration lies in (FNV-1a over its coordinates);
   // whole turns count for nothing.
-  std::uint64_t cell(const JointArray& q) const { return cell(q, cell_); }
+  // In a tube, places far from each other have cells of their own.
+  std::uint64_t cell(const TipTask& task, const JointArray& q) const {
+    std::uint64_t hash = cell(q, cell_);
+    if (!task.tube()) return hash;
+    const TubePlace place = task.place(q);
+    for (const double along : place) hash = mixed(hash, std::lround(along / kAside));
+    return hash;
+  }
   std::uint64_t cell(const JointArray& q, double size) const {
     std::uint64_t hash = 0xcbf29ce484222325U;
     for (std::size_t i = 0; i < n_; ++i) {
       const double value = chain_.turns[i] ? std::remainder(q[i], kTurn) : q[i];
-      hash ^= static_cast<std::uint64_t>(static_cast<std::int64_t>(std::lround(value / size)));
-      hash *= 0x100000001b3U;
+      hash = mixed(hash, std::lround(value / size));
     }
     return hash;
+  }
+
+  static std::uint64_t mixed(std::uint64_t hash, long value) {
+    return (hash ^ static_cast<std::uint64_t>(static_cast<std::int64_t>(value))) * 0x100000001b3U;
   }
 
   const Chain& chain_;

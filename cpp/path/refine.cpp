@@ -11,6 +11,10 @@ namespace {
 
 // Weights beside a squared second difference, rad^2.
 constexpr double kTip = 1e6;          // a squared m, or 0.3 m a rad
+constexpr double kAstray = 0.03;      // on the surface of a tube,
+constexpr double kOutside = 100.0;    // a square of what is beyond
+constexpr double kInside = 0.94;      // of it, and
+constexpr double kBend = 20.0;        // a squared second difference of places in it
 constexpr double kClearance = 1e4;    // a squared m
 constexpr double kSpeed = 1e-2;       // a squared first difference
 constexpr double kPosture = 1e-4;     // a squared rad
@@ -26,11 +30,22 @@ struct Model {
   Eigen::VectorXd descent;  // the negative gradient
 };
 
+// Where a knot's tip is in the tube, and how each joint moves it.
+struct Place {
+  TubePlace place;
+  std::array<TubePlace, kMaxJoints> moves;
+};
+
 class Refinement {
  public:
   Refinement(const Chain& chain, const std::vector<Knot>& knots, ClearanceTest& test,
              const std::vector<double>& margins)
-      : chain_(chain), knots_(knots), test_(test), margins_(margins), n_(chain.joints()) {}
+      : chain_(chain),
+        knots_(knots),
+        test_(test),
+        margins_(margins),
+        n_(chain.joints()),
+        places_(knots.size()) {}
 
   void run(std::vector<JointArray>& q) {
     double damping = 1e-3;
@@ -63,13 +78,16 @@ class Refinement {
       add_posture(k, q, model);
       if (k > 0) add_difference(k - 1, {-1.0, 1.0, 0.0}, kSpeed, q, model);
       if (k > 1) add_difference(k - 2, {1.0, -2.0, 1.0}, 1.0, q, model);
+      if (k > 1) add_bend(k - 2, model);
     }
     return model;
   }
 
   void add_tip(int k, const std::vector<JointArray>& q, Model& model) {
     const auto at = static_cast<std::size_t>(k);
-    knots_[at].task.evaluate(q[at], error_);
+    const TipTask& task = knots_[at].task;
+    task.evaluate(q[at], error_);
+    if (task.tube()) add_place(k, *task.tube(), model);
     const auto rows = error_.rows;
     model.cost += kTip * error_.error.head(rows).squaredNorm();
     for (int i = 0; i < n_; ++i) {
@@ -79,6 +97,67 @@ class Refinement {
         model.hessian.at(k * n_ + i, k * n_ + j) +=
             kTip * column.head(rows).dot(error_.columns[static_cast<std::size_t>(j)].head(rows));
     }
+  }
+
+  // Pulls the tip towards its path with the tube's softness, and hard where it leaves the tube. The
+  // errors that the tube has room for are then none any more.
+  void add_place(int k, const Tube& tube, Model& model) {
+    auto& [place, moves] = places_[static_cast<std::size_t>(k)];
+    place = tube.place(error_.error);
+    const double length = place.norm(), beyond = std::max(length - kInside, 0.0);
+    model.cost += kAstray * place.squaredNorm() + kOutside * beyond * beyond;
+    std::array<double, kMaxJoints> outwards{};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(n_); ++i) {
+      moves[i] = tube.place(error_.columns[i]);
+      if (beyond > 0.0) outwards[i] = moves[i].dot(place) / length;
+    }
+    for (int i = 0; i < n_; ++i) {
+      const auto a = static_cast<std::size_t>(i);
+      model.descent[k * n_ + i] += kAstray * moves[a].dot(place) + kOutside * beyond * outwards[a];
+      for (int j = 0; j <= i; ++j) {
+        const auto b = static_cast<std::size_t>(j);
+        model.hessian.at(k * n_ + i, k * n_ + j) +=
+            kAstray * moves[a].dot(moves[b]) + kOutside * outwards[a] * outwards[b];
+      }
+    }
+    for (int row = 0; row < tube.dimension(); ++row) {
+      const int gone = tube.rows[static_cast<std::size_t>(row)];
+      error_.error[gone] = 0.0;
+      for (Vector6& column : error_.columns) column[gone] = 0.0;
+    }
+  }
+
+  // The tip leaves its path and comes back smoothly.
+  void add_bend(int first, Model& model) {
+    constexpr std::array<double, 3> kWeights{1.0, -2.0, 1.0};
+    const auto at = static_cast<std::size_t>(first);
+    const auto dimension = places_[at + 1].place.size();
+    if (dimension == 0 || !fits(at, dimension) || !fits(at + 2, dimension)) return;
+    TubePlace bend = TubePlace::Zero(dimension);
+    for (std::size_t a = 0; a < 3; ++a)
+      if (places_[at + a].place.size() > 0) bend += kWeights[a] * places_[at + a].place;
+    model.cost += kBend * bend.squaredNorm();
+    for (int a = 0; a < 3 * n_; ++a) {
+      const TubePlace slope = kBend * slope_of_bend(at, a, kWeights);
+      model.descent[first * n_ + a] += slope.dot(bend);
+      for (int b = 0; b <= a; ++b)
+        model.hessian.at(first * n_ + a, first * n_ + b) +=
+            slope.dot(slope_of_bend(at, b, kWeights));
+    }
+  }
+
+  // Whether a knot is in a tube of this dimension, or on the path.
+  bool fits(std::size_t knot, Eigen::Index dimension) const {
+    const auto own = places_[knot].place.size();
+    return own == dimension || own == 0;
+  }
+
+  // By the unknown number i of three knots.
+  TubePlace slope_of_bend(std::size_t first, int i, const std::array<double, 3>& weights) const {
+    const auto knot = static_cast<std::size_t>(i / n_);
+    const Place& at = places_[first + knot];
+    if (at.place.size() == 0) return TubePlace::Zero(places_[first + 1].place.size());
+    return weights[knot] * at.moves[static_cast<std::size_t>(i % n_)];
   }
 
   void add_clearance(int k, const std::vector<JointArray>& q, Model& model) {
@@ -165,6 +244,7 @@ class Refinement {
   int n_;
   TipError error_;
   std::vector<NearPair> near_;
+  std::vector<Place> places_;  // of all knots at the curve looked at; empty without a tube
 };
 
 }  // namespace

@@ -1,10 +1,15 @@
 #include "path/tip_task.hpp"
 
+#include <Eigen/Cholesky>
+
 #include "rotation/so3.hpp"
 
 namespace leadthrough::path {
 
 namespace {
+
+constexpr double kEdge = 0.98;        // of a tube, to which the tip is brought from outside
+constexpr double kLeastWidth = 1e-3;  // m or rad: an axis with less room stays on the path
 
 // The path's pose at a sample: straight, and about one axis, between two rows.
 IkTarget target_at(const TipPath& path, double sample) {
@@ -27,14 +32,98 @@ IkTarget target_at(const TipPath& path, double sample) {
   return target;
 }
 
+// The tube's room at a sample, for the axes that the task asks for.
+std::optional<Tube> tube_at(const TipPath& path, double sample) {
+  if (path.tube.rows() == 0) return std::nullopt;
+  const Eigen::Index last = path.positions.rows() - 1;
+  const Eigen::Index row = std::min(static_cast<Eigen::Index>(sample), last);
+  const double share = sample - static_cast<double>(row);
+  Eigen::Matrix<double, 6, 6> spread = path.tube.middleRows<6>(6 * row);
+  if (share > 0.0 && row < last)
+    spread += share * (path.tube.middleRows<6>(6 * (row + 1)) - spread);
+  Tube tube;
+  int asked = 0, count = 0;
+  for (int k = 0; k < (path.orientations.rows() > 0 ? 6 : 3); ++k) {
+    if (path.axes->free[static_cast<std::size_t>(k)]) continue;
+    tube.scale[asked] = path.axes->weight[k] * (k < 3 ? 1.0 : kOrientationWeight);
+    if (spread(k, k) > kLeastWidth * kLeastWidth) {
+      tube.rows[static_cast<std::size_t>(count)] = asked;
+      tube.axes[static_cast<std::size_t>(count++)] = k;
+    }
+    ++asked;
+  }
+  if (count == 0) return std::nullopt;
+  const auto axes = Eigen::Map<const Eigen::VectorXi>(tube.axes.data(), count);
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(Eigen::MatrixXd(spread(axes, axes)));
+  if (cholesky.info() != Eigen::Success) return std::nullopt;
+  tube.factor = Eigen::MatrixXd(cholesky.matrixL());
+  tube.inverse =
+      tube.factor.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(count, count));
+  return tube;
+}
+
 }  // namespace
 
+TubePlace Tube::place(const Vector6& error) const {
+  TubePlace room(dimension());
+  for (int k = 0; k < dimension(); ++k) {
+    const int row = rows[static_cast<std::size_t>(k)];
+    room[k] = error[row] / scale[row];
+  }
+  return inverse * room;
+}
+
 TipTask::TipTask(const Chain& chain, const TipPath& path, double sample)
-    : chain_(chain), axes_(path.axes), target_(target_at(path, sample)) {}
+    : chain_(chain),
+      axes_(path.axes),
+      target_(target_at(path, sample)),
+      tube_(tube_at(path, sample)) {}
+
+TubePlace TipTask::place(const JointArray& q) const {
+  if (!tube_) return {};
+  TipError error;
+  evaluate(q, error);
+  return tube_->place(error.error);
+}
+
+// The target with the tip at a place of the tube. Along axes left free it is where q has it.
+IkTarget TipTask::moved(const TubePlace& place, const JointArray& q) const {
+  const Eigen::Matrix3d frame = target_.rotation.value_or(Eigen::Matrix3d::Identity());
+  Kinematics kinematics;
+  forward_kinematics(chain_, q.data(), kinematics);
+  const Eigen::Vector3d away =
+      frame.transpose() * (target_.position - kinematics.T_base_tip.position);
+  Vector6 error = Vector6::Zero();
+  for (int k = 0; k < 3; ++k)
+    if (axes_->free[static_cast<std::size_t>(k)]) error[k] = away[k];
+  const TubePlace room = tube_->factor * place;
+  for (int k = 0; k < tube_->dimension(); ++k)
+    error[tube_->axes[static_cast<std::size_t>(k)]] = room[k];
+  IkTarget target = target_;
+  target.position -= frame * error.head<3>();
+  const double angle = error.tail<3>().norm();
+  if (target.rotation && angle > 0.0)
+    target.rotation = frame * Eigen::AngleAxisd(-angle, error.tail<3>() / angle).toRotationMatrix();
+  return target;
+}
+
+bool TipTask::settle_at(const TubePlace& place, const DescentBounds& bounds,
+                        const IkTolerance& tolerance, JointArray& q, int max_iterations) const {
+  if (!tube_)
+    return leadthrough::settle(chain_, target_, axes_, bounds, tolerance, max_iterations, q);
+  const TubePlace wanted = place.size() > 0 ? place : TubePlace::Zero(tube_->dimension());
+  // An axis left free turns with the target: that the tip came to be in the tube is looked at.
+  return leadthrough::settle(chain_, moved(wanted, q), axes_, bounds, tolerance, max_iterations,
+                             q) &&
+         this->place(q).norm() <= 1.0;
+}
 
 bool TipTask::settle(const DescentBounds& bounds, const IkTolerance& tolerance, JointArray& q,
                      int max_iterations) const {
-  return leadthrough::settle(chain_, target_, axes_, bounds, tolerance, max_iterations, q);
+  TubePlace at = place(q);
+  const double length = at.norm();
+  if (length > kEdge) at *= kEdge / length;
+  return settle_at(at, bounds, tolerance, q, max_iterations);
 }
 
 // The rows of the Jacobian, made orthonormal, are taken out of the joints' axes, the axis that

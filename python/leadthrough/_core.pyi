@@ -357,6 +357,7 @@ def clear_path(
     margin: float,
     self_margin: float,
     tolerance: IkTolerance,
+    tube: Float64Array = ...,
 ) -> tuple[
     Float64Array,
     Float64Array | None,

@@ -8,13 +8,13 @@ and checked between samples with the room that a controller's curve through them
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from leadthrough import _core
-from leadthrough.arm.options import free_axes
+from leadthrough.arm.options import all_axes, free_axes
 from leadthrough.arm.tracks import TipPath
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
@@ -76,12 +76,29 @@ def clear_path(
         path: of the tip, with the postures to stay near to.
         around: what to keep clear of; None for nothing, not even the arm itself.
         start: configuration (joints,) that the first one comes as near to as it can.
-        tolerance: of the tip at each sample.
+        tolerance: of the tip at each sample, or of its place in the path's tube where there is no
+            way on the path itself.
 
     Raises:
         IkFailure: if there is no way, with the status "blocked", or "jump" where the tip cannot
             go on from the last configuration.
     """
+    on_path = replace(path, tube=path.tube[:0])
+    try:
+        return _clear_path(chain, on_path, around, start, tolerance)
+    except IkFailure:
+        if not len(path.tube):
+            raise
+    return _clear_path(chain, path, around, start, tolerance)
+
+
+def _clear_path(
+    chain: _core.Chain,
+    path: TipPath,
+    around: Surroundings | None,
+    start: Float64Array | None,
+    tolerance: _core.IkTolerance,
+) -> Float64Array:
     model, obstacles, margin, self_margin = (
         (None, [], 0.0, 0.0)
         if around is None
@@ -93,12 +110,13 @@ def clear_path(
         obstacles,
         path.positions,
         path.orientations,
-        free_axes(path.free),
+        all_axes(path.free) if len(path.tube) else free_axes(path.free),
         path.postures,
         start,
         margin,
         self_margin,
         tolerance,
+        path.tube,
     )
     if len(q):
         return q

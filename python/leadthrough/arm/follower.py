@@ -25,6 +25,7 @@ from leadthrough.arm.missed import failure
 from leadthrough.arm.options import Axis, free_axes, tolerance
 from leadthrough.arm.recorded import shown_joints
 from leadthrough.arm.tracks import TipPath, Track
+from leadthrough.arm.tube import tube_around
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LimitsInfeasible
 from leadthrough.motion import (
@@ -54,7 +55,7 @@ def follow(
     limits: JointLimits,
     seed: Float64Array | None,
     too_fast: TooFast,
-    deviation: tuple[float, float] | None,
+    deviation: tuple[ArrayLike, ArrayLike] | None,
     max_step: float,
     posture: Motion | ArrayLike | None,
     midrange: float | None,
@@ -68,6 +69,8 @@ def follow(
     shown = shown_joints(chain, motion) if posture is None else None
     wished = posture if shown is None else shown
     path = replace(tip, postures=_postures(chain, wished, tip.times))
+    if around is not None and deviation is not None:
+        path = replace(path, tube=tube_around(path, deviation))
     nearby = path.postures[0] if seed is None and isinstance(wished, JointTrajectory) else seed
     allowed = (position_tolerance, orientation_tolerance)
     follower = _Follower(
@@ -80,7 +83,7 @@ def follow(
     )
     check.choice(too_fast, "too_fast", get_args(TooFast))
     freedoms = axes_to_try(path, free, joints=len(chain.joint_names), in_time=too_fast in _IN_TIME)
-    stated = _deviation(deviation, too_fast, allowed)
+    stated = _deviation(deviation if around is None else None, too_fast, allowed)
     usual = _USUAL_RATE if shown is None else _SHOWN_RATE
     rate = usual if midrange is None else check.number(midrange, "midrange", at_least=0.0)
     tracks = []
@@ -212,13 +215,14 @@ def _postures(
 
 
 def _deviation(
-    deviation: tuple[float, float] | None, too_fast: TooFast, allowed: tuple[float, float]
+    deviation: tuple[ArrayLike, ArrayLike] | None, too_fast: TooFast, allowed: tuple[float, float]
 ) -> tuple[float, float]:
     """The most that the tip may be away from a sample, m and rad."""
     if too_fast != "deviate":
         if deviation is not None:
             raise InvalidInput(
-                "deviation: only used with too_fast='deviate'; remove it or set too_fast='deviate'"
+                "deviation: only used with obstacles or with too_fast='deviate'; remove it or give "
+                "one of the two"
             )
         return allowed
     if deviation is None:

@@ -28,7 +28,7 @@ class ArmFollowing(ArmCollision):
         *,
         seed: ArrayLike | None = None,
         too_fast: TooFast = "slow",
-        deviation: tuple[float, float] | None = None,
+        deviation: tuple[ArrayLike, ArrayLike] | None = None,
         max_step: float = 0.5,
         posture: Motion | ArrayLike | None = None,
         midrange: float | None = None,
@@ -59,8 +59,14 @@ class ArmFollowing(ArmCollision):
                 `retime` or `scale_to_limits` to slow the motion down.
                 Except with "exceed_limits" the arm starts and ends at rest, and acceleration
                 limits that are not known don't count. Between samples the joints move straight.
-            deviation: the most that the tip may be away from a sample, (m, rad); only with
-                "deviate", where it is required.
+            deviation: the most that the tip may be away from a sample, (m, rad); required with
+                "deviate". With obstacles the tip leaves its path by no more than that, but at its
+                ends not at all, where the arm has no room otherwise. Then each of the two may be
+                0, three numbers along and about the axes of the sample's frame, or matrices
+                (n, 3, 3), in m^2 and the base frame and in rad^2 and the sample's, such as four
+                times covariances for two standard deviations. It is an ellipsoid: of lengths and
+                angles together, the squares of the fractions used add up to 1 at the most.
+                `path_report` tells how far the tip is off.
             max_step: the most that a joint may move between two samples, rad or m, > 0; a larger
                 step is a jump.
             posture: the configuration (joints,) towards which a redundant arm moves in its null
@@ -79,9 +85,10 @@ class ArmFollowing(ArmCollision):
                 beside a singularity come ten times closer.
             orientation_tolerance: error in rad that counts as reached, > 0; the same holds.
             obstacles: shapes in the base frame that the whole arm keeps clear of, between samples
-                too, and then of itself as well. The tip's path stays as it is: what the task
-                leaves free, such as the elbow, goes around. Where the arm is clear anyway, the
-                answer is the one without obstacles. Only with "slow" and "exceed_limits".
+                too, and then of itself as well. The tip stays on its path, but for `deviation`:
+                what the task leaves free, such as the elbow, goes around. Where the arm is clear
+                anyway, the answer is the one without obstacles. Only with "slow" and
+                "exceed_limits".
             margin: distance to keep from obstacles in m, >= 0.
             self_margin: distance to keep between parts of the arm in m, >= 0, where there are
                 obstacles.

@@ -104,6 +104,11 @@ def free_axes(free: Sequence[Axis]) -> _core.IkAxes | None:
     return _axes(free, [math.inf] * len(AXES), None)
 
 
+def all_axes(free: Sequence[Axis]) -> _core.IkAxes:
+    """The same, given also where none is free: errors are then along each sample's axes."""
+    return _core.IkAxes([name in free for name in AXES], [math.inf] * len(AXES), np.ones(6))
+
+
 def _refuse_contradictions(mode: str, reference: object, midrange: float, posture: object) -> None:
     if posture is not None and midrange != 0:
         raise InvalidInput("posture: not used together with midrange; remove one of the two")

@@ -25,6 +25,7 @@ class TipPath:
         postures: (n, joints) towards which a redundant arm moves in its null space; not finite for
             joints that may stand anywhere.
         free: axes of the poses that are left free.
+        tube: room beside the samples as the core takes it, (6 n, 6), or no rows for none.
     """
 
     times: Float64Array
@@ -32,6 +33,7 @@ class TipPath:
     orientations: Float64Array
     postures: Float64Array = field(default_factory=lambda: np.empty((0, 0)))
     free: tuple[Axis, ...] = ()
+    tube: Float64Array = field(default_factory=lambda: np.empty((0, 6)))
 
     @staticmethod
     def of(motion: Trajectory | PoseTrajectory) -> TipPath:

@@ -2,9 +2,9 @@
 
 How long a search takes depends on luck more than on the problem, so it is broken off and begun
 again with other random numbers, later each time (Luby, Sinclair and Zuckerman 1993). The way found
-is checked without a gap between its configurations; where it touches, the next search looks at its
-edges more closely. A number of steps bounds all searches, not the time, and the random numbers have
-a seed, so the answer is the same each time.
+is checked without a gap between its configurations. Where it touches, the next search looks at its
+edges more closely; where none was found, less so. A number of steps bounds all searches, not the
+time, and the random numbers have a seed, so the answer is the same each time.
 
 Source: Kuffner and LaValle 2000; Sucan, Moll and Kavraki 2012 (OMPL).
 """
@@ -44,7 +44,7 @@ def way_between(
     margin: float = 0.005,
     self_margin: float = 0.0,
     seed: int = 0,
-    steps: int = 60_000,
+    steps: int = 200_000,
 ) -> Float64Array | None:
     """Configurations (m, joints) on straight ways from the start to one of the goals.
 
@@ -84,20 +84,21 @@ def way_between(
     first = check.integer(seed, "seed", at_least=0) + 1  # OMPL keeps 0 for a seed of its own
     most = check.integer(steps, "steps", at_least=1)
     limits = arm.limits.lower, arm.limits.upper
-    touching = 0
+    closeness = 0
     for count, few in enumerate(_broken_off(most)):
         found = _ways(
             around,
             limits,
             begin,
             ends,
-            resolution=_RESOLUTIONS[min(touching, len(_RESOLUTIONS) - 1)],
+            resolution=_RESOLUTIONS[closeness],
             seed=first + count,
             steps=few,
         )
         if way := [each for each in found if around.clear_along(each)]:
             return way[0]
-        touching += bool(found)
+        closeness += 1 if found else -1
+        closeness = min(max(closeness, 0), len(_RESOLUTIONS) - 1)
     return None
 
 

@@ -22,6 +22,8 @@ from leadthrough.whole_arm.tip_paths import TipMotion, with_reason
 
 # The greatest speed and acceleration of a minimum-jerk motion by 1 in 1 s.
 _FASTEST, _STRONGEST = 1.875, 5.7736
+# That the trees of a connection may grow before more of the path is given up.
+_STEPS = 60_000
 # Fraction of the limits that the arm moves at.
 _PACE = 0.5
 
@@ -102,6 +104,7 @@ def _part(
         obstacles=room.obstacles,
         margin=room.margin,
         self_margin=room.self_margin,
+        steps=_STEPS,
     )
     if way is None:
         return None

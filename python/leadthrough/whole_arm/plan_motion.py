@@ -15,6 +15,12 @@ from leadthrough.errors import IkFailure, InvalidInput
 from leadthrough.models.protocol import Place, Skill
 from leadthrough.motion import Motion
 from leadthrough.shapes import Shape, check_shapes
+from leadthrough.whole_arm.allowed import (
+    Deviation,
+    checked_spread,
+    gone_through,
+    spread_beside,
+)
 from leadthrough.whole_arm.last_resort import past_the_part
 from leadthrough.whole_arm.planned_motion import PlannedMotion
 from leadthrough.whole_arm.room import Room
@@ -43,13 +49,16 @@ def plan_motion(
     free: Sequence[Axis] | None = None,
     position_tolerance: float = 1e-5,
     orientation_tolerance: float = 1e-5,
+    deviation: Deviation | None = None,
+    standard_deviations: float | None = None,
     rounds: int = 12,
     last_resort: LastResort | None = None,
 ) -> PlannedMotion:
     """A motion of the skill with which the whole arm keeps clear, between samples too.
 
     The skill makes the path of the tip, and the arm follows it with what the task leaves free.
-    Where that leaves the arm no room, the tip gives way: in the map of a Fast Marching skill the
+    Where that leaves the arm no room, the tip gives way. First within `deviation` or
+    `standard_deviations`, if one is given; then in the map of a Fast Marching skill the
     places are closed from which the arm cannot stand clear, and the path is planned anew; the path
     of any other skill is moved aside there, by little first.
 
@@ -70,6 +79,10 @@ def plan_motion(
         free: axes of the tip's poses left free, as there.
         position_tolerance: error in m that counts as reached, > 0.
         orientation_tolerance: error in rad that counts as reached, > 0.
+        deviation: the most that the tip may be away from a path of the skill's, (m, rad), without
+            another path being made; as `Arm.follow` takes it with obstacles.
+        standard_deviations: the same as a number of standard deviations of the skill, > 0, of
+            positions and orientations; of a ProMP or a GMR.
         rounds: how often the path of the tip may be planned, >= 1.
         last_resort: what to do where no path of the tip was found that the arm can follow.
             None: raise IkFailure.
@@ -92,6 +105,13 @@ def plan_motion(
     most = check.integer(rounds, "rounds", at_least=1)
     if last_resort is not None:
         check.choice(last_resort, "last_resort", get_args(LastResort))
+    if deviation is not None and standard_deviations is not None:
+        raise InvalidInput(
+            "deviation: not used together with standard_deviations; give one of the two"
+        )
+    spread = None
+    if standard_deviations is not None:
+        spread = checked_spread(skill, standard_deviations)
     query: dict[str, Any] = {"start": start, "goal": goal, "duration": duration, "dt": dt}
     query = {name: value for name, value in query.items() if value is not None}
     following: dict[str, Any] = {
@@ -117,6 +137,14 @@ def plan_motion(
             if not shapes or failure.status not in _NO_ROOM:
                 raise
             failures.append(failure)
+        allowed = deviation if spread is None else spread_beside(skill, path, spread)
+        if allowed is not None:
+            try:
+                joints = arm.follow(path, deviation=allowed, **following)
+                path = gone_through(arm, path, joints)
+                break
+            except IkFailure as failure:
+                failures[-1] = failure
         try:
             path = _another(paths, path, failures, most)
         except IkFailure:

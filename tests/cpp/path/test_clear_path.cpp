@@ -35,6 +35,7 @@ struct Planar {
   Rows3 positions = Rows3::Zero(41, 3);
   Rows4 no_orientations = Rows4(0, 4);
   Rows postures = Rows::Constant(41, 3, 0.6);
+  Rows no_tube = Rows(0, 6);
   IkAxes axes;
 
   Planar() {
@@ -43,9 +44,10 @@ struct Planar {
     axes.free[2] = true;  // nothing moves across the plane
   }
 
-  path::ClearPath among(const PlacedShapes& obstacles) const {
-    return path::find_clear_path(model, obstacles, {positions, no_orientations, axes}, postures,
-                                 std::nullopt, {0.01, 0.0}, {1e-6, 1e-6});
+  path::ClearPath among(const PlacedShapes& obstacles) const { return among(obstacles, no_tube); }
+  path::ClearPath among(const PlacedShapes& obstacles, const Rows& tube) const {
+    return path::find_clear_path(model, obstacles, {positions, no_orientations, axes, tube},
+                                 postures, std::nullopt, {0.01, 0.0}, {1e-6, 1e-6});
   }
 };
 
@@ -84,6 +86,31 @@ TEST(ClearPath, SaysWhereAndBetweenWhatThereIsNoRoom) {
   EXPECT_FALSE(found.dead_end.pairs.empty());
 }
 
+TEST(ClearPath, LeavesThePathWithinATubeWhereThereIsNoRoom) {
+  const Planar arm;
+  const PlacedShapes there = ball(0.63, 0.38);  // on the tip's way
+  ASSERT_EQ(arm.among(there).q.rows(), 0);
+  // 20 cm along x and 3 cm along y, none at the ends.
+  Rows tube = Rows::Zero(6 * 41, 6);
+  for (Eigen::Index i = 1; i < 40; ++i) {
+    tube(6 * i, 0) = 0.2 * 0.2;
+    tube(6 * i + 1, 1) = 0.03 * 0.03;
+  }
+  const path::ClearPath found = arm.among(there, tube);
+  ASSERT_EQ(found.q.rows(), 41);
+  EXPECT_FALSE(check_motion(against(arm.model, there), found.q, {0.01, 1e-4, 1}).first.has_value());
+  double most = 0.0;
+  for (Eigen::Index i = 0; i < 41; ++i) {
+    const Pose tip = forward_kinematics(arm.chain, found.q.row(i).data());
+    const Eigen::Vector3d off = tip.position - arm.positions.row(i).transpose();
+    const double used = std::hypot(off[0] / 0.2, off[1] / 0.03);
+    EXPECT_LE(used, 1.0) << i;
+    if (i == 0 || i == 40) EXPECT_LT(off.head<2>().norm(), 1e-6);
+    most = std::max(most, used);
+  }
+  EXPECT_GT(most, 0.2);
+}
+
 TEST(ClearPath, IsTheSameEachTime) {
   const Planar arm;
   const PlacedShapes obstacle = ball(0.2, 0.3);
@@ -96,7 +123,7 @@ TEST(ClearPath, IsTheSameEachTime) {
 TEST(Layers, LieEvenlyAlongTheWay) {
   Rows3 positions = Rows3::Zero(4, 3);
   positions.col(0) << 0.0, 0.1, 0.1, 0.4;  // fast, still, faster
-  const auto samples = path::layers({positions, Rows4(0, 4), std::nullopt}, 0.1, 1.0);
+  const auto samples = path::layers({positions, Rows4(0, 4), std::nullopt, Rows(0, 6)}, 0.1, 1.0);
   ASSERT_EQ(samples.size(), 5U);
   const double expected[] = {0.0, 1.0, 2.0 + 1.0 / 3.0, 2.0 + 2.0 / 3.0, 3.0};
   for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(samples[i], expected[i], 1e-12) << i;

@@ -267,6 +267,7 @@ call(
     postures=np.full((2, 2), np.nan),
     start=Q[0],
     tolerance=tolerance,
+    tube=np.empty((0, 6)),
     **tip,
     **margins,
 )

@@ -1,0 +1,78 @@
+"""Room beside the path for the tip: as stated, or as far as the demonstrations spread."""
+
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough.errors import InvalidInput
+
+MARGIN = 0.005
+DOWN = [0.0, 1.0, 0.0, 0.0]
+
+
+@pytest.fixture(scope="module")
+def panda():
+    return lt.Arm.load("panda")
+
+
+@pytest.fixture(scope="module")
+def skill():
+    """Reaches across the table, higher or lower in the middle by 4 cm, the tool pointing down."""
+    u = np.linspace(0.0, 1.0, 61)
+    rise, bow = lt.trajectories.minimum_jerk_rise(u), np.sin(np.pi * u)
+    shown = [
+        lt.PoseTrajectory(
+            2.0 * u,
+            np.column_stack([0.45 + a * bow, 0.5 * rise - 0.25, 0.33 + (0.02 + b) * bow]),
+            np.tile(DOWN, (61, 1)),
+        )
+        for a, b in ((-0.002, -0.04), (0.0, 0.0), (0.002, 0.04), (0.001, -0.02), (-0.001, 0.02))
+    ]
+    return lt.ProMP(weights=8).fit(shown)
+
+
+@pytest.fixture(scope="module")
+def post():
+    return lt.Box([0.06, 0.06, 0.2], [0.45, 0.0, 0.255])
+
+
+def test_the_tip_stays_within_the_skills_own_spread(panda, skill, post):
+    planned = lt.plan_motion(skill, panda, obstacles=[post], standard_deviations=2.5, dt=0.025)
+    assert panda.check(planned.joints, [post], margin=MARGIN).ok
+    assert planned.rounds == 2
+    assert "obstacle 0" in planned.reasons[0]
+    found, _ = panda.forward_kinematics(planned.joints.positions)
+    np.testing.assert_allclose(found, planned.tip.positions, atol=1e-9)
+    alone = skill.generate(dt=0.025)
+    away = found - alone.positions
+    assert np.abs(away[[0, -1]]).max() < 1e-5
+    assert 0.01 < np.abs(away[:, 2]).max() < 0.1
+    _, covariance = skill.distribution(planned.tip.times)
+    inside = slice(1, -1)
+    scaled = np.linalg.solve(covariance[inside, :3, :3], away[inside, :, None])
+    assert np.sqrt(np.einsum("ni,nik->n", away[inside], scaled)).max() < 2.6
+    assert planned.deviation <= np.linalg.norm(away, axis=1).max() + 1e-9
+
+
+def test_the_tip_stays_within_what_is_stated(panda, skill, post):
+    planned = lt.plan_motion(skill, panda, obstacles=[post], deviation=(0.06, 0.0), dt=0.025)
+    assert panda.check(planned.joints, [post], margin=MARGIN).ok
+    assert 0.01 < planned.deviation < 0.06
+    assert planned.tip.times[-1] == skill.generate(dt=0.025).times[-1]
+
+
+def test_where_that_is_not_enough_another_path_is_made(panda, skill, post):
+    planned = lt.plan_motion(skill, panda, obstacles=[post], deviation=(0.005, 0.0), dt=0.025)
+    assert panda.check(planned.joints, [post], margin=MARGIN).ok
+    assert planned.deviation > 0.01
+
+
+def test_a_skill_without_a_covariance_is_refused(panda, skill):
+    shown = lt.Demonstration(skill.generate(dt=0.05))
+    for other in (lt.PoseDMP().fit([shown]), lt.ProMP().fit([panda.follow(shown.motion)])):
+        with pytest.raises(InvalidInput, match="standard_deviations: this skill has no covariance"):
+            lt.plan_motion(other, panda, standard_deviations=2.0)
+    with pytest.raises(InvalidInput, match="standard_deviations"):
+        lt.plan_motion(skill, panda, standard_deviations=0.0)
+    with pytest.raises(InvalidInput, match="deviation: not used together with standard_deviations"):
+        lt.plan_motion(skill, panda, standard_deviations=2.0, deviation=(0.1, 0.0))
