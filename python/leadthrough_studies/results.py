@@ -11,6 +11,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from leadthrough.io.atomic import replacing
+from leadthrough.show import page
 from leadthrough.tasks import Row
 
 
@@ -21,8 +22,9 @@ def write(
     rows: Sequence[Row],
     table: Sequence[Row],
     figures: Mapping[str, Figure],
+    pages: Mapping[str, Sequence[str]],
 ) -> None:
-    """Write results.json, table.csv and the figures as <name>.png.
+    """Write results.json, table.csv, the figures as <name>.png and the pages as <name>.html.
 
     Args:
         folder: where to write; made if missing.
@@ -30,6 +32,7 @@ def write(
         rows: all rows, for results.json.
         table: the rows of table.csv, with the same columns in every row.
         figures: figures by file stem.
+        pages: parts of HTML pages, as `leadthrough.show.page` makes them, by file stem.
 
     Raises:
         InvalidInput: if a file cannot be written.
@@ -39,6 +42,8 @@ def write(
     _write_table(folder / "table.csv", table)
     for name, figure in figures.items():
         save_figure(figure, folder / f"{name}.png")
+    for name, parts in pages.items():
+        page.write_page(folder / f"{name}.html", name.replace("_", " ").capitalize(), parts)
 
 
 def save_figure(figure: Figure, path: Path) -> None:

@@ -50,11 +50,13 @@ class Report:
         table: the main numbers, with the same columns in every row.
         figures: figures by file stem.
         summary: what else belongs in results.json.
+        pages: parts of HTML pages by file stem.
     """
 
     table: list[Row]
     figures: dict[str, Figure] = field(default_factory=dict)
     summary: dict[str, Any] = field(default_factory=dict)
+    pages: dict[str, list[str]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -158,6 +160,7 @@ def _written(
         rows=rows,
         table=report.table,
         figures=report.figures,
+        pages=report.pages,
     )
     return Outcome(rows, failures, report)
 

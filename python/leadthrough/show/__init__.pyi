@@ -1,6 +1,6 @@
 from . import plot
 from .reach_picture import placement_figure, reach_figure
-from .simulated import simulation_page
+from .simulated import simulation_page, simulation_parts
 from .validation_page import write_validation
 from .viewing import open_view, view
 
@@ -10,6 +10,7 @@ __all__ = [
     "plot",
     "reach_figure",
     "simulation_page",
+    "simulation_parts",
     "view",
     "write_validation",
 ]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -170,8 +171,26 @@ class _Linearised(Law):
         return Gains(self._k * motion.mass, self._d * motion.mass, np.zeros_like(motion.q))
 
 
+class _JointSprings(Controller):
+    """Springs and dampers of the joints, made when the arm is known."""
+
+    stiffness: ArrayLike | None
+    frequency: float
+    damping_ratio: float
+    _weightless: ClassVar[bool]
+
+    def __post_init__(self) -> None:
+        _require_positive(self, "frequency", "damping_ratio")
+
+    def law(self, arm: Arm, q: Float64Array, *, gravity: Float64Array) -> Law:
+        springs, dampers = joint_gains(
+            arm, q, self.stiffness, frequency=self.frequency, damping_ratio=self.damping_ratio
+        )
+        return _Springs(arm, gravity, springs, dampers, weightless=self._weightless)
+
+
 @dataclass(frozen=True, eq=False)
-class PositionServo(Controller):
+class PositionServo(_JointSprings):
     """A spring and a damper at each joint, without any model of the arm.
 
     Attributes:
@@ -187,26 +206,17 @@ class PositionServo(Controller):
     stiffness: ArrayLike | None = None
     frequency: float = 100.0
     damping_ratio: float = 1.0
-
-    def __post_init__(self) -> None:
-        _require_positive(self, "frequency", "damping_ratio")
-
-    def law(self, arm: Arm, q: Float64Array, *, gravity: Float64Array) -> Law:
-        springs, dampers = joint_gains(
-            arm, q, self.stiffness, frequency=self.frequency, damping_ratio=self.damping_ratio
-        )
-        return _Springs(arm, gravity, springs, dampers, weightless=False)
+    _weightless: ClassVar[bool] = False
 
 
 @dataclass(frozen=True, eq=False)
-class JointImpedance(Controller):
-    """A spring and a damper at each joint, and torques that carry the arm's weight.
+class JointImpedance(_JointSprings):
+    """As a `PositionServo`, but softer, with torques that carry the arm's weight.
 
     Attributes:
-        stiffness: (joints,) or one number, N m/rad (N/m), > 0; by default that which gives the
-            inertia of each joint at the start the frequency.
-        frequency: natural frequency of the joints, rad/s, > 0; without a stiffness.
-        damping_ratio: of each joint with its inertia at the start, > 0.
+        stiffness: as there.
+        frequency: as there; lower by default.
+        damping_ratio: as there.
 
     Raises:
         InvalidInput: if one is not > 0.
@@ -217,15 +227,7 @@ class JointImpedance(Controller):
     stiffness: ArrayLike | None = None
     frequency: float = 20.0
     damping_ratio: float = 1.0
-
-    def __post_init__(self) -> None:
-        _require_positive(self, "frequency", "damping_ratio")
-
-    def law(self, arm: Arm, q: Float64Array, *, gravity: Float64Array) -> Law:
-        springs, dampers = joint_gains(
-            arm, q, self.stiffness, frequency=self.frequency, damping_ratio=self.damping_ratio
-        )
-        return _Springs(arm, gravity, springs, dampers, weightless=True)
+    _weightless: ClassVar[bool] = True
 
 
 class _Springs(Law):

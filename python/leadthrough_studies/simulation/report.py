@@ -9,6 +9,9 @@ from matplotlib.figure import Figure
 from scipy.stats import mannwhitneyu, spearmanr
 
 from leadthrough.drawing import palette
+from leadthrough.show import simulation_parts
+from leadthrough.simulation import PositionServo, simulate
+from leadthrough_studies.simulation.motions import given
 from leadthrough_studies.simulation.stability import MEASURES
 from leadthrough_studies.study import Report, Row, selected
 
@@ -16,8 +19,8 @@ _COLOURS = (palette.BLUE, palette.VERMILION, palette.GREEN, palette.PINK, palett
 _LEAST_ERROR = 1e-3  # mrad; below, the theory expects none
 
 
-def report(_: Any, rows: list[Row]) -> Report:
-    """Settings and faults in a table, the rest in the summary and the figures."""
+def report(config: Any, rows: list[Row]) -> Report:
+    """Settings and faults in a table, the rest in the summary, the figures and a page."""
     sound, faults = selected(rows, study="sound"), selected(rows, study="fault")
     conditioned = selected(rows, study="conditioning")
     natural = selected(rows, study="naturalness")
@@ -37,7 +40,16 @@ def report(_: Any, rows: list[Row]) -> Report:
         "conditioning": _correlations(conditioned),
         "naturalness": _compared(natural),
     }
-    return Report(table=table, figures=figures, summary=summary)
+    return Report(table=table, figures=figures, summary=summary, pages=_pages(config))
+
+
+def _pages(config: Any) -> dict[str, list[str]]:
+    """The first motion of the first source with a position servo: simulated beside planned."""
+    made = given(next(iter(config.motions)), 0, config.seed)
+    if isinstance(made, str):
+        return {}
+    shown = simulate(made.arm, made.joints, controller=PositionServo(), friction=0.2)
+    return {"simulated": simulation_parts(shown)}
 
 
 def _setting(rows: list[Row], name: str) -> Row:

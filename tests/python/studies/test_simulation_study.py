@@ -9,17 +9,17 @@ from leadthrough_studies.simulation.study import SETTINGS, STUDY, SimulationConf
 from leadthrough_studies.study import selected
 
 MOTIONS = {"reaches of a Panda": 1, "reaches of a UR3": 1}
+CONFIG = SimulationConfig(MOTIONS, dampings=(0.1,), people=1)
 
 
 @pytest.fixture(scope="module")
 def rows():
-    config = SimulationConfig(MOTIONS, dampings=(0.1,), people=1)
-    return [row for task in STUDY.tasks(config) for row in task.function(**task.arguments)]
+    return [row for task in STUDY.tasks(CONFIG) for row in task.function(**task.arguments)]
 
 
 @pytest.fixture(scope="module")
 def report(rows):
-    return STUDY.report(None, rows)
+    return STUDY.report(CONFIG, rows)
 
 
 def test_sound_motions_are_fit_to_run_and_off_by_what_theory_says(rows):
@@ -44,6 +44,7 @@ def test_conditioning_and_naturalness_are_compared(report):
     assert {row["approach"] for row in summary["conditioning"]} == {1, 2}
     assert {row["learned"] for row in summary["naturalness"]} == {0, 1}
     assert set(report.figures) == {"errors", "conditioning", "naturalness"}
+    assert "fit to run" in "".join(report.pages["simulated"])
 
 
 def test_a_motion_that_there_is_none_of_gives_its_reason(monkeypatch):
