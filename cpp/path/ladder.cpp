@@ -8,6 +8,7 @@
 #include <unordered_set>
 
 #include "ik/joint_ranges.hpp"
+#include "path/cell.hpp"
 #include "path/layers.hpp"
 
 namespace leadthrough::path {
@@ -22,12 +23,11 @@ constexpr double kBesideObstacle = 0.02;
 constexpr double kBesideLimit = 0.02;
 constexpr double kRoom = 0.02;      // m that an obstacle is better away
 constexpr double kLimitZone = 0.1;  // rad or m before a limit
-constexpr double kStride =
-    1.6;                        // cells that a step along what is free takes: it must leave its own
-constexpr double kAside = 0.5;  // of a tube, that a step in it takes
-constexpr double kSurface = 0.95;  // of a tube, where a step ends that would leave it
-constexpr double kFamily = 0.8;    // rad or m: configurations of a family are nearer to each other
-constexpr std::size_t kFew = 12;   // configurations of a layer
+constexpr double kStride = 1.6;     // cells that a step along what is free takes, out of its own
+constexpr double kAside = 0.5;      // of a tube, that a step in it takes
+constexpr double kSurface = 0.95;   // of a tube, where a step ends that would leave it
+constexpr double kFamily = 0.8;     // rad or m: configurations of a family are nearer to each other
+constexpr std::size_t kFew = 12;    // configurations of a layer
 constexpr double kFinestCell = 0.01;  // rad or m
 constexpr int kRestarts = 100;        // of inverse kinematics at the first layer
 constexpr int kRestartSteps = 40;
@@ -277,7 +277,8 @@ class Ladder {
   void take_turns(std::vector<Node>& nodes) const {
     std::unordered_map<std::uint64_t, int> counts;
     std::vector<std::pair<int, Node>> ranked;
-    for (const Node& node : nodes) ranked.emplace_back(counts[cell(node.q, kFamily)]++, node);
+    for (const Node& node : nodes)
+      ranked.emplace_back(counts[cell_of(chain_, node.q, kFamily)]++, node);
     std::stable_sort(ranked.begin(), ranked.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     std::transform(ranked.begin(), ranked.end(), nodes.begin(),
@@ -358,27 +359,12 @@ class Ladder {
     dead_end_ = {};
   }
 
-  // A number for the cube of cells that a configuration lies in (FNV-1a over its coordinates);
-  // whole turns count for nothing.
   // In a tube, places far from each other have cells of their own.
   std::uint64_t cell(const TipTask& task, const JointArray& q) const {
-    std::uint64_t hash = cell(q, cell_);
+    std::uint64_t hash = cell_of(chain_, q, cell_);
     if (!task.tube()) return hash;
-    const TubePlace place = task.place(q);
-    for (const double along : place) hash = mixed(hash, std::lround(along / kAside));
+    for (const double along : task.place(q)) hash = mixed(hash, std::lround(along / kAside));
     return hash;
-  }
-  std::uint64_t cell(const JointArray& q, double size) const {
-    std::uint64_t hash = 0xcbf29ce484222325U;
-    for (std::size_t i = 0; i < n_; ++i) {
-      const double value = chain_.turns[i] ? std::remainder(q[i], kTurn) : q[i];
-      hash = mixed(hash, std::lround(value / size));
-    }
-    return hash;
-  }
-
-  static std::uint64_t mixed(std::uint64_t hash, long value) {
-    return (hash ^ static_cast<std::uint64_t>(static_cast<std::int64_t>(value))) * 0x100000001b3U;
   }
 
   const Chain& chain_;

@@ -240,15 +240,9 @@ call(core.resolve_stack, SPEED, jacobians=[np.eye(2)], wanted=[SPEED], **box)
 # Collisions: the eye is a cube of 2 m below the arm, the obstacle a ball of 1 m above its tip.
 BALL = [core.sphere_shape(1.0, np.array([1.0, 1.0, 4.0]))]
 attached = [core.sphere_shape(0.1, np.zeros(3))]
-model = make(
-    core.CollisionModel,
-    robot=robot,
-    chain=chain,
-    base="base",
-    tip="tip",
-    meshes=[CUBE],
-    attached=attached,
-)
+ends = {"base": "base", "tip": "tip"}
+shapes = {"meshes": [CUBE], "attached": attached}
+model = make(core.CollisionModel, robot=robot, chain=chain, **ends, **shapes)
 scene = make(core.against, model=model, obstacles=BALL)
 call(core.itself, None, model=model)
 call(core.nearest_bodies, [2.9], scene=scene, q=Q[:1], threads=2)
