@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from leadthrough.cli import chain, options
+from leadthrough.cli import chain, episodes, options
 
 
 def clean(
@@ -35,6 +35,7 @@ def clean(
         float | None,
         typer.Option(help="Smoothing window, in s; also adds velocities to joint motions."),
     ] = None,
+    table: episodes.FaultTable = None,
     as_json: options.AsJson = False,
 ) -> None:
     """Remove faulty samples from recordings and report what was removed.
@@ -44,6 +45,7 @@ def clean(
     leadthrough clean day.csv --longest-pause 0.3 --smoothing 0.2 -o clean.csv
     """
     import json
+    from functools import partial
 
     from leadthrough import check, io, preprocess
     from leadthrough.cli import parse, reading
@@ -51,40 +53,47 @@ def clean(
     reading.check_output(out)
     if new_rate is not None:
         check.number(new_rate, "--new-rate", above=0.0)
-    recordings = io.read_recordings(
-        reading.listed(files),
-        columns=parse.columns(column or []),
-        rate=rate,
-        angles=angles,
-        quaternions=quaternions,
-        topic=topic,
+    how: dict[str, Any] = {
+        "columns": parse.columns(column or []),
+        "rate": rate,
+        "angles": angles,
+        "quaternions": quaternions,
+        "topic": topic,
+    }
+    cleaned = partial(
+        preprocess.clean,
+        **({} if pause is None else {"pause": pause}),
+        longest_gap=longest_gap,
+        longest_pause=longest_pause,
+        rest=rest,
+        speed=speed,
+        angular_speed=angular_speed,
+        rate=new_rate,
+        smoothing=smoothing,
     )
-    shortest: dict[str, Any] = {} if pause is None else {"pause": pause}
-    cleaned = [
-        preprocess.clean(
-            each,
-            **shortest,
-            longest_gap=longest_gap,
-            longest_pause=longest_pause,
-            rest=rest,
-            speed=speed,
-            angular_speed=angular_speed,
-            rate=new_rate,
-            smoothing=smoothing,
-        )
-        for each in recordings
-    ]
-    several = len(cleaned) > 1
+    if table is not None:
+        episodes.check_table(table)
+        stream = io.stream_recordings(reading.listed(files), **how)
+        results = episodes.cleaned(stream, cleaned, table)
+    else:
+        recordings = io.read_recordings(reading.listed(files), **how)
+        done = [cleaned(each) for each in recordings]
+        results = ((number, *each) for number, each in enumerate(done, start=1))
+    several = table is not None or len(done) > 1
     files_written = []
     found = []
-    for number, (shown, report) in enumerate(cleaned, start=1):
+    for number, shown, report in results:
         path = out.with_name(f"{out.stem}_{number}{out.suffix}") if several else out
         io.write_motion(shown.motion, path)
         files_written.append(path)
-        found.append({"recording": shown.name, "file": str(path), "report": report.as_dict()})
-        if not as_json:
+        if as_json:
+            told = {"recording": shown.name, "file": str(path), "report": report.as_dict()}
+            found.append(told)
+        elif table is None:
             print(f"{shown.name}: {path}\n{report}")
     if as_json:
         print(json.dumps(found, allow_nan=False))
+    elif table is not None:
+        print(f"{len(files_written)} recordings cleaned; faults: {table}")
     else:
         chain.hint(ctx, "leadthrough", "learn", *files_written, "-o", "skill.npz")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from leadthrough.cli import chain, completion, options
+from leadthrough.cli import chain, completion, episodes, options
 from leadthrough.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -115,6 +115,10 @@ def learn(
     angles: options.Angles = None,
     quaternions: options.Quaternions = None,
     topic: options.Topic = None,
+    table: episodes.FaultTable = None,
+    samples: Annotated[
+        int, typer.Option(help="With --table, most samples that are kept of each recording.")
+    ] = 200,
     as_json: options.AsJson = False,
 ) -> None:
     """Learn a skill from recordings; with --robot, joints are learned as poses of the tip.
@@ -135,19 +139,23 @@ def learn(
     if arm is None:
         only = {"joints": as_joints or None}
         robots.refuse("--robot", limits=limits, base=base, tip=tip, **only)
-    # Both ends stay: `reading.trimmed` has the options for them.
-    read = reading.cleaned if clean else partial(read_demonstrations, rest=math.inf)
     recordings = reading.listed(files)
     reading.refuse_skills(recordings)
-    demonstrations = read(
-        recordings,
-        columns=parse.columns(column or []),
-        rate=rate,
-        angles=angles,
-        quaternions=quaternions,
-        topic=topic,
-        joints=None if arm is None else robots.ranges(arm),
-    )
+    how: dict[str, Any] = {
+        "columns": parse.columns(column or []),
+        "rate": rate,
+        "angles": angles,
+        "quaternions": quaternions,
+        "topic": topic,
+        "joints": None if arm is None else robots.ranges(arm),
+    }
+    if table is None:
+        # Both ends stay: `reading.trimmed` has the options for them.
+        read = reading.cleaned if clean else partial(read_demonstrations, rest=math.inf)
+        demonstrations = read(recordings, **how)
+    else:
+        most = check.integer(samples, "samples", at_least=10)
+        demonstrations = _streamed(recordings, how, table, most)
     if cut:
         demonstrations = reading.cut(
             demonstrations, pause=pause, speed=speed, angular_speed=angular_speed
@@ -171,6 +179,20 @@ def learn(
     if not as_json:
         motion = "motion.csv" if robot is None else "motion.json"
         chain.hint(ctx, "leadthrough", "plan", out, *chain.arm(ctx), "-o", motion)
+
+
+def _streamed(
+    recordings: list[Path], how: dict[str, Any], table: Path, samples: int
+) -> list[Demonstration]:
+    """The recordings that can be cleaned, each thinned out as it comes, with a table of faults."""
+    from leadthrough.io import stream_recordings
+    from leadthrough.preprocess import clean
+
+    episodes.check_table(table)
+    return [
+        episodes.thinned(shown, samples)
+        for _, shown, _ in episodes.cleaned(stream_recordings(recordings, **how), clean, table)
+    ]
 
 
 def model_class(name: str) -> Any:  # Any: the models' settings differ

@@ -2,9 +2,11 @@ from . import formats, franka, headers, joint_trajectory, lasa, rosbag_writer, u
 from .obstacle_files import read_mesh, read_point_cloud
 from .reading import read_demonstrations, read_motion, read_recordings
 from .recording import Recording
+from .streaming import Episode, stream_recordings
 from .writing import write_motion
 
 __all__ = [
+    "Episode",
     "Recording",
     "formats",
     "franka",
@@ -17,6 +19,7 @@ __all__ = [
     "read_point_cloud",
     "read_recordings",
     "rosbag_writer",
+    "stream_recordings",
     "urscript",
     "write_motion",
 ]

@@ -89,11 +89,9 @@ def bound_time() -> None:
 
 
 def _restored(request: Mapping[str, Any]) -> Request:
-    frames = request["frames"]
     columns = {role: tuple(names) for role, names in request["columns"].items()}
-    return Request(
-        **{**request, "columns": columns, "frames": None if frames is None else tuple(frames)}
-    )
+    pairs = {name: request[name] and tuple(request[name]) for name in ("frames", "part")}
+    return Request(**{**request, "columns": columns, **pairs})
 
 
 def _packed(found: Any) -> tuple[dict[str, Any], list[NDArray[Any]]]:

@@ -41,19 +41,35 @@ def tables(path: Path) -> list[ArrayTable]:
         MissingDependency: if pyarrow is not installed.
     """
     parquet = optional.load("pyarrow.parquet", extra="lerobot")
-    files = sorted((path / "data").rglob("*.parquet")) if path.is_dir() else [path]
-    if not files:
-        raise InvalidInput("expected files data/**/*.parquet in the folder, got none")
+    several = files(path)
     names = _state_names(path)
     gate = bounds.Gate()
-    gate.items(len(files), "the folder")
+    gate.items(len(several), "the folder")
     with bounds.reading("Parquet file"):
-        found = [table for file in files for table in _episodes(parquet, file, names, gate)]
+        found = [table for file in several for table in _episodes(parquet, file, names, gate)]
     motors = [name for name in names if name.endswith(_MOTOR)]
     if not motors:
         return found
     extents = _stated_extents(path, names) or _extents(found, motors)
-    return [_of_motors(table, {name: extents[name] for name in motors}) for table in found]
+    return [of_motors(table, {name: extents[name] for name in motors}) for table in found]
+
+
+def files(path: Path) -> list[Path]:
+    """The Parquet files of a data set, or the one that is given.
+
+    Raises:
+        InvalidInput: if the folder has none.
+    """
+    found = sorted((path / "data").rglob("*.parquet")) if path.is_dir() else [path]
+    if not found:
+        raise InvalidInput("expected files data/**/*.parquet in the folder, got none")
+    return found
+
+
+def lacks_extents(path: Path) -> bool:
+    """Whether a data set has motors and does not state their least and greatest numbers."""
+    names = _state_names(path)
+    return any(name.endswith(_MOTOR) for name in names) and not _stated_extents(path, names)
 
 
 def _episodes(parquet: Any, file: Path, names: Columns, gate: bounds.Gate) -> Iterator[ArrayTable]:
@@ -79,8 +95,13 @@ def _episodes(parquet: Any, file: Path, names: Columns, gate: bounds.Gate) -> It
         yield ArrayTable(own, roles=roles, label=f"episode_{int(number)}")
 
 
-def _of_motors(table: ArrayTable, extents: Mapping[str, Extent]) -> ArrayTable:
-    """The table with the extents of its motors, and events where a gripper opens or closes."""
+def of_motors(table: ArrayTable, extents: Mapping[str, Extent]) -> ArrayTable:
+    """The table with the extents of its motors, and events where a gripper opens or closes.
+
+    Args:
+        table: of an episode.
+        extents: least and greatest number of each motor in the data set.
+    """
     happening = [
         event
         for name, extent in extents.items()

@@ -74,7 +74,7 @@ def read_demonstrations(
         frames=frames,
         joints=joints,
     )
-    return [trim(each, rest=rest) for each in _demonstrations(_paths(paths), request)]
+    return [trim(each, rest=rest) for each in _demonstrations(paths_of(paths), request)]
 
 
 def read_motion(
@@ -165,7 +165,7 @@ def read_recordings(
         frames=frames,
         joints=joints,
     )
-    return [found for path in _paths(paths) for _, found in _recordings(path, request)]
+    return [found for path in paths_of(paths) for _, found in _recordings(path, request)]
 
 
 @contextmanager
@@ -198,7 +198,12 @@ def names_of(path: Path, tables: Sequence[Table]) -> list[str]:
     ]
 
 
-def _paths(paths: StrPath | Sequence[StrPath]) -> list[Path]:
+def paths_of(paths: StrPath | Sequence[StrPath]) -> list[Path]:
+    """One path or several, as a list.
+
+    Raises:
+        InvalidInput: if it is none, or another type.
+    """
     several = [paths] if isinstance(paths, str | os.PathLike) else paths
     if not isinstance(several, Sequence) or not all(
         isinstance(path, str | os.PathLike) for path in several

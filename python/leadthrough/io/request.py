@@ -19,7 +19,11 @@ ANGLES: tuple[AngleUnit, ...] = get_args(AngleUnit)
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """The arguments of `leadthrough.io.read_recordings`, which documents them."""
+    """The arguments of `leadthrough.io.read_recordings`, which documents them.
+
+    `part` is of those that read a data set as a stream: the indices of the first recording to read
+    and of the one after the last; None for all.
+    """
 
     columns: Mapping[str, Columns] = field(default_factory=dict)
     rate: float | None = None
@@ -28,6 +32,7 @@ class Request:
     topic: str | None = None
     frames: tuple[str, str] | None = None
     joints: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    part: tuple[int, int] | None = None
 
 
 def checked(

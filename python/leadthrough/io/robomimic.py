@@ -17,6 +17,7 @@ import numpy as np
 from leadthrough import optional
 from leadthrough.errors import InvalidInput
 from leadthrough.io import bounds
+from leadthrough.io.request import Request
 from leadthrough.io.table import ArrayTable
 
 _ROLES = {
@@ -26,8 +27,8 @@ _ROLES = {
 }
 
 
-def tables(path: Path) -> list[ArrayTable]:
-    """One table per demonstration, in the order of their numbers.
+def labels(path: Path) -> list[str]:
+    """The names of the demonstrations, in the order of their numbers.
 
     Raises:
         InvalidInput: if the file is damaged, or not as robomimic writes it.
@@ -35,18 +36,40 @@ def tables(path: Path) -> list[ArrayTable]:
     """
     h5py = optional.load("h5py", extra="hdf5")
     with bounds.reading("robomimic HDF5 file"), h5py.File(path, "r") as file:
-        return _tables(file)
+        return _labels(file)
 
 
-def _tables(file: Any) -> list[ArrayTable]:
+def tables(path: Path, request: Request | None = None) -> list[ArrayTable]:
+    """One table per demonstration, in the order of their numbers.
+
+    Args:
+        path: of the file.
+        request: of which only `part` counts.
+
+    Raises:
+        InvalidInput: if the file is damaged, or not as robomimic writes it.
+        MissingDependency: if h5py is not installed.
+    """
+    h5py = optional.load("h5py", extra="hdf5")
+    with bounds.reading("robomimic HDF5 file"), h5py.File(path, "r") as file:
+        return _tables(file, request.part if request else None)
+
+
+def _labels(file: Any) -> list[str]:
     data = file.get("data")
     names = [] if data is None else [name for name in data if str(name).startswith("demo_")]
     if not names:
         raise InvalidInput("expected groups data/demo_<i>, as robomimic writes them, got none")
+    return sorted(names, key=_number)
+
+
+def _tables(file: Any, part: tuple[int, int] | None) -> list[ArrayTable]:
+    names = _labels(file)
+    data = file["data"]
     rate = _control_rate(data.attrs.get("env_args"))
     gate = bounds.Gate()
     found = []
-    for name in sorted(names, key=_number):
+    for name in names if part is None else names[part[0] : part[1]]:
         sets = _sets(data[name].get("obs", {}))
         gate.columns(len(sets), f"{name}/obs")
         gate.numbers(sum(each.size for each in sets.values()), f"{name}/obs")
