@@ -44,7 +44,7 @@ def reach(
     skill: Annotated[
         Path | None,
         typer.Option(
-            help="Skill of poses that the arm is to run: where must it stand?",
+            help="Skill of poses that the arm is to run; finds where it must stand.",
             autocompletion=completion.files(".npz"),
         ),
     ] = None,

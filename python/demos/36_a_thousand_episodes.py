@@ -1,6 +1,6 @@
 """A data set of a thousand episodes as a stream: each one's faults, and a skill of the sound ones.
 
-Writes faults.json and episodes.npz: python python/demos/35_a_thousand_episodes.py [FOLDER]
+Writes faults.json and episodes.npz: python python/demos/36_a_thousand_episodes.py [FOLDER]
 Needs the extra hdf5.
 """
 
