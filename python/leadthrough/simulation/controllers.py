@@ -130,6 +130,9 @@ class Controller(Brief, ABC):
 class ComputedTorque(Controller):
     """Inverse dynamics of the arm, with errors that fade as those of a linear oscillator.
 
+    Joints lighter than a twentieth of the heaviest count as that heavy for their errors, as real
+    ones are by their motors: otherwise nothing would hold them against friction.
+
     Attributes:
         frequency: natural frequency of the error, rad/s, > 0.
         damping_ratio: 1 for no overshoot, > 0.
@@ -146,29 +149,31 @@ class ComputedTorque(Controller):
     def __post_init__(self) -> None:
         _require_positive(self, "frequency", "damping_ratio")
 
-    def law(
-        self,
-        arm: Arm,
-        q: Float64Array,  # noqa: ARG002  # its gains are the same everywhere
-        *,
-        gravity: Float64Array,
-    ) -> Law:
-        return _Linearised(arm, gravity, self)
+    def law(self, arm: Arm, q: Float64Array, *, gravity: Float64Array) -> Law:
+        lacking = _inertias(arm, q) - np.diag(arm.mass_matrix(q))
+        return _Linearised(arm, gravity, self, lacking)
 
 
 class _Linearised(Law):
-    def __init__(self, arm: Arm, gravity: Float64Array, made: ComputedTorque) -> None:
+    def __init__(
+        self, arm: Arm, gravity: Float64Array, made: ComputedTorque, lacking: Float64Array
+    ) -> None:
         super().__init__(arm, gravity)
         self._k = made.frequency**2
         self._d = 2.0 * made.damping_ratio * made.frequency
+        self._springs = self._k * lacking
+        self.drive_damping = self._d * lacking
 
     def torques(self, now: Moment) -> Float64Array:
         target = now.target
-        wanted = target.qdd + self._d * (target.qd - now.qd) + self._k * (target.q - now.q)
-        return self.needed(now.q, now.qd, wanted)
+        away, slip = target.q - now.q, target.qd - now.qd
+        wanted = target.qdd + self._d * slip + self._k * away
+        pull = self._springs * away + self.drive_damping * slip
+        return self.needed(now.q, now.qd, wanted) + pull
 
     def gains(self, motion: Motion) -> Gains:
-        return Gains(self._k * motion.mass, self._d * motion.mass, np.zeros_like(motion.q))
+        springs = self._k * motion.mass + np.diag(self._springs)
+        return Gains(springs, self._d * motion.mass, np.zeros_like(motion.q))
 
 
 class _JointSprings(Controller):

@@ -197,8 +197,9 @@ class SimulatedArm(Brief):
         target = CommandedState(self._target.q, self._target.qd, command.qdd)
         asked = self.law.torques(Moment(target, q, qd, progress))
         before = self.qd
-        # The drives subtract what their own dampers give.
-        self.data.ctrl[:] = asked + self.law.drive_damping * qd
+        # The drives subtract what their own dampers give; these compare velocities at the end of the
+        # period, when the target's is another.
+        self.data.ctrl[:] = asked + self.law.drive_damping * (qd + self.period * command.qdd)
         self.demanded = asked + self.law.drive_damping * (qd - before)
         if self._pushes:
             self._push()
@@ -215,8 +216,10 @@ class SimulatedArm(Brief):
     def _given(self, before: Float64Array) -> Float64Array:
         """Torques of the motors during the period; the drives' dampers act at its end."""
         force = np.array(self.data.actuator_force)
-        free = np.abs(force) < self.plant.effort
-        return np.asarray(force - free * self.law.drive_damping * (self.qd - before))
+        limit = self.plant.effort
+        free = np.abs(force) < limit
+        given = force - free * self.law.drive_damping * (self.qd - before)
+        return np.asarray(np.clip(given, -limit, limit))
 
     def _measured(self) -> tuple[Float64Array, Float64Array]:
         """Positions and velocities as the controller sees them."""
