@@ -1,7 +1,9 @@
 #include "ik/yang.hpp"
 
-#include <Eigen/SVD>
+#include <algorithm>
+#include <functional>
 
+#include "base/orthogonal.hpp"
 #include "base/parallel.hpp"
 #include "ik/joint_ranges.hpp"
 
@@ -9,7 +11,9 @@ namespace leadthrough {
 
 namespace {
 
-using SmallJacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, kMaxJoints>;
+// Transposed: a column for each direction of the task.
+using TaskDirections = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxJoints, 6>;
+using SquareTask = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
 using SmallTwist = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
 
 // Directions below this share of the largest singular value count as lost: what the secondary
@@ -46,15 +50,18 @@ YangStep yang_step(const Chain& chain, const double* q, const Vector6& twist, bo
   forward_kinematics(chain, q, kinematics);
   Vector6 weight = Vector6::Ones();
   weight.tail<3>().setConstant(options.rotation_weight);
-  SmallJacobian weighted(rows, n);
+  TaskDirections directions(n, rows);
   for (int i = 0; i < n; ++i)
-    weighted.col(i) =
+    directions.row(i) =
         kinematics.jacobian[static_cast<std::size_t>(i)].cwiseProduct(weight).head(rows);
   const SmallTwist wanted = twist.cwiseProduct(weight).head(rows);
 
-  const Eigen::JacobiSVD<SmallJacobian> svd(weighted, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const auto& sigma = svd.singularValues();
-  const double largest = sigma[0], smallest = sigma[sigma.size() - 1];
+  // J = U S V^T, of which `directions` becomes V S.
+  SquareTask left = SquareTask::Identity(rows, rows);
+  orthogonalize_columns(directions, left);
+  SmallTwist sigma = directions.colwise().norm();
+  std::sort(sigma.begin(), sigma.end(), std::greater<>());
+  const double largest = sigma[0], smallest = sigma[std::min(rows, n) - 1];
   YangStep step;
   step.condition = smallest > 0.0 ? largest / smallest : kInfinity;  // equation 4
   const double share = options.condition_threshold / step.condition;
@@ -67,13 +74,13 @@ YangStep yang_step(const Chain& chain, const double* q, const Vector6& twist, bo
   const double regular = step.damping * step.damping + options.alpha;
   step.velocity = JointVector::Zero(n);
   JointVector secondary = pull;
-  for (Eigen::Index k = 0; k < sigma.size(); ++k) {
-    const bool lost = sigma[k] <= kLost * largest;
-    const auto direction = svd.matrixV().col(k);
+  for (Eigen::Index k = 0; k < rows; ++k) {
+    const auto direction = directions.col(k);
+    const double square = direction.squaredNorm();
+    const bool lost = square <= kLost * kLost * largest * largest;
     if (!lost || regular > 0.0)  // equation 5, by the singular values
-      step.velocity += direction * (sigma[k] / (sigma[k] * sigma[k] + regular) *
-                                    svd.matrixU().col(k).dot(wanted));
-    if (!lost) secondary -= direction * direction.dot(pull);  // equation 6
+      step.velocity += direction * (left.col(k).dot(wanted) / (square + regular));
+    if (!lost) secondary -= direction * (direction.dot(pull) / square);  // equation 6
   }
   step.velocity += secondary;  // equation 7
   return step;

@@ -1,7 +1,8 @@
 #include "rotation/mean.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
+
+#include "base/orthogonal.hpp"
 
 namespace leadthrough::so3 {
 
@@ -27,7 +28,11 @@ Quaternion chordal_mean(const Column& column, const Weights& weights) {
     const Quaternion q = column[i];
     sum += weights[i] * q * q.transpose();
   }
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(sum).eigenvectors().col(3);
+  Eigen::Matrix4d vectors = Eigen::Matrix4d::Identity();
+  orthogonalize_columns(sum, vectors);
+  Eigen::Index largest;
+  sum.colwise().squaredNorm().maxCoeff(&largest);
+  return vectors.col(largest);
 }
 
 double largest_distance(const Column& column, const Quaternion& from) {

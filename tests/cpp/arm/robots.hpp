@@ -3,6 +3,9 @@
 // Small robots for the tests, written as URDF.
 
 #include <string>
+#include <variant>
+
+#include "arm/chain.hpp"
 
 namespace leadthrough::test {
 
@@ -40,6 +43,11 @@ inline std::string crooked_arm() {
   text += joint("j6", "revolute", "l7", "l8", "<origin xyz='0 0 0.1'/><axis xyz='1 0 0'/>" + limit);
   text += joint("flange", "fixed", "l8", "l9", "<origin xyz='0.05 0 0.08' rpy='0 0.7 0'/>");
   return text + "</robot>";
+}
+
+inline Chain crooked_chain() {
+  const auto robot = std::get<urdf::Robot>(urdf::parse(crooked_arm()));
+  return std::get<Chain>(make_chain(robot, "l0", "l9"));
 }
 
 }  // namespace leadthrough::test

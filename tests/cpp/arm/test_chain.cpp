@@ -9,7 +9,7 @@
 #include "arm/kdl_chain.hpp"
 #include "arm/robots.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::chain_tests {
 
 namespace {
 
@@ -159,3 +159,5 @@ TEST(Chain, AToolMovesTheTip) {
   EXPECT_LE((after.position - before.position - before.rotation * tool.position).norm(), 1e-15);
   EXPECT_LE((after.rotation - before.rotation * tool.rotation).norm(), 1e-15);
 }
+
+}  // namespace leadthrough::chain_tests

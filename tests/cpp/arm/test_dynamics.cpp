@@ -7,7 +7,7 @@
 #include "arm/kdl_chain.hpp"
 #include "arm/robots.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::dynamics_tests {
 
 namespace {
 
@@ -55,3 +55,5 @@ TEST(Dynamics, TheMassMatrixIsTheTorqueOfUnitAccelerations) {
   const Rows mass = mass_matrix_batch(chain, q);
   EXPECT_LE((Eigen::Map<const Rows>(mass.data(), n, n) - torques).cwiseAbs().maxCoeff(), 1e-12);
 }
+
+}  // namespace leadthrough::dynamics_tests

@@ -8,7 +8,7 @@
 #include "arm/kdl_chain.hpp"
 #include "arm/robots.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::jacobian_tests {
 
 namespace {
 
@@ -80,3 +80,5 @@ TEST(Jacobian, BatchesHoldTheMatricesByRows) {
     for (int i = 0; i < chain.joints(); ++i)
       EXPECT_EQ(batch(2, row * chain.joints() + i), last[static_cast<std::size_t>(i)][row]);
 }
+
+}  // namespace leadthrough::jacobian_tests

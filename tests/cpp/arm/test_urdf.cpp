@@ -5,7 +5,8 @@
 #include "arm/robots.hpp"
 #include "arm/urdf.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::urdf_tests {
+
 using test::joint;
 using test::link;
 
@@ -240,3 +241,5 @@ TEST(Urdf, CollisionGeometryWithoutASizeIsRefused) {
   EXPECT_EQ(refusal(robot("<link name='a'><collision/></link>")),
             "link 'a': a collision has no geometry");
 }
+
+}  // namespace leadthrough::urdf_tests

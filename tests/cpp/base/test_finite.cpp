@@ -5,7 +5,8 @@
 
 #include "base/finite.hpp"
 
-using leadthrough::all_finite;
+namespace leadthrough::finite_tests {
+
 using Limits = std::numeric_limits<double>;
 
 TEST(Finite, LargestSmallestAndZeroAre) {
@@ -30,3 +31,5 @@ TEST(Finite, OneThatIsNotIsFoundAnywhere) {
         EXPECT_FALSE(all_finite(values.data(), count)) << at << " of " << count;
       }
 }
+
+}  // namespace leadthrough::finite_tests

@@ -7,7 +7,8 @@
 #include "base/constants.hpp"
 #include "collision/check.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::check_tests {
+
 using test::joint;
 
 namespace {
@@ -105,23 +106,6 @@ TEST(Collision, NothingIsPassedThroughBetweenRows) {
   EXPECT_LT(report.closest.nearest.distance, -0.1);
 }
 
-TEST(Collision, ReportsDoNotDependOnThreads) {
-  const Planar arm;
-  Rows q(1000, 2);
-  for (Eigen::Index i = 0; i < q.rows(); ++i)
-    q.row(i) << std::sin(0.3 * static_cast<double>(i)), std::cos(0.1 * static_cast<double>(i));
-  const auto scene = against(
-      arm.model, {{box({0.3, 0.3, 0.3}), at(1.5, 0.8, 0)}, {cylinder(0.2, 0.5), at(1.2, -1.2, 0)}});
-  const MotionReport one = check_motion(scene, q, {0.01, 1e-3, 1});
-  const MotionReport four = check_motion(scene, q, {0.01, 1e-3, 4});
-  for (std::size_t i = 0; i < one.samples.size(); ++i)
-    EXPECT_EQ(one.samples[i].distance, four.samples[i].distance);
-  EXPECT_EQ(one.closest.nearest.distance, four.closest.nearest.distance);
-  EXPECT_EQ(one.closest.sample, four.closest.sample);
-  ASSERT_TRUE(one.first);
-  EXPECT_EQ(one.first->sample, four.first->sample);
-}
-
 TEST(Collision, AHullIsWhereItsMeshIs) {
   const std::string mesh = "<mesh filename='cube.stl'/>";
   const std::string text = "<robot name='r'>" + test::link("a") + round_link("b", "1 0 0", mesh) +
@@ -135,3 +119,5 @@ TEST(Collision, AHullIsWhereItsMeshIs) {
   const auto scene = against(model, {{sphere(0.5), kOrigin}});
   EXPECT_NEAR(nearest_batch(scene, Rows::Zero(1, 1), 1)[0].distance, 5.0, 1e-9);
 }
+
+}  // namespace leadthrough::check_tests

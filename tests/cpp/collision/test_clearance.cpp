@@ -6,7 +6,7 @@
 #include "arm/robots.hpp"
 #include "collision/clearance.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::clearance_tests {
 
 namespace {
 
@@ -107,3 +107,5 @@ TEST(Clearance, GradientsAreThoseOfDifferences) {
   }
   EXPECT_GT(compared, 100);
 }
+
+}  // namespace leadthrough::clearance_tests

@@ -9,7 +9,8 @@
 #include "collision/cloud.hpp"
 #include "collision/signed_distance.hpp"
 
-namespace leadthrough {
+namespace leadthrough::cloud_tests {
+
 namespace {
 
 using Eigen::Vector3d;
@@ -133,4 +134,5 @@ TEST(SignedDistance, OfHullsAndCloudsGrowsAlongItsGradient) {
 }
 
 }  // namespace
-}  // namespace leadthrough
+
+}  // namespace leadthrough::cloud_tests

@@ -9,7 +9,8 @@
 #include "base/constants.hpp"
 #include "collision/convex_distance.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::convex_distance_tests {
+
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
@@ -333,3 +334,5 @@ TEST(ConvexDistance, AllocatesNothing) {
   EXPECT_EQ(test::allocations(), before);
   EXPECT_NE(sum, 0.0);
 }
+
+}  // namespace leadthrough::convex_distance_tests

@@ -4,7 +4,8 @@
 
 #include "collision/signed_distance.hpp"
 
-namespace leadthrough {
+namespace leadthrough::signed_distance_tests {
+
 namespace {
 
 using Eigen::Vector3d;
@@ -63,4 +64,5 @@ TEST(SignedDistance, SizesAreEdgesOrRadiusAndLength) {
 }
 
 }  // namespace
-}  // namespace leadthrough
+
+}  // namespace leadthrough::signed_distance_tests

@@ -5,7 +5,8 @@
 #include "dmp/avoidance.hpp"
 #include "rotation/so3.hpp"
 
-namespace leadthrough::dmp {
+namespace leadthrough::dmp::avoidance_tests {
+
 namespace {
 
 Obstacle obstacle_of(ShapeKind kind) {
@@ -67,4 +68,5 @@ TEST(Avoidance, LongStepsEndWhereTheSpringsDo) {
 }
 
 }  // namespace
-}  // namespace leadthrough::dmp
+
+}  // namespace leadthrough::dmp::avoidance_tests

@@ -4,7 +4,8 @@
 
 #include "dmp/path.hpp"
 
-namespace leadthrough::dmp {
+namespace leadthrough::dmp::path_tests {
+
 namespace {
 
 double value_at(const Path& path, double phase) {
@@ -51,4 +52,5 @@ TEST(Path, CorrectionBeginsWithItsValueAndSlope) {
 }
 
 }  // namespace
-}  // namespace leadthrough::dmp
+
+}  // namespace leadthrough::dmp::path_tests

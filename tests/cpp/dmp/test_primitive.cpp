@@ -4,7 +4,8 @@
 
 #include "dmp/primitive.hpp"
 
-namespace leadthrough::dmp {
+namespace leadthrough::dmp::primitive_tests {
+
 namespace {
 
 constexpr double kRate = 12.5;
@@ -117,4 +118,5 @@ TEST(Dmp, PiecesOfAReferenceJoin) {
 }
 
 }  // namespace
-}  // namespace leadthrough::dmp
+
+}  // namespace leadthrough::dmp::primitive_tests

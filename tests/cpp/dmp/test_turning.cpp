@@ -6,7 +6,8 @@
 #include "base/constants.hpp"
 #include "dmp/turning.hpp"
 
-namespace leadthrough::dmp {
+namespace leadthrough::dmp::turning_tests {
+
 namespace {
 
 using so3::Quaternion;
@@ -149,4 +150,5 @@ TEST(Turning, StandsAfterTheEndOrGoesRoundAgain) {
 }
 
 }  // namespace
-}  // namespace leadthrough::dmp
+
+}  // namespace leadthrough::dmp::turning_tests

@@ -9,11 +9,7 @@
 #include "field/arrival_field.hpp"
 #include "field/eikonal.hpp"
 
-using leadthrough::Grid;
-using leadthrough::Index;
-using leadthrough::Region;
-using leadthrough::Source;
-using leadthrough::UpdateKind;
+namespace leadthrough::arrival_field_tests {
 
 namespace {
 
@@ -22,10 +18,10 @@ template <typename Real>
 constexpr Real kTolerance = std::is_same_v<Real, float> ? Real(1e-5) : Real(1e-9);
 
 template <typename Real>
-void expect_equal_to_full_march(const leadthrough::ArrivalField<Real>& field, const Grid& grid,
+void expect_equal_to_full_march(const ArrivalField<Real>& field, const Grid& grid,
                                 const std::vector<Real>& speed,
                                 const std::vector<Source>& sources) {
-  const auto expected = leadthrough::march_first_order(grid, speed.data(), sources);
+  const auto expected = march_first_order(grid, speed.data(), sources);
   const auto times = field.times();
   for (std::size_t n = 0; n < times.size(); ++n) {
     if (std::isinf(expected[n]))
@@ -46,7 +42,7 @@ void change_at_random(const Grid& grid, unsigned seed) {
   std::vector<Real> speed(grid.size());
   for (Real& value : speed) value = static_cast<Real>(0.1 + uniform(generator));
   const std::vector<Source> sources{{pick(grid.size()), 0.0}, {pick(grid.size()), 3.0}};
-  const auto field = leadthrough::make_arrival_field(grid, speed.data(), sources);
+  const auto field = make_arrival_field(grid, speed.data(), sources);
   const auto strides = grid.strides();
   for (int repeat = 0; repeat < 8; ++repeat) {
     Region region{};
@@ -92,7 +88,7 @@ TEST(ArrivalField, EqualsTheFullMarchAfterAnyChanges) {
 TEST(ArrivalField, RepairsASmallChangeAndMarchesAllForALargeOne) {
   const Grid grid{{1, 60, 60}};
   const std::vector<double> speed(grid.size(), 1.0);
-  const auto field = leadthrough::make_arrival_field(grid, speed.data(), {{0, 0.0}});
+  const auto field = make_arrival_field(grid, speed.data(), {{0, 0.0}});
   const std::vector<double> wall(60, 0.0);
   EXPECT_EQ(field->update({{0, 50, 50}, {1, 4, 4}}, speed.data()).kind, UpdateKind::kNone);
   const auto small = field->update({{0, 50, 50}, {1, 4, 4}}, wall.data());
@@ -100,3 +96,5 @@ TEST(ArrivalField, RepairsASmallChangeAndMarchesAllForALargeOne) {
   EXPECT_GE(small.invalidated, 16);
   EXPECT_EQ(field->update({{0, 2, 1}, {1, 1, 59}}, wall.data()).kind, UpdateKind::kFullMarch);
 }
+
+}  // namespace leadthrough::arrival_field_tests

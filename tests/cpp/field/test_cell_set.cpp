@@ -14,10 +14,7 @@
 #include "field/sparse_distance.hpp"
 #include "field/sparse_march.hpp"
 
-using leadthrough::CellSet;
-using leadthrough::Grid;
-using leadthrough::Index;
-using leadthrough::Outside;
+namespace leadthrough::cell_set_tests {
 
 namespace {
 
@@ -81,12 +78,12 @@ TEST(CellSet, CellsWithinARadiusAreThoseOfTheDistanceTransform) {
   std::mt19937 generator(2);
   for (const Grid& grid : {kFlat, kSpace}) {
     const std::vector<Index> cells = some_cells(grid, 0.02, generator);
-    const auto distance = leadthrough::distance_transform(grid, mask_of(grid, cells).data());
+    const auto distance = distance_transform(grid, mask_of(grid, cells).data());
     for (const double radius : {0.0, 1.4, 3.1}) {
       std::vector<Index> expected;
       for (Index cell = 0; cell < grid.size(); ++cell)
         if (distance[cell] <= radius) expected.push_back(cell);
-      EXPECT_EQ(leadthrough::cells_within(grid, cells, radius), expected);
+      EXPECT_EQ(cells_within(grid, cells, radius), expected);
     }
   }
 }
@@ -105,7 +102,7 @@ TEST(CellSet, FinerCellsAreThoseWhoseHalfIndicesAreGiven) {
         parent += cell / fine.strides()[axis] % fine.shape[axis] / 2 * coarse.strides()[axis];
       if (held[parent]) expected.push_back(cell);
     }
-    EXPECT_EQ(leadthrough::finer_cells(coarse, fine, given), expected);
+    EXPECT_EQ(finer_cells(coarse, fine, given), expected);
   }
 }
 
@@ -114,8 +111,8 @@ TEST(CellSet, DistancesOnAllCellsAreThoseOfTheGrid) {
   for (const Grid& grid : {kFlat, kSpace}) {
     const CellSet all(grid, all_cells(grid));
     const auto mask = mask_of(grid, some_cells(grid, 0.03, generator));
-    const auto found = leadthrough::distance_transform(all, mask.data(), Outside::kUnknown);
-    const auto expected = leadthrough::distance_transform(grid, mask.data());
+    const auto found = distance_transform(all, mask.data(), Outside::kUnknown);
+    const auto expected = distance_transform(grid, mask.data());
     for (std::size_t n = 0; n < all.size(); ++n) EXPECT_DOUBLE_EQ(found[n], expected[n]);
   }
 }
@@ -123,21 +120,20 @@ TEST(CellSet, DistancesOnAllCellsAreThoseOfTheGrid) {
 TEST(CellSet, DepthsAreTheDistancesToTheCellsOutside) {
   std::mt19937 generator(5);
   for (const Grid& grid : {kFlat, kSpace}) {
-    const CellSet set(grid,
-                      leadthrough::cells_within(grid, some_cells(grid, 0.02, generator), 2.0));
+    const CellSet set(grid, cells_within(grid, some_cells(grid, 0.02, generator), 2.0));
     std::vector<std::uint8_t> outside = mask_of(grid, set.cells());
     for (std::uint8_t& each : outside) each = each ? 0 : 1;
-    const auto expected = leadthrough::distance_transform(grid, outside.data());
+    const auto expected = distance_transform(grid, outside.data());
     const std::vector<std::uint8_t> none(set.size(), 0);
-    const auto depth = leadthrough::distance_transform(set, none.data(), Outside::kTarget);
+    const auto depth = distance_transform(set, none.data(), Outside::kTarget);
     for (std::size_t n = 0; n < set.size(); ++n)
       EXPECT_DOUBLE_EQ(depth[n], expected[set.cells()[n]]);
   }
 }
 
 TEST(CellSet, IsOpenWhereTheWaveMeetsCellsThatItDoesNotHold) {
-  const CellSet set(kFlat, leadthrough::cells_within(kFlat, {40}, 4.0));
-  std::vector<double> times(set.size(), leadthrough::kInfinity);
+  const CellSet set(kFlat, cells_within(kFlat, {40}, 4.0));
+  std::vector<double> times(set.size(), kInfinity);
   EXPECT_FALSE(set.is_open(times.data()));
   times[set.find(40)] = 0.0;
   EXPECT_FALSE(set.is_open(times.data()));
@@ -154,16 +150,16 @@ TEST(CellSet, MarchAndDescentOnAllCellsAreThoseOfTheGrid) {
   for (const Grid& grid : {kFlat, kSpace}) {
     std::vector<double> speed(static_cast<std::size_t>(grid.size()));
     for (double& value : speed) value = uniform(generator) < 0.2 ? 0.0 : 0.1 + uniform(generator);
-    const leadthrough::Coordinates start{0.0, 1.2, 1.4};
-    const leadthrough::Coordinates goal{static_cast<double>(grid.shape[0] - 1), 8.0, 7.0};
+    const Coordinates start{0.0, 1.2, 1.4};
+    const Coordinates goal{static_cast<double>(grid.shape[0] - 1), 8.0, 7.0};
     const Index source = (grid.shape[0] - 1) * grid.strides()[0] + 8 * grid.strides()[1] + 7;
     const Index stop = grid.strides()[1] + 1;
     speed[source] = speed[stop] = 1.0;
     const CellSet all(grid, all_cells(grid));
-    const auto times = leadthrough::march_second_order(grid, speed.data(), {{source}}, stop);
-    EXPECT_EQ(leadthrough::march_second_order(all, speed.data(), {{source}}, stop), times);
-    const auto path = leadthrough::descend(all, times.data(), start, goal, 0.5);
-    const auto expected = leadthrough::descend(grid, times.data(), start, goal, 0.5);
+    const auto times = march_second_order(grid, speed.data(), {{source}}, stop);
+    EXPECT_EQ(march_second_order(all, speed.data(), {{source}}, stop), times);
+    const auto path = descend(all, times.data(), start, goal, 0.5);
+    const auto expected = descend(grid, times.data(), start, goal, 0.5);
     EXPECT_EQ(path.status, expected.status);
     EXPECT_EQ(path.path, expected.path);
   }
@@ -177,8 +173,8 @@ TEST(CellSet, MarchTakesMissingCellsForWalls) {
   for (const Index cell : held) walled[cell] = 1.0 + static_cast<double>(cell % 3);
   std::vector<double> speed;
   for (const Index cell : held) speed.push_back(walled[cell]);
-  const auto expected = leadthrough::march_second_order(kFlat, walled.data(), {{held[50]}});
-  const auto times = leadthrough::march_second_order(set, speed.data(), {{held[50]}});
+  const auto expected = march_second_order(kFlat, walled.data(), {{held[50]}});
+  const auto times = march_second_order(set, speed.data(), {{held[50]}});
   for (std::size_t n = 0; n < held.size(); ++n) EXPECT_EQ(times[n], expected[held[n]]);
 }
 
@@ -186,9 +182,9 @@ TEST(CellSet, BallOnAllCellsIsThatOfTheGrid) {
   std::vector<double> speed(static_cast<std::size_t>(kSpace.size()), 2.0);
   speed[7] = 1.0;
   const CellSet all(kSpace, all_cells(kSpace));
-  const leadthrough::Source source{400};
-  const auto ball = leadthrough::with_ball(all, speed.data(), source, 3.0);
-  const auto expected = leadthrough::with_balls(kSpace, speed.data(), {source}, 3.0);
+  const Source source{400};
+  const auto ball = with_ball(all, speed.data(), source, 3.0);
+  const auto expected = with_balls(kSpace, speed.data(), {source}, 3.0);
   ASSERT_EQ(ball.size(), expected.size());
   EXPECT_GT(ball.size(), 20U);
   for (std::size_t n = 0; n < ball.size(); ++n) {
@@ -201,18 +197,18 @@ TEST(PathDistance, IsThatToTheNearestPointOfThePath) {
   std::mt19937 generator(8);
   std::normal_distribution<double> normal;
   for (const std::size_t count : {1, 15, 16, 17, 300}) {
-    std::vector<leadthrough::Point> path(count), points(500);
-    leadthrough::Point at{};
-    for (leadthrough::Point& p : path) {
+    std::vector<Point> path(count), points(500);
+    Point at{};
+    for (Point& p : path) {
       for (double& each : at) each += 0.1 * normal(generator);
       p = at;
     }
-    for (leadthrough::Point& p : points)
+    for (Point& p : points)
       for (double& each : p) each = 2.0 * normal(generator);
-    const auto found = leadthrough::path_distances(points, path, 1.5);
+    const auto found = path_distances(points, path, 1.5);
     for (std::size_t n = 0; n < points.size(); ++n) {
       double least = 1.5;
-      for (const leadthrough::Point& p : path) {
+      for (const Point& p : path) {
         const double x = points[n][0] - p[0], y = points[n][1] - p[1], z = points[n][2] - p[2];
         least = std::min(least, std::sqrt(x * x + y * y + z * z));
       }
@@ -220,3 +216,5 @@ TEST(PathDistance, IsThatToTheNearestPointOfThePath) {
     }
   }
 }
+
+}  // namespace leadthrough::cell_set_tests

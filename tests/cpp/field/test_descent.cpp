@@ -6,10 +6,7 @@
 #include "field/descent.hpp"
 #include "field/eikonal.hpp"
 
-using leadthrough::Coordinates;
-using leadthrough::DescentStatus;
-using leadthrough::Grid;
-using leadthrough::Index;
+namespace leadthrough::descent_tests {
 
 namespace {
 
@@ -38,9 +35,8 @@ TEST(Descent, EndsOnTheGoalOutsideTheWallsOfRandomMazes) {
       goal[axis] = uniform(generator) * static_cast<double>(grid.shape[axis]) - 0.5;
     }
     speed[cell_of(grid, goal)] = 1.0;
-    const auto time =
-        leadthrough::march_first_order(grid, speed.data(), {{cell_of(grid, goal), 0.0}});
-    const auto descent = leadthrough::descend(grid, time.data(), start, goal, 0.5);
+    const auto time = march_first_order(grid, speed.data(), {{cell_of(grid, goal), 0.0}});
+    const auto descent = descend(grid, time.data(), start, goal, 0.5);
     if (std::isinf(time[cell_of(grid, start)])) {
       EXPECT_EQ(descent.status, DescentStatus::kStartUnreached);
       continue;
@@ -65,8 +61,8 @@ TEST(Descent, EndsOnTheGoalOutsideTheWallsOfRandomMazes) {
 TEST(Descent, EndsAtTheOtherSourceWithAnError) {
   const Grid grid{{1, 9, 9}};
   const std::vector<double> speed(81, 1.0);
-  const auto time = leadthrough::march_first_order(grid, speed.data(), {{0, 0.0}, {80, 0.0}});
-  EXPECT_EQ(leadthrough::descend(grid, time.data(), {0, 1, 3}, {0, 8, 8}, 0.5).status,
+  const auto time = march_first_order(grid, speed.data(), {{0, 0.0}, {80, 0.0}});
+  EXPECT_EQ(descend(grid, time.data(), {0, 1, 3}, {0, 8, 8}, 0.5).status,
             DescentStatus::kOtherSource);
 }
 
@@ -74,12 +70,10 @@ TEST(Descent, FindsAWayOutOfAFastRegionWhoseTimesAreLostInRounding) {
   const Grid grid{{1, 40, 40}};
   std::vector<float> speed(grid.size());
   for (Index n = 0; n < grid.size(); ++n) speed[n] = n % 40 > 5 && n / 40 > 5 ? 1.0f : 1e-12f;
-  for (const auto& march :
-       {leadthrough::march_first_order<float>, leadthrough::march_second_order<float>}) {
-    const auto single = march(grid, speed.data(), {{0, 0.0}}, leadthrough::kNoStop);
+  for (const auto& march : {march_first_order<float>, march_second_order<float>}) {
+    const auto single = march(grid, speed.data(), {{0, 0.0}}, kNoStop);
     const std::vector<double> time(single.begin(), single.end());
-    EXPECT_EQ(leadthrough::descend(grid, time.data(), {0, 35, 35}, {0, 0, 0}, 0.5).status,
-              DescentStatus::kOk);
+    EXPECT_EQ(descend(grid, time.data(), {0, 35, 35}, {0, 0, 0}, 0.5).status, DescentStatus::kOk);
   }
 }
 
@@ -87,9 +81,9 @@ TEST(Descent, SaysWhyThereIsNoPath) {
   const Grid grid{{1, 5, 5}};
   std::vector<double> speed(25, 1.0);
   for (int row = 0; row < 5; ++row) speed[row * 5 + 2] = 0.0;
-  const auto time = leadthrough::march_first_order(grid, speed.data(), {{0, 0.0}});
+  const auto time = march_first_order(grid, speed.data(), {{0, 0.0}});
   const auto status = [&](const Coordinates& start, const Coordinates& goal) {
-    return leadthrough::descend(grid, time.data(), start, goal, 0.5).status;
+    return descend(grid, time.data(), start, goal, 0.5).status;
   };
   EXPECT_EQ(status({0, 4, 1}, {0, 0, 0}), DescentStatus::kOk);
   EXPECT_EQ(status({0, 4.6, 1}, {0, 0, 0}), DescentStatus::kStartOutside);
@@ -108,7 +102,7 @@ TEST(Descent, DirectionsLeadDownWithoutTouchingAWall) {
     for (float& value : speed)
       value = uniform(generator) < 0.35 ? 0.0f : static_cast<float>(0.1 + uniform(generator));
     speed[0] = 1.0f;
-    const auto time = leadthrough::march_first_order(grid, speed.data(), {{0}});
+    const auto time = march_first_order(grid, speed.data(), {{0}});
     Coordinates p{};
     for (int axis = 0; axis < 3; ++axis)
       if (grid.shape[axis] > 1)
@@ -133,8 +127,9 @@ TEST(Descent, DirectionsLeadDownWithoutTouchingAWall) {
 TEST(Descent, TheDirectionAtASourceIsZero) {
   const Grid grid{{1, 5, 5}};
   const std::vector<double> speed(grid.size(), 1.0);
-  const auto time = leadthrough::march_first_order(grid, speed.data(), {{12}});
-  EXPECT_EQ(leadthrough::direction(grid, time.data(), {0, 2, 2}).unit, (Coordinates{0, 0, 0}));
-  EXPECT_EQ(leadthrough::direction(grid, time.data(), {0, 9, 2}).status,
-            DescentStatus::kStartOutside);
+  const auto time = march_first_order(grid, speed.data(), {{12}});
+  EXPECT_EQ(direction(grid, time.data(), {0, 2, 2}).unit, (Coordinates{0, 0, 0}));
+  EXPECT_EQ(direction(grid, time.data(), {0, 9, 2}).status, DescentStatus::kStartOutside);
 }
+
+}  // namespace leadthrough::descent_tests

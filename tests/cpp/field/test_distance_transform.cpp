@@ -6,8 +6,7 @@
 
 #include "field/distance_transform.hpp"
 
-using leadthrough::Grid;
-using leadthrough::Index;
+namespace leadthrough::distance_transform_tests {
 
 namespace {
 
@@ -43,7 +42,7 @@ TEST(Distance, EqualsTheSearchOverAllPairs) {
       std::vector<std::uint8_t> mask(grid.size());
       for (auto& cell : mask) cell = generator() % one_in == 0;
       const auto expected = brute_force(grid, mask);
-      const auto distance = leadthrough::distance_transform(grid, mask.data());
+      const auto distance = distance_transform(grid, mask.data());
       for (std::size_t n = 0; n < expected.size(); ++n) {
         if (std::isinf(expected[n])) {
           ASSERT_EQ(distance[n], expected[n]);
@@ -54,3 +53,5 @@ TEST(Distance, EqualsTheSearchOverAllPairs) {
     }
   }
 }
+
+}  // namespace leadthrough::distance_transform_tests

@@ -11,10 +11,7 @@
 #include "base/constants.hpp"
 #include "field/eikonal.hpp"
 
-using leadthrough::Grid;
-using leadthrough::Index;
-using leadthrough::kInfinity;
-using leadthrough::Source;
+namespace leadthrough::eikonal_tests {
 
 namespace {
 
@@ -107,9 +104,9 @@ Case random_case(unsigned seed, const Grid& grid, double slowest, double walls, 
 
 void expect_equal_to_heap(const Case& c) {
   const auto expected = heap_march(c.grid, c.speed, c.sources);
-  const auto time = leadthrough::march_first_order(c.grid, c.speed.data(), c.sources);
+  const auto time = march_first_order(c.grid, c.speed.data(), c.sources);
   std::vector<float> speed(c.speed.begin(), c.speed.end());
-  const auto single = leadthrough::march_first_order(c.grid, speed.data(), c.sources);
+  const auto single = march_first_order(c.grid, speed.data(), c.sources);
   for (std::size_t n = 0; n < expected.size(); ++n) {
     if (expected[n] == kInfinity) {
       ASSERT_EQ(time[n], kInfinity) << n;
@@ -160,17 +157,16 @@ TEST(Eikonal, AFastRegionInASlowOneIsMarchedCorrectly) {
 
 TEST(Eikonal, TimesOfAnyUnitScaleExactly) {
   Case c = random_case(9, {{10, 11, 12}, {1.0, 1.0, 1.0}}, 0.1, 0.2, 1, 0.0);
-  const auto time = leadthrough::march_first_order(c.grid, c.speed.data(), c.sources);
+  const auto time = march_first_order(c.grid, c.speed.data(), c.sources);
   for (double& speed : c.speed) speed *= 0x1p-900;
-  const auto scaled = leadthrough::march_first_order(c.grid, c.speed.data(), c.sources);
+  const auto scaled = march_first_order(c.grid, c.speed.data(), c.sources);
   for (std::size_t n = 0; n < time.size(); ++n) EXPECT_EQ(scaled[n], time[n] * 0x1p900);
 }
 
 TEST(Eikonal, StoppingKeepsWhatIsNotLaterAndNothingElse) {
   const Case c = random_case(10, {{14, 15, 16}, {1.0, 1.0, 1.0}}, 0.1, 0.1, 1, 0.0);
-  for (const auto& march :
-       {leadthrough::march_first_order<double>, leadthrough::march_second_order<double>}) {
-    const auto whole = march(c.grid, c.speed.data(), c.sources, leadthrough::kNoStop);
+  for (const auto& march : {march_first_order<double>, march_second_order<double>}) {
+    const auto whole = march(c.grid, c.speed.data(), c.sources, kNoStop);
     for (const Index stop : {Index{0}, Index{1234}, c.grid.size() - 1}) {
       if (whole[stop] == kInfinity) continue;
       const auto part = march(c.grid, c.speed.data(), c.sources, stop);
@@ -184,8 +180,8 @@ TEST(Eikonal, SecondOrderIsCloserToTheDistanceThanFirst) {
   const Grid grid{{31, 31, 31}, {1.0, 1.0, 1.0}};
   const std::vector<double> speed(grid.size(), 1.0);
   const std::vector<Source> sources{{grid.size() / 2, 0.0}};
-  const auto first = leadthrough::march_first_order(grid, speed.data(), sources);
-  const auto second = leadthrough::march_second_order(grid, speed.data(), sources);
+  const auto first = march_first_order(grid, speed.data(), sources);
+  const auto second = march_second_order(grid, speed.data(), sources);
   double first_error = 0.0, second_error = 0.0;
   Index cell = 0;
   for (int x = -15; x <= 15; ++x) {
@@ -206,7 +202,7 @@ TEST(Eikonal, ABallMakesTimesExactUpToTheFirstOtherSpeed) {
   std::vector<double> speed(grid.size(), 2.0);
   const Index source = 10 * 31 + 10;
   speed[10 * 31 + 15] = 0.0;  // 5 cells away
-  const auto ball = leadthrough::with_balls(grid, speed.data(), {{source, 1.0}}, 9.0);
+  const auto ball = with_balls(grid, speed.data(), {{source, 1.0}}, 9.0);
   double farthest = 0.0;
   for (const Source& cell : ball) {
     const double distance = std::hypot(static_cast<double>(cell.cell / 31 - 10),
@@ -222,8 +218,7 @@ TEST(Eikonal, SecondOrderFromABallStaysBelowAQuarterOfItsError) {
   const std::vector<float> speed(grid.size(), 1.0f);
   const std::vector<Source> source{{grid.size() / 2}};
   const auto error = [&](double radius) {
-    const auto time = leadthrough::march(
-        grid, leadthrough::MarchProblem<float>{speed.data(), source}, {2, radius});
+    const auto time = march(grid, MarchProblem<float>{speed.data(), source}, {2, radius});
     double worst = 0.0;
     Index cell = 0;
     for (int x = -30; x <= 30; ++x)
@@ -235,15 +230,4 @@ TEST(Eikonal, SecondOrderFromABallStaysBelowAQuarterOfItsError) {
   EXPECT_LT(error(8.0), 0.25 * error(0.0));
 }
 
-TEST(Eikonal, ABatchHasTheSameBitsOnAnyNumberOfThreads) {
-  std::vector<Case> cases;
-  for (unsigned seed = 0; seed < 12; ++seed)
-    cases.push_back(random_case(seed, {{9, 14, 11}, {1.0, 1.0, 1.0}}, 0.2, 0.2, 2, 0.0));
-  std::vector<leadthrough::MarchProblem<double>> problems;
-  for (const Case& c : cases) problems.push_back({c.speed.data(), c.sources});
-  for (const int order : {1, 2}) {
-    const auto one = leadthrough::march_batch(cases[0].grid, problems, {order, 4.0}, 1);
-    EXPECT_EQ(leadthrough::march_batch(cases[0].grid, problems, {order, 4.0}, 4), one);
-    EXPECT_EQ(leadthrough::march_batch(cases[0].grid, problems, {order, 4.0}, 64), one);
-  }
-}
+}  // namespace leadthrough::eikonal_tests

@@ -5,7 +5,7 @@
 
 #include "guard/brake.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::brake_tests {
 
 namespace {
 
@@ -102,3 +102,5 @@ TEST(BrakeTest, WhereItRestsChangesSmoothlyWithTheVelocity) {
 }
 
 }  // namespace
+
+}  // namespace leadthrough::brake_tests

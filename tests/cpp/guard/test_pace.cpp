@@ -6,7 +6,7 @@
 #include "guard/pace.hpp"
 #include "guard/path_curve.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::pace_tests {
 
 namespace {
 
@@ -85,3 +85,5 @@ TEST(BridgeTest, NoBridgeIsNeededOntoSamplesThatFollow) {
 }
 
 }  // namespace
+
+}  // namespace leadthrough::pace_tests

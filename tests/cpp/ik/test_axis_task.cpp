@@ -5,14 +5,9 @@
 #include "arm/robots.hpp"
 #include "ik/axis_task.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::axis_task_tests {
 
 namespace {
-
-Chain crooked_chain() {
-  const auto robot = std::get<urdf::Robot>(urdf::parse(test::crooked_arm()));
-  return std::get<Chain>(make_chain(robot, "l0", "l9"));
-}
 
 struct Case {
   IkTarget target;
@@ -43,7 +38,7 @@ void for_all_axes(const Visit& visit) {
 }  // namespace
 
 TEST(AxisTask, TheColumnsAreTheErrorsDerivatives) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   std::mt19937 generator(1);
   constexpr double kStep = 1e-6;
   for_all_axes([&](const IkAxes& axes) {
@@ -68,7 +63,7 @@ TEST(AxisTask, TheColumnsAreTheErrorsDerivatives) {
 }
 
 TEST(AxisTask, ASpinAboutTheFreeAxisIsNoError) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   std::mt19937 generator(2);
   for (int k = 0; k < 3; ++k) {
     IkAxes axes;
@@ -99,7 +94,7 @@ TEST(AxisTask, MeasuresStayFiniteWhereTheyHaveNoDirection) {
 }
 
 TEST(AxisTask, AllAxesAlikeMeasureAsThePlainTask) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   std::mt19937 generator(3);
   for (int repeat = 0; repeat < 50; ++repeat) {
     const Case c = random_case(generator, chain);
@@ -111,3 +106,5 @@ TEST(AxisTask, AllAxesAlikeMeasureAsThePlainTask) {
     EXPECT_NEAR(plain.squared(), by_axes.squared(), 1e-9);
   }
 }
+
+}  // namespace leadthrough::axis_task_tests

@@ -4,7 +4,7 @@
 
 #include "ik/damped_step.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::damped_step_tests {
 
 namespace {
 
@@ -77,3 +77,5 @@ TEST(DampedStep, ASingularMatrixIsNotFactorised) {
   EXPECT_FALSE(DampedNormal<3>(task, 2, 0.0, all).factorize(1e-9));
   EXPECT_TRUE(DampedNormal<3>(task, 2, 1e-3, all).factorize(1e-9));
 }
+
+}  // namespace leadthrough::damped_step_tests

@@ -10,7 +10,7 @@
 #include "ik/differential_ik.hpp"
 #include "rotation/so3.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::differential_ik_tests {
 
 namespace {
 
@@ -106,14 +106,4 @@ TEST(DifferentialIk, TheCounterSeesAllocations) {
 #endif
 }
 
-TEST(DifferentialIk, ThreadsShareASolverAndGetTheSameBits) {
-  const DifferentialIk solver = crooked_solver();
-  const IkTarget target = pose_at(solver.chain, JointVector::Constant(7, 0.3));
-  const auto end = [&] { return run(solver, target, JointVector::Constant(7, 0.1), 300).q; };
-  const JointVector alone = end();
-  std::vector<JointVector> ends(4);
-  std::vector<std::thread> threads;
-  for (JointVector& each : ends) threads.emplace_back([&end, &each] { each = end(); });
-  for (std::thread& thread : threads) thread.join();
-  for (const JointVector& each : ends) EXPECT_EQ(each, alone);
-}
+}  // namespace leadthrough::differential_ik_tests

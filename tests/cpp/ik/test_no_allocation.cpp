@@ -6,14 +6,9 @@
 #include "ik/yang.hpp"
 #include "rotation/so3.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::no_allocation_tests {
 
 namespace {
-
-Chain crooked_chain() {
-  const auto robot = std::get<urdf::Robot>(urdf::parse(test::crooked_arm()));
-  return std::get<Chain>(make_chain(robot, "l0", "l9"));
-}
 
 template <typename Work>
 std::size_t count(const Work& work) {
@@ -44,7 +39,7 @@ Path still(const Chain& chain, int samples) {
 }  // namespace
 
 TEST(NoAllocation, ASinglePoseIsSolvedWithout) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   const Eigen::VectorXd seed = middle(chain);
   const IkTarget reached = target_of(chain, Eigen::VectorXd::Constant(chain.joints(), 0.3));
   const IkTarget beyond{Eigen::Vector3d(1.5, 0.2, 0.3), reached.rotation};
@@ -70,14 +65,14 @@ TEST(NoAllocation, ASinglePoseIsSolvedWithout) {
 }
 
 TEST(NoAllocation, AllPosturesCostNoMoreThanTheirList) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   const Eigen::VectorXd seed = middle(chain);
   const IkTarget target = target_of(chain, Eigen::VectorXd::Constant(chain.joints(), 0.3));
   EXPECT_LE(count([&] { solve_ik_all(chain, target, seed, {}, 64, 0.1); }), 1U);
 }
 
 TEST(NoAllocation, BatchesAndPathsDoNotAllocateInTheirLoops) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   const auto batch = [&](int samples) {
     const Path path = still(chain, samples);
     return count(
@@ -96,8 +91,10 @@ TEST(NoAllocation, BatchesAndPathsDoNotAllocateInTheirLoops) {
 }
 
 TEST(NoAllocation, AStepOfThePlainMethodIsWithout) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   const JointVector q = middle(chain);
   const Vector6 twist = Vector6::Ones();
   EXPECT_EQ(count([&] { yang_step(chain, q.data(), twist, false); }), 0U);
 }
+
+}  // namespace leadthrough::no_allocation_tests

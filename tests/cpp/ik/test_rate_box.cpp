@@ -4,7 +4,7 @@
 
 #include "ik/rate_box.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::rate_box_tests {
 
 // A joint that always drives on, at random intervals, at random towards either wall.
 TEST(RateBox, IsNeverEmptyAndNeverLeadsBeyondAWall) {
@@ -42,3 +42,5 @@ TEST(RateBox, WithoutLimitsTheWallIsTheOnlyBound) {
   EXPECT_EQ(span.lower, -none);
   EXPECT_DOUBLE_EQ(span.upper, 5.0);
 }
+
+}  // namespace leadthrough::rate_box_tests

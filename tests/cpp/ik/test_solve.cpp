@@ -6,14 +6,9 @@
 #include "ik/solve.hpp"
 #include "rotation/so3.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::solve_tests {
 
 namespace {
-
-Chain crooked_chain() {
-  const auto robot = std::get<urdf::Robot>(urdf::parse(test::crooked_arm()));
-  return std::get<Chain>(make_chain(robot, "l0", "l9"));
-}
 
 Rows random_configurations(const Chain& chain, int count, unsigned seed) {
   std::mt19937 generator(seed);
@@ -34,7 +29,7 @@ bool inside(const Chain& chain, const JointVector& q) {
 }  // namespace
 
 TEST(Ik, ReachesEveryReachableTargetInsideTheLimits) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   const Poses targets = forward_kinematics_batch(chain, random_configurations(chain, 300, 1));
   const Rows seeds = random_configurations(chain, 300, 2);
   for (const double midrange : {0.0, 1.0}) {
@@ -55,27 +50,15 @@ TEST(Ik, ReachesEveryReachableTargetInsideTheLimits) {
 }
 
 TEST(Ik, PositionsAloneAreReachedToo) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   const Poses targets = forward_kinematics_batch(chain, random_configurations(chain, 100, 3));
   const auto results = solve_ik_batch(chain, targets.positions, Rows4(0, 4),
                                       random_configurations(chain, 100, 4), {}, 1);
   for (const IkResult& result : results) EXPECT_EQ(result.status, IkStatus::kConverged);
 }
 
-TEST(Ik, ThreadsDoNotChangeTheBits) {
-  const Chain chain = crooked_chain();
-  const Poses targets = forward_kinematics_batch(chain, random_configurations(chain, 64, 5));
-  const Rows seeds = random_configurations(chain, 64, 6);
-  const auto one = solve_ik_batch(chain, targets.positions, targets.orientations, seeds, {}, 1);
-  const auto many = solve_ik_batch(chain, targets.positions, targets.orientations, seeds, {}, 4);
-  for (std::size_t i = 0; i < one.size(); ++i) {
-    EXPECT_EQ(one[i].q, many[i].q);
-    EXPECT_EQ(one[i].iterations, many[i].iterations);
-  }
-}
-
 TEST(Ik, ATargetBeyondTheArmIsUnreachable) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   const IkTarget target{Eigen::Vector3d(10.0, 0.0, 0.0), std::nullopt};
   const IkResult result = solve_ik(chain, target, middle(chain));
   EXPECT_EQ(result.status, IkStatus::kUnreachable);
@@ -84,7 +67,7 @@ TEST(Ik, ATargetBeyondTheArmIsUnreachable) {
 }
 
 TEST(Ik, ASeedOutsideTheLimitsIsMovedInside) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   const Rows q = random_configurations(chain, 1, 7);
   const Pose pose = forward_kinematics(chain, q.data());
   const Eigen::VectorXd seed = Eigen::VectorXd::Constant(chain.joints(), 100.0);
@@ -94,7 +77,7 @@ TEST(Ik, ASeedOutsideTheLimitsIsMovedInside) {
 }
 
 TEST(Ik, TheClosestSolutionIsNeverFartherThanTheFirst) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   const Poses targets = forward_kinematics_batch(chain, random_configurations(chain, 30, 8));
   const Rows seeds = random_configurations(chain, 30, 9);
   IkOptions closest;
@@ -110,7 +93,7 @@ TEST(Ik, TheClosestSolutionIsNeverFartherThanTheFirst) {
 }
 
 TEST(Ik, LimitsThatBarTheWayAreNamed) {
-  Chain chain = crooked_chain();
+  Chain chain = test::crooked_chain();
   const Eigen::VectorXd q = middle(chain);
   JointVector lifted = middle(chain);
   lifted[0] = 0.35;
@@ -125,7 +108,7 @@ TEST(Ik, LimitsThatBarTheWayAreNamed) {
 }
 
 TEST(Ik, ATinyCpuBudgetEndsTheSearch) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   const IkTarget target{Eigen::Vector3d(0.1, 0.1, 0.5), Eigen::Matrix3d::Identity()};
   IkOptions options;
   options.mode = IkMode::kClosest;
@@ -135,3 +118,5 @@ TEST(Ik, ATinyCpuBudgetEndsTheSearch) {
   EXPECT_TRUE(inside(chain, result.q));
   EXPECT_LT(result.iterations, 1000000);
 }
+
+}  // namespace leadthrough::solve_tests

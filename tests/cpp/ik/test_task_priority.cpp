@@ -10,7 +10,7 @@
 #include "ik/arm_tasks.hpp"
 #include "ik/task_priority.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::task_priority_tests {
 
 namespace {
 
@@ -72,11 +72,6 @@ Eigen::VectorXd by_pseudo_inverses(const std::vector<Level>& levels, int joints)
     projector -= inverse * reduced;
   }
   return motion;
-}
-
-Chain crooked_chain() {
-  const auto robot = std::get<urdf::Robot>(urdf::parse(test::crooked_arm()));
-  return std::get<Chain>(make_chain(robot, "l0", "l9"));
 }
 
 TaskStack every_task(const Chain& chain, PriorityScheme scheme) {
@@ -244,7 +239,7 @@ TEST(TaskPriority, BrakingSpeedIsTheFastestThatStopsInTime) {
 }
 
 TEST(TaskPriority, JacobiansAndBiasesAreTheDerivativesOfTheFrame) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   const int n = chain.joints();
   Random random(8);
   for (int repeat = 0; repeat < 20; ++repeat) {
@@ -275,7 +270,7 @@ TEST(TaskPriority, JacobiansAndBiasesAreTheDerivativesOfTheFrame) {
 }
 
 TEST(TaskPriority, SolvesDoNotAllocate) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   const JointVector q = JointVector::Constant(chain.joints(), 0.1);
   const JointVector qd = JointVector::Constant(chain.joints(), 0.3);
   for (const auto scheme : {PriorityScheme::kForward, PriorityScheme::kReverse}) {
@@ -290,21 +285,4 @@ TEST(TaskPriority, SolvesDoNotAllocate) {
   }
 }
 
-TEST(TaskPriority, ThreadsShareAStackAndGetTheSameBits) {
-  const Chain chain = crooked_chain();
-  const TaskStack stack = every_task(chain, PriorityScheme::kReverse);
-  const auto run = [&] {
-    StackWorkspace workspace = workspace_for(stack);
-    StackStep state{
-        JointVector::Constant(chain.joints(), 0.1), JointVector::Zero(chain.joints()), {}};
-    for (int k = 0; k < 200; ++k)
-      state = stack_step(stack, state.q.data(), state.qd.data(), 1e-3, workspace);
-    return state.q;
-  };
-  const JointVector alone = run();
-  std::vector<JointVector> ends(4);
-  std::vector<std::thread> threads;
-  for (JointVector& end : ends) threads.emplace_back([&run, &end] { end = run(); });
-  for (std::thread& thread : threads) thread.join();
-  for (const JointVector& end : ends) EXPECT_EQ(end, alone);
-}
+}  // namespace leadthrough::task_priority_tests

@@ -5,14 +5,9 @@
 #include "arm/robots.hpp"
 #include "ik/tracking.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::tracking_tests {
 
 namespace {
-
-Chain crooked_chain() {
-  const auto robot = std::get<urdf::Robot>(urdf::parse(test::crooked_arm()));
-  return std::get<Chain>(make_chain(robot, "l0", "l9"));
-}
 
 // Poses of a smooth motion of the joints.
 Rows smooth_motion(const Chain& chain, int samples) {
@@ -32,7 +27,7 @@ Rows steps_of(const Rows& q) { return q.bottomRows(q.rows() - 1) - q.topRows(q.r
 }  // namespace
 
 TEST(Tracking, FollowsASmoothPathWithoutAJump) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   const Rows q = smooth_motion(chain, 400);
   const Poses path = forward_kinematics_batch(chain, q);
   const Eigen::VectorXd start = q.row(0);
@@ -49,7 +44,7 @@ TEST(Tracking, FollowsASmoothPathWithoutAJump) {
 
 // The crooked arm has a joint to spare: it stands as it was shown to, and not as it did at first.
 TEST(Tracking, ARedundantArmComesToThePostureThatItIsShown) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   ASSERT_GT(chain.joints(), 6);
   const Rows q = smooth_motion(chain, 400);
   const Poses path = forward_kinematics_batch(chain, q);
@@ -67,7 +62,7 @@ TEST(Tracking, ARedundantArmComesToThePostureThatItIsShown) {
 }
 
 TEST(Tracking, EndsWithTheSampleThatItsStepsDoNotReach) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   const Rows q = smooth_motion(chain, 40);
   const Poses path = forward_kinematics_batch(chain, q);
   TrackOptions options;
@@ -84,7 +79,7 @@ TEST(Tracking, EndsWithTheSampleThatItsStepsDoNotReach) {
 
 // However wild the path, the joints keep their limits, and the arm comes to rest in time.
 TEST(Tracking, PursuitNeverLeavesTheLimits) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   const int samples = 300;
   Rows wild(samples, chain.joints());
   Eigen::VectorXd times(samples);
@@ -116,3 +111,5 @@ TEST(Tracking, PursuitNeverLeavesTheLimits) {
     before = duration;
   }
 }
+
+}  // namespace leadthrough::tracking_tests

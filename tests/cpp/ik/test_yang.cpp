@@ -8,14 +8,9 @@
 #include "ik/yang.hpp"
 #include "rotation/so3.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::yang_tests {
 
 namespace {
-
-Chain crooked_chain() {
-  const auto robot = std::get<urdf::Robot>(urdf::parse(test::crooked_arm()));
-  return std::get<Chain>(make_chain(robot, "l0", "l9"));
-}
 
 Eigen::VectorXd random_configuration(std::mt19937& generator, const Chain& chain) {
   std::uniform_real_distribution<double> uniform(0.1, 0.9);
@@ -37,7 +32,7 @@ const Vector6 kTwist = (Vector6() << 0.1, -0.2, 0.05, 0.3, 0.1, -0.4).finished()
 }  // namespace
 
 TEST(Yang, AStepIsThePapersEquations) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   std::mt19937 generator(1);
   YangOptions options;
   options.alpha = 1e-3;
@@ -68,7 +63,7 @@ TEST(Yang, AStepIsThePapersEquations) {
 }
 
 TEST(Yang, TheSecondaryTaskLeavesTheToolAlone) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   std::mt19937 generator(2);
   YangOptions options;
   options.condition_threshold = 1.0;  // damped everywhere
@@ -94,7 +89,7 @@ TEST(Yang, ASingularConfigurationGivesAFiniteStep) {
 }
 
 TEST(Yang, APathIsFollowedOneStepASample) {
-  const Chain chain = crooked_chain();
+  const Chain chain = test::crooked_chain();
   std::mt19937 generator(3);
   const Eigen::VectorXd start = random_configuration(generator, chain);
   const Pose pose = forward_kinematics(chain, start.data());
@@ -113,3 +108,5 @@ TEST(Yang, APathIsFollowedOneStepASample) {
   EXPECT_TRUE((path.damping.array() == 0.0).all());
   EXPECT_TRUE((path.condition.array() >= 1.0).all());
 }
+
+}  // namespace leadthrough::yang_tests

@@ -5,11 +5,7 @@
 
 #include "learn/alignment.hpp"
 
-using leadthrough::dtw_distance;
-using leadthrough::dtw_path;
-using leadthrough::frechet_distance;
-using leadthrough::Pairs;
-using leadthrough::Points;
+namespace leadthrough::alignment_tests {
 
 namespace {
 
@@ -83,3 +79,5 @@ TEST(Alignment, OfACurveWithItselfIsZeroEvenWithPauses) {
   EXPECT_EQ(dtw_distance(a, paused), 0.0);
   EXPECT_EQ(frechet_distance(a, paused), 0.0);
 }
+
+}  // namespace leadthrough::alignment_tests

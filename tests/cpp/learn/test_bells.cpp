@@ -2,7 +2,7 @@
 
 #include "learn/bells.hpp"
 
-using leadthrough::normalised_bells;
+namespace leadthrough::bells_tests {
 
 namespace {
 
@@ -42,3 +42,5 @@ TEST(Bells, DerivativesAreThoseOfCentralDifferences) {
       EXPECT_LT((found - (ahead - behind) / (2.0 * step)).cwiseAbs().maxCoeff(), 1e-6);
     }
 }
+
+}  // namespace leadthrough::bells_tests

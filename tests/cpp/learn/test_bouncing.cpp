@@ -6,8 +6,7 @@
 #include "base/constants.hpp"
 #include "learn/bouncing.hpp"
 
-using leadthrough::bounced;
-using leadthrough::Rows;
+namespace leadthrough::bouncing_tests {
 
 namespace {
 
@@ -28,19 +27,23 @@ TEST(Bouncing, WithoutAWallInReachTheDrawsAreTheVelocities) {
 }
 
 TEST(Bouncing, BehindOneWallIsHalfANormalDistribution) {
-  const Rows wall = (Rows(1, 2) << 3.0, 4.0).finished();
+  Rows wall(1, 2);
+  wall << 3.0, 4.0;
   const Rows drawn =
       bounced(wall, Eigen::VectorXd::Zero(1), Eigen::Vector2d(-0.3, -0.4), velocities(2));
   const Eigen::ArrayXd along = drawn * wall.row(0).transpose() / 5.0;
   EXPECT_LE(along.maxCoeff(), 1e-12);
-  EXPECT_NEAR(along.mean(), -std::sqrt(2.0 / leadthrough::kPi), 0.02);
+  EXPECT_NEAR(along.mean(), -std::sqrt(2.0 / kPi), 0.02);
   EXPECT_NEAR(along.square().mean(), 1.0, 0.03);
 }
 
 TEST(Bouncing, ANarrowWedgeIsNeverLeft) {
-  const Rows walls = (Rows(3, 2) << 1.0, 0.05, -1.0, 0.05, 0.0, -1.0).finished();
+  Rows walls(3, 2);
+  walls << 1.0, 0.05, -1.0, 0.05, 0.0, -1.0;
   const Eigen::Vector3d limits(0.02, 0.02, 2.0);
   const Rows drawn = bounced(walls, limits, Eigen::Vector2d(0.0, -1.0), velocities(2));
   const Eigen::VectorXd outside = (drawn * walls.transpose()).colwise().maxCoeff();
   EXPECT_LE((outside - limits).maxCoeff(), 1e-9);
 }
+
+}  // namespace leadthrough::bouncing_tests

@@ -5,10 +5,7 @@
 #include "base/dense.hpp"
 #include "learn/gaussian.hpp"
 
-using leadthrough::Columns;
-using leadthrough::condition_weights;
-using leadthrough::is_covariance;
-using leadthrough::Rows;
+namespace leadthrough::gaussian_tests {
 
 namespace {
 
@@ -43,7 +40,7 @@ TEST(Gaussian, ConditionedWeightsAreThoseOfBayesRule) {
     all_noise.block(2 * i, 2 * i, 2, 2) = noise;
   }
   const Rows innovation = rows * covariance * rows.transpose() + all_noise;
-  const Rows gain = covariance * rows.transpose() * leadthrough::test::pseudo_inverse(innovation);
+  const Rows gain = covariance * rows.transpose() * test::pseudo_inverse(innovation);
 
   const auto found =
       condition_weights(mean, covariance, basis, columns, values, noise, scale, 1e-9);
@@ -70,3 +67,5 @@ TEST(Gaussian, CovariancesAreSymmetricAndSemiDefinite) {
   EXPECT_FALSE(is_covariance((Rows(2, 2) << 1.0, 0.5, 0.4, 1.0).finished()));
   EXPECT_FALSE(is_covariance((Rows(2, 2) << 1.0, 2.0, 2.0, 1.0).finished()));
 }
+
+}  // namespace leadthrough::gaussian_tests

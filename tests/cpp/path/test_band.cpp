@@ -5,7 +5,9 @@
 
 #include "path/band.hpp"
 
-using leadthrough::path::BandMatrix;
+namespace leadthrough::band_tests {
+
+using path::BandMatrix;
 
 namespace {
 
@@ -60,3 +62,5 @@ TEST(BandMatrix, SaysWhereItIsNotPositive) {
   Eigen::VectorXd x = Eigen::VectorXd::Ones(2);
   EXPECT_FALSE(band.solve(x));
 }
+
+}  // namespace leadthrough::band_tests

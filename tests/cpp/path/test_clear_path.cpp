@@ -8,7 +8,7 @@
 #include "path/clear_path.hpp"
 #include "path/layers.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::clear_path_tests {
 
 namespace {
 
@@ -128,3 +128,5 @@ TEST(Layers, LieEvenlyAlongTheWay) {
   const double expected[] = {0.0, 1.0, 2.0 + 1.0 / 3.0, 2.0 + 2.0 / 3.0, 3.0};
   for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(samples[i], expected[i], 1e-12) << i;
 }
+
+}  // namespace leadthrough::clear_path_tests

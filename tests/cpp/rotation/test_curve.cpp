@@ -6,8 +6,8 @@
 #include "base/constants.hpp"
 #include "rotation/curve.hpp"
 
-namespace so3 = leadthrough::so3;
-using leadthrough::kPi;
+namespace leadthrough::curve_tests {
+
 using so3::Matrix3;
 using so3::Quaternion;
 using so3::Vector3;
@@ -64,3 +64,5 @@ TEST(So3Curve, NoSamplesGiveNone) {
   EXPECT_EQ(so3::integrate(Eigen::VectorXd(0), so3::Vectors(0, 3), Quaternion(1, 0, 0, 0)).rows(),
             0);
 }
+
+}  // namespace leadthrough::curve_tests

@@ -4,7 +4,8 @@
 
 #include "rotation/mean.hpp"
 
-namespace so3 = leadthrough::so3;
+namespace leadthrough::mean_tests {
+
 using so3::Quaternion;
 using so3::Vector3;
 
@@ -38,3 +39,5 @@ TEST(So3Mean, SymmetricRotationsLeaveTheirCentre) {
 TEST(So3Mean, NoColumnsGiveNoMeans) {
   EXPECT_EQ(so3::mean_batch(so3::Quaternions(0, 4), Eigen::Vector2d::Ones()).means.rows(), 0);
 }
+
+}  // namespace leadthrough::mean_tests

@@ -6,10 +6,10 @@
 #include "base/constants.hpp"
 #include "rotation/so3.hpp"
 
-using leadthrough::kPi;
-using leadthrough::so3::Quaternion;
-using leadthrough::so3::Vector3;
-namespace so3 = leadthrough::so3;
+namespace leadthrough::so3_tests {
+
+using so3::Quaternion;
+using so3::Vector3;
 
 namespace {
 
@@ -69,3 +69,5 @@ TEST(So3, MatrixAndBackNearEveryBranch) {
     }
   }
 }
+
+}  // namespace leadthrough::so3_tests

@@ -4,7 +4,7 @@
 
 #include "time/jerk_filter.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::jerk_filter_tests {
 
 namespace {
 
@@ -72,3 +72,5 @@ TEST(JerkFilter, AStopEndsWhereItIsSaidTo) {
   for (int k = 0; k < 300; ++k) states = step_each({states, limits}, places, 0.01);
   EXPECT_LT((states.row(0).transpose() - places).cwiseAbs().maxCoeff(), 1e-12);
 }
+
+}  // namespace leadthrough::jerk_filter_tests

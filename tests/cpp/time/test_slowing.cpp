@@ -4,7 +4,7 @@
 
 #include "time/slowing.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::slowing_tests {
 
 namespace {
 
@@ -80,3 +80,5 @@ TEST(Slowing, AJointThatMustNotMoveIsNamed) {
   EXPECT_EQ(slow_down(times, q, velocity, acceleration).stuck, 1);
   EXPECT_EQ(slow_down(times.head(1), q.topRows(1), velocity, acceleration).stuck, -1);
 }
+
+}  // namespace leadthrough::slowing_tests

@@ -7,7 +7,7 @@
 
 #include "time/time_law.hpp"
 
-using namespace leadthrough;
+namespace leadthrough::time_law_tests {
 
 namespace {
 
@@ -153,3 +153,5 @@ TEST(TimeLaw, IsTheSameForAnyPaceOfThePathsParameter) {
   }
   EXPECT_NEAR(durations[0], durations[1], 1e-9);
 }
+
+}  // namespace leadthrough::time_law_tests
