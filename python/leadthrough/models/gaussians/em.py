@@ -3,9 +3,12 @@
 Both steps are one matrix product each over the points' monomials 1, x_i and x_i x_j: a component's
 log density is a quadratic form, and its sums of first and second order are the weighted monomials.
 The iteration ends when the likelihood gains too little, an absolute number and not a ratio.
+After every three steps the sums leap ahead to where the steps lead, which takes EM to the same
+maximum in fewer iterations; a leap that loses likelihood is not made.
 
 Source: Dempster, Laird and Rubin 1977, "Maximum likelihood from incomplete data via the EM
-algorithm".
+algorithm"; Varadhan and Roland 2008, "Simple and globally convergent methods for accelerating the
+convergence of any EM algorithm", scheme S3, here for the sums instead of the parameters.
 """
 
 from __future__ import annotations
@@ -29,13 +32,18 @@ LEAST_VARIANCE = 1e-6
 _TOLERANCE = 1e-6  # gain of the mean log-likelihood per point
 # To which the best end goes on: the likelihood may hardly grow for 400 iterations, and the motion
 # shall tell neither when they were ended nor how the units round.
-_LAST_TOLERANCE = 1e-10
+_LAST_TOLERANCE = 1e-13
 _MOST_ITERATIONS, _LAST_ITERATIONS = 500, 3000
 # Ends whose mean log-likelihoods differ by less are at one maximum, or as good: the first is taken,
 # not the one that rounding favours.
 _AS_LIKELY = 1e-4
 # Ways to begin that are tried for each start, and for how many iterations; the best go on.
 _TRIALS, _TRIAL_ITERATIONS = 4, 40
+_LONGEST_LEAP = 64.0  # steps; where sums lead further, they lead nowhere that rounding leaves
+
+
+# The weighted monomials (k, m) of a mixture's components, in each block.
+Sums = list[Float64Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,16 +168,25 @@ class Steps:
             tolerance: gain of the mean log-likelihood per point at which it has stopped.
         """
         history: list[float] = []
-        best = components
+        best, leapt = components, False
+        trail: list[Sums] = []  # of the steps since the last leap
         for _ in range(iterations):
             responsibilities, likelihood = self.expect(components)
-            if history and likelihood <= history[-1]:
-                break  # rounding is all that is left
+            if history and not likelihood > history[-1]:
+                if not leapt:
+                    break  # rounding is all that is left
+                components, trail, leapt = self._of_sums(trail[-1]), [], False
+                continue
             history.append(likelihood)
             best = components
-            if len(history) > 1 and history[-1] - history[-2] < tolerance:
+            if leapt:
+                trail = []
+            elif len(history) > 1 and history[-1] - history[-2] < tolerance:
                 break
-            components = self.maximise(responsibilities)
+            trail.append(self._sums(responsibilities))
+            leap = _leap(trail[-3:]) if len(trail) >= 3 else None
+            leapt = leap is not None
+            components = self._of_sums(trail[-1] if leap is None else leap)
         return best, history
 
     def expect(self, components: Blocks) -> tuple[Float64Array, float]:
@@ -201,7 +218,13 @@ class Steps:
         Args:
             responsibilities: probability (n, k) of each component for each point.
         """
-        sums = [responsibilities.T @ monomials for monomials in self._monomials]
+        return self._of_sums(self._sums(responsibilities))
+
+    def _sums(self, responsibilities: Float64Array) -> Sums:
+        return [responsibilities.T @ monomials for monomials in self._monomials]
+
+    def _of_sums(self, sums: Sums) -> Blocks:
+        """The most likely components of the points that have these weighted monomials."""
         if self._before is not None:
             sums = [own + before for own, before in zip(sums, self._before, strict=True)]
         counts = np.maximum(sums[0][:, 0], np.finfo(float).tiny)
@@ -226,7 +249,21 @@ class Steps:
         return new if self._before is None else new + float(self._before[0][:, 0].sum())
 
 
-def sums_of(components: Blocks, count: float) -> list[Float64Array]:
+def _leap(trail: Sequence[Sums]) -> Sums | None:
+    """Where three sums in a row lead; None where that is no farther than a step."""
+    first, second, third = trail
+    steps = [b - a for a, b in zip(first, second, strict=True)]
+    bends = [c - b - step for b, c, step in zip(second, third, steps, strict=True)]
+    step, bend = (np.sqrt(sum(float((x**2).sum()) for x in each)) for each in (steps, bends))
+    if not step > bend:
+        return None
+    length = min(step / bend, _LONGEST_LEAP) if bend > 0.0 else _LONGEST_LEAP
+    parts = zip(first, steps, bends, strict=True)
+    leap = [start + 2.0 * length * step + length**2 * bend for start, step, bend in parts]
+    return leap if (leap[0][:, 0] > 0.0).all() else None
+
+
+def sums_of(components: Blocks, count: float) -> Sums:
     """The weighted monomials (k, m), in each block, of the points that components stand for.
 
     Args:
