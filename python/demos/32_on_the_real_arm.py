@@ -34,11 +34,11 @@ whole = lt.connect(robot.q, motion, lt.Arm.load(arm.robot.name, limits=limits), 
 play = lt.guard.Playback(whole, arm.limits, rate=robot.rate)
 sent, stopped = [robot.q], False
 answer = guard.admit(robot.q[None], state=robot.q)
-asked = {0.3: play.pause, 1.0: play.resume, 2.2: guard.stop}  # what a person does
+asked = {0.2: play.pause, 0.8: play.resume, 1.6: guard.stop}  # what a person does
 try:
-    for tick in range(int(3.0 * robot.rate)):
+    for tick in range(int(2.0 * robot.rate)):
         time = tick / robot.rate
-        play.speed = 1.0 if time < 1.5 else 0.5
+        play.speed = 1.0 if time < 1.2 else 0.5
         answer = asked.get(time, lambda: None)() or answer
         stopped = stopped or answer.verdict == "braking"  # asked for, or the guard has refused
         if not stopped and not play.done:

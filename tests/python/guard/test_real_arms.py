@@ -141,7 +141,7 @@ def test_the_calls_are_those_of_ur_rtde(monkeypatch):
     run_loop(monkeypatch, "ur", "192.168.0.5")
     robot = URControl.last
     assert robot.ended == ["servoStop", "stopScript"]
-    assert len(robot.sent) == 1500
+    assert len(robot.sent) == 1000
     assert_kept("ur3", UR_START, np.array(robot.sent), 500.0)
 
 
