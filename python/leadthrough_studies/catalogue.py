@@ -2,6 +2,7 @@
 
 from leadthrough_studies import (
     agriculture,
+    comparison,
     connection,
     elbow,
     human,
@@ -16,6 +17,7 @@ from leadthrough_studies.study import Study
 
 STUDIES: dict[str, Study] = {
     "agriculture": agriculture.STUDY,
+    "comparison": comparison.STUDY,
     "connection": connection.STUDY,
     "elbow": elbow.STUDY,
     "human": human.STUDY,

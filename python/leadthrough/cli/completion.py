@@ -32,6 +32,7 @@ MODELS = (
 )
 STUDIES = (
     "agriculture",
+    "comparison",
     "connection",
     "elbow",
     "human",

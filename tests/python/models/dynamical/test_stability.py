@@ -15,9 +15,9 @@ SYSTEMS = {
     "SEDS": (SEDS(), 10_000),
     "SEDS, least squares": (SEDS(objective="mse"), 1_000),
     "LPV-DS": (LPVDS(), 10_000),
-    "CLF-DM": (CLFDM(), 1_000),
-    "FSM-DM": (FSMDM(), 10_000),
-    "UMIC": (UMIC(kernels=30), 1_000),
+    "CLF-DM": (CLFDM(), 500),
+    "FSM-DM": (FSMDM(), 1_000),
+    "UMIC": (UMIC(kernels=30), 500),
     "modified system": (ModifiedDS(), 1_000),
 }
 

@@ -1,0 +1,192 @@
+"""The models that are compared, each with the settings among which inner cross-validation chooses.
+
+A model joins with one line. What is not one of the package's models offers the same `fit` and
+`generate`; libraries that are not installed are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from importlib.util import find_spec
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from leadthrough import rotations
+from leadthrough.models import (
+    CLFDM,
+    DMP,
+    FSMDM,
+    GMR,
+    LPVDS,
+    SEDS,
+    UMIC,
+    FastMarching,
+    ModifiedDS,
+    PoseDMP,
+    ProMP,
+)
+from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
+from leadthrough.preprocess.resample import arc_length
+
+Shown: TypeAlias = Sequence[Demonstration]
+# A model of the package, or what offers `fit` as they do; a skill with `generate`.
+Model: TypeAlias = Any
+# The error of a model on demonstrations that are left out; less is better.
+Error: TypeAlias = Callable[[Model, Any], float]
+
+
+@dataclass(frozen=True)
+class NearestShifted:
+    """The demonstration with the nearest ends, shifted to the start and the goal asked for."""
+
+    def fit(self, demonstrations: Shown) -> NearestShifted._Skill:
+        """What holds the demonstrations."""
+        return self._Skill([each.motion for each in demonstrations])
+
+    @dataclass(frozen=True)
+    class _Skill:
+        motions: Sequence[Any]
+
+        def generate(self, *, start: Any, goal: Any = None) -> Any:
+            """The nearest motion; the offsets of its ends fade along it."""
+            ends = [None if each is None else _position(each) for each in (start, goal)]
+
+            def gap(motion: Any) -> float:
+                pairs = zip(ends, motion.positions[[0, -1]], strict=True)
+                return sum(
+                    float(np.linalg.norm(end - shown)) for end, shown in pairs if end is not None
+                )
+
+            motion = min(self.motions, key=gap)
+            covered = arc_length(motion.positions)
+            rise = (covered / covered[-1])[:, None]
+            moved = motion.positions.copy()
+            for end, row, share in ((ends[0], 0, 1.0 - rise), (ends[1], -1, rise)):
+                if end is not None:
+                    moved = moved + share * (end - motion.positions[row])
+            made = replace(motion, positions=moved)
+            if not isinstance(motion, PoseTrajectory):
+                return made
+            turned = _turned(motion.orientations, rise, start, goal)
+            return replace(made, orientations=turned)
+
+
+def _position(place: Any) -> Any:
+    pose = isinstance(place, tuple) and len(place) == 2 and np.ndim(place[0]) == 1
+    return np.asarray(place[0] if pose else place)
+
+
+def _turned(shown: Any, rise: Any, start: Any, goal: Any) -> Any:
+    offsets = np.zeros((len(shown), 3))
+    for place, row, share in ((start, 0, 1.0 - rise), (goal, -1, rise)):
+        if place is not None:
+            back = rotations.inverse(shown[[row]])
+            offsets = offsets + share * rotations.log(rotations.compose(place[1][None], back))
+    return rotations.align_signs(rotations.compose(rotations.exp(offsets), shown))
+
+
+@dataclass(frozen=True)
+class PeerPrimitive:
+    """The movement primitive of the library movement_primitives, of the nearest demonstration.
+
+    Attributes:
+        weights: number of kernels per dimension.
+    """
+
+    weights: int = 50
+
+    def fit(self, demonstrations: Shown) -> PeerPrimitive._Skill:
+        """What holds the demonstrations: the primitive is fitted to the one whose ends are near."""
+        return self._Skill([each.motion for each in demonstrations], self.weights)
+
+    @dataclass(frozen=True)
+    class _Skill:
+        motions: Sequence[Any]
+        weights: int
+
+        def generate(self, *, start: Any, goal: Any = None) -> Trajectory:
+            """The primitive's motion from the start to the goal."""
+            from movement_primitives import dmp  # noqa: PLC0415 - an optional peer
+
+            first = np.asarray(start)
+            motion = min(
+                self.motions, key=lambda each: float(np.linalg.norm(each.positions[0] - first))
+            )
+            size, count = motion.positions.shape[1], len(motion.times)
+            times = np.linspace(0.0, motion.duration, count)
+            primitive = dmp.DMP(size, motion.duration, times[1], n_weights_per_dim=self.weights)
+            primitive.imitate(times, motion.positions)
+            last = motion.positions[-1] if goal is None else np.asarray(goal)
+            primitive.configure(start_y=first, goal_y=last)
+            made_times, made = primitive.open_loop()
+            return Trajectory(made_times, made)
+
+
+_SYSTEMS: dict[str, tuple[Model, ...]] = {
+    "SEDS, likelihood": (SEDS(components=4), SEDS(components=6), SEDS(components=8)),
+    "SEDS, mean square": tuple(SEDS(components=k, objective="mse") for k in (4, 6, 8)),
+    "LPV-DS": (LPVDS(), LPVDS(components=6), LPVDS(components=9)),
+    "CLF-DM": (CLFDM(components=6), CLFDM(components=8), CLFDM(components=12)),
+    "FSM-DM": (FSMDM(units=15), FSMDM(units=25), FSMDM(units=40)),
+    "UMIC": (UMIC(kernels=30), UMIC(kernels=50)),
+    "Modified DS": (ModifiedDS(units=50), ModifiedDS(units=100), ModifiedDS(units=200)),
+}
+SYSTEMS = tuple(_SYSTEMS)
+
+# Prados et al. 2023: 25 pixels and one cell a pixel, at 8.3 pixels per mm.
+_PAPER = FastMarching(
+    area_of_influence=25.0 / 8.3, saturation=0.1, resolution=1.0 / 8.3, method="map"
+)
+
+# By name, for points. The package's own models stand at their defaults.
+POINTS: dict[str, tuple[Model, ...]] = {
+    "FastMarching": (FastMarching(),),
+    "FML, paper's setting": (_PAPER,),
+    "DMP": (DMP(),),
+    "ProMP": (ProMP(),),
+    "GMR": (GMR(),),
+    **_SYSTEMS,
+    "nearest demonstration, shifted": (NearestShifted(),),
+}
+if find_spec("movement_primitives"):
+    POINTS["movement_primitives, nearest demonstration"] = (
+        PeerPrimitive(weights=20),
+        PeerPrimitive(weights=50),
+    )
+
+# For poses. UMIC is left out: its constraint at samples says little in six dimensions.
+POSES: dict[str, tuple[Model, ...]] = {
+    "FastMarching": (FastMarching(),),
+    "PoseDMP": (PoseDMP(),),
+    "ProMP": (ProMP(),),
+    "GMR": (GMR(),),
+    **{name: models for name, models in _SYSTEMS.items() if name not in {"UMIC", "FSM-DM"}},
+    "FSM-DM": (FSMDM(units=8), FSMDM(units=15)),
+    "nearest demonstration, shifted": (NearestShifted(),),
+}
+
+
+def chosen(models: Sequence[Model], shown: Shown, error: Error, *, folds: int) -> Model:
+    """The model of several with the least error on demonstrations that are left out in turn.
+
+    Args:
+        models: at least one.
+        shown: the demonstrations that may be learned from.
+        error: of a model fitted to some demonstrations, on others.
+        folds: number of demonstrations that are left out, spread over all; 0 takes the middle one
+            of the models.
+    """
+    if len(models) == 1 or folds == 0 or len(shown) < 2:
+        return models[len(models) // 2]
+    left_out = np.linspace(0, len(shown) - 1, min(folds, len(shown))).round().astype(int)
+
+    def total(model: Model) -> float:
+        found = 0.0
+        for i in left_out:
+            skill = model.fit([each for j, each in enumerate(shown) if j != i])
+            found += error(skill, [shown[i]])
+        return found
+
+    return min(models, key=total)

@@ -1,0 +1,193 @@
+"""Table, figures and remarks of the comparison."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from leadthrough.io import lasa
+from leadthrough.show import plot
+from leadthrough_studies.comparison.paper import REMARK, TABLE_1, TABLE_2
+from leadthrough_studies.study import Report, Row, mean, selected
+
+_DRAWING = (
+    "SEA_mm2",
+    "V_rmse_mm_s",
+    "DTW_mm",
+    "Frechet_mm",
+    "end_mm",
+    "push_Frechet_mm",
+    "goal_Frechet_mm",
+    "goal_end_mm",
+    "direction_error",
+    "fit_cpu_s",
+    "generate_cpu_s",
+    "panda_executed",
+    "panda_slower",
+    "panda_begins_at",
+    "ur3_executed",
+    "ur3_slower",
+)
+_POSE = (
+    "mean_mm",
+    "DTW_mm",
+    "mean_deg",
+    "end_mm",
+    "end_deg",
+    "fit_cpu_s",
+    "generate_cpu_s",
+    "panda_executed",
+    "panda_slower",
+)
+_PIXELS = 7 * 8.3**2  # of the paper's sum over seven demonstrations
+_PICTURED = ("FastMarching", "ProMP", "CLF-DM", "Modified DS", "SEDS, likelihood")
+
+
+def report(config: Any, rows: list[Row]) -> Report:
+    """The means of every method by protocol and task, and the paper's tables anew."""
+    table = [*_drawings(config, rows), *_poses(config, rows)]
+    figures = {"errors": _errors_figure(config, rows)} if selected(rows, study="drawings") else {}
+    for start in range(0, len(config.motions), 15):
+        motions = config.motions[start : start + 15]
+        figures[f"paths_{start // 15 + 1}"] = _paths_figure(motions, rows)
+    summary = {
+        "remark": REMARK,
+        "first": _first(table),
+        "table_1": _table_1(rows),
+        "table_2": _table_2(rows),
+        "stability": _stability(config, rows),
+    }
+    return Report(table, figures, summary)
+
+
+def _drawings(config: Any, rows: list[Row]) -> list[Row]:
+    return [
+        _line(protocol, method, own, _DRAWING)
+        for protocol in ("LOO", "IN")
+        for method in config.points
+        if (own := selected(rows, study="drawings", protocol=protocol, method=method))
+    ]
+
+
+def _poses(config: Any, rows: list[Row]) -> list[Row]:
+    names = list(dict.fromkeys(row["task"] for row in selected(rows, study="poses")))
+    return [
+        _line(task, method, own, _POSE)
+        for task in names
+        for method in config.poses
+        if (own := selected(rows, study="poses", task=task, method=method))
+    ]
+
+
+def _line(part: str, method: str, rows: list[Row], columns: tuple[str, ...]) -> Row:
+    """One row of the table; columns of the other part are empty."""
+    every = dict.fromkeys((*_DRAWING, *_POSE))
+    means = {name: mean(rows, name) for name in columns}
+    refused = sum("refused" in row for row in rows)
+    return {"part": part, "method": method, "n": len(rows), "refused": refused, **every, **means}
+
+
+def _first(table: list[Row]) -> dict[str, list[str]]:
+    """The methods of each part, the best first: by area, or by distance under time warping."""
+    order = {}
+    for part in dict.fromkeys(row["part"] for row in table):
+        column = "SEA_mm2" if part in {"LOO", "IN"} else "DTW_mm"
+        own = [row for row in selected(table, part=part) if row[column] is not None]
+        order[part] = [row["method"] for row in sorted(own, key=lambda row: row[column])]
+    return order
+
+
+def _table_1(rows: list[Row]) -> list[Row]:
+    """Table 1 as printed, and what our runs say of stability and of six dimensions."""
+    lines = []
+    for name, printed in TABLE_1.items():
+        method = TABLE_2[name][2]
+        known = selected(rows, study="stability", method=method)
+        poses = [row for row in selected(rows, study="poses", method=method) if "DTW_mm" in row]
+        lines.append(
+            {
+                "method": name,
+                "printed": list(printed),
+                "violations": sum(row["violations"] for row in known) if known else None,
+                "starts": sum(row["starts"] for row in known) if known else None,
+                "motions of poses made": len(poses),
+            }
+        )
+    return lines
+
+
+def _table_2(rows: list[Row]) -> list[Row]:
+    """Table 2 as printed beside our means, IN, also in the paper's unit."""
+    lines = []
+    for name, (area, speed, method) in TABLE_2.items():
+        own = selected(rows, study="drawings", protocol="IN", method=method)
+        ours = mean(own, "SEA_mm2")
+        lines.append(
+            {
+                "method": name,
+                "SEA_printed": area,
+                "SEA_in_the_paper's_unit": None if ours is None else ours * _PIXELS,
+                "SEA_mm2": ours,
+                "V_rmse_printed": speed,
+                "V_rmse_mm_s": mean(own, "V_rmse_mm_s"),
+            }
+        )
+    return lines
+
+
+def _stability(config: Any, rows: list[Row]) -> list[Row]:
+    found = selected(rows, study="stability")
+    return [
+        {
+            "method": method,
+            "motions": len(own),
+            **{name: sum(row[name] for row in own) for name in ("starts", "arrived", "rising")},
+            "resting": sum(row["resting"] for row in own),
+            "longest": max(row["longest"] for row in own),
+        }
+        for method in config.points
+        if (own := selected(found, method=method))
+    ]
+
+
+def _errors_figure(config: Any, rows: list[Row]) -> Figure:
+    figure = Figure(figsize=(11.0, 0.3 * len(config.points) + 1.5), layout="constrained")
+    shown = selected(rows, study="drawings")
+    both = zip(figure.subplots(1, 2, sharey=True), ("SEA_mm2", "V_rmse_mm_s"), strict=True)
+    for axes, column in both:
+        for i, protocol in enumerate(("LOO", "IN")):
+            means = [
+                mean(selected(shown, method=name, protocol=protocol), column) or 0.0
+                for name in config.points
+            ]
+            places = np.arange(len(means)) + 0.4 * i
+            axes.barh(places, means, 0.4, label=protocol)
+        axes.set_xlabel("SEA, mm²" if column == "SEA_mm2" else "V_rmse, mm/s")
+    axes.set_yticks(np.arange(len(config.points)) + 0.2, config.points)
+    axes.invert_yaxis()
+    axes.legend()
+    return figure
+
+
+def _paths_figure(motions: tuple[str, ...], rows: list[Row]) -> Figure:
+    """The first left-out drawing of every motion, as some methods make it."""
+    lines = -(-len(motions) // 5)
+    figure = Figure(figsize=(11.0, 2.3 * lines), layout="constrained")
+    panels = figure.subplots(lines, 5, squeeze=False).ravel()
+    for axes in panels:
+        axes.set_axis_off()
+    own = selected(rows, study="drawings", protocol="LOO", tested=0)
+    for axes, name in zip(panels, motions, strict=False):
+        tested = lasa.load(name)[0].motion.positions
+        plot.draw_paths(axes, [tested], plot.DEMONSTRATION, label="left out")
+        for method in _PICTURED:
+            for row in selected(own, motion=name, method=method):
+                if "path" in row:
+                    axes.plot(*np.array(row["path"]).T, linewidth=0.9, label=method)
+        axes.set_title(name, fontsize=8)
+        axes.set_aspect("equal")
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=6, fontsize=7)
+    return figure
