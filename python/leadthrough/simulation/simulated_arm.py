@@ -22,7 +22,9 @@ from leadthrough.simulation.controllers import ComputedTorque, Controller, Momen
 from leadthrough.simulation.model import LINK, plant
 
 _LONGEST_DELAY = 1.0  # s
-_RUNAWAY = 1e3  # rad/s (m/s): no arm moves so fast, and MuJoCo would soon give up
+# No arm moves so fast, rad/s (m/s), or has such motors, N m (N); MuJoCo would soon give up and
+# write a file about it.
+_RUNAWAY, _STRONGEST = 1e3, 2e4
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,14 +199,16 @@ class SimulatedArm(Brief):
         target = CommandedState(self._target.q, self._target.qd, command.qdd)
         asked = self.law.torques(Moment(target, q, qd, progress))
         before = self.qd
-        # The drives subtract what their own dampers give; these compare velocities at the end of the
-        # period, when the target's is another.
+        # The drives subtract what their own dampers give; these compare velocities at the end of
+        # the period, when the target's is another.
         self.data.ctrl[:] = asked + self.law.drive_damping * (qd + self.period * command.qdd)
         self.demanded = asked + self.law.drive_damping * (qd - before)
         if self._pushes:
             self._push()
-        self._mujoco.mj_step(self.plant.model, self.data)
-        if not np.abs(self.data.qvel).max() < _RUNAWAY:
+        strongest = np.minimum(np.abs(self.demanded), self.plant.effort).max()
+        if strongest < _STRONGEST:
+            self._mujoco.mj_step(self.plant.model, self.data)
+        if not (strongest < _STRONGEST and np.abs(self.data.qvel).max() < _RUNAWAY):
             raise FloatingPointError(
                 f"the arm runs away after {self.time:.3f} s; lower the gains or raise the rate"
             )

@@ -1,5 +1,6 @@
 """Motions in simulation: what controllers make of them, and what is found."""
 
+import re
 import sys
 from time import process_time
 
@@ -141,9 +142,17 @@ def test_an_error_of_the_tip_beyond_the_tolerance_is_found(loaded, swing):
     assert kinds(report) == {"tip"}
 
 
-def test_gains_too_high_for_the_rate_are_found(loaded, swing):
-    report = lt.simulate(loaded, swing, controller=ComputedTorque(3000.0), rate=500.0)
-    assert kinds(report) & {"unstable", "torque"}
+@pytest.mark.parametrize(
+    "controller", [ComputedTorque(1e5), PositionServo(1e9), CartesianImpedance(1e8)]
+)
+def test_gains_too_high_for_the_rate_are_found(loaded, swing, controller, tmp_path, monkeypatch):
+    """With motors of any strength as well; MuJoCo writes no log of it."""
+    monkeypatch.chdir(tmp_path)
+    strong = lt.Arm.from_urdf(re.sub('effort="[^"]*"', 'effort="0"', loaded.document))
+    assert "unstable" in kinds(lt.simulate(strong, swing, controller=controller, rate=500.0))
+    held_back = lt.simulate(loaded, swing, controller=controller, rate=500.0)
+    assert kinds(held_back) & {"unstable", "torque"}
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_arm_comes_from_where_it_is_and_ends_at_rest(loaded, swing):
