@@ -40,7 +40,6 @@ def check(
     """
     from leadthrough.cli import parse, tables
     from leadthrough.cli import robot as robots
-    from leadthrough.simulation import simulate
     from leadthrough.timing import check_limits
 
     arm = robots.load(robot, limits, base, tip)
@@ -51,6 +50,8 @@ def check(
         clearance = arm.check(joints, obstacles, margin=margin)
     simulated = None
     if physics:
+        from leadthrough.simulation import simulate
+
         with tables.busy("simulating"):
             simulated = simulate(arm, joints, obstacles=obstacles)
     quantities = ("position", "velocity", "acceleration", "jerk")

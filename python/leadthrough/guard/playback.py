@@ -11,7 +11,6 @@ keep the acceleration q'' s'^2 + q' s'' and the jerk q''' s'^3 + 3 q'' s' s'' + 
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from leadthrough import check
 from leadthrough.arm import JointLimits
@@ -50,6 +49,8 @@ class Playback(Brief):
     """
 
     def __init__(self, motion: JointTrajectory, limits: JointLimits, *, rate: float) -> None:
+        from scipy.interpolate import CubicSpline
+
         self._period = 1.0 / check.number(rate, "rate", at_least=_SLOWEST, at_most=_FASTEST)
         if not isinstance(motion, JointTrajectory) or len(motion.times) < 2:
             raise InvalidInput("motion: expected a JointTrajectory of at least two samples")
