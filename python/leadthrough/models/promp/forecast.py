@@ -7,6 +7,7 @@ is integrated over a grid.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -94,6 +95,7 @@ class Seen:
         return 4.0 + 2.0 * factor**2 / variance if variance > 0.0 else np.inf
 
 
+@lru_cache(maxsize=64)  # every pace that is tried asks for those of the same skill
 def _believed(freedom: float) -> tuple[Float64Array, Float64Array]:
     """Factors (n,) of the covariance, and the logs of their prior probabilities."""
     from scipy.special import logsumexp
