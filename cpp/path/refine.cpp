@@ -11,7 +11,7 @@ namespace {
 
 // Weights beside a squared second difference, rad^2.
 constexpr double kTip = 1e6;          // a squared m, or 0.3 m a rad
-constexpr double kAstray = 0.03;      // on the surface of a tube,
+constexpr double kOnSurface = 0.03;   // on the surface of a tube,
 constexpr double kOutside = 100.0;    // a square of what is beyond
 constexpr double kInside = 0.94;      // of it, and
 constexpr double kBend = 20.0;        // a squared second difference of places in it
@@ -105,7 +105,7 @@ class Refinement {
     auto& [place, moves] = places_[static_cast<std::size_t>(k)];
     place = tube.place(error_.error);
     const double length = place.norm(), beyond = std::max(length - kInside, 0.0);
-    model.cost += kAstray * place.squaredNorm() + kOutside * beyond * beyond;
+    model.cost += kOnSurface * place.squaredNorm() + kOutside * beyond * beyond;
     std::array<double, kMaxJoints> outwards{};
     for (std::size_t i = 0; i < static_cast<std::size_t>(n_); ++i) {
       moves[i] = tube.place(error_.columns[i]);
@@ -113,11 +113,12 @@ class Refinement {
     }
     for (int i = 0; i < n_; ++i) {
       const auto a = static_cast<std::size_t>(i);
-      model.descent[k * n_ + i] += kAstray * moves[a].dot(place) + kOutside * beyond * outwards[a];
+      model.descent[k * n_ + i] +=
+          kOnSurface * moves[a].dot(place) + kOutside * beyond * outwards[a];
       for (int j = 0; j <= i; ++j) {
         const auto b = static_cast<std::size_t>(j);
         model.hessian.at(k * n_ + i, k * n_ + j) +=
-            kAstray * moves[a].dot(moves[b]) + kOutside * outwards[a] * outwards[b];
+            kOnSurface * moves[a].dot(moves[b]) + kOutside * outwards[a] * outwards[b];
       }
     }
     for (int row = 0; row < tube.dimension(); ++row) {
