@@ -46,6 +46,7 @@ def digest(module: str) -> str:
     return total.hexdigest()[:16]
 
 
+@cache
 def sources(module: str) -> dict[str, Path]:
     """The files that a module depends on, by the names of their modules.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import marshal
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -13,6 +14,8 @@ from typing import Any
 
 from leadthrough.errors import InvalidInput
 from leadthrough.tasks import code
+
+_PROMPT = "__main__"
 
 Row = dict[str, Any]
 """Values by the names of columns: text and finite numbers."""
@@ -45,7 +48,7 @@ class Task:
     @property
     def key(self) -> str:
         """A text that changes with the arguments, the files' content and the function's code."""
-        parts: list[Any] = [code.digest(self.function.__module__), self.name, self.arguments]
+        parts: list[Any] = [_code_of(self.function), self.name, self.arguments]
         if self.files:
             parts.append({name: content_of(path) for name, path in self.files.items()})
         text = json.dumps(parts, sort_keys=True)
@@ -114,15 +117,23 @@ def job(task: Task, store: tuple[str, str], timeout: float | None) -> Job:
     function = task.function
     return Job(
         task.key,
-        function.__module__,
+        function.__module__ or _PROMPT,
         function.__qualname__,
         task.arguments,
         {name: str(Path(path).resolve()) for name, path in task.files.items()},
         {name: content_of(path) for name, path in task.files.items()},
-        code.digest(function.__module__),
+        _code_of(function),
         store,
         timeout,
     )
+
+
+def _code_of(function: Callable[..., Any]) -> str:
+    """A digest of a function's code; at the prompt, where it has no file, of its own alone."""
+    digest = code.digest(function.__module__ or _PROMPT)
+    if function.__module__ and code.sources(function.__module__):
+        return digest
+    return hashlib.sha256(digest.encode() + marshal.dumps(function.__code__)).hexdigest()[:16]
 
 
 def content_of(path: Path) -> str:
@@ -150,11 +161,10 @@ def check_importable(function: Callable[..., Any]) -> None:
     Raises:
         InvalidInput: if it is no function of a module, or one of the program's main module.
     """
-    module = sys.modules.get(function.__module__)
-    if function.__module__ == "__main__" or (
-        getattr(module, function.__qualname__, None) is not function
-    ):
+    name = function.__module__ or _PROMPT
+    module = sys.modules.get(name)
+    if name == _PROMPT or (getattr(module, function.__qualname__, None) is not function):
         raise InvalidInput(
             f"function: expected one that another process can import by its name, got "
-            f"{function.__module__}.{function.__qualname__}; put it into a module"
+            f"{name}.{function.__qualname__}; put it into a module"
         )

@@ -26,8 +26,9 @@ from leadthrough.validation.answer import Scene, answers
 from leadthrough.validation.findings import ERROR, Findings
 from leadthrough.validation.validation import Validation
 
-# Queries of a task: a second of work, so that what a task costs beside it does not count.
-_EACH = 20
+# Queries of a task: a second of work or so, beside which what a task costs does not count; of many
+# runs more, so that a scheduler has no more than some 2000 tasks, and these are long.
+_LEAST, _MOST, _TASKS = 20, 200, 2000
 
 
 def validate(
@@ -74,7 +75,8 @@ def validate(
         on: where to compute, as `leadthrough.tasks.run` takes it; None for this process.
         out: folder that keeps what is finished, made if missing; the same call goes on there. None
             keeps nothing.
-        task_timeout: the longest that 20 queries may take, s; None for no bound.
+        task_timeout: the longest that a task may take, of 20 to 200 queries, s; None for no
+            bound.
         shown: passes the tasks' outcomes on and shows them, such as `leadthrough.tasks.shown`.
 
     Raises:
@@ -158,19 +160,16 @@ def _obstacles(given: Sequence[Shape | Scattered]) -> tuple[Shape | Scattered, .
 
 
 def _todo(skill: Skill[Motion], scene: Scene, folder: Path, runs: int, seed: int) -> list[Task]:
-    """The tasks, of 20 queries each, whose files are in the folder."""
+    """The tasks, of some queries each, whose files are in the folder."""
     folder.mkdir(parents=True, exist_ok=True)
     files = {"skill": folder / "skill.npz", "scene": folder / "scene.pickle"}
     skill.certified(None).save(files["skill"])
     with replacing(files["scene"]) as temporary:
         temporary.write_bytes(pickle.dumps(scene, protocol=5))
+    each = min(max(_LEAST, runs // _TASKS), _MOST)
     return [
-        Task(
-            answers,
-            {"first": first, "count": min(_EACH, runs - first), "seed": seed},
-            files,
-        )
-        for first in range(0, runs, _EACH)
+        Task(answers, {"first": first, "count": min(each, runs - first), "seed": seed}, files)
+        for first in range(0, runs, each)
     ]
 
 

@@ -46,7 +46,7 @@ def test_spoiled_demonstrations_of_poses_are_found(recordings):
     assert area(sets, 0) >= 0.95
 
 
-def thinned(motions, every=10):
+def thinned(motions, every=20):
     return [lt.Trajectory(each.times[::every], each.positions[::every]) for each in motions]
 
 
@@ -54,7 +54,7 @@ def thinned(motions, every=10):
 def test_the_fault_has_a_name_and_leaving_it_out_never_harms(lasa, way):
     sets = {name: thinned(lasa[name]) for name in ("Spoon", "Worm")}
     name, motions, spoiled = list(copies(sets, 1))[way]
-    found = lt.judge_demonstrations(motions)
+    found = lt.judge_demonstrations(motions, model=lt.ProMP(weights=10))
     verdict = found.verdicts[spoiled]
     assert FAULTS[name] & set(verdict.faults)
     assert found.error_without <= found.error
@@ -65,17 +65,17 @@ def test_the_fault_has_a_name_and_leaving_it_out_never_harms(lasa, way):
 
 
 def test_two_that_go_another_way_are_another_mode(lasa):
-    motions = thinned(lasa["Sine"], 20)
+    motions = thinned(lasa["Sine"])
     for i in (1, 4):
         path = motions[i].positions * [1.0, -1.0]
         motions[i] = lt.Trajectory(motions[i].times, path)
-    verdicts = lt.judge_demonstrations(motions).verdicts
+    verdicts = lt.judge_demonstrations(motions, model=lt.ProMP(weights=10)).verdicts
     assert [i for i, each in enumerate(verdicts) if "another mode" in each.faults] == [1, 4]
 
 
 def test_what_lies_far_from_all_shown_is_to_be_shown_next(lasa):
     motions = [
-        lt.Trajectory(each.times, each.positions + np.linspace(0, 1, 100)[:, None] * [5.0 * i, 0])
+        lt.Trajectory(each.times, each.positions + np.linspace(0, 1, 50)[:, None] * [5.0 * i, 0])
         for i, each in enumerate(thinned(lasa["Line"]))
     ]
     goals = Places([0.0, -1.0], [90.0, 1.0])  # shown: from 0 to 30

@@ -27,7 +27,7 @@ def package(tmp_path, monkeypatch):
 
 
 def digest():
-    for cached in (code.digest, code._file_of, code._stub, code._imports):
+    for cached in (code.digest, code.sources, code._file_of, code._stub, code._imports):
         cached.cache_clear()
     return code.digest("paper.work")
 

@@ -13,7 +13,7 @@ from leadthrough.validation import Places, Scattered
 
 SPHERE = lt.Sphere(0.06, (0.45, 0.15, 0.55))
 WORLD = Scattered(SPHERE, Places.around(SPHERE.position, (0.05, 0.15, 0.05)))
-RUNS = 30
+RUNS = 24
 
 
 @pytest.fixture(scope="module")
