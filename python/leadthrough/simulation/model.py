@@ -40,6 +40,7 @@ class Plant:
         effort: (joints,), N m (N): the lower of the URDF's and the limits'; infinite if neither
             states one.
         velocity: (joints,), rad/s (m/s), likewise.
+        stated_velocity: (joints,), rad/s (m/s), of the URDF alone.
         friction: (joints,), N m (N), whichever way the joint moves.
         damping: (joints,), N m s/rad (N s/m).
     """
@@ -50,6 +51,7 @@ class Plant:
     tip: int
     effort: Float64Array
     velocity: Float64Array
+    stated_velocity: Float64Array
     friction: Float64Array
     damping: Float64Array
 
@@ -121,6 +123,7 @@ def plant(
         model.body(LINK + arm.tip).id,
         effort,
         _stricter(own.velocity, arm.limits.velocity),
+        _stricter(own.velocity, None),
         dry,
         viscous,
     )

@@ -16,7 +16,9 @@ from leadthrough.drawing.panels import Line, Panel, over
 from leadthrough.motion import JointTrajectory
 from leadthrough.shapes import Shape
 
-Kind = Literal["torque", "velocity", "tracking", "contact", "tip", "no way onto it", "unstable"]
+Kind = Literal[
+    "limits", "torque", "velocity", "tracking", "contact", "tip", "no way onto it", "unstable"
+]
 _DRAWN = 400  # points of a curve
 
 
@@ -46,12 +48,13 @@ class Finding(Brief):
     """Why a motion is not fit to run.
 
     Attributes:
-        kind: "torque" where the controller asks for more than a joint has; "velocity" where the
-            motion is faster than the URDF's or the arm's limit; "tracking" where the error is
-            larger than the controller's gains allow by theory; "contact"; "tip" where the tip's
-            error exceeds the tolerance; "no way onto it" where no motion inside the limits leads
-            onto the motion, or from its end to rest; "unstable" where the arm runs away, or by
-            theory would.
+        kind: "limits" where the arm's limits allow a joint more than twice the velocity that its
+            URDF states, as a file in another unit does; "torque" where the controller asks for more
+            than a joint has; "velocity" where the motion is faster than the URDF's or the arm's
+            limit; "tracking" where the error is larger than the controller's gains allow by theory;
+            "contact"; "tip" where the tip's error exceeds the tolerance; "no way onto it" where no
+            motion inside the limits leads onto the motion, or from its end to rest; "unstable"
+            where the arm runs away, or by theory would.
         time: s, when it begins.
         joint: name of the joint, or None.
         bodies: of a contact, or None.
@@ -68,9 +71,11 @@ class Finding(Brief):
         when = f"at {self.time:.3f} s"
         if self.bodies is not None and self.ratio is not None:
             return f"{' and '.join(self.bodies)} touch {when}, with up to {self.ratio:.3g} N"
-        times = f"up to {self.ratio:.3g} times" if self.ratio is not None else ""
+        factor = "" if self.ratio is None else f"{self.ratio:.3g} times"
+        times = f"up to {factor}"
         since = f"from {self.time:.3f} s on"
         told = {
+            "limits": f"{self.joint} is allowed {factor} the velocity that the URDF states",
             "torque": f"{self.joint} needs {times} its highest torque, {since}",
             "velocity": f"{self.joint} is to move at {times} its highest velocity, {since}",
             "tracking": f"{self.joint} is off by {times} what the gains allow, {since}",

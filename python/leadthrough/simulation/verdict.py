@@ -12,6 +12,7 @@ from leadthrough.simulation.report import Contact, Finding, Kind
 from leadthrough.simulation.simulated_arm import SimulatedArm, Touch
 
 _ROUNDING = 1e-6  # of limits, relative
+_IMPLAUSIBLE = 2.0  # times the velocity that a URDF states
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +76,7 @@ def findings(
     def found() -> Iterator[Finding]:
         if not way_found:
             yield Finding("no way onto it", 0.0)
+        yield from _wrong_limits(real)
         yield from worst("velocity", np.abs(qd) / plant.velocity)
         yield from worst("torque", np.abs(run.demanded) / plant.effort)
         for each in contacts:
@@ -88,6 +90,16 @@ def findings(
             yield Finding("unstable", period * (len(run.q) - 1))
 
     return tuple(found())
+
+
+def _wrong_limits(real: SimulatedArm) -> Iterator[Finding]:
+    """The joint whose velocity limit is above its URDF's by the largest factor, if beyond doubt."""
+    limits = real.arm.limits
+    known = np.where(np.isfinite(limits.velocity), limits.velocity, 0.0)
+    ratios = known / real.plant.stated_velocity
+    joint = int(ratios.argmax())
+    if ratios[joint] > _IMPLAUSIBLE:
+        yield Finding("limits", 0.0, limits.joint_names[joint], ratio=float(ratios[joint]))
 
 
 def summed_contacts(

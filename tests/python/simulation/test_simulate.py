@@ -2,6 +2,7 @@
 
 import re
 import sys
+from dataclasses import replace
 from time import process_time
 
 import numpy as np
@@ -122,6 +123,16 @@ def test_too_little_torque_is_found(loaded, swing):
 def test_speed_beyond_the_urdfs_limit_is_found(loaded, swing):
     fast = lt.JointTrajectory(0.5 * swing.times, swing.positions)
     assert "velocity" in kinds(lt.simulate(loaded, fast))
+
+
+def test_limits_ten_times_too_high_are_found(loaded, swing):
+    """Even where the motion is slow: a file in another unit is a fault of the plan."""
+    rates = ("velocity", "acceleration", "jerk")
+    high = {name: 10.0 * getattr(loaded.limits, name) for name in rates}
+    arm = replace(loaded, limits=lt.arm.JointLimits(**vars(loaded.limits) | high))
+    report = lt.simulate(arm, swing)
+    assert kinds(report) == {"limits"}
+    assert "is allowed 10 times the velocity that the URDF states" in str(report)
 
 
 def test_obstacles_and_the_arm_itself_are_hit(loaded, swing):
