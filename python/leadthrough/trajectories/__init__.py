@@ -23,6 +23,7 @@ from leadthrough.trajectories.interpolation import (
     smoothing,
 )
 from leadthrough.trajectories.jerk_filter import JerkFilter
+from leadthrough.trajectories.law import run_by
 from leadthrough.trajectories.minimum_jerk import (
     State,
     minimum_jerk,
@@ -74,6 +75,7 @@ __all__ = [
     "osculating",
     "periodic_cubic",
     "point_to_point",
+    "run_by",
     "smooth",
     "smoothing",
     "trapezoid",

@@ -41,11 +41,15 @@ class Curve(Protocol):
 class PointCurve(Brief, ABC):
     """A `Curve` of points that can be transformed and slowed down."""
 
-    if TYPE_CHECKING:  # some curves have a field of this name, which a property would hide
+    if TYPE_CHECKING:  # some curves have fields of these names, which properties would hide
 
         @property
         def domain(self) -> tuple[float, float]:
             """First and last time."""
+
+        @property
+        def knots(self) -> Float64Array:
+            """Rising times (k,) between which the curve is smooth, the domain's ends included."""
 
     @abstractmethod
     def _values(self, times: Float64Array, order: int) -> Float64Array:

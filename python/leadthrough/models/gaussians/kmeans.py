@@ -7,6 +7,7 @@ the advantages of careful seeding".
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,7 +37,16 @@ class Clusters(Brief):
     steps: tuple[Float64Array, ...]
 
 
-def kmeans(points: ArrayLike, count: int, *, seed: int) -> Clusters:
+SEEDINGS = ("plus_plus", "random")
+
+
+def kmeans(
+    points: ArrayLike,
+    count: int,
+    *,
+    seed: int,
+    seeding: Literal["plus_plus", "random"] = "plus_plus",
+) -> Clusters:
     """Points divided into clusters, none of them empty.
 
     Columns are not scaled: scale them first where their units differ.
@@ -45,9 +55,12 @@ def kmeans(points: ArrayLike, count: int, *, seed: int) -> Clusters:
         points: points (n, d).
         count: number of clusters, 1 to n.
         seed: seed of the random number generator.
+        seeding: "plus_plus", points far from those drawn before are likelier; "random", all points
+            are as likely, as in Lloyd's algorithm by itself.
 
     Raises:
-        InvalidInput: if points is not a finite (n, d) array, count is not in 1 to n or seed < 0.
+        InvalidInput: if points is not a finite (n, d) array, count is not in 1 to n, seed < 0 or
+            seeding is no such word.
     """
     data = check.array(points, "points", shape=("n", "d"))
     size = check.integer(count, "count", at_least=1)
@@ -56,6 +69,8 @@ def kmeans(points: ArrayLike, count: int, *, seed: int) -> Clusters:
             f"count: expected at most one cluster per point, {len(data)}, got {size}"
         )
     rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
+    if check.choice(seeding, "seeding", SEEDINGS) == "random":
+        return clustered(data, data[rng.choice(len(data), size, replace=False)])
     return clustered(data, seeds(data, size, rng))
 
 

@@ -63,3 +63,18 @@ def test_bad_arguments_are_refused_by_name():
     ):
         with pytest.raises(InvalidInput, match=name):
             kmeans(points, count, seed=0)
+
+
+def test_random_seeds_are_any_points_and_end_no_better_on_the_whole():
+    rng = np.random.default_rng(3)
+    centres = 10.0 * rng.normal(size=(8, 2))
+    points = np.concatenate([centre + 0.3 * rng.normal(size=(30, 2)) for centre in centres])
+    ends = {
+        seeding: [kmeans(points, 8, seed=seed, seeding=seeding).inertia for seed in range(20)]
+        for seeding in ("plus_plus", "random")
+    }
+    assert np.median(ends["plus_plus"]) < np.median(ends["random"])
+    first = kmeans(points, 8, seed=1, seeding="random").steps[0]
+    assert {tuple(row) for row in first} <= {tuple(row) for row in points}
+    with pytest.raises(InvalidInput, match="seeding"):
+        kmeans(points, 8, seed=1, seeding="far")

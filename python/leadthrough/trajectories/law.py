@@ -1,0 +1,193 @@
+"""Any curve run by any law: x(t) = f(s(t)), with exact derivatives by the chain rule.
+
+The derivative of order n is the sum over k of f^(k)(s) B_{n,k}(s', s'', ...), with the partial Bell
+polynomials B (the formula of Faà di Bruno). Of rotations, the angular velocity is omega(s) s' and
+the angular acceleration alpha(s) s'^2 + omega(s) s''.
+
+Source: Grioli 2023, eqs. 1.4 and 1.5, with the second derivative put right.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import comb
+from typing import overload
+
+import numpy as np
+
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.trajectories.curve import Curve, PointCurve
+from leadthrough.trajectories.pose_curve import PoseCurve
+from leadthrough.trajectories.rotation_curve import RotationCurve
+from leadthrough.trajectories.rotation_rates import Turning
+
+# A law may leave the curve's domain by rounding, relative to its length.
+_ROUNDING = 1e-9
+# Samples of a piece of the law at which it is compared with the domain.
+_LOOKED_AT = 33
+
+
+@overload
+def run_by(  # type: ignore[overload-overlap]  # rotations fit the protocol of curves, too
+    path: RotationCurve, law: PointCurve
+) -> RotationCurve: ...
+@overload
+def run_by(path: PoseCurve, law: PointCurve) -> PoseCurve: ...
+@overload
+def run_by(path: Curve, law: PointCurve) -> PointCurve: ...
+def run_by(
+    path: Curve | RotationCurve | PoseCurve, law: PointCurve
+) -> PointCurve | RotationCurve | PoseCurve:
+    """A curve of points, rotations or poses, run by a law of its parameter over time.
+
+    Args:
+        path: f, over an interval of its parameter s.
+        law: s(t), a curve in one dimension with values in the path's domain, such as
+            `double_s([0], [1], velocity=..., acceleration=..., jerk=...)`.
+
+    Returns:
+        f(s(t)) over the law's domain, of the path's own kind.
+
+    Raises:
+        InvalidInput: if the law is not in one dimension, or leaves the path's domain.
+    """
+    _check_law(path.domain, law)
+    if isinstance(path, PoseCurve):
+        return PoseCurve(_run(path.positions, law), _Rotations(path.orientations, law))
+    if isinstance(path, RotationCurve):
+        return _Rotations(path, law)
+    return _run(path, law)
+
+
+def _run(path: Curve, law: PointCurve) -> _Points:
+    size = len(path.evaluate(path.domain[0]))
+    return _Points(path, law, np.eye(size), np.zeros(size))
+
+
+def _check_law(domain: tuple[float, float], law: PointCurve) -> None:
+    if not isinstance(law, PointCurve) or len(law.evaluate(law.domain[0])) != 1:
+        raise InvalidInput("law: expected a curve in one dimension, the path's parameter over time")
+    knots = np.asarray(law.knots)
+    inside = np.linspace(0.0, 1.0, _LOOKED_AT)
+    values = law.evaluate((knots[:-1, None] + np.diff(knots)[:, None] * inside).ravel())
+    slack = _ROUNDING * (domain[1] - domain[0])
+    if values.min() < domain[0] - slack or values.max() > domain[1] + slack:
+        raise InvalidInput(
+            f"law: expected values in the path's domain, {domain[0]:.6g} to {domain[1]:.6g}, got "
+            f"{values.min():.6g} to {values.max():.6g}"
+        )
+
+
+def _knots(path: Curve | RotationCurve, law: PointCurve) -> Float64Array:
+    """The law's knots, and the times at which a rising law passes the path's."""
+    times = np.unique(np.concatenate([np.linspace(a, b, _LOOKED_AT) for a, b in _pieces(law)]))
+    s = law.evaluate(times)[:, 0]
+    if not (np.diff(s) >= 0.0).all():
+        return np.asarray(law.knots)
+    inner = [knot for knot in path.knots[1:-1] if s[0] < knot < s[-1]]
+    passed = [_passed(law, float(knot), times, s) for knot in inner]
+    return np.union1d(law.knots, np.array(passed))
+
+
+def _pieces(law: PointCurve) -> list[tuple[float, float]]:
+    knots = np.asarray(law.knots)
+    return [(float(a), float(b)) for a, b in pairwise(knots)]
+
+
+def _passed(law: PointCurve, value: float, times: Float64Array, s: Float64Array) -> float:
+    """The time at which a rising law reaches a value, by bisection to the last bit."""
+    row = int(np.searchsorted(s, value))
+    low, high = float(times[row - 1]), float(times[row])
+    while low < (middle := 0.5 * (low + high)) < high:
+        if law.evaluate(middle)[0] < value:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+@dataclass(frozen=True, eq=False)
+class _Points(PointCurve):
+    """matrix @ f(s(t)) + offset, with a path f and a law s."""
+
+    path: Curve
+    law: PointCurve
+    matrix: Float64Array
+    offset: Float64Array
+
+    @property
+    def domain(self) -> tuple[float, float]:
+        """First and last time."""
+        return self.law.domain
+
+    @property
+    def knots(self) -> Float64Array:
+        """Times between which the curve is smooth."""
+        return _knots(self.path, self.law)
+
+    def _values(self, times: Float64Array, order: int) -> Float64Array:
+        at = np.atleast_1d(times)
+        s = _inside(self.law.evaluate(at)[:, 0], self.path.domain)
+        if order == 0:
+            found = self.path.evaluate(s) @ self.matrix.T + self.offset
+        else:
+            bells = _bell(order, [self.law.evaluate(at, k)[:, 0] for k in range(1, order + 1)])
+            slopes = [self.path.evaluate(s, k) for k in range(1, order + 1)]
+            total = np.einsum("knd,kn->nd", np.array(slopes), np.array(bells))
+            found = total @ self.matrix.T
+        return np.asarray(found if times.ndim else found[0])
+
+    def _mapped(self, matrix: Float64Array, offset: Float64Array) -> _Points:
+        return replace(self, matrix=matrix @ self.matrix, offset=matrix @ self.offset + offset)
+
+    def _stretched(self, factor: float) -> _Points:
+        return replace(self, law=self.law.rescaled(factor))
+
+
+def _bell(order: int, rates: list[Float64Array]) -> list[Float64Array]:
+    """Partial Bell polynomials B_{order, k}, k = 1 to order, of derivatives (n,) from the first on.
+
+    B_{n,k} = sum_i C(n - 1, i - 1) x_i B_{n-i, k-1}.
+    """
+    one, nothing = np.ones_like(rates[0]), np.zeros_like(rates[0])
+    table = {(0, 0): one}
+    for n in range(1, order + 1):
+        for k in range(1, n + 1):
+            terms = (
+                comb(n - 1, i - 1) * rates[i - 1] * table.get((n - i, k - 1), nothing)
+                for i in range(1, n - k + 2)
+            )
+            table[n, k] = sum(terms, nothing)
+    return [table[order, k] for k in range(1, order + 1)]
+
+
+@dataclass(frozen=True, eq=False)
+class _Rotations(RotationCurve):
+    """Rotations of a path, run by a law."""
+
+    path: RotationCurve
+    law: PointCurve
+
+    @property
+    def knots(self) -> Float64Array:
+        """Times between which the curve is smooth."""
+        return _knots(self.path, self.law)
+
+    def _rotations(self, t: Float64Array) -> Float64Array:
+        return self.path.evaluate(_inside(self.law.evaluate(t)[:, 0], self.path.domain))
+
+    def _turning(self, t: Float64Array) -> Turning:
+        s = _inside(self.law.evaluate(t)[:, 0], self.path.domain)
+        first, second = (self.law.evaluate(t, k) for k in (1, 2))
+        turning = self.path._turning(s)
+        return replace(
+            turning,
+            velocity=turning.velocity * first,
+            acceleration=turning.acceleration * first**2 + turning.velocity * second,
+        )
+
+
+def _inside(s: Float64Array, domain: tuple[float, float]) -> Float64Array:
+    return np.clip(s, *domain)
