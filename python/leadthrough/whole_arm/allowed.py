@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -18,12 +19,26 @@ Deviation = tuple[ArrayLike, ArrayLike]
 _SPACE = 3  # coordinates of a position
 
 
-def checked_spread(skill: Skill[Motion], standard_deviations: float) -> float:
-    """The number of standard deviations that the tip may be off.
+def room_beside(
+    skill: Skill[Motion], deviation: Deviation | None, standard_deviations: float | None
+) -> Callable[[TipMotion], Deviation | None]:
+    """What tells of a path how far the tip may be off, as `Arm.follow` takes it; None for nowhere.
+
+    Args:
+        skill: that makes the paths.
+        deviation: as stated.
+        standard_deviations: of the skill, if it is to tell.
 
     Raises:
-        InvalidInput: if it is not positive, or the skill has no covariance of the tip's positions.
+        InvalidInput: if both are given, the number is not positive, or the skill has no covariance
+            of the tip's positions.
     """
+    if standard_deviations is None:
+        return lambda _: deviation
+    if deviation is not None:
+        raise InvalidInput(
+            "deviation: not used together with standard_deviations; give one of the two"
+        )
     count = check.number(standard_deviations, "standard_deviations", above=0.0)
     chart = skill.chart if isinstance(skill, Distributed) else None
     if chart is None or chart.kind == "joints" or chart.size != _SPACE:
@@ -31,17 +46,11 @@ def checked_spread(skill: Skill[Motion], standard_deviations: float) -> float:
             "standard_deviations: this skill has no covariance of the tip's positions; use a "
             "ProMP or GMR of poses or points in 3-D, or state deviation=(m, rad)"
         )
-    return count
+    return lambda path: _spread_beside(skill, path, count)
 
 
-def spread_beside(skill: Skill[Motion], path: TipMotion, count: float) -> Deviation:
-    """The room beside a path that the skill's covariance allows, as `Arm.follow` takes it.
-
-    Args:
-        skill: with a covariance of the tip's positions.
-        path: of the tip, made by the skill.
-        count: of standard deviations.
-    """
+def _spread_beside(skill: Skill[Motion], path: TipMotion, count: float) -> Deviation:
+    """The room beside a path that the skill's covariance allows."""
     assert isinstance(skill, Distributed)
     _, covariance = skill.distribution(normalised_times(path.times) * skill.duration)
     allowed = count**2 * covariance

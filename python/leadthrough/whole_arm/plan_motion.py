@@ -15,12 +15,7 @@ from leadthrough.errors import IkFailure, InvalidInput
 from leadthrough.models.protocol import Place, Skill
 from leadthrough.motion import Motion
 from leadthrough.shapes import Shape, check_shapes
-from leadthrough.whole_arm.allowed import (
-    Deviation,
-    checked_spread,
-    gone_through,
-    spread_beside,
-)
+from leadthrough.whole_arm.allowed import Deviation, gone_through, room_beside
 from leadthrough.whole_arm.last_resort import past_the_part
 from leadthrough.whole_arm.planned_motion import PlannedMotion
 from leadthrough.whole_arm.room import Room
@@ -105,13 +100,7 @@ def plan_motion(
     most = check.integer(rounds, "rounds", at_least=1)
     if last_resort is not None:
         check.choice(last_resort, "last_resort", get_args(LastResort))
-    if deviation is not None and standard_deviations is not None:
-        raise InvalidInput(
-            "deviation: not used together with standard_deviations; give one of the two"
-        )
-    spread = None
-    if standard_deviations is not None:
-        spread = checked_spread(skill, standard_deviations)
+    allowed = room_beside(skill, deviation, standard_deviations)
     query: dict[str, Any] = {"start": start, "goal": goal, "duration": duration, "dt": dt}
     query = {name: value for name, value in query.items() if value is not None}
     following: dict[str, Any] = {
@@ -137,10 +126,9 @@ def plan_motion(
             if not shapes or failure.status not in _NO_ROOM:
                 raise
             failures.append(failure)
-        allowed = deviation if spread is None else spread_beside(skill, path, spread)
-        if allowed is not None:
+        if (beside := allowed(path)) is not None:
             try:
-                joints = arm.follow(path, deviation=allowed, **following)
+                joints = arm.follow(path, deviation=beside, **following)
                 path = gone_through(arm, path, joints)
                 break
             except IkFailure as failure:
