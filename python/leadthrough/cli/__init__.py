@@ -28,7 +28,8 @@ __all__ = ["app", "main"]
 
 _ENDINGS = (
     "Exit codes: 0 success; 1 the answer is no (a limit exceeded, a collision, no path, no joint "
-    "positions that reach the goal, a study with failures); 2 wrong input or usage. "
+    "positions that reach the goal, a study with failures); 2 wrong input or usage; 130 stopped by "
+    "Ctrl-C. "
     f"The options --robot, --base, --tip and --limits may stand in a file {FILE} instead."
 )
 

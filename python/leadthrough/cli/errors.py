@@ -27,6 +27,7 @@ from leadthrough.errors import (
 
 # The input was right, and there is no such motion.
 _NO = (ClusterLost, FitError, IkFailure, LimitsInfeasible, NoContinuousLogarithm, NoPath)
+_STOPPED = 130  # as shells have it for Ctrl-C
 # The last words of some messages, for those who program: "; in Python, Arm.joints_of picks ...".
 _IN_PYTHON = re.compile(r"[,;:]?\s+in\s+Python\b.*", re.DOTALL)
 _OPTION = re.compile(r"(?:^|: )(--[a-z-]+)")
@@ -47,6 +48,19 @@ def naming(**words: str) -> Iterator[None]:
     except LeadthroughError as error:
         error.args = (in_words(str(error), words), *error.args[1:])
         raise
+
+
+@contextmanager
+def going_on() -> Iterator[None]:
+    """Ends a command that is stopped by Ctrl-C with a line that says how to go on, and code 130."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        print(
+            "leadthrough: stopped; what is finished is kept, and the same command goes on",
+            file=sys.stderr,
+        )
+        raise typer.Exit(_STOPPED) from None
 
 
 @contextmanager

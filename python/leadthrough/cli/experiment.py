@@ -36,6 +36,7 @@ def experiment(
     leadthrough experiment lasa --quick --on tcp://host:8786
     """
     from leadthrough import check
+    from leadthrough.cli import errors
     from leadthrough_studies import study
     from leadthrough_studies.catalogue import STUDIES
 
@@ -46,7 +47,8 @@ def experiment(
     folder = out or Path(f"leadthrough-{name}")
     config = chosen.configure(quick, check.integer(seed, "seed", at_least=0))
     place = on or f"local:{check.integer(jobs, 'jobs', at_least=1)}"
-    outcome = study.run(chosen, config, out=folder, on=place, task_timeout=task_timeout)
+    with errors.going_on():
+        outcome = study.run(chosen, config, out=folder, on=place, task_timeout=task_timeout)
     console = Console()
     if outcome.report.table:
         console.print(table(outcome.report.table))

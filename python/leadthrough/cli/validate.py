@@ -83,7 +83,7 @@ def validate(
     leadthrough validate pour.npz --robot panda --goals 0.1,0.1,0.05 --runs 5000 --on local:4
     """
     from leadthrough import tasks
-    from leadthrough.cli import parse, reading, tables
+    from leadthrough.cli import errors, parse, reading, tables
     from leadthrough.cli import robot as robots
     from leadthrough.show.validation_page import write_validation
     from leadthrough.simulation import ComputedTorque
@@ -94,23 +94,24 @@ def validate(
     learned = reading.saved_skill(skill)
     fixed = [parse.obstacle(text) for text in obstacle or ()]
     folder = out or skill.with_name(f"{skill.stem}-validation")
-    found = validated(
-        learned,
-        robots.load(robot, limits, base, tip),
-        goals=_places(learned, goals, -1, "--goals"),
-        starts=_places(learned, starts, 0, "--starts"),
-        obstacles=[*fixed, *(parse.scattered(text) for text in worlds or ())],
-        runs=runs,
-        width=width,
-        required=0.95 if required is None else required,
-        margin=margin,
-        controller=ComputedTorque() if physics else None,
-        seed=seed,
-        on=on,
-        out=folder,
-        task_timeout=task_timeout,
-        shown=tasks.shown,
-    )
+    with errors.going_on():
+        found = validated(
+            learned,
+            robots.load(robot, limits, base, tip),
+            goals=_places(learned, goals, -1, "--goals"),
+            starts=_places(learned, starts, 0, "--starts"),
+            obstacles=[*fixed, *(parse.scattered(text) for text in worlds or ())],
+            runs=runs,
+            width=width,
+            required=0.95 if required is None else required,
+            margin=margin,
+            controller=ComputedTorque() if physics else None,
+            seed=seed,
+            on=on,
+            out=folder,
+            task_timeout=task_timeout,
+            shown=tasks.shown,
+        )
     write_validation(folder, found)
     if certify is not None:
         learned.certified(found.certificate).save(certify)

@@ -37,12 +37,22 @@ def tasks(folder: str, joints: list[int], weights: int) -> list[Task]:
     arms = sorted((Path(folder) / "panda_execution").glob("*.csv"))
     symbols = sorted((Path(folder) / "panda_symbol").glob("*.mat"))
     return [
-        *(Task(execution, {"file": str(f), "joints": joints, "weights": weights}) for f in arms),
-        *(Task(symbol, {"file": str(f), "weights": weights}) for f in symbols),
+        *(
+            Task(
+                execution,
+                {"source": file.stem, "joints": joints, "weights": weights},
+                {"file": file},
+            )
+            for file in arms
+        ),
+        *(
+            Task(symbol, {"source": file.stem, "weights": weights}, {"file": file})
+            for file in symbols
+        ),
     ]
 
 
-def execution(*, file: str, joints: list[int], weights: int) -> list[Row]:
+def execution(*, source: str, file: Path, joints: list[int], weights: int) -> list[Row]:
     """A row for every motion in a recording of an arm at work and for every joint that moves."""
     recording = read_demonstrations([file], columns=_JOINTS, rate=_EXECUTION_RATE, rest=math.inf)[0]
     rows = []
@@ -52,7 +62,7 @@ def execution(*, file: str, joints: list[int], weights: int) -> list[Row]:
         if not moving:
             continue
         skill = ProMP(weights=weights).fit([shown])
-        labels = {"study": "recordings", "source": Path(file).stem, "learned_from": "one"}
+        labels = {"study": "recordings", "source": source, "learned_from": "one"}
         rows += [
             {**labels, "motion": number, "column": f"joint {joint}", "weights": weights}
             | fidelity(skill, [shown.motion], joint - 1)
@@ -61,7 +71,7 @@ def execution(*, file: str, joints: list[int], weights: int) -> list[Row]:
     return rows
 
 
-def symbol(*, file: str, weights: int) -> list[Row]:
+def symbol(*, source: str, file: Path, weights: int) -> list[Row]:
     """A row for every way of learning a traced symbol and for every coordinate that moves."""
     shown = [
         _thinned(each) for each in read_demonstrations([file], rate=_SYMBOL_RATE, rest=math.inf)
@@ -83,7 +93,7 @@ def symbol(*, file: str, weights: int) -> list[Row]:
         motions = [each.motion for each in compared]
         moved = np.ptp(motions[0].positions, axis=0) >= _MOVED
         rows += [
-            {"study": "recordings", "source": Path(file).stem, "learned_from": way, "motion": 1}
+            {"study": "recordings", "source": source, "learned_from": way, "motion": 1}
             | {"column": "xyz"[i], "weights": weights, **fidelity(skill, motions, i)}
             | {"course": course(skill, motions[0], i)}
             for i in np.flatnonzero(moved).tolist()

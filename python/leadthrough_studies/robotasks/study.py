@@ -68,25 +68,30 @@ def configure(quick: bool, seed: int) -> RoboTasksConfig:
 def tasks(config: RoboTasksConfig) -> list[Task]:
     """A task for every recording and method."""
     return [
-        Task(compare, {"file": file, "method": method, "left_out": config.left_out})
+        Task(
+            compare,
+            {"task": Path(file).stem, "method": method, "left_out": config.left_out},
+            {"file": Path(file)},
+        )
         for file in config.files
         for method in config.methods
     ]
 
 
-def compare(*, file: str, method: str, left_out: int | None) -> list[Row]:
+def compare(*, task: str, file: Path, method: str, left_out: int | None) -> list[Row]:
     """A row for every demonstration left out.
 
     Args:
-        file: the recordings of a task.
+        task: its name.
+        file: its recordings.
         method: a name in METHODS.
         left_out: how many are left out, one after another; all where None.
     """
-    shown = read(file)
+    shown = read(str(file))
     rows = []
     for i, tested in enumerate(shown[:left_out]):
         others = [each for j, each in enumerate(shown) if j != i]
-        row = {"task": Path(file).stem, "method": method, "tested": i}
+        row = {"task": task, "method": method, "tested": i}
         rows.append({**row, **_errors(method, others, tested.motion)})
     return rows
 

@@ -84,6 +84,16 @@ def test_experiment_with_a_failure_says_so_and_ends_with_one(tmp_path, monkeypat
     assert "setup 4 is out of paper" in " ".join(result.output.split())
 
 
+def test_a_study_that_is_stopped_says_how_to_go_on(tmp_path, monkeypatch):
+    def stop(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(study, "run", stop)
+    result = runner.invoke(cli.app, ["experiment", "ur3", "--quick", "--out", str(tmp_path)])
+    assert result.exit_code == 130
+    assert "goes on" in result.stderr
+
+
 @pytest.mark.parametrize("wrong", [["nothing"], ["lasa", "--seed", "-1"], ["ur3", "--jobs", "0"]])
 def test_wrong_arguments_of_an_experiment_are_an_error_of_one_line(wrong, monkeypatch, capsys):
     monkeypatch.setattr("sys.argv", ["leadthrough", "experiment", *wrong])

@@ -101,14 +101,17 @@ def test_learned_velocity_of_a_quicker_motion_is_larger():
 
 def test_recorded_motions_of_an_arm_are_measured(recordings):
     rows = execution(
-        file=str(recordings / "panda_execution" / "trial1.csv"), joints=[1, 3, 5], weights=20
+        source="trial1",
+        file=recordings / "panda_execution" / "trial1.csv",
+        joints=[1, 3, 5],
+        weights=20,
     )
     assert {row["column"] for row in rows} == {"joint 1", "joint 3", "joint 5"}
     assert len(rows) > 10
 
 
 def test_aligning_a_recorded_symbol_restores_its_peaks(recordings):
-    rows = symbol(file=str(recordings / "panda_symbol" / "symbol17.mat"), weights=20)
+    rows = symbol(source="symbol17", file=recordings / "panda_symbol" / "symbol17.mat", weights=20)
     ratios = {(row["learned_from"], row["column"]): row["peak_ratio"] for row in rows}
     for column in "xy":
         assert ratios["all", column] < 0.7

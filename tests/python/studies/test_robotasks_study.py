@@ -65,7 +65,8 @@ def test_a_refusal_is_a_row_with_its_reason(folder):
     shown[..., 3:] = rotations.exp(np.outer(back, [0.0, 1.0, 0.0]))
     np.save(folder / "robotasks" / "bow.npy", shown)
     method = "Lauretti et al."
-    rows = study.compare(file=str(folder / "robotasks" / "bow.npy"), method=method, left_out=1)
+    file = folder / "robotasks" / "bow.npy"
+    rows = study.compare(task="bow", file=file, method=method, left_out=1)
     assert "ends where it began" in rows[0]["refused"]
     config = study.RoboTasksConfig(("bow.npy",), (method,))
     table = STUDY.report(config, rows).table
