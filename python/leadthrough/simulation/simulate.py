@@ -110,7 +110,7 @@ def simulate(
     )
     run = _run(real, plan)
     count = len(run.q)
-    expected = expected_errors(
+    expected, dry = expected_errors(
         real,
         plan.q[:count],
         plan.qd[:count],
@@ -119,7 +119,7 @@ def simulate(
         pushes=tuple(pushes),
         late=round(delay / period),
     )
-    allowed = allowed_errors(expected, encoder=encoder)
+    allowed = allowed_errors(expected, dry, encoder=encoder)
     tip_errors, tip_turns = _tip_errors(arm, plan.q[:count], run.q)
     contacts = summed_contacts(run.touches, period)
     times = period * np.arange(count)

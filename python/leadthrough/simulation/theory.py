@@ -36,8 +36,10 @@ def expected_errors(
     *,
     pushes: tuple[Push, ...],
     late: int,
-) -> Float64Array:
-    """Tracking errors (n, joints), rad (m), that the linear model gives; infinite if unstable.
+) -> tuple[Float64Array, Float64Array]:
+    """Tracking errors that the linear model gives, and the part of them that is by dry friction.
+
+    Both are (n, joints), rad (m), and infinite if the model is unstable.
 
     Args:
         real: the simulated arm; of it the law, friction and damping are used.
@@ -49,8 +51,7 @@ def expected_errors(
         late: periods by which measurements are delayed.
     """
     law, plant = real.law, real.plant
-    left = plant.damping * qd + plant.friction * _directions(qd)
-    left += _pushed(real, q, pushes)
+    left = plant.damping * qd + _pushed(real, q, pushes)
     torques = law.arm.inverse_dynamics(q, qd, qdd, gravity=law.gravity)
     weight = law.arm.gravity_torques(q, gravity=law.gravity)
     coarse = slice(None, None, _EVERY)
@@ -61,17 +62,31 @@ def expected_errors(
     ease = np.asarray(np.linalg.inv(mass + real.period * np.diag(dampers)))
     answer = np.concatenate([ease @ gains.stiffness, ease @ gains.damping], axis=2)
     left += _between(gains.unmodelled, len(q))
-    pull = _products(_repeated(ease, len(q)), left)
+    eased = _repeated(ease, len(q))
+    pull = _products(eased, left)
     if late:
         before = np.maximum(np.arange(len(q)) - late, 0)
         moved = np.concatenate([q - q[before], qd - qd[before]], axis=1)
         pull -= _products(_repeated(answer, len(q)), moved)
-    return _integrated(answer, ease * dampers, pull, real.period, late=late)
+    smooth = _integrated(answer, ease * dampers, pull, real.period, late=late)
+    if not plant.friction.any():
+        return smooth, np.zeros_like(smooth)
+    pull = _products(eased, plant.friction * _directions(qd))
+    dry = _integrated(answer, ease * dampers, pull, real.period, late=late)
+    return smooth + dry, dry
 
 
-def allowed_errors(expected: Float64Array, *, encoder: float) -> Float64Array:
-    """The largest error (joints,) that the gains allow, from those expected (n, joints)."""
-    most = np.abs(expected).max(axis=0)
+def allowed_errors(expected: Float64Array, dry: Float64Array, *, encoder: float) -> Float64Array:
+    """The largest error (joints,) that the gains allow.
+
+    Args:
+        expected: (n, joints).
+        dry: the part by dry friction, which may hold a joint either way.
+        encoder: steps of the encoders, rad (m).
+    """
+    if not np.isfinite(expected).all():
+        return np.full(expected.shape[1], np.inf)
+    most = np.abs(expected - dry).max(axis=0) + np.abs(dry).max(axis=0)
     largest = float(most.max())
     second_order = (_COUPLED + _CURVED * largest) * largest
     return np.asarray(_SLACK * most + second_order + _LEAST + _ENCODER_STEPS * encoder)
