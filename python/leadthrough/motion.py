@@ -255,60 +255,6 @@ def joints_with(motion: Motion) -> JointTrajectory | None:
     return None if isinstance(motion, JointTrajectory) else motion.joints
 
 
-def computed(
-    kind: type[MotionT],
-    *,
-    events: Events,
-    joints: JointTrajectory | None = None,
-    **arrays: Float64Array,
-) -> MotionT:
-    """A motion of arrays just computed, which are not checked or copied and become read-only.
-
-    Args:
-        kind: type of the motion, of points or poses.
-        events: inside the motion's times, in their order.
-        joints: at the motion's times, or None.
-        arrays: the other fields, by name, as the constructor would make them.
-    """
-    motion = object.__new__(kind)
-    for array in arrays.values():
-        array.setflags(write=False)
-    vars(motion).update(arrays, events=events, joints=joints)
-    return motion
-
-
-def computed_joints(
-    times: Float64Array,
-    positions: Float64Array,
-    velocities: Float64Array,
-    accelerations: Float64Array,
-    *,
-    joint_names: tuple[str, ...],
-    events: Events = (),
-) -> JointTrajectory:
-    """Joints of arrays just computed, as `computed` makes motions of points and poses.
-
-    Args:
-        times: (n,) s, strictly increasing.
-        positions: (n, joints) rad.
-        velocities: (n, joints) rad/s.
-        accelerations: (n, joints) rad/s^2.
-        joint_names: one per column.
-        events: inside the motion's times, in their order.
-    """
-    motion = object.__new__(JointTrajectory)
-    arrays = {
-        "times": times,
-        "positions": positions,
-        "velocities": velocities,
-        "accelerations": accelerations,
-    }
-    for array in arrays.values():
-        array.setflags(write=False)
-    vars(motion).update(arrays, joint_names=joint_names, events=events)
-    return motion
-
-
 def checked_motion(value: MotionT, name: str) -> MotionT:
     """`value`, if it is a motion.
 

@@ -23,6 +23,7 @@ STAGES = (
     "drawing",
     "sampled",
     "motion",
+    "computed",
     "shapes",
     "plausible",
     "activity",

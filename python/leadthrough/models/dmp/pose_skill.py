@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, rotations
 from leadthrough.check import Float64Array
+from leadthrough.computed import computed
 from leadthrough.models import archive
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.dmp.constraints import Constraints, check_constraints
@@ -41,7 +42,7 @@ from leadthrough.models.dmp.turning import Turning
 from leadthrough.models.judged import judged
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.place import Place
-from leadthrough.motion import Motion, PoseTrajectory, computed
+from leadthrough.motion import Motion, PoseTrajectory
 from leadthrough.shapes import Shape
 
 if TYPE_CHECKING:

@@ -21,6 +21,8 @@ import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.models.bounded import MOST_GAIN, fraction_inside
+from leadthrough.models.chart import Chart
+from leadthrough.models.place import Place
 from leadthrough.models.promp import observation
 from leadthrough.models.promp.gaussian import CERTAIN, Gaussian
 from leadthrough.models.promp.prior import inner_prior, lines
@@ -48,6 +50,15 @@ class Asked:
     name: str
     phase: float
     values: Float64Array
+
+
+def asked(chart: Chart, start: Place | None, goal: Place | None) -> list[Asked]:
+    """The ends that a query asks for, in the chart's columns."""
+    return [
+        Asked(name, phase, chart.target(place, name, phase))
+        for name, place, phase in (("start", start, 0.0), ("goal", goal, 1.0))
+        if place is not None
+    ]
 
 
 def moved(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> ProMPSkill[MotionT]:

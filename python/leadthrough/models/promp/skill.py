@@ -104,8 +104,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         blocks = self.weights.covariance.reshape(size, count, size, count).transpose(1, 3, 0, 2)
         pairs = (rows[:, :, None] * rows[:, None, :]).reshape(len(rows), -1)
         covariance = dense.product(pairs, blocks.reshape(count**2, size**2))
-        mean = rows @ self.weights.mean.reshape(size, count).T
-        return mean, covariance.reshape(len(rows), size, size)
+        return rows @ self.weights.mean.reshape(size, count).T, covariance.reshape(-1, size, size)
 
     @judged
     def generate(
@@ -148,7 +147,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
             )
         check.number(dt, "dt", above=0.0)
         skill = self if duration is None else self.lasting(duration)
-        asked = self._asked(start, goal)
+        asked = ends.asked(self.chart, start, goal)
         skill = ends.moved(skill, asked) if asked else skill
         times = even_times(skill.duration, dt)
         return skill._motion(skill.weights.mean, times, skill._bases(times))
@@ -169,7 +168,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         Raises:
             InvalidInput: if an argument is wrong.
         """
-        asked = self._asked(start, goal)
+        asked = ends.asked(self.chart, start, goal)
         return ends.novelty(self, asked) if asked else 0.0
 
     def condition(
@@ -349,10 +348,8 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
             again = cast(ProMPSkill[MotionT_co], made).lasting(self.duration)
             return again if self.bounds is None else again.within(*self.bounds)
 
-        most = _MOST_WEIGHTS
-        return [
-            whole_number("weights", self.basis.count, least=_LEAST_WEIGHTS, most=most, apply=fitted)
-        ]
+        least, most = _LEAST_WEIGHTS, _MOST_WEIGHTS
+        return [whole_number("weights", self.basis.count, least=least, most=most, apply=fitted)]
 
     # Any: settings are whatever JSON holds.
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
@@ -382,13 +379,6 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
             self.bounds,
         )
 
-    def _asked(self, start: Place | None, goal: Place | None) -> list[ends.Asked]:
-        return [
-            ends.Asked(name, phase, self.chart.target(place, name, phase))
-            for name, place, phase in (("start", start, 0.0), ("goal", goal, 1.0))
-            if place is not None
-        ]
-
     @cached_property
     def _truncated(self) -> Truncated:
         assert self.bounds is not None
@@ -399,14 +389,12 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         return phases_at(times, name, duration=self.duration, repeats=cyclic, at_least=at_least)
 
     def _bases(self, times: Float64Array) -> list[Float64Array]:
-        """The basis functions (n, k) at times, and their derivatives that motions have too."""
         orders = (0, 1, 2) if self.chart.kind == "joints" else (0,)
         return [self.basis(times / self.duration, order) for order in orders]
 
     def _motion(
         self, weights: Float64Array, times: Float64Array, bases: Sequence[Float64Array]
     ) -> MotionT_co:
-        phases = times / self.duration
         curves = weights.reshape(self.chart.width, -1).T
         values = (rows @ curves * self.duration**-order for order, rows in enumerate(bases))
-        return self.chart.motion(times, phases, *values)
+        return self.chart.motion(times, times / self.duration, *values)
