@@ -15,7 +15,7 @@ from leadthrough_studies.study import run, selected
 def outcome(tmp_path_factory, recordings):
     pytest.importorskip("ompl")
     config = ConnectionConfig(str(recordings / ARCHIVE), count=1)
-    return run(STUDY, config, out=tmp_path_factory.mktemp("connection"), jobs=1)
+    return run(STUDY, config, out=tmp_path_factory.mktemp("connection"), on="local:1")
 
 
 def test_distances_and_verdicts_are_those_of_coal(outcome):
