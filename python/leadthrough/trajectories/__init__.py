@@ -5,6 +5,7 @@ After Grioli's notes on trajectories (2023), chapters 2 and 3.
 
 from leadthrough.trajectories.bezier import Bezier, de_casteljau
 from leadthrough.trajectories.bspline import BSpline, Nurbs
+from leadthrough.trajectories.bspline_fitting import bspline_near, nurbs_through
 from leadthrough.trajectories.curve import Curve, PointCurve
 from leadthrough.trajectories.filters import (
     FilterState,
@@ -62,6 +63,7 @@ __all__ = [
     "State",
     "StraightFilter",
     "TimeOptimalFilter",
+    "bspline_near",
     "chebyshev_nodes",
     "clamped_cubic",
     "de_casteljau",
@@ -72,6 +74,7 @@ __all__ = [
     "minimum_jerk_rise",
     "minimum_jerk_through",
     "natural_cubic",
+    "nurbs_through",
     "osculating",
     "periodic_cubic",
     "point_to_point",
