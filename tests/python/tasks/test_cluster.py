@@ -108,7 +108,7 @@ def test_rows_come_back_where_the_workers_do_not_see_the_store(cluster, tmp_path
     monkeypatch.setattr(Store, "identity", lambda _: "elsewhere")
     todo = [Task(work.reads, {}, {"recording": tmp_path / "a.txt"})]
     (tmp_path / "a.txt").write_text("shown")
-    run(todo, store, cluster)
+    list(tasks.run(todo, store, on=cluster.client.scheduler.address))
     assert rows_of(todo, store) == [[{"text": "shown", "suffix": ".txt"}]]
 
 
