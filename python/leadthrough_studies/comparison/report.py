@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from leadthrough.io import lasa
 from leadthrough.show import plot
+from leadthrough_studies.comparison.pages import page_parts
 from leadthrough_studies.comparison.paper import REMARK, TABLE_1, TABLE_2
 from leadthrough_studies.study import Report, Row, mean, selected
 
@@ -59,7 +60,7 @@ def report(config: Any, rows: list[Row]) -> Report:
         "table_2": _table_2(rows),
         "stability": _stability(config, rows),
     }
-    return Report(table, figures, summary)
+    return Report(table, figures, summary, {"comparison": page_parts(table, summary, figures)})
 
 
 def _drawings(config: Any, rows: list[Row]) -> list[Row]:
