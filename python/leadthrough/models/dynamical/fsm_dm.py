@@ -19,24 +19,19 @@ from typing import ClassVar
 import numpy as np
 
 from leadthrough import check
-from leadthrough.models.demonstrated import Demonstrations
-from leadthrough.models.dynamical.fitting import fit_skill
 from leadthrough.models.dynamical.gates import SigmoidGates
 from leadthrough.models.dynamical.linear_mixture import LinearMixture
+from leadthrough.models.dynamical.model import DynamicalModel
 from leadthrough.models.dynamical.regression import random_units
 from leadthrough.models.dynamical.samples import Shown
 from leadthrough.models.dynamical.semidefinite import stable_matrices
-from leadthrough.models.dynamical.skill import DynamicalSkill
-from leadthrough.models.unfitted import Unfitted
-from leadthrough.motion import MotionT
-from leadthrough.one_thread import one_blas_thread
 
 _DECAY, _RIDGE = 0.1, 1e-5
 _STEEP = 6.0  # of the sigmoids, per unit of the motion's size
 
 
 @dataclass(frozen=True)
-class FSMDM(Unfitted):
+class FSMDM(DynamicalModel):
     """A stable extreme learning machine, for points, joints or poses; needs the extra `stable`.
 
     The distance from the goal never grows along its motions.
@@ -57,22 +52,6 @@ class FSMDM(Unfitted):
     def __post_init__(self) -> None:
         check.integer(self.units, "units", at_least=1, at_most=200)
         check.integer(self.seed, "seed", at_least=0)
-
-    @one_blas_thread
-    def fit(self, demonstrations: Demonstrations[MotionT]) -> DynamicalSkill[MotionT]:
-        """A skill from demonstrations.
-
-        Args:
-            demonstrations: one or more demonstrations, or motions: all of points, all of the same
-                joints or all of poses.
-
-        Raises:
-            InvalidInput: if the demonstrations differ in type.
-            FitError: if there is none, one does not move, or orientations have no mean at the goal
-                or turn by a full turn or more.
-            MissingDependency: without the extra `stable`.
-        """
-        return fit_skill(self, demonstrations, self._learned)
 
     def _learned(self, shown: Shown) -> LinearMixture:
         x, v = shown.x, shown.v

@@ -22,18 +22,13 @@ import numpy as np
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
-from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.dynamical import asymmetric_quadratics
-from leadthrough.models.dynamical.fitting import fit_skill
 from leadthrough.models.dynamical.gates import GaussianGates
 from leadthrough.models.dynamical.linear_mixture import LinearMixture
+from leadthrough.models.dynamical.model import DynamicalModel
 from leadthrough.models.dynamical.samples import Shown
 from leadthrough.models.dynamical.semidefinite import stable_matrices
-from leadthrough.models.dynamical.skill import DynamicalSkill
 from leadthrough.models.gaussians.em import Blocks, fit_blocks
-from leadthrough.models.unfitted import Unfitted
-from leadthrough.motion import MotionT
-from leadthrough.one_thread import one_blas_thread
 
 _DECAY, _RIDGE = 0.1, 1e-6
 # The least deviation of a component, of positions and of directions.
@@ -43,7 +38,7 @@ _PATIENCE = 3  # numbers of components without improvement after which the searc
 
 
 @dataclass(frozen=True)
-class LPVDS(Unfitted):
+class LPVDS(DynamicalModel):
     """Linear systems mixed by position, for points, joints or poses; needs the extra `stable`.
 
     Attributes:
@@ -64,22 +59,6 @@ class LPVDS(Unfitted):
         if self.components is not None:
             check.integer(self.components, "components", at_least=1, at_most=50)
         check.integer(self.seed, "seed", at_least=0)
-
-    @one_blas_thread
-    def fit(self, demonstrations: Demonstrations[MotionT]) -> DynamicalSkill[MotionT]:
-        """A skill from demonstrations.
-
-        Args:
-            demonstrations: one or more demonstrations, or motions: all of points, all of the same
-                joints or all of poses.
-
-        Raises:
-            InvalidInput: if the demonstrations differ in type.
-            FitError: if there is none, one does not move, or orientations have no mean at the goal
-                or turn by a full turn or more.
-            MissingDependency: without the extra `stable`.
-        """
-        return fit_skill(self, demonstrations, self._learned)
 
     def _learned(self, shown: Shown) -> LinearMixture:
         x, v = shown.x, shown.v

@@ -17,24 +17,19 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from leadthrough import check
-from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.dynamical import star_network
 from leadthrough.models.dynamical.corrected import Corrected
-from leadthrough.models.dynamical.fitting import fit_skill
 from leadthrough.models.dynamical.lyapunov import Descent
+from leadthrough.models.dynamical.model import DynamicalModel
 from leadthrough.models.dynamical.regression import network_regression
 from leadthrough.models.dynamical.samples import Shown
-from leadthrough.models.dynamical.skill import DynamicalSkill
-from leadthrough.models.unfitted import Unfitted
-from leadthrough.motion import MotionT
-from leadthrough.one_thread import one_blas_thread
 
 _NEAR = 0.05  # sizes of the motion
 _RIDGE, _WIDTH = 1e-5, 0.1
 
 
 @dataclass(frozen=True)
-class ModifiedDS(Unfitted):
+class ModifiedDS(DynamicalModel):
     """A network of velocities, made stable by a neural Lyapunov function.
 
     Attributes:
@@ -59,21 +54,6 @@ class ModifiedDS(Unfitted):
         check.integer(self.energy_units, "energy_units", at_least=1, at_most=200)
         check.number(self.slowest, "slowest", above=0.0)
         check.integer(self.seed, "seed", at_least=0)
-
-    @one_blas_thread
-    def fit(self, demonstrations: Demonstrations[MotionT]) -> DynamicalSkill[MotionT]:
-        """A skill from demonstrations.
-
-        Args:
-            demonstrations: one or more demonstrations, or motions: all of points, all of the same
-                joints or all of poses.
-
-        Raises:
-            InvalidInput: if the demonstrations differ in type.
-            FitError: if there is none, one does not move, or orientations have no mean at the goal
-                or turn by a full turn or more.
-        """
-        return fit_skill(self, demonstrations, self._learned)
 
     def _learned(self, shown: Shown) -> Corrected:
         x, v = shown.x, shown.v

@@ -19,24 +19,19 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from leadthrough import check
-from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.dynamical import stable_gmr
-from leadthrough.models.dynamical.fitting import fit_skill
 from leadthrough.models.dynamical.gates import GaussianGates
 from leadthrough.models.dynamical.linear_mixture import LinearMixture
+from leadthrough.models.dynamical.model import DynamicalModel
 from leadthrough.models.dynamical.samples import Shown
-from leadthrough.models.dynamical.skill import DynamicalSkill
 from leadthrough.models.dynamical.stable_gmr import StableGMR
 from leadthrough.models.gaussians.fitting import fit_mixture
-from leadthrough.models.unfitted import Unfitted
-from leadthrough.motion import MotionT
-from leadthrough.one_thread import one_blas_thread
 
 OBJECTIVES = ("likelihood", "mse")
 
 
 @dataclass(frozen=True)
-class SEDS(Unfitted):
+class SEDS(DynamicalModel):
     """The stable estimator of dynamical systems, for points, joints or poses.
 
     The distance from the goal never grows along its motions: demonstrations that go away from the
@@ -62,21 +57,6 @@ class SEDS(Unfitted):
         check.integer(self.components, "components", at_least=1, at_most=50)
         check.choice(self.objective, "objective", OBJECTIVES)
         check.integer(self.seed, "seed", at_least=0)
-
-    @one_blas_thread
-    def fit(self, demonstrations: Demonstrations[MotionT]) -> DynamicalSkill[MotionT]:
-        """A skill from demonstrations.
-
-        Args:
-            demonstrations: one or more demonstrations, or motions: all of points, all of the same
-                joints or all of poses.
-
-        Raises:
-            InvalidInput: if the demonstrations differ in type.
-            FitError: if there is none, one does not move, or orientations have no mean at the goal
-                or turn by a full turn or more.
-        """
-        return fit_skill(self, demonstrations, self._learned)
 
     def _learned(self, shown: Shown) -> LinearMixture:
         start = first_guess(shown, self.components, seed=self.seed)

@@ -24,17 +24,12 @@ from scipy.optimize import nnls
 from leadthrough import check, optional
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
-from leadthrough.models.demonstrated import Demonstrations
-from leadthrough.models.dynamical.fitting import fit_skill
 from leadthrough.models.dynamical.gates import squared_distances
 from leadthrough.models.dynamical.kernel_potential import KernelPotential, kernels
+from leadthrough.models.dynamical.model import DynamicalModel
 from leadthrough.models.dynamical.samples import Shown
 from leadthrough.models.dynamical.semidefinite import EXTRA, solved
-from leadthrough.models.dynamical.skill import DynamicalSkill
 from leadthrough.models.gaussians.kmeans import clustered, seeds
-from leadthrough.models.unfitted import Unfitted
-from leadthrough.motion import MotionT
-from leadthrough.one_thread import one_blas_thread
 
 # Mean damping, per duration: a mass then takes a thirtieth of it to follow the force.
 _DAMPING = 30.0
@@ -51,7 +46,7 @@ _REACH = 4.0  # sizes of the motion, up to which samples lie
 
 
 @dataclass(frozen=True)
-class UMIC(Unfitted):
+class UMIC(DynamicalModel):
     """Unified motion and impedance: a mass in a learned potential; needs the extra `stable`.
 
     Its `policy` is the velocity at which the damping balances the force.
@@ -72,22 +67,6 @@ class UMIC(Unfitted):
     def __post_init__(self) -> None:
         check.integer(self.kernels, "kernels", at_least=2, at_most=200)
         check.integer(self.seed, "seed", at_least=0)
-
-    @one_blas_thread
-    def fit(self, demonstrations: Demonstrations[MotionT]) -> DynamicalSkill[MotionT]:
-        """A skill from demonstrations.
-
-        Args:
-            demonstrations: one or more demonstrations, or motions: all of points, all of the same
-                joints or all of poses.
-
-        Raises:
-            InvalidInput: if the demonstrations differ in type.
-            FitError: if there is none, one does not move, orientations at the goals have no mean or
-                turn by a full turn or more, or no potential without other minima was found.
-            MissingDependency: without the extra `stable`.
-        """
-        return fit_skill(self, demonstrations, self._learned)
 
     def _learned(self, shown: Shown) -> KernelPotential:
         x, v = shown.x, shown.v

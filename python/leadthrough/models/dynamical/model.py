@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from abc import ABC, abstractmethod
 
 import numpy as np
 
@@ -14,38 +13,47 @@ from leadthrough.models.dynamical.field import Field
 from leadthrough.models.dynamical.integration import ends
 from leadthrough.models.dynamical.samples import NEAR_GOAL, Shown, shown_about_goals
 from leadthrough.models.dynamical.skill import DynamicalSkill
+from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import MotionT
+from leadthrough.one_thread import one_blas_thread
 
 # A system's speed is changed by no more than this: one that is so slow rests somewhere on the way.
 _MOST_PACE = 2.0
 
 
-def fit_skill(
-    model: Any, demonstrations: Demonstrations[MotionT], learned: Callable[[Shown], Field]
-) -> DynamicalSkill[MotionT]:
-    """The skill whose system a model learns.
+class DynamicalModel(Unfitted, ABC):
+    """A model that learns a system; derived ones hold its settings and say how it is learned."""
 
-    Args:
-        model: the settings.
-        demonstrations: one or more demonstrations, or motions, of one type.
-        learned: takes the normalised demonstrations to the system.
+    @one_blas_thread
+    def fit(self, demonstrations: Demonstrations[MotionT]) -> DynamicalSkill[MotionT]:
+        """A skill from demonstrations.
 
-    Raises:
-        InvalidInput: if the demonstrations differ in type.
-        FitError: if there is none, one does not move, or the goal is reached from no start.
-    """
-    shown = shown_about_goals(demonstrations)
-    field = learned(shown)
-    return DynamicalSkill(
-        model,
-        shown.chart,
-        field,
-        shown.scale,
-        shown.ends,
-        shown.duration,
-        _pace(field, shown),
-        shown.x,
-    )
+        Args:
+            demonstrations: one or more demonstrations, or motions: all of points, all of the same
+                joints or all of poses.
+
+        Raises:
+            InvalidInput: if the demonstrations differ in type.
+            FitError: if there is none, one does not move, orientations have no mean at the goal or
+                turn by a full turn or more, or the goal is reached from no start.
+            MissingDependency: if the model needs the extra `stable` and it is not installed.
+        """
+        shown = shown_about_goals(demonstrations)
+        field = self._learned(shown)
+        return DynamicalSkill(
+            self,
+            shown.chart,
+            field,
+            shown.scale,
+            shown.ends,
+            shown.duration,
+            _pace(field, shown),
+            shown.x,
+        )
+
+    @abstractmethod
+    def _learned(self, shown: Shown) -> Field:
+        """The system of the normalised demonstrations."""
 
 
 def _pace(field: Field, shown: Shown) -> float:
