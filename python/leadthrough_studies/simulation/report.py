@@ -16,6 +16,7 @@ from leadthrough_studies.simulation.stability import MEASURES
 from leadthrough_studies.study import Report, Row, selected
 
 _COLOURS = (palette.BLUE, palette.VERMILION, palette.GREEN, palette.PINK, palette.AMBER)
+_FEWEST = 4
 _LEAST_ERROR = 1e-3  # mrad; below, the theory expects none
 
 
@@ -81,15 +82,20 @@ def _fault(rows: list[Row], name: str) -> Row:
 
 
 def _correlations(rows: list[Row]) -> list[Row]:
-    """Spearman's rank correlation of the largest condition number with each measure."""
+    """Spearman's rank correlation of the largest condition number with each measure.
+
+    Settings that lead to the same motion count once; of fewer than four there is no correlation.
+    """
     found = []
     for number in dict.fromkeys(row["approach"] for row in rows):
         own = selected(rows, approach=number)
-        condition = [row["largest_condition"] for row in own]
         for measure in MEASURES:
-            rank = spearmanr(condition, [row[measure] for row in own])
-            correlation = {"rank_correlation": _number(rank.statistic), "p": _number(rank.pvalue)}
-            labels = {"approach": number, "measure": measure, "motions": len(own)}
+            pairs = {(round(row["largest_condition"], 2), round(row[measure], 2)) for row in own}
+            labels = {"approach": number, "measure": measure, "motions": len(pairs)}
+            correlation: Row = {"rank_correlation": None, "p": None}
+            if len(pairs) >= _FEWEST:
+                rank = spearmanr(*zip(*sorted(pairs), strict=True))
+                correlation = {"rank_correlation": float(rank.statistic), "p": float(rank.pvalue)}
             found.append({**labels, **correlation})
     return found
 
