@@ -1,4 +1,4 @@
-"""Arms of three makers, from the URDFs of example-robot-data."""
+"""Arms of three makers, from the URDFs of example-robot-data, and a motion to follow."""
 
 import importlib.metadata
 from pathlib import Path
@@ -62,3 +62,11 @@ def random_configurations():
 def robots_by_name():
     """The bundled robots' arms with the paths of their URDFs."""
     return [(lt.Arm.load(name), find_robot(name).urdf) for name in ROBOTS]
+
+
+@pytest.fixture(scope="session")
+def sweep():
+    """The tip goes 0.4 m across in front of the arm, pointing down."""
+    share = np.linspace(0.0, 1.0, 81)[:, None]
+    way = [0.45, -0.2, 0.35] + share * [0.0, 0.4, 0.0]
+    return lt.PoseTrajectory(4.0 * share[:, 0], way, np.tile([0.0, 1.0, 0.0, 0.0], (81, 1)))

@@ -18,14 +18,6 @@ def panda():
 
 
 @pytest.fixture(scope="module")
-def sweep():
-    """The tip goes 0.4 m across in front of the arm, pointing down."""
-    share = np.linspace(0.0, 1.0, 81)[:, None]
-    way = [0.45, -0.2, 0.35] + share * [0.0, 0.4, 0.0]
-    return lt.PoseTrajectory(4.0 * share[:, 0], way, np.tile(DOWN, (81, 1)))
-
-
-@pytest.fixture(scope="module")
 def post():
     return lt.Box([0.06, 0.06, 0.06], [0.45, 0.0, TOP - 0.03])
 
