@@ -1,4 +1,4 @@
-"""The README's table of speed: made from a run, and compared with one."""
+"""The table of docs/speed.md: made from a run, and compared with one."""
 
 from __future__ import annotations
 

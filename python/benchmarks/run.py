@@ -2,8 +2,8 @@
 
 Prints a table and writes benchmarks.json, with versions and the machine's data, and scaling.svg:
 how costs grow with the size of a problem, ours and the peers'. A complete run also writes table.md,
-the README's table, and --check compares its figures with the README's. If calls are timed one by
-one, times are median/99th percentile in us. Answers are checked first; a wrong one fails the run.
+the table of docs/speed.md, and --check compares its figures with that page's. If calls are timed
+one by one, times are median/99th percentile in us. Answers are checked first; a wrong one fails the run.
 With --loops it times the steps of control loops instead, a million each.
 """
 
@@ -46,12 +46,12 @@ FILES = [
     "bench_time_law",
     "bench_way_points",
 ]
-README = Path(__file__).parents[2] / "README.md"
+SPEED = Path(__file__).parents[2] / "docs" / "speed.md"
 REPEATS = {"quick": 3, "full": 5}
 
 
 def main() -> int:
-    """Run the benchmarks; the exit code is 0 if all answers agree and the README's table holds."""
+    """Run the benchmarks; the exit code is 0 if all answers agree and docs/speed.md holds."""
     options = _options()
     if options.loops:
         control_loop.run(options.out, steps=control_loop.STEPS // (100 if options.quick else 1))
@@ -88,7 +88,7 @@ def _scaling(out: Path, *, quick: bool) -> list[Row]:
 
 
 def _table_holds(rows: Sequence[Row]) -> bool:
-    faults = printed.too_good(README.read_text(), rows)
+    faults = printed.too_good(SPEED.read_text(), rows)
     for fault in faults:
         print(fault)
     return not faults
@@ -100,7 +100,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument(
         "--check",
         action="store_true",
-        help="end with 1 if a figure in README.md is over 15 %% better than measured",
+        help="end with 1 if a figure in docs/speed.md is over 15 %% better than measured",
     )
     parser.add_argument(
         "--loops", action="store_true", help="time steps of control loops, and nothing else"

@@ -1,4 +1,4 @@
-"""The README's table of speed is the one that the benchmarks print, and --check finds a boast."""
+"""The docs' table of speed is the one that the benchmarks print, and --check finds a boast."""
 
 import importlib
 import re
@@ -43,7 +43,9 @@ def test_a_printed_table_holds_until_a_figure_is_over_15_percent_better_than_mea
     assert "rows are printed" in cut[0]
 
 
-def test_the_readme_has_the_rows_of_the_table(benchmarks):
+def test_the_page_on_speed_has_the_rows_of_the_table(benchmarks):
     printed, frame = benchmarks
-    faults = printed.too_good((ROOT / "README.md").read_text(), measured(printed, frame, 1e6, 0.0))
+    faults = printed.too_good(
+        (ROOT / "docs" / "speed.md").read_text(), measured(printed, frame, 1e6, 0.0)
+    )
     assert faults == []

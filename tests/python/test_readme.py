@@ -52,11 +52,18 @@ def test_example_of_the_readme_runs_and_writes_a_trajectory(tmp_path):
     assert len(message["points"]) > 100
 
 
-def test_readme_names_every_demo():
-    text = (ROOT / "README.md").read_text()
+def test_the_page_of_features_names_every_demo():
+    text = (ROOT / "docs" / "features.md").read_text()
     assert DEMOS
     for demo in DEMOS:
         assert f"python/demos/{demo.name}" in text
+
+
+def test_readme_is_read_in_a_minute_and_its_figures_are_those_of_the_page_on_speed():
+    lines = (ROOT / "README.md").read_text().splitlines()
+    assert len(lines) <= 150
+    figures = lines[lines.index("| problem | peer | times faster |") + 2 :][:6]
+    assert set(figures) <= set((ROOT / "docs" / "speed.md").read_text().splitlines())
 
 
 @pytest.mark.parametrize("demo", DEMOS, ids=lambda path: path.stem)
