@@ -3,7 +3,8 @@
 Prints a table and writes benchmarks.json, with versions and the machine's data, and scaling.svg:
 how costs grow with the size of a problem, ours and the peers'. A complete run also writes table.md,
 the table of docs/speed.md, and --check compares its figures with that page's. If calls are timed
-one by one, times are median/99th percentile in us. Answers are checked first; a wrong one fails the run.
+one by one, times are median/99th percentile in us. Answers are checked first; a wrong one fails
+the run.
 With --loops it times the steps of control loops instead, a million each.
 """
 

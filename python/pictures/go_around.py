@@ -58,7 +58,7 @@ class Camera:
         self._tab.evaluate("camera => Object.assign(leadthrough.scenes[0], camera)", CAMERA)
         for time in times:
             drawn = self._tab.evaluate(
-                "t => { const [s] = leadthrough.scenes; s.play(false); s.seek(t); return s.frames }",
+                "t => { let [s] = leadthrough.scenes; s.play(false); s.seek(t); return s.frames }",
                 float(time),
             )
             self._tab.wait_for_function(f"leadthrough.scenes[0].frames > {drawn}")
