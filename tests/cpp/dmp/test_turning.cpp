@@ -114,7 +114,9 @@ TEST(Turning, ManyOrientationsAreThoseOfEachPhase) {
         const Quaternion one = orientation_at(curve, offset, phases[n], values.row(n).tail<3>());
         const Quaternion found = all.row(n);
         EXPECT_TRUE(found == one || found == -one) << n;
-        if (n > 0) EXPECT_GE(all.row(n).dot(all.row(n - 1)), 0.0) << n;
+        if (n > 0) {
+          EXPECT_GE(all.row(n).dot(all.row(n - 1)), 0.0) << n;
+        }
       }
     }
   }

@@ -105,7 +105,9 @@ TEST(ClearPath, LeavesThePathWithinATubeWhereThereIsNoRoom) {
     const Eigen::Vector3d off = tip.position - arm.positions.row(i).transpose();
     const double used = std::hypot(off[0] / 0.2, off[1] / 0.03);
     EXPECT_LE(used, 1.0) << i;
-    if (i == 0 || i == 40) EXPECT_LT(off.head<2>().norm(), 1e-6);
+    if (i == 0 || i == 40) {
+      EXPECT_LT(off.head<2>().norm(), 1e-6);
+    }
     most = std::max(most, used);
   }
   EXPECT_GT(most, 0.2);
