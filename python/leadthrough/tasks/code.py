@@ -67,7 +67,7 @@ def sources(module: str) -> dict[str, Path]:
         waiting += [name.rpartition(".")[0]] if "." in name else []
         waiting += _dependencies(name, path) if path.suffix == ".py" else []
     if _READS_ROBOTS in found:
-        found |= _robots(found[_READS_ROBOTS].parents[1] / "robots")
+        found |= _robots()
     return found
 
 
@@ -89,9 +89,15 @@ def _installed() -> tuple[Path, ...]:
     return tuple(Path(sysconfig.get_path(name)) for name in names)
 
 
-def _robots(folder: Path) -> dict[str, Path]:
+def _robots() -> dict[str, Path]:
+    # An editable install has two places: the sources, and the folder of the built module.
+    package = find_spec("leadthrough")
+    places = package.submodule_search_locations if package else None
     return {
-        f"robots/{path.relative_to(folder)}": path for path in folder.rglob("*") if path.is_file()
+        path.relative_to(place).as_posix(): path
+        for place in map(Path, places or ())
+        for path in (place / "robots").rglob("*")
+        if path.is_file()
     }
 
 

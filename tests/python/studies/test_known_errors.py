@@ -44,8 +44,8 @@ def test_left_out_poses_of_a_real_tool_are_predicted_as_well_as_ever(
     recordings, task, method, path, turn
 ):
     """The nearest demonstration, shifted: 16.7 and 16.9 mm, 7.1 and 8.3 degrees."""
-    file = str(recordings / "robotasks" / f"{task}.npy")
-    rows = study.compare(file=file, method=method, left_out=None)
+    file = recordings / "robotasks" / f"{task}.npy"
+    rows = study.compare(task=task, file=file, method=method, left_out=None)
     assert len(rows) == 9
     assert np.mean([row["DTW_mm"] for row in rows]) <= path
     assert np.mean([row["mean_deg"] for row in rows]) <= turn

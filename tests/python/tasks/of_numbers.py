@@ -1,5 +1,6 @@
 """A study for the tests of the engine: as a program, python -m tasks.of_numbers OUT ON."""
 
+import signal
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,5 +29,7 @@ def slow(out):
 
 
 if __name__ == "__main__":
+    # What a shell starts in the background ignores Ctrl-C unless it says otherwise.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     folder = Path(sys.argv[1])
     study.run(study_of(slow(folder)), Nothing(), out=folder, on=sys.argv[2])
