@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
 from leadthrough.motion import PoseTrajectory, Trajectory
-from leadthrough.shapes import Sphere
+from leadthrough.shapes import PointCloud
 from leadthrough.whole_arm.room import Narrows, Room, turned
 
 # m around a part without room that is looked at: at first, and how much farther in each round.
@@ -24,7 +24,7 @@ def closed_around(
     narrows: Narrows,
     near: Float64Array,
     changes: int,
-) -> tuple[Sphere, ...]:
+) -> tuple[PointCloud, ...]:
     """Balls around all places beside a part of a path where the arm cannot stand.
 
     Args:
@@ -48,7 +48,7 @@ def closed_around(
         # The arm can stand everywhere, but not come there: the place itself is left out.
         apart = np.linalg.norm(middles[:, None] - ends, axis=2).min(axis=1) > radius + cell
         closed = middles[apart]
-    return tuple(Sphere(radius, place) for place in closed)
+    return (PointCloud(closed, radius),) if len(closed) else ()
 
 
 def _cells_around(middles: Float64Array, cell: float) -> tuple[Float64Array, NDArray[np.int64]]:

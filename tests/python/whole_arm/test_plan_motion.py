@@ -70,6 +70,22 @@ def test_the_tip_gives_way_where_the_arm_has_no_room(model, panda, shown, box):
         np.testing.assert_allclose(planned.tip.positions[end], alone.positions[end], atol=1e-9)
 
 
+def test_what_is_closed_is_one_shape_a_round(panda, shown):
+    """A map asks each of its obstacles for distances: hundreds of balls took it a minute."""
+    skill = lt.FastMarching(resolution=0.02).fit(shown)
+    tall = lt.Box([0.1, 0.1, 0.45], [0.45, 0.0, 0.225])
+    asked = []
+
+    def generate(obstacles=(), **query):
+        asked.append(obstacles)
+        return skill.generate(obstacles=obstacles, **query)
+
+    watched = SimpleNamespace(supports=skill.supports, generate=generate, map_with=skill.map_with)
+    planned = lt.plan_motion(watched, panda, obstacles=[tall], dt=0.02)
+    assert planned.rounds > 1
+    assert [len(shapes) for shapes in asked] == list(range(1, planned.rounds + 1))
+
+
 def test_nothing_changes_where_the_arm_can_follow(panda, shown):
     skill = lt.PoseDMP().fit(shown)
     aside = lt.Sphere(0.1, [-0.6, 0.0, 0.5])
