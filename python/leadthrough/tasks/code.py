@@ -86,7 +86,10 @@ def _is_own(name: str, path: Path, own: set[str]) -> bool:
 @cache
 def _installed() -> tuple[Path, ...]:
     names = ("stdlib", "platstdlib", "purelib", "platlib")
-    return tuple(Path(sysconfig.get_path(name)) for name in names)
+    given = (Path(sysconfig.get_path(name)) for name in names)
+    # Those that an installer was told to put elsewhere, such as `pip install --target`.
+    other = (Path(each) for each in sys.path if any(Path(each).glob("*.dist-info")))
+    return (*given, *other)
 
 
 def _robots() -> dict[str, Path]:

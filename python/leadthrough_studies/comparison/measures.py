@@ -1,16 +1,16 @@
-"""What is measured of a skill: errors, response to a push and to a moved goal, and on an arm."""
+"""What is measured of a skill: errors, response to a push and to a moved goal, its stability."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
-import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.check import Float64Array
-from leadthrough.errors import IkFailure, LeadthroughError
+from leadthrough.errors import LeadthroughError
 from leadthrough.models import DynamicalSkill
 from leadthrough.motion import PoseTrajectory, Trajectory
 from leadthrough.preprocess import dtw_distance, frechet_distance
@@ -18,16 +18,14 @@ from leadthrough.preprocess.resample import by_arc_length
 from leadthrough_studies import metrics
 from leadthrough_studies.study import Row
 
+# The positions (n, d) of a skill's motion from a position to a goal, or to its own without one.
+Made: TypeAlias = Callable[[Float64Array, Float64Array | None], Float64Array]
+
 _COMPARED = 200  # evenly spaced samples
 # A push and a moved goal, in sizes of the motion, and the fraction of the path at which it is
 # pushed.
 _PUSH, _MOVED, _PUSHED_AT = 0.1, 0.2, 0.5
-# Samples at which an arm follows, and metres per unit of a drawing, middle and tool orientation.
-_FOLLOWED = 200
-_PLACES = {"panda": (0.004, (0.5, 0.0, 0.3)), "ur3": (0.003, (-0.05, -0.3, 0.2))}
-_DOWN = (0.0, 1.0, 0.0, 0.0)
-# A joint that turns by more than this from one of 200 samples to the next has leapt, rad.
-_LEAP = 0.3
+_MM = 1e3  # per m
 
 
 def drawing_errors(shown: Trajectory, made: Trajectory) -> Row:
@@ -37,45 +35,73 @@ def drawing_errors(shown: Trajectory, made: Trajectory) -> Row:
     return dict(zip(names, errors.values(), strict=True))
 
 
+def course_errors(shown: Trajectory, made: Trajectory) -> Row:
+    """The errors of a course of points in m, in mm and s; shapes at equal steps of arc length."""
+    wanted, found = (by_arc_length(each.positions, _COMPARED) for each in (shown, made))
+    return {
+        "V_rmse_mm_s": _MM * metrics.velocity_rmse(shown, made),
+        "DTW_mm": _MM * dtw_distance(wanted, found) / _COMPARED,
+        "Frechet_mm": _MM * frechet_distance(wanted, found),
+        "end_mm": _MM * metrics.end_error(shown, made),
+    }
+
+
 def pose_errors(shown: PoseTrajectory, made: PoseTrajectory) -> Row:
     """The errors of a motion of poses at evenly spaced times, in mm and degrees."""
-    wanted, turned = _sampled(shown)
-    positions, orientations = _sampled(made)
+    wanted, turned = evenly_sampled(shown, _COMPARED)
+    positions, orientations = evenly_sampled(made, _COMPARED)
     apart = np.linalg.norm(positions - wanted, axis=1)
     angles = np.degrees(rotations.distance(orientations, turned))
+    speeds = [Trajectory(each.times, each.positions) for each in (shown, made)]
     return {
-        "mean_mm": 1e3 * float(apart.mean()),
-        "DTW_mm": 1e3 * dtw_distance(positions, wanted) / _COMPARED,
+        "mean_mm": _MM * float(apart.mean()),
+        "V_rmse_mm_s": _MM * metrics.velocity_rmse(*speeds),
+        "DTW_mm": _MM * dtw_distance(positions, wanted) / _COMPARED,
+        "Frechet_mm": _MM * frechet_distance(positions, wanted),
         "mean_deg": float(angles.mean()),
-        "end_mm": 1e3 * float(apart[-1]),
+        "end_mm": _MM * float(apart[-1]),
         "end_deg": float(angles[-1]),
     }
 
 
-def responses(skill: Any, shown: Trajectory) -> Row:
+def responses(made: Made, shown: Float64Array, *, ends: bool, unit: float = 1.0) -> Row:
     """What a skill does after a push half-way, and for a goal that has moved, in mm.
 
     A policy goes on from where the push has led; other skills are asked for a new motion from
     there. The rest of the demonstration, carried to the new start or goal, is what is compared
     with.
+
+    Args:
+        made: the skill's motions.
+        shown: positions (n, d) of the demonstration.
+        ends: whether the skill is told the demonstration's end after the push.
+        unit: mm per unit of the positions.
     """
-    path = by_arc_length(shown.positions, _COMPARED)
+    path = by_arc_length(shown, _COMPARED)
     size = float(np.linalg.norm(path - path[-1], axis=1).max())
     row = int(_PUSHED_AT * _COMPARED)
-    along = path[row + 1] - path[row - 1]
-    across = np.array([-along[1], along[0]]) / np.linalg.norm(along)
+    across = _across(path[row + 1] - path[row - 1])
     pushed = path[row] + _PUSH * size * across
-    rest = _carried(path[row:], pushed, path[-1])
     goal = path[-1] + _MOVED * size * across
-    after = skill.generate(start=pushed).positions
-    moved = skill.generate(start=path[0], goal=goal).positions
+    after = by_arc_length(made(pushed, path[-1] if ends else None), _COMPARED)
+    moved = made(path[0], goal)
+    rest = _carried(path[row:], pushed, path[-1])
+    carried = _carried(path, path[0], goal)
     return {
-        "push_Frechet_mm": frechet_distance(rest, by_arc_length(after, _COMPARED)),
-        "goal_Frechet_mm": frechet_distance(
-            _carried(path, path[0], goal), by_arc_length(moved, _COMPARED)
-        ),
-        "goal_end_mm": float(np.linalg.norm(moved[-1] - goal)),
+        "push_Frechet_mm": unit * frechet_distance(rest, after),
+        "goal_Frechet_mm": unit * frechet_distance(carried, by_arc_length(moved, _COMPARED)),
+        "goal_end_mm": unit * float(np.linalg.norm(moved[-1] - goal)),
     }
+
+
+def _across(along: Float64Array) -> Float64Array:
+    """A direction (d,) across another; in space a horizontal one, if there is one."""
+    if len(along) == 2:
+        across = np.array([-along[1], along[0]])
+    else:
+        upright = abs(along[2]) > 0.99 * np.linalg.norm(along)
+        across = np.cross([1.0, 0.0, 0.0] if upright else [0.0, 0.0, 1.0], along)
+    return np.asarray(across / np.linalg.norm(across))
 
 
 def _carried(path: Float64Array, start: Float64Array, goal: Float64Array) -> Float64Array:
@@ -84,41 +110,13 @@ def _carried(path: Float64Array, start: Float64Array, goal: Float64Array) -> Flo
     return np.asarray(path + (1.0 - rise) * (start - path[0]) + rise * (goal - path[-1]))
 
 
-def on_paper(arm: str, made: Trajectory) -> PoseTrajectory:
-    """A drawing in mm on a horizontal table before an arm, the tool pointing down."""
-    scale, middle = _PLACES[arm]
-    flat = made.positions - 0.5 * (made.positions.min(axis=0) + made.positions.max(axis=0))
-    points = np.column_stack([flat[:, 1], flat[:, 0], np.zeros(len(flat))]) * scale + middle
-    return PoseTrajectory(made.times, points, np.tile(_DOWN, (len(points), 1)))
-
-
-def on_arm(arm: str, motion: PoseTrajectory) -> Row:
-    """Whether an arm can run a motion: reachable, without a leap, clear, and how much slower."""
-    robot = lt.Arm.load(arm)
-    times = np.linspace(motion.times[0], motion.times[-1], _FOLLOWED)
-    columns = [np.interp(times, motion.times, column) for column in motion.positions.T]
-    turned = rotations.interpolate(motion.times, motion.orientations, times)
-    way = PoseTrajectory(times, np.column_stack(columns), turned)
-    speeds = np.linalg.norm(np.diff(way.positions, axis=0), axis=1)
-    row = {"begins_at": float(speeds[0] / max(speeds.max(), 1e-12))}
-    try:
-        joints = robot.follow(way, too_fast="exceed_limits")
-    except IkFailure as error:
-        return {**row, "executed": 0, "refused": str(error)[:120]}
-    slow = lt.scale_to_limits(joints, robot.limits)
-    leap = float(np.abs(np.diff(joints.positions, axis=0)).max())
-    clear = bool(robot.check(joints).ok)
-    return {
-        **row,
-        "executed": int(leap < _LEAP and clear),
-        "leap_rad": leap,
-        "clear": int(clear),
-        "slower": slow.duration / joints.duration,
-    }
-
-
 def stability(skill: DynamicalSkill, starts: int) -> Row:
-    """The counts of the skill's stability report, and its own errors by the measure of SEDS."""
+    """The counts of the skill's stability report.
+
+    Args:
+        skill: the system.
+        starts: number of starts.
+    """
     report = skill.stability(starts)
     return {
         "starts": report.starts,
@@ -160,16 +158,21 @@ def direction_error(
     return float(np.sqrt(along * turned**2 + speed * apart).mean())
 
 
-def _sampled(motion: PoseTrajectory) -> tuple[Float64Array, Float64Array]:
-    at = np.linspace(motion.times[0], motion.times[-1], _COMPARED)
+def evenly_sampled(motion: PoseTrajectory, count: int) -> tuple[Float64Array, Float64Array]:
+    """Positions (count, 3) and orientations (count, 4) at evenly spaced times."""
+    at = np.linspace(motion.times[0], motion.times[-1], count)
     columns = [np.interp(at, motion.times, column) for column in motion.positions.T]
     return np.column_stack(columns), rotations.interpolate(motion.times, motion.orientations, at)
 
 
 def tried(work: Any) -> Row:
-    """The row that some work returns, or why the method refused it."""
+    """The row that some work returns, or why the method refused it.
+
+    Args:
+        work: called without arguments.
+    """
     try:
         row: Row = work()
-    except LeadthroughError as error:
+    except (LeadthroughError, np.linalg.LinAlgError) as error:
         return {"refused": str(error)[:160]}
     return row

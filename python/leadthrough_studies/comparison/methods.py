@@ -1,19 +1,19 @@
 """The models that are compared, each with the settings among which inner cross-validation chooses.
 
 A model joins with one line. What is not one of the package's models offers the same `fit` and
-`generate`; libraries that are not installed are left out.
+`generate`; libraries that are not installed are left out (`rivals.MISSING`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from importlib.util import find_spec
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from leadthrough import rotations
+from leadthrough.errors import LeadthroughError
 from leadthrough.models import (
     CLFDM,
     DMP,
@@ -29,6 +29,14 @@ from leadthrough.models import (
 )
 from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
 from leadthrough.preprocess.resample import arc_length
+from leadthrough_studies.comparison.rivals import (
+    MISSING,
+    CartesianPrimitive,
+    ConditionedPrimitive,
+    OfPoses,
+    ProDMP,
+    TimeRegression,
+)
 
 Shown: TypeAlias = Sequence[Demonstration]
 # A model of the package, or what offers `fit` as they do; a skill with `generate`.
@@ -124,7 +132,8 @@ class PeerPrimitive:
             return Trajectory(made_times, made)
 
 
-_SYSTEMS: dict[str, tuple[Model, ...]] = {
+# The dynamical systems.
+SYSTEMS: dict[str, tuple[Model, ...]] = {
     "SEDS, likelihood": (SEDS(components=4), SEDS(components=6), SEDS(components=8)),
     "SEDS, mean square": tuple(SEDS(components=k, objective="mse") for k in (4, 6, 8)),
     "LPV-DS": (LPVDS(), LPVDS(components=6), LPVDS(components=9)),
@@ -133,7 +142,6 @@ _SYSTEMS: dict[str, tuple[Model, ...]] = {
     "UMIC": (UMIC(kernels=30), UMIC(kernels=50)),
     "Modified DS": (ModifiedDS(units=50), ModifiedDS(units=100), ModifiedDS(units=200)),
 }
-SYSTEMS = tuple(_SYSTEMS)
 
 # Prados et al. 2023: 25 pixels and one cell a pixel, at 8.3 pixels per mm.
 _PAPER = FastMarching(
@@ -147,14 +155,33 @@ POINTS: dict[str, tuple[Model, ...]] = {
     "DMP": (DMP(),),
     "ProMP": (ProMP(),),
     "GMR": (GMR(),),
-    **_SYSTEMS,
+    **SYSTEMS,
     "nearest demonstration, shifted": (NearestShifted(),),
 }
-if find_spec("movement_primitives"):
-    POINTS["movement_primitives, nearest demonstration"] = (
-        PeerPrimitive(weights=20),
-        PeerPrimitive(weights=50),
-    )
+_NEAREST = "movement_primitives, nearest demonstration"
+_RIVALS: dict[str, tuple[str, tuple[Model, ...]]] = {
+    "movement_primitives, ProMP": (
+        "movement-primitives",
+        tuple(ConditionedPrimitive(weights=n) for n in (10, 20, 30)),
+    ),
+    "gmr": ("gmr", tuple(TimeRegression(components=k) for k in (6, 10, 15))),
+    "MP_PyTorch, ProDMP": (
+        "mp_pytorch",
+        (ProDMP(weights=10), ProDMP(weights=25), ProDMP(weights=25, nearest=True)),
+    ),
+}
+_INSTALLED = {name: models for name, (package, models) in _RIVALS.items() if package not in MISSING}
+if "movement-primitives" not in MISSING:
+    POINTS[_NEAREST] = (PeerPrimitive(weights=20), PeerPrimitive(weights=50))
+POINTS |= _INSTALLED
+
+# For courses in m: the paper's setting in space has cells of 1 cm.
+COURSES: dict[str, tuple[Model, ...]] = {
+    **POINTS,
+    "FML, paper's setting": (
+        FastMarching(area_of_influence=0.05, saturation=0.25, resolution=0.01, method="map"),
+    ),
+}
 
 # For poses. UMIC is left out: its constraint at samples says little in six dimensions.
 POSES: dict[str, tuple[Model, ...]] = {
@@ -162,10 +189,13 @@ POSES: dict[str, tuple[Model, ...]] = {
     "PoseDMP": (PoseDMP(),),
     "ProMP": (ProMP(),),
     "GMR": (GMR(),),
-    **{name: models for name, models in _SYSTEMS.items() if name not in {"UMIC", "FSM-DM"}},
+    **{name: models for name, models in SYSTEMS.items() if name not in {"UMIC", "FSM-DM"}},
     "FSM-DM": (FSMDM(units=8), FSMDM(units=15)),
     "nearest demonstration, shifted": (NearestShifted(),),
 }
+if "movement-primitives" not in MISSING:
+    POSES[_NEAREST] = (CartesianPrimitive(),)
+POSES |= {name: tuple(OfPoses(each) for each in models) for name, models in _INSTALLED.items()}
 
 
 def chosen(models: Sequence[Model], shown: Shown, error: Error, *, folds: int) -> Model:
@@ -185,7 +215,10 @@ def chosen(models: Sequence[Model], shown: Shown, error: Error, *, folds: int) -
     def total(model: Model) -> float:
         found = 0.0
         for i in left_out:
-            skill = model.fit([each for j, each in enumerate(shown) if j != i])
+            try:
+                skill = model.fit([each for j, each in enumerate(shown) if j != i])
+            except LeadthroughError:
+                return float("inf")
             found += error(skill, [shown[i]])
         return found
 

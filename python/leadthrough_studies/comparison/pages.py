@@ -8,6 +8,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from leadthrough.show import page
+from leadthrough_studies.comparison.rivals import NOT_INSTALLED
 from leadthrough_studies.study import Row, selected
 
 _TITLES = {"LOO": "Handwriting, left out", "IN": "Handwriting, left in"}
@@ -26,7 +27,10 @@ def page_parts(
     parts = []
     for part in dict.fromkeys(row["part"] for row in table):
         own = selected(table, part=part)
-        parts += [page.heading(_TITLES.get(part, f"Poses: {part}")), _table(own)]
+        parts += [
+            page.heading(_TITLES.get(part, f"Left out, start and goal given: {part}")),
+            _table(own),
+        ]
     for title, name in (
         ("Stability of the dynamical systems", "stability"),
         ("Table 2 of Prados et al. 2023, anew", "table_2"),
@@ -35,6 +39,8 @@ def page_parts(
         if summary[name]:
             parts += [page.heading(title), _table(summary[name])]
     parts.append(page.text(summary["remark"]))
+    if summary["not_installed"]:
+        parts.append(page.text(NOT_INSTALLED.format(", ".join(summary["not_installed"]))))
     captions = {"errors": "Means of all methods, left out and left in"}
     caption = "The first drawing of each motion, left out, and what the methods make of it"
     parts += [page.figure(each, captions.get(name, caption)) for name, each in figures.items()]

@@ -9,38 +9,36 @@ from matplotlib.figure import Figure
 
 from leadthrough.io import lasa
 from leadthrough.show import plot
+from leadthrough_studies.comparison.on_arms import ARMS
 from leadthrough_studies.comparison.pages import page_parts
 from leadthrough_studies.comparison.paper import REMARK, TABLE_1, TABLE_2
+from leadthrough_studies.comparison.rivals import MISSING
 from leadthrough_studies.study import Report, Row, mean, selected
 
+_RESPONSES = ("push_Frechet_mm", "goal_Frechet_mm", "goal_end_mm")
+_COSTS = ("fit_cpu_s", "generate_cpu_s")
+_ON_ARM = ("executed", "reachable", "without_leap", "clear", "slower", "begins_at")
+_ON_ARMS = tuple(f"{arm}_{name}" for arm in ARMS for name in _ON_ARM)
+_SHARED = (*_RESPONSES, *_COSTS, *_ON_ARMS)
 _DRAWING = (
     "SEA_mm2",
     "V_rmse_mm_s",
     "DTW_mm",
     "Frechet_mm",
     "end_mm",
-    "push_Frechet_mm",
-    "goal_Frechet_mm",
-    "goal_end_mm",
     "direction_error",
-    "fit_cpu_s",
-    "generate_cpu_s",
-    "panda_executed",
-    "panda_slower",
-    "panda_begins_at",
-    "ur3_executed",
-    "ur3_slower",
+    *_SHARED,
 )
+_COURSE = ("V_rmse_mm_s", "DTW_mm", "Frechet_mm", "end_mm", *_SHARED)
 _POSE = (
     "mean_mm",
+    "V_rmse_mm_s",
     "DTW_mm",
+    "Frechet_mm",
     "mean_deg",
     "end_mm",
     "end_deg",
-    "fit_cpu_s",
-    "generate_cpu_s",
-    "panda_executed",
-    "panda_slower",
+    *_SHARED,
 )
 _PIXELS = 7 * 8.3**2  # of the paper's sum over seven demonstrations
 _PICTURED = ("FastMarching", "ProMP", "CLF-DM", "Modified DS", "SEDS, likelihood")
@@ -48,7 +46,7 @@ _PICTURED = ("FastMarching", "ProMP", "CLF-DM", "Modified DS", "SEDS, likelihood
 
 def report(config: Any, rows: list[Row]) -> Report:
     """The means of every method by protocol and task, and the paper's tables anew."""
-    table = [*_drawings(config, rows), *_poses(config, rows)]
+    table = [*_drawings(config, rows), *_others(config, rows)]
     figures = {"errors": _errors_figure(config, rows)} if selected(rows, study="drawings") else {}
     for start in range(0, len(config.motions), 15):
         motions = config.motions[start : start + 15]
@@ -56,6 +54,7 @@ def report(config: Any, rows: list[Row]) -> Report:
     summary = {
         "remark": REMARK,
         "first": _first(table),
+        "not_installed": list(MISSING),
         "table_1": _table_1(rows),
         "table_2": _table_2(rows),
         "stability": _stability(config, rows),
@@ -72,22 +71,34 @@ def _drawings(config: Any, rows: list[Row]) -> list[Row]:
     ]
 
 
-def _poses(config: Any, rows: list[Row]) -> list[Row]:
-    names = list(dict.fromkeys(row["task"] for row in selected(rows, study="poses")))
+def _others(config: Any, rows: list[Row]) -> list[Row]:
+    """The courses, then the motions of poses."""
     return [
-        _line(task, method, own, _POSE)
-        for task in names
-        for method in config.poses
-        if (own := selected(rows, study="poses", task=task, method=method))
+        _line(name, method, own, columns)
+        for study, motions, columns in (
+            ("courses", config.courses, _COURSE),
+            ("poses", config.motions_of_poses, _POSE),
+        )
+        for name, _ in motions
+        for method in (config.points if study == "courses" else config.poses)
+        if (own := selected(rows, study=study, task=name, method=method))
     ]
 
 
 def _line(part: str, method: str, rows: list[Row], columns: tuple[str, ...]) -> Row:
-    """One row of the table; columns of the other part are empty."""
+    """One row of the table; columns of the other parts are empty.
+
+    Times are medians, as the first call of a library also loads it; all others are means.
+    """
     every = dict.fromkeys((*_DRAWING, *_POSE))
-    means = {name: mean(rows, name) for name in columns}
+    found = {name: (_median if name in _COSTS else mean)(rows, name) for name in columns}
     refused = sum("refused" in row for row in rows)
-    return {"part": part, "method": method, "n": len(rows), "refused": refused, **every, **means}
+    return {"part": part, "method": method, "n": len(rows), "refused": refused, **every, **found}
+
+
+def _median(rows: list[Row], column: str) -> float | None:
+    values = [row[column] for row in rows if column in row]
+    return float(np.median(values)) if values else None
 
 
 def _first(table: list[Row]) -> dict[str, list[str]]:

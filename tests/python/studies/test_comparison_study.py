@@ -7,7 +7,7 @@ import numpy as np
 import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.models import LPVDS
-from leadthrough_studies.comparison import STUDY, measures, methods, study
+from leadthrough_studies.comparison import STUDY, measures, methods, on_arms, study
 from leadthrough_studies.study import run, selected
 
 U = np.linspace(0.0, 1.0, 1000)
@@ -26,13 +26,23 @@ def test_all_parts_are_in_the_report_and_a_second_start_has_nothing_left_to_do(t
     file = tmp_path / "bow.npy"
     np.save(file, np.stack([recorded(x) for x in (-4.0, 0.0, 4.0)]))
     config = study.ComparisonConfig(
-        ("Angle",), FEW, files=(str(file),), poses=FEW, left_out=1, folds=0, starts=50
+        ("Angle",),
+        FEW,
+        courses=(("reach over a box", ""),),
+        motions_of_poses=(("bow", str(file)),),
+        poses=FEW,
+        left_out=1,
+        folds=0,
+        starts=50,
     )
     outcome = run(STUDY, config, out=tmp_path / "out")
     assert not outcome.failures
     table = outcome.report.table
-    assert {row["part"] for row in table} == {"IN", "LOO", "bow"}
-    assert len(table) == 3 * len(FEW)
+    assert {row["part"] for row in table} == {"IN", "LOO", "bow", "reach over a box"}
+    assert len(table) == 4 * len(FEW)
+    for row in table:
+        assert row["panda_executed"] == row["panda_reachable"] == row["panda_clear"] == 1
+        assert row["goal_end_mm"] < 1e-3
     for row in selected(table, part="LOO"):
         assert row["SEA_mm2"] < 1000.0
         assert row["end_mm"] < 1e-6
@@ -68,12 +78,12 @@ def test_inner_cross_validation_takes_the_model_that_predicts_left_out_demonstra
 def test_arm_refuses_what_it_cannot_reach_and_tells_how_much_slower_it_is():
     t = np.linspace(0.0, 1.0, 50)
     made = lt.Trajectory(t, np.outer(t**2 * (3 - 2 * t), [40.0, 20.0]))
-    row = measures.on_arm("panda", measures.on_paper("panda", made))
+    row = on_arms.on_arm("panda", on_arms.on_paper("panda", made))
     assert row["executed"] == 1
     assert row["slower"] >= 1.0
     assert row["begins_at"] < 0.2
     far = replace(made, positions=20.0 * made.positions)
-    assert measures.on_arm("panda", measures.on_paper("panda", far))["executed"] == 0
+    assert on_arms.on_arm("panda", on_arms.on_paper("panda", far))["executed"] == 0
 
 
 def test_direction_error_is_small_for_the_system_that_made_the_motion():
