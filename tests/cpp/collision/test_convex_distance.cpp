@@ -117,10 +117,17 @@ double gap(const Convex& a, const Pose& A, const Convex& b, const Pose& B, const
   return -reach(b, B, -d) - reach(a, A, d);
 }
 
-// Climbs from a direction by ever smaller random steps.
-double widest_gap(const Convex& a, const Pose& A, const Convex& b, const Pose& B, Vector3d start,
-                  Random& random) {
+// Climbs from the best of many random directions by ever smaller random steps.
+double widest_gap(const Convex& a, const Pose& A, const Convex& b, const Pose& B, Random& random) {
+  Vector3d start = Vector3d::UnitX();
   double best = gap(a, A, b, B, start);
+  for (int i = 0; i < 100; ++i) {
+    const Vector3d d = random.vector(1.0).normalized();
+    const double found = gap(a, A, b, B, d);
+    if (found <= best) continue;
+    best = found;
+    start = d;
+  }
   for (double step = 0.5; step > 1e-9; step *= 0.6) {
     for (int i = 0; i < 60; ++i) {
       const Vector3d d = (start + random.vector(step)).normalized();
@@ -174,10 +181,8 @@ TEST(ConvexDistance, DepthIsThatOfTheShallowestDirection) {
     const Vector3d way = (ours.on_a - ours.on_b).normalized();
     // No direction, searched for from many others, sees a wider gap; ours is one of them.
     EXPECT_NEAR(gap(a, A, b, B, way), ours.distance, 1e-6) << i;
-    for (int start = 0; start < 8; ++start) {
-      const double other = widest_gap(a, A, b, B, random.vector(1.0).normalized(), random);
-      EXPECT_LE(other, ours.distance + 1e-6) << i;
-    }
+    for (int climb = 0; climb < 2; ++climb)
+      EXPECT_LE(widest_gap(a, A, b, B, random), ours.distance + 1e-6) << i;
     // Moved apart by the depth along its direction, the bodies touch.
     Pose moved = B;
     moved.position -= ours.distance * way;

@@ -143,7 +143,7 @@ TEST(TaskPriority, RegularStacksAgreeWithThePseudoInverses) {
 
 TEST(TaskPriority, MotionStaysInsideTheBox) {
   Random random(3);
-  for (int repeat = 0; repeat < 3000; ++repeat) {
+  for (int repeat = 0; repeat < 1000; ++repeat) {
     const int joints = random.whole(3, kMaxJoints);
     std::vector<Level> levels = random_stack(random, joints);
     for (Level& each : levels) each.wanted *= 10.0;
@@ -172,7 +172,7 @@ TEST(TaskPriority, ALevelThatFitsTheBoxIsMetExactly) {
 
 TEST(TaskPriority, AUnilateralLevelIsOneSidedAndContinuousInItsActivation) {
   Random random(5);
-  for (int repeat = 0; repeat < 100; ++repeat) {
+  for (int repeat = 0; repeat < 40; ++repeat) {
     std::vector<Level> levels;
     for (int i = 0; i < 2; ++i) {
       levels.push_back(level(random.matrix(1, 7), random.matrix(1, 1)));
