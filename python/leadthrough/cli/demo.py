@@ -1,9 +1,10 @@
-"""`leadthrough demo`: the whole pipeline, from handwriting to a robot."""
+"""`leadthrough demo`: the whole pipeline, from demonstrations to three arms."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich import box
@@ -11,47 +12,59 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
+if TYPE_CHECKING:
+    from leadthrough_studies.demo.performed import Performed
+    from leadthrough_studies.handwriting.demo import Handwriting
+
+SCENES = ("handwriting", "pouring", "harvesting")
+
 
 def demo(
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("leadthrough-demo"),
+    scene: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Scene to show: handwriting, pouring or harvesting; may be repeated. By default "
+            "all three."
+        ),
+    ] = None,
     motion: Annotated[
         list[str] | None,
         typer.Option(
             help="Motion of the LASA handwriting set, such as GShape; may be repeated. By default "
-            "eight of them."
+            "eight of them. The arm is shown with the first."
         ),
     ] = None,
 ) -> None:
-    """Learn human handwriting, plan it around a box and write it with a UR3 arm."""
-    from leadthrough.arm import Arm
-    from leadthrough_studies.handwriting import report
-    from leadthrough_studies.handwriting.demo import MOTIONS, HandwritingConfig, run
+    """Show three arms that learn: a UR3 writes, a Panda pours, a TIAGo harvests."""
+    from leadthrough import check
+    from leadthrough_studies.demo import report, scenes
 
-    config = HandwritingConfig()
-    arm = Arm.load(config.robot)
-    results, learning = [], []
-    for name in track(motion or MOTIONS, description="Learning and writing"):
-        result = run(name, arm, config)
-        learning.append(report.write_motion(result, arm.limits, out / name))
-        results.append(result)
-    overview = report.write_summary(results, out)
-    report.write_page(results, arm, config, out, overview=overview, learning=learning)
-
-    simulated = report.write_simulation(results[0], arm, config, out)
-
-    columns = ("motion", "SEA\nmm²", "V_rmse\nmm/s", "DTWD/N\nmm", "Fréchet\nmm", "time\ns")
-    table = Table(*columns, "slowed", "limits", "arm", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    rows = report.error_rows(results)
-    for row, result in zip(rows, results, strict=False):
-        verdict = "kept" if result.limits.ok else "exceeded"
-        slowed = f"x {result.slowing:.2f}"
-        whole_arm = "clear" if result.clearance.ok else "hits"
-        table.add_row(*row, f"{result.joints.duration:.2f}", slowed, verdict, whole_arm)
-    table.add_row(*rows[-1], end_section=True)
+    wanted = dict.fromkeys(check.choice(name, "--scene", SCENES) for name in scene or SCENES)
+    shown: list[Performed] = []
+    written: list[Handwriting] = []
+    if "handwriting" in wanted:
+        names = track(motion or scenes.MOTIONS, description="Writing")
+        first, written = scenes.handwriting(names, out)
+        shown.append(first)
+    others = [name for name in wanted if name != "handwriting"]
+    told = track(others, description=" and ".join(others).capitalize(), disable=not others)
+    shown += [scenes.other(name, out) for name in told]
+    report.write_page(shown, written, out)
+    simulated = report.write_simulation(shown[0], out)
     console = Console()
-    console.print(table)
-    console.print(f"Figures, errors.csv and the joint trajectories: {out}/")
-    console.print(f"Report to open in a browser: {out / 'report.html'}")
-    console.print(f"The first motion under gravity and a controller: {simulated}")
-    if not all(result.limits.ok and result.clearance.ok for result in results):
+    console.print(_table(*report.glance(shown)))
+    if written:
+        console.print(_table(*report.errors(written)))
+    console.print(f"Figures, tables and the joint trajectories: {out}/")
+    console.print(f"Page to open in a browser: {out / 'report.html'}")
+    console.print(f"{shown[0].name} under gravity and a controller: {simulated}")
+    if not (all(each.ok for each in shown) and all(each.ok for each in written)):
         raise typer.Exit(1)
+
+
+def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
+    table = Table(*columns, box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    for row in rows:
+        table.add_row(*row)
+    return table

@@ -6,8 +6,9 @@ import base64
 import html
 import io
 import json
+import re
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from typing import Any
 
@@ -17,9 +18,13 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough.check import Float64Array
+from leadthrough.drawing import palette
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.show.creases import creased
 from leadthrough.show.scene import Scene
+
+# Black lines and texts of figures have the colour of the page's own text.
+_INK = re.compile(rf"{palette.BLACK}\b|#000000\b")
 
 
 def write_page(
@@ -30,7 +35,7 @@ def write_page(
     Args:
         path: the file to write.
         title: its title.
-        parts: made by `scene`, `figure`, `table`, `text` and `heading`, in this order.
+        parts: made by the functions below, in this order.
         whole: whether the only part, a scene, fills the window.
 
     Raises:
@@ -42,7 +47,7 @@ def write_page(
         style=_resource("page.css"),
         kind="whole" if whole else "report",
         body=body,
-        script=_resource("scene.js"),
+        script=_resource("shaders.js") + _resource("scene.js"),
     )
     with replacing(path) as temporary:
         temporary.write_text(content, encoding="utf-8")
@@ -55,20 +60,60 @@ def scene(shown: Scene, caption: str = "") -> str:
 
 
 def figure(drawn: Figure, caption: str = "") -> str:
-    """A figure as vector graphics, sharp at every size, with a caption below."""
+    """A figure as vector graphics, sharp at every size, on light and dark pages, with a caption."""
     content = io.StringIO()
     with rc_context({"svg.hashsalt": "leadthrough"}):  # the same figure, the same file
-        drawn.savefig(content, format="svg", metadata={"Date": None})
-    svg = content.getvalue()
-    return f"<figure>{svg[svg.index('<svg') :]}{_caption(caption)}</figure>"
+        drawn.savefig(content, format="svg", metadata={"Date": None}, facecolor="none")
+    svg = _INK.sub("currentColor", content.getvalue()).replace("fill: #ffffff", "fill: none")
+    told = html.escape(caption or "figure", quote=True)
+    drawn_as = f'<svg role="img" aria-label="{told}"' + svg[svg.index("<svg") + len("<svg") :]
+    return f"<figure>{drawn_as}{_caption(caption)}</figure>"
+
+
+def gallery(parts: Sequence[str], *, width: float = 18.0) -> str:
+    """Figures side by side, as many in a row as there is room for.
+
+    Args:
+        parts: made by `figure`.
+        width: least width of each, in the page's size of type.
+    """
+    return f'<div class="gallery" style="--least: {width:g}rem">{"".join(parts)}</div>'
+
+
+def legend(entries: Mapping[str, str], *, dashed: Sequence[str] = ()) -> str:
+    """What the colours of figures mean.
+
+    Args:
+        entries: a colour such as "#0072b2" for each name.
+        dashed: names of those that are drawn dashed.
+    """
+    lines = (
+        f'<li><i class="{"dashed" if name in dashed else "line"}" '
+        f'style="color: {_INK.sub("currentColor", colour)}"></i>{html.escape(name)}</li>'
+        for name, colour in entries.items()
+    )
+    return f'<ul class="legend">{"".join(lines)}</ul>'
 
 
 def table(columns: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
-    """A table of rows of values below the names of its columns."""
-    head = "".join(f"<th>{html.escape(name)}</th>" for name in columns)
+    """A table of rows of values below the names of its columns; it scrolls where it is too wide."""
+    head = "".join(f'<th scope="col">{html.escape(name)}</th>' for name in columns)
     lines = ("".join(f"<td>{html.escape(str(value))}</td>" for value in row) for row in rows)
     body = "\n".join(f"<tr>{line}</tr>" for line in lines)
-    return f"<table><thead><tr>{head}</tr></thead><tbody>\n{body}\n</tbody></table>"
+    return (
+        f'<div class="wide" tabindex="0"><table><thead><tr>{head}</tr></thead>'
+        f"<tbody>\n{body}\n</tbody></table></div>"
+    )
+
+
+def terms(explained: Mapping[str, str]) -> str:
+    """A list of terms, each with what it means."""
+    return "<dl>{}</dl>".format(
+        "".join(
+            f"<dt>{html.escape(term)}</dt><dd>{html.escape(meaning)}</dd>"
+            for term, meaning in explained.items()
+        )
+    )
 
 
 def text(content: str) -> str:
@@ -77,8 +122,22 @@ def text(content: str) -> str:
 
 
 def heading(content: str) -> str:
-    """The title of a section."""
-    return f"<h2>{html.escape(content)}</h2>"
+    """The title of a section, which `contents` leads to."""
+    return f'<h2 id="{_anchor(content)}">{html.escape(content)}</h2>'
+
+
+def contents(headings: Sequence[str]) -> str:
+    """Links to sections.
+
+    Args:
+        headings: their titles.
+    """
+    links = (f'<a href="#{_anchor(each)}">{html.escape(each)}</a>' for each in headings)
+    return f'<nav aria-label="contents">{"".join(links)}</nav>'
+
+
+def _anchor(title: str) -> str:
+    return re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")
 
 
 def _caption(content: str) -> str:
@@ -155,8 +214,9 @@ def _extent(shown: Scene) -> dict[str, Any]:
     }
 
 
-_SCENE = """<figure class="scene"><div class="stage"><canvas></canvas>
-<div class="layers"></div>
+_SCENE = """<figure class="scene"><div class="stage"><canvas tabindex="0" role="img"
+aria-label="3D scene: arrow keys turn it, plus and minus zoom, space plays"></canvas>
+<div class="layers" role="group" aria-label="layers"></div>
 <div class="bar"><button class="play" aria-label="play">▶</button>
 <input class="time" type="range" min="0" max="1" step="any" value="0" aria-label="time">
 <span class="clock"></span>

@@ -1,7 +1,5 @@
-// Draws scenes of moving arms with WebGL 2: no library, no network.
-"use strict";
+// Draws scenes of moving arms with WebGL 2: no library, no network. After shaders.js.
 
-const SHADOW_SIZE = 2048;
 const FIELD_OF_VIEW = 0.6; // rad
 const LIGHT = normalise([0.45, -0.35, 1.0]);
 
@@ -53,76 +51,6 @@ function posed(p, q) {
 }
 
 const UNMOVED = posed([0, 0, 0], [1, 0, 0, 0]);
-
-const SURFACE_VERTEX = `#version 300 es
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec3 normal;
-uniform mat4 model, view, light;
-out vec3 place, facing;
-out vec4 lit;
-void main() {
-  vec4 world = model * vec4(position, 1.0);
-  place = world.xyz;
-  facing = mat3(model) * normal;
-  lit = light * world;
-  gl_Position = view * world;
-}`;
-
-const SHADOW = `
-uniform highp sampler2DShadow shadow;
-in vec4 lit;
-float sunlight(float bias) {
-  vec3 at = 0.5 * lit.xyz + 0.5;
-  if (at.x < 0.0 || at.x > 1.0 || at.y < 0.0 || at.y > 1.0 || at.z > 1.0) return 1.0;
-  float sum = 0.0;
-  for (int i = -2; i <= 2; i++)
-    for (int j = -2; j <= 2; j++)
-      sum += texture(shadow, vec3(at.xy + vec2(i, j) / ${SHADOW_SIZE}.0, at.z - bias));
-  return sum / 25.0;
-}`;
-
-const SURFACE_FRAGMENT = `#version 300 es
-precision highp float;
-in vec3 place, facing;
-uniform vec3 colour, eye, sun;
-uniform float opacity;
-out vec4 result;
-${SHADOW}
-void main() {
-  vec3 n = normalize(gl_FrontFacing ? facing : -facing), v = normalize(eye - place);
-  vec3 base = pow(colour, vec3(2.2));
-  float key = max(dot(n, sun), 0.0);
-  if (key > 0.0) key *= sunlight(0.0025 + 0.004 * (1.0 - key));
-  vec3 sky = mix(vec3(0.26, 0.25, 0.24), vec3(0.44, 0.46, 0.50), 0.5 + 0.5 * n.z);
-  float fill = 0.16 * max(dot(n, normalize(v + vec3(0.0, 0.0, 0.2))), 0.0);
-  float shine = pow(max(dot(n, normalize(v + sun)), 0.0), 48.0) * step(0.001, key);
-  float rim = 0.10 * pow(1.0 - max(dot(n, v), 0.0), 3.0);
-  vec3 light = base * (sky + fill + vec3(0.62, 0.60, 0.56) * key) + vec3(0.10 * shine * key + rim * 0.4);
-  result = vec4(pow(light, vec3(1.0 / 2.2)), opacity);
-}`;
-
-const GROUND_FRAGMENT = `#version 300 es
-precision highp float;
-in vec3 place, facing;
-uniform float reach;
-out vec4 result;
-${SHADOW}
-float lines(vec2 at, float width) {
-  vec2 cell = abs(fract(at - 0.5) - 0.5), blur = fwidth(at);
-  vec2 line = 1.0 - smoothstep(vec2(0.0), width * blur, cell);
-  return max(line.x, line.y) * (1.0 - clamp(max(blur.x, blur.y) * 3.0, 0.0, 1.0));
-}
-void main() {
-  float fade = 1.0 - smoothstep(0.35 * reach, reach, length(place.xy));
-  float grid = 0.10 * lines(10.0 * place.xy, 1.1) + 0.22 * lines(2.0 * place.xy, 1.3);
-  float shade = 0.38 * (1.0 - sunlight(0.002));
-  result = vec4(mix(vec3(0.35, 0.42, 0.50), vec3(0.10, 0.13, 0.18), step(grid, shade)),
-                max(grid, shade) * fade);
-}`;
-
-const DEPTH_FRAGMENT = `#version 300 es
-precision mediump float;
-void main() {}`;
 
 function shader(gl, vertex, fragment) {
   const program = gl.createProgram();
@@ -277,14 +205,34 @@ class SceneView {
       label.append(box, swatch, layer);
       find("layers").append(label);
     }
-    this.play(true);
+    this.play(!matchMedia("(prefers-reduced-motion: reduce)").matches);
+    this.keys();
+  }
+
+  keys() {
+    const turn = (dx, dy) => () => this.turn(dx, dy), zoom = (f) => () => { this.distance *= f; };
+    const by = {
+      ArrowLeft: turn(-12, 0), ArrowRight: turn(12, 0), ArrowUp: turn(0, 12), ArrowDown: turn(0, -12),
+      "+": zoom(0.9), "=": zoom(0.9), "-": zoom(1 / 0.9), " ": () => this.play(!this.playing),
+    };
+    this.canvas.onkeydown = (event) => {
+      if (!by[event.key] || event.ctrlKey || event.metaKey) return;
+      event.preventDefault();
+      by[event.key]();
+      this.changed();
+    };
+  }
+
+  turn(dx, dy) {
+    this.azimuth -= 0.008 * dx;
+    this.elevation = Math.min(Math.max(this.elevation + 0.008 * dy, -0.2), 1.55);
   }
 
   home() {
     const { centre, radius } = this.data, shape = this.canvas.clientWidth / this.canvas.clientHeight;
     // A little lower than the middle: the bar with the time lies over the bottom.
-    const target = along(centre, [0, 0, 1], -0.14 * radius);
-    const distance = 0.88 * radius / Math.sin(FIELD_OF_VIEW / 2) / Math.min(shape || 1, 1);
+    const target = along(centre, [0, 0, 1], -0.1 * radius);
+    const distance = 0.98 * radius / Math.sin(FIELD_OF_VIEW / 2) / Math.min(shape || 1, 1);
     Object.assign(this, { azimuth: -0.85, elevation: 0.42, target, distance });
   }
 
@@ -301,10 +249,7 @@ class SceneView {
       held.set(e.pointerId, e);
       if (gap) this.distance *= gap / apart();
       else if (e.buttons & 2 || e.shiftKey) this.pan(dx, dy);
-      else {
-        this.azimuth -= 0.008 * dx;
-        this.elevation = Math.min(Math.max(this.elevation + 0.008 * dy, -0.2), 1.55);
-      }
+      else this.turn(dx, dy);
       this.changed();
     };
     canvas.addEventListener("wheel", (e) => {

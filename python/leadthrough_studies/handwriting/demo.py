@@ -94,6 +94,11 @@ class Handwriting:
     errors: metrics.ReproductionErrors
     clearance: CollisionReport
 
+    @property
+    def ok(self) -> bool:
+        """Whether the motion keeps all limits and the arm is clear."""
+        return self.limits.ok and self.clearance.ok
+
 
 def run(name: str, arm: Arm, config: HandwritingConfig) -> Handwriting:
     """Learn and reproduce one motion, plan it around a box and compute the arm's joints."""

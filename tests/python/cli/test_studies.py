@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from dataclasses import replace
 
 import pytest
@@ -14,24 +15,45 @@ from leadthrough_studies.ur3.study import STUDY, Setting, Ur3Config
 runner = CliRunner()
 
 
-def test_demo_writes_figures_errors_and_trajectories(tmp_path):
-    out = tmp_path / "results"
-    result = runner.invoke(cli.app, ["demo", "--out", str(out), "--motion", "GShape"])
+@pytest.fixture(scope="module")
+def shown(tmp_path_factory):
+    """What the demo prints and writes with one motion of handwriting, without recordings."""
+    out = tmp_path_factory.mktemp("demo") / "results"
+    with pytest.MonkeyPatch.context() as patched:
+        patched.delenv("LEADTHROUGH_DATA", raising=False)
+        result = runner.invoke(cli.app, ["demo", "--out", str(out), "--motion", "GShape"])
     assert result.exit_code == 0, result.output
-    assert "GShape" in result.output
-    for name in ("overview.png", "GShape/learning.png", "GShape/joints.png"):
+    return result.output, out
+
+
+def test_demo_writes_figures_errors_and_trajectories(shown):
+    printed, out = shown
+    assert "GShape" in printed
+    for name in ("overview.png", "GShape/learning.png", "GShape/joints.png", "pouring/joints.png"):
         assert (out / name).read_bytes().startswith(b"\x89PNG")
     with (out / "errors.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [row["motion"] for row in rows] == ["GShape", "mean"]
     assert 0 < float(rows[0]["SEA_mm2"]) < 500
-    message = json.loads((out / "GShape" / "trajectory.json").read_text())
-    assert message["points"][-1]["velocities"] == [0.0] * 6
-    assert (out / "GShape" / "trajectory.csv").is_file()
-    report = (out / "report.html").read_text()
-    assert report.count('<figure class="scene">') == 1
-    assert report.count("<svg") == 2
-    assert "<td>GShape</td>" in report
+    for name, joints in (("GShape", 6), ("pouring", 7), ("harvesting", 7)):
+        message = json.loads((out / name / "trajectory.json").read_text())
+        assert message["points"][-1]["velocities"] == pytest.approx([0.0] * joints, abs=1e-9)
+        assert (out / name / "trajectory.csv").is_file()
+    assert [event["name"] for event in message["events"]] == ["closed", "opened"]
+    assert (out / "simulated.html").is_file()
+
+
+def test_page_of_the_demo_shows_three_arms_and_explains_every_measure(shown):
+    report = (shown[1] / "report.html").read_text()
+    assert report.count('<figure class="scene">') == 3
+    assert report.count("<svg") == 1
+    for arm in ("ur3", "panda", "tiago"):
+        assert f"<td>{arm}</td>" in report
+    assert report.count("<td>kept</td>") == report.count("<td>clear</td>") == 3
+    explained = " ".join(re.findall("<dt>(.*?)</dt>", report))
+    for measured in ("SEA", "V_rmse", "DTWD/N", "Fréchet", "to itself", "acceleration"):
+        assert measured in explained
+    assert set(re.findall('href="#(.*?)"', report)) <= set(re.findall('id="(.*?)"', report))
 
 
 def test_unknown_motion_is_an_error_of_one_line(tmp_path, monkeypatch, capsys):

@@ -91,6 +91,7 @@ WRONG = {
     "robot": "r2d2",
     "required": "1",
     "runs": "0",
+    "scene": "dancing",
     "seed": "-1",
     "skill": "none.npz",
     "spacing": "0",

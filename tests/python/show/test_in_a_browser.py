@@ -1,12 +1,15 @@
 """Both pages in headless Chromium: they draw, move, and answer to the mouse."""
 
 import io
+import json
 import re
 import time
 from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 import leadthrough as lt
@@ -15,6 +18,17 @@ from leadthrough.show import open_view, page, scene
 BOX = lt.Box((0.1, 0.1, 0.3), (0.55, 0.0, 0.15))
 SIZE = {"width": 640, "height": 400}
 PATIENCE = 60.0  # s, for software rendering on a busy machine
+PARTS = "".join(
+    [
+        page.contents(["One"]),
+        page.heading("One"),
+        page.text("Text."),
+        page.legend({"shown": "#8a94a0", "made": "#1d2733"}, dashed=["made"]),
+        page.gallery([page.figure(Figure(), "a figure")]),
+        page.table(["a", "b"], [[1, 2]]),
+        page.terms({"a": "the first"}),
+    ]
+)
 ANGLES = "[...leadthrough.scenes[0].links.at(-1)].map((x) => +x.toFixed(6))"
 
 
@@ -128,6 +142,32 @@ def test_mouse_orbits_and_zooms(html):
     html.mouse.wheel(0, -300)
     html.wait_for_function(f"leadthrough.scenes[0].distance < {0.8 * near}")
     assert share_that_changed(before, picture(html)) > 0.05
+
+
+def test_keys_turn_zoom_and_play(html):
+    html.locator("canvas").focus()
+    azimuth, distance = html.evaluate(
+        "[leadthrough.scenes[0].azimuth, leadthrough.scenes[0].distance]"
+    )
+    for key in ("ArrowRight", "+", " "):
+        html.keyboard.press(key)
+    seen = html.evaluate(
+        "(({azimuth, distance, playing}) => [azimuth, distance, playing])(leadthrough.scenes[0])"
+    )
+    html.keyboard.press(" ")
+    assert seen[0] < azimuth and seen[1] < distance and seen[2]
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_page_can_be_used_by_screen_reader_keyboard_and_in_the_dark(html, scheme):
+    rules = pytest.importorskip("axe_playwright_python", reason="axe is not installed")
+    html.emulate_media(color_scheme=scheme)
+    html.add_script_tag(path=Path(rules.__file__).parent / "axe.min.js")
+    html.evaluate(
+        f"document.querySelector('main').insertAdjacentHTML('beforeend', {json.dumps(PARTS)})"
+    )
+    broken = html.evaluate("axe.run()")["violations"]
+    assert [rule for rule in broken if rule["impact"] in ("serious", "critical")] == []
 
 
 def test_layer_is_hidden_by_its_box(html):

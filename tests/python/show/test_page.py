@@ -10,6 +10,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import leadthrough as lt
+from leadthrough.drawing import palette
 from leadthrough.errors import InvalidInput
 from leadthrough.show import page, scene, view
 
@@ -57,6 +58,19 @@ def test_page_asks_for_nothing_from_elsewhere(made, tmp_path):
 def test_text_of_a_page_is_not_taken_for_markup():
     assert page.text("a < b") == "<p>a &lt; b</p>"
     assert "<td>&lt;i&gt;</td>" in page.table(["x"], [["<i>"]])
+
+
+def test_figure_is_seen_on_light_and_dark_pages():
+    figure = Figure()
+    figure.subplots().plot([0, 1], color=palette.BLACK)
+    drawn = page.figure(figure, "a line")
+    assert palette.BLACK not in drawn and "currentColor" in drawn and "fill: #ffffff" not in drawn
+    assert 'role="img" aria-label="a line"' in drawn
+
+
+def test_contents_lead_to_headings():
+    (link,) = re.findall('href="#(.*?)"', page.contents(["At a glance"]))
+    assert f'id="{link}"' in page.heading("At a glance")
 
 
 def test_view_writes_a_file_and_opens_nothing(panda, tmp_path, monkeypatch):

@@ -1,0 +1,1 @@
+"""The demo: three arms learn to write, to pour and to harvest."""
