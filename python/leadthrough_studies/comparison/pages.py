@@ -11,6 +11,12 @@ from leadthrough.show import page
 from leadthrough_studies.comparison.rivals import NOT_INSTALLED
 from leadthrough_studies.study import Row, selected
 
+_CAPTIONS = {
+    "figure_16": "Figure 16 anew: the way without experience and with it",
+    "figure_17": "Figure 17 anew: the velocity map of one demonstration and of all",
+    "figure_18": "Figure 18 as computed: states, actions and values of the decision process",
+    "stability": "Trajectories of the systems from all around, and levels of their energies",
+}
 _TITLES = {"LOO": "Handwriting, left out", "IN": "Handwriting, left in"}
 
 
@@ -41,7 +47,7 @@ def page_parts(
     parts.append(page.text(summary["remark"]))
     if summary["not_installed"]:
         parts.append(page.text(NOT_INSTALLED.format(", ".join(summary["not_installed"]))))
-    captions = {"errors": "Means of all methods, left out and left in"}
+    captions = {"errors": "Means of all methods, left out and left in", **_CAPTIONS}
     caption = "The first drawing of each motion, left out, and what the methods make of it"
     parts += [page.figure(each, captions.get(name, caption)) for name, each in figures.items()]
     return parts

@@ -9,9 +9,15 @@ from matplotlib.figure import Figure
 
 from leadthrough.io import lasa
 from leadthrough.show import plot
+from leadthrough_studies.comparison.figures import (
+    decisions,
+    one_and_many_shots,
+    stability,
+    without_and_with_experience,
+)
 from leadthrough_studies.comparison.on_arms import ARMS
 from leadthrough_studies.comparison.pages import page_parts
-from leadthrough_studies.comparison.paper import REMARK, TABLE_1, TABLE_2
+from leadthrough_studies.comparison.paper import PIXELS_PER_MM, REMARK, TABLE_1, TABLE_2
 from leadthrough_studies.comparison.rivals import MISSING
 from leadthrough_studies.study import Report, Row, mean, selected
 
@@ -40,7 +46,6 @@ _POSE = (
     "end_deg",
     *_SHARED,
 )
-_PIXELS = 7 * 8.3**2  # of the paper's sum over seven demonstrations
 _PICTURED = ("FastMarching", "ProMP", "CLF-DM", "Modified DS", "SEDS, likelihood")
 
 
@@ -51,6 +56,15 @@ def report(config: Any, rows: list[Row]) -> Report:
     for start in range(0, len(config.motions), 15):
         motions = config.motions[start : start + 15]
         figures[f"paths_{start // 15 + 1}"] = _paths_figure(motions, rows)
+    if config.motions:
+        figures |= {
+            "figure_16": without_and_with_experience(config.motions[0]),
+            "figure_17": one_and_many_shots(config.motions[0]),
+            "figure_18": decisions(config.motions[0]),
+        }
+    systems = [name for name in config.points if selected(rows, study="stability", method=name)]
+    if systems:
+        figures["stability"] = stability(config.motions[-1], systems)
     summary = {
         "remark": REMARK,
         "first": _first(table),
@@ -64,7 +78,7 @@ def report(config: Any, rows: list[Row]) -> Report:
 
 def _drawings(config: Any, rows: list[Row]) -> list[Row]:
     return [
-        _line(protocol, method, own, _DRAWING)
+        {**_line(protocol, method, own, _DRAWING), "violations": _violations(rows, method)}
         for protocol in ("LOO", "IN")
         for method in config.points
         if (own := selected(rows, study="drawings", protocol=protocol, method=method))
@@ -90,10 +104,16 @@ def _line(part: str, method: str, rows: list[Row], columns: tuple[str, ...]) -> 
 
     Times are medians, as the first call of a library also loads it; all others are means.
     """
-    every = dict.fromkeys((*_DRAWING, *_POSE))
+    every = dict.fromkeys((*_DRAWING, *_POSE, "violations"))
     found = {name: (_median if name in _COSTS else mean)(rows, name) for name in columns}
     refused = sum("refused" in row for row in rows)
     return {"part": part, "method": method, "n": len(rows), "refused": refused, **every, **found}
+
+
+def _violations(rows: list[Row], method: str) -> int | None:
+    """Starts that did not arrive, energies that rose and other places of rest, of all motions."""
+    own = selected(rows, study="stability", method=method)
+    return sum(row["violations"] for row in own) if own else None
 
 
 def _median(rows: list[Row], column: str) -> float | None:
@@ -117,12 +137,13 @@ def _table_1(rows: list[Row]) -> list[Row]:
     for name, printed in TABLE_1.items():
         method = TABLE_2[name][2]
         known = selected(rows, study="stability", method=method)
+        violations = _violations(rows, method)
         poses = [row for row in selected(rows, study="poses", method=method) if "DTW_mm" in row]
         lines.append(
             {
                 "method": name,
                 "printed": list(printed),
-                "violations": sum(row["violations"] for row in known) if known else None,
+                "violations": violations,
                 "starts": sum(row["starts"] for row in known) if known else None,
                 "motions of poses made": len(poses),
             }
@@ -131,7 +152,7 @@ def _table_1(rows: list[Row]) -> list[Row]:
 
 
 def _table_2(rows: list[Row]) -> list[Row]:
-    """Table 2 as printed beside our means, IN, also in the paper's unit."""
+    """Table 2 as printed beside our means, IN, also in the units that the paper may have meant."""
     lines = []
     for name, (area, speed, method) in TABLE_2.items():
         own = selected(rows, study="drawings", protocol="IN", method=method)
@@ -140,13 +161,19 @@ def _table_2(rows: list[Row]) -> list[Row]:
             {
                 "method": name,
                 "SEA_printed": area,
-                "SEA_in_the_paper's_unit": None if ours is None else ours * _PIXELS,
+                "SEA_sum_of_7_px2": _times(ours, 7 * PIXELS_PER_MM**2),
+                "SEA_sum_of_30_px2": _times(ours, 30 * PIXELS_PER_MM**2),
                 "SEA_mm2": ours,
                 "V_rmse_printed": speed,
+                "V_rmse_px_s": _times(mean(own, "V_rmse_mm_s"), PIXELS_PER_MM),
                 "V_rmse_mm_s": mean(own, "V_rmse_mm_s"),
             }
         )
     return lines
+
+
+def _times(value: float | None, factor: float) -> float | None:
+    return None if value is None else factor * value
 
 
 def _stability(config: Any, rows: list[Row]) -> list[Row]:

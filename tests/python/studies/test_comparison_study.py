@@ -52,6 +52,8 @@ def test_all_parts_are_in_the_report_and_a_second_start_has_nothing_left_to_do(t
     assert printed["FSM-DM"]["SEA_mm2"] == selected(table, part="IN", method="FSM-DM")[0]["SEA_mm2"]
     (shown_stable, *_) = outcome.report.summary["stability"]
     assert shown_stable["arrived"] == shown_stable["starts"] == 50
+    assert set(outcome.report.figures) >= {"figure_16", "figure_17", "figure_18", "stability"}
+    assert selected(table, part="LOO", method="LPV-DS")[0]["violations"] == 0
     shown = (tmp_path / "out" / "comparison.html").read_text()
     assert all(text in shown for text in ("Table 2", "Handwriting, left out", "Angle", "FSM-DM"))
     again = run(STUDY, replace(config), out=tmp_path / "out")
