@@ -96,14 +96,16 @@ PacedRows stopped(const StepLimits& limits, const RowsRef& history, const RowsRe
   return pair_of(guard::stopped(limits, history, path));
 }
 
-// sample and the two bodies by name.
+// sample and the two bodies by name, or empty names where the work ended.
 std::optional<std::tuple<double, std::string, std::string>> first_contact(
-    const Surroundings& around, const Eigen::VectorXd& start, const RowsRef& samples, double age) {
+    const Surroundings& around, const Eigen::VectorXd& start, const RowsRef& samples, double age,
+    long most_work) {
   const CollisionScene& scene = around.arm.scene;
   require(start.size() == scene.chain.joints() && samples.cols() == scene.chain.joints());
   const py::gil_scoped_release release;
-  const auto found = guard::first_contact(around, start, samples, age);
+  const auto found = guard::first_contact(around, start, samples, age, most_work);
   if (!found) return std::nullopt;
+  if (found->a < 0) return std::make_tuple(found->sample, std::string(), std::string());
   return std::make_tuple(found->sample, scene.names[static_cast<std::size_t>(found->a)],
                          scene.names[static_cast<std::size_t>(found->b)]);
 }
@@ -136,7 +138,8 @@ void bind_guard(py::module_& module) {
            py::arg("model"), py::arg("obstacles"), py::arg("growth"), py::arg("margin"),
            py::arg("self_margin"));
   module.def("first_contact", &first_contact, py::arg("around"), py::arg("start"),
-             py::arg("samples").noconvert(), py::arg("age"));
+             py::arg("samples").noconvert(), py::arg("age"),
+             py::arg("most_work") = guard::kAllWork);
 }
 
 }  // namespace leadthrough

@@ -40,16 +40,24 @@ class Quintic {
 // skip: rows of the target for each step after the first.
 std::optional<Bridge> shortest(const StepLimits& limits, const RowsRef& history,
                                const RowsRef& target, Index most_steps, Index skip) {
-  Rows room(most_steps - 1 + kLanding, limits.joints());
+  Rows stream(kHistory + most_steps - 1 + kLanding, limits.joints());
+  stream.topRows(kHistory) = history;
   for (Index steps = 1; steps <= most_steps; steps += 1 + steps / kFractions) {
     const Index skipped = skip * (steps - 1);
     if (skipped + kLanding > target.rows()) break;
     const auto landing = target.middleRows(skipped, kLanding);
     const Quintic quintic(history, landing, steps);
-    for (Index k = 1; k < steps; ++k) quintic.at(static_cast<double>(k), room.row(k - 1));
-    room.middleRows(steps - 1, kLanding) = landing;
-    if (!first_excess(limits, history, room.topRows(steps - 1 + kLanding)))
-      return Bridge{room.topRows(steps - 1), skipped};
+    // Most attempts leave a limit within a few rows.
+    bool kept = true;
+    for (Index k = 1; kept && k < steps + kLanding; ++k) {
+      const Index row = kHistory - 1 + k;
+      if (k < steps)
+        quintic.at(static_cast<double>(k), stream.row(row));
+      else
+        stream.row(row) = landing.row(k - steps);
+      kept = keeps(limits, stream, row);
+    }
+    if (kept) return Bridge{stream.middleRows(kHistory, steps - 1), skipped};
   }
   return std::nullopt;
 }

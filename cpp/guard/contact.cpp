@@ -19,6 +19,8 @@ using Eigen::Index;
 constexpr double kTolerance = 1e-4;
 // Kept where no margin is asked for, m: distances are exact to less, and nothing may touch.
 constexpr double kLeastMargin = 2.0 * kTouching;
+// The work of placing all shapes, in pairs that are looked at.
+constexpr long kPlacing = 16;
 // Between two samples, halves of halves that are looked at before a pair counts as too near.
 constexpr int kMostHalvings = 14;
 
@@ -27,12 +29,13 @@ std::size_t index(Index i) { return static_cast<std::size_t>(i); }
 class Certifier {
  public:
   Certifier(const Surroundings& around, const Eigen::VectorXd& start, const RowsRef& samples,
-            double age)
+            double age, long most_work)
       : scene_(around.arm.scene),
         around_(around),
         samples_(samples),
         start_(start),
         age_(age),
+        work_left_(most_work),
         ways_(index(samples.rows()) + 1),
         normals_(scene_.pairs.size(), Eigen::Vector3d::UnitX()) {
     for (const BodyShape& shape : scene_.shapes) poses_.push_back(shape.T_frame_shape);
@@ -105,6 +108,7 @@ class Certifier {
   // Looks at the samples after `low` up to `high`, for the pairs in open_[first, end).
   void between(Index low, Index high, std::size_t first, std::size_t end) {
     if (high - low == 1) return within(low, 0.0, 1.0, first, end, kMostHalvings);
+    if (!work(low, end - first)) return;
     const Index middle = low + (high - low) / 2;
     move_to(static_cast<double>(middle));
     MovingValues change{};
@@ -121,6 +125,7 @@ class Certifier {
 
   // The same, between a sample and the next one, from one fraction of the way to another.
   void within(Index low, double from, double to, std::size_t first, std::size_t end, int halvings) {
+    if (!work(low, 2 * (end - first))) return;
     const double middle = 0.5 * (from + to);
     const double at = static_cast<double>(low) + middle;
     move_to(at);
@@ -138,6 +143,13 @@ class Certifier {
     open_.resize(left);
   }
 
+  // Whether so many pairs may still be looked at; up to `certified` all are clear.
+  bool work(Index certified, std::size_t pairs) {
+    work_left_ -= static_cast<long>(pairs) + kPlacing;
+    if (work_left_ < 0) contact_ = Contact{static_cast<double>(certified)};
+    return work_left_ >= 0;
+  }
+
   void touch(double sample, std::size_t p) {
     const ShapePair& pair = scene_.pairs[p];
     contact_ = {sample, scene_.shapes[index(pair.a)].body, scene_.shapes[index(pair.b)].body};
@@ -148,6 +160,7 @@ class Certifier {
   const RowsRef& samples_;
   const Eigen::VectorXd& start_;
   double age_;
+  long work_left_;
   std::vector<MovingValues> ways_;  // that each moving joint has gone, after each sample
   std::vector<MovingValues> reach_;
   std::vector<Eigen::Vector3d> normals_;
@@ -172,8 +185,8 @@ Surroundings surroundings(const CollisionModel& model, const PlacedShapes& obsta
 }
 
 std::optional<Contact> first_contact(const Surroundings& around, const Eigen::VectorXd& start,
-                                     const RowsRef& samples, double age) {
-  return Certifier(around, start, samples, age).run();
+                                     const RowsRef& samples, double age, long most_work) {
+  return Certifier(around, start, samples, age, most_work).run();
 }
 
 }  // namespace leadthrough::guard

@@ -130,24 +130,27 @@ std::optional<Paced> stopped(const StepLimits& limits, const RowsRef& history,
   Rows rows(kHistory + path.rows(), path.cols());
   rows << history, path;
   const PathCurve curve(rows);
-  Rows samples(2 * path.rows() + 2 + kHistory, path.cols());
-  ArrayXd places(samples.rows());
+  Rows stream(2 * path.rows() + 2 + 2 * kHistory, path.cols());
+  stream.topRows(rows.rows()) = rows;
+  ArrayXd places(stream.rows());
   for (Index stop = 2; stop / 2 < path.rows(); stop += 1 + stop / kStopFractions) {
-    // The pace falls from 1 to 0 as 1 - 3 s^2 + 2 s^3, in half as many rows as periods.
-    const Index kept = path.rows() - 1 - stop / 2;
-    samples.topRows(kept) = path.topRows(kept);
-    for (Index k = 0; k < kept; ++k) places[k] = static_cast<double>(k);
-    for (Index k = 1; k <= stop; ++k) {
-      const double s = static_cast<double>(k) / static_cast<double>(stop);
+    // The pace falls from 1 to 0 as 1 - 3 s^2 + 2 s^3, in half as many rows as periods. Standing
+    // still afterwards is part of the stop. Attempts that are too short end within a few
+    // rows, and those after them begin at the same row or before.
+    const Index first = path.rows() - 1 - stop / 2;
+    bool kept = true;
+    for (Index k = 1; kept && k <= stop + kHistory; ++k) {
+      const double s = static_cast<double>(std::min(k, stop)) / static_cast<double>(stop);
       const double gone = static_cast<double>(stop) * s * (1.0 - s * s * (1.0 - 0.5 * s));
-      places[kept + k - 1] = static_cast<double>(kept - 1) + gone;
-      curve.at(static_cast<double>(kHistory) + places[kept + k - 1], samples.row(kept + k - 1));
+      const Index row = kHistory + first + k - 1;
+      places[first + k - 1] = static_cast<double>(first - 1) + gone;
+      curve.at(static_cast<double>(kHistory) + places[first + k - 1], stream.row(row));
+      kept = keeps(limits, stream, row);
     }
-    const Index count = kept + stop;
-    // Standing still afterwards is part of the stop.
-    samples.middleRows(count, kHistory).rowwise() = samples.row(count - 1);
-    if (!first_excess(limits, history, samples.topRows(count + kHistory)))
-      return Paced{samples.topRows(count), places.head(count).matrix()};
+    if (!kept) continue;
+    for (Index k = 0; k < first; ++k) places[k] = static_cast<double>(k);
+    const Index count = first + stop;
+    return Paced{stream.middleRows(kHistory, count), places.head(count).matrix()};
   }
   return std::nullopt;
 }

@@ -19,8 +19,8 @@ struct Paced {
 std::optional<Paced> slowed(const StepLimits& limits, const RowsRef& path,
                             Eigen::Index most_samples);
 
-// Along a path (n, joints) behind its history to rest on it: as given up to the latest row from
-// which it can stop at or before the last one.
+// Along a path (n, joints) that keeps the limits behind its history, to rest on it: as given up to
+// the latest row from which it can stop at or before the last one.
 std::optional<Paced> stopped(const StepLimits& limits, const RowsRef& history, const RowsRef& path);
 
 }  // namespace leadthrough::guard

@@ -63,7 +63,9 @@ std::optional<Excess> first_excess(const StepLimits& limits, const RowsRef& hist
 }
 
 Eigen::VectorXd slowdowns(const StepLimits& limits, const RowsRef& samples) {
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(samples.rows());
+  // The largest use of the limits of order 1 to 3 in each row, over all joints.
+  Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> used =
+      Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>::Zero(samples.rows(), 3);
   for (Index j = 0; j < samples.cols(); ++j) {
     std::array<double, 3> last{};  // differences of order 0 to 2
     for (Index k = 0; k < samples.rows(); ++k) {
@@ -74,14 +76,16 @@ Eigen::VectorXd slowdowns(const StepLimits& limits, const RowsRef& samples) {
         last[o] = value;
         value = change;
         if (k < order) break;
-        const double ratio = std::abs(change) / limits.difference(order)[j];
-        const double slowdown = order == 1   ? ratio
-                                : order == 2 ? std::sqrt(ratio)
-                                             : std::cbrt(ratio);
-        result[k] = std::max(result[k], slowdown);
+        used(k, order - 1) =
+            std::max(used(k, order - 1), std::abs(change) / limits.difference(order)[j]);
       }
     }
   }
+  // Roots take longer than all the rest, and few rows need them.
+  Eigen::VectorXd result = used.rowwise().maxCoeff();
+  for (Index k = 0; k < result.size(); ++k)
+    if (result[k] > 1.0)
+      result[k] = std::max({used(k, 0), std::sqrt(used(k, 1)), std::cbrt(used(k, 2))});
   return result;
 }
 

@@ -38,9 +38,15 @@ struct Excess {
 std::optional<Excess> first_excess(const StepLimits& limits, const RowsRef& history,
                                    const RowsRef& samples);
 
-// What each sample's largest use of a limit is, 1 at the limit; of order 1 to 3, the slowdown that
-// would cure it: the ratio, its square root and its cube root. Differences reach `kHistory` rows
-// back; the first rows count as if the motion had always gone on as between them.
+// Whether row k of a stream keeps the limits, k >= kHistory, after rows that do.
+inline bool keeps(const StepLimits& limits, const RowsRef& stream, Eigen::Index k) {
+  return !first_excess(limits, stream.middleRows(k - kHistory, kHistory), stream.middleRows(k, 1));
+}
+
+// By which factor each sample would have to be passed more slowly: of the ratios to the limits of
+// order 1 to 3 the first, the square root and the cube root, whichever is largest; at most 1 where
+// no limit is exceeded. Differences reach `kHistory` rows back; the first rows count as if the
+// motion had always gone on as between them.
 Eigen::VectorXd slowdowns(const StepLimits& limits, const RowsRef& samples);
 
 }  // namespace leadthrough::guard

@@ -343,7 +343,11 @@ def stopped(
     limits: StepLimits, history: Float64Array, path: Float64Array
 ) -> tuple[Float64Array, Float64Array] | None: ...
 def first_contact(
-    around: Surroundings, start: Float64Array, samples: Float64Array, age: float
+    around: Surroundings,
+    start: Float64Array,
+    samples: Float64Array,
+    age: float,
+    most_work: int = ...,
 ) -> tuple[float, str, str] | None: ...
 def clear_path(
     chain: Chain,

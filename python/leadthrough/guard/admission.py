@@ -21,6 +21,7 @@ Kind = Literal[
     "contact",
     "not finite",
     "no way on",
+    "cut short",
     "resampled",
 ]
 KINDS: tuple[Kind, ...] = ("position", "velocity", "acceleration", "jerk")  # by order
@@ -48,8 +49,9 @@ class Reason(Brief):
     Attributes:
         kind: the limit that it exceeds; "jump" for a step far longer than its neighbours; "contact"
             where bodies come nearer than the margin; "not finite" for NaN and infinity; "no way on"
-            where no motion that is allowed leads from the state to the chunk; "resampled" where
-            its clock was not the guard's.
+            where no motion that is allowed leads from the state to the chunk; "cut short" where
+            the way on is so long, or so near to something, that to certify it would take too long;
+            "resampled" where its clock was not the guard's.
         time: s, on the chunk's clock; of a contact while braking, after the chunk's end.
         joint: name of the joint, or None.
         bodies: the two bodies of a contact, or None.
@@ -75,6 +77,7 @@ class Reason(Brief):
         told = {
             "not finite": f"a value of {self.joint} is not finite {when}",
             "no way on": f"no motion inside the limits leads on {when}",
+            "cut short": f"only the way up to {self.time:.3f} s was certified in the time allowed",
             "resampled": "the samples were put on the guard's clock",
         }
         return told.get(self.kind, f"{self.kind} {when}")

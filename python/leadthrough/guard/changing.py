@@ -15,7 +15,7 @@ import numpy as np
 
 from leadthrough import _core
 from leadthrough.check import Float64Array
-from leadthrough.guard.joining import LANDING, joined_at_start, joined_on_time
+from leadthrough.guard.joining import LANDING, beyond_reach, joined_at_start, joined_on_time
 from leadthrough.guard.rules import HISTORY, Rules
 
 _JUMP = 3.0  # times its neighbours a step is longer that is a jump
@@ -52,6 +52,10 @@ def changed(rules: Rules, history: Float64Array, samples: Float64Array) -> Chang
         piece = inside[first:end]
         if len(piece) < LANDING and end < len(inside):
             continue
+        last = rows[-1][-HISTORY:]
+        if beyond_reach(rules, last[-1], piece):
+            complete = False
+            break
         resting = max(0, LANDING - len(piece))
         path = np.concatenate([piece, np.repeat(piece[-1:], resting, axis=0)])
         run = _core.slowed(rules.limits, path, _SLOWEST * len(path))
@@ -59,7 +63,6 @@ def changed(rules: Rules, history: Float64Array, samples: Float64Array) -> Chang
             complete = False
             break
         target, at = run
-        last = np.concatenate(rows)[-HISTORY:]
         joined = None if first else joined_on_time(rules, last, target)
         joined = joined or joined_at_start(rules, last, target)
         if joined is None:

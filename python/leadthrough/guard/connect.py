@@ -14,7 +14,7 @@ from leadthrough.errors import InvalidInput, LimitsInfeasible, NoPath
 from leadthrough.guard.admission import CommandedState
 from leadthrough.guard.chunks import chunk_of
 from leadthrough.guard.joining import LANDING, joined_at_start
-from leadthrough.guard.rules import HISTORY, Obstacle, Rules, history_of, rules_for
+from leadthrough.guard.rules import HISTORY, Contact, Obstacle, Rules, history_of, rules_for
 from leadthrough.guard.writing import from_state
 from leadthrough.motion import JointTrajectory
 
@@ -75,7 +75,7 @@ def connect(
     if way is None:
         raise _infeasible(rules, ended[-HISTORY:], "to rest after the last sample")
     if found := rules.contact(ended[-HISTORY:], way.rows, 0.0):
-        raise _blocked(found.bodies, "ease_out", "braking after the last sample")
+        raise _blocked(found, "ease_out", "braking after the last sample")
     commands = np.concatenate([history[-1:], ease, rows, way.rows])
     shift = period * (1 + len(ease)) - chunk.start
     events = tuple(replace(each, time=each.time + shift) for each in chunk.events)
@@ -90,7 +90,7 @@ def _ease_in(rules: Rules, history: Float64Array, rows: Float64Array) -> Float64
         raise _infeasible(rules, history, "onto the first sample")
     ease = joined[0]
     if found := rules.contact(history, np.concatenate([ease, rows[:1]]), 0.0):
-        raise _blocked(found.bodies, "ease_in", "the way onto the first sample")
+        raise _blocked(found, "ease_in", "the way onto the first sample")
     return ease
 
 
@@ -120,9 +120,10 @@ def _infeasible(rules: Rules, history: Float64Array, where: str) -> LimitsInfeas
     )
 
 
-def _blocked(bodies: tuple[str, str], reason: str, what: str) -> NoPath:
+def _blocked(found: Contact, reason: str, what: str) -> NoPath:
+    assert found.bodies is not None  # all of the way was looked at
     return NoPath(
-        f"{what} is not clear: {' and '.join(bodies)} come too near; move the arm elsewhere "
+        f"{what} is not clear: {' and '.join(found.bodies)} come too near; move the arm elsewhere "
         "first; in Python, `leadthrough.whole_arm.way_between` finds a way",
         reason=reason,
     )

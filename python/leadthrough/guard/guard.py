@@ -14,11 +14,19 @@ from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event
-from leadthrough.guard.admission import KINDS, Admission, CommandedState, Reason, Verdict
+from leadthrough.guard.admission import (
+    KINDS,
+    Admission,
+    CommandedState,
+    Kind,
+    Reason,
+    Verdict,
+)
 from leadthrough.guard.changing import Changed, changed
 from leadthrough.guard.chunks import Chunk, chunk_of
 from leadthrough.guard.findings import exceeded, not_finite
 from leadthrough.guard.rules import (
+    ALL_WORK,
     HISTORY,
     Contact,
     Obstacle,
@@ -31,6 +39,9 @@ from leadthrough.guard.writing import moved_events, trajectories
 from leadthrough.motion import JointTrajectory
 
 _SLOWEST, _FASTEST = 1.0, 1e4  # Hz
+# Pairs of shapes that are looked at for each sample of a chunk that has to be changed, and for how
+# many samples at least: what bounds the time that an answer takes.
+_WORK, _SHORT = 200, 50
 
 
 class Guard(Brief):
@@ -159,14 +170,13 @@ class Guard(Brief):
         if given.resampled:
             told = (Reason("resampled", given.start),)
         if self._rules.excess(history, given.rows) is None:
-            way = self._rules.braked(history, given.rows)
-            if way is not None and self._rules.contact(history, way.rows, self._age) is None:
+            way, found = self._looked_at(given.rows, ALL_WORK)
+            if way is not None and found is None:
                 return self._allowed(given, way, told)
             places = np.arange(len(given.rows), dtype=np.float64)
-            return self._cut(Changed(given.rows, places, complete=True), given, told)
+            return self._certified(given.rows, places, given, told, way=way, found=found)
         told += exceeded(self._rules, history, given.rows, times)
-        better = changed(self._rules, history, given.rows)
-        return self._cut(better, given, told)
+        return self._changed(changed(self._rules, history, given.rows), given, told)
 
     def world(self, obstacles: Iterable[Obstacle]) -> Admission | None:
         """What may still run now that the obstacles are these; they count as seen just now.
@@ -191,6 +201,7 @@ class Guard(Brief):
             return self._admitted(Way(rows, len(rows)), "allowed", (), start=self._period)
         places = np.arange(len(rows), dtype=np.float64)
         reason = _contact_reason(found, places, self._period, self._period)
+        self._safe = False  # as it is; what follows has been looked at anew
         return self._shortened(
             rows[: int(found.sample)], places, (reason,), start=self._period, events=()
         )
@@ -240,28 +251,46 @@ class Guard(Brief):
             return answer
         return replace(answer, motion=own)
 
-    def _cut(self, better: Changed, given: Chunk, told: tuple[Reason, ...]) -> Admission:
-        """As much of the rows as is certified."""
-        history, rows, complete = self._history(), better.rows, better.complete
-        wrong = self._rules.excess(history, rows)
+    def _looked_at(self, rows: Float64Array, most_work: int) -> tuple[Way | None, Contact | None]:
+        """Rows inside the limits with the stop after them, and where they come too near a body."""
+        way = self._rules.braked(self._history(), rows)
+        tried = rows if way is None else way.rows
+        return way, self._rules.contact(self._history(), tried, self._age, most_work=most_work)
+
+    def _changed(self, better: Changed, given: Chunk, told: tuple[Reason, ...]) -> Admission:
+        """As much as is certified of rows that were made of a chunk."""
+        rows, complete = better.rows, better.complete
+        wrong = self._rules.excess(self._history(), rows)
         if wrong is not None:
             rows, complete = rows[: wrong[1]], False
         if not complete:
             at = better.places[len(rows) - 1] + 1.0 if len(rows) else 0.0
             told += (Reason("no way on", given.start + self._period * float(at)),)
-        way = self._rules.braked(history, rows)
-        found = self._rules.contact(history, rows if way is None else way.rows, self._age)
+        way, found = self._looked_at(rows, _WORK * max(len(given.rows), _SHORT))
+        return self._certified(rows, better.places, given, told, way=way, found=found)
+
+    def _certified(
+        self,
+        rows: Float64Array,
+        places: Float64Array,
+        given: Chunk,
+        told: tuple[Reason, ...],
+        *,
+        way: Way | None,
+        found: Contact | None,
+    ) -> Admission:
+        """The rows if they are clear and end in a stop; else as much of them as is certified."""
         if way is not None and found is None and len(rows):
             events = moved_events(
-                given.events, better.places[: len(rows)], start=given.start, period=self._period
+                given.events, places[: len(rows)], start=given.start, period=self._period
             )
             return self._admitted(way, "changed", told, start=given.start, events=events)
         if found is not None:
-            told += (_contact_reason(found, better.places, given.start, self._period),)
+            told += (_contact_reason(found, places, given.start, self._period),)
             rows = rows[: int(found.sample)]
         elif len(rows):
-            told += (self._stop_reason(rows, better.places, given.start),)
-        return self._shortened(rows, better.places, told, start=given.start, events=given.events)
+            told += (self._stop_reason(rows, places, given.start),)
+        return self._shortened(rows, places, told, start=given.start, events=given.events)
 
     def _shortened(
         self,
@@ -286,8 +315,9 @@ class Guard(Brief):
         history, left = self._history(), self._left()
         if way is None:
             way = self._rules.clear_braked(history, left[:0], self._age)
-        if way is None and self._rules.contact(history, left, self._age) is None and len(left):
-            way = Way(left, 0)
+        if way is None and len(left):
+            certified = self._safe or self._rules.contact(history, left, self._age) is None
+            way = Way(left, 0) if certified else None
         if way is not None:
             return self._admitted(way, "braking", told, start=start)
         way = self._rules.braked(history, left[:0])
@@ -341,11 +371,12 @@ class Guard(Brief):
 
 
 def _contact_reason(found: Contact, places: Float64Array, start: float, period: float) -> Reason:
-    """When a contact comes, on the chunk's clock; after its end, as if it went on."""
+    """When a contact comes, or what was looked at ends; its clock goes on beyond the chunk."""
     row = int(found.sample)
     beyond = row - len(places) + 1.0 if row >= len(places) else 0.0
     place = float(places[min(row, len(places) - 1)]) + beyond if len(places) else 0.0
-    return Reason("contact", start + period * max(0.0, place), bodies=found.bodies)
+    kind: Kind = "contact" if found.bodies else "cut short"
+    return Reason(kind, start + period * max(0.0, place), bodies=found.bodies)
 
 
 def _derivatives_kept(own: JointTrajectory, arm: Arm) -> bool:

@@ -17,6 +17,18 @@ _ON_TIME = 0.25
 Joined = tuple[Float64Array, int]
 
 
+def beyond_reach(rules: Rules, last: Float64Array, target: Float64Array) -> bool:
+    """Whether no way leads onto a target, however slowly that is run: a joint is too far away.
+
+    Args:
+        rules: with the limits.
+        last: (joints,), the command before.
+        target: (n, joints).
+    """
+    periods = 2 * _most_periods(rules) + len(target)
+    return bool((np.abs(target[0] - last) > periods * rules.period * rules.joints.velocity).any())
+
+
 def joined_on_time(rules: Rules, history: Float64Array, target: Float64Array) -> Joined | None:
     """The shortest way onto a sample when that is due, if the first is due a period from now.
 
@@ -37,7 +49,7 @@ def joined_at_start(rules: Rules, history: Float64Array, target: Float64Array) -
         history: (3, joints), the commands before.
         target: (n, joints), n >= 3.
     """
-    longest = max(1, round(_LONGEST / rules.period))
+    longest = _most_periods(rules)
     found = _core.bridge_to_start(rules.limits, history, target, longest)
     if found is not None:
         return found
@@ -50,3 +62,7 @@ def joined_at_start(rules: Rules, history: Float64Array, target: Float64Array) -
     if found is None:
         return None
     return np.concatenate([way.rows, pause, found[0]]), found[1]
+
+
+def _most_periods(rules: Rules) -> int:
+    return max(1, round(_LONGEST / rules.period))

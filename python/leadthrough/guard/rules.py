@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -17,6 +18,8 @@ from leadthrough.guard.admission import CommandedState
 from leadthrough.shapes import Shape, check_shapes, compiled
 
 HISTORY = 3  # commanded positions that the next differences reach back to
+ALL_WORK = sys.maxsize
+_WORK_OF_STOP = 4000  # pairs of shapes that are looked at along a stop
 _RATES = ("velocity", "acceleration", "jerk")
 
 
@@ -58,15 +61,15 @@ class Way:
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """Two bodies that come nearer than their margin.
+    """Two bodies that come nearer than their margin, or the end of what was looked at.
 
     Attributes:
         sample: before which row, with the fraction of the way from the one before.
-        bodies: by name.
+        bodies: by name; None where the work ended that was allowed.
     """
 
     sample: float
-    bodies: tuple[str, str]
+    bodies: tuple[str, str] | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +100,13 @@ class Rules:
         return _core.first_excess(self.limits, history, rows)
 
     def contact(
-        self, history: Float64Array, rows: Float64Array, age: float, *, before: int = 0
+        self,
+        history: Float64Array,
+        rows: Float64Array,
+        age: float,
+        *,
+        before: int = 0,
+        most_work: int = ALL_WORK,
     ) -> Contact | None:
         """Where rows first come too near something.
 
@@ -106,12 +115,15 @@ class Rules:
             rows: commands (n, joints).
             age: periods since the obstacles were seen.
             before: rows that are known to be clear.
+            most_work: pairs of shapes to look at; beyond, no row is known to be clear.
         """
         if before >= len(rows):
             return None
         start = rows[before - 1] if before else history[-1]
-        found = _core.first_contact(self.around, start, rows[before:], age + before)
-        return None if found is None else Contact(before + found[0], found[1:])
+        found = _core.first_contact(self.around, start, rows[before:], age + before, most_work)
+        if found is None:
+            return None
+        return Contact(before + found[0], found[1:] if found[1] else None)
 
     def stop(self, history: Float64Array) -> Float64Array:
         """The fastest stop (n, joints); at rest one command, which has to keep the rules too.
@@ -143,12 +155,20 @@ class Rules:
         """
         return self.excess(history, self.stop(history))
 
-    def clear_braked(self, history: Float64Array, rows: Float64Array, age: float) -> Way | None:
+    def clear_braked(
+        self,
+        history: Float64Array,
+        rows: Float64Array,
+        age: float,
+        *,
+        most_work: int = ALL_WORK,
+    ) -> Way | None:
         """Rows known to be clear, then the fastest stop; None if that is not certified."""
         way = self.braked(history, rows)
-        if way is None or self.contact(history, way.rows, age, before=len(rows)) is not None:
+        if way is None:
             return None
-        return way
+        found = self.contact(history, way.rows, age, before=len(rows), most_work=most_work)
+        return way if found is None else None
 
     def cut(self, history: Float64Array, rows: Float64Array, age: float) -> Way | None:
         """As many of the rows as can be kept before the arm has to brake, and the stop.
@@ -160,19 +180,25 @@ class Rules:
             rows: commands (n, joints) inside the limits, known to be clear.
             age: periods since the obstacles were seen.
         """
-        if len(rows):
-            stopped = _core.stopped(self.limits, history, rows)
-            if stopped is not None and self.contact(history, stopped[0], age) is None:
-                kept = int(np.count_nonzero(stopped[1] == np.arange(len(stopped[1]))))
-                return Way(stopped[0], kept)
+        if len(rows) and (way := self._stopped(history, rows, age)):
+            return way
         best = self.clear_braked(history, rows[:0], age)
         low, high = 0, len(rows)
         while best is not None and high - low > 1:
             middle = (low + high) // 2
-            way = self.clear_braked(history, rows[:middle], age)
+            way = self.clear_braked(history, rows[:middle], age, most_work=_WORK_OF_STOP)
             low, high = (low, middle) if way is None else (middle, high)
             best = best if way is None else way
         return best
+
+    def _stopped(self, history: Float64Array, rows: Float64Array, age: float) -> Way | None:
+        """The rows with a stop on them; None if that is not certified."""
+        stopped = _core.stopped(self.limits, history, rows)
+        if stopped is None:
+            return None
+        kept = int(np.count_nonzero(stopped[1] == np.arange(len(stopped[1]))))
+        found = self.contact(history, stopped[0], age, before=kept, most_work=_WORK_OF_STOP)
+        return Way(stopped[0], kept) if found is None else None
 
 
 def rules_for(

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from leadthrough.check import Float64Array
+from leadthrough.computed import computed_joints
 from leadthrough.events import Event
 from leadthrough.motion import JointTrajectory
 
@@ -38,14 +39,22 @@ def trajectories(
     around = np.concatenate([history[-1:], rows, rows[-1:]])
     velocities = (around[2:] - around[:-2]) / (2.0 * period)
     accelerations = np.diff(around, 2, axis=0) / period**2
-    times = start + period * np.arange(len(rows) + 1)
+    times = start + period * np.arange(len(rows) + 1, dtype=np.float64)
     after = slice(kept, None) if kept < len(rows) else slice(len(rows) - 1, None)
     first = times[:kept]
     then = times[kept : kept + max(1, len(rows) - kept)]
-    return (
-        JointTrajectory(first, rows[:kept], velocities[:kept], accelerations[:kept], names, events),
-        JointTrajectory(then, rows[after], velocities[after], accelerations[after], names),
+    motion = computed_joints(
+        first,
+        rows[:kept],
+        velocities[:kept],
+        accelerations[:kept],
+        joint_names=names,
+        events=events,
     )
+    brake = computed_joints(
+        then, rows[after], velocities[after], accelerations[after], joint_names=names
+    )
+    return motion, brake
 
 
 def from_state(

@@ -297,3 +297,19 @@ def test_an_arm_without_acceleration_limits_is_refused(panda):
         lt.Guard(bare, rate=RATE)
     with pytest.raises(InvalidInput, match="arm: expected an Arm, got str"):
         lt.Guard("panda", rate=RATE)
+
+
+def test_a_way_that_grazes_for_long_is_certified_as_far_as_the_work_allows(panda, monkeypatch):
+    """Less work, a shorter answer; it is safe all the same, and says how far it was looked at."""
+    rows = wave(2.0)
+    lengths = []
+    for work in (200, 40, 0):
+        monkeypatch.setattr("leadthrough.guard.guard._WORK", work)
+        guard = lt.Guard(panda, [WALL], rate=RATE)
+        answer = guard.admit(rows, Q)
+        assert answer.safe
+        assert_kept(panda, finished(guard))
+        assert ("cut short" in [each.kind for each in answer.reasons]) == (work < 200)
+        lengths.append(len(answer.motion) if answer.verdict == "changed" else 0)
+    assert lengths[0] > lengths[1] > lengths[2] == 0
+    assert "only the way up to 0.020 s was certified" in str(answer)
