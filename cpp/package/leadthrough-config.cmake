@@ -1,0 +1,6 @@
+include(CMakeFindDependencyMacro)
+find_dependency(Eigen3 NO_MODULE)
+find_dependency(orocos_kdl)
+find_dependency(urdfdom)
+find_dependency(Threads)
+include(${CMAKE_CURRENT_LIST_DIR}/leadthrough-targets.cmake)
