@@ -23,7 +23,7 @@ def check(
     base: options.BaseLink = None,
     tip: options.TipLink = None,
     obstacle: options.Obstacles = None,
-    margin: Annotated[float, typer.Option(help="Clearance to keep from obstacles, in m.")] = 0.0,
+    margin: options.Margin = 0.0,
     physics: Annotated[
         bool,
         typer.Option(

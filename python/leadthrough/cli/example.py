@@ -31,7 +31,7 @@ def example(
         ),
     ],
     folder: Annotated[Path, typer.Argument(help="Folder to write it to; made if it is missing.")],
-    seed: Annotated[int, typer.Option(help="Seed of the random number generator.")] = 0,
+    seed: options.Seed = 0,
     as_json: options.AsJson = False,
 ) -> None:
     """Write the files of an example, to try the commands on.

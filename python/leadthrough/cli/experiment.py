@@ -24,7 +24,7 @@ def experiment(
     out: Annotated[
         Path | None, typer.Option(help="Folder for the results; by default leadthrough-NAME.")
     ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the random number generator.")] = 0,
+    seed: options.Seed = 0,
     jobs: Annotated[
         int, typer.Option(help="Number of parallel processes; the same as --on local:N.")
     ] = 1,

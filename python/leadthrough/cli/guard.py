@@ -19,7 +19,7 @@ def guard(
     base: options.BaseLink = None,
     tip: options.TipLink = None,
     obstacle: options.Obstacles = None,
-    margin: Annotated[float, typer.Option(help="Clearance to keep from obstacles, in m.")] = 0.005,
+    margin: options.Margin = 0.005,
     rate: Annotated[
         float | None,
         typer.Option(help="Commands per second; by default those of the motion."),

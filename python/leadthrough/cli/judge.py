@@ -44,7 +44,7 @@ def judge(
     angles: options.Angles = None,
     quaternions: options.Quaternions = None,
     topic: options.Topic = None,
-    seed: Annotated[int, typer.Option(help="Seed of the random number generator.")] = 0,
+    seed: options.Seed = 0,
     out: Annotated[
         Path | None, typer.Option(help="Folder that keeps what is computed, to go on there.")
     ] = None,

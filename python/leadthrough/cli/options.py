@@ -33,6 +33,13 @@ MotionFile = Annotated[
         autocompletion=completion.recordings,
     ),
 ]
+SkillFile = Annotated[
+    Path,
+    typer.Argument(
+        help="Skill file, as written by `leadthrough learn`.",
+        autocompletion=completion.files(".npz"),
+    ),
+]
 RobotName = Annotated[str, _ROBOT]
 MaybeRobotName = Annotated[str | None, _ROBOT]
 LimitsFile = Annotated[
@@ -67,6 +74,8 @@ Obstacles = Annotated[
         autocompletion=completion.obstacles,
     ),
 ]
+Margin = Annotated[float, typer.Option(help="Clearance to keep from obstacles, in m.")]
+Seed = Annotated[int, typer.Option(help="Seed of the random number generator.")]
 Output = Annotated[
     Path,
     typer.Option(

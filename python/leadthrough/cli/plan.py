@@ -28,13 +28,7 @@ _ASKED = (
 
 def plan(
     ctx: typer.Context,
-    skill: Annotated[
-        Path,
-        typer.Argument(
-            help="Skill file, as written by `leadthrough learn`.",
-            autocompletion=completion.files(".npz"),
-        ),
-    ],
+    skill: options.SkillFile,
     out: options.Output,
     start: Annotated[
         str | None,

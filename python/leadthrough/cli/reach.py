@@ -58,7 +58,7 @@ def reach(
     yaws: Annotated[
         int, typer.Option(help="With --skill, number of directions that the base may face.")
     ] = 8,
-    seed: Annotated[int, typer.Option(help="Seed of the random number generator.")] = 0,
+    seed: options.Seed = 0,
     folder: Annotated[
         Path | None, typer.Option(help="Folder that keeps what is computed, to go on there.")
     ] = None,

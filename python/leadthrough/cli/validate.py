@@ -21,13 +21,7 @@ _FORM = (
 
 
 def validate(
-    skill: Annotated[
-        Path,
-        typer.Argument(
-            help="Skill file, as written by `leadthrough learn`.",
-            autocompletion=completion.files(".npz"),
-        ),
-    ],
+    skill: options.SkillFile,
     robot: options.RobotName,
     limits: options.LimitsFile = None,
     base: options.BaseLink = None,
@@ -59,8 +53,8 @@ def validate(
         bool,
         typer.Option("--physics", help="Simulate each motion too; needs the extra simulation."),
     ] = False,
-    margin: Annotated[float, typer.Option(help="Clearance to keep from obstacles, in m.")] = 0.005,
-    seed: Annotated[int, typer.Option(help="Seed of the random number generator.")] = 0,
+    margin: options.Margin = 0.005,
+    seed: options.Seed = 0,
     out: Annotated[
         Path | None, typer.Option(help="Folder for the results; by default SKILL-validation.")
     ] = None,

@@ -11,11 +11,6 @@ DOWN = [0.0, 1.0, 0.0, 0.0]
 
 
 @pytest.fixture(scope="module")
-def panda():
-    return lt.Arm.load("panda")
-
-
-@pytest.fixture(scope="module")
 def skill():
     """Reaches across the table, higher or lower in the middle by 4 cm, the tool pointing down."""
     u = np.linspace(0.0, 1.0, 61)

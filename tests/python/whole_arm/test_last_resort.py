@@ -12,11 +12,6 @@ DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 
 
 @pytest.fixture(scope="module")
-def panda():
-    return lt.Arm.load("panda")
-
-
-@pytest.fixture(scope="module")
 def shown():
     """A reach across the table, the tool pointing down, with the gripper closed on the way."""
     u = np.linspace(0.0, 1.0, 61)

@@ -17,11 +17,6 @@ DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 
 
 @pytest.fixture(scope="module")
-def panda():
-    return lt.Arm.load("panda")
-
-
-@pytest.fixture(scope="module")
 def shown():
     """Three reaches across the table in front of the arm, the tool pointing down."""
     u = np.linspace(0.0, 1.0, 61)
