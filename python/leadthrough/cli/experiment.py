@@ -53,6 +53,10 @@ def experiment(
     if outcome.report.table:
         console.print(table(outcome.report.table))
     console.print(f"results.json, table.csv and figures: {folder}/")
+    for page in outcome.report.pages:
+        console.print(f"Page to open in a browser: {folder / page}.html")
+    if simulated := outcome.report.summary.get("simulated"):
+        console.print(f"Under gravity and a controller: {simulated}", markup=False)
     for failure in outcome.failures:
         told = f"failed: {failure['task']}: {failure['error']}: {failure['message']}"
         console.print(told, style="red", markup=False)

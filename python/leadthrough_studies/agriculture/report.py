@@ -46,6 +46,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import wilcoxon
 
+from leadthrough_studies import physics
 from leadthrough_studies.agriculture import figures, measures, recordings, skills, tasks
 from leadthrough_studies.agriculture.paper import BELOW_40, PRINTED
 from leadthrough_studies.study import Report, Row, selected
@@ -64,7 +65,7 @@ def report(config: Any, rows: list[Row]) -> Report:
         for pair in combinations(config.planners, 2)
     ]
     lines = [(task, planner) for task in (*config.tasks, _ALL) for planner in config.planners]
-    return Report(
+    told = Report(
         table=[_line(_of(subtasks, *line), _of(wholes, *line), *line) for line in lines],
         figures=figures.draw(config, subtasks, wholes, tests),
         summary={
@@ -87,6 +88,17 @@ def report(config: Any, rows: list[Row]) -> Report:
             else "no recordings were given",
         },
     )
+    return _with_physics(told, wholes)
+
+
+def _with_physics(told: Report, wholes: list[Row]) -> Report:
+    """The first whole task that the arm can do, on the simulated arm."""
+    for row in wholes:
+        if row.get("arm_clear") and "joints" in row:
+            arm = tasks.load_arm()
+            joints = physics.joints_of(row["joints"], arm)
+            return physics.with_physics(told, arm, joints, obstacles=[tasks.floor()])
+    return told
 
 
 def _of(rows: list[Row], task: str, planner: str) -> list[Row]:

@@ -10,7 +10,7 @@ from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
 from leadthrough.models import FastMarching
-from leadthrough.motion import Demonstration, Trajectory
+from leadthrough.motion import Demonstration, JointTrajectory, Trajectory
 from leadthrough.shapes import Shape
 from leadthrough.whole_arm import PlannedMotion, plan_motion
 from leadthrough_studies.study import Row
@@ -30,27 +30,23 @@ _MEASURED = (
 
 
 def on_the_arm(
-    model: FastMarching,
-    shown: list[Demonstration[Trajectory]],
-    setup: int,
-    obstacles: list[Shape],
-) -> Row:
-    """The motion of the whole arm: clear or not, and how far its tip leaves the path.
+    model: FastMarching, shown: list[Demonstration[Trajectory]], setup: int
+) -> tuple[Row, JointTrajectory | None]:
+    """The motion of the whole arm: clear or not, how far its tip leaves the path, and its joints.
 
     Args:
         model: with its workspace in the paper's frame.
         shown: demonstrations, in the paper's frame.
         setup: number of the experiment.
-        obstacles: table and box, in the paper's frame.
     """
     place, arm = SETUPS[setup], Arm.load("ur3")
-    base = np.array(place.base)
-    moved = [replace(shape, position=shape.position - base) for shape in obstacles]
+    around = place.around_the_arm()
     try:
-        planned = _planned(model, shown, place, arm, moved)
+        planned = _planned(model, shown, place, arm, around)
     except IkFailure as failure:
-        return {"arm_ok": 0, "arm_fails": _named(str(failure)), **dict.fromkeys(_MEASURED)}
-    report = arm.check(planned.joints, moved, margin=MARGIN)
+        failed = {"arm_ok": 0, "arm_fails": _named(str(failure))}
+        return failed | dict.fromkeys(_MEASURED), None
+    report = arm.check(planned.joints, around, margin=MARGIN)
     measured = (
         report.obstacles.minimum_distance,
         report.itself.minimum_distance,
@@ -60,7 +56,7 @@ def on_the_arm(
         *_quantised(arm, planned),
     )
     found = dict(zip(_MEASURED, measured, strict=True))
-    return {"arm_ok": int(report.ok), "arm_fails": None, **found}
+    return {"arm_ok": int(report.ok), "arm_fails": None, **found}, planned.joints
 
 
 def _planned(

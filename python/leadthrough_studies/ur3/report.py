@@ -8,12 +8,15 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from leadthrough.arm import Arm
 from leadthrough.show import plot
+from leadthrough.timing import retime
+from leadthrough_studies import physics
 from leadthrough_studies.demonstrator import Teaching
 from leadthrough_studies.study import Report, Row, selected
 from leadthrough_studies.ur3 import setups
 
-_NOT_IN_THE_TABLE = ("study", "path")
+_NOT_IN_THE_TABLE = ("study", "path", "joints")
 
 
 def report(config: Any, rows: list[Row]) -> Report:
@@ -28,7 +31,7 @@ def report(config: Any, rows: list[Row]) -> Report:
         figures["sweep"] = _sweep_figure(config, swept)
     if taught:
         figures["teaching"] = _teaching_figure(taught)
-    return Report(
+    told = Report(
         table=[_without(row, *_NOT_IN_THE_TABLE) for row in experiments],
         figures=figures,
         summary={
@@ -39,6 +42,17 @@ def report(config: Any, rows: list[Row]) -> Report:
             ],
         },
     )
+    return _with_physics(told, experiments)
+
+
+def _with_physics(told: Report, experiments: list[Row]) -> Report:
+    """The first experiment that the arm can run, as fast as it may, on the simulated arm."""
+    for row in selected(experiments, arm_ok=1):
+        arm = Arm.load("ur3")
+        joints = retime(physics.joints_of(row["joints"], arm), arm.limits)
+        around = setups.SETUPS[row["setup"]].around_the_arm()
+        return physics.with_physics(told, arm, joints, obstacles=around)
+    return told
 
 
 def _spread(rows: list[Row]) -> Row:

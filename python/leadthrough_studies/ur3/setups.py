@@ -19,13 +19,13 @@ following is assumed here, all in the workspace frame of the paper, x, y and z u
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.motion import Demonstration, Trajectory
-from leadthrough.shapes import Box
+from leadthrough.shapes import Box, Shape
 from leadthrough_studies.demonstrator import Teaching, guide, wander
 
 Point = tuple[float, float, float]
@@ -65,6 +65,15 @@ class Setup:
             return []
         size, position = self.box
         return [Box(np.array(size), np.array(position))]
+
+    def obstacles(self) -> list[Shape]:
+        """The table, and the box if there is one."""
+        return [table(), *self.boxes()]
+
+    def around_the_arm(self) -> list[Shape]:
+        """The same in the frame of the arm's base."""
+        base = np.array(self.base)
+        return [replace(each, position=each.position - base) for each in self.obstacles()]
 
 
 _BASE_BY_THE_TABLE: Point = (0.05, 1.04, 0.85)

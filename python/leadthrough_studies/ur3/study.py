@@ -23,7 +23,7 @@ from leadthrough.models import FastMarching, FastMarchingSkill
 from leadthrough.motion import Demonstration, Trajectory
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.shapes import Shape
-from leadthrough_studies import metrics
+from leadthrough_studies import metrics, physics
 from leadthrough_studies.demonstrator import Teaching
 from leadthrough_studies.metrics import speed_along
 from leadthrough_studies.study import Row, Study, Task, cpu_time
@@ -128,17 +128,19 @@ def experiment(*, setup: int, setting: dict[str, float], threshold: float, seed:
     shown = demonstrations(setup, Teaching(), seed)
     row, made, skill = _plan(setup, setting, threshold, shown)
     row |= _after_learning(skill, made, setup) if row["auto_learned"] else _NOT_LEARNED
-    row |= on_the_arm(Setting(**setting).model(), shown, setup, _obstacles(setup))
-    row |= _times(setup, setting, shown)
+    met, joints = on_the_arm(Setting(**setting).model(), shown, setup)
+    row |= met | _times(setup, setting, shown)
     labels = {"study": "setups", "title": place.title, "kappa_paper": place.kappa}
-    return [{**labels, **row, "path": _even(made).round(3).tolist()}]
+    drawn = {"path": _even(made).round(3).tolist(), "joints": joints and physics.row_of(joints)}
+    return [{**labels, **row, **drawn}]
 
 
 def repeat(*, setup: int, setting: dict[str, float], threshold: float, seed: int) -> list[Row]:
     """One row: an experiment as another person shows it, and the whole arm along its path."""
     shown = demonstrations(setup, Teaching(), seed)
     row, _, _ = _plan(setup, setting, threshold, shown)
-    row |= on_the_arm(Setting(**setting).model(), shown, setup, _obstacles(setup))
+    met, _ = on_the_arm(Setting(**setting).model(), shown, setup)
+    row |= met
     return [{"study": "seeds", "seed": seed, "kappa_paper": SETUPS[setup].kappa, **row}]
 
 
@@ -168,7 +170,7 @@ def teach(*, pace: str, setting: dict[str, float], seed: int) -> list[Row]:
 def _plan(
     setup: int, setting: dict[str, float], threshold: float, shown: list[Demonstration[Trajectory]]
 ) -> tuple[Row, Trajectory, FastMarchingSkill[Trajectory]]:
-    place, obstacles = SETUPS[setup], _obstacles(setup)
+    place, obstacles = SETUPS[setup], SETUPS[setup].obstacles()
     skill = Setting(**setting).model().fit(shown)
     made = skill.generate(start=place.start, goal=place.goal, obstacles=obstacles)
     path = _even(made)
@@ -196,7 +198,7 @@ def _plan(
 def _after_learning(skill: FastMarchingSkill[Trajectory], made: Trajectory, setup: int) -> Row:
     place = SETUPS[setup]
     learned = skill.with_experience(made.positions)
-    again = learned.generate(start=place.start, goal=place.goal, obstacles=_obstacles(setup))
+    again = learned.generate(start=place.start, goal=place.goal, obstacles=place.obstacles())
     return {
         "kappa_after": learned.kappa(_even(again)),
         "length_after_m": float(arc_length(again.positions)[-1]),
@@ -214,17 +216,13 @@ def _times(setup: int, setting: dict[str, float], shown: list[Demonstration[Traj
     return {
         "fit_cpu_s": cpu_time(lambda: model.fit(shown).velocity_map),
         "plan_cpu_s": cpu_time(lambda: plan([table()])),
-        "replan_cpu_s": cpu_time(lambda: plan(_obstacles(setup))),
+        "replan_cpu_s": cpu_time(lambda: plan(place.obstacles())),
     }
 
 
 def _motion(demonstration: Demonstration) -> Trajectory:
     assert isinstance(demonstration.motion, Trajectory)
     return demonstration.motion
-
-
-def _obstacles(setup: int) -> list[Shape]:
-    return [table(), *SETUPS[setup].boxes()]
 
 
 def _clearance(motion: Trajectory, shape: Shape) -> float:

@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+import sys
 from dataclasses import replace
 
 import pytest
@@ -87,8 +88,18 @@ def test_experiment_writes_results_and_goes_on_where_it_was(tmp_path, monkeypatc
     assert "kappa paper" in first.output
     written = (tmp_path / "results.json").read_bytes()
     assert json.loads(written)["configuration"]["seed"] == 3
+    assert "Under gravity and a controller: fit to run" in " ".join(first.output.split())
+    assert (
+        "The arm as simulated; transparent, as planned."
+        in (tmp_path / "simulated.html").read_text()
+    )
     assert runner.invoke(cli.app, arguments).exit_code == 0
     assert (tmp_path / "results.json").read_bytes() == written
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    without = runner.invoke(cli.app, arguments)
+    assert without.exit_code == 0
+    assert "pip install 'leadthrough[simulation]'" in " ".join(without.output.split())
+    assert "simulated.html" not in without.output
 
 
 def fail(*, setup, **_):

@@ -108,6 +108,14 @@ def test_positions_do_not_depend_on_the_representation_of_the_orientation(rows):
         np.testing.assert_allclose(others, errors[0], rtol=1e-9)
 
 
+def test_a_whole_task_is_shown_under_gravity(outcome):
+    assert outcome[0].report.summary["simulated"].startswith("fit to run")
+    assert (
+        "The arm as simulated; transparent, as planned."
+        in (outcome[1] / "simulated.html").read_text()
+    )
+
+
 def test_the_arm_does_what_the_default_plans(rows):
     for row in (
         *planned(rows, "anchored"),
