@@ -3,7 +3,7 @@
 After Grioli's notes on trajectories (2023), chapters 2 and 3.
 """
 
-from leadthrough.trajectories.bezier import Bezier, de_casteljau
+from leadthrough.trajectories.bezier import Bezier, de_casteljau, joined
 from leadthrough.trajectories.bspline import BSpline, Nurbs
 from leadthrough.trajectories.bspline_fitting import bspline_near, nurbs_through
 from leadthrough.trajectories.curve import Curve, PointCurve
@@ -69,6 +69,7 @@ __all__ = [
     "de_casteljau",
     "double_s",
     "hermite",
+    "joined",
     "linear",
     "minimum_jerk",
     "minimum_jerk_rise",

@@ -6,7 +6,9 @@ Source: Grioli 2023, section 2.3; Farin 2002.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -14,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
 from leadthrough.trajectories import curve
 from leadthrough.trajectories.curve import PointCurve
 from leadthrough.trajectories.spline import Spline
@@ -22,6 +25,10 @@ if TYPE_CHECKING:
     from scipy.interpolate import BPoly
 
 _MOST_POINTS = 100
+# Ends that are nearer than this, relative to the numbers' size, meet.
+_JOINED = 1e-9
+# Factorials of higher orders lose the digits of a derivative.
+_MOST_CONTINUITY = 20
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -95,6 +102,39 @@ class Bezier(PointCurve):
             degree / (self.domain[1] - self.domain[0]) * np.diff(self.points, axis=0), self.domain
         )
 
+    def continued(self, points: ArrayLike, *, duration: float, continuity: int = 2) -> Bezier:
+        """A curve that follows this one, with the same derivatives where they meet.
+
+        Its first control points are placed so that positions and all derivatives up to an order
+        agree; the others are free.
+
+        Args:
+            points: its further control points (n, d), n >= 1.
+            duration: of the new curve, in the unit of the domain, > 0.
+            continuity: m of C^m, 0 to 20: the highest derivative that agrees.
+
+        Raises:
+            InvalidInput: if the points are malformed or of another dimension, the curve would have
+                more than 100, the duration is not > 0 or the continuity out of range.
+        """
+        free = curve.points(points, "points")
+        if free.shape[1] != self.points.shape[1]:
+            raise InvalidInput(
+                f"points: expected {self.points.shape[1]} columns as this curve has, got "
+                f"{free.shape[1]}"
+            )
+        length = check.number(duration, "duration", above=0.0)
+        most = check.integer(continuity, "continuity", at_least=0, at_most=_MOST_CONTINUITY)
+        degree, end = most + len(free), self.domain[1]
+        # The k-th difference of the first control points gives the k-th derivative at the start.
+        differences = [
+            self.evaluate(end, k) * length**k / math.perm(degree, k) for k in range(most + 1)
+        ]
+        placed = [
+            sum(math.comb(i, k) * differences[k] for k in range(i + 1)) for i in range(most + 1)
+        ]
+        return Bezier(np.vstack([*placed, free]), (end, end + length))
+
     def spline(self) -> Spline:
         """The same curve as one polynomial piece."""
         orders = range(len(self.points))
@@ -109,6 +149,41 @@ class Bezier(PointCurve):
 
     def _stretched(self, factor: float) -> Self:
         return replace(self, domain=(self.domain[0] * factor, self.domain[1] * factor))
+
+
+def joined(pieces: Sequence[Bezier]) -> Spline:
+    """One curve of Bezier curves that follow one another, each beginning when the last one ends.
+
+    `Spline.smoothness` tells how many derivatives agree where they meet.
+
+    Args:
+        pieces: at least one; they may differ in degree.
+
+    Raises:
+        InvalidInput: if there is none, the dimensions differ, or one does not begin where and when
+            the one before ends.
+    """
+    if not pieces:
+        raise InvalidInput("pieces: expected at least one Bezier curve, got none")
+    for i, (before, after) in enumerate(pairwise(pieces)):
+        if before.points.shape[1] != after.points.shape[1]:
+            raise InvalidInput(
+                f"pieces[{i + 1}]: expected {before.points.shape[1]} columns, got "
+                f"{after.points.shape[1]}"
+            )
+        size = 1.0 + float(np.abs(before.points).max())
+        apart = float(np.abs(after.points[0] - before.points[-1]).max())
+        if apart > _JOINED * size or after.domain[0] != before.domain[1]:
+            raise InvalidInput(
+                f"pieces[{i + 1}]: expected a curve from where and when the one before ends, "
+                f"{before.points[-1]} at {before.domain[1]}, got one from {after.points[0]} at "
+                f"{after.domain[0]}; make it with `continued`"
+            )
+    rows = [piece.spline().coefficients[0] for piece in pieces]
+    table = np.zeros((len(rows), max(map(len, rows)), pieces[0].points.shape[1]))
+    for piece, row in zip(table, rows, strict=True):
+        piece[: len(row)] = row
+    return Spline([pieces[0].domain[0], *(piece.domain[1] for piece in pieces)], table)
 
 
 def de_casteljau(points: ArrayLike, fraction: float) -> list[Float64Array]:

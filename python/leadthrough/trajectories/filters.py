@@ -162,7 +162,7 @@ class SecondOrderFilter(LinearFilter):
 
 @dataclass(frozen=True, eq=False, init=False)
 class TimeOptimalFilter(Brief):
-    """The fastest way to rest at a target inside limits of velocity and acceleration.
+    """The fastest way to a target, at rest or moving, inside limits of velocity and acceleration.
 
     The bang-bang law of the phase plane chatters when sampled; this is its sampled form. From the
     speed v towards the target, equal steps of at most a T bring the reference to rest in k periods
@@ -171,7 +171,8 @@ class TimeOptimalFilter(Brief):
     when the present speed w has run out, v = max over k of min(k a T, 2 B / ((k + 1) T)). A step
     later v (k - 1) / k is such a speed again, so that no step passes the target or brakes harder,
     and the last one, with k = 1, ends at rest on it. Where the reference is too fast for its
-    target, it brakes as hard as it may.
+    target, it brakes as hard as it may. Of a target that moves at a constant velocity the same
+    holds in its frame, where the limit of the velocity is another one either way.
 
     Attributes:
         velocity: limit > 0, (d,) or one number for all dimensions.
@@ -190,36 +191,47 @@ class TimeOptimalFilter(Brief):
             acceleration=rate_limit(acceleration, "acceleration"),
         )
 
-    def step(self, state: FilterState, target: ArrayLike, period: float) -> FilterState:
+    def step(
+        self,
+        state: FilterState,
+        target: ArrayLike,
+        period: float,
+        *,
+        velocity: ArrayLike = 0.0,
+    ) -> FilterState:
         """The state one period later.
 
         Args:
             state: the present one.
-            target: (d,).
+            target: (d,), where the target is one period later.
             period: s, 1e-7 to 1e5.
+            velocity: the target's, (d,) or one number; a moving target within the limits is caught
+                and then followed without lag.
 
         Raises:
             InvalidInput: if the shapes do not fit or the period is out of its range.
         """
-        x, goal, _, dt = _inputs(state, target, 0.0, period)
+        x, goal, drift, dt = _inputs(state, target, velocity, period)
         top = limit_for(self.velocity, "velocity", x)
         push = limit_for(self.acceleration, "acceleration", x)
-        side = np.where(goal >= x, 1.0, -1.0)
-        distance, speed = np.abs(goal - x), side * state.velocity
+        # All speeds are relative to the target, towards where it is now.
+        away = goal - drift * dt - x
+        side = np.where(away >= 0.0, 1.0, -1.0)
+        distance, speed = np.abs(away), side * (state.velocity - drift)
         change = push * dt
         room = np.maximum(distance - 0.5 * speed * dt, 0.0)
         periods = np.floor(0.5 * (np.sqrt(1.0 + 8.0 * room / (change * dt)) - 1.0))
         best = np.maximum(periods * change, 2.0 * room / ((periods + 2.0) * dt))
         # With limits just lowered the speed may be above the top: it falls as fast as it may.
         slowest = speed - change
-        fastest = np.maximum(slowest, np.minimum(speed + change, top))
+        fastest = np.maximum(slowest, np.minimum(speed + change, top - side * drift))
         chosen = np.clip(best, slowest, fastest)
-        moved = x + side * 0.5 * (speed + chosen) * dt
+        moved = x + side * 0.5 * (speed + chosen) * dt + drift * dt
         rests = (np.abs(goal - moved) <= _REACHED * (np.abs(goal) + np.abs(x))) & (
             np.abs(chosen) <= 1e-9 * change
         )
-        velocity = np.where(rests, 0.0, side * chosen)
-        return FilterState(np.where(rests, goal, moved), velocity, (velocity - state.velocity) / dt)
+        reached = np.where(rests, 0.0, side * chosen) + drift
+        return FilterState(np.where(rests, goal, moved), reached, (reached - state.velocity) / dt)
 
 
 def _inputs(

@@ -1,7 +1,8 @@
-"""Straight moves from rest to rest: trapezoids of velocity, and the double S with bounded jerk.
+"""Straight moves: trapezoids of velocity, and the double S with bounded jerk.
 
 Several dimensions move along a straight line and arrive together; the one nearest its limits sets
-the pace.
+the pace. A move may begin and end with a velocity along the line; where it would arrive too early
+or too fast, it goes past its end or back before its start.
 
 Source: Biagiotti and Melchiorri 2008, sections 3.2 and 3.4.
 """
@@ -16,14 +17,23 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.trajectories.moving_double_s import Phases, moving_double_s, ramp
 from leadthrough.trajectories.spline import Spline
 
+# A velocity is along a line if no more of it, relatively, points elsewhere.
+_ON_THE_LINE = 1e-9
 # A phase shorter than this, relative to the whole move, is rounding.
 _NO_PHASE = 1e-12
 
 
 def trapezoid(
-    start: ArrayLike, end: ArrayLike, *, velocity: ArrayLike, acceleration: ArrayLike
+    start: ArrayLike,
+    end: ArrayLike,
+    *,
+    velocity: ArrayLike,
+    acceleration: ArrayLike,
+    start_velocity: ArrayLike = 0.0,
+    end_velocity: ArrayLike = 0.0,
 ) -> Spline:
     """The fastest straight move inside limits of velocity and acceleration: three phases.
 
@@ -32,15 +42,34 @@ def trapezoid(
         end: (d,).
         velocity: limit > 0, (d,) or one number for all dimensions.
         acceleration: limit > 0, (d,) or one number for all dimensions.
+        start_velocity: (d,) along the line from start to end, or one number for one dimension.
+        end_velocity: the same at the end.
 
     Raises:
-        InvalidInput: if start and end are the same, the shapes do not fit or a limit is not > 0.
+        InvalidInput: if nothing is to move, the shapes do not fit, a limit is not > 0, or a
+            velocity is not along the line or not within its limit.
     """
-    x, way = _move(start, end)
+    x, way, length = _move(start, end, start_velocity, end_velocity)
     v, a = _scalar(velocity, "velocity", way), _scalar(acceleration, "acceleration", way)
+    first = _along(start_velocity, "start_velocity", way, v)
+    last = _along(end_velocity, "end_velocity", way, v)
+    if first or last:
+        return _straight(x, way, _trapezoid_phases(length, first, last, v, a), order=2, rate=first)
     ramp = min(v / a, math.sqrt(1.0 / a))
     cruise = 1.0 / (a * ramp) - ramp
     return _straight(x, way, [(ramp, a), (cruise, 0.0), (ramp, -a)], order=2)
+
+
+def _trapezoid_phases(length: float, first: float, last: float, v: float, a: float) -> Phases:
+    """Phases (duration, acceleration) over a length from one speed to another."""
+    direct = 0.5 * (last * last - first * first) / a * (1.0 if last >= first else -1.0)
+    side = 1.0 if length >= direct else -1.0
+    peak = math.sqrt(max(0.5 * (first * first + last * last) + side * a * length, 0.0))
+    top = side * min(peak, v)
+    up, down = abs(top - first) / a, abs(top - last) / a
+    covered = 0.5 * (first + top) * up + 0.5 * (top + last) * down
+    cruise = max((length - covered) / top, 0.0) if peak > v else 0.0
+    return [(up, side * a), (cruise, 0.0), (down, -side * a)]
 
 
 def double_s(
@@ -50,8 +79,12 @@ def double_s(
     velocity: ArrayLike,
     acceleration: ArrayLike,
     jerk: ArrayLike,
+    start_velocity: ArrayLike = 0.0,
+    end_velocity: ArrayLike = 0.0,
 ) -> Spline:
     """The fastest straight move inside limits of velocity, acceleration and jerk: seven phases.
+
+    It begins and ends without acceleration.
 
     Args:
         start: (d,).
@@ -59,14 +92,22 @@ def double_s(
         velocity: limit > 0, (d,) or one number for all dimensions.
         acceleration: limit > 0, (d,) or one number for all dimensions.
         jerk: limit > 0, (d,) or one number for all dimensions.
+        start_velocity: (d,) along the line from start to end, or one number for one dimension.
+        end_velocity: the same at the end.
 
     Raises:
-        InvalidInput: if start and end are the same, the shapes do not fit or a limit is not > 0.
+        InvalidInput: if nothing is to move, the shapes do not fit, a limit is not > 0, or a
+            velocity is not along the line or not within its limit.
     """
-    x, way = _move(start, end)
+    x, way, length = _move(start, end, start_velocity, end_velocity)
     v, a = _scalar(velocity, "velocity", way), _scalar(acceleration, "acceleration", way)
     j = _scalar(jerk, "jerk", way)
-    rise, push = _ramp(v, a, j)
+    first = _along(start_velocity, "start_velocity", way, v)
+    last = _along(end_velocity, "end_velocity", way, v)
+    if first or last:
+        phases = moving_double_s(length, first, last, (v, a, j))
+        return _straight(x, way, phases, order=3, rate=first)
+    rise, push = ramp(v, a, j)
     if (2.0 * rise + push) * j * rise * (rise + push) > 1.0:  # too short for full velocity
         rise = a / j
         push = 0.5 * (math.sqrt(rise**2 + 4.0 / a) - 3.0 * rise)
@@ -74,24 +115,48 @@ def double_s(
             rise, push = (0.5 / j) ** (1.0 / 3.0), 0.0
     top = j * rise * (rise + push)
     cruise = max(1.0 / top - (2.0 * rise + push), 0.0)
-    ramp = [(rise, j), (push, 0.0), (rise, -j)]
+    rising = [(rise, j), (push, 0.0), (rise, -j)]
     brake = [(rise, -j), (push, 0.0), (rise, j)]
-    return _straight(x, way, [*ramp, (cruise, 0.0), *brake], order=3)
+    return _straight(x, way, [*rising, (cruise, 0.0), *brake], order=3)
 
 
-def _ramp(v: float, a: float, j: float) -> tuple[float, float]:
-    """Durations of the jerk and of the full acceleration on the way to velocity v."""
-    if v * j < a * a:
-        return math.sqrt(v / j), 0.0
-    return a / j, v / a - a / j
-
-
-def _move(start: ArrayLike, end: ArrayLike) -> tuple[Float64Array, Float64Array]:
+def _move(
+    start: ArrayLike, end: ArrayLike, first: ArrayLike, last: ArrayLike
+) -> tuple[Float64Array, Float64Array, float]:
+    """The start, a way (d,) and how many times it leads to the end: once, or not at all."""
     x = check.array(start, "start", shape=("d",))
     way = check.array(end, "end", shape=(len(x),)) - x
-    if not way.any():
-        raise InvalidInput(f"end: expected a point other than start, got {x} twice")
-    return x, way
+    if way.any():
+        return x, way, 1.0
+    for rate, name in ((first, "start_velocity"), (last, "end_velocity")):
+        moving = _row(rate, name, len(x))
+        if moving.any():
+            return x, moving, 0.0
+    raise InvalidInput(f"end: expected a point other than start, got {x} twice")
+
+
+def _row(rate: ArrayLike, name: str, size: int) -> Float64Array:
+    """A velocity (d,); a single number is that of one dimension, or rest."""
+    given = check.array(rate, name, shape=() if np.ndim(rate) == 0 else (size,))
+    if given.ndim == 0 and size > 1 and given != 0.0:
+        raise InvalidInput(f"{name}: expected a velocity ({size},) or 0, got {given}")
+    return np.broadcast_to(given, (size,))
+
+
+def _along(rate: ArrayLike, name: str, way: Float64Array, limit: float) -> float:
+    """A velocity as a rate of the fraction of the way."""
+    row = _row(rate, name, len(way))
+    found = float(row @ way / (way @ way))
+    if np.abs(row - found * way).max() > _ON_THE_LINE * np.abs(row).max():
+        raise InvalidInput(
+            f"{name}: expected a velocity along the line from start to end, {way}, got {row}"
+        )
+    if abs(found) > limit * (1.0 + _ON_THE_LINE):
+        raise InvalidInput(
+            f"{name}: expected at most the limit of the velocity, {limit / abs(found):.3g} of it, "
+            f"got {row}"
+        )
+    return min(max(found, -limit), limit)
 
 
 def _scalar(limit: ArrayLike, name: str, way: Float64Array) -> float:
@@ -104,11 +169,12 @@ def _scalar(limit: ArrayLike, name: str, way: Float64Array) -> float:
 
 
 def _straight(
-    x: Float64Array, way: Float64Array, phases: list[tuple[float, float]], *, order: int
+    x: Float64Array, way: Float64Array, phases: Phases, *, order: int, rate: float = 0.0
 ) -> Spline:
-    """A move whose derivative of an order is constant in each phase, (duration, value)."""
+    """A move whose derivative of an order is constant in each phase; it begins at a rate."""
     total = sum(duration for duration, _ in phases)
     state, knots, rows = np.zeros(order), [0.0], []
+    state[1] = rate
     for duration, value in phases:
         if duration <= _NO_PHASE * total:
             continue
