@@ -52,11 +52,11 @@ def experiment(
     console = Console()
     if outcome.report.table:
         console.print(table(outcome.report.table))
-    console.print(f"results.json, table.csv and figures: {folder}/")
+    print(f"results.json, table.csv and figures: {folder}/")
     for page in outcome.report.pages:
-        console.print(f"Page to open in a browser: {folder / page}.html")
+        print(f"Page to open in a browser: {folder / page}.html")
     if simulated := outcome.report.summary.get("simulated"):
-        console.print(f"Under gravity and a controller: {simulated}", markup=False)
+        print(f"Under gravity and a controller: {simulated}")
     for failure in outcome.failures:
         told = f"failed: {failure['task']}: {failure['error']}: {failure['message']}"
         console.print(told, style="red", markup=False)

@@ -44,6 +44,15 @@ def test_demo_writes_figures_errors_and_trajectories(shown):
     assert (out / "simulated.html").is_file()
 
 
+def test_demo_names_the_extra_that_is_missing(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    out = tmp_path / "one[1]"
+    result = runner.invoke(cli.app, ["demo", "--out", str(out), "--scene", "harvesting"])
+    assert result.exit_code == 0
+    assert "pip install 'leadthrough[simulation]'" in result.output
+    assert f"{out}/" in result.output.replace("\n", "")
+
+
 def test_page_of_the_demo_shows_three_arms_and_explains_every_measure(shown):
     report = (shown[1] / "report.html").read_text()
     assert report.count('<figure class="scene">') == 3
