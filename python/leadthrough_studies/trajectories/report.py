@@ -8,10 +8,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from leadthrough_studies.study import Report, Row, selected
+from leadthrough_studies.trajectories import generalization_figures
 
 
-def report(_config: Any, rows: list[Row]) -> Report:
-    """The report: one line of the table per statement, and two figures."""
+def report(config: Any, rows: list[Row]) -> Report:
+    """The report: one line of the table per statement, and the figures."""
     nodes = selected(rows, study="runge")
     planes = selected(rows, study="phase plane")
     figures = {}
@@ -19,12 +20,14 @@ def report(_config: Any, rows: list[Row]) -> Report:
         figures["runge"] = _runge_figure(nodes)
     if planes:
         figures["phase_plane"] = _plane_figure(planes)
+    figures |= generalization_figures.figures(rows, config.seed)
     table = [
         *_runge_lines(nodes),
         *_lines(selected(rows, study="turning"), "way", "axis_strays_rad"),
         *_plane_lines(planes),
         *_lines(selected(rows, study="jerks"), "way", "jerk"),
         *_retimed_lines(selected(rows, study="retimed")),
+        *generalization_figures.lines(rows),
     ]
     return Report(table=table, figures=figures)
 

@@ -1,8 +1,10 @@
-"""Statements of Grioli's lecture notes on trajectories (2023, chapters 2 and 3), measured.
+"""Statements of Grioli's lecture notes on trajectories (2023, chapters 2 to 4), measured.
 
 They concern Runge's function on evenly spaced and on Chebyshev nodes, a rotation by Euler angles
 and by slerp, the bang-bang law and its discrete-time form in the phase plane, and minimum jerk
-compared with other curves through the same points. In addition, random splines are retimed.
+compared with other curves through the same points. Of chapter 4 (`generalization`): a curve as a
+sum of Gaussians, the steps of k-means, EM and the regression. In addition, random splines are
+retimed.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.timing import check_limits, retime
 from leadthrough_studies.study import Row, Study, Task
+from leadthrough_studies.trajectories import generalization
 from leadthrough_studies.trajectories.report import report
 
 _FINE = 2001
@@ -58,6 +61,7 @@ def tasks(config: TrajectoriesConfig) -> list[Task]:
         *(Task(phase_plane, {"start": x, "period": config.period}) for x in (-1.0, -0.4, 0.7)),
         Task(jerks, {"seed": config.seed}),
         *(Task(retimed, {"seed": config.seed + i}) for i in range(config.splines)),
+        *generalization.tasks(config.seed),
     ]
 
 

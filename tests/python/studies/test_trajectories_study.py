@@ -1,9 +1,12 @@
 """The statements of the lecture notes hold."""
 
+import numpy as np
 import pytest
+from sklearn.cluster import KMeans
 
 from leadthrough_studies.catalogue import STUDIES
 from leadthrough_studies.study import run
+from leadthrough_studies.trajectories import generalization
 from leadthrough_studies.trajectories.study import TrajectoriesConfig
 
 
@@ -24,6 +27,7 @@ def test_all_tasks_succeed_and_figures_are_drawn(outcome):
     assert not result.failures
     assert (out / "runge.png").stat().st_size > 1000
     assert (out / "phase_plane.png").stat().st_size > 1000
+    assert all((out / f"figure_4_{i}.png").stat().st_size > 1000 for i in (1, 2, 3, 4))
 
 
 def test_only_evenly_spaced_nodes_fail_on_runges_function(values):
@@ -53,3 +57,21 @@ def test_retimed_splines_keep_their_limits(values):
         value for (_, measure), value in values.items() if measure == "share_inside_all_limits"
     ]
     assert shares == [1.0, 1.0, 1.0]
+
+
+def test_k_means_and_em_never_lose_what_they_have_gained(values, outcome):
+    assert values["random points", "largest_rise"] <= 0.0
+    assert values["EM", "least_gain"] > -1e-9
+    assert values["plus_plus", "first_inertia"] < values["random", "first_inertia"]
+    steps = [row for row in outcome[0].rows if row["study"] == "k-means"]
+    assert steps[-1]["changed"] == 0
+    # scikit-learn from the same points comes to the same clusters.
+    points = generalization._scaled(generalization.demonstrations(0))
+    first = np.array(steps[0]["centres"])
+    peer = KMeans(len(first), init=first, n_init=1, tol=0.0).fit(points)
+    assert steps[-1]["inertia"] == pytest.approx(peer.inertia_, rel=1e-9)
+
+
+def test_regression_follows_the_demonstrations_mean(values):
+    assert values["weighted Gaussians", "error_m"] < 0.01  # of 0.3 m
+    assert values["GMR", "error_m"] < 0.03
