@@ -1,5 +1,6 @@
 """What README and the documentation show, run as it stands, page by page and in its order."""
 
+import ast
 import os
 import re
 import shlex
@@ -99,6 +100,43 @@ def test_commands_in_the_text_exist(page):
         assert {word for word in words if word.startswith("-")} <= known, text
 
 
+LINK = re.compile(r"(?<!\\)\]\(([^)\s]+)\)")
+TEXTS = [*PAGES, *(ROOT / f"{name}.md" for name in ("CONTRIBUTING", "CHANGELOG", "SECURITY"))]
+
+
+def anchors(page):
+    """Where links into a page lead: its headings, and the names that an API page documents."""
+    text = page.read_text()
+    for heading in re.findall(r"^#+ (.+)$", text, re.MULTILINE):
+        yield (
+            re.sub(r"[^\w\- ]", "", re.sub(r"[`*]", "", heading.lower())).strip().replace(" ", "-")
+        )
+    yield from re.findall(r"^::: ([\w.]+)$", text, re.MULTILINE)
+
+
+@pytest.mark.parametrize("page", TEXTS, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_and_pictures_lead_somewhere(page):
+    for link in LINK.findall(re.sub(r"```.*?```", "", page.read_text(), flags=re.DOTALL)):
+        target, _, anchor = link.partition("#")
+        if "://" in link or (target.startswith("../demos/") and target.endswith(".md")):
+            continue  # elsewhere, or made when the pages are built
+        found = page.parent / target if target else page
+        assert found.exists(), link
+        if anchor and found.suffix == ".md":
+            there = set(anchors(found))
+            assert any(anchor == each or anchor.startswith(f"{each}.") for each in there), link
+
+
+def test_version_is_the_same_everywhere():
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+    assert lt.__version__ == version
+    assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text()
+    changelog = (ROOT / "CHANGELOG.md").read_text()
+    (first,) = re.findall(r"\A# Changelog.*?^## (\S+)", changelog, re.DOTALL | re.MULTILINE)
+    assert first in ("Unreleased", version)
+    assert first == version or f"This will be {version}" in changelog
+
+
 def test_every_page_is_in_the_navigation():
     navigation = (ROOT / "mkdocs.yml").read_text()
     for page in PAGES[1:]:
@@ -115,3 +153,23 @@ def test_public_names_are_in_the_reference(stage):
         if callable(getattr(package, name)):
             found = re.search(rf"^::: leadthrough\.(\w+\.)?{name}$", reference, re.MULTILINE)
             assert found, name
+
+
+def messages():
+    """All texts in the package's code; … stands for what is put in."""
+    for path in (ROOT / "python" / "leadthrough").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.JoinedStr):
+                parts = (p.value if isinstance(p, ast.Constant) else "…" for p in node.values)
+                yield "".join(parts)
+            elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+                yield node.value
+
+
+def test_messages_in_the_troubleshooting_are_those_of_the_code():
+    page = (ROOT / "docs" / "guide" / "troubleshooting.md").read_text()
+    quoted = re.findall(r"^### `(.+?)`(?:$| )", page, re.MULTILINE)
+    known = "\n".join(messages())
+    assert len(quoted) > 15
+    for message in quoted:
+        assert message in known, message

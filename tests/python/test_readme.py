@@ -12,9 +12,13 @@ import warnings
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 
 ROOT = Path(__file__).parents[2]
+PICTURES = ROOT / "docs" / "demos" / "pictures"
+ALIKE = 4.0  # of 255, mean difference of two pictures that show the same
 DEMOS = sorted((ROOT / "python" / "demos").glob("[0-9]*.py"))
 
 # Each script runs in a process of its own, forked from one that has imported what others wrote:
@@ -74,3 +78,11 @@ def test_demo_is_short_and_writes_the_files_that_it_announces(demo, tmp_path):
     assert announced
     for name in announced:
         assert Path(name).stat().st_size > 1000
+    for drawn in sorted(tmp_path.glob("*.png"))[:1]:
+        apart = np.abs(small(drawn) - small(PICTURES / f"{demo.stem}.webp"))
+        assert np.mean(apart) < ALIKE, "run python python/pictures/demos.py docs/demos/pictures"
+
+
+def small(picture):
+    """The brightness of a picture, so coarse that another font counts little."""
+    return np.asarray(Image.open(picture).convert("L").resize((48, 32)), float)

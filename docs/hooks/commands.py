@@ -1,35 +1,27 @@
-"""What is made when the pages are built: formulas as MathML, and the commands' options."""
+"""The commands and their options, from the program itself, and the changelog."""
 
-import html
 import re
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import typer
-from latex2mathml.converter import convert
-from mkdocs.exceptions import PluginError
 
 from leadthrough import cli
 
-_FORMULA = re.compile(
-    r'<(?P<tag>span|div) class="arithmatex">\\[(\[](?P<latex>.*?)\\[)\]]</(?P=tag)>', re.DOTALL
-)
-
-
-def on_page_content(content: str, **_: Any) -> str:
-    return _FORMULA.sub(_drawn, content)
-
-
-def _drawn(found: re.Match[str]) -> str:
-    display = "block" if found["tag"] == "div" else "inline"
-    drawn = convert(html.unescape(found["latex"]), display=display)
-    if "\\" in drawn:
-        raise PluginError(f"a formula that cannot be drawn: {found['latex']}")
-    return f'<div class="formula">{drawn}</div>' if display == "block" else drawn
+_CHANGELOG = Path(__file__).parents[2] / "CHANGELOG.md"
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
+    if "{{ changelog }}" in markdown:
+        markdown = markdown.replace("{{ changelog }}", _changelog())
     return markdown.replace("{{ commands }}", "\n".join(_commands()))
+
+
+def _changelog() -> str:
+    """The changelog without its title; its links lead from the repository's root."""
+    text = _CHANGELOG.read_text(encoding="utf-8").split("\n", 1)[1]
+    return text.replace("](docs/", "](../")
 
 
 def _commands() -> Iterator[str]:
