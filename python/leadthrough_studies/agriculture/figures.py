@@ -11,6 +11,7 @@ from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.motion import PoseTrajectory
 from leadthrough.show.plot import Style
+from leadthrough_studies.agriculture import targets_figure
 from leadthrough_studies.agriculture.measures import from_goal
 from leadthrough_studies.agriculture.measures_figure import COLORS, measures
 from leadthrough_studies.study import Row, selected
@@ -40,10 +41,10 @@ def draw(
         tests: rows of the tests on pairs of planners.
 
     Returns:
-        "parameterisation" (figures 2 and 3), "measures" (7), "subtask_4_4" (8 to 10) and
-        "whole_tasks"; those without rows are left out.
+        "parameterisation" (figures 2 and 3), "targets" (4), "measures" (7), "subtask_4_4" (8 to
+        10) and "whole_tasks"; those without rows are left out.
     """
-    drawn = {"parameterisation": _parameterisation()}
+    drawn = {"parameterisation": _parameterisation(), "targets": targets_figure.draw(config.tasks)}
     if subtasks:
         drawn["measures"] = measures(config, subtasks, tests)
     courses = [row for row in subtasks if "course" in row]

@@ -84,7 +84,10 @@ def _differences(axes: Axes, config: Any, tests: list[Row]) -> None:
             level = 10 ** (top + 0.04 * step * (high - low))
             axes.plot(ends, [level] * 2, color="black", linewidth=0.8)
             axes.plot(np.mean(ends), level, "*", color="black", markersize=4)
-    axes.set_xlabel(f"line with a star: p < {SIGNIFICANT}, Wilcoxon, Bonferroni", fontsize=8)
+    told = f"line with a star: p < {SIGNIFICANT}, Wilcoxon, Bonferroni"
+    if not any(test["noe_can_show"] for test in tests if test["task"] in config.tasks):
+        told = "too few pairs in each task for any p < " + str(SIGNIFICANT)
+    axes.set_xlabel(told, fontsize=8)
 
 
 def _success(axes: Axes, config: Any, rows: list[Row]) -> None:

@@ -48,10 +48,18 @@ from scipy.stats import wilcoxon
 
 from leadthrough_studies import physics
 from leadthrough_studies.agriculture import figures, measures, recordings, skills, tasks
-from leadthrough_studies.agriculture.paper import BELOW_40, PRINTED
+from leadthrough_studies.agriculture.paper import BELOW_40, PRINTED, SIGNIFICANT
 from leadthrough_studies.study import Report, Row, selected
 
 _ALL = "all"
+_POWER = (
+    "A signed-rank test on n pairs cannot give a p below 2 / 2^n, and Bonferroni's correction "
+    "multiplies it by the {count} comparisons: at least {needed} pairs are needed for p < {level}, "
+    "even if one planner wins all of them. The least number of pairs here is {least}; where "
+    "can_show is 0, no outcome could have been significant, so that a missing star says nothing "
+    "there. A significant p says that one planner's errors are usually smaller, not by how much, "
+    "and repetitions by one simulated person with one seed are not independent persons."
+)
 
 
 def report(config: Any, rows: list[Row]) -> Report:
@@ -74,6 +82,7 @@ def report(config: Any, rows: list[Row]) -> Report:
             "measures": measures.__doc__,
             "details": [_details(_of(subtasks, *line), *line) for line in lines],
             "wilcoxon": tests,
+            "wilcoxon_can_show": _power(tests) if tests else "",
             "lookups": [
                 _looked_up(selected(rows, lookup=lookup), planner, lookup)
                 for planner in config.planners
@@ -198,8 +207,22 @@ def _compared(rows: list[Row], task: str, pair: tuple[str, str], planners: int) 
         ]
         gaps = np.array([a - b for a, b in both])
         p = float(wilcoxon(gaps).pvalue) if gaps.any() else 1.0
-        found |= {f"{column}_pairs": len(both), f"{column}_p": min(1.0, count * p)}
+        least = min(1.0, count * 2.0 ** (1 - len(both)))
+        found |= {
+            f"{column}_pairs": len(both),
+            f"{column}_p": min(1.0, count * p),
+            f"{column}_least_p": least,
+            f"{column}_can_show": int(least < SIGNIFICANT),
+        }
     return found
+
+
+def _power(tests: list[Row]) -> str:
+    """What tests on as many pairs as there are can and cannot show."""
+    pairs = sorted({test["noe_pairs"] for test in tests})
+    count = tests[0]["comparisons"]
+    needed = next(n for n in range(1, 100) if count * 2.0 ** (1 - n) < SIGNIFICANT)
+    return _POWER.format(count=count, needed=needed, level=SIGNIFICANT, least=pairs[0])
 
 
 def _trial(row: Row) -> tuple[str, str, int]:

@@ -28,7 +28,7 @@ from leadthrough.shapes import Box, Capsule
 
 TORSO = 0.25  # m
 SPACING = 0.1  # m, between targets
-_ARM_BASE = np.array([0.09305, 0.014, 0.7375 + TORSO])  # the first joint, in the robot's frame
+ARM_BASE = np.array([0.09305, 0.014, 0.7375 + TORSO])  # the first joint, in the robot's frame
 CORNERS = (0, 1, 3, 4)  # targets at a corner of a cell of the grid
 _TOOL = (0.0, 0.0, 0.2)  # m, beyond the last link
 _ABOVE = np.array([0.0, 0.0, 0.1])  # m, from where a target is approached
@@ -150,7 +150,7 @@ def targets(task: str) -> Float64Array:
         offsets = np.column_stack([zero + 0.5, left - 0.2, away])
     else:
         offsets = np.column_stack([away + 0.2, left - 0.2, zero - 0.4])
-    return np.asarray(_ARM_BASE + offsets)
+    return np.asarray(ARM_BASE + offsets)
 
 
 def amid(task: str, i: int) -> Float64Array:

@@ -24,6 +24,7 @@ from leadthrough.arm.yang import DampedLeastSquares, follow_path
 from leadthrough.check import Float64Array
 from leadthrough.motion import JointTrajectory, PoseTrajectory
 from leadthrough.trajectories import minimum_jerk_rise
+from leadthrough_studies.singularity.by_ranges import follow_by_ranges
 
 ROTATION_WEIGHT = 0.3  # m per rad
 _CLOSEST_AT = 0.75  # fraction of the path
@@ -135,6 +136,11 @@ def damped_alone(arm: Arm, way: PoseTrajectory, q: Float64Array) -> JointTraject
     return damped(arm, way, q, nullspace_gain=0.0)
 
 
+def damped_by_ranges(arm: Arm, way: PoseTrajectory, q: Float64Array) -> JointTrajectory:
+    """The joint motion by equations 3 to 7, the secondary task in fractions of joint ranges."""
+    return follow_by_ranges(arm, way, q, DampedLeastSquares())
+
+
 def slowed(arm: Arm, way: PoseTrajectory, q: Float64Array) -> JointTrajectory:
     """The joint motion by `Arm.follow`, which slows down where the joints would be too fast."""
     return arm.follow(way, seed=q, too_fast="slow")
@@ -151,6 +157,7 @@ METHODS: dict[str, Method] = {
     "plain": plain,
     "damped alone": damped_alone,
     "damped": damped,
+    "damped, by ranges": damped_by_ranges,
     "follow, slowing": slowed,
     "follow, deviating": deviating,
 }

@@ -175,13 +175,17 @@ def test_tests_of_all_pairs_are_corrected(outcome):
     assert found["noe_pairs"] == 8
     assert found["noe_p"] == pytest.approx(10 * 2 / 2**8, rel=0.5)
     assert found["npe_p"] == 1.0
+    # Ten comparisons of eight pairs cannot come to p < 0.01, and the study says so.
+    assert found["noe_least_p"] == pytest.approx(10 * 2 / 2**8)
+    assert found["noe_can_show"] == 0
+    assert "at least 11 pairs are needed" in outcome[0].report.summary["wilcoxon_can_show"]
 
 
 def test_results_and_figures_are_written(outcome):
     out = outcome[1]
     document = json.loads((out / "results.json").read_text())
     assert len(document["table"]) == 2 * len(PLANNERS)
-    for name in ("parameterisation", "measures", "subtask_4_4", "whole_tasks"):
+    for name in ("parameterisation", "targets", "measures", "subtask_4_4", "whole_tasks"):
         assert (out / f"{name}.png").stat().st_size > 10_000
 
 

@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 
 from leadthrough.arm import Arm
+from leadthrough.arm.yang import DampedLeastSquares, follow_path
+from leadthrough_studies.singularity.by_ranges import follow_by_ranges
 from leadthrough_studies.singularity.paths import (
     APPROACHES,
     DEVIATION,
     METHODS,
     motion,
     slowest_direction,
+    start,
 )
 from leadthrough_studies.singularity.study import STUDY, SingularityConfig
 from leadthrough_studies.study import run, selected
@@ -89,6 +92,34 @@ def test_more_damping_leaves_more_of_the_path(outcome):
     own = selected(outcome[0].rows, study="sweep", approach=2, alpha=0.0, nullspace_gain=0.0)
     errors = [row["largest_error_m"] for row in sorted(own, key=lambda row: row["damping"])]
     assert errors == sorted(errors)
+
+
+@NUMBERS
+def test_without_scaling_the_steps_are_those_of_the_arm_and_with_it_joints_keep_to_their_middle(
+    number,
+):
+    way = motion(PANDA, APPROACHES[number])
+    q = start(PANDA, APPROACHES[number], way)
+    settings = DampedLeastSquares()
+    plain = follow_path(PANDA, way, start=q, settings=settings).joints.positions
+    same, scaled = (
+        follow_by_ranges(PANDA, way, q, settings, scaled=each).positions for each in (False, True)
+    )
+    np.testing.assert_allclose(same, plain, atol=1e-8)
+    lower, upper = PANDA.limits.lower, PANDA.limits.upper
+    strays = [
+        np.sum(((path - 0.5 * (lower + upper)) / (upper - lower)) ** 2, axis=1).mean()
+        for path in (scaled, same)
+    ]
+    assert strays[0] < strays[1]
+
+
+def test_tables_one_and_two_stand_beside_the_papers(outcome):
+    lines = outcome[0].report.summary["tables_1_and_2"]
+    assert len(lines) == 8
+    told = {(line["table"], line["method"], line["below"]): line for line in lines}
+    assert told["I", "damped", 10]["paper_percent"] == 83.0
+    assert told["II", "plain", 10]["paper_percent"] == 72.0
 
 
 def test_the_table_quotes_the_paper(outcome):
