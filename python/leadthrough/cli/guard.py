@@ -24,6 +24,13 @@ def guard(
         float | None,
         typer.Option(help="Commands per second; by default those of the motion."),
     ] = None,
+    start: Annotated[
+        str | None,
+        typer.Option(
+            help="Joint positions, such as 0,-0.5,1, at which the arm rests; by default those of "
+            "the first sample."
+        ),
+    ] = None,
     format: options.FormatName = None,
     as_json: options.AsJson = False,
 ) -> None:
@@ -50,13 +57,18 @@ def guard(
     shown = 1.0 / float(np.diff(joints.times).min(initial=1.0))
     per_second = shown if rate is None else rate
     admits = Guard(arm, obstacles, rate=per_second, margin=margin)
-    first = joints.positions[0]
-    answer = admits.admit(joints[1:] if len(joints) > 1 else joints, first)
+    if start is not None:
+        here, chunk = parse.numbers(start, "--start"), joints
+    else:
+        here, chunk = joints.positions[0], joints[1:] if len(joints) > 1 else joints
+    with errors.naming(state="--start"):
+        answer = admits.admit(chunk, here)
     rest = answer.to_rest
-    events = [replace(each, time=each.time - joints.times[0]) for each in rest.events]
+    now = chunk.times[0] - 1.0 / per_second
+    events = [replace(each, time=each.time - now) for each in rest.events]
     written = from_state(
-        first,
-        np.concatenate([first[None], rest.positions]),
+        here,
+        np.concatenate([here[None], rest.positions]),
         names=arm.joint_names,
         period=1.0 / per_second,
         events=tuple(events),

@@ -59,3 +59,15 @@ def test_where_not_even_standing_still_is_allowed_nothing_is_written(written):
     code, found = run(written, "--obstacle", ball)
     assert (code, found["safe"], found["motion"]) == (1, False, "not written")
     assert not (written / "safe.npz").exists()
+
+
+def test_a_way_leads_onto_the_motion_from_where_the_arm_is(written):
+    here = Q + [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.2]
+    code, found = run(written, "--start", ",".join(map(str, here)))
+    assert (code, found["verdict"]) == (0, "changed")
+    motion, arm = lt.read_motion(written / "safe.npz"), lt.Arm.load("panda")
+    assert np.array_equal(motion.positions[0], here)
+    assert lt.check_limits(motion, arm.limits).ok
+    shown = lt.read_motion(written / "jump.npz")
+    assert np.array_equal(motion.positions[-1], shown.positions[-1])
+    assert motion.events[0].time > shown.events[0].time
