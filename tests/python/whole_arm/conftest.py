@@ -1,0 +1,10 @@
+"""The arm of these tests."""
+
+import pytest
+
+import leadthrough as lt
+
+
+@pytest.fixture(scope="session")
+def panda():
+    return lt.Arm.load("panda")
