@@ -41,16 +41,26 @@ def write_page(
     Raises:
         InvalidInput: if the file cannot be written.
     """
-    body = "\n".join([parts] if isinstance(parts, str) else parts)
-    content = _PAGE.format(
+    content = document(title, parts, whole=whole)
+    with replacing(path) as temporary:
+        temporary.write_text(content, encoding="utf-8")
+
+
+def document(title: str, parts: Sequence[str] | str, *, whole: bool = False) -> str:
+    """The HTML that `write_page` writes.
+
+    Args:
+        title: its title.
+        parts: made by the functions below, in this order.
+        whole: whether the only part, a scene, fills the window.
+    """
+    return _PAGE.format(
         title=html.escape(title),
         style=_resource("page.css"),
         kind="whole" if whole else "report",
-        body=body,
+        body="\n".join([parts] if isinstance(parts, str) else parts),
         script=_resource("shaders.js") + _resource("scene.js"),
     )
-    with replacing(path) as temporary:
-        temporary.write_text(content, encoding="utf-8")
 
 
 def scene(shown: Scene, caption: str = "") -> str:

@@ -1,5 +1,7 @@
 """The command and the function that open a view."""
 
+import html
+import re
 import sys
 import threading
 import time
@@ -11,7 +13,7 @@ from typer.testing import CliRunner
 import leadthrough as lt
 from leadthrough import cli
 from leadthrough.errors import InvalidInput, MissingDependency
-from leadthrough.show import open_view, view
+from leadthrough.show import inline, open_view, view
 
 runner = CliRunner()
 
@@ -61,6 +63,21 @@ def test_live_view_without_viser_names_the_extra(panda, monkeypatch):
 def test_page_is_written_without_viser(panda, monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "viser", None)
     view(panda, html=tmp_path / "a.html")
+
+
+def test_notebook_shows_the_page_that_view_writes(panda, tmp_path):
+    view(panda, html=tmp_path / "a.html")
+    shown = inline(panda, height=300)
+    assert shown.document == (tmp_path / "a.html").read_text()
+    (inside,) = re.findall('srcdoc="([^"]*)"', shown._repr_html_())
+    assert html.unescape(inside) == shown.document
+    assert "300px" in shown._repr_html_()
+    assert len(repr(shown)) < 200
+
+
+def test_scene_of_a_notebook_has_a_height(panda):
+    with pytest.raises(InvalidInput, match="height: expected"):
+        inline(panda, height=0)
 
 
 def test_skill_without_a_motion_shows_its_own(panda, shown, tmp_path):
