@@ -33,6 +33,13 @@ so3::Quaternions slerp(const QuaternionsRef& a, const QuaternionsRef& b,
   return so3::slerp_batch(a, b, fractions);
 }
 
+so3::Quaternions slerp_through(const NumbersRef& times, const QuaternionsRef& quaternions,
+                               const NumbersRef& at) {
+  require(times.size() == quaternions.rows() && times.size() > 1);
+  const py::gil_scoped_release release;
+  return so3::slerp_through(times, quaternions, at);
+}
+
 so3::Quaternions integrate(const NumbersRef& times,
                            const Eigen::Ref<const so3::Vectors>& angular_velocities,
                            const Eigen::Ref<const so3::Quaternion>& start) {
@@ -75,6 +82,8 @@ void bind_so3(py::module_& module) {
   module.def("so3_distance", &distance, py::arg("a").noconvert(), py::arg("b").noconvert());
   module.def("so3_slerp", &slerp, py::arg("a").noconvert(), py::arg("b").noconvert(),
              py::arg("fractions").noconvert());
+  module.def("so3_slerp_through", &slerp_through, py::arg("times").noconvert(),
+             py::arg("quaternions").noconvert(), py::arg("at").noconvert());
   module.def("so3_mean", &mean, py::arg("layers").noconvert(), py::arg("weights").noconvert());
   module.def("so3_lift", &lift, py::arg("quaternions").noconvert());
   module.def("so3_left_jacobian", &so3::left_jacobian_batch,

@@ -1,6 +1,7 @@
 #include <pybind11/eigen.h>
 
 #include "bind/parts.hpp"
+#include "time/cubic_spline.hpp"
 #include "time/spline_fit.hpp"
 
 namespace py = pybind11;
@@ -22,6 +23,12 @@ py::tuple fit_spline_(const Vector& parameters, const Table& q, double tolerance
   return py::make_tuple(as_array(fit.breaks), std::move(fit.coefficients));
 }
 
+Rows cubic_through_(const Vector& parameters, const Table& q) {
+  require(parameters.size() == q.rows() && q.rows() > 1);
+  const py::gil_scoped_release release;
+  return cubic_through(parameters, q);
+}
+
 py::array_t<Eigen::Index> rows_apart_(const Table& q, double tolerance) {
   require(q.rows() > 0 && q.cols() > 0);
   std::vector<Eigen::Index> rows;
@@ -37,6 +44,8 @@ py::array_t<Eigen::Index> rows_apart_(const Table& q, double tolerance) {
 void bind_spline_fit(py::module_& module) {
   module.def("fit_spline", &fit_spline_, py::arg("parameters").noconvert(),
              py::arg("q").noconvert(), py::arg("tolerance"));
+  module.def("cubic_through", &cubic_through_, py::arg("parameters").noconvert(),
+             py::arg("q").noconvert());
   module.def("rows_apart", &rows_apart_, py::arg("q").noconvert(), py::arg("tolerance"));
 }
 

@@ -2,8 +2,7 @@
 
 // What single orientations of a pose primitive and many of them at once are made of.
 
-#include <cstddef>
-
+#include "base/polynomial.hpp"
 #include "dmp/turning.hpp"
 
 namespace leadthrough::dmp {
@@ -14,14 +13,6 @@ inline constexpr double kCosine[] = {
     1.0, -1.0 / 2.0, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40320.0, -1.0 / 3628800.0, 1.0 / 479001600.0};
 inline constexpr double kSinc[] = {1.0,           -1.0 / 6.0,     1.0 / 120.0,
                                    -1.0 / 5040.0, 1.0 / 362880.0, -1.0 / 39916800.0};
-
-// Of a number, or of several numbers in an array.
-template <typename Number, std::size_t size>
-Number polynomial(const double (&coefficients)[size], const Number& x) {
-  Number result = coefficients[size - 1] * x + coefficients[size - 2];
-  for (std::size_t power = size - 2; power-- > 0;) result = result * x + coefficients[power];
-  return result;
-}
 
 // A share that has passed, and how fast it does.
 struct Progress {

@@ -1,8 +1,10 @@
 #include "rotation/curve.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/constants.hpp"
+#include "base/polynomial.hpp"
 
 namespace leadthrough::so3 {
 
@@ -65,7 +67,70 @@ Matrices rows_of(const Eigen::Ref<const Vectors>& rotation_vectors, Jacobian jac
   return result;
 }
 
+// Of cos(x) and sin(x) / x, in powers of x^2; exact to rounding up to an eighth of a turn.
+constexpr double kCosine[] = {1.0,
+                              -1.0 / 2.0,
+                              1.0 / 24.0,
+                              -1.0 / 720.0,
+                              1.0 / 40320.0,
+                              -1.0 / 3628800.0,
+                              1.0 / 479001600.0,
+                              -1.0 / 87178291200.0,
+                              1.0 / 20922789888000.0};
+constexpr double kSinc[] = {1.0,
+                            -1.0 / 6.0,
+                            1.0 / 120.0,
+                            -1.0 / 5040.0,
+                            1.0 / 362880.0,
+                            -1.0 / 39916800.0,
+                            1.0 / 6227020800.0,
+                            -1.0 / 1307674368000.0};
+
+// Arc given to equal quaternions: the great circle is a straight line there to 1e-13.
+constexpr double kLeastArc = 1e-6;  // rad
+
+// A great circle between two quaternions of one hemisphere, seen from its middle.
+struct GreatCircle {
+  GreatCircle(const Quaternion& a, const Quaternion& b)
+      : arc(std::max(2.0 * std::atan2((b - a).norm(), (b + a).norm()), kLeastArc)),
+        middle((a + b) / (2.0 * std::cos(0.5 * arc))),
+        tangent((b - a) / (2.0 * std::sin(0.5 * arc))) {}
+
+  Quaternion at(double fraction) const {
+    const double angle = arc * (fraction - 0.5), square = angle * angle;
+    return polynomial(kCosine, square) * middle + (angle * polynomial(kSinc, square)) * tangent;
+  }
+
+  double arc;
+  Quaternion middle, tangent;
+};
+
 }  // namespace
+
+Quaternions slerp_through(const Eigen::Ref<const Eigen::VectorXd>& times,
+                          const Eigen::Ref<const Quaternions>& samples,
+                          const Eigen::Ref<const Eigen::VectorXd>& at) {
+  const Eigen::Index last = times.size() - 2;
+  const auto circle_of = [&](Eigen::Index i) {
+    return GreatCircle(Quaternion(samples.row(i)), Quaternion(samples.row(i + 1)));
+  };
+  Quaternions result(at.size(), 4);
+  Eigen::Index piece = 0;
+  GreatCircle circle = circle_of(piece);
+  for (Eigen::Index i = 0; i < at.size(); ++i) {
+    const double t = at[i];
+    if (t < times[piece] || (t >= times[piece + 1] && piece < last)) {
+      const double* after = std::upper_bound(times.data(), times.data() + times.size(), t);
+      piece = std::clamp<Eigen::Index>(after - times.data() - 1, 0, last);
+      circle = circle_of(piece);
+    }
+    if (t == times[piece] || t == times[piece + 1])
+      result.row(i) = samples.row(t == times[piece] ? piece : piece + 1);
+    else
+      result.row(i) = circle.at((t - times[piece]) / (times[piece + 1] - times[piece]));
+  }
+  return result;
+}
 
 Lifted lift(const Eigen::Ref<const Quaternions>& quaternions) {
   Lifted result{Vectors(quaternions.rows(), 3), kNowhere};

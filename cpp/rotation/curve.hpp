@@ -18,6 +18,12 @@ struct Lifted {
 // vectors of the row's rotation, the one that the shortest turn between the rows leads to.
 Lifted lift(const Eigen::Ref<const Quaternions>& quaternions);
 
+// Slerp through samples of rising times, continuous in sign: one row a time between the first and
+// the last, the samples themselves at theirs.
+Quaternions slerp_through(const Eigen::Ref<const Eigen::VectorXd>& times,
+                          const Eigen::Ref<const Quaternions>& samples,
+                          const Eigen::Ref<const Eigen::VectorXd>& at);
+
 // omega = J d(phi)/dt for the rotation exp(phi) (Sola et al. 2018, eqs. 145 and 146). The inverse
 // does not exist where the angle is 2 pi n, n >= 1.
 Matrix3 left_jacobian(const Vector3& rotation_vector);

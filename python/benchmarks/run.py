@@ -5,7 +5,8 @@ how costs grow with the size of a problem, ours and the peers'. A complete run a
 the table of docs/speed.md, and --check compares its figures with that page's. If calls are timed
 one by one, times are median/99th percentile in us. Answers are checked first; a wrong one fails
 the run.
-With --loops it times the steps of control loops instead, a million each.
+With --loops it times the steps of control loops instead, a million each; with --waits what a
+person waits for: plans, drags on the live page and commands.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import control_loop  # noqa: E402
 import printed  # noqa: E402
+import waits  # noqa: E402
 from frame import Row, measure  # noqa: E402
 
 FILES = [
@@ -57,6 +59,8 @@ def main() -> int:
     if options.loops:
         control_loop.run(options.out, steps=control_loop.STEPS // (100 if options.quick else 1))
         return 0
+    if options.waits:
+        return 0 if waits.run(options.out, quick=options.quick) else 1
     repeats = REPEATS["quick" if options.quick else "full"]
     print(f"{'problem':<65} {'peer':<12} {'error':>8} {'ours s':>9} {'peer s':>9} {'ratio':>6}")
     rows = []
@@ -105,6 +109,11 @@ def _options() -> argparse.Namespace:
     )
     parser.add_argument(
         "--loops", action="store_true", help="time steps of control loops, and nothing else"
+    )
+    parser.add_argument(
+        "--waits",
+        action="store_true",
+        help="time what a person waits for, and nothing else; end with 1 if it takes too long",
     )
     parser.add_argument(
         "--out", type=Path, default=Path("benchmark-results"), help="folder for the results"

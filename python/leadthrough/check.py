@@ -177,14 +177,15 @@ def number(
         result = float(value)  # type: ignore[arg-type]  # whether it can be one is the question
     except (TypeError, ValueError, OverflowError):
         raise InvalidInput(f"{name}: expected a number, got {_short(value)}") from None
-    bounds = [
-        ("> ", above, above is None or result > above),
-        (">= ", at_least, at_least is None or result >= at_least),
-        ("< ", below, below is None or result < below),
-        ("<= ", at_most, at_most is None or result <= at_most),
-    ]
-    if not np.isfinite(result) or not all(holds for _, _, holds in bounds):
-        wanted = " and ".join(f"{sign}{bound}" for sign, bound, _ in bounds if bound is not None)
+    if not (
+        math.isfinite(result)
+        and (above is None or result > above)
+        and (at_least is None or result >= at_least)
+        and (below is None or result < below)
+        and (at_most is None or result <= at_most)
+    ):
+        bounds = (("> ", above), (">= ", at_least), ("< ", below), ("<= ", at_most))
+        wanted = " and ".join(f"{sign}{bound}" for sign, bound in bounds if bound is not None)
         raise InvalidInput(
             f"{name}: expected a finite number {wanted}".rstrip() + f", got {_short(value)}"
         )

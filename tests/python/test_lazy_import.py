@@ -32,7 +32,9 @@ def test_the_command_line_loads_no_library_that_computes_or_draws():
     assert not loaded & (HEAVY - {"rich"})  # typer's own --help is printed by rich
 
 
-def test_commands_that_learn_plan_check_and_guard_load_no_library_that_they_do_not_use(tmp_path):
+def test_commands_that_learn_plan_time_check_guard_and_show_load_no_library_that_they_do_not_use(
+    tmp_path,
+):
     times = np.linspace(0.0, 2.0, 30)
     s = lt.trajectories.minimum_jerk_rise(times / 2.0)[:, None]
     shown, joints = (str(tmp_path / name) for name in ("shown.csv", "joints.csv"))
@@ -46,6 +48,8 @@ def test_commands_that_learn_plan_check_and_guard_load_no_library_that_they_do_n
         ["plan", "skill.npz", "-o", "plan.csv"],
         ["check", joints, "--robot", "ur3"],
         ["guard", joints, "--robot", "ur3", "-o", "guarded.csv"],
+        ["retime", joints, "--robot", "ur3", "-o", "timed.csv"],
+        ["view", joints, "--robot", "ur3", "--html", "view.html"],
     ]
     code = f"""
 import os

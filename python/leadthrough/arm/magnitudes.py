@@ -24,7 +24,10 @@ def values(value: ArrayLike, name: str, *, shape: Sequence[int | str]) -> Float6
         InvalidInput: if it has another shape, or is larger or not finite.
     """
     result = check.array(value, name, shape=shape)
-    largest = np.abs(result).max(initial=0.0)
+    if result.ndim == 1:  # the quick way: single vectors come in a control loop
+        largest = max(map(abs, result.tolist()), default=0.0)
+    else:
+        largest = float(np.abs(result).max(initial=0.0))
     if largest > LARGEST:
         raise InvalidInput(f"{name}: expected magnitudes up to {LARGEST:g}, got {largest:g}")
     return result
@@ -36,7 +39,9 @@ def frozen(value: ArrayLike, name: str, *, shape: Sequence[int | str]) -> Float6
     Raises:
         InvalidInput: as `values` does.
     """
-    return check.frozen(values(value, name, shape=shape), name, shape=shape)
+    result = values(value, name, shape=shape).copy()
+    result.setflags(write=False)
+    return result
 
 
 def positive(value: float, name: str) -> float:

@@ -67,6 +67,7 @@ class TaskStack(Brief):
     tasks: tuple[ArmTask, ...]
     scheme: Scheme
     rest_damping: float
+    _parts: dict[ArmTask, _core.ArmTask] = field(repr=False)  # the tasks as the core takes them
     _stack: _core.TaskStack = field(repr=False)
 
     def __init__(
@@ -78,12 +79,8 @@ class TaskStack(Brief):
     ) -> None:
         check.choice(scheme, "scheme", SCHEMES)
         rest = magnitudes.not_negative(rest_damping, "rest_damping")
-        checked = _checked(tasks, len(arm.joint_names))
-        vars(self).update(arm=arm, tasks=checked, scheme=scheme, rest_damping=rest)
-        compiled = [task._compiled(self._frame) for task in checked]
-        rates = (arm.limits.velocity, known_acceleration(arm.limits))
-        stack = _core.TaskStack(arm._chain, compiled, *rates, scheme == "reverse", rest)
-        vars(self).update(_stack=stack)
+        vars(self).update(arm=arm, scheme=scheme, rest_damping=rest, _parts={})
+        self._take(tasks)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return TaskStack, (self.arm, self.tasks, self.scheme, self.rest_damping)
@@ -97,7 +94,11 @@ class TaskStack(Brief):
         Raises:
             InvalidInput: if a task does not fit the arm.
         """
-        return TaskStack(self.arm, tuple(tasks), self.scheme, self.rest_damping)
+        # Spelled out, as loops change tasks in every step: what stays the same is kept.
+        made = object.__new__(TaskStack)
+        vars(made).update(vars(self))
+        made._take(tasks)
+        return made
 
     def solve(
         self, q: ArrayLike, *, qd: ArrayLike | None = None, dt: float = 1e-3
@@ -206,6 +207,25 @@ class TaskStack(Brief):
             reports.append(report)
         reports.append(stack._stack.velocity(*rows[-1], dt)[1])
         return _run(self.arm, rows, reports, dt)
+
+    def _take(self, tasks: Sequence[ArmTask]) -> None:
+        """Makes these the tasks of the stack; those that it had already are not compiled again.
+
+        Raises:
+            InvalidInput: if a task does not fit the arm.
+        """
+        arm, known = self.arm, self._parts
+        checked = _checked(tasks, len(arm.joint_names))
+        parts = {task: known.get(task) or task._compiled(self._frame) for task in checked}
+        stack = _core.TaskStack(
+            arm._chain,
+            [parts[task] for task in checked],
+            arm.limits.velocity,
+            known_acceleration(arm.limits),
+            self.scheme == "reverse",
+            self.rest_damping,
+        )
+        vars(self).update(tasks=checked, _parts=parts, _stack=stack)
 
     def _joints(self, value: ArrayLike, name: str) -> Float64Array:
         return magnitudes.values(value, name, shape=(len(self.arm.joint_names),))

@@ -1,11 +1,11 @@
-"""Euler angles in all twelve conventions, over SciPy."""
+"""Euler angles in all twelve conventions."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check
+from leadthrough import _core, check
 from leadthrough.check import Float64Array
 
 _INTRINSIC = tuple(a + b + c for a in "XYZ" for b in "XYZ" for c in "XYZ" if b not in (a, c))
@@ -23,13 +23,15 @@ def from_euler(angles: ArrayLike, *, convention: str) -> Float64Array:
     Raises:
         InvalidInput: if the angles are not finite numbers of that shape, or the convention is none.
     """
-    from scipy.spatial.transform import Rotation
-
     checked = check.array(angles, "angles", shape=("n", 3))
     axes = check.choice(convention, "convention", CONVENTIONS)
-    if len(checked) == 0:
-        return np.zeros((0, 4))
-    return np.ascontiguousarray(Rotation.from_euler(axes, checked).as_quat()[:, [3, 0, 1, 2]])
+    first, second, third = (
+        _core.so3_exp(angle[:, None] * np.eye(3)["XYZ".index(axis)])
+        for axis, angle in zip(axes.upper(), checked.T, strict=True)
+    )
+    if axes.isupper():
+        first, third = third, first
+    return _core.so3_compose(third, _core.so3_compose(second, first))
 
 
 def to_euler(quaternions: ArrayLike, *, convention: str) -> Float64Array:

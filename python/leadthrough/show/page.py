@@ -10,11 +10,9 @@ import re
 import zlib
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import rc_context
-from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough.check import Float64Array
@@ -22,6 +20,9 @@ from leadthrough.drawing import palette
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.show.creases import creased
 from leadthrough.show.scene import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 # Black lines and texts of figures have the colour of the page's own text.
 _INK = re.compile(rf"{palette.BLACK}\b|#000000\b")
@@ -71,6 +72,8 @@ def scene(shown: Scene, caption: str = "") -> str:
 
 def figure(drawn: Figure, caption: str = "") -> str:
     """A figure as vector graphics, sharp at every size, on light and dark pages, with a caption."""
+    from matplotlib import rc_context  # noqa: PLC0415 (most pages have no figure)
+
     content = io.StringIO()
     with rc_context({"svg.hashsalt": "leadthrough"}):  # the same figure, the same file
         drawn.savefig(content, format="svg", metadata={"Date": None}, facecolor="none")

@@ -32,6 +32,7 @@ _STEP = 0.01
 _MARGINS = (0.005, 0.0)
 # A way around obstacles is looked for at this distance first, m: it serves for some more moves.
 _AMPLE = 0.03
+_NOT_SEARCHED = "the arm is in the way of an obstacle; let go, and it looks for another way"
 # How strongly a preview stays next to the answer before, 1/s: at any larger rate it is the same.
 _PULL = 100.0
 
@@ -107,6 +108,7 @@ class Replanner:
         self._first: Float64Array | None = None
         self._last: JointTrajectory | None = None
         self._has_ample_room = True
+        self._may_search = True
         self._is_of_joints = isinstance(usual, JointTrajectory)
         self._is_of_poses = isinstance(usual, PoseTrajectory)
         self.goal_position, self.goal_orientation = self._usual_goal(usual)
@@ -216,6 +218,7 @@ class Replanner:
                 raise
             planned = plan_motion(self.skill, self.arm, **query)
         self._first, self._last = planned.joints.positions[0], planned.joints
+        self._may_search = True
         return planned.tip.positions, planned.joints
 
     def _path_of_the_tip_alone(self) -> Float64Array | None:
@@ -242,8 +245,9 @@ class Replanner:
     def _followed(self, motion: Trajectory | PoseTrajectory | JointTrajectory) -> JointTrajectory:
         if isinstance(motion, JointTrajectory):
             return motion
-        joints = self._next_to_the_last(motion) or self._from_the_same_posture(motion)
+        joints = self._next_to_the_last(motion) or self._searched(motion)
         self._first, self._last = joints.positions[0], joints
+        self._may_search = True
         return joints
 
     def _next_to_the_last(self, motion: Trajectory | PoseTrajectory) -> JointTrajectory | None:
@@ -264,6 +268,20 @@ class Replanner:
                 self._has_ample_room = True
                 return joints
         return None
+
+    def _searched(self, motion: Trajectory | PoseTrajectory) -> JointTrajectory:
+        """Another way around the obstacles, looked for until that fails.
+
+        Where there is none, a search takes half a second, and while one drags there is none a
+        little farther on either: the next one has to wait for a plan, or a way that needs none.
+
+        Raises:
+            LeadthroughError: if there is none, or none is looked for.
+        """
+        if self.obstacles and not self._may_search:
+            raise LeadthroughError(_NOT_SEARCHED)
+        self._may_search = False
+        return self._from_the_same_posture(motion)
 
     def _from_the_same_posture(self, motion: Trajectory | PoseTrajectory) -> JointTrajectory:
         """Starts as before if possible: an arm that jumps while one drags is hard to look at."""

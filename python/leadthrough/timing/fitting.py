@@ -57,8 +57,6 @@ def fit_within(parameters: Float64Array, q: Float64Array, tolerance: float) -> S
 
 def through(parameters: Float64Array, q: Float64Array) -> Spline:
     """The cubic spline through all samples; its third derivative is continuous near its ends."""
-    from scipy.interpolate import CubicSpline
-
-    ends = "not-a-knot" if len(q) > 2 else "natural"
-    spline = CubicSpline(parameters, q, bc_type=ends)
-    return Spline(spline.x, spline.c[::-1].transpose(1, 0, 2))
+    parameters, q = np.ascontiguousarray(parameters), np.ascontiguousarray(q)
+    table = _core.cubic_through(parameters, q)
+    return Spline(parameters, table.reshape(len(q) - 1, 4, q.shape[1]))

@@ -7,22 +7,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check
+from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.trajectories import curve
 from leadthrough.trajectories.curve import PointCurve
 from leadthrough.trajectories.spline import Spline
-
-if TYPE_CHECKING:
-    from scipy.interpolate import BPoly
 
 _MOST_POINTS = 100
 # Ends that are nearer than this, relative to the numbers' size, meet.
@@ -48,19 +45,12 @@ class Bezier(PointCurve):
 
     points: Float64Array
     domain: tuple[float, float]
-    _curve: BPoly = field(init=False, repr=False)
 
     def __init__(self, points: ArrayLike, domain: ArrayLike = (0.0, 1.0)) -> None:
-        from scipy.interpolate import BPoly
-
         table = curve.points(points, "points")
         check.integer(len(table), "number of points", at_least=1, at_most=_MOST_POINTS)
         ends = curve.knot_times(domain, "domain")[[0, -1]]
-        vars(self).update(
-            points=table,
-            domain=(float(ends[0]), float(ends[1])),
-            _curve=BPoly.construct_fast(table[:, None].copy(), ends, False),
-        )
+        vars(self).update(points=table, domain=(float(ends[0]), float(ends[1])))
 
     # Any: the protocol of pickle.
     def __reduce__(self) -> tuple[Any, ...]:
@@ -142,7 +132,13 @@ class Bezier(PointCurve):
         return Spline(self.knots, np.array(rows)[None])
 
     def _values(self, times: Float64Array, order: int) -> Float64Array:
-        return np.asarray(self._curve(times, order))
+        shown = self
+        for _ in range(min(order, len(self.points))):
+            shown = shown.derived()
+        first, last = self.domain
+        fractions = (np.atleast_1d(times) - first) / (last - first)
+        values = _core.bezier_values(shown.points, fractions)
+        return values if times.ndim else values[0]
 
     def _mapped(self, matrix: Float64Array, offset: Float64Array) -> Self:
         return replace(self, points=self.points @ matrix.T + offset)

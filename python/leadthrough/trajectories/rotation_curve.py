@@ -24,8 +24,6 @@ from leadthrough.trajectories import curve
 from leadthrough.trajectories.rotation_rates import Turning, slerp
 
 _MOST_POINTS = 50
-# Arc given to equal quaternions, rad: the weights are those of a straight line to 1e-13.
-_LEAST_ARC = 1e-6
 
 
 class RotationCurve(Brief, ABC):
@@ -85,14 +83,10 @@ class Slerp(RotationCurve):
 
     times: Float64Array
     quaternions: Float64Array
-    _arcs: Float64Array = field(init=False, repr=False)  # half the turns
 
     def __init__(self, times: ArrayLike, quaternions: ArrayLike) -> None:
         t, q = checked_samples(times, quaternions)
-        a, b = q[:-1], q[1:]
-        chords = [np.linalg.norm(b - a, axis=1), np.linalg.norm(b + a, axis=1)]
-        arcs = np.maximum(2.0 * np.arctan2(*chords), _LEAST_ARC)
-        vars(self).update(times=t, quaternions=q, _arcs=arcs)
+        vars(self).update(times=t, quaternions=q)
 
     @property
     def knots(self) -> Float64Array:
@@ -100,24 +94,14 @@ class Slerp(RotationCurve):
         return self.times
 
     def _rotations(self, t: Float64Array) -> Float64Array:
-        i = self._pieces(t)
-        arc = self._arcs[i]
-        angle = arc * ((t - self.times[i]) / (self.times[i + 1] - self.times[i]))
-        weights = np.sin([arc - angle, angle]) / np.sin(arc)
-        a, b = self.quaternions[i], self.quaternions[i + 1]
-        return np.asarray(weights[0][:, None] * a + weights[1][:, None] * b)
+        return _core.so3_slerp_through(self.times, self.quaternions, t)
 
     def _turning(self, t: Float64Array) -> Turning:
         turns = rotations.log(
             rotations.compose(self.quaternions[1:], rotations.inverse(self.quaternions[:-1]))
         )
-        rates = (turns / np.diff(self.times)[:, None])[self._pieces(t)]
-        velocities = np.broadcast_to(rates, (len(t), 3)).copy()
-        return Turning(self._rotations(t), velocities, np.zeros((len(t), 3)))
-
-    def _pieces(self, t: Float64Array) -> NDArray[np.intp] | int:
-        """The piece of every time; if there is only one, as a number, which saves copies."""
-        return 0 if len(self.times) == 2 else _pieces(self.times, t)
+        rates = (turns / np.diff(self.times)[:, None])[_pieces(self.times, t)]
+        return Turning(self._rotations(t), rates, np.zeros((len(t), 3)))
 
 
 @dataclass(frozen=True, eq=False, init=False)

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Self
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check
+from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.trajectories import curve
 from leadthrough.trajectories.curve import PointCurve
-
-if TYPE_CHECKING:
-    from scipy.interpolate import PPoly
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -35,21 +32,13 @@ class Spline(PointCurve):
 
     knots: Float64Array
     coefficients: Float64Array
-    _pieces: PPoly = field(init=False, repr=False)
 
     def __init__(self, knots: ArrayLike, coefficients: ArrayLike) -> None:
-        from scipy.interpolate import PPoly
-
         times = curve.knot_times(knots, "knots")
         table = check.frozen(coefficients, "coefficients", shape=(len(times) - 1, "terms", "d"))
         if 0 in table.shape:
             raise InvalidInput(f"coefficients: expected no empty axis, got shape {table.shape}")
-        falling = np.ascontiguousarray(table.transpose(1, 0, 2)[::-1])
-        vars(self).update(
-            knots=times,
-            coefficients=table,
-            _pieces=PPoly.construct_fast(falling, times, False),
-        )
+        vars(self).update(knots=times, coefficients=table)
 
     # Any: the protocol of pickle.
     def __reduce__(self) -> tuple[Any, ...]:
@@ -91,7 +80,11 @@ class Spline(PointCurve):
         return ends
 
     def _values(self, times: Float64Array, order: int) -> Float64Array:
-        return np.asarray(self._pieces(times, order))
+        rows = self.coefficients.reshape(-1, self.coefficients.shape[2])
+        values = _core.polynomial_values(
+            self.knots, rows, np.atleast_1d(times), min(order, len(rows))
+        )
+        return values if times.ndim else values[0]
 
     def _mapped(self, matrix: Float64Array, offset: Float64Array) -> Self:
         table = self.coefficients @ matrix.T

@@ -33,7 +33,9 @@ FREE = dict(
     fit_spline(q)  rows_apart(q)  time_lines(points)
     so3_exp(rotation_vectors)  so3_from_matrix(matrices)  so3_left_jacobian(rotation_vectors)
     so3_left_jacobian_inverse(rotation_vectors)  so3_lift(quaternions)  so3_log(quaternions)
-    so3_mean(layers weights)  so3_to_matrix(quaternions)
+    so3_mean(layers weights)  so3_slerp_through(at)  so3_to_matrix(quaternions)
+    bezier_values(points fractions)  cubic_through(q)
+    polynomial_values(knots coefficients times)
         """,
     )
 )

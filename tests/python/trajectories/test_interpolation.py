@@ -7,6 +7,7 @@ from scipy.interpolate import BPoly, CubicSpline
 
 from leadthrough import trajectories as tr
 from leadthrough.errors import InvalidInput
+from leadthrough.timing.fitting import through
 
 RNG = np.random.default_rng(3)
 TIMES = np.array([-1.0, -0.3, 0.1, 0.4, 1.0, 1.3])
@@ -101,6 +102,21 @@ def test_cubics_are_scipy_s():
         for order in range(4):
             t = FINE[:-1] + 1e-4
             np.testing.assert_allclose(ours.evaluate(t, order), theirs(t, order), atol=1e-9)
+            same = tr.Spline(theirs.x, theirs.c[::-1].transpose(1, 0, 2))
+            for each in (t, t[::-1], TIMES):
+                expected = theirs(each, order, extrapolate=False)
+                np.testing.assert_array_equal(same.evaluate(each, order), expected)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 12, 100])
+def test_cubics_through_all_samples_are_scipy_s(count):
+    times, q = np.cumsum(RNG.uniform(0.01, 1.0, count)), RNG.normal(size=(count, 3))
+    theirs = CubicSpline(times, q, bc_type="not-a-knot" if count > 2 else "natural")
+    ours = through(times, q).coefficients
+    expected = theirs.c[::-1].transpose(1, 0, 2)
+    if count > 3:  # to the bit: motions along them are the same as before
+        np.testing.assert_array_equal(ours, expected)
+    np.testing.assert_allclose(ours, expected, atol=1e-10 * np.abs(expected).max())
 
 
 def test_accelerations_given_at_the_ends_are_met():
