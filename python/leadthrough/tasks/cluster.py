@@ -22,7 +22,10 @@ from leadthrough.tasks.process import Process
 from leadthrough.tasks.task import Job, Report, Task, check_importable
 
 _PATIENCE = 10.0  # s without an answer of the scheduler
-_AHEAD = 2  # jobs for each thread, so that none waits for the client
+# Jobs go in batches of so many, or of one for each thread if that is more: a batch costs the
+# scheduler less than its jobs one by one, and it keeps a record of each for as long as it runs.
+_BATCH = 16
+_AHEAD = 2  # batches, so that no thread waits for the client
 _LOOK = 1.0  # s between looks at whether the scheduler is there
 _COUNT = 10.0  # s between looks at how many threads there are
 # By the threads of a worker: processes that wait for a job.
@@ -53,28 +56,46 @@ class Cluster:
         except (OSError, ValueError) as error:
             raise InvalidInput(f"on: no Dask scheduler at {where} ({error})") from None
         self._where = where
+        self._held: list[tuple[Job, dict[str, Any]]] = []  # for the next batch
         self._futures: dict[str, Any] = {}
         self._reports: SimpleQueue[Any] = SimpleQueue()
         self._contents: WeakValueDictionary[str, Any] = WeakValueDictionary()
         self._same: set[str] = set()
-        self._room, self._counted = 0, -_COUNT
+        self._threads, self._counted = 0, -_COUNT
 
     @property
     def room(self) -> int:
+        return _AHEAD * self._batch
+
+    @property
+    def _batch(self) -> int:
         if time.monotonic() - self._counted > _COUNT:
-            self._room = _AHEAD * max(1, sum(self._client.nthreads().values()))
+            self._threads = sum(self._client.nthreads().values())
             self._counted = time.monotonic()
-        return self._room
+        return max(_BATCH, self._threads)
 
     def submit(self, task: Task, job: Job) -> None:
         check_importable(task.function)
         self._check_code(job)
         files = {name: self._sent(path, job.contents[name]) for name, path in job.files.items()}
-        future = self._client.submit(_do, job, files, key=f"leadthrough-{job.key}")
-        self._futures[job.key] = (future, files)
-        future.add_done_callback(lambda done, key=job.key: self._reports.put((key, done)))
+        self._held.append((job, files))
+        if len(self._held) >= self._batch:
+            self._send()
+
+    def _send(self) -> None:
+        """Sends what is held as one batch."""
+        held, self._held = self._held, []
+        if not held:
+            return
+        keys = [f"leadthrough-{job.key}" for job, _ in held]
+        futures = self._client.map(_do, *zip(*held, strict=True), key=keys)
+        for (job, files), future in zip(held, futures, strict=True):
+            self._futures[job.key] = (future, files)
+            future.add_done_callback(lambda done, key=job.key: self._reports.put((key, done)))
 
     def next(self) -> Report:
+        if len(self._futures) < self._batch:
+            self._send()  # no more come to fill it
         while True:
             try:
                 key, future = self._reports.get(timeout=_LOOK)
@@ -88,6 +109,7 @@ class Cluster:
     def close(self) -> None:
         if self._client.status == "running":
             self._client.cancel([future for future, _ in self._futures.values()])
+        self._held.clear()
         self._futures.clear()
         self._client.close(timeout=_LOOK)
 

@@ -9,7 +9,7 @@ from tasks import work
 
 from leadthrough_studies import study
 
-COUNT = 40
+COUNT = 60
 
 
 @dataclass(frozen=True)

@@ -184,7 +184,7 @@ def test_without_its_scheduler_a_study_keeps_what_is_finished(cluster, tmp_path,
 
 
 class Ending(list):
-    """Tasks of which the 20th is followed by the end of the scheduler."""
+    """Tasks of which the 44th is followed by the end of the scheduler."""
 
     def __init__(self, todo, scheduler):
         super().__init__(todo)
@@ -192,7 +192,7 @@ class Ending(list):
 
     def __iter__(self):
         for number, task in enumerate(super().__iter__()):
-            if number == 20 and self.scheduler.poll() is None:
+            if number == 44 and self.scheduler.poll() is None:
                 self.scheduler.kill()
                 self.scheduler.wait()
             yield task

@@ -52,5 +52,6 @@ def test_what_only_displays_has_no_part_in_the_rows():
     found = set(code.sources("leadthrough_studies.trajectories.study"))
     assert {"leadthrough.timing.retiming", "robots/ur3/ur3.urdf"} <= found
     parts = {name.split(".")[1] for name in found if name.count(".")}
-    assert not parts & {"cli", "drawing", "show", "tasks", "models", "preprocess", "planning"}
+    assert not parts & {"cli", "drawing", "show", "tasks", "preprocess", "planning"}
+    assert "leadthrough.models.promp.model" not in found
     assert "leadthrough_studies.trajectories.report" not in found
