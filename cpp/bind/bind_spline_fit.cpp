@@ -2,6 +2,7 @@
 
 #include "bind/parts.hpp"
 #include "time/cubic_spline.hpp"
+#include "time/curve_values.hpp"
 #include "time/spline_fit.hpp"
 
 namespace py = pybind11;
@@ -29,6 +30,20 @@ Rows cubic_through_(const Vector& parameters, const Table& q) {
   return cubic_through(parameters, q);
 }
 
+Rows polynomial_values_(const Vector& knots, const Table& coefficients, const Vector& times,
+                        int order) {
+  require(knots.size() > 1 && coefficients.rows() > 0 && coefficients.cols() > 0 &&
+          coefficients.rows() % (knots.size() - 1) == 0 && order >= 0);
+  const py::gil_scoped_release release;
+  return polynomial_values(knots, coefficients, times, order);
+}
+
+Rows bezier_values_(const Table& points, const Vector& fractions) {
+  require(points.rows() > 0 && points.cols() > 0);
+  const py::gil_scoped_release release;
+  return bezier_values(points, fractions);
+}
+
 py::array_t<Eigen::Index> rows_apart_(const Table& q, double tolerance) {
   require(q.rows() > 0 && q.cols() > 0);
   std::vector<Eigen::Index> rows;
@@ -46,6 +61,10 @@ void bind_spline_fit(py::module_& module) {
              py::arg("q").noconvert(), py::arg("tolerance"));
   module.def("cubic_through", &cubic_through_, py::arg("parameters").noconvert(),
              py::arg("q").noconvert());
+  module.def("polynomial_values", &polynomial_values_, py::arg("knots").noconvert(),
+             py::arg("coefficients").noconvert(), py::arg("times").noconvert(), py::arg("order"));
+  module.def("bezier_values", &bezier_values_, py::arg("points").noconvert(),
+             py::arg("fractions").noconvert());
   module.def("rows_apart", &rows_apart_, py::arg("q").noconvert(), py::arg("tolerance"));
 }
 

@@ -7,7 +7,6 @@ PYBIND11_MODULE(_core, module) {
   leadthrough::bind_chain(module);
   leadthrough::bind_shapes(module);  // before those that take shapes
   leadthrough::bind_collision(module);
-  leadthrough::bind_curves(module);
   leadthrough::bind_dmp(module);
   leadthrough::bind_dynamics(module);
   leadthrough::bind_field(module);

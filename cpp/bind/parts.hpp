@@ -15,7 +15,6 @@ void bind_alignment(pybind11::module_& module);
 void bind_cells(pybind11::module_& module);
 void bind_chain(pybind11::module_& module);
 void bind_collision(pybind11::module_& module);
-void bind_curves(pybind11::module_& module);
 void bind_dmp(pybind11::module_& module);
 void bind_dynamics(pybind11::module_& module);
 void bind_field(pybind11::module_& module);
