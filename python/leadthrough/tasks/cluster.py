@@ -88,7 +88,8 @@ class Cluster:
         if not held:
             return
         keys = [f"leadthrough-{job.key}" for job, _ in held]
-        futures = self._client.map(_do, *zip(*held, strict=True), key=keys)
+        # Not pure: its keys are known, and a digest of the arguments would cost as much again.
+        futures = self._client.map(_do, *zip(*held, strict=True), key=keys, pure=False)
         for (job, files), future in zip(held, futures, strict=True):
             self._futures[job.key] = (future, files)
             future.add_done_callback(lambda done, key=job.key: self._reports.put((key, done)))
