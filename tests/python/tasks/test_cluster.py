@@ -150,14 +150,15 @@ def test_a_killed_client_goes_on_with_what_is_missing(cluster, tmp_path, serial)
 
 def until_quiet(out):
     """The number of finished tasks, once those that workers had begun are finished too."""
-    before = None
+    before, quiet = None, 0
     while True:
         begun = len((out / "log").read_text().split())
         finished = len(list(out.glob("cache/??/*.json")))
-        if (begun, finished) == before and begun == finished:
+        quiet = quiet + 1 if (begun, finished) == before and begun == finished else 0
+        if quiet == 3:
             return finished
         before = begun, finished
-        time.sleep(0.5)
+        time.sleep(0.3)
 
 
 def test_a_killed_worker_changes_no_row(cluster, tmp_path, serial):
