@@ -21,4 +21,4 @@ def _drawn(found: re.Match[str]) -> str:
     drawn = convert(html.unescape(found["latex"]), display=display)
     if "\\" in drawn:
         raise PluginError(f"a formula that cannot be drawn: {found['latex']}")
-    return f'<div class="formula">{drawn}</div>' if display == "block" else drawn
+    return f'<div class="formula" tabindex="0">{drawn}</div>' if display == "block" else drawn
