@@ -1,6 +1,13 @@
-"""Catch a belt's part on the move, ride with it, and leave it at speed."""
+"""Catch a belt's part on the move, ride with it, and leave it at speed.
+
+Writes hand_over.png: python python/demos/38_hand_over_on_the_move.py [FOLDER]
+"""
+
+import sys
+from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from leadthrough import trajectories as tr
 
@@ -19,7 +26,7 @@ def caught() -> list[tr.FilterState]:
     return states
 
 
-def main() -> None:
+def main(folder: Path) -> None:
     """Catch the part, then leave at its velocity for where another tool takes over."""
     states = caught()
     last = states[-1]
@@ -27,14 +34,24 @@ def main() -> None:
     leave = tr.double_s(
         last.position, [1.2], **limits, start_velocity=last.velocity, end_velocity=[0.4]
     )
-    fastest = np.abs(leave.evaluate(np.linspace(*leave.domain, 200), 1)).max()
-    print(
-        f"caught after {PERIOD * len(states) - 0.5:.2f} s, {last.position[0]:.3f} m along the belt"
-    )
-    print(
-        f"handed over {leave.domain[1]:.2f} s later at 0.4 m/s; at most {fastest:.2f} m/s between"
-    )
+    there = np.linspace(*leave.domain, 200)
+    speeds = leave.evaluate(there, 1)
+    met = PERIOD * len(states) - 0.5
+    print(f"caught after {met:.2f} s, {last.position[0]:.3f} m along the belt")
+    fastest = np.abs(speeds).max()
+    print(f"handed over {there[-1]:.2f} s later at 0.4 m/s; at most {fastest:.2f} m/s between")
+
+    figure = Figure(figsize=(8, 3.2), layout="constrained")
+    axes = figure.subplots()
+    times = PERIOD * np.arange(len(states))
+    axes.plot(times, [state.velocity[0] for state in states], label="catch and ride")
+    axes.plot(times[-1] + there, speeds, label="leave and hand over")
+    axes.axhline(BELT, color="0.5", linestyle=":", label="the belt")
+    axes.set(xlabel="time, s", ylabel="speed of the tool, m/s")
+    figure.legend(loc="outside lower center", ncols=3)
+    figure.savefig(folder / "hand_over.png", dpi=110)
+    print(f"wrote {folder / 'hand_over.png'}")
 
 
 if __name__ == "__main__":
-    main()
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else "."))
