@@ -7,6 +7,7 @@ from dataclasses import asdict
 from typing import Any, TypeAlias
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 
 from leadthrough import rotations
 from leadthrough.check import Float64Array
@@ -129,26 +130,35 @@ def stability(skill: DynamicalSkill, starts: int) -> Row:
 
 
 def direction_error(
-    skill: DynamicalSkill, shown: Trajectory, *, along: float = 0.6, speed: float = 0.4
+    skill: DynamicalSkill,
+    shown: Trajectory,
+    *,
+    along: float = 0.6,
+    speed: float = 0.4,
+    smoothing: float = 0.0,
+    slowest: float = 0.02,
 ) -> float:
     """The error of the velocities at a demonstration's samples, without a unit.
 
     The mean of sqrt(r (1 - v.w / |v| |w|)^2 + q |v - w|^2 / |v| |w|), with the demonstrated
-    velocities v and the system's own w, without its pace. Samples that are slower than a fiftieth
-    of the fastest are left out.
+    velocities v and the system's own w, without its pace.
 
     Args:
         skill: the system.
         shown: the demonstration; its goal is moved to the system's.
         along: r, of the direction.
         speed: q, of the difference.
+        smoothing: deviation of a Gaussian over which positions are averaged before they are
+            differentiated, in samples of 200; 0 for none.
+        slowest: samples slower than this fraction of the fastest are left out.
 
     Source: Khansari-Zadeh and Billard 2011, section VII.
     """
     times = np.linspace(shown.times[0], shown.times[-1], _COMPARED)
     path = np.column_stack([np.interp(times, shown.times, x) for x in shown.positions.T])
-    v = np.gradient(path, times, axis=0)
-    moving = np.linalg.norm(v, axis=1) > 0.02 * np.linalg.norm(v, axis=1).max()
+    smooth = gaussian_filter1d(path, smoothing, axis=0, mode="nearest") if smoothing else path
+    v = np.gradient(smooth, times, axis=0)
+    moving = np.linalg.norm(v, axis=1) > slowest * np.linalg.norm(v, axis=1).max()
     moving[-1] = False
     v = v[moving]
     w = skill.policy(path[moving], goal=path[-1]) / skill.pace

@@ -162,7 +162,10 @@ _NEAREST = "movement_primitives, nearest demonstration"
 _RIVALS: dict[str, tuple[str, tuple[Model, ...]]] = {
     "movement_primitives, ProMP": (
         "movement-primitives",
-        tuple(ConditionedPrimitive(weights=n) for n in (10, 20, 30)),
+        tuple(
+            ConditionedPrimitive(weights=weights, variance=variance)
+            for weights, variance in ((10, 1e-8), (20, 1e-8), (20, 1e-2), (20, 1e-4), (30, 1e-2))
+        ),
     ),
     "gmr": ("gmr", tuple(TimeRegression(components=k) for k in (6, 10, 15))),
     "MP_PyTorch, ProDMP": (

@@ -33,6 +33,7 @@ _DRAWING = (
     "Frechet_mm",
     "end_mm",
     "direction_error",
+    "direction_error_smoothed",
     *_SHARED,
 )
 _COURSE = ("V_rmse_mm_s", "DTW_mm", "Frechet_mm", "end_mm", *_SHARED)

@@ -20,6 +20,8 @@ from leadthrough_studies.comparison.methods import COURSES, POINTS, POSES, SYSTE
 from leadthrough_studies.comparison.on_arms import ARMS, before, on_all, on_paper
 from leadthrough_studies.study import Row
 
+# Of the velocity error at samples like those that systems are fitted to.
+_SMOOTHING, _SLOWEST = 2.0, 0.1
 _DRAWN = 60  # points of a path that are kept for the pictures
 
 
@@ -181,6 +183,9 @@ def _drawn(method: str, learned: Learned, tested: Trajectory) -> Row:
     }
     if method in SYSTEMS:
         row["direction_error"] = measures.direction_error(skill, tested)
+        row["direction_error_smoothed"] = measures.direction_error(
+            skill, tested, smoothing=_SMOOTHING, slowest=_SLOWEST
+        )
     return row
 
 
@@ -248,6 +253,6 @@ def _error_of_poses(skill: Any, tested: Demonstration[Any]) -> float:
 def _named(model: Model) -> str:
     """The settings of a model that were chosen among."""
     own = getattr(model, "columns", model)
-    names = ("components", "units", "kernels", "weights", "nearest")
+    names = ("components", "units", "kernels", "weights", "variance", "nearest")
     told = [f"{name} {getattr(own, name)}" for name in names if hasattr(type(own), name)]
     return ", ".join(told)

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 import leadthrough as lt
 from leadthrough import rotations
@@ -93,5 +94,7 @@ def test_direction_error_is_small_for_the_system_that_made_the_motion():
     made = skill.generate(duration=skill.generate().duration * skill.pace, dt=0.005)
     whole = measures.direction_error(skill, made)
     assert whole < 0.15  # how it comes to rest at the goal is not the system's own
+    assert measures.direction_error(skill, made, slowest=0.2) < whole
+    assert measures.direction_error(skill, made, smoothing=1.0) == pytest.approx(whole, rel=0.2)
     backwards = lt.Trajectory(made.times, made.positions[::-1])
     assert measures.direction_error(skill, backwards) > 1.0
