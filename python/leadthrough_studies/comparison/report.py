@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from leadthrough_studies.comparison.figures import (
 from leadthrough_studies.comparison.on_arms import ARMS
 from leadthrough_studies.comparison.pages import page_parts
 from leadthrough_studies.comparison.paper import PIXELS_PER_MM, REMARK, TABLE_1, TABLE_2
-from leadthrough_studies.comparison.rivals import MISSING
+from leadthrough_studies.comparison.rivals import LIBRARIES, MISSING
 from leadthrough_studies.study import Report, Row, mean, selected
 
 _RESPONSES = ("push_Frechet_mm", "goal_Frechet_mm", "goal_end_mm")
@@ -70,6 +71,7 @@ def report(config: Any, rows: list[Row]) -> Report:
         "remark": REMARK,
         "first": _first(table),
         "not_installed": list(MISSING),
+        "rivals": {name: version(name) for name in LIBRARIES.values() if name not in MISSING},
         "table_1": _table_1(rows),
         "table_2": _table_2(rows),
         "stability": _stability(config, rows),
