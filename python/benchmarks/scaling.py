@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from judge import random_configurations
 from matplotlib.figure import Figure
 from movement_primitives import dmp as peers
 from movement_primitives.promp import ProMP as PeerProMP
+from waits import demonstrations
 
 import leadthrough as lt
 
@@ -211,7 +213,7 @@ def _obstacles(count: int) -> Benchmark:
 
 
 def _threads(count: int, what: str) -> Benchmark:
-    ours = {"inverse kinematics": _solved, "collision": _apart, "samples": _sampled}[what]()
+    ours = BATCHES[what]()
     return Benchmark(
         f"scaling: {what} on {count} threads, wall time",
         ours=partial(ours, threads=count),
@@ -236,13 +238,54 @@ def _apart() -> Callable[..., Any]:
 
 
 def _sampled() -> Callable[..., Any]:
-    u = np.linspace(0.0, 5.0, 500)[:, None]
-    skill = lt.ProMP().fit([lt.Trajectory(u[:, 0], np.sin(u + k) * [1.0, 2.0]) for k in (0.0, 0.1)])
-    return lambda threads: np.array(
-        [each.positions for each in skill.sample(200, seed=1, dt=1e-3, threads=threads)]
-    )
+    times = np.linspace(0.0, 5.0, 500)
+    waves = np.sin(np.outer(times, np.arange(1, 8)))
+    skill = lt.ProMP().fit([lt.JointTrajectory(times, waves * scale) for scale in (0.5, 0.6)])
+    return lambda threads: [
+        each.positions.tobytes() for each in skill.sample(50, seed=1, dt=1e-3, threads=threads)
+    ]
 
 
+def _checked() -> Callable[..., Any]:
+    arm = lt.Arm.load("panda")
+    ends = random_configurations(arm, 11, seed=1)
+    q = np.concatenate([np.linspace(a, b, 100) for a, b in pairwise(ends)])
+    boxes = [lt.Box((0.1, 0.05, 0.2), place) for place in ((0.6, 0.3, 0.2), (-0.4, 0.5, 0.4))]
+    return lambda threads: arm.check(q, boxes, threads=threads).distances
+
+
+def _planned() -> Callable[..., Any]:
+    skill = lt.FastMarching().fit(demonstrations(3))
+    box = lt.Box((0.06, 0.06, 0.3), skill.generate().at(1.5))
+    moved = np.random.default_rng(3).uniform(-0.02, 0.02, (32, 3))
+    goal = skill.generate().positions[-1]
+    return _generated(skill, [{"goal": goal + each, "obstacles": [box]} for each in moved])
+
+
+def _rolled_out() -> Callable[..., Any]:
+    times = np.linspace(0.0, 10.0, 1001)
+    s = lt.trajectories.minimum_jerk_rise(times / 10.0)[:, None]
+    turned = lt.rotations.exp(s * [0.3, 0.2, 1.5])
+    skill = lt.PoseDMP().fit([lt.PoseTrajectory(times, s * [0.3, 0.2, 0.1], turned)])
+    moved = np.random.default_rng(3).uniform(-0.05, 0.05, (50, 3))
+    end = skill.generate().positions[-1]
+    return _generated(skill, [{"goal": end + each, "dt": 1e-3} for each in moved])
+
+
+def _generated(skill: Any, queries: Sequence[dict[str, Any]]) -> Callable[..., Any]:
+    return lambda threads: [
+        each.positions.tobytes() for each in lt.models.generate_all(skill, queries, threads=threads)
+    ]
+
+
+BATCHES = {
+    "inverse kinematics": _solved,
+    "distances": _apart,
+    "checks": _checked,
+    "plans": _planned,
+    "rollouts": _rolled_out,
+    "samples": _sampled,
+}
 SERIES = (
     Series("cells along a side, 3-D march", (20, 40, 80, 120), _cells),
     Series("joints, 2,000 forward kinematics", (2, 4, 7, 14), _joints),
@@ -250,8 +293,5 @@ SERIES = (
     Series("demonstrations, fit of 7 joints", (2, 5, 10, 20, 40), _demonstrations),
     Series("way-points, time law of 7 joints", (6, 12, 50, 200), _way_points),
     Series("boxes, 100 distances of an arm", (1, 3, 10, 30), _obstacles),
-    *(
-        Series(f"threads, {what}", (1, 2), partial(_threads, what=what))
-        for what in ("inverse kinematics", "collision", "samples")
-    ),
+    *(Series(f"threads, {what}", (1, 2), partial(_threads, what=what)) for what in BATCHES),
 )

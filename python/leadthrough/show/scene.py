@@ -301,8 +301,9 @@ def _radius(path: Float64Array) -> float:
 def _links(arm: Arm, q: Float64Array) -> tuple[tuple[str, ...], Float64Array, Float64Array]:
     poses = link_poses(arm, q)
     positions = np.stack([position for _, position in poses.values()], axis=1)
-    turned = [rotations.align_signs(rotations.from_matrix(each)) for each, _ in poses.values()]
-    return tuple(poses), positions, np.stack(turned, axis=1)
+    matrices = np.concatenate([matrix for matrix, _ in poses.values()])
+    turned = rotations.from_matrix(matrices).reshape(len(poses), len(q), 4)
+    return tuple(poses), positions, np.stack([*map(rotations.align_signs, turned)], axis=1)
 
 
 def _middle(arm: Arm) -> Float64Array:

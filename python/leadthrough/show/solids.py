@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -161,29 +162,32 @@ def cross_sections(path: Float64Array) -> Float64Array:
     tangents = np.divide(tangents, lengths, out=np.tile([0.0, 0.0, 1.0], (len(path), 1)),
                          where=lengths > 0.0)  # fmt: skip
     least = np.eye(3)[int(np.argmin(np.abs(tangents[0])))]
-    across = np.cross(tangents[0], least)
-    frames = np.empty((len(path), 2, 3))
-    for i, tangent in enumerate(tangents):
-        if i > 0:
-            across = _reflected_twice(across, path[i] - path[i - 1], tangents[i - 1], tangent)
+    across, pairs = np.cross(tangents[0], least), []
+    for tangent, turn in zip(tangents, _least_turns(path, tangents), strict=True):
+        across = turn @ across
         across = across - (across @ tangent) * tangent
-        across /= np.linalg.norm(across)
-        frames[i] = across, np.cross(tangent, across)
-    return frames
+        across = across / math.sqrt(across @ across)
+        pairs.append(across)
+    first = np.array(pairs)
+    return np.stack([first, np.cross(tangents, first)], axis=1)
 
 
-def _reflected_twice(
-    vector: Float64Array, step: Float64Array, before: Float64Array, after: Float64Array
-) -> Float64Array:
-    squared = step @ step
-    if squared == 0.0:
-        return vector
-    reflected = vector - (2.0 / squared) * (step @ vector) * step
-    second = after - (before - (2.0 / squared) * (step @ before) * step)
-    squared = second @ second
-    if squared == 0.0:
-        return np.asarray(reflected)
-    return np.asarray(reflected - (2.0 / squared) * (second @ reflected) * second)
+def _least_turns(path: Float64Array, tangents: Float64Array) -> Float64Array:
+    """Matrices (n, 3, 3), each of which reflects twice: from the point before to this one."""
+    turns = np.tile(np.eye(3), (len(path), 1, 1))
+    steps = np.diff(path, axis=0)
+    back = _reflections(steps)
+    left = tangents[1:] - np.einsum("nij,nj->ni", back, tangents[:-1])
+    moved = steps.any(axis=1)
+    turns[1:][moved] = (_reflections(left) @ back)[moved]
+    return turns
+
+
+def _reflections(normals: Float64Array) -> Float64Array:
+    """Reflections (n, 3, 3) in the planes across vectors (n, 3); of 0, nothing moves."""
+    squared = np.einsum("ni,ni->n", normals, normals)[:, None, None]
+    factors = np.divide(2.0, squared, out=np.zeros_like(squared), where=squared > 0.0)
+    return np.asarray(np.eye(3) - factors * normals[:, :, None] * normals[:, None])
 
 
 def _circle(count: int) -> Float64Array:

@@ -82,9 +82,13 @@ class Stage:
         server.gui.main_panel.dock_right()
         server.scene.set_up_direction("+z")
         server.scene.world_axes.visible = False
+        # Light from an image and shadows take a computer without a graphics card half of its time
+        # for each frame, and seconds to prepare.
+        server.scene.configure_environment_map(hdri=None)
+        server.scene.configure_default_lights(cast_shadow=False)
         server.scene.add_grid(
             "/ground", width=4.0, height=4.0, cell_size=0.1, section_size=0.5, plane="xy",
-            cell_color=_GRID_CELL, section_color=_GRID_SECTION, shadow_opacity=0.25,
+            cell_color=_GRID_CELL, section_color=_GRID_SECTION, shadow_opacity=0.0,
         )  # fmt: skip
         centre, radius = shown.ball()
         server.initial_camera.position = tuple(centre + radius * np.array([2.0, -2.0, 1.3]))

@@ -180,8 +180,6 @@ def test_layer_is_hidden_by_its_box(html):
 @pytest.fixture(scope="module")
 def live(panda, shown):
     view = open_view(panda, demonstrations=shown, skill=lt.PoseDMP().fit(shown), obstacles=[BOX])
-    # Light from an image takes software rendering eight seconds to prepare.
-    view._server.scene.configure_environment_map(hdri=None)
     yield view
     view.close()
 
