@@ -8,9 +8,10 @@ obstacles. In random scenes the path in the band is compared with that of a marc
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
 import json
 import resource
+import shutil
 import statistics
 import subprocess
 import sys
@@ -265,11 +266,11 @@ def _obstacles(way: Float64Array, rng: np.random.Generator) -> list[lt.Shape]:
 
 def _drags() -> Iterator[Row]:
     """The time from the mouse to the scene on the live page; none without a browser."""
-    try:
-        live_drag = importlib.import_module("live_drag")
-    except ImportError:
-        print("the live page was left out: it takes Playwright and Chromium to measure")
+    needed = ("playwright", "viser")
+    if not shutil.which("chromium") or not all(map(importlib.util.find_spec, needed)):
+        print("the live page was left out: it takes Chromium, Playwright and viser to measure")
         return
+    live_drag = importlib.import_module("live_drag")
     taken = live_drag.latencies(DRAGS)
     name = "on the live page, from the mouse to path and arm (wall time)"
     wrong = "" if len(taken) > DRAGS // 2 else f"{len(taken)} of {DRAGS} moves were answered"
