@@ -37,6 +37,10 @@ def test_a_comfortable_path_is_followed_with_any_damping():
         assert (path.damping == 0).all()
 
 
+def test_the_settings_are_by_default_those_that_the_reference_prints():
+    assert DampedLeastSquares() == DampedLeastSquares(0.1, 0.0, 10.0, 0.5, 0.3)
+
+
 def test_each_step_tells_its_condition_and_damping():
     settings = DampedLeastSquares(damping=0.05, condition_threshold=5.0)
     path = follow_path(PANDA, outwards(0.3), start=READY, settings=settings)

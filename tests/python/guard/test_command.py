@@ -62,7 +62,7 @@ def test_where_not_even_standing_still_is_allowed_nothing_is_written(written):
 
 
 def test_a_way_leads_onto_the_motion_from_where_the_arm_is(written):
-    here = Q + [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.2]
+    here = Q + 0.2 * np.eye(7)[6]
     code, found = run(written, "--start", ",".join(map(str, here)))
     assert (code, found["verdict"]) == (0, "changed")
     motion, arm = lt.read_motion(written / "safe.npz"), lt.Arm.load("panda")

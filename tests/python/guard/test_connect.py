@@ -34,6 +34,14 @@ def test_a_motion_cut_out_of_another_begins_and_ends_at_rest(panda):
     assert not np.diff(whole.positions[-2:], axis=0).round(12).any()
 
 
+def test_two_samples_are_joined_as_if_the_motion_rested_after_them(panda):
+    first, second = Q + 0.1, Q + 0.1005
+    two = lt.connect(Q, motion_of([first, second]), panda).positions
+    resting = lt.connect(Q, motion_of([first, second, second]), panda).positions
+    end = 2 + int(np.abs(resting - first).max(axis=1).argmin())
+    assert np.array_equal(two[:end], resting[:end])
+
+
 def test_a_moving_arm_is_taken_along(panda):
     state = CommandedState(Q, np.full(7, 0.4), np.zeros(7))
     whole = lt.connect(state, motion_of(MOVING), panda)

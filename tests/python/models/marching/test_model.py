@@ -67,6 +67,17 @@ def test_path_goes_around_a_box_and_keeps_the_area_of_influence(skill):
     assert box.distance(on_table(skill.generate())).min() < 0.0
 
 
+def test_a_small_ball_moves_the_path_only_near_itself():
+    x = np.linspace(0.0, 1.0, 101)
+    shown = [np.column_stack([x, bow * np.sin(np.pi * x)]) for bow in (-0.01, 0.0, 0.01)]
+    skill = lt.FastMarching(
+        area_of_influence=0.1, saturation=0.1, resolution=0.01, method="mean_path"
+    ).fit([lt.Demonstration(lt.Trajectory(2.0 * x, rows)) for rows in shown])
+    path = skill.generate(obstacles=[lt.Sphere(0.03, [0.5, 0.01, 0.0])]).positions
+    assert np.abs(path[:, 1]).max() > 0.03
+    assert np.abs(path[path[:, 0] < 0.25, 1]).max() < 1.5e-3  # a seventh of a cell
+
+
 def test_three_dimensions_work_like_two():
     shown = wave().motion
     lifted = np.column_stack([shown.positions, 0.1 * shown.positions[:, 0]])
