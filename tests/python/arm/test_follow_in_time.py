@@ -283,3 +283,19 @@ def test_a_joint_that_must_not_move_is_named():
     _, posture, motion = past_the_wrist(0.5, 0.2)
     with pytest.raises(LimitsInfeasible, match="elbow_joint"):
         arm.follow(motion, seed=posture, too_fast="slow")
+
+
+def test_a_mirrored_path_is_lagged_behind_and_caught_up_with_alike():
+    posture = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.0])
+    times = np.linspace(0.0, 0.8, 161)
+    s = np.minimum(times / 0.35, 1.0)
+    along = 0.3 * (10 * s**3 - 15 * s**4 + 6 * s**5)
+
+    def followed(side):
+        positions = PANDA.forward_kinematics(posture)[0] + np.outer(side * along, [0.0, 1.0, 0.0])
+        motion = lt.Trajectory(times, positions)
+        return PANDA.follow(
+            motion, seed=posture, too_fast="deviate", deviation=(0.2, 1.0)
+        ).positions
+
+    np.testing.assert_allclose(followed(1.0) * [-1, 1, -1, 1, -1, 1, 1], followed(-1.0), atol=1e-6)
