@@ -44,7 +44,7 @@ class ElbowConfig:
         arms: names of arms.
         scenes: of each kind: reaches of each arm, and demonstrations of RoboTasks with the Panda.
         searched: whether what `follow` does not solve is given to the slow search.
-        connected: how many of each kind are given to RRT-Connect.
+        connected: whether they are given to RRT-Connect too.
         files: demonstrations of RoboTasks; without any, there are only reaches.
         seed: of the scenes.
     """
@@ -52,7 +52,7 @@ class ElbowConfig:
     arms: tuple[str, ...] = ("panda", "ur3")
     scenes: int = 170
     searched: bool = True
-    connected: int = 60
+    connected: bool = True
     files: tuple[str, ...] = ()
     seed: int = 0
 
@@ -65,7 +65,7 @@ def configure(quick: bool, seed: int) -> ElbowConfig:
     folder = Path(os.environ.get("LEADTHROUGH_DATA", "")) / _FOLDER
     files = tuple(str(file) for file in sorted(folder.glob("*.npy")))
     if quick:
-        return ElbowConfig(scenes=10, searched=False, connected=0, files=files, seed=seed)
+        return ElbowConfig(scenes=10, searched=False, connected=False, files=files, seed=seed)
     return ElbowConfig(files=files, seed=seed)
 
 
@@ -76,8 +76,8 @@ def tasks(config: ElbowConfig) -> list[Task]:
         asked.append((searched, config.scenes))
     if coal_arm.installed():
         asked.append((rechecked, config.scenes))
-    if find_spec("ompl"):
-        asked.append((connected, min(config.connected, config.scenes)))
+    if config.connected and find_spec("ompl"):
+        asked.append((connected, config.scenes))
     return [
         Task(function, {**kind, "seed": config.seed, "index": i})
         for function, count in asked

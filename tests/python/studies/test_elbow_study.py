@@ -13,7 +13,7 @@ from leadthrough_studies.study import run, selected
 
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
-    config = ElbowConfig(scenes=12, searched=False, connected=0)
+    config = ElbowConfig(scenes=12, searched=False, connected=False)
     return run(STUDY, config, out=tmp_path_factory.mktemp("elbow"), on="local:1")
 
 
@@ -49,7 +49,7 @@ def test_failures_name_the_time_and_what_is_in_the_way(outcome):
 
 def test_the_slow_search_and_rrt_connect_are_asked(outcome):
     """The search where the arm can stand but `follow` has no way, which is none of these scenes."""
-    config = ElbowConfig(arms=("panda",), scenes=3, connected=3)
+    config = ElbowConfig(arms=("panda",), scenes=3)
     asked = [task for task in STUDY.tasks(config) if task.function not in {trap, rechecked}]
     found = [row for task in asked for row in task.function(**task.arguments)]
     assert not selected(found, by="reference")
