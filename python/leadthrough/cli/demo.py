@@ -41,6 +41,9 @@ def demo(
     from leadthrough_studies.demo import report, scenes
 
     wanted = dict.fromkeys(check.choice(name, "--scene", SCENES) for name in scene or SCENES)
+    left_out = "" if scene or motion else _missing()
+    if left_out:
+        del wanted["handwriting"]
     shown: list[Performed] = []
     written: list[Handwriting] = []
     if "handwriting" in wanted:
@@ -60,8 +63,22 @@ def demo(
     print(f"Figures, tables and the joint trajectories: {out}/")
     print(f"Page to open in a browser: {out / 'report.html'}")
     print(f"{shown[0].name} under gravity and a controller: {simulated}")
+    if left_out:
+        print(f"Without handwriting: {left_out}")
     if not (all(each.ok for each in shown) and all(each.ok for each in written)):
         raise typer.Exit(1)
+
+
+def _missing() -> str:
+    """What to install for the handwriting; empty if it is there."""
+    from leadthrough.errors import MissingDependency
+    from leadthrough.io import lasa
+
+    try:
+        lasa.motions()
+    except MissingDependency as error:
+        return str(error)
+    return ""
 
 
 def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:

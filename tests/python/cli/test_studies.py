@@ -1,6 +1,7 @@
 """The demo and the studies from the command line, and how errors end."""
 
 import csv
+import functools
 import json
 import re
 import sys
@@ -11,6 +12,7 @@ from typer.testing import CliRunner
 
 from leadthrough import cli, errors
 from leadthrough_studies import catalogue, study
+from leadthrough_studies.demo import harvesting, report, scenes
 from leadthrough_studies.ur3.study import STUDY, Setting, Ur3Config
 
 runner = CliRunner()
@@ -64,6 +66,20 @@ def test_page_of_the_demo_shows_three_arms_and_explains_every_measure(shown):
     for measured in ("SEA", "V_rmse", "DTWD/N", "Fréchet", "to itself", "acceleration"):
         assert measured in explained
     assert set(re.findall('href="#(.*?)"', report)) <= set(re.findall('id="(.*?)"', report))
+
+
+def test_demo_does_without_the_handwriting_set(tmp_path, monkeypatch):
+    shown = functools.cache(harvesting.run)
+    monkeypatch.setattr("leadthrough.io.lasa.find_spec", lambda _: None)
+    monkeypatch.setattr(scenes, "other", lambda *_: shown())
+    monkeypatch.setattr(report, "write_simulation", lambda *_: "simulated.html")
+    result = runner.invoke(cli.app, ["demo", "--out", str(tmp_path)])
+    assert result.exit_code == 0, result.output
+    assert "leadthrough[lasa]" in result.output
+    assert (tmp_path / "report.html").read_text().count('<figure class="scene">') == 2
+    asked = runner.invoke(cli.app, ["demo", "--out", str(tmp_path), "--scene", "handwriting"])
+    assert asked.exit_code == 2
+    assert "leadthrough[lasa]" in asked.output
 
 
 def test_unknown_motion_is_an_error_of_one_line(tmp_path, monkeypatch, capsys):
