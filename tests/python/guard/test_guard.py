@@ -313,3 +313,15 @@ def test_a_way_that_grazes_for_long_is_certified_as_far_as_the_work_allows(panda
         lengths.append(len(answer.motion) if answer.verdict == "changed" else 0)
     assert lengths[0] > lengths[1] > lengths[2] == 0
     assert "only the way up to 0.020 s was certified" in str(answer)
+
+
+def test_a_stop_that_leaves_a_limit_is_reported_when_it_does(panda):
+    """The last sample is half a step before the end of joint 7's range."""
+    step = np.eye(7)[6] / RATE  # at 1 rad/s
+    last = np.where(np.eye(7)[6], panda.limits.upper - 0.5 * step, Q)
+    rows = last - step * np.arange(9, -1, -1)[:, None]
+    state = CommandedState(rows[0] - step, step * RATE, np.zeros(7))
+    answer = lt.Guard(panda, rate=RATE).admit(rows, state)
+    reason = answer.reasons[-1]
+    assert (reason.kind, reason.joint) == ("position", "panda_joint7")
+    assert reason.time == pytest.approx(11 * PERIOD)

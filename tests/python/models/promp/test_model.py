@@ -68,6 +68,12 @@ def test_parts_are_refused_with_the_way_out(shown):
         lt.ProMP().fit(demonstrations, phases=[np.linspace(0, 1, 200), np.linspace(0.5, 1, 200)])
 
 
+@pytest.mark.parametrize("ends", [(-0.1, 1.0), (0.0, 1.1)])
+def test_phases_beyond_the_motion_are_refused(shown, ends):
+    with pytest.raises(InvalidInput, match=r"phases\[1\]: expected phases in \[0, 1\]"):
+        lt.ProMP().fit(shown(2), phases=[np.linspace(0, 1, 200), np.linspace(*ends, 200)])
+
+
 @pytest.mark.parametrize(
     "options", [{"weights": 3}, {"basis": "sines"}, {"estimator": "x"}, {"regularization": 0.0}]
 )
