@@ -290,3 +290,16 @@ def test_options_are_checked():
             lt.arrival_times(speed, (0, 0), **options)
     with pytest.raises(InvalidInput, match="spacing"):
         lt.arrival_times(speed, (0, 0), spacing=(1.0, 1.0, 1.0))
+
+
+def test_no_cell_is_reached_before_all_of_its_neighbours():
+    """With speeds so uneven that second differences contradict each other."""
+    speed = np.random.default_rng(3).uniform(0.02, 1.0, (60, 60))
+    times = lt.arrival_times(speed, (30, 30), order=2)
+    around = np.pad(times, 1, constant_values=np.inf)
+    least = np.min(
+        [around[:-2, 1:-1], around[2:, 1:-1], around[1:-1, :-2], around[1:-1, 2:]], axis=0
+    )
+    later = np.ones(times.shape, dtype=bool)
+    later[30, 30] = False
+    assert (times[later] > least[later]).all()
