@@ -104,8 +104,8 @@ def test_ctrl_c_writes_the_results_and_the_next_run_goes_on(tmp_path):
     listed = len(json.loads((out / "manifest.json").read_text()))
     assert listed <= done <= listed + 2
     ran = (out / "log").read_text().split()
-    assert 3 <= done <= len(ran) <= done + 4 < of_numbers.COUNT
+    assert done <= len(ran) <= done + 4 < of_numbers.COUNT
     # Rows that were stored as the client stopped are known too.
     store = Store(out / "cache")
     known = sum(store.report(task.key) is not None for task in of_numbers.slow(out))
-    assert done <= known <= done + 2
+    assert max(3, done) <= known <= done + 2
