@@ -21,6 +21,8 @@ Phases: TypeAlias = list[tuple[float, float]]
 
 # Peaks among which changes of sign are looked for, closer to each other near the ends' speeds.
 _TRIED = 65
+# What is looked for may be as small as numbers are: its relative digits are bounded alone.
+_EXACT = 1e-300
 
 
 def moving_double_s(
@@ -49,34 +51,41 @@ def _over_a_peak(
 
     v, a, j = limits
 
-    def missing(peak: float) -> float:
-        return length - float(_covered(np.array([peak]), first, last, a, j)[0])
-
-    if missing(v) >= 0.0:
-        return [_phases((first, last), v, missing(v) / v, a=a, j=j)]
     lowest = max(first, last)
-    peaks = lowest + (v - lowest) * np.linspace(0.0, 1.0, _TRIED) ** 2
-    left = length - _covered(peaks, first, last, a, j)
+
+    def missing(above: float) -> float:
+        return length - float(_covered(np.array([above]), first, last, a, j)[0])
+
+    if missing(v - lowest) >= 0.0:
+        return [_phases((first, last), v - lowest, missing(v - lowest) / v, a=a, j=j)]
+    tried = (v - lowest) * np.linspace(0.0, 1.0, _TRIED) ** 2
+    left = length - _covered(tried, first, last, a, j)
     changes = np.flatnonzero((left[:-1] >= 0.0) != (left[1:] >= 0.0))
     roots = [
-        float(brentq(missing, peaks[i], peaks[i + 1], xtol=1e-15 * v, rtol=8.9e-16))
-        for i in changes
+        float(brentq(missing, tried[i], tried[i + 1], xtol=_EXACT, rtol=8.9e-16)) for i in changes
     ]
-    return [_phases((first, last), peak, 0.0, a=a, j=j) for peak in roots]
+    return [_phases((first, last), above, 0.0, a=a, j=j) for above in roots]
 
 
-def _covered(peaks: Float64Array, first: float, last: float, a: float, j: float) -> Float64Array:
-    """The way covered by the two ramps over each peak, whose mean speeds are their middles."""
-    total = np.zeros(len(peaks))
+def _covered(above: Float64Array, first: float, last: float, a: float, j: float) -> Float64Array:
+    """The way covered by the two ramps over each peak, whose mean speeds are their middles.
+
+    Peaks are told by how far they are above the higher speed: over a short way that is less than
+    the digits of the speed itself.
+    """
+    lowest = max(first, last)
+    total = np.zeros(len(above))
     for end in (first, last):
-        change = np.maximum(peaks - end, 0.0)
+        change = above + (lowest - end)
         taken = np.where(change * j < a * a, 2.0 * np.sqrt(change / j), change / a + a / j)
-        total += 0.5 * (peaks + end) * np.where(change > 0.0, taken, 0.0)
+        total += (end + 0.5 * change) * np.where(change > 0.0, taken, 0.0)
     return total
 
 
-def _phases(ends: tuple[float, float], peak: float, cruise: float, *, a: float, j: float) -> Phases:
-    up, down = (ramp(peak - end, a, j) for end in ends)
+def _phases(
+    ends: tuple[float, float], above: float, cruise: float, *, a: float, j: float
+) -> Phases:
+    up, down = (ramp(above + (max(ends) - end), a, j) for end in ends)
     return [
         (up[0], j),
         (up[1], 0.0),

@@ -64,12 +64,23 @@ def _trapezoid_phases(length: float, first: float, last: float, v: float, a: flo
     """Phases (duration, acceleration) over a length from one speed to another."""
     direct = 0.5 * (last * last - first * first) / a * (1.0 if last >= first else -1.0)
     side = 1.0 if length >= direct else -1.0
-    peak = math.sqrt(max(0.5 * (first * first + last * last) + side * a * length, 0.0))
-    top = side * min(peak, v)
-    up, down = abs(top - first) / a, abs(top - last) / a
-    covered = 0.5 * (first + top) * up + 0.5 * (top + last) * down
-    cruise = max((length - covered) / top, 0.0) if peak > v else 0.0
-    return [(up, side * a), (cruise, 0.0), (down, -side * a)]
+    begin, end, way = side * first, side * last, side * length
+    peak = math.sqrt(max(0.5 * (begin * begin + end * end) + a * way, 0.0))
+    if peak > v:
+        up, down = (v - begin) / a, (v - end) / a
+        cruise = max((way - 0.5 * ((begin + v) * up + (v + end) * down)) / v, 0.0)
+        return [(up, side * a), (cruise, 0.0), (down, -side * a)]
+    up = _rise(begin, peak, 0.5 * (end * end - begin * begin) + a * way) / a
+    down = _rise(end, peak, 0.5 * (begin * begin - end * end) + a * way) / a
+    return [(up, side * a), (down, -side * a)]
+
+
+def _rise(speed: float, peak: float, squares: float) -> float:
+    """How far a speed is below a peak, of which the difference of squares is known.
+
+    Over a short way the peak is so near that their own difference has no digits left.
+    """
+    return max(squares / (peak + speed) if speed > 0.0 else peak - speed, 0.0)
 
 
 def double_s(

@@ -118,3 +118,24 @@ def test_a_moving_target_is_caught_in_the_least_time_and_then_followed_exactly()
             bound = {"velocity": 2.0 - side * drift, "acceleration": 3.0}
             best = tr.trapezoid([0.0], [away], **bound, start_velocity=[-drift]).domain[1]
             assert caught == pytest.approx(best, abs=5 * period)
+
+
+@pytest.mark.parametrize("exponent", range(-12, 0))
+@pytest.mark.parametrize("speed", [-2.0, -0.7, 0.3, 2.0])
+@pytest.mark.parametrize("last", [1.0, 0.999999999])
+def test_a_short_way_is_met_to_its_own_digits_at_any_speed(exponent, speed, last):
+    """Where both speeds are alike, the peak is nearer to them than their digits tell."""
+    for length in (10.0**exponent, -(10.0**exponent)):
+        for make, limits in ((tr.trapezoid, {"velocity", "acceleration"}), (tr.double_s, LIMITS)):
+            given = {name: LIMITS[name] for name in limits}
+            move = make(
+                [0.0], [length], start_velocity=[speed], end_velocity=[last * speed], **given
+            )
+            took = move.domain[1]
+            reached = move.evaluate(took)[0]
+            assert reached == pytest.approx(length, abs=1e-11 * max(abs(length), 2.0 * took))
+            assert move.evaluate(took, 1)[0] == pytest.approx(last * speed, abs=1e-7)
+            if length * speed > 0.0 and last == 1.0:  # else the change of speed takes longer
+                assert took <= abs(length / speed) * (1.0 + 1e-9)
+                if speed in (-2.0, 2.0):
+                    assert took >= abs(length / speed) * (1.0 - 1e-9)
