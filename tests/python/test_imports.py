@@ -44,6 +44,7 @@ STAGES = (
     "validation",
     "show",
     "cli",
+    "__main__",
 )
 FAMILIES = ("dmp", "promp", "mixtures", "marching", "dynamical")
 # Folders of models/ that every family may use, and that use none.

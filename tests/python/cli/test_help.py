@@ -11,16 +11,14 @@ from cli.command_line import run
 from leadthrough import cli
 
 COMMANDS = typer.main.get_command(cli.app).commands
-PROGRAM = (
-    "import sys; sys.argv = ['leadthrough', '--help']; from leadthrough.cli import main; main()"
-)
+PROGRAM = [sys.executable, "-m", "leadthrough", "--help"]
 MOST = 0.5  # s of processor time
 ATTEMPTS = 3
 
 
 def processor_time_of_help():
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([sys.executable, "-c", PROGRAM], check=True, capture_output=True, timeout=60)
+    subprocess.run(PROGRAM, check=True, capture_output=True, timeout=60)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
