@@ -19,6 +19,7 @@ from leadthrough.arm.following import ArmFollowing
 from leadthrough.arm.inverse_kinematics import ArmInverseKinematics
 from leadthrough.arm.kinematics import ArmKinematics
 from leadthrough.arm.limits import JointLimits
+from leadthrough.errors import InvalidInput
 from leadthrough.shapes.inertia import Solid
 
 _NOTHING_HELD: Mapping[str, float] = MappingProxyType({})
@@ -189,3 +190,13 @@ class Arm(
         from leadthrough.arm import description  # its tables take longer to load than the arm
 
         return description.describe(self)
+
+
+def check_arm(arm: object) -> None:
+    """Refuses what is no arm, such as the name of one.
+
+    Raises:
+        InvalidInput: if `arm` is no Arm.
+    """
+    if not isinstance(arm, Arm):
+        raise InvalidInput(f"arm: expected an Arm, got {arm!r}; in Python, lt.Arm.load loads one")

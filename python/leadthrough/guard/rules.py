@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.arm import Arm, JointLimits
+from leadthrough.arm.arm import check_arm
 from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
@@ -218,8 +219,7 @@ def rules_for(
             negative.
         InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
     """
-    if not isinstance(arm, Arm):
-        raise InvalidInput(f"arm: expected an Arm, got {type(arm).__name__}")
+    check_arm(arm)
     limits = step_limits(arm.limits, period)
     margin = check.number(margin, "margin", at_least=0.0)
     self_margin = check.number(self_margin, "self_margin", at_least=0.0)

@@ -13,6 +13,7 @@ import numpy as np
 
 from leadthrough import check, tasks
 from leadthrough.arm import Arm
+from leadthrough.arm.arm import check_arm
 from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
@@ -120,8 +121,7 @@ def reach_map(
         MissingDependency: for a Dask cluster, if the extra `dask` is not installed.
         ClusterLost: if its scheduler does not answer any more.
     """
-    if not isinstance(arm, Arm):
-        raise InvalidInput(f"arm: expected an Arm, got {arm!r}; in Python, lt.Arm.load loads one")
+    check_arm(arm)
     step = check.number(spacing, "spacing", above=0.0)
     number = check.integer(seed, "seed", at_least=0)
     turned = spread_orientations(check.integer(orientations, "orientations", at_least=1))

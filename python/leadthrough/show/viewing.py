@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from leadthrough.arm import Arm
+from leadthrough.arm.arm import check_arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath
@@ -92,6 +93,7 @@ def open_view(
         IkFailure: if the arm cannot follow the motion of the tip that is given.
         MissingDependency: if the extra `view` is not installed.
     """
+    check_arm(arm)
     shown, shapes = list(demonstrations), check_shapes(obstacles)
     planner = None
     if skill is not None:
@@ -120,6 +122,7 @@ def whole_scene(
         InvalidInput: if an argument is wrong, or the skill plans no motion that the arm can follow.
         IkFailure: if the arm cannot follow the motion of the tip.
     """
+    check_arm(arm)
     shapes = check_shapes(obstacles)
     if motion is None and skill is not None:
         answer = Replanner(arm, skill, goal=goal, obstacles=shapes).plan()

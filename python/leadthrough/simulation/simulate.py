@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, optional, rotations
 from leadthrough.arm import Arm
+from leadthrough.arm.arm import check_arm
 from leadthrough.arm.dynamics import GRAVITY
 from leadthrough.arm.limits import known_acceleration
 from leadthrough.check import Float64Array
@@ -86,8 +87,7 @@ def simulate(
         MissingDependency: if the extra `simulation` is not installed.
     """
     optional.load("mujoco", extra="simulation")
-    if not isinstance(arm, Arm):
-        raise InvalidInput(f"arm: expected an Arm, got {type(arm).__name__}")
+    check_arm(arm)
     period = 1.0 / check.number(rate, "rate", at_least=100.0, at_most=1e4)
     most = tip_tolerance
     if most is not None:

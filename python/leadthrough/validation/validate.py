@@ -13,6 +13,7 @@ import numpy as np
 
 from leadthrough import check, optional, tasks
 from leadthrough.arm import Arm
+from leadthrough.arm.arm import check_arm
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import replacing
 from leadthrough.models.certificate import Certificate, Scattered, ValidatedObstacle
@@ -86,8 +87,7 @@ def validate(
             controller, and it is not installed.
         ClusterLost: if its scheduler does not answer any more.
     """
-    if not isinstance(arm, Arm):
-        raise InvalidInput(f"arm: expected an Arm, got {arm!r}; in Python, lt.Arm.load loads one")
+    check_arm(arm)
     most = check.integer(runs, "runs", at_least=1)
     check.number(required, "required", above=0.0, below=1.0)
     narrow = None if width is None else check.number(width, "width", above=0.0, below=1.0)

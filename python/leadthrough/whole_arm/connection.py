@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, optional
 from leadthrough.arm import Arm
+from leadthrough.arm.arm import check_arm
 from leadthrough.arm.clearing import Surroundings
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
@@ -67,8 +68,7 @@ def way_between(
         InvalidInput: if an argument is wrong.
         MissingDependency: if OMPL is not installed.
     """
-    if not isinstance(arm, Arm):
-        raise InvalidInput(f"arm: expected an Arm, got {arm!r}; in Python, lt.Arm.load loads one")
+    check_arm(arm)
     joints = len(arm.joint_names)
     around = Surroundings(
         arm._collision,

@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.arm import Arm
+from leadthrough.arm.arm import check_arm
 from leadthrough.arm.options import Axis
-from leadthrough.errors import IkFailure, InvalidInput
+from leadthrough.errors import IkFailure
 from leadthrough.models.protocol import Place, Skill
 from leadthrough.motion import Motion
 from leadthrough.shapes import Shape, check_shapes
@@ -94,8 +95,7 @@ def plan_motion(
         IkFailure: where the arm cannot follow, also after the path was changed; with the place, the
             reason and, where obstacles are in the way, the bodies.
     """
-    if not isinstance(arm, Arm):
-        raise InvalidInput(f"arm: expected an Arm, got {arm!r}; in Python, lt.Arm.load loads one")
+    check_arm(arm)
     shapes = check_shapes(obstacles)
     most = check.integer(rounds, "rounds", at_least=1)
     if last_resort is not None:

@@ -295,7 +295,7 @@ def test_an_arm_without_acceleration_limits_is_refused(panda):
     bare = lt.Arm.from_urdf(panda.document, base=panda.base, tip=panda.tip)
     with pytest.raises(InvalidInput, match="limits: expected acceleration limits"):
         lt.Guard(bare, rate=RATE)
-    with pytest.raises(InvalidInput, match="arm: expected an Arm, got str"):
+    with pytest.raises(InvalidInput, match="arm: expected an Arm, got 'panda'"):
         lt.Guard("panda", rate=RATE)
 
 

@@ -136,3 +136,9 @@ def test_page_tells_which_mesh_cannot_be_shown(tmp_path):
     assert (
         "link b: mesh: none.stl is not found; it is left out" in (tmp_path / "a.html").read_text()
     )
+
+
+@pytest.mark.parametrize("shows", [inline, open_view, view])
+def test_an_arm_must_be_given(shows):
+    with pytest.raises(InvalidInput, match=r"arm: expected an Arm, got 'ur3'.*lt\.Arm\.load"):
+        shows("ur3")
