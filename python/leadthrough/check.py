@@ -317,9 +317,16 @@ def _numeric(value: object, name: str) -> Float64Array:
         ) from None
     if raw.dtype.kind not in "fiu":
         # Booleans, complex numbers, strings and objects would be turned into something plausible.
-        raise InvalidInput(f"{name}: expected numbers, got {_short(value)} of dtype {raw.dtype}")
+        got = f"{_short(value)} of dtype {raw.dtype}{part_to_give(value)}"
+        raise InvalidInput(f"{name}: expected numbers, got {got}")
     with enough_memory(f"{name}: an array of shape {raw.shape}"):
         return np.ascontiguousarray(raw, dtype=np.float64).reshape(raw.shape)
+
+
+def part_to_give(value: object) -> str:
+    """The end of a message about an object of which a part was meant; empty if there is none."""
+    parts = (part for part in ("motion", "joints") if hasattr(value, part))
+    return next((f"; give its {part}" for part in parts), "")
 
 
 def _fits(actual: tuple[int, ...], shape: Sequence[int | str]) -> bool:

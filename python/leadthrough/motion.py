@@ -268,7 +268,7 @@ def checked_motion(value: MotionT, name: str) -> MotionT:
     if not isinstance(value, Motion):
         raise InvalidInput(
             f"{name}: expected a Trajectory, PoseTrajectory or JointTrajectory, "
-            f"got {type(value).__name__}"
+            f"got {type(value).__name__}{check.part_to_give(value)}"
         )
     return value
 

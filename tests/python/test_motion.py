@@ -132,3 +132,21 @@ def test_between_samples_a_motion_is_straight_and_turns_steadily():
 def test_a_time_outside_the_motion_is_refused(time):
     with pytest.raises(InvalidInput, match="time: "):
         lt.Trajectory(TIMES, np.zeros((3, 2))).at(time)
+
+
+def test_an_object_of_which_a_part_was_meant_is_told_the_part(tmp_path):
+    arm = lt.Arm.load("ur3")
+    q = np.array([0.0, -1.6, 1.9, -1.9, -1.6, 0.0])
+    joints = lt.JointTrajectory([0.0, 1.0], [q, q + 0.1])
+    with pytest.raises(
+        InvalidInput, match=r"expected numbers, got Demonstration.* give its motion"
+    ):
+        arm.check(lt.Demonstration(joints))
+    skill = lt.PoseDMP(weights=5).fit([arm.poses(joints)])
+    planned = lt.plan_motion(skill, arm)
+    with pytest.raises(InvalidInput, match="got PlannedMotion; give its joints"):
+        lt.write_motion(planned, tmp_path / "a.json")
+    with pytest.raises(InvalidInput, match=r"arm.poses\(motion\) makes poses of joints"):
+        lt.PoseDMP().fit([joints])
+    with pytest.raises(InvalidInput, match="path: no such file: none.npz"):
+        lt.load_skill("none.npz")

@@ -12,6 +12,8 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from leadthrough.arm.meshes import find_mesh
+
 if TYPE_CHECKING:
     from leadthrough import _core
     from leadthrough.arm.arm import Arm
@@ -42,9 +44,12 @@ def describe(arm: Arm) -> str:
 
 def _head(arm: Arm) -> str:
     count = len(arm.joint_names)
-    slides = any(joint.kind == "prismatic" for joint in arm._robot.path(arm.base, arm.tip))
+    path = arm._robot.path(arm.base, arm.tip)
+    slides = any(joint.kind == "prismatic" for joint in path)
+    links = ", ".join([arm.base, *(arm._robot.links[joint.child] for joint in path)])
     return (
         f"{arm._robot.name}: from {arm.base} to {arm.tip}, {count} joint{'s' * (count > 1)}\n"
+        f"{_wrapped(f'links, each of which may be the tip: {links}')}\n"
         f"reach at most {arm._chain.reach:.3g} m from the first joint, "
         f"moving mass {arm._chain.mass:.4g} kg\n"
         f"joints are revolute unless a type is given{_SLIDING * slides}"
@@ -102,9 +107,28 @@ def _carried(arm: Arm) -> Iterator[str]:
     yield f"load: {mass:.4g} kg"
     shapes = arm._robot.collisions.items()
     listed = ", ".join(f"{link} {count}" for link, count in shapes) or "none"
-    yield textwrap.fill(f"collision shapes per link: {listed}", width=80, subsequent_indent="  ")
+    yield _wrapped(f"collision shapes per link: {listed}")
+    yield from _lacking(arm)
     for shape in arm.attached:
         yield f"holds: {type(shape).__name__} at {_numbers(shape.position)} m in {arm.tip}"
+
+
+def _lacking(arm: Arm) -> Iterator[str]:
+    """What to do about collision meshes whose files are not there."""
+    files = [file for _, file, _ in arm._robot.meshes]
+    lost = [file for file in files if find_mesh(file, arm.mesh_folders) is None]
+    if lost:
+        yield _wrapped(
+            f"! {len(lost)} of {len(files)} collision meshes are not where the URDF says, such as "
+            f"{lost[0]}: nothing can be checked for collisions until their folder is named "
+            "(--mesh-folder; in Python, mesh_folders)"
+        )
+
+
+def _wrapped(text: str) -> str:
+    return textwrap.fill(
+        text, width=80, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
+    )
 
 
 def _numbers(values: np.typing.NDArray[np.float64]) -> str:

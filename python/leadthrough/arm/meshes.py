@@ -87,8 +87,9 @@ def find_mesh(file: str, folders: Sequence[str]) -> Path | None:
 
     Args:
         file: the mesh's file name in the URDF. A relative one is looked for in `folders`;
-            package://name/rest as name/rest in them and in the folders above them, then as rest:
-            a package's folder may have another name.
+            package://name/rest as name/rest in them and in the folders above them, then as rest, as
+            a package's folder may have another name, then as the end of rest, as meshes are often
+            copied without their folders.
         folders: where to look.
     """
     try:
@@ -115,6 +116,10 @@ def _candidates(file: str, folders: Sequence[str]) -> Iterator[tuple[Path, Path]
             for place in (start, *start.parents):
                 if place.is_relative_to(root):
                     yield place / rest, root
+        parts = Path(rest).parts
+        if ".." not in parts:
+            for start in starts:
+                yield from ((start / Path(*parts[i:]), start) for i in range(1, len(parts)))
         return
     path = Path(unquote(address.path) if address.scheme == "file" else file)
     for folder in folders:

@@ -9,7 +9,7 @@ from typing import Any
 
 import typer
 
-_ARM = ("robot", "base", "tip", "limits")
+_ARM = ("robot", "base", "tip", "limits", "mesh_folder")
 _READING = ("column", "rate", "angles", "quaternions", "topic")
 _OPERATORS = ("&&",)
 _PROGRAM = "leadthrough"

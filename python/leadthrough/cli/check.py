@@ -22,6 +22,7 @@ def check(
     limits: options.LimitsFile = None,
     base: options.BaseLink = None,
     tip: options.TipLink = None,
+    mesh_folder: options.MeshFolder = None,
     obstacle: options.Obstacles = None,
     margin: options.Margin = 0.0,
     physics: Annotated[
@@ -42,7 +43,7 @@ def check(
     from leadthrough.cli import robot as robots
     from leadthrough.timing import check_limits
 
-    arm = robots.load(robot, limits, base, tip)
+    arm = robots.load(robot, limits, base, tip, mesh_folder)
     joints = robots.joints_in(arm, motion)
     obstacles = [parse.obstacle(text) for text in obstacle or ()]
     kept = check_limits(joints, arm.limits)

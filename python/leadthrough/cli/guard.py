@@ -18,6 +18,7 @@ def guard(
     limits: options.LimitsFile = None,
     base: options.BaseLink = None,
     tip: options.TipLink = None,
+    mesh_folder: options.MeshFolder = None,
     obstacle: options.Obstacles = None,
     margin: options.Margin = 0.005,
     rate: Annotated[
@@ -51,7 +52,7 @@ def guard(
     from leadthrough.io import write_motion
 
     reading.check_output(out, format)
-    arm = robots.load(robot, limits, base, tip)
+    arm = robots.load(robot, limits, base, tip, mesh_folder)
     joints = robots.joints_in(arm, motion)
     obstacles = [parse.obstacle(text) for text in obstacle or ()]
     shown = 1.0 / float(np.diff(joints.times).min(initial=1.0))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -35,6 +35,7 @@ def info(
     limits: options.LimitsFile = None,
     base: options.BaseLink = None,
     tip: options.TipLink = None,
+    mesh_folder: options.MeshFolder = None,
     write_limits: Annotated[
         Path | None,
         typer.Option(
@@ -61,7 +62,9 @@ def info(
 
     found = reading.listed(files, also=_URDF)
     if not any(file.suffix.lower() in _URDF for file in found):
-        robots.refuse("a URDF among the files", limits=limits, base=base, tip=tip)
+        robots.refuse(
+            "a URDF among the files", limits=limits, base=base, tip=tip, mesh_folder=mesh_folder
+        )
     if write_limits is not None:
         limits = _write_limits(ctx, found, write_limits)
     asked = request.checked(
@@ -72,10 +75,9 @@ def info(
         topic=topic,
         frames=None,
     )
-    given = {"limits": limits, "base": base, "tip": tip}
+    given = {"limits": limits, "base": base, "tip": tip, "mesh_folder": mesh_folder}
     told = [
-        _in_words(ctx, describe(file, request=asked, **_arm_options(ctx, file, given)))
-        for file in found
+        _in_words(ctx, describe(file, request=asked, **_arm(ctx, file, given))) for file in found
     ]
     if as_json:
         print(json.dumps([each.as_dict() for each in told], allow_nan=False))
@@ -83,7 +85,7 @@ def info(
     print("\n\n".join(map(str, told)))
     if write_limits is not None:
         print(f"wrote {write_limits}: replace the assumed values with the maker's")
-    if len({each.kind for each in told}) == 1:
+    if len({each.kind for each in told}) == 1 and not any(each.problem for each in told):
         chain.hint(ctx, *_next(ctx, told, write_limits))
 
 
@@ -98,6 +100,15 @@ def _in_words(ctx: typer.Context, found: FileInfo) -> FileInfo:
     )
     problem = found.problem and errors.in_words(found.problem, words)
     return replace(found, recordings=recordings, problem=problem)
+
+
+def _arm(ctx: typer.Context, file: Path, given: Mapping[str, Path | str | None]) -> dict[str, Any]:
+    """The options of a URDF's arm, as the library takes them."""
+    from leadthrough.cli import robot as robots
+
+    options = _arm_options(ctx, file, given)
+    folder = options.pop("mesh_folder", None)
+    return {**options, "mesh_folders": robots.mesh_folders(Path(folder) if folder else None)}
 
 
 def _arm_options(
@@ -152,7 +163,7 @@ def _next(
 def _next_of_robot(
     ctx: typer.Context, robot: FileInfo, written: Path | None
 ) -> tuple[str | Path, ...]:
-    typed = {name: ctx.params[name] for name in ("base", "tip", "limits")}
+    typed = {name: ctx.params[name] for name in profile.OF_THE_ROBOT}
     if robot.facts["unknown_limits"]:
         target = Path(robot.path).with_suffix(".toml").name
         arm = chain.options(base=typed["base"], tip=typed["tip"])

@@ -86,6 +86,7 @@ def learn(
     limits: options.LimitsFile = None,
     base: options.BaseLink = None,
     tip: options.TipLink = None,
+    mesh_folder: options.MeshFolder = None,
     clean: Annotated[
         bool,
         typer.Option("--clean", help="Remove faulty samples first; stderr tells which."),
@@ -135,10 +136,10 @@ def learn(
     reading.check_skill_output(out)
     if model is not None:
         check.choice(model, "--model", completion.MODELS)
-    arm = None if robot is None else robots.load(robot, limits, base, tip)
+    arm = None if robot is None else robots.load(robot, limits, base, tip, mesh_folder)
     if arm is None:
         only = {"joints": as_joints or None}
-        robots.refuse("--robot", limits=limits, base=base, tip=tip, **only)
+        robots.refuse("--robot", limits=limits, base=base, tip=tip, mesh_folder=mesh_folder, **only)
     recordings = reading.listed(files)
     reading.refuse_skills(recordings)
     how: dict[str, Any] = {

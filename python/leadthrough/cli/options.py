@@ -63,6 +63,13 @@ TipLink = Annotated[
         autocompletion=completion.links,
     ),
 ]
+MeshFolder = Annotated[
+    Path | None,
+    typer.Option(
+        help="Folder with the meshes that the URDF names, if they do not lie beside it.",
+        autocompletion=completion.files(),
+    ),
+]
 Obstacles = Annotated[
     list[str] | None,
     typer.Option(

@@ -13,7 +13,7 @@ from leadthrough.errors import InvalidInput
 from leadthrough.models.certificate import Scattered
 from leadthrough.models.place import Place
 from leadthrough.models.places import Places
-from leadthrough.motion import Motion, PoseTrajectory
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.shapes import Box, Capsule, Cylinder, Shape, Sphere
 
 _SHAPES = {"box": 3, "sphere": 1, "capsule": 2, "cylinder": 2}
@@ -137,9 +137,20 @@ def moved(text: str, shown: Motion, index: int, name: str) -> Place:
     offset = numbers(text, name)
     position = shown.positions[index]
     if len(offset) != len(position):
-        raise InvalidInput(f"{name}: expected {len(position)} numbers, got {text!r}")
+        raise InvalidInput(f"{name}: expected {_coordinates(shown)}, got {text!r}")
     there = position + offset
     return (there, shown.orientations[index]) if isinstance(shown, PoseTrajectory) else there
+
+
+def _coordinates(shown: Motion) -> str:
+    """How many numbers a place of a motion has, and why where that may surprise."""
+    count = shown.positions.shape[1]
+    if not isinstance(shown, JointTrajectory):
+        return f"{count} numbers"
+    return (
+        f"{count} numbers, one for each joint, as the skill was learned of joints (with --robot, "
+        "`leadthrough learn` learns poses of the tool)"
+    )
 
 
 def columns(given: Sequence[str]) -> dict[str, list[str]] | None:

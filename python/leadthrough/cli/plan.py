@@ -57,6 +57,7 @@ def plan(
     limits: options.LimitsFile = None,
     base: options.BaseLink = None,
     tip: options.TipLink = None,
+    mesh_folder: options.MeshFolder = None,
     posture: Annotated[
         str | None,
         typer.Option(
@@ -118,7 +119,7 @@ def plan(
     asked = {name: value for name, value in asked.items() if value is not None}
     if robot is None:
         only = {"posture": posture, "tolerance": tolerance, "free_axis": free_axis}
-        robots.refuse("--robot", limits=limits, base=base, tip=tip, **only)
+        robots.refuse("--robot", limits=limits, base=base, tip=tip, mesh_folder=mesh_folder, **only)
     if robot is None or "obstacles" not in asked:
         robots.refuse("--robot and --obstacle", margin=margin, tip_only=tip_only or None)
     _warn_of_novelty(learned, asked)
@@ -130,7 +131,7 @@ def plan(
         if robot is None:
             motion: Motion = following.generated(learned, query)
         else:
-            arm = robots.load(robot, limits, base, tip)
+            arm = robots.load(robot, limits, base, tip, mesh_folder)
             warn_of_another_arm(arm._chain, learned.generate())
             how = following.options_of(arm, posture, tolerance, free_axis)
             if "obstacles" in asked and not tip_only:
@@ -140,11 +141,10 @@ def plan(
             motion, told = followed.joints, followed.facts
     _write(motion, out, format, moves_arm=robot is not None)
     if joints_with(motion) is not None and formats.to_write(out, format).name not in _KEEPING:
-        print(
-            f"note: {out} does not keep the joints that the skill was shown with, so an arm that "
+        tables.note(
+            f"{out} does not keep the joints that the skill was shown with, so an arm that "
             "follows it has a posture of its own; plan with --robot, or to .csv or .npz, to keep "
-            "the shown one",
-            file=sys.stderr,
+            "the shown one"
         )
     found = {
         "motion": str(out),
@@ -192,8 +192,8 @@ def _limits_first(
     urdf = robots.urdf_of(ctx.params["robot"])
     target = Path(f"{urdf.stem}.toml")
     target = target.with_stem(f"{urdf.stem}-limits") if target.exists() else target
-    known = chain.typed(ctx, "base", "tip", "limits")
-    arm = chain.typed(ctx, "robot", "base", "tip")
+    known = chain.typed(ctx, "base", "tip", "limits", "mesh_folder")
+    arm = chain.typed(ctx, "robot", "base", "tip", "mesh_folder")
     written: tuple[str | Path, ...]
     written = ("leadthrough", "info", urdf, *known, "--write-limits", target)
     return (*written, "&&", *begin, *arm, "--limits", target, *end)

@@ -16,7 +16,7 @@ from typing import Any
 from leadthrough.errors import InvalidInput
 
 FILE = "leadthrough.toml"
-KEYS = ("robot", "base", "tip", "limits")
+KEYS = ("robot", "base", "tip", "limits", "mesh_folder")
 # They describe one arm: with another one on the command line, they hold no more.
 OF_THE_ROBOT = KEYS[1:]
 

@@ -30,6 +30,7 @@ def reach(
     limits: options.LimitsFile = None,
     base: options.BaseLink = None,
     tip: options.TipLink = None,
+    mesh_folder: options.MeshFolder = None,
     volume: Annotated[
         str | None,
         typer.Option(help=f"Where the tip is to reach: {_CORNERS}; by default the whole reach."),
@@ -79,7 +80,7 @@ def reach(
     from leadthrough.show.reach_picture import reach_figure
 
     reading.check_skill_output(out)
-    arm = robots.load(robot, limits, base, tip)
+    arm = robots.load(robot, limits, base, tip, mesh_folder)
     if skill is not None or area is not None:
         _place(arm, skill, area, out, spacing, yaws, seed, as_json=as_json)
         return

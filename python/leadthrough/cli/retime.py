@@ -12,6 +12,8 @@ from leadthrough.cli import chain, options
 if TYPE_CHECKING:
     from leadthrough.timing import Binding
 
+_ROUNDED = 1e-3  # rad (m), the tolerance of a path that is free of tremor
+
 
 def retime(
     ctx: typer.Context,
@@ -21,6 +23,7 @@ def retime(
     limits: options.LimitsFile = None,
     base: options.BaseLink = None,
     tip: options.TipLink = None,
+    mesh_folder: options.MeshFolder = None,
     rate: Annotated[float, typer.Option(help="Sampling rate of the result, in Hz.")] = 1000.0,
     path_tolerance: Annotated[
         float,
@@ -64,7 +67,7 @@ def retime(
     if start is None:
         robots.refuse("--start", obstacle=obstacle)
     around = [parse.obstacle(text) for text in obstacle or ()]
-    arm = robots.load(robot, limits, base, tip)
+    arm = robots.load(robot, limits, base, tip, mesh_folder)
     path = robots.joints_in(arm, motion)
     with tables.busy("timing"):
         timed = timing.retime(
@@ -93,11 +96,22 @@ def retime(
     }
     units = {"duration_before": "s", "duration": "s", "rate": "Hz"}
     tables.facts(found, as_json=as_json, units=units)
+    if path_tolerance < _ROUNDED and _unbound(bindings) > 0.5:
+        tables.note(
+            f"for {_unbound(bindings):.0%} of the time no limit binds: small bends of the path, "
+            "such as tremor, hold the motion back; --path-tolerance 1e-3 rounds them"
+        )
     if not as_json:
         if reading.can_read(out):
             chain.hint(ctx, "leadthrough", "check", out, *chain.arm(ctx))
         else:
             chain.advise(f"run {out} on the robot")
+
+
+def _unbound(bindings: Sequence[Binding]) -> float:
+    """The fraction of the time at which no limit binds."""
+    lengths = [(each.end - each.start, each.binds) for each in bindings]
+    return sum(length for length, binds in lengths if not binds) / sum(each for each, _ in lengths)
 
 
 def _fractions(bindings: Sequence[Binding]) -> list[str]:

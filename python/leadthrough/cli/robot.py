@@ -14,7 +14,11 @@ from leadthrough.motion import JointTrajectory, Motion
 
 
 def load(
-    name: str, limits: Path | None = None, base: str | None = None, tip: str | None = None
+    name: str,
+    limits: Path | None = None,
+    base: str | None = None,
+    tip: str | None = None,
+    mesh_folder: Path | None = None,
 ) -> Arm:
     """The arm of a robot, by its name, or of a URDF, by its path.
 
@@ -24,8 +28,26 @@ def load(
     """
     with errors.naming(name="--robot", path_or_xml="--robot"):
         if _is_path(name):
-            return Arm.from_urdf(Path(name), base=base, tip=tip, limits=limits)
+            return Arm.from_urdf(
+                Path(name),
+                base=base,
+                tip=tip,
+                limits=limits,
+                mesh_folders=mesh_folders(mesh_folder),
+            )
+        refuse("--robot FILE.urdf", mesh_folder=mesh_folder)
         return Arm.load(name, base=base, tip=tip, limits=limits)
+
+
+def mesh_folders(given: Path | None) -> list[Path]:
+    """The folder of --mesh-folder as a list, which is empty if none was given.
+
+    Raises:
+        InvalidInput: if there is no such folder.
+    """
+    if given is not None and not given.is_dir():
+        raise InvalidInput(f"mesh_folder: expected a folder, got {given}")
+    return [] if given is None else [given]
 
 
 def urdf_of(name: str) -> Path:
@@ -87,6 +109,12 @@ def own_joints(arm: Arm, motion: Motion, name: str) -> JointTrajectory:
         )
     recorded = motion.joint_names
     strangers = not set(recorded) & set(arm.joint_names)
+    if recorded and strangers and len(recorded) < len(arm.joint_names):
+        raise InvalidInput(
+            f"{name}: has {len(recorded)} joints, and the arm from {arm.base} to {arm.tip} has "
+            f"{len(arm.joint_names)}: {', '.join(arm.joint_names)}; if it ends in a gripper, give "
+            "the last link before it as --tip (`leadthrough info` lists the links)"
+        )
     if recorded and strangers and len(recorded) == len(arm.joint_names):
         print(
             f"{name}: using joints {', '.join(recorded)} as {', '.join(arm.joint_names)}",

@@ -31,6 +31,7 @@ def simulate(
     limits: options.LimitsFile = None,
     base: options.BaseLink = None,
     tip: options.TipLink = None,
+    mesh_folder: options.MeshFolder = None,
     obstacle: options.Obstacles = None,
     controller: Annotated[
         ControllerName, typer.Option(help="Controller that makes torques of the motion.")
@@ -89,7 +90,7 @@ def simulate(
     from leadthrough.show import simulation_page
     from leadthrough.simulation import simulate as run
 
-    arm = robots.load(robot, limits, base, tip)
+    arm = robots.load(robot, limits, base, tip, mesh_folder)
     joints = robots.joints_in(arm, motion)
     if mass:
         arm = arm.with_payload(mass)

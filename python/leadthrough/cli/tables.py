@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -73,6 +74,15 @@ def facts(
         label = name.replace("_", " ")
         text = f"{label:<{width}}{_text(value)} {units.get(name, '')}".rstrip()
         print(textwrap.fill(text, _WIDTH, subsequent_indent=" " * width, **_WHOLE_WORDS))
+
+
+def note(text: str) -> None:
+    """Prints on stderr what a user may want to know of a result.
+
+    Args:
+        text: a sentence, without a full stop.
+    """
+    print(textwrap.fill(f"note: {text}", _WIDTH, **_WHOLE_WORDS), file=sys.stderr)
 
 
 def busy(what: str) -> AbstractContextManager[Any]:

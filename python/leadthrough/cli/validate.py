@@ -26,6 +26,7 @@ def validate(
     limits: options.LimitsFile = None,
     base: options.BaseLink = None,
     tip: options.TipLink = None,
+    mesh_folder: options.MeshFolder = None,
     goals: Annotated[str | None, typer.Option(help=f"Region of the goals: {_FORM}")] = None,
     starts: Annotated[
         str | None, typer.Option(help="Region of the starts, in the form of --goals.")
@@ -91,7 +92,7 @@ def validate(
     with errors.going_on():
         found = validated(
             learned,
-            robots.load(robot, limits, base, tip),
+            robots.load(robot, limits, base, tip, mesh_folder),
             goals=_places(learned, goals, -1, "--goals"),
             starts=_places(learned, starts, 0, "--starts"),
             obstacles=[*fixed, *(parse.scattered(text) for text in worlds or ())],

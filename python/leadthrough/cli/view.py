@@ -23,6 +23,7 @@ def view(
     limits: options.LimitsFile = None,
     base: options.BaseLink = None,
     tip: options.TipLink = None,
+    mesh_folder: options.MeshFolder = None,
     demonstrations: Annotated[
         list[Path] | None,
         typer.Option(
@@ -44,6 +45,8 @@ def view(
     obstacle: options.Obstacles = None,
     column: options.Columns = None,
     rate: options.Rate = None,
+    angles: options.Angles = None,
+    quaternions: options.Quaternions = None,
     html: Annotated[
         Path | None,
         typer.Option(
@@ -67,17 +70,27 @@ def view(
     from leadthrough.show import viewing
 
     check.integer(port, "port", at_least=0, at_most=65535)
-    arm = robots.load(robot, limits, base, tip)
+    arm = robots.load(robot, limits, base, tip, mesh_folder)
     asked = None if motion is None else reading.one_motion(motion, joints=robots.ranges(arm))
     if isinstance(asked, JointTrajectory):
         asked = robots.own_joints(arm, asked, str(motion))
     shown = []
     if not demonstrations:
-        robots.refuse("--demonstrations", column=column, rate=rate)
+        robots.refuse(
+            "--demonstrations", column=column, rate=rate, angles=angles, quaternions=quaternions
+        )
     else:
         named = parse.columns(column or [])
         files, known = reading.listed(demonstrations), robots.ranges(arm)
-        shown = read_demonstrations(files, columns=named, rate=rate, joints=known, rest=math.inf)
+        shown = read_demonstrations(
+            files,
+            columns=named,
+            rate=rate,
+            angles=angles,
+            quaternions=quaternions,
+            joints=known,
+            rest=math.inf,
+        )
     with errors.naming(path="--html"):
         viewing.view(
             arm,

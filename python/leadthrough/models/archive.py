@@ -6,6 +6,7 @@ import copy
 import json
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
+from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -109,6 +110,8 @@ def read_certified(
     Raises:
         InvalidInput: if it is no skill, is damaged, or of a newer format version.
     """
+    if isinstance(path, str | PathLike) and not Path(path).exists():
+        raise InvalidInput(f"path: no such file: {path}")
     try:
         arrays = npz.arrays(Path(path))
         head = json.loads(str(arrays.pop("head")))

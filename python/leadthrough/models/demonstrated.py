@@ -69,9 +69,15 @@ def _motion(demonstration: object, index: int, kinds: tuple[type[Motion], ...]) 
         wanted = " or ".join(kind.__name__ for kind in kinds)
         raise InvalidInput(
             f"demonstrations[{index}]: expected a Demonstration of a {wanted}, "
-            f"got {type(motion).__name__}"
+            f"got {type(motion).__name__}{_poses_of(motion, kinds)}"
         )
     return motion
+
+
+def _poses_of(motion: object, kinds: tuple[type[Motion], ...]) -> str:
+    """How to go on where joints were given to a model of poses."""
+    wanted = isinstance(motion, JointTrajectory) and PoseTrajectory in kinds
+    return "; arm.poses(motion) makes poses of joints" if wanted else ""
 
 
 def _refuse_mixed(motions: Sequence[Motion]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -82,6 +82,7 @@ def describe(
     limits: StrPath | None = None,
     base: str | None = None,
     tip: str | None = None,
+    mesh_folders: Sequence[StrPath] = (),
 ) -> FileInfo:
     """A summary of what a file contains, as far as it can be read.
 
@@ -92,6 +93,7 @@ def describe(
         limits: limits file of a URDF, as for `Arm.from_urdf`.
         base: first link of a URDF's arm, as for `Arm.from_urdf`.
         tip: last link of a URDF's arm, as for `Arm.from_urdf`.
+        mesh_folders: where a URDF's meshes are looked for, as for `Arm.from_urdf`.
 
     Raises:
         InvalidInput: if the file cannot be read or is of no known format.
@@ -102,7 +104,8 @@ def describe(
         raise InvalidInput(f"path: expected a path, got {path!r}")
     where = Path(path)
     if where.suffix.lower() in _ROBOTS and where.is_file():
-        return _robot(where, limits, base, tip)
+        arm = Arm.from_urdf(where, base=base, tip=tip, limits=limits, mesh_folders=mesh_folders)
+        return _robot(where, arm)
     with blaming(where):
         found = formats.of_file(where)
         if found.name == "npz" and (skill := _skill(where)):
@@ -145,8 +148,7 @@ def _skill(path: Path) -> FileInfo | None:
     return FileInfo(str(path), "NumPy archive", "skill", facts)
 
 
-def _robot(path: Path, limits: StrPath | None, base: str | None, tip: str | None) -> FileInfo:
-    arm = Arm.from_urdf(path, base=base, tip=tip, limits=limits)
+def _robot(path: Path, arm: Arm) -> FileInfo:
     unknown = [name for name in ("acceleration", "jerk") if getattr(arm.limits, name) is None]
     facts = {"joints": list(arm.joint_names), "unknown_limits": unknown}
     return FileInfo(str(path), "URDF", "robot", facts, text=arm.describe())

@@ -42,7 +42,7 @@ def test_learned_paths_and_orientations_are_kept(tmp_path):
 
 
 def test_missing_foreign_and_damaged_files_are_refused(saved, tmp_path):
-    with pytest.raises(InvalidInput, match="saved skill"):
+    with pytest.raises(InvalidInput, match="no such file"):
         lt.load_skill(tmp_path / "nothing.npz")
     foreign = tmp_path / "foreign.npz"
     np.savez(foreign, times=np.arange(3.0))

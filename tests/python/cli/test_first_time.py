@@ -1,0 +1,92 @@
+"""What people stumbled over who came with their own arm and recordings, and what they are told."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cli.command_line import facts, run
+from so101 import TIP, URDF, motions, save
+
+MESHED = URDF.replace(
+    '<sphere radius="0.03"/>', '<mesh filename="package://so_arm/meshes/arm/part.obj"/>'
+)
+CUBE = "".join(f"v {x} {y} {z}\n" for x in (0, 0.05) for y in (0, 0.05) for z in (0, 0.05))
+PROFILE = f'robot = "arm.urdf"\ntip = "{TIP}"\nlimits = "arm.toml"\n'
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An arm whose meshes lie elsewhere, and recordings whose columns are q1 to q5."""
+    monkeypatch.chdir(tmp_path)
+    Path("arm.urdf").write_text(MESHED)
+    Path("recordings").mkdir()
+    for number, (q, _) in enumerate(motions()):
+        rows = np.column_stack([0.03 * np.arange(len(q)), q])
+        header = ",".join(["t", *(f"q{j + 1}" for j in range(5))])
+        name = f"recordings/rec{number}.csv"
+        np.savetxt(name, rows, delimiter=",", header=header, comments="")
+    run("info", "arm.urdf", "--tip", TIP, "--write-limits", "arm.toml")
+    return tmp_path
+
+
+def said(result):
+    return " ".join(result.output.split())
+
+
+def test_the_links_that_may_be_the_tip_are_listed(folder):
+    told = said(run("info", "arm.urdf", "--tip", TIP))
+    assert "each of which may be the tip: base_link, shoulder_link, upper_arm_link" in told
+    assert f"gripper_link, {TIP} reach" in told
+
+
+def test_an_arm_with_its_gripper_is_told_to_name_the_link_before(folder):
+    words = ("--robot", "arm.urdf", "--tip", "jaw_link", "-o", "a.npz")
+    told = said(run("learn", "recordings", *words, code=2))
+    assert "rec0: has 5 joints, and the arm from base_link to jaw_link has 6" in told
+    assert "give the last link before it as --tip" in told
+
+
+def test_missing_meshes_are_told_at_once_and_found_in_their_folder(folder):
+    Path("leadthrough.toml").write_text(PROFILE)
+    told = said(run("info", "arm.urdf"))
+    assert "! 3 of 3 collision meshes are not where the URDF says, such as package://so_arm" in told
+    wrong = said(run("check", "recordings/rec0.csv", code=2))
+    assert "name its folder in --mesh-folder" in wrong
+    Path("elsewhere/arm").mkdir(parents=True)
+    Path("elsewhere/arm/part.obj").write_text(CUBE)  # without the folders before it
+    assert "collision meshes" not in said(run("info", "arm.urdf", "--mesh-folder", "elsewhere"))
+    assert "clear" in facts("check", "recordings/rec0.csv", "--mesh-folder", "elsewhere", code=1)
+    Path("leadthrough.toml").write_text(PROFILE + 'mesh_folder = "elsewhere"\n')
+    assert "clear" in facts("check", "recordings/rec0.csv", code=1)
+
+
+def test_a_skill_of_joints_says_why_an_offset_of_the_tool_does_not_fit(folder):
+    run("learn", "recordings", "-o", "a.npz")
+    told = said(run("plan", "a.npz", "--move-goal", "0.05,0,0.05", "-o", "a.csv", code=2))
+    assert "--move-goal: expected 5 numbers, one for each joint" in told
+    assert "with --robot, `leadthrough learn` learns poses of the tool" in told
+
+
+def test_a_path_with_tremor_is_told_what_makes_it_faster(folder):
+    words = ("retime", "recordings/rec0.csv", "--robot", "arm.urdf", "--tip", TIP)
+    limited = (*words, "--limits", "arm.toml", "-o", "timed.json")
+    told = said(run(*limited))
+    assert re.search(r"note: for \d+% of the time no limit binds", told)
+    assert "--path-tolerance 1e-3 rounds them" in told
+    smooth = run(*limited, "--path-tolerance", "1e-3")
+    assert "note" not in smooth.output
+    assert facts(*limited, "--path-tolerance", "1e-3")["duration"] < facts(*limited)["duration"]
+
+
+def test_a_data_set_in_an_unknown_unit_can_be_seen_once_the_unit_is_given(folder):
+    episodes = [np.column_stack([np.degrees(q), opening]) for q, opening in motions()]
+    save(Path("set"), episodes)
+    told = run("info", "set")
+    assert "set --angles degrees or --angles percent" in said(told)
+    assert "next:" not in told.output  # what comes next needs the unit, too
+    words = ("view", "recordings/rec0.csv", "--robot", "arm.urdf", "--tip", TIP)
+    shown = (*words, "--demonstrations", "set", "--html", "seen.html")
+    assert "--angles" in run(*shown, code=2).stderr
+    run(*shown, "--angles", "degrees")
+    assert Path("seen.html").stat().st_size > 10_000
