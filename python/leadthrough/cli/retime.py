@@ -12,7 +12,7 @@ from leadthrough.cli import chain, options
 if TYPE_CHECKING:
     from leadthrough.timing import Binding
 
-_ROUNDED = 1e-3  # rad (m), the tolerance of a path that is free of tremor
+_ROUNDED = 1e-2  # rad (m), the tolerance of a path that is free of a hand's tremor
 
 
 def retime(
@@ -99,7 +99,8 @@ def retime(
     if path_tolerance < _ROUNDED and _unbound(bindings) > 0.5:
         tables.note(
             f"for {_unbound(bindings):.0%} of the time no limit binds: small bends of the path, "
-            "such as tremor, hold the motion back; --path-tolerance 1e-3 rounds them"
+            "such as tremor, hold the motion back; a larger --path-tolerance, up to 1e-2, rounds "
+            "them"
         )
     if not as_json:
         if reading.can_read(out):

@@ -73,10 +73,10 @@ def test_a_path_with_tremor_is_told_what_makes_it_faster(folder):
     limited = (*words, "--limits", "arm.toml", "-o", "timed.json")
     told = said(run(*limited))
     assert re.search(r"note: for \d+% of the time no limit binds", told)
-    assert "--path-tolerance 1e-3 rounds them" in told
-    smooth = run(*limited, "--path-tolerance", "1e-3")
+    assert "a larger --path-tolerance, up to 1e-2, rounds them" in told
+    smooth = run(*limited, "--path-tolerance", "1e-2")
     assert "note" not in smooth.output
-    assert facts(*limited, "--path-tolerance", "1e-3")["duration"] < facts(*limited)["duration"]
+    assert facts(*limited, "--path-tolerance", "1e-2")["duration"] < facts(*limited)["duration"]
 
 
 def test_a_data_set_in_an_unknown_unit_can_be_seen_once_the_unit_is_given(folder):
