@@ -97,8 +97,7 @@ class Chart(Brief, Generic[MotionT_co]):
 
     def orientations(self, tangent: Float64Array, phases: Float64Array) -> Float64Array:
         """The orientations (n, 4) that rotation vectors (n, 3) stand for at phases (n,)."""
-        turned = rotations.compose(self.reference_at(phases), rotations.exp(tangent))
-        return rotations.align_signs(turned)
+        return turned_by(self.reference_at(phases), tangent)
 
     def reference_at(self, phases: Float64Array) -> Float64Array:
         """The reference orientation (n, 4) at phases (n,) in [0, 1]."""
@@ -256,6 +255,11 @@ def _at_nodes(
         rotations.interpolate(at, motion.orientations, np.clip(NODES, at[0], at[-1]))
         for motion, at in zip(motions, phases, strict=True)
     ]
+
+
+def turned_by(reference: Float64Array, tangent: Float64Array) -> Float64Array:
+    """The orientations (n, 4) that rotation vectors (n, 3) stand for from a reference (n, 4)."""
+    return rotations.align_signs(rotations.compose(reference, rotations.exp(tangent)))
 
 
 def carried(before: Float64Array, after: Float64Array) -> Float64Array:

@@ -4,10 +4,24 @@ import pytest
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
 from leadthrough.models import generate_all
+from leadthrough.models.promp import drawn
+from leadthrough.models.promp.gaussian import Gaussian
 
 TIMES = np.linspace(0.0, 2.0, 40)
 RISE = lt.trajectories.minimum_jerk_rise(TIMES / 2.0)[:, None]
 SHOWN = [lt.Trajectory(TIMES, RISE * [0.3, 0.2 + 0.02 * k]) for k in range(3)]
+JOINTS = lt.JointTrajectory(TIMES, np.hstack([RISE, 2.0 * RISE]), joint_names=("a", "b"))
+EVENTS = [lt.Event(1.0, "grasp")]
+DRAWN = [
+    [lt.Trajectory(m.times, m.positions, EVENTS, JOINTS) for m in SHOWN],
+    [lt.JointTrajectory(m.times, m.positions, joint_names=("a", "b")) for m in SHOWN],
+    [
+        lt.PoseTrajectory(
+            m.times, m.positions @ np.eye(2, 3), lt.rotations.exp(m.positions @ np.ones((2, 3)))
+        )
+        for m in SHOWN
+    ],
+]
 QUERIES = [{"goal": (0.3 + 0.01 * k, 0.2), "dt": 0.02} for k in range(11)]
 
 
@@ -19,10 +33,27 @@ def test_many_motions_are_those_of_each_query_on_any_number_of_threads(threads):
         assert motion.positions.tobytes() == skill.generate(**query).positions.tobytes()
 
 
-def test_samples_are_the_same_on_any_number_of_threads():
-    skill = lt.ProMP(weights=6).fit(SHOWN)
-    one, three = (skill.sample(9, seed=4, threads=threads) for threads in (1, 3))
-    assert [m.positions.tobytes() for m in one] == [m.positions.tobytes() for m in three]
+@pytest.mark.parametrize("shown", DRAWN, ids=["points", "joints", "poses"])
+def test_samples_are_the_motions_of_their_weights_on_any_number_of_threads(shown, monkeypatch):
+    monkeypatch.setattr(drawn, "_BLOCK", 8 * 2000)  # bytes: some motions lie together, not all
+    skill, count, dt = lt.ProMP(weights=6).fit(shown), 9, 0.01
+    weights = skill.sample_weights(count, seed=4)
+    alone = [skill.with_weights(Gaussian(each, skill.free.covariance)) for each in weights]
+    samples = [skill.sample(count, seed=4, dt=dt, threads=threads) for threads in (1, 3)]
+    for own, *threaded in zip(alone, *samples, strict=True):
+        expected = own.generate(dt=dt)
+        for motion in threaded:
+            assert motion.events == expected.events
+            for name, rows in _arrays(expected).items():
+                found = _arrays(motion)[name]
+                assert found.tobytes() == rows.tobytes(), name
+                assert not found.flags.writeable, name
+
+
+def _arrays(motion):
+    beside = getattr(motion, "joints", None)
+    own = {name: each for name, each in vars(motion).items() if isinstance(each, np.ndarray)}
+    return own if beside is None else {**own, "joints": beside.positions}
 
 
 def test_the_first_query_without_an_answer_says_why():

@@ -18,13 +18,13 @@ from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.even_times import even_times
 from leadthrough.models.judged import judged
-from leadthrough.models.many import mapped
 from leadthrough.models.parameters import Parameter, whole_number
 from leadthrough.models.place import Place
 from leadthrough.models.promp import dense, ends, limits, observation, resolution, task_space
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.belief import Experience
 from leadthrough.models.promp.clock import phases_at
+from leadthrough.models.promp.drawn import Drawing
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.saved import taken_apart
 from leadthrough.models.promp.task_space import TaskMap
@@ -294,9 +294,8 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         """
         times = even_times(self.duration, check.number(dt, "dt", above=0.0))
         check.affordable_count(count, "count", each=len(times) * self.chart.width)
-        bases = self._bases(times)
-        drawn = self.sample_weights(count, seed=seed)
-        return mapped(lambda weights: self._motion(weights, times, bases), drawn, threads)
+        drawing = Drawing(self.chart, times, self.duration, self._bases(times))
+        return drawing.motions(self.sample_weights(count, seed=seed), threads)
 
     def sample_weights(self, count: int, *, seed: int) -> Float64Array:
         """Random weight vectors, inside the limits.
