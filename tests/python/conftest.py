@@ -1,13 +1,18 @@
 """Fixtures for all tests."""
 
+import functools
 import os
 from pathlib import Path
 
 import hypothesis
 import pytest
+import typer.testing
 
 hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None)
 hypothesis.settings.load_profile("repeatable")
+
+# The tests run hundreds of command lines in one process: its commands are put together once.
+typer.testing._get_command = functools.cache(typer.testing._get_command)
 
 
 @pytest.fixture(scope="session")

@@ -27,6 +27,8 @@ _WITHOUT_INFLUENCE = (
 _READS_ROBOTS = "leadthrough.arm.robots"
 _LIBRARIES = ("numpy", "scipy")
 _CORE = "_core"
+# Where a statement has statements in it; expressions, which are most of a source, import nothing.
+_BLOCKS = ("body", "handlers", "orelse", "finalbody", "cases")
 
 
 @cache
@@ -199,13 +201,14 @@ def _imported_by(tree: ast.Module, package: str) -> Iterator[tuple[str, list[str
             yield target, [alias.name for alias in node.names]
 
 
-def _running(node: ast.AST) -> Iterator[ast.AST]:
-    """All nodes but those that only type checkers see."""
-    yield node
-    for child in ast.iter_child_nodes(node):
-        test = child.test if isinstance(child, ast.If) else None
-        if not (isinstance(test, ast.Name) and test.id == "TYPE_CHECKING"):
-            yield from _running(child)
+def _running(block: ast.AST) -> Iterator[ast.AST]:
+    """All statements in a block but those that only type checkers see."""
+    for part in _BLOCKS:
+        for inside in getattr(block, part, ()):
+            test = inside.test if isinstance(inside, ast.If) else None
+            if not (isinstance(test, ast.Name) and test.id == "TYPE_CHECKING"):
+                yield inside
+                yield from _running(inside)
 
 
 def _taken(tree: ast.Module, alias: str) -> list[str]:
