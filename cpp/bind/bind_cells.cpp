@@ -192,6 +192,27 @@ py::array_t<double> distances_to_path(const CArray<double>& points, const CArray
   return as_array(found);
 }
 
+// A row for each cell, in as many dimensions as the grid has.
+py::array_t<double> cell_centres(const std::vector<Index>& shape,
+                                 const std::vector<double>& spacing,
+                                 const std::vector<double>& first, const CArray<Index>& cells) {
+  const Grid grid = grid_of(shape, spacing);
+  require(cells.ndim() == 1 && first.size() == shape.size());
+  const std::size_t lead = 3 - shape.size();
+  Point origin{};
+  std::copy(first.begin(), first.end(), origin.begin() + static_cast<std::ptrdiff_t>(lead));
+  py::array_t<double> rows({cells.size(), static_cast<py::ssize_t>(shape.size())});
+  const Index *cell = cells.data(), *end = cell + cells.size();
+  double* to = rows.mutable_data();
+  const py::gil_scoped_release release;
+  require(std::all_of(cell, end, [&](Index each) { return each >= 0 && each < grid.size(); }));
+  for (; cell != end; ++cell) {
+    const Point centre = centre_of(grid, origin, *cell);
+    to = std::copy(centre.begin() + static_cast<std::ptrdiff_t>(lead), centre.end(), to);
+  }
+  return rows;
+}
+
 }  // namespace
 
 void bind_cells(py::module_& module) {
@@ -208,6 +229,8 @@ void bind_cells(py::module_& module) {
       .def("depths", &BoundCells::depths);
   module.def("cells_within", &widened, py::arg("shape"), py::arg("spacing"),
              py::arg("cells").noconvert(), py::arg("radius"));
+  module.def("cell_centres", &cell_centres, py::arg("shape"), py::arg("spacing"), py::arg("first"),
+             py::arg("cells").noconvert());
   module.def("finer_cells", &refined, py::arg("coarse_shape"), py::arg("fine_shape"),
              py::arg("cells").noconvert());
   module.def("path_distances", &distances_to_path, py::arg("points").noconvert(),

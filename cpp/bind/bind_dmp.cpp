@@ -231,6 +231,18 @@ so3::Quaternions orientations(const Curve& curve, const Path& offset, const Vect
   return dmp::orientations_at(curve, offset, phases, values);
 }
 
+// Positions and orientations of the motion that a state begins.
+py::tuple poses(const Forces& forces, const PoseState& state, const VectorIn& phases) {
+  require(forces.nodes.cols() == state.channels() && phases.size() >= 1);
+  dmp::Poses result;
+  {
+    const py::gil_scoped_release release;
+    result =
+        dmp::poses_along(forces, *state.course, *state.curve, *state.offset, state.state, phases);
+  }
+  return py::make_tuple(std::move(result.positions), std::move(result.orientations));
+}
+
 // The highest linear and angular speed of the motion that a state begins.
 py::tuple peak_speeds(const Forces& forces, const PoseState& state, const VectorIn& phases) {
   require(forces.nodes.cols() == state.channels() && phases.size() >= 2);
@@ -340,6 +352,8 @@ void bind_dmp(py::module_& module) {
              py::arg("shown").noconvert(), py::arg("near").noconvert());
   module.def("dmp_orientations", &orientations, py::arg("curve"), py::arg("offset"),
              py::arg("phases").noconvert(), py::arg("values").noconvert());
+  module.def("dmp_poses", &poses, py::arg("forces"), py::arg("state"),
+             py::arg("phases").noconvert());
   module.def("dmp_peak_speeds", &peak_speeds, py::arg("forces"), py::arg("state"),
              py::arg("phases").noconvert());
   module.def("dmp_coordinates", &coordinates, py::arg("curve"), py::arg("offset"), py::arg("phase"),

@@ -10,6 +10,69 @@ namespace py = pybind11;
 
 namespace leadthrough {
 
+namespace {
+
+using Numbers = py::array_t<double, py::array::c_style>;
+using NumbersIn = const Numbers&;
+using VectorMap = Eigen::Map<const Eigen::VectorXd>;
+using RowsMap = Eigen::Map<const Rows>;
+
+// More via points are left to the checks in Python.
+constexpr py::ssize_t kMostVias = 100;
+
+// What the checks in Python would accept as it is; null for any other object.
+const double* finite_rows(const py::handle& object, py::ssize_t rows, py::ssize_t columns) {
+  if (!py::isinstance<Numbers>(object)) return nullptr;
+  const auto array = py::reinterpret_borrow<Numbers>(object);
+  if (array.ndim() != 2 || array.shape(0) != rows || array.shape(1) != columns) return nullptr;
+  const double* values = array.data();
+  return VectorMap(values, rows * columns).allFinite() ? values : nullptr;
+}
+
+// Phases of one time or of several; empty where Python has to look at them.
+Eigen::VectorXd phases_of(const py::handle& time, double duration, bool periodic) {
+  Eigen::VectorXd phases;
+  if (PyFloat_Check(time.ptr())) {
+    phases = Eigen::VectorXd::Constant(1, PyFloat_AS_DOUBLE(time.ptr()) / duration);
+  } else {
+    const bool several = py::isinstance<Numbers>(time);
+    const auto size = several ? py::reinterpret_borrow<Numbers>(time).size() : 0;
+    const double* times = size > 0 && size <= kMostVias ? finite_vector(time, size) : nullptr;
+    if (times) phases = VectorMap(times, size) / duration;
+  }
+  const auto inside = [&](double u) { return periodic ? std::isfinite(u) : u >= 0.0 && u <= 1.0; };
+  return std::all_of(phases.begin(), phases.end(), inside) ? phases : Eigen::VectorXd();
+}
+
+// Mean and covariance of weights of bells after via points of all curves; nothing where an argument
+// is not plainly right, or something was known before.
+py::object condition_at(NumbersIn mean, NumbersIn covariance, NumbersIn centres, double sharpness,
+                        bool periodic, NumbersIn scale, double duration, const py::object& time,
+                        const py::object& position, const py::object& noise, double least) {
+  const py::ssize_t curves = scale.size();
+  const py::ssize_t size = mean.size();
+  require(curves > 0 && centres.size() * curves == size && covariance.ndim() == 2 &&
+          covariance.shape(0) == size && covariance.shape(1) == size);
+  const Eigen::VectorXd phases = phases_of(time, duration, periodic);
+  if (phases.size() == 0) return py::none();
+  const double* values = PyFloat_Check(time.ptr()) ? finite_vector(position, curves)
+                                                   : finite_rows(position, phases.size(), curves);
+  const double* spread = finite_rows(noise, curves, curves);
+  if (!values || !spread) return py::none();
+  const RowsMap known(spread, curves, curves);
+  if (!is_covariance(known)) return py::none();
+  const Rows basis =
+      normalised_bells(phases, VectorMap(centres.data(), centres.size()), sharpness, periodic, 0);
+  Conditioned result = condition_weights(
+      VectorMap(mean.data(), size), RowsMap(covariance.data(), size, size), basis,
+      Columns::LinSpaced(curves, 0, curves - 1), RowsMap(values, phases.size(), curves), known,
+      VectorMap(scale.data(), curves), least);
+  if (result.certain) return py::none();
+  return py::make_tuple(std::move(result.mean), std::move(result.covariance));
+}
+
+}  // namespace
+
 void bind_gaussian(py::module_& module) {
   module.def(
       "bounced",
@@ -44,6 +107,11 @@ void bind_gaussian(py::module_& module) {
       py::arg("mean").noconvert(), py::arg("covariance").noconvert(), py::arg("basis").noconvert(),
       py::arg("columns").noconvert(), py::arg("values").noconvert(), py::arg("noise").noconvert(),
       py::arg("scale").noconvert(), py::arg("least"));
+  module.def("condition_at", &condition_at, py::arg("mean").noconvert(),
+             py::arg("covariance").noconvert(), py::arg("centres").noconvert(),
+             py::arg("sharpness"), py::arg("periodic"), py::arg("scale").noconvert(),
+             py::arg("duration"), py::arg("time"), py::arg("position"), py::arg("noise"),
+             py::arg("least"));
   module.def(
       "product",
       [](const Eigen::Ref<const Rows>& left, const Eigen::Ref<const Rows>& right) {

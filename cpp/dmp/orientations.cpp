@@ -109,30 +109,62 @@ Quaternions4 product(const Factors& factors) {
   return {q.w * scale, q.x * scale, q.y * scale, q.z * scale};
 }
 
+// Orientations at phases in turn, each of the sign nearest to the one before.
+class Turner {
+ public:
+  Turner(const Curve& curve, const Path& offset) : curve_(curve), offset_(offset) {}
+
+  // At the next phases, as many as there are rows of values, into rows from `to` on.
+  void turn(const double* phases, const Eigen::Ref<const Rows>& values, double* to) {
+    const Index count = values.rows();
+    const auto add = [&](Index n, const Quaternion& q) {
+      previous_ = q.dot(previous_) < 0.0 ? Quaternion(-q) : q;
+      Eigen::Map<Quaternion>(to + 4 * n) = previous_;
+    };
+    for (Index n = 0; n < count;) {
+      if (curve_.chart == Chart::kRotationVector && n + kLanes <= count) {
+        const Factors factors = factors_of(curve_, offset_, phases + n, values, n);
+        if (factors.are_short()) {
+          const Quaternions4 found = product(factors);
+          for (Index lane = 0; lane < kLanes; ++lane) add(n++, found.get(lane));
+          continue;
+        }
+      }
+      add(n, orientation_at(curve_, offset_, phases[n], values.row(n).tail<3>()));
+      ++n;
+    }
+  }
+
+ private:
+  const Curve& curve_;
+  const Path& offset_;
+  Quaternion previous_ = Quaternion::Zero();
+};
+
 }  // namespace
 
 so3::Quaternions orientations_at(const Curve& curve, const Path& offset,
                                  const Eigen::Ref<const Vector>& phases,
                                  const Eigen::Ref<const Rows>& values) {
   so3::Quaternions result(phases.size(), 4);
-  Quaternion previous = Quaternion::Zero();
-  const auto add = [&](Index n, const Quaternion& q) {
-    previous = q.dot(previous) < 0.0 ? Quaternion(-q) : q;
-    result.row(n) = previous;
-  };
-  for (Index n = 0; n < phases.size();) {
-    const Index many = curve.chart == Chart::kRotationVector ? n + kLanes : phases.size() + 1;
-    if (many <= phases.size()) {
-      const Factors factors = factors_of(curve, offset, phases.data() + n, values, n);
-      if (factors.are_short()) {
-        const Quaternions4 found = product(factors);
-        for (Index lane = 0; lane < kLanes; ++lane) add(n++, found.get(lane));
-        continue;
-      }
-    }
-    add(n, orientation_at(curve, offset, phases[n], values.row(n).tail<3>()));
-    ++n;
-  }
+  Turner(curve, offset).turn(phases.data(), values, result.data());
+  return result;
+}
+
+Poses poses_along(const Forces& forces, const Course& course, const Curve& curve,
+                  const Path& offset, const State& state, const Eigen::Ref<const Vector>& phases) {
+  constexpr Index kRun = 16 * kLanes;  // values that stay in the cache
+  Poses result{Rows3(phases.size(), 3), so3::Quaternions(phases.size(), 4)};
+  Turner turner(curve, offset);
+  Rows values(kRun, state.value.size());
+  roll(forces, course, state, phases, [&](Index n, const State& at) {
+    const Index row = n % kRun;
+    result.positions.row(n) = at.value.head<3>();
+    values.row(row) = at.value;
+    if (row + 1 == kRun || n + 1 == phases.size())
+      turner.turn(phases.data() + n - row, values.topRows(row + 1),
+                  result.orientations.row(n - row).data());
+  });
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <type_traits>
+#include <utility>
 
 namespace leadthrough::dmp {
 
@@ -186,21 +187,29 @@ void acceleration(const Forces& forces, const Course& course, const State& state
   }
 }
 
-Rollout rollout(const Forces& forces, const Course& course, State state,
-                const Eigen::Ref<const Vector>& phases) {
-  const Eigen::Index count = phases.size();
+void roll(const Forces& forces, const Course& course, State state,
+          const Eigen::Ref<const Vector>& phases,
+          const std::function<void(Eigen::Index, const State&)>& take) {
   const Vector no_push = Vector::Zero(state.value.size());
-  Rollout result{Rows(count, state.value.size()), Rows(count, state.value.size())};
   with_channels(state.value.size(), [&](auto channels) {
     const Motion motion(channels, forces, course, no_push);
     State error = state;
     add_reference(channels, course.reference, phases[0], -1.0, state, error);
-    for (Eigen::Index n = 0; n < count; ++n) {
+    for (Eigen::Index n = 0; n < phases.size(); ++n) {
       if (n > 0) motion.advance(phases[n - 1], phases[n], error);
       add_reference(channels, course.reference, phases[n], 1.0, error, state);
-      result.values.row(n) = state.value;
-      result.slopes.row(n) = state.slope;
+      take(n, state);
     }
+  });
+}
+
+Rollout rollout(const Forces& forces, const Course& course, State state,
+                const Eigen::Ref<const Vector>& phases) {
+  const Eigen::Index channels = state.value.size();
+  Rollout result{Rows(phases.size(), channels), Rows(phases.size(), channels)};
+  roll(forces, course, std::move(state), phases, [&](Eigen::Index n, const State& at) {
+    result.values.row(n) = at.value;
+    result.slopes.row(n) = at.slope;
   });
   return result;
 }

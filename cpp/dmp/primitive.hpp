@@ -9,6 +9,8 @@
 // f is piecewise linear over even phases, and every step is the exact solution: stable, and the
 // same motion, however long the steps are. Ijspeert et al. 2013, eq. 2.1.
 
+#include <functional>
+
 #include "dmp/path.hpp"
 
 namespace leadthrough::dmp {
@@ -45,6 +47,12 @@ void advance(const Forces& forces, const Course& course, const Vector& push, dou
 
 // d2y/du2 without a push.
 void acceleration(const Forces& forces, const Course& course, const State& state, Vector& result);
+
+// Hands over the number of each of increasing phases and the state there, from a state at the
+// first of them on.
+void roll(const Forces& forces, const Course& course, State state,
+          const Eigen::Ref<const Vector>& phases,
+          const std::function<void(Eigen::Index, const State&)>& take);
 
 // The motion at increasing phases, from a state at the first of them on.
 Rollout rollout(const Forces& forces, const Course& course, State state,

@@ -59,6 +59,15 @@ so3::Quaternions orientations_at(const Curve& curve, const Path& offset,
                                  const Eigen::Ref<const Vector>& phases,
                                  const Eigen::Ref<const Rows>& values);
 
+// A motion of poses at increasing phases, from a state at the first of them on, without what else
+// there is of a rollout: on long motions the memory for it takes longer than the numbers.
+struct Poses {
+  Rows3 positions;
+  so3::Quaternions orientations;  // sign-continuous
+};
+Poses poses_along(const Forces& forces, const Course& course, const Curve& curve,
+                  const Path& offset, const State& state, const Eigen::Ref<const Vector>& phases);
+
 // The highest speeds of a motion rolled out at even phases from 0 to 1, per unit of phase.
 struct Peaks {
   double linear = 0.0, angular = 0.0;

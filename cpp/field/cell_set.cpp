@@ -101,6 +101,16 @@ std::vector<Run> runs_of(const Grid& grid, const std::vector<Index>& cells) {
 
 }  // namespace
 
+std::array<double, 3> centre_of(const Grid& grid, const std::array<double, 3>& first, Index cell) {
+  const Index row = cell / grid.shape[2];
+  const Index layer = row / grid.shape[1];
+  const std::array<Index, 3> at{layer, row - layer * grid.shape[1], cell - row * grid.shape[2]};
+  std::array<double, 3> centre;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    centre[axis] = static_cast<double>(at[axis]) * grid.spacing[axis] + first[axis];
+  return centre;
+}
+
 std::vector<Index> cells_within(const Grid& grid, const std::vector<Index>& cells, double radius) {
   const std::vector<Chord> chords = chords_of(grid, radius);
   std::vector<Run> wide;

@@ -56,6 +56,10 @@ class CellSet {
 // are ascending.
 std::vector<Index> cells_within(const Grid& grid, const std::vector<Index>& cells, double radius);
 
+// Coordinates of the centres of cells along the grid's three axes, where the first cell of all has
+// its centre at `first`.
+std::array<double, 3> centre_of(const Grid& grid, const std::array<double, 3>& first, Index cell);
+
 // The cells, two along each axis of more than one, that cells of a grid half as fine consist of.
 // Both are ascending.
 std::vector<Index> finer_cells(const Grid& coarse, const Grid& fine,

@@ -635,6 +635,9 @@ def dmp_orientations(
     phases: Float64Array,
     values: Float64Array,
 ) -> Float64Array: ...
+def dmp_poses(
+    forces: DmpForces, state: PoseState, phases: Float64Array
+) -> tuple[Float64Array, Float64Array]: ...
 def dmp_peak_speeds(
     forces: DmpForces, state: PoseState, phases: Float64Array
 ) -> tuple[float, float]: ...
@@ -659,6 +662,19 @@ def condition_weights(
     scale: Float64Array,
     least: float,
 ) -> tuple[bool, Float64Array, Float64Array]: ...
+def condition_at(
+    mean: Float64Array,
+    covariance: Float64Array,
+    centres: Float64Array,
+    sharpness: float,
+    periodic: bool,
+    scale: Float64Array,
+    duration: float,
+    time: object,
+    position: object,
+    noise: object,
+    least: float,
+) -> tuple[Float64Array, Float64Array] | None: ...
 def all_finite(values: Float64Array) -> bool: ...
 def product(left: Float64Array, right: Float64Array) -> Float64Array: ...
 def solve_definite(matrix: Float64Array, right: Float64Array) -> Float64Array: ...
@@ -722,6 +738,12 @@ class CellSet:
 def cells_within(
     shape: Sequence[int], spacing: Sequence[float], cells: NDArray[np.int64], radius: float
 ) -> NDArray[np.int64]: ...
+def cell_centres(
+    shape: Sequence[int],
+    spacing: Sequence[float],
+    first: Sequence[float],
+    cells: NDArray[np.int64],
+) -> Float64Array: ...
 def finer_cells(
     coarse_shape: Sequence[int], fine_shape: Sequence[int], cells: NDArray[np.int64]
 ) -> NDArray[np.int64]: ...

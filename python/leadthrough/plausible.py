@@ -27,6 +27,7 @@ _TURNS = 4.0 * np.pi
 # nearer than this to the one shown there, with its components in another order, it was given so. Of
 # all rotations one in five thousand is as near by chance.
 _TURNED_AWAY, _THE_SAME = 1.6, 0.15
+_CLEARLY_NEAR = 0.75  # more than the cosine of half of the former
 # s between samples: no hand is recorded so slowly; ms read as s are. Whole numbers tell it earlier.
 _SLOWEST, _SLOWEST_WHOLE = 20.0, 2.0
 _RECORDED = 20  # samples from which on a motion was recorded, not typed
@@ -50,10 +51,7 @@ def place(wanted: Float64Array, shown: Float64Array, name: str) -> None:
     Raises:
         InvalidInput: for such a place.
     """
-    first = shown[0]
-    if np.abs(first - wanted).max() <= _FAR * max(
-        np.abs(first).max(), np.abs(shown[-1] - first).max()
-    ):
+    if _is_near(wanted.tolist(), shown[0].tolist(), shown[-1].tolist()):
         return  # most queries, told at once
     size = max(float(np.ptp(shown, axis=0).max()), float(np.abs(shown).max()))
     away = float(np.abs(shown - wanted).max(axis=1).min())
@@ -62,6 +60,12 @@ def place(wanted: Float64Array, shown: Float64Array, name: str) -> None:
             f"{name}: {numbers_text(wanted)} lies {away:.4g} from a motion that keeps within "
             f"{size:.3g} of the origin; give it in the unit of the demonstrations (m, not mm)"
         )
+
+
+def _is_near(wanted: list[float], first: list[float], last: list[float]) -> bool:
+    """Whether a place is near the first of a motion's, by its size as far as its ends tell it."""
+    size = max(*map(abs, first), *(abs(b - a) for a, b in zip(first, last, strict=True)))
+    return all(abs(b - a) <= _FAR * size for a, b in zip(first, wanted, strict=True))
 
 
 def joints(wanted: Float64Array, shown: Float64Array, name: str) -> None:
@@ -88,6 +92,8 @@ def orientation(wanted: Float64Array, shown: Float64Array, end: Float64Array, na
         end: the one that was shown there, (4,).
         name: of the argument.
     """
+    if abs(float(wanted @ end)) > _CLEARLY_NEAR:
+        return  # most queries, told at once
     away = _nearest(wanted, shown)
     x, y, z, w = wanted
     if away > _TURNED_AWAY and _nearest(np.array([w, x, y, z]), end[None]) < _THE_SAME:

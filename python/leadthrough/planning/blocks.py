@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from leadthrough import _core
 from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.planning.grid import CellArray, Grid
@@ -52,11 +53,7 @@ class Blocks(Brief):
     def centres(self, numbers: Numbers) -> Float64Array:
         """Centres (n, d) of blocks."""
         first = self.grid.origin + 0.5 * (2**self.level - 1) * self.grid.spacing
-        result = np.empty((len(numbers), len(self.shape)))
-        for axis, indices in enumerate(np.unravel_index(numbers, self.shape)):
-            np.multiply(indices, self.spacing[axis], out=result[:, axis])
-            result[:, axis] += first[axis]
-        return result
+        return _core.cell_centres(self.shape, self.spacing, first.tolist(), numbers)
 
     def around(self, cells: CellArray) -> Numbers:
         """Numbers of the blocks that hold cells of the grid, (n, d)."""

@@ -24,7 +24,7 @@ class Walls:
 
     def __init__(self, grid: Grid, obstacles: Sequence[Shape]) -> None:
         self.grid = grid
-        self._obstacles = tuple(obstacles)
+        self._obstacles = [(each, each.middle, each.half_extents) for each in obstacles]
         # A path may pass a free cell's corner, half a diagonal from the centre that is tested.
         self._margin = 0.5 * float(np.linalg.norm(grid.spacing))
 
@@ -81,9 +81,11 @@ class Walls:
         result = np.full(len(points), most)
         if points.shape[1] == 2:
             points = np.column_stack([points, np.zeros(len(points))])
-        for obstacle in self._obstacles:
-            middle, half = obstacle.middle[:, None], obstacle.half_extents[:, None]
-            near = (np.abs(points.T - middle) - half).max(axis=0) < result
+        for obstacle, middle, half in self._obstacles:
+            # Axis by axis: NumPy is many times slower where it reduces over three.
+            near = np.abs(points[:, 0] - middle[0]) - half[0] < result
+            for axis in (1, 2):
+                near &= np.abs(points[:, axis] - middle[axis]) - half[axis] < result
             if near.all():
                 result = np.minimum(result, obstacle.distance(points))
             elif near.any():

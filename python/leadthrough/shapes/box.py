@@ -46,7 +46,7 @@ class Box(Turned):
     @property
     def half_extents(self) -> Float64Array:
         """Half the edges (3,), m, of its bounding box parallel to the base's axes."""
-        return np.asarray(np.abs(self._matrix()) @ (0.5 * self.size))
+        return np.asarray(np.abs(self._matrix) @ (0.5 * self.size))
 
     def distance(self, points: ArrayLike) -> Float64Array:
         """Signed distances (n,) of points, m.

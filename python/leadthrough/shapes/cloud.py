@@ -60,7 +60,7 @@ class PointCloud(Bounded):
         )
 
     def _outline(self) -> Float64Array:
-        return np.asarray(self.points @ self._matrix().T + self.position)
+        return np.asarray(self.points @ self._matrix.T + self.position)
 
     @property
     def _rounding(self) -> float:

@@ -19,7 +19,7 @@ def unit_solid(shape: Solid) -> tuple[Float64Array, Float64Array]:
     """
     if isinstance(shape, Sphere):
         return shape.position, 0.4 * shape.radius**2 * np.eye(3)
-    turn = shape._matrix()
+    turn = shape._matrix
     if isinstance(shape, Mesh):
         centre, spread = _of_hulls(shape)
         inertia = np.trace(spread) * np.eye(3) - spread

@@ -58,7 +58,7 @@ class Mesh(Bounded):
 
     def _outline(self) -> Float64Array:
         corners = np.concatenate([part.vertices for part in self.parts])
-        return np.asarray(corners @ self._matrix().T + self.position)
+        return np.asarray(corners @ self._matrix.T + self.position)
 
     def _compile(self) -> _core.Shape:
         hulls = [part.vertices for part in self.parts]

@@ -65,6 +65,7 @@ class Turned(Placed):
 
     orientation: Float64Array
 
+    @cached_property
     def _matrix(self) -> Float64Array:
         """The rotation (3, 3) from the shape's own frame to the base's."""
         return np.asarray(rotations.to_matrix(self.orientation[None])[0])
@@ -76,7 +77,7 @@ class Turned(Placed):
             InvalidInput: if they are not finite points of that shape.
         """
         offsets = check.array(points, "points", shape=("n", 3)) - self.position
-        return np.asarray(offsets @ self._matrix())
+        return np.asarray(offsets @ self._matrix)
 
 
 class Bounded(Turned):

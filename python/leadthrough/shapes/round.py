@@ -100,7 +100,7 @@ class Capsule(Turned):
     @property
     def half_extents(self) -> Float64Array:
         """Half the edges (3,), m, of its bounding box parallel to the base's axes."""
-        return np.asarray(self.radius + 0.5 * self.length * np.abs(self._matrix()[:, 2]))
+        return np.asarray(self.radius + 0.5 * self.length * np.abs(self._matrix[:, 2]))
 
     def distance(self, points: ArrayLike) -> Float64Array:
         """Signed distances (n,) of points, m.
@@ -161,7 +161,7 @@ class Cylinder(Turned):
     @property
     def half_extents(self) -> Float64Array:
         """Half the edges (3,), m, of its bounding box parallel to the base's axes."""
-        reach = np.abs(self._matrix())
+        reach = np.abs(self._matrix)
         across = np.hypot(reach[:, 0], reach[:, 1])
         return np.asarray(self.radius * across + 0.5 * self.length * reach[:, 2])
 

@@ -122,6 +122,22 @@ TEST(Turning, ManyOrientationsAreThoseOfEachPhase) {
   }
 }
 
+TEST(Turning, PosesAreThoseOfARolloutAndItsOrientations) {
+  const Curve curve = winding(Chart::kRotationVector);
+  // More phases than are turned at a time, and a number that is no multiple of four.
+  const Vector phases = Vector::LinSpaced(151, 0.0, 1.0);
+  Forces forces{Rows(5, 6), Vector::Ones(5), 12.5, Canonical::kDiscrete};
+  for (Eigen::Index i = 0; i < forces.nodes.size(); ++i)
+    forces.nodes.data()[i] = 40.0 * std::sin(static_cast<double>(3 * i));
+  const Course course{minimum_jerk(Vector::Zero(6), Vector::LinSpaced(6, -0.2, 0.5)),
+                      Vector::Ones(6), Vector::Zero(6)};
+  const State start{Vector::Constant(6, 0.1), Vector::Zero(6), 0.0};
+  const Rollout motion = rollout(forces, course, start, phases);
+  const Poses poses = poses_along(forces, course, curve, kOffset, start, phases);
+  EXPECT_EQ(poses.positions, motion.values.leftCols(3));
+  EXPECT_EQ(poses.orientations, orientations_at(curve, kOffset, phases, motion.values));
+}
+
 TEST(Turning, PeakSpeedsAreThoseOfDenseDifferences) {
   const Curve curve = winding(Chart::kRotationVector);
   const Vector phases = Vector::LinSpaced(2001, 0.0, 1.0);

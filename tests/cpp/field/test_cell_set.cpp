@@ -217,4 +217,16 @@ TEST(PathDistance, IsThatToTheNearestPointOfThePath) {
   }
 }
 
+TEST(CellSet, CentresFollowTheCellsInCOrder) {
+  Index cell = 0;
+  for (Index x = 0; x < 9; ++x)
+    for (Index y = 0; y < 12; ++y)
+      for (Index z = 0; z < 11; ++z) {
+        const Point centre = centre_of(kSpace, {5.0, 6.0, 7.0}, cell++);
+        EXPECT_DOUBLE_EQ(centre[0], 5.0 + static_cast<double>(x));
+        EXPECT_DOUBLE_EQ(centre[1], 6.0 + 0.8 * static_cast<double>(y));
+        EXPECT_DOUBLE_EQ(centre[2], 7.0 + 1.3 * static_cast<double>(z));
+      }
+}
+
 }  // namespace leadthrough::cell_set_tests

@@ -54,44 +54,6 @@ call(
     start=ONE[0],
 )
 
-# Learning.
-call(core.dtw_distance, 2.0, a=X, b=0 * X)
-call(core.dtw_path, [[0, 0], [1, 1]], a=np.vstack([X[0], Y[0]]), b=np.vstack([X[0], Y[0]]))
-call(core.frechet_distance, 1.0, a=X, b=0 * X)
-call(core.all_finite, True, values=np.arange(3.0))
-call(core.is_covariance, True, matrix=np.eye(2))
-call(
-    core.normalised_bells,
-    [[0.5, 0.5]],
-    phases=np.array([0.5]),
-    centres=np.array([0.0, 1.0]),
-    sharpness=2.0,
-    periodic=False,
-    order=0,
-)
-call(core.product, [[2.0, 3.0]], left=np.ones((1, 2)), right=np.array([[1.0, 1.0], [1.0, 2.0]]))
-call(core.solve_definite, [[0.5], [2.0]], matrix=2.0 * np.eye(2), right=np.array([[1.0], [4.0]]))
-call(
-    core.bounced,
-    [[0.0, 2.0]],
-    walls=np.eye(2),
-    limits=np.full(2, 5.0),
-    start=np.ones(2),
-    velocities=np.array([[0.0, 2.0]]),
-)
-call(
-    core.condition_weights,
-    False,
-    mean=np.zeros(4),
-    covariance=np.eye(4),
-    basis=np.array([[1.0, 0.0]]),
-    columns=np.array([0, 1]),
-    values=np.ones((1, 2)),
-    noise=np.zeros((2, 2)),
-    scale=np.ones(2),
-    least=1e-9,
-)
-
 # Fields of arrival times: a map without walls, left from one corner.
 MAP, CORNER, SPACING = np.ones((3, 4)), np.array([0]), [1.0, 1.0]
 STRAIGHT = np.array([[0.0, 1.0, 2.0, 3.0]])
@@ -325,6 +287,7 @@ call(
 call(core.dmp_offset, HALF_PI_Z[0], wanted=QUARTER[0], shown=ONE[0], near=0 * X[0])
 on_curve = {"curve": curve, "offset": bent}
 call(core.dmp_orientations, ONE, phases=BREAKS, values=np.zeros((2, 3)), **on_curve)
+call(core.dmp_poses, None, forces=forces6, state=pose, phases=BREAKS)
 call(core.dmp_peak_speeds, None, forces=forces6, state=pose, phases=BREAKS)
 spin = {"orientation": QUARTER[0], "velocity": 0 * X[0], "near": 0 * X[0]}
 call(core.dmp_coordinates, HALF_PI_Z[0], phase=0.5, **spin, **on_curve)

@@ -6,7 +6,8 @@ from typing import Any
 
 import bindings.calls_of_cells
 import bindings.calls_of_curves
-import bindings.calls_of_guard  # noqa: F401, all note their calls
+import bindings.calls_of_guard
+import bindings.calls_of_learning  # noqa: F401, all note their calls
 import pytest
 from bindings.calls import CALLS, MADE, OTHERS
 

@@ -16,6 +16,7 @@ FREE = dict(
         """
     ArrivalField(cells speed)  CellSet(cells)  CellSet.find(cells)  Chain.forward_kinematics(q)
     Chain.pose(q)  bridge_on_time(target)  bridge_to_start(target)  cells_within(cells)
+    cell_centres(cells)  condition_at(position noise)  dmp_poses(phases)
     finer_cells(cells)  first_contact(samples)  first_excess(samples)  path_distances(path points)
     extent(rows)  slowed(path)  stopped(path)
     DmpForces(nodes)  DmpPath(coefficients)  dmp_peak_speeds(phases)
@@ -65,6 +66,7 @@ OPTIONAL = {
     "IkOptions": ("axes", "reference", "posture"),
     "TrackOptions": ("axes",),
     "clear_path": ("axes", "model", "start"),
+    "condition_at": ("time", "position", "noise"),  # None to whatever is not plainly right
     "pose": ("q",),  # answers with None to whatever is not one configuration
     "jacobian_of_one": ("q",),
 }

@@ -39,6 +39,7 @@ from leadthrough.models.dmp.refit import weights_of
 from leadthrough.models.dmp.spin import refuse_spin
 from leadthrough.models.dmp.springs import Ends, end_of, scaled_by
 from leadthrough.models.dmp.turning import Turning
+from leadthrough.models.even_times import even_phases
 from leadthrough.models.judged import judged
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.place import Place
@@ -118,12 +119,12 @@ class PoseDMPSkill(Primitive["PoseDMP", _core.PoseState]):
             start_velocity=start_velocity,
             final_velocity=final_velocity,
         )
-        phases, values, _ = self._rolled(state, step, constraints)
+        phases, positions, orientations = self._posed(state, step, constraints)
         return computed(
             PoseTrajectory,
             times=state.duration * phases,
-            positions=values[:, :3].copy(),
-            orientations=self.turning.orientations(phases, values, state.offset),
+            positions=positions,
+            orientations=orientations,
             events=self._events(state.duration),
             joints=self._joints(state.duration, phases),
         )
@@ -161,6 +162,17 @@ class PoseDMPSkill(Primitive["PoseDMP", _core.PoseState]):
         )
         as_demonstrated = first_turned is None and last_turned is None
         return state if as_demonstrated else self._without_spin(state)
+
+    def _posed(
+        self, state: _core.PoseState, dt: float, constraints: Constraints
+    ) -> tuple[Float64Array, Float64Array, Float64Array]:
+        """Phases (n,), positions (n, 3) and orientations (n, 4) from a state at the start on."""
+        if constraints.are_none:
+            phases = even_phases(state.duration, dt)
+            return phases, *_core.dmp_poses(self.springs.forces, state, phases)
+        phases, values, _ = self._rolled(state, dt, constraints)
+        turned = self.turning.orientations(phases, values, state.offset)
+        return phases, values[:, :3].copy(), turned
 
     def _begin_at_own_pace(self, start: Place | None, goal: Place | None) -> _core.PoseState:
         """The state of a motion that lasts as `default_duration` says, which needs this state."""

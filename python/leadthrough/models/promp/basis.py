@@ -62,9 +62,7 @@ class Basis(Brief):
         """
         if self.kind == "bspline":
             return np.asarray(self._spline(phases, order))
-        return _core.normalised_bells(
-            phases, self.centres, self._sharpness, self.is_rhythmic, order
-        )
+        return _core.normalised_bells(phases, self.centres, self.sharpness, self.is_rhythmic, order)
 
     @cached_property
     def centres(self) -> Float64Array:
@@ -96,7 +94,7 @@ class Basis(Brief):
         return BSpline(knots, np.eye(self.count), _DEGREE)
 
     @cached_property
-    def _sharpness(self) -> float:
+    def sharpness(self) -> float:
         """One over the variance of a Gaussian function, or a von Mises one's concentration."""
         if self.is_rhythmic:
             return (self.count / (2.0 * np.pi * self.width)) ** 2

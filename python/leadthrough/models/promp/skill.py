@@ -18,6 +18,7 @@ from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.even_times import even_times
 from leadthrough.models.judged import judged
+from leadthrough.models.many import mapped
 from leadthrough.models.parameters import Parameter, whole_number
 from leadthrough.models.place import Place
 from leadthrough.models.promp import dense, ends, limits, observation, resolution, task_space
@@ -198,6 +199,9 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
                 the motion is already fixed to something else at that time, or if exact via points
                 are so close to each other that the basis can only throw the motion elsewhere.
         """
+        plain = columns is None and covariance is not None and type(order) is int and order == 0
+        if plain and (seen := observation.quickly(self, time, position, covariance)) is not None:
+            return seen
         check.integer(order, "order", at_least=0, at_most=2)
         several = isinstance(time, list | tuple) or getattr(time, "ndim", 0) > 0
         phases = self._phases(time if several else [cast(float, time)], "time")
@@ -294,7 +298,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         """
         times = even_times(self.duration, check.number(dt, "dt", above=0.0))
         check.affordable_count(count, "count", each=len(times) * self.chart.width)
-        drawing = Drawing(self.chart, times, self.duration, self._bases(times))
+        drawing = Drawing(self.chart, times, self.duration, self._bases(times, threads))
         return drawing.motions(self.sample_weights(count, seed=seed), threads)
 
     def sample_weights(self, count: int, *, seed: int) -> Float64Array:
@@ -367,16 +371,8 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         if self.bounds is not None:
             limits.moved_inside(weights, self.basis, self.bounds, self.scale)
         # Spelled out, as `replace` takes longer and controllers condition in a loop.
-        return ProMPSkill(
-            self.model,
-            self.basis,
-            self.chart,
-            weights,
-            self.noise,
-            self.scale,
-            self.duration,
-            self.bounds,
-        )
+        kept = self.noise, self.scale, self.duration, self.bounds
+        return ProMPSkill(self.model, self.basis, self.chart, weights, *kept)
 
     @cached_property
     def _truncated(self) -> Truncated:
@@ -387,9 +383,9 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         cyclic = self.basis.is_rhythmic
         return phases_at(times, name, duration=self.duration, repeats=cyclic, at_least=at_least)
 
-    def _bases(self, times: Float64Array) -> list[Float64Array]:
-        orders = (0, 1, 2) if self.chart.kind == "joints" else (0,)
-        return [self.basis(times / self.duration, order) for order in orders]
+    def _bases(self, times: Float64Array, threads: int = 1) -> list[Float64Array]:
+        orders, phases = (0, 1, 2) if self.chart.kind == "joints" else (0,), times / self.duration
+        return mapped(lambda order: self.basis(phases, order), orders, threads)
 
     def _motion(
         self, weights: Float64Array, times: Float64Array, bases: Sequence[Float64Array]

@@ -1,5 +1,7 @@
 """Via points of ProMPs: in their columns, in velocities, in a task space."""
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -51,6 +53,30 @@ def test_via_points_may_be_given_at_once(skill):
 def test_any_via_point_is_passed(skill, time, via):
     mean, _ = skill.condition(time, via).distribution([time])
     np.testing.assert_allclose(mean[0], via, atol=1e-8)
+
+
+@pytest.mark.parametrize("basis", ["gaussian", "rhythmic"])
+def test_noisy_via_points_have_the_bits_of_those_that_are_looked_at_one_by_one(shown, basis):
+    skill = lt.ProMP(weights=9, basis=basis).fit(shown())
+    noise, vias = np.diag([1e-4, 2e-4, 3e-4]), np.array([[0.5, 1.0, 1.6], [0.6, 1.3, 1.9]])
+    times = np.array([0.6, 1.3])
+    for quick, looked_at in (
+        ((1.3, vias[1]), ([1.3], vias[1:].tolist())),
+        ((times, vias), (times.tolist(), vias)),
+    ):
+        one = skill.condition(*quick, covariance=noise)
+        other = skill.condition(*looked_at, covariance=noise.tolist())
+        assert one.free.mean.tobytes() == other.free.mean.tobytes()
+        assert one.free.covariance.tobytes() == other.free.covariance.tobytes()
+        kept = [field.name for field in fields(one) if field.name != "free"]
+        assert all(getattr(one, name) is getattr(other, name) for name in kept)
+    for time, via, spread, word in (
+        (np.nan, vias[0], noise, "time"),
+        (0.6, vias[0] * np.nan, noise, "position"),
+        (0.6, vias[0], -noise, "covariance"),
+    ):
+        with pytest.raises(InvalidInput, match=word):
+            skill.condition(time, via, covariance=spread)
 
 
 def test_noisy_observation_is_weighed_as_bayes_rule_says(skill):
