@@ -5,6 +5,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,18 @@ from mkdocs.structure.files import File, Files
 
 _DEMOS = sorted((Path(__file__).parents[2] / "python" / "demos").glob("[0-9]*.py"))
 _PICTURES = Path(__file__).parents[1] / "demos" / "pictures"
-_PLAYED = {"20_look_at_it": "look.html"}  # quick enough to run whenever the pages are built
+# Scenes that demos write, which are run whenever the pages are built, and the module that a demo
+# needs; where it is missing, there is the picture alone.
+_SCENES = {
+    "20_look_at_it": ("look.html", "leadthrough"),
+    "27_give_way_for_the_wrist": ("give_way.html", "leadthrough"),
+    "28_what_the_camera_sees": ("seen.html", "leadthrough"),
+    "30_seen_to_run": ("simulated.html", "mujoco"),
+    "37_when_there_is_no_room": ("past_the_box.html", "ompl"),
+}
+_PLAYED = {demo: file for demo, (file, needed) in _SCENES.items() if find_spec(needed)}
+# Their pictures are of the scene.
+_SEEN = ("20_look_at_it", "28_what_the_camera_sees", "30_seen_to_run")
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
@@ -45,10 +57,10 @@ def _cards() -> Iterator[str]:
 def _page(demo: Path, before: Path | None, after: Path | None) -> Iterator[str]:
     text = demo.read_text(encoding="utf-8")
     yield f"# {_number(demo)} {_title(demo)}\n"
+    if _has_picture(demo) and not (demo.stem in _PLAYED and demo.stem in _SEEN):
+        yield f"![{_title(demo)}](pictures/{demo.stem}.webp)\n"
     if demo.stem in _PLAYED:
         yield f'<iframe class="scene" src="{_scene(demo)}" title="{_title(demo)}"></iframe>\n'
-    elif _has_picture(demo):
-        yield f"![{_title(demo)}](pictures/{demo.stem}.webp)\n"
     yield f"Run it: `python python/demos/{demo.name} [FOLDER]`\n"
     yield f"```python\n{_code(text)}\n```\n"
     links = [

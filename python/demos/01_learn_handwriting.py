@@ -6,11 +6,12 @@ Writes handwriting.png: python python/demos/01_learn_handwriting.py [FOLDER]
 import sys
 from pathlib import Path
 
-from matplotlib.figure import Figure
+import matplotlib.pyplot as plt
 
 import leadthrough as lt
 from leadthrough.show import plot
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 
 *shown, held_out = lt.io.lasa.load("Snake")  # mm, as recorded
@@ -21,7 +22,7 @@ motion = skill.generate(start=start)
 box = lt.Box((3.0, 3.0, 3.0), (*motion.positions[len(motion.positions) // 2], 0.0))
 around = skill.generate(start=start, obstacles=[box])
 
-figure = Figure(figsize=(8, 5), layout="constrained")
+figure = plt.figure(figsize=(8, 5), layout="constrained")
 axes = figure.subplots()
 plot.draw_velocity_map(axes, skill)
 paths = [demonstration.motion.positions for demonstration in shown]

@@ -6,11 +6,12 @@ Writes map.png: python python/demos/02_plan_through_a_map.py [FOLDER]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 
 grid = lt.Grid(origin=(0.0, 0.0), spacing=0.01, shape=(101, 101))  # 1 m by 1 m
@@ -23,7 +24,7 @@ start, goal = (0.1, 0.1), (0.9, 0.9)
 
 # Plain fast marching hugs the walls. Slow cells near walls (FM2) keep the path away from them.
 clearance = np.minimum(lt.planning.distance_transform(blocked, spacing=grid.spacing), 0.1)
-figure = Figure(figsize=(9, 4.5), layout="constrained")
+figure = plt.figure(figsize=(9, 4.5), layout="constrained")
 for axes, title, speed in zip(
     figure.subplots(1, 2),
     ("shortest path", "safe path: slow near walls"),

@@ -6,11 +6,12 @@ Writes turns.png: python python/demos/05_turn_and_turn_again.py [FOLDER]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 
 times = np.linspace(0.0, 4.0, 400)
@@ -20,7 +21,7 @@ axis = np.column_stack([np.sin(lean), np.zeros_like(lean), np.cos(lean)])
 orientations = lt.rotations.exp(turned[:, None] * axis)
 
 vectors = {"log": lt.rotations.log(orientations), "lift": lt.rotations.lift(orientations)}
-figure = Figure(figsize=(9, 3.6), layout="constrained")
+figure = plt.figure(figsize=(9, 3.6), layout="constrained")
 for axes, (name, rows) in zip(figure.subplots(1, 2, sharey=True), vectors.items(), strict=True):
     axes.plot(times, np.degrees(rows), label=["x", "y", "z"])
     axes.set(title=f"lt.rotations.{name}", xlabel="time [s]")

@@ -7,18 +7,19 @@ import sys
 import time
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 
 grid = lt.Grid(origin=(0.0, 0.0), spacing=0.005, shape=(401, 301))  # 2 m by 1.5 m
 goal, start = (0.2, 0.75), (1.8, 0.75)
 field = lt.planning.ArrivalField(np.ones(grid.shape), grid, goal)
 
-figure = Figure(figsize=(10, 5.5), layout="constrained")
+figure = plt.figure(figsize=(10, 5.5), layout="constrained")
 x, y = np.moveaxis(grid.centres(), -1, 0)
 for axes, height in zip(figure.subplots(2, 3).flat, np.linspace(0.1, 1.4, 6), strict=True):
     box = lt.Box((0.25, 0.4, 1.0), (1.1, height, 0.0))

@@ -6,12 +6,13 @@ Writes crossing.png: python python/demos/07_turn_the_tool_through_a_crossing.py 
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 from leadthrough.show import plot
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 
 # Three demonstrations of a loop over a table, in m. The tool's x axis points along the path.
@@ -32,13 +33,13 @@ start, goal = (-0.02, 0.15, 0.3), (0.46, -0.03, 0.3)
 made = skill.generate(start=start, goal=goal)
 print(f"{skill.plan(start=start, goal=goal).method}: {made.duration:.2f} s, ends at {goal}")
 
-figure = Figure(figsize=(8, 5), layout="constrained")
+figure = plt.figure(figsize=(8, 5), layout="constrained")
 axes = figure.subplots()
 shown = [demonstration.motion.positions for demonstration in demonstrations]
 plot.draw_paths(axes, shown, plot.DEMONSTRATION, label="three demonstrations")
 plot.draw_paths(axes, [made.positions], plot.PATH, label="new start and goal")
 ahead = lt.rotations.to_matrix(made.orientations)[::20, :2, 0]
-axes.quiver(*made.positions[::20, :2].T, *ahead.T, color="tab:red", width=0.003, label="tool's x")
+axes.quiver(*made.positions[::20, :2].T, *ahead.T, color="C1", width=0.003, label="tool's x")
 axes.set_aspect("equal")
 axes.legend()
 figure.savefig(folder / "crossing.png", dpi=120)

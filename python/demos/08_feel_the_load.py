@@ -6,11 +6,12 @@ Writes load.png: python python/demos/08_feel_the_load.py [FOLDER]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("panda")
 
@@ -30,7 +31,7 @@ positions = near + np.outer(swing, far - near)
 motion = lt.differentiate(lt.JointTrajectory(2.5 * phase, positions, joint_names=arm.joint_names))
 moves = (motion.positions, motion.velocities, motion.accelerations)
 
-figure = Figure(figsize=(10, 6), layout="constrained")
+figure = plt.figure(figsize=(10, 6), layout="constrained")
 (alone, loaded), (posture, volume) = figure.subplots(2, 2, sharex=True)
 loaded.sharey(alone)
 for axes, robot, title in (

@@ -6,11 +6,12 @@ Writes eight_ways.png: python python/demos/09_eight_ways_to_reach.py [FOLDER]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("ur3")
 links = ["upper_arm_link", "forearm_link", "wrist_1_link", "wrist_2_link", "wrist_3_link", "tool0"]
@@ -46,11 +47,11 @@ for name, batch in (("free spin", drilled), ("spin asked for", turning)):
     turned = np.ptp(batch.q[:, 5])
     print(f"{name}: {batch.success.mean():.0%} reached, the wrist turns {turned:.1f} rad")
 
-figure = Figure(figsize=(12, 6), layout="constrained")
+figure = plt.figure(figsize=(12, 6), layout="constrained")
 for number, q in enumerate(ways.q):
     axes = figure.add_subplot(2, 4, number + 1, projection="3d")
     axes.plot(*skeleton(q).T, "o-", linewidth=3, markersize=4)
-    axes.scatter(*position, color="red")
+    axes.scatter(*position, color="C1")
     axes.set(xlim=(-0.5, 0.5), ylim=(-0.5, 0.5), zlim=(0, 0.8), title=f"way {number + 1}")
 figure.savefig(folder / "eight_ways.png", dpi=110)
 print(f"wrote {folder / 'eight_ways.png'}")

@@ -6,11 +6,12 @@ Writes singularity.png: python python/demos/10_through_a_singularity.py [FOLDER]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("panda")
 posture = np.array([0, 0.02, 1.57, -1.8, 0, 1.6, 0.7])  # the shoulder's axes nearly in one plane
@@ -40,7 +41,7 @@ ways = {
     "deviate": arm.follow(line, seed=posture, too_fast="deviate", deviation=(1e-3, 5e-3)),
 }
 ways = {"plain inverse": plain_inverse(ways["slow"].positions[0]), **ways}
-figure = Figure(figsize=(9, 7), layout="constrained")
+figure = plt.figure(figsize=(9, 7), layout="constrained")
 axes = figure.subplots(3, 1, sharex=True)
 for name, joints in ways.items():
     report = arm.path_report(joints, line, position_tolerance=1e-3, orientation_tolerance=5e-3)
@@ -48,7 +49,7 @@ for name, joints in ways.items():
     axes[0].semilogy(joints.times, report.velocity_ratio, label=name)
     axes[1].semilogy(joints.times, 1e3 * report.position_error + 1e-6)
     axes[2].semilogy(joints.times, report.condition_number)
-axes[0].axhline(1.0, color="black", linestyle="--", linewidth=0.8)
+axes[0].axhline(1.0, color="C7", linestyle="--", linewidth=0.8)
 for ax, text in zip(axes, ["speed / limit", "error in mm", "condition"], strict=True):
     ax.set_ylabel(text)
 axes[0].legend()

@@ -1,19 +1,19 @@
 """A Panda moves its tool along a line, keeps its elbow off a ball, and its posture comes last.
 
-The tool's pose has priority over the elbow's distance, and that over the posture. Each task moves
-the arm only in the null space of those above it.
+Each task moves the arm only in the null space of those above it.
 Writes first_things_first.png: python python/demos/11_first_things_first.py [FOLDER]
 """
 
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 from leadthrough.arm import JointLimitTask, ObstacleTask, PoseTask, PostureTask, TaskStack
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("panda")
 start = np.array([0.0, -0.3, 0.0, -2.0, 0.0, 1.7, 0.8])
@@ -42,7 +42,7 @@ def run(*lower):
 
 runs = {True: run(elbow, posture), False: run(posture)}
 upper_arm = lt.Arm.from_urdf(arm.document, base=arm.base, tip="panda_link4")
-figure = Figure(figsize=(9, 6), layout="constrained")
+figure = plt.figure(figsize=(9, 6), layout="constrained")
 above, below = figure.subplots(2, 1, sharex=True)
 for there, label in ((True, "with the elbow task"), (False, "without the elbow task")):
     motion = runs[there].trajectory

@@ -6,11 +6,12 @@ Writes elbow.png: python python/demos/12_mind_the_elbow.py [FOLDER]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("panda")
 
@@ -30,13 +31,13 @@ report = arm.check(joints, [shelf])
 print(f"the tool keeps {to_tool.min():.2f} m from the shelf; the whole arm:")
 print(report)
 
-figure = Figure(figsize=(7, 3.5), layout="constrained")
+figure = plt.figure(figsize=(7, 3.5), layout="constrained")
 axes = figure.subplots()
 axes.plot(joints.times, to_tool, "--", label="tool to shelf")
 axes.plot(joints.times, report.obstacles.distances, label="whole arm to shelf")
 axes.plot(joints.times, report.itself.distances, label="arm to itself")
 axes.plot(report.first.time, report.first.distance, "ko", label="first hit")
-axes.axhline(0.0, color="black", linewidth=0.8)
+axes.axhline(0.0, color="C7", linewidth=0.8)
 axes.set_xlabel("time, s")
 axes.set_ylabel("distance, m")
 axes.legend(loc="center right")

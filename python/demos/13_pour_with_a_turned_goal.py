@@ -6,12 +6,13 @@ Writes pour.png: python python/demos/13_pour_with_a_turned_goal.py [FOLDER]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 from leadthrough.show import plot
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 
 # A hand carries a jug to a glass and tips it by 130 degrees while it swings about the wrist.
@@ -37,14 +38,14 @@ left = np.degrees(lt.rotations.distance(made.orientations[-1:], goal[1][None])[0
 clear = 1000 * bottle.distance(made.positions).min()
 print(f"at the tilted glass: {left:.1e} degrees off, {clear:.0f} mm clear of the bottle")
 
-figure = Figure(figsize=(10, 4), layout="constrained")
+figure = plt.figure(figsize=(10, 4), layout="constrained")
 above, turning = figure.subplots(1, 2)
 plot.draw_paths(above, [shown.positions[:, :2]], plot.DEMONSTRATION, label="shown")
 plot.draw_paths(above, [made.positions[:, :2]], plot.PATH, label="to the other glass")
 around = np.linspace(0.0, 2.0 * np.pi, 60)
-above.fill(0.24 + 0.04 * np.cos(around), 0.03 + 0.04 * np.sin(around), color="0.6")
+above.fill(0.24 + 0.04 * np.cos(around), 0.03 + 0.04 * np.sin(around), color="C6")
 above.set(title="from above", xlabel="x [m]", ylabel="y [m]", aspect="equal")
-for motion, colour in ((shown, "0.6"), (made, "tab:blue")):
+for motion, colour in ((shown, "C6"), (made, "C0")):
     speeds = lt.rotations.angular_velocity(motion.times, motion.orientations)
     turning.plot(motion.times, np.degrees(np.linalg.norm(speeds, axis=1)), color=colour)
 turning.set(title="the jug turns without a spin", xlabel="time [s]", ylabel="degrees per second")

@@ -6,11 +6,12 @@ Writes stirring.png: python python/demos/14_keep_stirring.py [FOLDER]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 
 # Four rounds of 1.5 s by a hand with tremor; the spoon always leans outwards.
@@ -38,10 +39,10 @@ path = np.array(rows)
 speeds = np.degrees(lt.rotations.distance(path[:-1, 3:], path[1:, 3:])) / 0.001
 print(f"{state.phase:.1f} rounds; the spoon turns at {speeds.max():.0f} degrees per second at most")
 
-figure = Figure(figsize=(10, 4), layout="constrained")
+figure = plt.figure(figsize=(10, 4), layout="constrained")
 above, over_time = figure.subplots(1, 2)
-above.plot(*positions[:, :2].T, color="0.6", label="four demonstrated rounds")
-above.plot(*path[:, :2].T, color="tab:blue", lw=1, label="continued, pot moved")
+above.plot(*positions[:, :2].T, color="C6", label="four demonstrated rounds")
+above.plot(*path[:, :2].T, color="C0", lw=1, label="continued, pot moved")
 above.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
 above.legend(loc="upper center", bbox_to_anchor=(0.5, 1.35))
 over_time.plot(np.arange(8000) / 1000.0, path[:, :3], label=["x", "y", "z"])

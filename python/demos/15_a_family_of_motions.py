@@ -6,13 +6,14 @@ Writes family.png: python python/demos/15_a_family_of_motions.py [FOLDER]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 import probability
 from leadthrough.show import plot
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 
 shown = lt.io.lasa.load("Sshape")  # mm, as recorded
@@ -24,7 +25,7 @@ via = skill.distribution([middle])[0][0] + (0.0, 4.0)
 narrowed = skill.condition([middle, goal], [via, (0.0, 0.0)])
 limited = narrowed.within((-np.inf, -np.inf), (np.inf, 46.0))
 
-figure = Figure(figsize=(10, 6), layout="constrained")
+figure = plt.figure(figsize=(10, 6), layout="constrained")
 (drawing, bands), (functions, conditioned) = figure.subplots(2, 2)
 paths = [demonstration.motion.positions for demonstration in shown]
 plot.draw_paths(drawing, paths, plot.DEMONSTRATION, label="demonstrations")
@@ -41,7 +42,7 @@ probability.draw_samples(bands, skill.sample(10, seed=1), 1)
 bands.set_title("y in mm: mean, two standard deviations, samples", fontsize=10)
 probability.draw_band(conditioned, times, *narrowed.distribution(times), 1, label="conditioned")
 mean = limited.distribution(times)[0][:, 1]
-conditioned.plot(times, mean, color="tab:red", label="kept below 46 mm")
+conditioned.plot(times, mean, color="C1", label="kept below 46 mm")
 conditioned.plot([middle, goal], [via[1], 0.0], **probability.OBSERVED)
 conditioned.legend(fontsize=8)
 figure.savefig(folder / "family.png", dpi=110)

@@ -6,14 +6,15 @@ Writes where.png: python python/demos/16_where_it_matters.py [FOLDER]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 import probability
 from leadthrough.models import kmeans, stiffness_profile, trace_mixture
 from leadthrough.show import plot
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 
 shown = lt.io.lasa.load("JShape")  # mm, as recorded
@@ -22,7 +23,7 @@ times = np.linspace(0.0, skill.duration, 100)
 mean, covariance = skill.regress(times)
 stiffness = stiffness_profile(covariance, softest=100.0, stiffest=1500.0)  # N/m
 
-figure = Figure(figsize=(11, 7), layout="constrained")
+figure = plt.figure(figsize=(11, 7), layout="constrained")
 axes = figure.subplots(2, 4)
 points = np.concatenate([each.motion.positions[::10] for each in shown])
 clusters = kmeans(points, 6, seed=2)
@@ -37,7 +38,7 @@ paths = [each.motion.positions for each in shown]
 plot.draw_paths(axes[1, 0], paths, plot.DEMONSTRATION, label="demonstrations")
 probability.draw_components(axes[1, 0], skill.mixture, (1, 2))
 plot.draw_paths(axes[1, 1], [mean], plot.PATH, label="regression")
-spread = {"color": "tab:blue", "alpha": 0.15}
+spread = {"color": "C0", "alpha": 0.15}
 probability.draw_ellipses(axes[1, 1], mean[::5], 4.0 * covariance[::5], spread)
 plot.draw_paths(axes[1, 2], paths, plot.DEMONSTRATION, label="demonstrations")
 moved = skill.generate(start=mean[0] + (8.0, -8.0)).positions

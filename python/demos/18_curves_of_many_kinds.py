@@ -6,12 +6,13 @@ Writes curves.png: python python/demos/18_curves_of_many_kinds.py [FOLDER]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 from leadthrough import rotations
 from leadthrough import trajectories as tr
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 times = np.linspace(0.0, 5.0, 6)
 points = np.array([[0, 0], [1, 2], [2, -1], [3, 2.5], [4.5, 0.5], [5, 2]])
@@ -26,7 +27,7 @@ curves = {
     "B-spline": tr.BSpline(points, [0, 0, 0, 0, 5 / 3, 10 / 3, 5, 5, 5, 5], 3),
 }
 
-figure = Figure(figsize=(10.0, 4.5), layout="constrained")
+figure = plt.figure(figsize=(10.0, 4.5), layout="constrained")
 left, right = figure.subplots(1, 2)
 left.plot(*points.T, "k.", markersize=9)
 fine = np.linspace(0.0, 5.0, 400)

@@ -6,12 +6,13 @@ Writes targets.png: python python/demos/19_targets_that_change.py [FOLDER]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 from leadthrough import trajectories as tr
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 limits = lt.Arm.load("panda").limits
 home = np.array([0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8])
@@ -29,7 +30,7 @@ steps = {
     "on a straight line": tr.StraightFilter(made).step,
 }
 
-figure = Figure(figsize=(11.0, 4.0), layout="constrained")
+figure = plt.figure(figsize=(11.0, 4.0), layout="constrained")
 for axes, (name, step) in zip(figure.subplots(1, 3, sharey=True), steps.items(), strict=True):
     state, rows, arrival = tr.FilterState.at_rest(home), [home], np.zeros(7)
     while not arrival.all():
@@ -38,7 +39,7 @@ for axes, (name, step) in zip(figure.subplots(1, 3, sharey=True), steps.items(),
         there = (state.position == targets[1]) & (state.velocity == 0.0)
         arrival[there & (arrival == 0.0)] = len(rows) * period
     axes.plot(period * np.arange(len(rows)), rows)
-    axes.axvline(period * change, color="0.7", linewidth=0.8)
+    axes.axvline(period * change, color="C6", linewidth=0.8)
     axes.set_title(name, fontsize=10)
     axes.set_xlabel("s")
     print(

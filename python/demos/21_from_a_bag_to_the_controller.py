@@ -13,6 +13,7 @@ import numpy as np
 import leadthrough as lt
 from leadthrough.io import rosbag_writer
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("ur3")
 
@@ -42,7 +43,7 @@ figure, axes = plt.subplots(2, 1, figsize=(8, 6), layout="constrained")
 axes[0].plot(recording.times, recording.positions, ".", markersize=2)
 axes[0].set(title="recorded: tremor, a spike, a gap, a pause", ylabel="joints, rad")
 axes[1].plot(joints.times, joints.positions)
-axes[1].axvline(joints.events[0].time, color="0.5", linestyle=":", label=joints.events[0].name)
+axes[1].axvline(joints.events[0].time, color="C6", linestyle=":", label=joints.events[0].name)
 axes[1].set(title="for the controller", xlabel="time, s", ylabel="joints, rad")
 axes[1].legend()
 figure.savefig(folder / "cleaned.png", dpi=110)

@@ -6,14 +6,15 @@ Writes forecast.png: python python/demos/22_see_it_coming.py [FOLDER]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
 import leadthrough as lt
 from leadthrough.models import infer
 from leadthrough.show import plot
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 
 *shown, left_out = lt.io.lasa.load("Sshape")  # mm, as recorded
@@ -21,7 +22,7 @@ skill = lt.ProMP().fit(shown)
 whole = left_out.motion
 phases = (whole.times - whole.times[0]) / whole.duration
 
-figure = Figure(figsize=(11, 4.5), layout="constrained")
+figure = plt.figure(figsize=(11, 4.5), layout="constrained")
 for axes, fraction in zip(figure.subplots(1, 3), (0.15, 0.4, 0.7), strict=True):
     count = int(fraction * len(whole.times))
     guess = infer(lt.Trajectory(whole.times[:count], whole.positions[:count]), [skill])
@@ -31,7 +32,7 @@ for axes, fraction in zip(figure.subplots(1, 3), (0.15, 0.4, 0.7), strict=True):
         squares, directions = np.linalg.eigh(shape)
         turn = np.degrees(np.arctan2(directions[1, 1], directions[0, 1]))
         width, height = 2.0 * np.sqrt(squares[::-1])
-        axes.add_patch(Ellipse(centre, width, height, angle=turn, color="tab:blue", alpha=0.12))
+        axes.add_patch(Ellipse(centre, width, height, angle=turn, color="C0", alpha=0.12))
     drawn = [each.motion.positions for each in shown]
     plot.draw_paths(axes, drawn, plot.DEMONSTRATION, label="demonstrations")
     plot.draw_paths(axes, [guess.skills[0].generate().positions], plot.PATH, label="forecast")

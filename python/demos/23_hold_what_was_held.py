@@ -6,11 +6,12 @@ Writes hold.png: python python/demos/23_hold_what_was_held.py [FOLDER]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 
 # A hand reaches 0.4 m within 1.2 s, and holds a tool there for 0.8 s.
@@ -19,9 +20,9 @@ reached = lt.trajectories.minimum_jerk_rise(np.clip(times / 1.2, 0.0, 1.0))
 shown = lt.Trajectory(times, np.outer(reached, [0.4, 0.0, 0.0]))
 skill = lt.DMP().fit([lt.Demonstration(shown, name="reach")])
 
-figure = Figure(figsize=(8, 4), layout="constrained")
+figure = plt.figure(figsize=(8, 4), layout="constrained")
 axes = figure.subplots()
-axes.plot(times, shown.positions[:, 0], color="0.6", linewidth=3, label="shown")
+axes.plot(times, shown.positions[:, 0], color="C6", linewidth=3, label="shown")
 for goal in (0.2, 0.6):
     made = skill.generate(goal=(goal, 0.0, 0.0), duration=2.0)
     held = made.positions[made.times > 1.25, 0]

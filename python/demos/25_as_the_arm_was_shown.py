@@ -6,11 +6,12 @@ Writes posture.png: python python/demos/25_as_the_arm_was_shown.py [FOLDER]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("panda")
 
@@ -31,7 +32,7 @@ skill = lt.PoseDMP().fit(shown)
 skill.save(folder / "elbow_out.npz")  # with the joints
 skill = lt.load_skill(folder / "elbow_out.npz")
 
-figure = Figure(figsize=(8, 4), layout="constrained")
+figure = plt.figure(figsize=(8, 4), layout="constrained")
 axes = figure.subplots()
 usual = skill.generate()
 for offset in ((0.0, 0.0, 0.0), (0.08, 0.0, 0.05), (0.0, -0.1, 0.05)):

@@ -6,11 +6,12 @@ Writes around.png: python python/demos/26_go_around_with_the_elbow.py [FOLDER]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("panda")
 
@@ -25,7 +26,7 @@ shelf = lt.Box((0.1, 0.4, 0.2), (-0.15, 0.0, 0.65))  # behind the elbow
 straight = arm.follow(asked, seed=seed)
 around = arm.follow(asked, seed=seed, obstacles=[shelf], margin=0.01)
 
-figure = Figure(figsize=(7, 3.5), layout="constrained")
+figure = plt.figure(figsize=(7, 3.5), layout="constrained")
 axes = figure.subplots()
 for name, joints in (("without the shelf", straight), ("around the shelf", around)):
     report = arm.check(joints, [shelf], margin=0.01)
@@ -35,7 +36,7 @@ for name, joints in (("without the shelf", straight), ("around the shelf", aroun
         f"{name}: {1e3 * nearest:.1f} mm from it at the nearest, tool off by {1e6 * error:.1f} um"
     )
     axes.plot(joints.times, 1e3 * report.obstacles.distances, label=name)
-axes.axhline(0.0, color="black", linewidth=0.8)
+axes.axhline(0.0, color="C7", linewidth=0.8)
 axes.set_xlabel("time in s")
 axes.set_ylabel("whole arm to shelf in mm")
 axes.legend()

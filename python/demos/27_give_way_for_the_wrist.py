@@ -6,11 +6,12 @@ Writes give_way.png and give_way.html: python python/demos/27_give_way_for_the_w
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("ur3")
 
@@ -26,16 +27,16 @@ straight = arm.follow(skill.generate(obstacles=[post]))
 planned = lt.plan_motion(skill, arm, obstacles=[post])
 timed = lt.retime(planned.joints, arm.limits)
 
-figure = Figure(figsize=(7, 3.5), layout="constrained")
+figure = plt.figure(figsize=(7, 3.5), layout="constrained")
 front, gap = figure.subplots(1, 2)
 for name, joints in (("tip only", straight), ("whole arm", planned.joints)):
     positions, _ = arm.forward_kinematics(joints.positions)
     front.plot(positions[:, 1], positions[:, 2], label=name)
     gap.plot(joints.times, 1e3 * arm.check(joints, [post]).obstacles.distances, label=name)
 low, high = post.position - 0.5 * post.size, post.position + 0.5 * post.size
-front.fill([low[1], high[1], high[1], low[1]], [low[2], low[2], high[2], high[2]], color="0.7")
+front.fill([low[1], high[1], high[1], low[1]], [low[2], low[2], high[2], high[2]], color="C6")
 front.set(xlabel="y in m", ylabel="z in m", aspect="equal", title="tool and post from the front")
-gap.axhline(0.0, color="black", linewidth=0.8)
+gap.axhline(0.0, color="C7", linewidth=0.8)
 gap.set(xlabel="time in s", ylabel="whole arm to post in mm")
 gap.legend(loc="lower left")
 figure.savefig(folder / "give_way.png", dpi=120)

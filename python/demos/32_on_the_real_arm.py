@@ -1,6 +1,7 @@
 """A loop that runs a motion on an arm: guarded, with pause, resume, speed override and stop.
 
-Writes sent.json: python python/demos/32_on_the_real_arm.py [FOLDER]   (extra `simulation`)
+Writes sent.json and sent.png: python python/demos/32_on_the_real_arm.py [FOLDER]
+Needs the extra `simulation`.
 On hardware, where it has not been run: 32_on_the_real_arm.py ur HOST, or franka HOST
 """
 
@@ -10,17 +11,13 @@ from pathlib import Path
 import numpy as np
 
 import leadthrough as lt
-from real_arms import Franka, Simulated, UniversalRobot
+from real_arms import connect
 
 kind, host = sys.argv[1:] if len(sys.argv) == 3 else ("simulated", "")
+folder = Path(sys.argv[1] if len(sys.argv) == 2 else ".")
 arm = lt.Arm.load("ur3" if kind == "ur" else "panda")
 home = [0.0, -1.4, 1.6, -1.8, -1.5, 0.0] if kind == "ur" else [0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7]
 table = lt.Box((2.0, 2.0, 0.05), (0.9, 0.0, -0.1))
-kinds = {
-    "simulated": lambda: Simulated(arm, np.array(home) - 0.1, [table]),
-    "ur": lambda: UniversalRobot(host),
-    "franka": lambda: Franka(host),
-}
 
 # Half of the limits: the rest is for pausing, resuming and changing the speed on the path.
 slower = {name: 0.5 * getattr(arm.limits, name) for name in ("velocity", "acceleration", "jerk")}
@@ -28,7 +25,7 @@ limits = lt.arm.JointLimits(**{**vars(arm.limits), **slower})
 way = lt.trajectories.minimum_jerk_rise(np.linspace(0.0, 1.0, 101))
 motion = lt.retime(home + np.outer(way, np.full(len(home), 0.9)), limits)
 
-robot = kinds[kind]()
+robot = connect(kind, host, arm, np.array(home) - 0.1, [table])
 guard = lt.Guard(arm, [table], rate=robot.rate)
 whole = lt.connect(robot.q, motion, lt.Arm.load(arm.robot.name, limits=limits), obstacles=[table])
 play = lt.guard.Playback(whole, arm.limits, rate=robot.rate)
@@ -46,14 +43,16 @@ try:
         sent.append(guard.next().q)
         robot.send(guard.state)
         if tick % int(0.25 * robot.rate) == 0:
-            place = f"{play.time:.2f} s of {whole.duration:.2f} s"
-            print(f"{time:.2f} s: speed {play.speed_now:.2f} at {place}, {answer}")
+            print(f"{time:.2f} s: speed {play.speed_now:.2f} at {play.time:.2f} s, {answer}")
 finally:
     robot.close()
-off = f"; off by at most {1e3 * robot.largest_error:.2f} mrad" if kind == "simulated" else ""
-print(f"at rest: {not guard.state.qd.any()}; certified: {guard.safe}{off}")
-file = Path(sys.argv[1] if len(sys.argv) == 2 else ".") / "sent.json"
+print(f"at rest: {not guard.state.qd.any()}; certified: {guard.safe}; {robot.report}")
 times = np.arange(len(sent)) / robot.rate
-done = lt.JointTrajectory(times, sent, joint_names=arm.joint_names)
-lt.write_motion(lt.differentiate(done), file)
-print(f"wrote {file}")
+done = lt.differentiate(lt.JointTrajectory(times, sent, joint_names=arm.joint_names))
+lt.write_motion(done, folder / "sent.json")
+figure = done.plot()
+for time, act in {**asked, 1.2: "half speed"}.items():
+    figure.axes[0].axvline(time, color="0.5", linestyle=":")
+    figure.axes[0].text(time, -2.4, f" {getattr(act, '__name__', act)}")
+figure.savefig(folder / "sent.png", dpi=120)
+print(f"wrote {folder / 'sent.json'} and {folder / 'sent.png'}")

@@ -7,12 +7,13 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 from leadthrough.validation import Places
 
+plt.style.use("leadthrough.drawing.figures")
 shown = lt.io.lasa.load("Spoon")
 spoiled = shown[2].motion
 phase = np.linspace(0.0, 1.0, len(spoiled))[:, None]
@@ -29,10 +30,10 @@ assert found.error_without < found.error
 if found.next:
     print(f"show next: a motion to {found.next.goal.round(1)} mm")
 
-figure = Figure(figsize=(5, 4))
+figure = plt.figure(figsize=(5, 4))
 axes = figure.add_subplot()
 for verdict, each in zip(found.verdicts, shown, strict=True):
-    colour = "tab:red" if verdict.remove else "tab:blue"
+    colour = "C1" if verdict.remove else "C0"
     axes.plot(*each.motion.positions.T, color=colour)
 axes.set(xlabel="x / mm", ylabel="y / mm", aspect="equal")
 file = Path(sys.argv[1] if len(sys.argv) > 1 else ".") / "judged.png"

@@ -8,23 +8,24 @@ all trajectories arrive, and how far the tool is from the goal after the push; w
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 from leadthrough.models import CLFDM, FSMDM, LPVDS, SEDS, UMIC, ModifiedDS
 from leadthrough.preprocess import frechet_distance
 from leadthrough.preprocess.resample import by_arc_length
 
+plt.style.use("leadthrough.drawing.figures")
 shown = lt.io.lasa.load("Angle")
 drawn = by_arc_length(shown[0].motion.positions, 200)
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 push, dt = np.array([8.0, -12.0]), 0.01  # mm, s
 
 print(f"{'model':12s} {'off by':>8s} {'arrive':>14s} {'pushed, to the goal':>20s}")
-figure = Figure(layout="constrained")
+figure = plt.figure(layout="constrained")
 axes = figure.subplots()
-axes.plot(*drawn.T, "0.7", linewidth=5, label="shown")
+axes.plot(*drawn.T, "C6", linewidth=5, label="shown")
 for model in (SEDS(), LPVDS(), FSMDM(), UMIC(), CLFDM(), ModifiedDS()):
     skill = model.fit(shown)
     made = skill.generate(start=drawn[0])

@@ -1,7 +1,7 @@
 """A data set of a thousand episodes as a stream: each one's faults, and a skill of the sound ones.
 
-Writes faults.json and episodes.npz: python python/demos/36_a_thousand_episodes.py [FOLDER]
-Needs the extra hdf5.
+Needs the extra hdf5. Writes faults.json, episodes.npz and episodes.png:
+python python/demos/36_a_thousand_episodes.py [FOLDER]
 """
 
 import json
@@ -45,5 +45,6 @@ file = folder / "faults.json"
 file.write_text(json.dumps({"samples lost": faults, "left out": problems}, indent=1))
 skill = lt.ProMP(weights=10).fit(shown)
 skill.save(folder / "episodes.npz")
+skill.plot().savefig(folder / "episodes.png", dpi=110)
 print(f"learned: {skill}")
-print(f"wrote {file}")
+print(f"wrote {file} and {folder / 'episodes.png'}")

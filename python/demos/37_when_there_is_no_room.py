@@ -7,11 +7,12 @@ python python/demos/37_when_there_is_no_room.py [FOLDER]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import leadthrough as lt
 
+plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("panda")
 
@@ -33,7 +34,7 @@ ways = {
     ),
 }
 
-figure = Figure(figsize=(8, 3.5), layout="constrained")
+figure = plt.figure(figsize=(8, 3.5), layout="constrained")
 side, gap = figure.subplots(1, 2)
 alone = skill.generate(obstacles=[box], dt=0.002).positions
 for name, planned in ways.items():
@@ -52,8 +53,7 @@ gap.set(xlabel="y of the tool in m", ylabel="whole arm to box in mm", ylim=(0.0,
 figure.savefig(folder / "ways_past.png", dpi=120)
 
 last = ways["through joint space"]
-begin, end = last.connected
-print(f"through joint space from {begin:.2f} to {end:.2f} s, because of", *last.reasons, sep="\n")
+print("joint space, {:.2f} to {:.2f} s:".format(*last.connected), *last.reasons, sep="\n")
 timed = lt.retime(last.joints, arm.limits)
 lt.show.view(arm, timed, obstacles=[box], html=folder / "past_the_box.html")
 print(f"wrote {folder / 'ways_past.png'} and {folder / 'past_the_box.html'}")

@@ -6,11 +6,12 @@ Writes hand_over.png: python python/demos/38_hand_over_on_the_move.py [FOLDER]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 from leadthrough import trajectories as tr
 
+plt.style.use("leadthrough.drawing.figures")
 BELT, PERIOD = 0.25, 0.002  # m/s, s
 
 
@@ -41,12 +42,12 @@ def main(folder: Path) -> None:
     fastest = np.abs(speeds).max()
     print(f"handed over {there[-1]:.2f} s later at 0.4 m/s; at most {fastest:.2f} m/s between")
 
-    figure = Figure(figsize=(8, 3.2), layout="constrained")
+    figure = plt.figure(figsize=(8, 3.2), layout="constrained")
     axes = figure.subplots()
     times = PERIOD * np.arange(len(states))
     axes.plot(times, [state.velocity[0] for state in states], label="catch and ride")
     axes.plot(times[-1] + there, speeds, label="leave and hand over")
-    axes.axhline(BELT, color="0.5", linestyle=":", label="the belt")
+    axes.axhline(BELT, color="C6", linestyle=":", label="the belt")
     axes.set(xlabel="time, s", ylabel="speed of the tool, m/s")
     figure.legend(loc="outside lower center", ncols=3)
     figure.savefig(folder / "hand_over.png", dpi=110)

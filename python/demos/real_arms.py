@@ -1,8 +1,9 @@
 """Arms that take a command every period: simulated, from Universal Robots, and from Franka.
 
-Each has `rate`, Hz; `q`, where its joints are; `send`, which waits for the period to end; and
-`close`. The simulated one is what the tests run. The two others have not been run on hardware: the
-tests look at their calls only. Keep the emergency stop at hand, and begin with a low speed.
+Each has `rate`, Hz; `q`, where its joints are; `send`, which waits for the period to end;
+`report`, what it knows of its errors; and `close`. The simulated one is what the tests run. The two
+others have not been run on hardware: the tests look at their calls only. Keep the emergency stop at
+hand, and begin with a low speed.
 """
 
 import numpy as np
@@ -23,6 +24,10 @@ class Simulated:
     def q(self):
         return self._arm.q
 
+    @property
+    def report(self):
+        return f"off by at most {1e3 * self.largest_error:.2f} mrad"
+
     def send(self, state):
         error = state.q - self._arm.step(state)
         self.largest_error = max(self.largest_error, float(np.abs(error).max()))
@@ -33,6 +38,8 @@ class Simulated:
 
 class UniversalRobot:
     """A UR arm, by ur_rtde (pip install ur-rtde). Not run on hardware."""
+
+    report = "errors are not measured"
 
     def __init__(self, host, rate=500.0):  # a CB3 takes 125 commands per second
         from rtde_control import RTDEControlInterface
@@ -62,6 +69,7 @@ class Franka:
     """A Panda or FR3, by panda_py (pip install panda-python). Not run on hardware."""
 
     rate = 1000.0
+    report = "errors are not measured"
 
     def __init__(self, host):
         import panda_py
@@ -85,3 +93,10 @@ class Franka:
     def close(self):
         self._context.__exit__(None, None, None)
         self._panda.stop_controller()
+
+
+def connect(kind, host, arm, q, obstacles):
+    """An arm by its kind: "simulated" (which begins at q, among obstacles), "ur" or "franka"."""
+    if kind == "simulated":
+        return Simulated(arm, q, obstacles)
+    return {"ur": UniversalRobot, "franka": Franka}[kind](host)

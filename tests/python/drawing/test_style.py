@@ -59,3 +59,10 @@ def test_colours_of_the_cycle_differ():
     colours = np.array([palette.rgb(colour) for colour in palette.CYCLE])
     gaps = np.linalg.norm(colours[:, None] - colours[None], axis=2) + np.eye(len(colours))
     assert gaps.min() > 0.2
+
+
+def test_the_style_for_figures_of_ones_own_has_the_colours_of_the_palette():
+    with mpl.style.context("leadthrough.drawing.figures"):
+        cycle = mpl.rcParams["axes.prop_cycle"].by_key()["color"]
+        assert tuple(cycle) == palette.CYCLE
+        assert mpl.rcParams["text.color"] == palette.BLACK
