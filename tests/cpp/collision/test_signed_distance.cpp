@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <random>
 
 #include "collision/signed_distance.hpp"
 
@@ -61,6 +62,29 @@ TEST(SignedDistance, SizesAreEdgesOrRadiusAndLength) {
   EXPECT_NEAR(signed_distance(cylinder, {0.0, 2.0, 1.5}).distance, 1.5, 1e-15);
   EXPECT_NEAR(signed_distance(cylinder, {3.5, 0.0, 6.0}).distance, 5.0, 1e-15);
   EXPECT_NEAR(signed_distance(cylinder, {0.1, 0.0, 1.7}).distance, -0.3, 1e-15);
+}
+
+// The points of the hulls are its corners, of the cloud the balls' middles.
+TEST(SignedDistance, HullsAndCloudsReachAsFarAsTheirFarthestPoint) {
+  std::mt19937 generator(1);
+  std::normal_distribution<double> normal;
+  const auto some = [&](Eigen::Index count) {
+    return Rows3(Rows3::NullaryExpr(count, 3, [&](auto, auto) { return 0.1 * normal(generator); }));
+  };
+  const Rows3 first = some(9), second = some(7).rowwise() + Eigen::RowVector3d(0.4, -0.2, 0.1);
+  Rows3 both(16, 3);
+  both << first, second;
+  const Vector3d place(0.5, 0.02, 0.3);
+  const Shape hulls = make_hulls({first, second}, kTurned, place);
+  constexpr double kRadius = 0.03;
+  const Shape cloud = make_cloud(std::make_shared<const Cloud>(both, kRadius), kTurned, place);
+  const Rows3 placed = (kTurned * both.transpose()).transpose().rowwise() + place.transpose();
+  for (int i = 0; i < 20; ++i) {
+    const Vector3d along = Vector3d::NullaryExpr([&] { return normal(generator); }).normalized();
+    const double farthest = (placed * along).maxCoeff();
+    EXPECT_NEAR(hulls.position.dot(along) + reach_of(hulls, along), farthest, 1e-12);
+    EXPECT_NEAR(cloud.position.dot(along) + reach_of(cloud, along), farthest + kRadius, 1e-12);
+  }
 }
 
 }  // namespace

@@ -138,6 +138,22 @@ TEST(Turning, PosesAreThoseOfARolloutAndItsOrientations) {
   EXPECT_EQ(poses.orientations, orientations_at(curve, kOffset, phases, motion.values));
 }
 
+// However the signs of a quaternion and of rounding fall.
+TEST(Turning, HalfATurnIsAboutTheAxisWhoseFirstCoordinateIsPositive) {
+  const Quaternion shown(1.0, 0.0, 0.0, 0.0);
+  for (const Vector3& axis : {Vector3(0.6, -0.8, 0.0), Vector3(0.0, 0.6, -0.8),
+                              Vector3(0.0, 1.0, 0.0), Vector3(0.0, 0.0, 1.0)}) {
+    for (const double side : {-1.0, 1.0}) {
+      for (const double off : {-1e-16, 0.0, 1e-16}) {
+        Quaternion wanted;
+        wanted << off, side * axis + Vector3::Constant(off);
+        const Vector3 offset = offset_between(wanted, shown, Vector3::Zero());
+        EXPECT_LT((offset - kPi * axis).norm(), 1e-8);
+      }
+    }
+  }
+}
+
 TEST(Turning, PeakSpeedsAreThoseOfDenseDifferences) {
   const Curve curve = winding(Chart::kRotationVector);
   const Vector phases = Vector::LinSpaced(2001, 0.0, 1.0);

@@ -197,6 +197,17 @@ TEST(Eikonal, SecondOrderIsCloserToTheDistanceThanFirst) {
   EXPECT_LT(second_error, 0.65);
 }
 
+// Behind slow cells, whose times rise steeply, the second differences of two axes have no common
+// solution in a fast one: there the step of first order from 10 and 10 takes its place.
+TEST(Eikonal, SecondOrderTakesTheFirstWhereItsDifferencesContradict) {
+  const Grid grid{{1, 2, 3}, {1.0, 1.0, 1.0}};
+  const std::vector<double> speed{0.0, 0.0, 1.0,  //
+                                  1.0, 0.1, 10.0};
+  const auto time = march_second_order(grid, speed.data(), {{3, 0.0}, {2, 10.0}});
+  ASSERT_NEAR(time[4], 10.0, 1e-12);
+  EXPECT_NEAR(time[5], 10.0 + 0.1 * std::sqrt(0.5), 1e-12);
+}
+
 TEST(Eikonal, ABallMakesTimesExactUpToTheFirstOtherSpeed) {
   const Grid grid{{1, 21, 31}, {1.0, 1.0, 1.0}};
   std::vector<double> speed(grid.size(), 2.0);

@@ -77,6 +77,40 @@ TEST(Tracking, EndsWithTheSampleThatItsStepsDoNotReach) {
   EXPECT_GT(track.position_errors[last] + track.orientation_errors[last], 1e-5);
 }
 
+TEST(Tracking, PursuitOfPointsAloneKeepsThePath) {
+  const Chain chain = test::crooked_chain();
+  const Rows q = smooth_motion(chain, 200);
+  const Poses path = forward_kinematics_batch(chain, q);
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(200, 0.0, 4.0);
+  const Eigen::VectorXd limit = Eigen::VectorXd::Constant(chain.joints(), 1.5);
+  const Track track =
+      pursue(chain, {times, path.positions, Rows4(0, 4)}, Eigen::VectorXd(q.row(0)),
+             {q, Eigen::VectorXd::Zero(200)}, {limit, 10.0 * limit, 0.0, {100.0, 100.0}});
+  ASSERT_EQ(track.q.rows(), 200);
+  const Poses made = forward_kinematics_batch(chain, track.q);
+  EXPECT_LE((made.positions - path.positions).rowwise().norm().maxCoeff(), 1e-4);
+}
+
+// Where the tip stands still, its posture takes three tenths of the joints' speed, either way.
+TEST(Tracking, AFarPostureIsApproachedGently) {
+  const Chain chain = test::crooked_chain();
+  const int samples = 12;
+  const Eigen::VectorXd limit = Eigen::VectorXd::Constant(chain.joints(), 1.5);
+  const Poses still =
+      forward_kinematics_batch(chain, Rows(middle(chain).transpose().replicate(samples, 1)));
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(samples, 0.0, 0.01 * (samples - 1));
+  for (const double side : {-1.0, 1.0}) {
+    const Rows far = to_middle(chain, samples).array() + side;
+    const Track track =
+        pursue(chain, {times, still.positions, still.orientations}, middle(chain),
+               {far, Eigen::VectorXd::Ones(samples)}, {limit, 1e4 * limit, 0.0, {100.0, 100.0}});
+    ASSERT_EQ(track.q.rows(), samples);
+    const double fastest = steps_of(track.q).rowwise().norm().maxCoeff() / 0.01;
+    EXPECT_LE(fastest, 0.3 * limit.norm());
+    EXPECT_GT(fastest, 0.02 * limit.norm());
+  }
+}
+
 // However wild the path, the joints keep their limits, and the arm comes to rest in time.
 TEST(Tracking, PursuitNeverLeavesTheLimits) {
   const Chain chain = test::crooked_chain();

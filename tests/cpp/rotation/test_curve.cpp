@@ -24,6 +24,16 @@ so3::Quaternions spin(double to, int samples) {
 
 }  // namespace
 
+TEST(So3Curve, CurveThroughSamplesIsTheSlerpBetweenEachTwo) {
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(5, 1.0, 3.0);
+  const so3::Quaternions samples = spin(2.6 * kPi, 5);  // 117 degrees from each to the next
+  const Eigen::VectorXd at = Eigen::VectorXd::LinSpaced(101, 1.0, 3.0);
+  const so3::Quaternions curve = so3::slerp_through(times, samples, at);
+  for (Eigen::Index i = 0; i < at.size(); ++i)
+    EXPECT_LT(so3::distance(Quaternion(curve.row(i)), so3::exp(1.3 * kPi * (at[i] - 1.0) * kAxis)),
+              1e-14);
+}
+
 TEST(So3Curve, LiftKeepsTurnsWhateverTheSigns) {
   so3::Quaternions q = spin(-9.0 * kPi, 200);
   for (int i = 0; i < 200; i += 3) q.row(i) *= -1.0;

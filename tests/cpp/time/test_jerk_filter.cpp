@@ -65,6 +65,15 @@ TEST(JerkFilter, TogetherAllRestInTheSamePeriod) {
   EXPECT_TRUE(states.bottomRows(2).isZero(0.0));
 }
 
+TEST(JerkFilter, OneAloneIsNotHeldUpByTheOthers) {
+  for (Eigen::Index i = 0; i < 20; ++i) {
+    const AxisColumns limits = limits_of(1), state = random_states(20).col(i);
+    const Eigen::VectorXd target = Eigen::VectorXd::Constant(1, 1.0);
+    const AxisColumns alone = step_each({state, limits}, target, 0.01);
+    EXPECT_LT((step_together({state, limits}, target, 0.01) - alone).cwiseAbs().maxCoeff(), 1e-9);
+  }
+}
+
 TEST(JerkFilter, AStopEndsWhereItIsSaidTo) {
   const AxisColumns limits = limits_of(5);
   AxisColumns states = random_states(5);

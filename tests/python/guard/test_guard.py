@@ -80,6 +80,15 @@ def test_a_jump_is_bridged_and_named(panda, guard):
     assert_kept(panda, finished(guard))
 
 
+def test_a_fast_step_beside_one_as_fast_is_no_jump(panda, guard):
+    most = panda.limits.velocity[0] * PERIOD
+    rows = np.tile(Q, (50, 1))
+    rows[:, 0] += most * np.concatenate([[0.9, 1.95], np.full(48, 2.0)])
+    kinds = {reason.kind for reason in guard.admit(rows, Q).reasons}
+    assert "velocity" in kinds
+    assert "jump" not in kinds
+
+
 def test_a_chunk_that_is_too_fast_keeps_its_path(panda, guard):
     fast = wave(0.25, turns=2.0)
     answer = guard.admit(fast, Q)

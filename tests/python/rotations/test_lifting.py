@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from scipy.optimize import brentq
 
 import leadthrough as lt
 from leadthrough import rotations
@@ -92,6 +93,19 @@ def test_passing_beside_a_whole_turn_is_refused_with_its_sample(miss, anchor):
         rotations.lift(q, anchor=anchor)
     beside = angles[caught.value.index if anchor == "start" else 4999 - caught.value.index]
     assert abs(beside - 2 * np.pi) < 0.5
+
+
+@pytest.mark.parametrize(("gain", "refused"), [(9.0, False), (11.0, True)])
+def test_beside_a_whole_turn_a_vector_may_move_ten_times_as_far_as_its_rotation(gain, refused):
+    half = brentq(lambda x: x / np.sin(x) - gain, 1.0, np.pi - 1e-3)
+    about = np.linspace(0.0, 0.5, 50)
+    circle = 2.0 * half * np.column_stack([np.cos(about), np.sin(about), 0.0 * about])
+    vectors = np.concatenate([np.linspace(0.0, 1.0, 100)[1:, None] * circle[0], circle])
+    if refused:
+        with pytest.raises(NoContinuousLogarithm):
+            rotations.lift(rotations.exp(vectors))
+    else:
+        np.testing.assert_allclose(rotations.lift(rotations.exp(vectors)), vectors, atol=1e-9)
 
 
 def test_half_a_turn_between_samples_is_refused():

@@ -90,6 +90,24 @@ def test_a_path_is_passed_in_the_same_way_backwards():
     assert there.duration == pytest.approx(back.duration, rel=5e-3)
 
 
+def test_the_parameter_of_a_path_may_begin_anywhere():
+    path = random_spline(4)
+    later = Spline(path.knots + 64.0, path.coefficients)
+    one, two = (lt.retime(each, PANDA) for each in (path, later))
+    assert one.duration == pytest.approx(two.duration, rel=1e-6)
+
+
+def test_a_mirrored_path_takes_the_same_time_to_the_bit():
+    limits = limits_of(7, jerk=0.4)
+    for seed in range(3):
+        way = np.random.default_rng(seed).uniform(-0.03, 0.03, (8, 7))
+        spline = CubicSpline(np.linspace(0.0, 1.0, 8), way)
+        pieces = spline.c[::-1].transpose(1, 0, 2)
+        one, two = (lt.retime(Spline(spline.x, sign * pieces), limits) for sign in (1.0, -1.0))
+        assert (one.times == two.times).all()
+        assert (one.positions == -two.positions).all()
+
+
 def test_the_same_path_gives_the_same_bits():
     one, two = (lt.retime(random_spline(1), PANDA) for _ in range(2))
     assert (one.positions == two.positions).all()
@@ -164,6 +182,16 @@ def test_holds_rest_at_their_way_points():
     assert at_corner.sum() >= 500
     assert check_limits(held, limits).ok
     np.testing.assert_allclose(np.diff(held.times), 1e-3, rtol=1e-6)
+
+
+def test_a_hold_where_a_point_is_given_twice_is_rested_there():
+    way = np.array([[0.0, 0.0], [1.0, 0.2], [1.0, 1.0], [0.0, 1.0], [0.0, 1.0], [0.0, 0.0]])
+    plain = lt.retime(way, limits_of(2))
+    held = lt.retime(way, limits_of(2), holds={3: 0.2, 4: 0.6})
+    assert held.duration == pytest.approx(plain.duration + 0.8, abs=1e-9)
+    for point, rest in ((way[1], 0.0), (way[2], 0.0), (way[3], 0.8)):
+        there = np.abs(held.positions - point).max(axis=1) < 1e-9
+        assert there.sum() == pytest.approx(1000 * rest, abs=20)
 
 
 def test_the_path_stays_within_the_tolerance_of_the_samples():

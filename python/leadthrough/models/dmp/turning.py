@@ -284,7 +284,7 @@ def _calmed(q: Float64Array) -> Float64Array:
     """The orientations (n, 4), or smoothed ones where they are noisy; the ends stay."""
     from scipy.ndimage import uniform_filter1d
 
-    if _noise(q) < _NOISY:
+    if noise_of(q) < _NOISY:
         return q
     calm = q
     for _ in range(2):
@@ -295,7 +295,7 @@ def _calmed(q: Float64Array) -> Float64Array:
     return np.asarray(rotations.align_signs(calm))
 
 
-def _noise(q: Float64Array) -> float:
+def noise_of(q: Float64Array) -> float:
     """The standard deviation, rad for each axis, of the noise in orientations (n, 4).
 
     A motion is smooth: what second differences of its steps leave is noise.

@@ -40,7 +40,7 @@ _WIDEST_GAP = 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class _Sums:
+class Sums:
     """A demonstration, reduced to what EM needs of it.
 
     Attributes:
@@ -56,9 +56,9 @@ class _Sums:
     count: int
 
     @staticmethod
-    def of(rows: Float64Array, values: Float64Array) -> _Sums:
+    def of(rows: Float64Array, values: Float64Array) -> Sums:
         """The sums of samples with basis functions (n, k) and values (n, d)."""
-        return _Sums(
+        return Sums(
             product(rows.T, rows), product(rows.T, values), (values**2).sum(axis=0), len(values)
         )
 
@@ -77,14 +77,14 @@ def expectation_maximisation(basis: Basis, shown: Shown) -> Fit:
     pooled, scale = np.concatenate(shown.columns), shown.scale
     middle = pooled.mean(axis=0)
     sums = [
-        _Sums.of(basis(at), (values - middle) / scale)
+        Sums.of(basis(at), (values - middle) / scale)
         for at, values in zip(shown.phases, shown.columns, strict=True)
     ]
     size = len(scale)
     base = smooth_prior(basis, np.ones(size)) * _spread_of(sums, basis) ** 2
     first = Gaussian(_common_curve(sums, basis), base)
     weights, noise, history = _iterated(sums, first, base, _TOLERANCE * len(pooled) * size)
-    estimates, _ = _expectation(sums, weights, noise)
+    estimates, _ = expectation(sums, weights, noise)
     unit = np.repeat(scale, basis.count)
     offset = np.repeat(middle, basis.count)
     mean = weights.mean * unit + offset
@@ -99,21 +99,21 @@ def expectation_maximisation(basis: Basis, shown: Shown) -> Fit:
 
 
 def _iterated(
-    sums: Sequence[_Sums], weights: Gaussian, base: Float64Array, tolerance: float
+    sums: Sequence[Sums], weights: Gaussian, base: Float64Array, tolerance: float
 ) -> tuple[Gaussian, Float64Array, tuple[float, ...]]:
     """Weights, noise (d,) and history after EM from `weights` on, with the prior's `base`."""
     noise = np.full(len(sums[0].values), _FIRST_NOISE)
     history: list[float] = []
     for _ in range(_MOST_ITERATIONS):
-        estimates, likelihood = _expectation(sums, weights, noise)
-        history.append(likelihood + _log_prior(weights.covariance, base))
+        estimates, likelihood = expectation(sums, weights, noise)
+        history.append(likelihood + log_prior(weights.covariance, base))
         if len(history) > 1 and history[-1] - history[-2] < tolerance:
             break
-        weights, noise = _maximisation(sums, estimates, base)
+        weights, noise = maximisation(sums, estimates, base)
     return weights, noise, tuple(history)
 
 
-def _common_curve(sums: Sequence[_Sums], basis: Basis) -> Float64Array:
+def _common_curve(sums: Sequence[Sums], basis: Basis) -> Float64Array:
     """The weights (d k,) of the smooth curve through all demonstrations."""
     squares = np.sum([each.squares for each in sums], axis=0)
     products = np.sum([each.products for each in sums], axis=0)
@@ -122,7 +122,7 @@ def _common_curve(sums: Sequence[_Sums], basis: Basis) -> Float64Array:
     return solve_definite(smooth, products).T.ravel()
 
 
-def _spread_of(sums: Sequence[_Sums], basis: Basis) -> float:
+def _spread_of(sums: Sequence[Sums], basis: Basis) -> float:
     """Root mean square distance of the demonstrations from their common curve."""
     curve = _common_curve(sums, basis).reshape(-1, basis.count)
     squared = sum(
@@ -134,13 +134,13 @@ def _spread_of(sums: Sequence[_Sums], basis: Basis) -> float:
     return max(float(np.sqrt(max(squared / total, 0.0))), 0.01)
 
 
-def _expectation(
-    sums: Sequence[_Sums], weights: Gaussian, noise: Float64Array
+def expectation(
+    sums: Sequence[Sums], weights: Gaussian, noise: Float64Array
 ) -> tuple[list[Gaussian], float]:
     """The weights of each demonstration, and the log-likelihood of all."""
     precision = inverse_definite(weights.covariance)
     pulled = _times(precision, weights.mean)
-    log_prior = log_determinant(weights.covariance)
+    prior_volume = log_determinant(weights.covariance)
     known: dict[bytes, tuple[Float64Array, float]] = {}
     estimates, likelihood = [], 0.0
     for each in sums:
@@ -156,7 +156,7 @@ def _expectation(
             (each.values / noise).sum() + (weights.mean * pulled).sum() - (right * mean).sum()
         )
         log_noise = each.count * float(np.log(2.0 * np.pi * noise).sum())
-        likelihood -= 0.5 * (squared + log_noise + log_prior + log_volume)
+        likelihood -= 0.5 * (squared + log_noise + prior_volume + log_volume)
     return estimates, likelihood
 
 
@@ -164,8 +164,8 @@ def _times(matrix: Float64Array, vector: Float64Array) -> Float64Array:
     return product(matrix, vector[:, None])[:, 0]
 
 
-def _maximisation(
-    sums: Sequence[_Sums], estimates: Sequence[Gaussian], base: Float64Array
+def maximisation(
+    sums: Sequence[Sums], estimates: Sequence[Gaussian], base: Float64Array
 ) -> tuple[Gaussian, Float64Array]:
     """The distribution of the weights and the noise (d,) that the estimates make most probable."""
     means = np.stack([each.mean for each in estimates])
@@ -185,7 +185,7 @@ def _maximisation(
     return Gaussian(mean, covariance), np.maximum(noise, _LEAST_NOISE**2)
 
 
-def _log_prior(covariance: Float64Array, base: Float64Array) -> float:
+def log_prior(covariance: Float64Array, base: Float64Array) -> float:
     """Log density, up to a constant, of the inverse-Wishart prior that the maximisation follows."""
     trace = float(np.trace(solve_definite(covariance, base)))
     return -0.5 * _PRIOR_COUNT * (log_determinant(covariance) + trace)

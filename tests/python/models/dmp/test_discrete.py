@@ -44,6 +44,26 @@ def test_replay_is_the_demonstration(form):
     np.testing.assert_allclose(made.positions, shown.positions, atol=2e-6)
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("after", [0.3, 1.95, 3.0])
+def test_a_goal_that_moves_underway_is_reached_whichever_way_it_moves(side, after):
+    state = SKILL.step(SKILL.begin(), after)
+    goal = hook().positions[-1] + side * np.array([0.1, 0.2, 0.3])
+    state = SKILL.step(state, 0.01, goal=goal)
+    np.testing.assert_allclose(SKILL.step(state, 2.0).position, goal, atol=1e-6)
+
+
+def test_a_goal_that_moves_after_the_end_is_approached_without_haste():
+    state = SKILL.step(SKILL.begin(), 1.5 * SKILL.duration)
+    state = SKILL.step(state, 0.01, goal=np.add(state.position, (0.1, 0.0, 0.0)))
+    fastest = 0.0
+    for _ in range(100):
+        state = SKILL.step(state, 0.01)
+        fastest = max(fastest, np.linalg.norm(state.velocity))
+    # 0.1 m of minimum jerk in at least three tenths of the motion's duration.
+    assert fastest <= 1.875 * 0.1 / (0.3 * SKILL.duration) * 1.01
+
+
 @pytest.mark.parametrize(("regression", "error"), [("ridge", 1e-5), ("lwr", 1e-2)])
 def test_fits_of_the_literature_come_close(regression, error):
     made = fitted(regression=regression).generate(dt=2.0 / 399)

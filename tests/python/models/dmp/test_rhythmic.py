@@ -50,6 +50,17 @@ def test_several_rounds_are_averaged():
     assert np.linalg.norm(made.positions - SHOWN.positions, axis=1).mean() < 1e-3
 
 
+def test_joints_go_round_with_the_tool():
+    angle = 2.0 * np.pi * SHOWN.times / PERIOD
+    joints = np.column_stack([np.sin(angle), np.cos(angle), 0.2 * np.sin(2.0 * angle)])
+    stood = lt.JointTrajectory(SHOWN.times, joints, joint_names=("a", "b", "c"))
+    skill = lt.RhythmicDMP().fit([lt.Demonstration(points_of(SHOWN), joints=stood)])
+    made = skill.generate(duration=2 * PERIOD, dt=PERIOD / 300)
+    for i in range(2):
+        rows = made.joints.positions[300 * i : 300 * i + 301]
+        np.testing.assert_allclose(rows, joints, atol=1e-3)
+
+
 def test_rhythm_is_swung_into_from_anywhere():
     made = SKILL.generate(start=(1.0, -1.0, 2.0), duration=4 * PERIOD, dt=PERIOD / 300)
     np.testing.assert_allclose(made.positions[0], (1.0, -1.0, 2.0), atol=1e-12)

@@ -6,6 +6,7 @@ import pytest
 import leadthrough as lt
 from leadthrough.models.promp.basis import KINDS, Basis
 from leadthrough.models.promp.model import from_archive
+from leadthrough.models.promp.prior import lines, raised
 
 PHASES = np.linspace(0.0, 1.0, 301)
 
@@ -118,3 +119,13 @@ def test_files_without_a_margin_have_the_one_of_their_time():
     again = from_archive(settings, arrays)
     np.testing.assert_array_equal(again.generate().positions, skill.generate().positions)
     assert lt.ProMP(weights=8).fit(shown).basis.centres[0] == pytest.approx(-0.25 / 6.5)
+
+
+@pytest.mark.parametrize("end", [0, 1])
+def test_a_motion_that_varies_at_one_end_only_is_raised_to_the_least_at_the_other(end):
+    basis, least = Basis("gaussian", 12), 0.03
+    ramp = lines(basis)[:, [end]]
+    covariance = raised(ramp @ ramp.T, basis, least)
+    spread = np.sqrt(np.einsum("nk,kl,nl->n", basis(PHASES), covariance, basis(PHASES)))
+    assert spread.min() >= 0.95 * least
+    np.testing.assert_allclose(spread[[0, -1]], [1.0, least][:: 1 - 2 * end], rtol=0.01)

@@ -2,13 +2,21 @@
 
 import numpy as np
 import pytest
+from scipy.stats import multivariate_normal
 
 import leadthrough as lt
 from leadthrough.errors import FitError
 from leadthrough.models.chart import Chart, scales
 from leadthrough.models.promp.basis import Basis
-from leadthrough.models.promp.em import expectation_maximisation
+from leadthrough.models.promp.em import (
+    Sums,
+    expectation,
+    expectation_maximisation,
+    log_prior,
+    maximisation,
+)
 from leadthrough.models.promp.estimation import Shown
+from leadthrough.models.promp.gaussian import Gaussian
 
 BASIS = Basis("gaussian", 8)
 NOISE = 0.05
@@ -33,6 +41,48 @@ def test_posterior_density_never_falls():
     history = expectation_maximisation(BASIS, Shown(phases, columns, scale)).history
     assert len(history) > 3
     assert np.diff(history).min() > -1e-6
+
+
+def partial(seed):
+    """Some distribution of weights, and samples (n, 2) of parts with their functions (n, 8)."""
+    rng = np.random.default_rng(seed)
+    root = rng.standard_normal((16, 16))
+    weights = Gaussian(rng.standard_normal(16), 0.02 * root @ root.T + 0.1 * np.eye(16))
+    u, noisy, _ = curves(4, seed)
+    parts = [slice(0, 40), slice(0, 40), slice(25, 60), slice(10, 50)]
+    return weights, [(BASIS(u[part]), each[part]) for part, each in zip(parts, noisy, strict=True)]
+
+
+def test_the_likelihood_is_that_of_all_samples_at_once():
+    weights, given = partial(seed=5)
+    noise = np.array([0.01, 0.04])
+    _, likelihood = expectation([Sums.of(*each) for each in given], weights, noise)
+    expected = 0.0
+    for rows, values in given:
+        every = np.kron(np.eye(2), rows)
+        spread = every @ weights.covariance @ every.T + np.diag(np.repeat(noise, len(rows)))
+        expected += multivariate_normal(every @ weights.mean, spread).logpdf(values.T.ravel())
+    assert likelihood == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_maximisation_finds_the_most_probable_covariance():
+    weights, given = partial(seed=6)
+    sums = [Sums.of(*each) for each in given]
+    estimates, _ = expectation(sums, weights, np.array([0.01, 0.04]))
+    base = np.diag(np.linspace(0.5, 2.0, 16))
+    found, _ = maximisation(sums, estimates, base)
+
+    def expected_density(covariance):
+        normal = multivariate_normal(found.mean, covariance)
+        inverse = np.linalg.inv(covariance)
+        lost = sum(np.trace(inverse @ each.covariance) for each in estimates)
+        told = sum(normal.logpdf(each.mean) for each in estimates)
+        return told - 0.5 * lost + log_prior(covariance, base)
+
+    most = expected_density(found.covariance)
+    for factor in (0.99, 1.01):
+        assert expected_density(factor * found.covariance) < most
+        assert expected_density(found.covariance + (factor - 1.0) * np.diag(np.diag(base))) < most
 
 
 def test_noise_is_found_and_smoothed_away():
@@ -62,5 +112,7 @@ def test_parts_of_a_motion_make_up_the_whole():
 def test_a_part_that_nobody_showed_is_named():
     u, noisy, _ = curves(2, seed=4)
     parts = [lt.Demonstration(lt.Trajectory(u[:30], each[:30])) for each in noisy]
-    with pytest.raises(FitError, match="phases"):
+    with pytest.raises(FitError, match=r"phases 0\.492 to 1;"):
         lt.ProMP(estimator="em").fit(parts, phases=[u[:30], u[:30]])
+    with pytest.raises(FitError, match=r"phases 0 to 0\.508;"):
+        lt.ProMP(estimator="em").fit(parts, phases=[u[30:], u[30:]])

@@ -98,6 +98,19 @@ def test_inside_what_was_shown_the_ends_tell_the_way():
     np.testing.assert_allclose(made.positions[:, 1], 0.8 * (1.0 - made.times**3), atol=0.05)
 
 
+def test_a_pose_turns_as_poses_that_began_there_did():
+    shown = []
+    for y in np.linspace(-1.0, 1.0, 20):
+        fading = y * (1.0 - U**3)
+        points = np.column_stack([0.1 * U, fading, 0.0 * U])
+        turned = rotations.exp(np.outer(0.5 * fading, [1.0, 0.0, 0.0]))
+        shown.append(lt.PoseTrajectory(U, points, turned))
+    made = lt.ProMP().fit(shown).generate(start=(0.0, 0.8, 0.0), dt=0.01)
+    expected = rotations.exp(np.outer(0.4 * (1.0 - made.times**3), [1.0, 0.0, 0.0]))
+    np.testing.assert_allclose(made.positions[:, 1], 0.8 * (1.0 - made.times**3), atol=0.05)
+    assert rotations.distance(made.orientations, expected).max() < 0.05
+
+
 def test_novelty_counts_standard_deviations_of_the_ends():
     starts = np.array([-1.0, 0.0, 1.0])  # standard deviation 1
     shown = [lt.Trajectory(U, np.column_stack([U, y * (1.0 - U)])) for y in starts]

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import multivariate_normal
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
@@ -72,3 +73,19 @@ def test_skills_of_other_joints_are_refused(skill, shown):
     ]
     with pytest.raises(InvalidInput, match="same joints"):
         infer(shown(1)[0].motion, [skill, lt.ProMP().fit(renamed)])
+
+
+@pytest.mark.parametrize("samples", [2, 40])
+def test_the_log_likelihood_is_the_density_of_the_samples(samples, skills, family):
+    skill, motion = skills[0], family(0.11, count=1, seed=4)[0].motion
+    rows = np.linspace(0, 149, samples).astype(int)
+    seen = lt.Trajectory(motion.times[rows], motion.positions[rows])
+    phases = (seen.times - seen.times[0]) / (seen.times[-1] - seen.times[0])
+    every = np.kron(np.eye(2), skill.basis(phases))
+    root = skill.weights.steady_root
+    noise = np.diag(np.repeat(skill.noise, samples))
+    spread = multivariate_normal(
+        every @ skill.weights.mean, every @ root @ root.T @ every.T + noise
+    )
+    density = spread.logpdf(seen.positions.T.ravel())
+    assert skill.log_likelihood(seen) == pytest.approx(density, rel=1e-6)

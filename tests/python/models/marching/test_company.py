@@ -1,0 +1,56 @@
+"""Which demonstrations go the same way, and the gate of those that come back to their start."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from leadthrough.models.marching.experience import Experience
+from leadthrough.models.marching.facing import faced
+from leadthrough.models.marching.gate import gate_at
+from leadthrough.models.marching.query import Query
+from leadthrough.models.marching.scales import Scales
+from leadthrough.models.marching.trust import in_company
+from leadthrough.planning import Grid
+
+ANGLE = np.linspace(0.0, 2.0 * np.pi, 200)
+
+
+def shown(path):
+    return Experience(path, duration=2.0, progress=np.linspace(0.0, 1.0, 1001))
+
+
+def arc(height):
+    return np.column_stack([0.5 - 0.5 * np.cos(ANGLE / 2.0), height * np.sin(ANGLE / 2.0)])
+
+
+def test_two_arcs_of_one_way_keep_each_other_company_and_a_third_has_none():
+    paths = [arc(0.5), arc(-0.45), arc(0.52)]
+    np.testing.assert_array_equal(in_company(paths), [True, False, True])
+    for scale in (1e-3, 1e3):  # whatever the unit
+        np.testing.assert_array_equal(in_company([scale * p for p in paths]), [True, False, True])
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.0), (3.0, -2.0), (0.0, 40.0)])
+def test_a_ring_has_a_gate_square_to_its_way_wherever_it_lies(place):
+    goal = np.array(place)
+    ring = goal + 0.2 * np.column_stack([1.0 - np.cos(ANGLE), np.sin(ANGLE)])
+    grid = Grid.covering(ring, margin=0.1, spacing=0.005)
+    scales = Scales(radius=0.02, clearance=0.02, saturation=0.1, resolution=0.005)
+    gate = gate_at([shown(ring)], goal, grid, scales)
+    np.testing.assert_allclose(gate.normal, (0.0, 1.0), atol=1e-3)
+    np.testing.assert_allclose(gate.middle - goal, (0.0, -0.01), atol=1e-4)
+    np.testing.assert_allclose(gate.goal - goal, (0.0, -0.02), atol=1e-4)
+    assert gate_at([shown(ring)], ring[60], grid, scales) is None
+
+
+@pytest.mark.parametrize(("gap", "kept"), [(0.3, True), (0.5, False)])
+def test_a_stroke_that_ends_beside_its_start_is_not_turned_around_by_a_small_move(gap, kept):
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.6], [0.0, gap]])
+    stroke = np.concatenate([np.linspace(*ends, 60) for ends in pairwise(corners)])
+    known = [shown(stroke), shown(np.add(stroke, (0.002, 0.001)))]
+    backwards = Query(stroke[-1], stroke[0])
+    assert not any(each.facing(*backwards.ends) is each for each in known)
+    assert all(
+        (one is other) == kept for one, other in zip(faced(known, backwards), known, strict=True)
+    )
