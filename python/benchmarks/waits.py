@@ -1,4 +1,4 @@
-"""What a person waits for: plans past boxes and from far away, the live page, whole commands.
+"""What a person waits for: plans past boxes and from far away, pages, whole commands.
 
 The default Fast Marching Learning on five noisy demonstrations of 0.6 m, fitted anew for each plan
 so that nothing is known from the one before. Times are processor times, of all threads.
@@ -43,6 +43,7 @@ LENGTH = 0.6  # m
 SCENES = 200
 MOST_APART = 0.5  # cells
 DRAGS = 100
+LOADS, FRAMES = 5, 120  # of a page from disk
 # Each goes on from the files of those before.
 COMMANDS = (
     "--help",
@@ -270,6 +271,7 @@ def _drags() -> Iterator[Row]:
     if not shutil.which("chromium") or not all(map(importlib.util.find_spec, needed)):
         print("the live page was left out: it takes Chromium, Playwright and viser to measure")
         return
+    yield from _page()
     live_drag = importlib.import_module("live_drag")
     taken = live_drag.latencies(DRAGS)
     name = "on the live page, from the mouse to path and arm (wall time)"
@@ -277,6 +279,15 @@ def _drags() -> Iterator[Row]:
     yield Row(
         name, len(taken), statistics.median(taken), max(taken), 80.0, limited="median", wrong=wrong
     )
+
+
+def _page() -> Iterator[Row]:
+    """The first paint of a page from disk, and the time from frame to frame while it plays."""
+    paints, frames = importlib.import_module("page_times").of_a_scene(LOADS, FRAMES)
+    name = "first paint of a page with a scene, from disk (wall time)"
+    yield Row(name, len(paints), statistics.median(paints), max(paints), 1500.0, limited="median")
+    name = "frame to frame while it plays, 1200 x 800, drawn in software (wall time)"
+    yield Row(name, len(frames), statistics.median(frames), max(frames))
 
 
 def _commands() -> Iterator[Row]:

@@ -95,8 +95,11 @@ class SceneView {
   }
 
   start() {
-    const gl = this.gl = this.canvas.getContext("webgl2", { antialias: true, alpha: true });
+    const gl = this.gl = this.canvas.getContext("webgl2", { antialias: false, alpha: true });
     if (!gl) throw new Error("this browser shows no WebGL 2");
+    const told = gl.getExtension("WEBGL_debug_renderer_info");
+    const renderer = gl.getParameter(told ? told.UNMASKED_RENDERER_WEBGL : gl.RENDERER);
+    this.way = BY_PROCESSOR.test(renderer) ? WAYS.length - 2 : 0;
     this.surface = shader(gl, SURFACE_VERTEX, SURFACE_FRAGMENT);
     this.ground = shader(gl, SURFACE_VERTEX, GROUND_FRAGMENT);
     this.depth = shader(gl, SURFACE_VERTEX, DEPTH_FRAGMENT);
@@ -171,15 +174,38 @@ class SceneView {
     if (!this.waiting) this.waiting = requestAnimationFrame((now) => this.tick(now));
   }
 
+  // Something moves: by hand now, or all the time.
+  moved() {
+    this.movedAt = performance.now();
+    clearTimeout(this.refining);
+    this.refining = setTimeout(() => this.changed(), STILL);
+    this.changed();
+  }
+
+  // Takes another way of drawing where frames come slowly; back again if that was no help.
+  adapt(interval) {
+    if (this.settled || !(interval < 5000)) return;
+    this.pace = this.pace === undefined ? interval : 0.7 * this.pace + 0.3 * interval;
+    this.counted = (this.counted || 0) + 1;
+    if (this.counted < (this.pace > 100 ? 3 : 12)) return;
+    const helped = this.slower === undefined || this.pace < 0.9 * this.slower;
+    if (!helped) this.way -= 1;
+    this.settled = !helped || this.pace < SLOW || this.way === WAYS.length - 1;
+    if (!this.settled) this.way += 1;
+    [this.slower, this.pace, this.counted] = [this.pace, undefined, 0];
+  }
+
   tick(now) {
     this.waiting = 0;
+    const moves = this.playing || now - this.movedAt < STILL;
     if (this.playing) {
+      if (this.last !== undefined && this.last < now) this.adapt(now - this.last);
       const step = this.last === undefined ? 0 : (now - this.last) / 1000 * this.speed;
       this.last = now;
       this.seek(this.time >= this.duration ? 0 : this.time + step);
       if (this.time >= this.duration) this.last = now + 700; // rest at the end before it starts anew
     }
-    this.draw();
+    this.draw(WAYS[moves ? this.way : 0]);
   }
 
   controls() {
@@ -188,7 +214,7 @@ class SceneView {
     this.speed = 1;
     this.slider.max = this.duration;
     this.button.onclick = () => this.play(!this.playing);
-    this.slider.oninput = () => { const at = +this.slider.value; this.play(false); this.seek(at); };
+    this.slider.oninput = () => { const at = +this.slider.value; this.play(false); this.seek(at); this.moved(); };
     find("speed").onchange = (event) => { this.speed = +event.target.value; };
     find("home").onclick = () => { this.home(); this.changed(); };
     const layers = new Map();
@@ -219,7 +245,7 @@ class SceneView {
       if (!by[event.key] || event.ctrlKey || event.metaKey) return;
       event.preventDefault();
       by[event.key]();
-      this.changed();
+      this.moved();
     };
   }
 
@@ -250,12 +276,12 @@ class SceneView {
       if (gap) this.distance *= gap / apart();
       else if (e.buttons & 2 || e.shiftKey) this.pan(dx, dy);
       else this.turn(dx, dy);
-      this.changed();
+      this.moved();
     };
     canvas.addEventListener("wheel", (e) => {
       e.preventDefault();
       this.distance *= Math.exp(0.001 * e.deltaY);
-      this.changed();
+      this.moved();
     }, { passive: false });
   }
 
@@ -271,8 +297,8 @@ class SceneView {
     return along(this.target, toward, this.distance);
   }
 
-  draw() {
-    const { gl, canvas, data } = this, ratio = Math.min(window.devicePixelRatio || 1, 2);
+  draw(way) {
+    const { gl, canvas, data } = this, ratio = Math.min(window.devicePixelRatio || 1, way.ratio);
     const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.round(ratio * x));
     if (!width || !height) return;
     if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
@@ -283,16 +309,19 @@ class SceneView {
     const shown = this.items.filter((item) => !this.hidden.has(item.layer));
 
     gl.bindTexture(gl.TEXTURE_2D, null);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
-    gl.viewport(0, 0, SHADOW_SIZE, SHADOW_SIZE);
-    gl.clear(gl.DEPTH_BUFFER_BIT);
-    this.paint(this.depth, shown.filter((item) => item.opacity > 0.5), { view: light, light });
+    if (way.blur >= 0) {
+      gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
+      gl.viewport(0, 0, SHADOW_SIZE, SHADOW_SIZE);
+      gl.clear(gl.DEPTH_BUFFER_BIT);
+      this.paint(this.depth, shown.filter((item) => item.opacity > 0.5), { view: light, light });
+    }
 
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    const many = way.samples > 1 ? this.sampled(width, height, way.samples) : null;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, many);
     gl.bindTexture(gl.TEXTURE_2D, this.map);
     gl.viewport(0, 0, width, height);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    const where = { view, light, eye, sun: LIGHT };
+    const where = { view, light, eye, sun: LIGHT, blur: way.blur };
     this.paint(this.surface, shown.filter((item) => item.opacity === 1), where);
     gl.enable(gl.BLEND);
     gl.depthMask(false);
@@ -302,16 +331,40 @@ class SceneView {
     this.paint(this.surface, shown.filter((item) => item.opacity < 1), where);
     gl.disable(gl.CULL_FACE);
     gl.disable(gl.BLEND);
+    if (many) {
+      gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
+      gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.COLOR_BUFFER_BIT, gl.NEAREST);
+    }
     this.frames += 1;
   }
 
-  paint({ program, at }, items, { view, light, eye, sun }) {
+  // A frame buffer with several samples for each pixel.
+  sampled(width, height, samples) {
+    const gl = this.gl;
+    if (!this.samples) {
+      this.samples = { buffer: gl.createFramebuffer(), of: [gl.createRenderbuffer(), gl.createRenderbuffer()] };
+    }
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.samples.buffer);
+    const most = Math.min(samples, gl.getParameter(gl.MAX_SAMPLES));
+    const formats = [[gl.RGBA8, gl.COLOR_ATTACHMENT0], [gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT]];
+    if (this.samples.width !== width || this.samples.height !== height)
+      formats.forEach(([format, attachment], i) => {
+        gl.bindRenderbuffer(gl.RENDERBUFFER, this.samples.of[i]);
+        gl.renderbufferStorageMultisample(gl.RENDERBUFFER, most, format, width, height);
+        gl.framebufferRenderbuffer(gl.FRAMEBUFFER, attachment, gl.RENDERBUFFER, this.samples.of[i]);
+      });
+    Object.assign(this.samples, { width, height });
+    return this.samples.buffer;
+  }
+
+  paint({ program, at }, items, { view, light, eye, sun, blur }) {
     const gl = this.gl;
     gl.useProgram(program);
     gl.uniformMatrix4fv(at.view, false, view);
     gl.uniformMatrix4fv(at.light, false, light);
     if (at.eye) gl.uniform3fv(at.eye, eye);
     if (at.sun) gl.uniform3fv(at.sun, sun);
+    if (at.blur) gl.uniform1i(at.blur, blur);
     for (const item of items) {
       const moved = item.link >= 0 ? this.links[item.link] : UNMOVED;
       gl.uniformMatrix4fv(at.model, false, moved);

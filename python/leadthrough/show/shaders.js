@@ -1,33 +1,48 @@
-// What scenes are drawn by: surfaces with light and shadow, the ground, and depths for the shadow.
+// What scenes are drawn by, and how well: surfaces with light and shadow, the ground, and depths for the shadow.
 "use strict";
 
 const SHADOW_SIZE = 2048;
+
+// How frames are drawn: most pixels for one of the page, texels of the shadow's edge (-1: no
+// shadow), samples for a pixel. A still frame is drawn the first way; while something moves, the
+// first one that is quick enough counts.
+const WAYS = [
+  { ratio: 2, blur: 2, samples: 4 }, { ratio: 1, blur: 1, samples: 1 },
+  { ratio: 1, blur: -1, samples: 1 }, { ratio: 0.6, blur: -1, samples: 1 },
+  { ratio: 0.4, blur: -1, samples: 1 },
+];
+const SLOW = 22; // ms from frame to frame; a screen has 60 in a second
+const BY_PROCESSOR = /swiftshader|llvmpipe|softpipe|basic render|software/i; // names of renderers
+const STILL = 200; // ms without a movement
 
 const SURFACE_VERTEX = `#version 300 es
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 uniform mat4 model, view, light;
+uniform highp int blur;
 out vec3 place, facing;
 out vec4 lit;
 void main() {
   vec4 world = model * vec4(position, 1.0);
   place = world.xyz;
   facing = mat3(model) * normal;
-  lit = light * world;
+  lit = blur < 0 ? vec4(0.0) : light * world;
   gl_Position = view * world;
 }`;
 
 const SHADOW = `
 uniform highp sampler2DShadow shadow;
+uniform highp int blur; // texels of the shadow's edge; without a shadow below 0
 in vec4 lit;
 float sunlight(float bias) {
+  if (blur < 0) return 1.0;
   vec3 at = 0.5 * lit.xyz + 0.5;
   if (at.x < 0.0 || at.x > 1.0 || at.y < 0.0 || at.y > 1.0 || at.z > 1.0) return 1.0;
   float sum = 0.0;
-  for (int i = -2; i <= 2; i++)
-    for (int j = -2; j <= 2; j++)
+  for (int i = -blur; i <= blur; i++)
+    for (int j = -blur; j <= blur; j++)
       sum += texture(shadow, vec3(at.xy + vec2(i, j) / ${SHADOW_SIZE}.0, at.z - bias));
-  return sum / 25.0;
+  return sum / float((2 * blur + 1) * (2 * blur + 1));
 }`;
 
 const SURFACE_FRAGMENT = `#version 300 es

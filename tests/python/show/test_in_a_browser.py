@@ -125,6 +125,13 @@ def test_play_goes_on_and_the_slider_follows(html):
     assert re.match(r"\d\.\d\d / \d+\.\d\d s", html.locator(".clock").inner_text())
 
 
+def test_frames_that_move_are_drawn_in_few_pixels_in_software_and_still_ones_in_all(html):
+    html.evaluate("leadthrough.scenes[0].play(true)")
+    html.wait_for_function("leadthrough.scenes[0].canvas.width < 640")
+    html.evaluate("leadthrough.scenes[0].play(false)")
+    html.wait_for_function("leadthrough.scenes[0].canvas.width === 640")
+
+
 def test_slider_sets_the_time(html):
     html.locator(".time").fill("1.5")
     assert html.evaluate("leadthrough.scenes[0].time") == pytest.approx(1.5)
