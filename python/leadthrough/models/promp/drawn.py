@@ -6,20 +6,23 @@ several motions lie in one block.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, Generic, cast
 
 import numpy as np
 
-from leadthrough import check, events, rotations
+from leadthrough import _core, check, events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.computed import computed, computed_joints
 from leadthrough.models.chart import Chart, turned_by
 from leadthrough.models.many import mapped
 from leadthrough.motion import MotionT_co, PoseTrajectory, Trajectory
 
-# Bytes of a block, which stays in memory as long as one of its motions does.
-_BLOCK = 8 * 2**20
+# Bytes of a block, which stays in memory as long as one of its motions does. Larger ones would be
+# asked for anew each time by the usual C library.
+_BLOCK = 32 * 2**20
+_NAMES = ("positions", "velocities", "accelerations")
 
 
 class Drawing(Generic[MotionT_co]):
@@ -42,6 +45,7 @@ class Drawing(Generic[MotionT_co]):
     ) -> None:
         phases = times / duration
         self._chart, self._times, self._duration, self._bases = chart, times, duration, bases
+        self._shape = (len(bases), len(times), chart.width)
         self._events = events.moved(chart.events, phases, times)
         self._joints = None if chart.posture is None else chart.posture.along(times, phases)
         self._reference = None if chart.reference is None else chart.reference_at(phases)
@@ -56,37 +60,50 @@ class Drawing(Generic[MotionT_co]):
         Raises:
             InvalidInput: for another number of threads, or where a number is not finite.
         """
-        each = 8 * len(self._bases) * len(self._times) * self._chart.width
-        size = max(1, _BLOCK // each)
-        runs = [weights[i : i + size] for i in range(0, len(weights), size)]
-        return [motion for run in mapped(self._run, runs, threads) for motion in run]
+        asked = zip(weights, self._places(len(weights)), strict=True)
+        return mapped(self._motion, asked, threads)
 
-    def _run(self, weights: Float64Array) -> list[MotionT_co]:
-        block = np.empty((len(weights), len(self._bases), len(self._times), self._chart.width))
-        for own, values in zip(weights, block, strict=True):
-            self._compute(own, values)
-        block.setflags(write=False)
-        return [self._motion(values) for values in block]
+    def _places(self, count: int) -> list[Float64Array | None]:
+        """Where the values of each motion go that are its own arrays; those of poses are not."""
+        if self._reference is not None:
+            return [None] * count
+        together = max(1, _BLOCK // (8 * math.prod(self._shape)))
+        # Nothing is written yet: threads get what they write to from the system side by side.
+        return [
+            place
+            for first in range(0, count, together)
+            for place in np.empty((min(together, count - first), *self._shape))
+        ]
 
     def _compute(self, weights: Float64Array, values: Float64Array) -> None:
         """Writes columns (n, d) and their derivatives by time."""
         curves = weights.reshape(self._chart.width, -1).T
-        names = ("positions", "velocities", "accelerations")
-        for order, (rows, name) in enumerate(zip(self._bases, names, strict=False)):
+        for order, rows in enumerate(self._bases):
             np.matmul(rows, curves, out=values[order])
             if order > 0:
                 values[order] *= self._duration**-order
-            check.array(values[order], name, shape=values[order].shape)
+        if not _core.all_finite(values):
+            for rows, name in zip(values, _NAMES, strict=False):
+                check.array(rows, name, shape=rows.shape)
 
-    def _motion(self, values: Float64Array) -> MotionT_co:
+    def _motion(self, asked: tuple[Float64Array, Float64Array | None]) -> MotionT_co:
+        """The motion of weights, whose values are written to a place if there is one."""
+        weights, place = asked
+        values = np.empty(self._shape) if place is None else place
+        self._compute(weights, values)
         chart, times = self._chart, self._times
         made: Any
         if chart.kind == "joints":
             names = chart.joint_names
             made = computed_joints(times, *values, joint_names=names, events=self._events)
         elif self._reference is None:
-            along = {"events": self._events, "joints": self._joints}
-            made = computed(Trajectory, times=times, positions=values[0], **along)
+            made = computed(
+                Trajectory,
+                times=times,
+                positions=values[0],
+                events=self._events,
+                joints=self._joints,
+            )
         else:
             turned = turned_by(self._reference, values[0, :, 3:])
             made = computed(
