@@ -177,6 +177,12 @@ def test_page_can_be_used_by_screen_reader_keyboard_and_in_the_dark(html, scheme
     assert [rule for rule in broken if rule["impact"] in ("serious", "critical")] == []
 
 
+def test_nothing_is_wider_than_a_phone(html):
+    html.set_viewport_size({"width": 390, "height": 844})
+    assert html.evaluate("document.documentElement.scrollWidth") <= 390
+    html.set_viewport_size(SIZE)
+
+
 def test_layer_is_hidden_by_its_box(html):
     before = picture(html)
     html.locator(".layers input[name=arm]").uncheck()
