@@ -22,6 +22,9 @@ from leadthrough.models.dynamical.gates import GaussianGates
 SLOWEST = 0.1
 # A component is no thinner than this in any direction, so that likelihoods stay finite.
 _LEAST_DEVIATION = 0.02
+# Logarithm of the least element of a whitening matrix's diagonal, so that a line search which
+# steps far off finds finite values there.
+_FARTHEST = -300.0
 _MOST_ITERATIONS = 500
 _TOLERANCE = 1e-7  # relative gain of the objective
 _LOG_2_PI = float(np.log(2.0 * np.pi))
@@ -145,7 +148,7 @@ def _exp_diagonal(parts: Float64Array) -> Float64Array:
     i = np.arange(parts.shape[1])
     # A smooth bound: no deviation below the least one.
     most = 1.0 / _LEAST_DEVIATION
-    result[:, i, i] = most / (1.0 + most * np.exp(-parts[:, i, i]))
+    result[:, i, i] = most / (1.0 + most * np.exp(-np.maximum(parts[:, i, i], _FARTHEST)))
     return result
 
 

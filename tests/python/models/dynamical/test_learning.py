@@ -24,6 +24,18 @@ def test_gradients_of_the_objectives_of_seds(objective):
     np.testing.assert_allclose(objective(parts, k, d, X, V)[1], numeric, atol=2e-4)
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("objective", [stable_gmr._unlikelihood, stable_gmr._squared_error])
+@pytest.mark.parametrize("far", [-1e3, 1e3])
+def test_far_steps_of_a_line_search_are_finite(objective, far):
+    k, d = 2, 3
+    parts = RNG.normal(size=k + k * d + 4 * k * d * d)
+    parts[k + k * d :].reshape(4, k, d, d)[[0, 3]] = far * np.eye(d)
+    value, gradient = objective(parts, k, d, X, V)
+    assert np.isfinite(value)
+    assert np.isfinite(gradient).all()
+
+
 @pytest.mark.parametrize("energy", [asymmetric_quadratics, star_network])
 def test_gradients_of_energies_and_of_what_is_learned(energy):
     count = 3
