@@ -1,5 +1,8 @@
 #include <pybind11/numpy.h>
 
+#include <cstddef>
+#include <optional>
+
 #include "base/finite.hpp"
 #include "bind/parts.hpp"
 
@@ -7,12 +10,21 @@ namespace py = pybind11;
 
 namespace leadthrough {
 
+namespace {
+
+constexpr std::size_t kLong = 10'000;  // numbers that take microseconds
+
+}  // namespace
+
 void bind_finite(py::module_& module) {
-  // It keeps the GIL: to let it go takes longer than most arrays do.
+  // It keeps the GIL for most arrays: to let it go takes longer than they do.
   module.def(
       "all_finite",
       [](const py::array_t<double, py::array::c_style>& values) {
-        return all_finite(values.data(), static_cast<std::size_t>(values.size()));
+        const auto size = static_cast<std::size_t>(values.size());
+        std::optional<py::gil_scoped_release> release;
+        if (size >= kLong) release.emplace();
+        return all_finite(values.data(), size);
       },
       py::arg("values").noconvert());
 }

@@ -140,13 +140,13 @@ void bind_gaussian(py::module_& module) {
       "normalised_bells",
       [](const Eigen::Ref<const Eigen::VectorXd>& phases,
          const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness, bool periodic,
-         int order) {
+         int order, int threads) {
         require(order >= 0 && order <= 2);
         const py::gil_scoped_release release;
-        return normalised_bells(phases, centres, sharpness, periodic, order);
+        return normalised_bells(phases, centres, sharpness, periodic, order, threads);
       },
       py::arg("phases").noconvert(), py::arg("centres").noconvert(), py::arg("sharpness"),
-      py::arg("periodic"), py::arg("order"));
+      py::arg("periodic"), py::arg("order"), py::arg("threads") = 1);
 }
 
 }  // namespace leadthrough

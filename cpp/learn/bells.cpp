@@ -1,9 +1,15 @@
 #include "learn/bells.hpp"
 
+#include <algorithm>
+#include <cstddef>
+
 #include "base/constants.hpp"
+#include "base/parallel.hpp"
 
 namespace leadthrough {
 namespace {
+
+constexpr Eigen::Index kRun = 256;  // phases that a thread takes at a time
 
 // A function is exp(g); here g and its derivatives, a value for each centre.
 struct Exponents {
@@ -31,10 +37,9 @@ struct Exponents {
 
 Rows normalised_bells(const Eigen::Ref<const Eigen::VectorXd>& phases,
                       const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
-                      bool periodic, int order) {
+                      bool periodic, int order, int threads) {
   Rows result(phases.size(), centres.size());
-  Exponents exponents(centres.size());
-  for (Eigen::Index i = 0; i < phases.size(); ++i) {
+  const auto fill = [&](Eigen::Index i, Exponents& exponents) {
     exponents.at(phases[i], centres, sharpness, periodic);
     auto row = result.row(i).array();
     row = exponents.value.array().exp();
@@ -47,7 +52,14 @@ Rows normalised_bells(const Eigen::Ref<const Eigen::VectorXd>& phases,
       const double bend = (row * (exponents.bend.array() + slope.square())).sum();
       row *= exponents.bend.array() + slope.square() - bend - 2.0 * rise * (slope - rise);
     }
-  }
+  };
+  const Eigen::Index runs = (phases.size() + kRun - 1) / kRun;
+  for_each_index(static_cast<std::size_t>(runs), threads, [&](std::size_t run) {
+    Exponents exponents(centres.size());
+    const Eigen::Index first = static_cast<Eigen::Index>(run) * kRun;
+    const Eigen::Index end = std::min(first + kRun, phases.size());
+    for (Eigen::Index i = first; i < end; ++i) fill(i, exponents);
+  });
   return result;
 }
 

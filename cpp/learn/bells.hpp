@@ -7,9 +7,10 @@
 namespace leadthrough {
 
 // exp(-sharpness (u - c)^2 / 2) about each centre, or with period 1 exp(sharpness (cos 2 pi (u - c)
-// - 1)), over their sum: a row a phase. order: of the derivative by the phase, 0 to 2.
+// - 1)), over their sum: a row a phase. order: of the derivative by the phase, 0 to 2. Rows are the
+// same on any number of threads.
 Rows normalised_bells(const Eigen::Ref<const Eigen::VectorXd>& phases,
                       const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
-                      bool periodic, int order);
+                      bool periodic, int order, int threads = 1);
 
 }  // namespace leadthrough

@@ -680,7 +680,12 @@ def product(left: Float64Array, right: Float64Array) -> Float64Array: ...
 def solve_definite(matrix: Float64Array, right: Float64Array) -> Float64Array: ...
 def is_covariance(matrix: Float64Array) -> bool: ...
 def normalised_bells(
-    phases: Float64Array, centres: Float64Array, sharpness: float, periodic: bool, order: int
+    phases: Float64Array,
+    centres: Float64Array,
+    sharpness: float,
+    periodic: bool,
+    order: int,
+    threads: int = 1,
 ) -> Float64Array: ...
 def march_float32(
     speed: Float32Array,

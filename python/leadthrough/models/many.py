@@ -44,6 +44,15 @@ def generate_all(
     return mapped(lambda query: skill.generate(**query), queries, threads)
 
 
+def checked_threads(threads: int) -> int:
+    """The number of threads, if it is 1 to 256.
+
+    Raises:
+        InvalidInput: for another one.
+    """
+    return check.integer(threads, "threads", at_least=1, at_most=_MOST_THREADS)
+
+
 def mapped(
     function: Callable[[_Value], _Result], values: Iterable[_Value], threads: int
 ) -> list[_Result]:
@@ -57,7 +66,7 @@ def mapped(
     Raises:
         InvalidInput: for another number of threads.
     """
-    count = check.integer(threads, "threads", at_least=1, at_most=_MOST_THREADS)
+    count = checked_threads(threads)
     every = list(values)
     if count == 1:
         return [function(value) for value in every]

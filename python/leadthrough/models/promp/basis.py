@@ -50,19 +50,21 @@ class Basis(Brief):
         """Whether phases 0 and 1 are the same."""
         return self.kind == "rhythmic"
 
-    def __call__(self, phases: Float64Array, order: int = 0) -> Float64Array:
+    def __call__(self, phases: Float64Array, order: int = 0, *, threads: int = 1) -> Float64Array:
         """Values of the functions, or their derivatives with respect to the phase.
 
         Args:
             phases: phases (n,), in [0, 1]; for rhythmic functions any.
             order: 0 for values, 1 or 2 for derivatives.
+            threads: their number; does not change the values.
 
         Returns:
             Values or derivatives (n, k).
         """
         if self.kind == "bspline":
             return np.asarray(self._spline(phases, order))
-        return _core.normalised_bells(phases, self.centres, self.sharpness, self.is_rhythmic, order)
+        bells = phases, self.centres, self.sharpness, self.is_rhythmic
+        return _core.normalised_bells(*bells, order, threads)
 
     @cached_property
     def centres(self) -> Float64Array:

@@ -18,7 +18,7 @@ from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.even_times import even_times
 from leadthrough.models.judged import judged
-from leadthrough.models.many import mapped
+from leadthrough.models.many import checked_threads
 from leadthrough.models.parameters import Parameter, whole_number
 from leadthrough.models.place import Place
 from leadthrough.models.promp import dense, ends, limits, observation, resolution, task_space
@@ -298,6 +298,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         """
         times = even_times(self.duration, check.number(dt, "dt", above=0.0))
         check.affordable_count(count, "count", each=len(times) * self.chart.width)
+        checked_threads(threads)
         drawing = Drawing(self.chart, times, self.duration, self._bases(times, threads))
         return drawing.motions(self.sample_weights(count, seed=seed), threads)
 
@@ -385,7 +386,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
 
     def _bases(self, times: Float64Array, threads: int = 1) -> list[Float64Array]:
         orders, phases = (0, 1, 2) if self.chart.kind == "joints" else (0,), times / self.duration
-        return mapped(lambda order: self.basis(phases, order), orders, threads)
+        return [self.basis(phases, order, threads=threads) for order in orders]
 
     def _motion(
         self, weights: Float64Array, times: Float64Array, bases: Sequence[Float64Array]

@@ -129,3 +129,10 @@ def test_a_motion_that_varies_at_one_end_only_is_raised_to_the_least_at_the_othe
     spread = np.sqrt(np.einsum("nk,kl,nl->n", basis(PHASES), covariance, basis(PHASES)))
     assert spread.min() >= 0.95 * least
     np.testing.assert_allclose(spread[[0, -1]], [1.0, least][:: 1 - 2 * end], rtol=0.01)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_values_are_the_same_on_any_number_of_threads(kind, order):
+    basis, phases = Basis(kind, 9), np.linspace(0.0, 1.0, 1001)
+    assert basis(phases, order, threads=3).tobytes() == basis(phases, order).tobytes()
