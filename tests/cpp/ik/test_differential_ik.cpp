@@ -7,6 +7,7 @@
 
 #include "arm/robots.hpp"
 #include "base/allocations.hpp"
+#include "base/cases.hpp"
 #include "ik/differential_ik.hpp"
 #include "rotation/so3.hpp"
 
@@ -55,7 +56,7 @@ TEST(DifferentialIk, ReachesTargetsInsideTheLimits) {
   const DifferentialIk solver = crooked_solver();
   std::mt19937 generator(1);
   std::uniform_real_distribution<double> uniform(-0.6, 0.6);
-  for (int repeat = 0; repeat < 20; ++repeat) {
+  for (int repeat = 0; repeat < test::cases(20, 4); ++repeat) {
     JointVector start = JointVector::Constant(7, 0.3), goal = start;
     start[0] = goal[0] = 0.17;
     for (Eigen::Index i = 1; i < 7; ++i) goal[i] += uniform(generator);

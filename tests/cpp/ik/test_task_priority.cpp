@@ -5,6 +5,7 @@
 
 #include "arm/robots.hpp"
 #include "base/allocations.hpp"
+#include "base/cases.hpp"
 #include "base/constants.hpp"
 #include "base/dense.hpp"
 #include "ik/arm_tasks.hpp"
@@ -112,7 +113,7 @@ StackWorkspace workspace_for(const TaskStack& stack) {
 
 TEST(TaskPriority, ALowerLevelNeverDisturbsAHigherOne) {
   Random random(1);
-  for (int repeat = 0; repeat < 3000; ++repeat) {
+  for (int repeat = 0; repeat < test::cases(3000, 500); ++repeat) {
     const int joints = random.whole(3, kMaxJoints);
     std::vector<Level> levels = random_stack(random, joints);
     const MotionBox box = repeat % 2 == 0 ? unbounded(joints) : random_box(random, joints);
@@ -143,7 +144,7 @@ TEST(TaskPriority, RegularStacksAgreeWithThePseudoInverses) {
 
 TEST(TaskPriority, MotionStaysInsideTheBox) {
   Random random(3);
-  for (int repeat = 0; repeat < 1000; ++repeat) {
+  for (int repeat = 0; repeat < test::cases(1000, 200); ++repeat) {
     const int joints = random.whole(3, kMaxJoints);
     std::vector<Level> levels = random_stack(random, joints);
     for (Level& each : levels) each.wanted *= 10.0;
@@ -172,7 +173,7 @@ TEST(TaskPriority, ALevelThatFitsTheBoxIsMetExactly) {
 
 TEST(TaskPriority, AUnilateralLevelIsOneSidedAndContinuousInItsActivation) {
   Random random(5);
-  for (int repeat = 0; repeat < 40; ++repeat) {
+  for (int repeat = 0; repeat < test::cases(40, 8); ++repeat) {
     std::vector<Level> levels;
     for (int i = 0; i < 2; ++i) {
       levels.push_back(level(random.matrix(1, 7), random.matrix(1, 1)));
