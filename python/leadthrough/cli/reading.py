@@ -18,6 +18,7 @@ from leadthrough.models.protocol import Skill
 from leadthrough.motion import Demonstration, Motion
 
 _TOLD = 0.1  # s; who left out less need not tell
+_EACH = 8  # recordings that are told of one by one
 
 _SKILL = ".npz"
 
@@ -164,16 +165,29 @@ def trimmed(
         preprocess.trim(each, rest=rest, speed=speed, angular_speed=angular_speed)
         for each in recordings
     ]
+    _tell_rests(recordings, kept)
+    return kept
+
+
+def _tell_rests(recordings: Sequence[Demonstration], kept: Sequence[Demonstration]) -> None:
+    """Prints on stderr how long each recording stood still; of many, only the longest."""
+    rests = []
     for whole, shown in zip(recordings, kept, strict=True):
         before = shown.motion.times[0] - whole.motion.times[0]
         after = whole.motion.times[-1] - shown.motion.times[-1]
         if max(before, after) > _TOLD:
-            print(
-                f"{whole.name}: stood still, left out {before:.2f} s before, {after:.2f} s after "
-                "(--rest)",
-                file=sys.stderr,
-            )
-    return kept
+            rests.append((whole.name, before, after))
+    said = [
+        f"{name}: stood still, left out {before:.2f} s before, {after:.2f} s after (--rest)"
+        for name, before, after in rests
+    ]
+    if len(rests) > _EACH:
+        longest = max(before + after for _, before, after in rests)
+        said = [
+            f"{len(rests)} recordings: stood still, left out up to {longest:.2f} s of each (--rest)"
+        ]
+    for line in said:
+        print(line, file=sys.stderr)
 
 
 def one_motion(file: Path, *, joints: Mapping[str, tuple[float, float]] | None = None) -> Motion:

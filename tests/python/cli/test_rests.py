@@ -29,6 +29,13 @@ def test_a_learned_motion_does_not_stand_still(folder):
     assert standing_still() > 0.8
 
 
+def test_many_recordings_are_told_of_in_one_line(folder):
+    many = [f"shown/reach{1 + number % 3}.csv" for number in range(9)]
+    told = run("learn", *many, "-o", "reach.npz").stderr
+    assert told.count("stood still") == 1
+    assert "9 recordings: stood still, left out up to 1.54 s of each (--rest)" in told
+
+
 def test_speed_and_rest_are_options(folder):
     run("learn", "shown", "--rest", "0.4", "-o", "reach.npz")
     assert standing_still() > 0.5
