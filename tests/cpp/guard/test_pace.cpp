@@ -59,6 +59,8 @@ TEST(PaceTest, AStopKeepsThePathAndRestsOnIt) {
   const Eigen::Index last = samples.rows() - 1;
   EXPECT_LT((samples.row(last) - samples.row(last - 1)).norm(), 0.05);
   EXPECT_EQ(samples.row(0), path.row(3));
+  // As late as it can: it ends at the last row but one, or half a row behind it.
+  EXPECT_NEAR(found->places.tail(1)[0], 38.25, 0.3);
 }
 
 TEST(BridgeTest, LeadsFromRestOntoAMovingCircleInsideTheLimits) {

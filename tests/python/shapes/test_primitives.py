@@ -11,6 +11,7 @@ from hypothesis.extra.numpy import arrays
 import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.errors import InvalidInput
+from leadthrough.shapes.inertia import unit_solid
 
 TURN = rotations.exp([[0.3, -0.7, 1.1]])[0]
 PLACE = np.array([0.4, -0.2, 0.9])
@@ -150,3 +151,15 @@ def test_a_moved_shape_is_the_same_at_another_place(shape):
 
 def to_local(queries, upright):
     return upright.distance((queries - PLACE) @ rotations.to_matrix(TURN[None])[0])
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: type(shape).__name__)
+def test_the_inertia_of_a_solid_is_that_of_the_points_inside(shape):
+    steps = np.linspace(-0.8, 0.8, 49)
+    cells = PLACE + np.stack(np.meshgrid(steps, steps, steps), axis=-1).reshape(-1, 3)
+    inside = cells[shape.distance(cells) <= 0.0]
+    centre, inertia = unit_solid(shape)
+    np.testing.assert_allclose(centre, inside.mean(axis=0), atol=1e-3)
+    away = inside - centre
+    expected = (away**2).sum() * np.eye(3) - away.T @ away
+    np.testing.assert_allclose(inertia, expected / len(inside), atol=3e-3)

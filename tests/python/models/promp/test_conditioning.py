@@ -96,6 +96,15 @@ def test_velocities_and_single_columns_can_be_given(skill):
     np.testing.assert_allclose(conditioned.distribution([1.2])[0][0, [0, 2]], [0.7, 2.0], atol=1e-8)
 
 
+@pytest.mark.parametrize(("order", "value"), [(1, 0.4), (2, -0.3)])
+def test_a_derivative_that_is_asked_for_is_met(skill, order, value):
+    made = skill.condition(0.8, [value], order=order, columns=[1]).generate(dt=0.01)
+    rates = made.positions
+    for _ in range(order):
+        rates = np.gradient(rates, 0.01, axis=0)
+    assert rates[80, 1] == pytest.approx(value, abs=2e-3)
+
+
 def test_task_space_via_point_is_reached_by_the_mean(shown):
     def hand(q):  # of a planar arm with links of 1 m
         angles = np.cumsum(q)
