@@ -127,11 +127,14 @@ class Experience(Brief):
         missed = _values((self.curves[i] - mean)[None], rows, size)[0]
         scatter, variance = centred.T @ centred, self._variance(others - mean)
         noise = np.diag(np.tile(self.noise + (_LEAST_NOISE * self.scale) ** 2, len(rows)))
+        priors = {
+            length: np.kron(rows @ _kernel(self.basis, length) @ rows.T, np.diag(variance))
+            for length in _LENGTHS
+        }
         scores = []
         for strength, length in _PRIORS:
-            prior = np.kron(rows @ _kernel(self.basis, length) @ rows.T, np.diag(variance))
             freedom = count - 1 + strength
-            spread = (scatter + strength * prior) * ((1.0 + 1.0 / count) / freedom)
+            spread = (scatter + strength * priors[length]) * ((1.0 + 1.0 / count) / freedom)
             scores.append(_log_density_of_rest(missed, spread + noise, freedom, size))
         return scores
 
