@@ -32,7 +32,7 @@ def test_the_command_line_loads_no_library_that_computes_or_draws():
     assert not loaded & (HEAVY - {"rich"})  # typer's own --help is printed by rich
 
 
-def test_commands_that_learn_plan_time_check_guard_and_show_load_no_library_that_they_do_not_use(
+def test_commands_that_clean_learn_plan_time_check_guard_and_show_load_no_library_they_do_not_use(
     tmp_path,
 ):
     times = np.linspace(0.0, 2.0, 30)
@@ -44,6 +44,8 @@ def test_commands_that_learn_plan_time_check_guard_and_show_load_no_library_that
         lt.JointTrajectory(times, bent, joint_names=lt.Arm.load("ur3").joint_names), joints
     )
     lines = [
+        ["clean", shown, "-o", "cleaned.csv"],
+        ["info", shown],
         ["learn", shown, "-o", "skill.npz"],
         ["plan", "skill.npz", "-o", "plan.csv"],
         ["check", joints, "--robot", "ur3"],

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.ndimage import percentile_filter
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
 from leadthrough.io import Recording
 from leadthrough.preprocess import clean, cut_at_gaps
+from leadthrough.preprocess.spikes import _ranked
 
 TIMES = np.arange(201) / 100.0
 SWING = np.column_stack([np.sin(2.0 * TIMES), np.cos(3.0 * TIMES)])
@@ -73,6 +75,14 @@ def test_spikes_are_left_out_and_nothing_else(rows):
     left, report = clean(recording, spike_factor=None)
     assert report.spikes == ()
     assert len(left.motion.times) == 201
+
+
+@pytest.mark.parametrize("samples", [8, 30, 1200])
+def test_spikes_are_judged_by_percentiles_of_a_mirrored_window(samples):
+    values = np.cumsum(np.random.default_rng(1).normal(size=(samples, 3)), axis=0).round(1)
+    for size, percent in ((7, 50), (51, 50), (51, 80)):
+        expected = percentile_filter(values, percent, size=(size, 1), mode="mirror")
+        np.testing.assert_array_equal(_ranked(values, size, percent), expected)
 
 
 def test_a_leap_of_the_rotation_is_a_spike_too():
