@@ -8,6 +8,7 @@ from __future__ import annotations
 import time
 import warnings
 from collections import deque
+from concurrent.futures import CancelledError
 from dataclasses import replace
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -105,7 +106,10 @@ class Cluster:
                 continue
             if future.cancelled():
                 raise self._lost()
-            return self._reported(key, future)
+            try:
+                return self._reported(key, future)
+            except CancelledError:  # lost since then
+                raise self._lost() from None
 
     def close(self) -> None:
         if self._client.status == "running":

@@ -5,12 +5,12 @@ import signal
 import time
 
 import pytest
-from distributed import Client
+from distributed import CancelledError, Client, Future
 from tasks import of_numbers, running, work
 from typer.testing import CliRunner
 
 from leadthrough import cli, tasks
-from leadthrough.errors import OtherCode
+from leadthrough.errors import ClusterLost, OtherCode
 from leadthrough.tasks import Store, Task
 from leadthrough_studies import catalogue
 
@@ -169,6 +169,17 @@ def test_a_killed_worker_changes_no_row(cluster, tmp_path, serial):
         if number == 2:
             cluster.workers[0].send_signal(signal.SIGKILL)
     assert rows_of(todo, store) == serial
+
+
+def test_a_result_that_is_lost_on_its_way_is_a_lost_cluster(cluster, tmp_path, monkeypatch):
+    """The scheduler may end after a task is said to be done and before its rows are here."""
+
+    def lost(*_, **__):
+        raise CancelledError
+
+    monkeypatch.setattr(Future, "result", lost)
+    with pytest.raises(ClusterLost, match="run the same command again"):
+        run(work.draws_of(2, tmp_path / "log"), Store(tmp_path), cluster)
 
 
 def test_without_its_scheduler_a_study_keeps_what_is_finished(cluster, tmp_path, monkeypatch):
