@@ -148,5 +148,5 @@ def test_an_object_of_which_a_part_was_meant_is_told_the_part(tmp_path):
         lt.write_motion(planned, tmp_path / "a.json")
     with pytest.raises(InvalidInput, match=r"arm.poses\(motion\) makes poses of joints"):
         lt.PoseDMP().fit([joints])
-    with pytest.raises(InvalidInput, match="path: no such file: none.npz"):
+    with pytest.raises(InvalidInput, match=r"path: no such file: none\.npz"):
         lt.load_skill("none.npz")
