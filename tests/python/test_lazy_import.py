@@ -37,7 +37,10 @@ def test_commands_that_clean_learn_plan_time_check_guard_and_show_load_no_librar
 ):
     times = np.linspace(0.0, 2.0, 30)
     s = lt.trajectories.minimum_jerk_rise(times / 2.0)[:, None]
-    shown, joints = (str(tmp_path / name) for name in ("shown.csv", "joints.csv"))
+    names = ("shown.csv", "posed.csv", "joints.csv")
+    shown, posed, joints = (str(tmp_path / name) for name in names)
+    turned = lt.rotations.exp(s * [0.1, 0.2, 0.3])
+    lt.write_motion(lt.PoseTrajectory(times, s * [0.3, 0.2, 0.1], turned), posed)
     lt.write_motion(lt.Trajectory(times, s * [0.3, 0.2, 0.1]), shown)
     bent = s * 0.3 + [0.0, -1.0, 1.0, -1.0, -1.0, 0.0]
     lt.write_motion(
@@ -46,6 +49,7 @@ def test_commands_that_clean_learn_plan_time_check_guard_and_show_load_no_librar
     lines = [
         ["clean", shown, "-o", "cleaned.csv"],
         ["info", shown],
+        ["learn", posed, "-o", "poses.npz"],
         ["learn", shown, "-o", "skill.npz"],
         ["plan", "skill.npz", "-o", "plan.csv"],
         ["check", joints, "--robot", "ur3"],

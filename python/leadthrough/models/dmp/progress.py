@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from leadthrough.check import Float64Array
+from leadthrough.models.dmp.running_mean import running_mean
 from leadthrough.trajectories.minimum_jerk import minimum_jerk_rise
 
 if TYPE_CHECKING:
@@ -160,8 +161,5 @@ def speeds_of(velocities: Float64Array) -> Float64Array:
 
 def _averaged(values: Float64Array) -> Float64Array:
     """Running means of running means along the first axis."""
-    from scipy.ndimage import uniform_filter1d
-
     size = int(_SMOOTHING * INTERVALS)
-    once = uniform_filter1d(values, size, axis=0, mode="nearest")
-    return np.asarray(uniform_filter1d(once, size, axis=0, mode="nearest"))
+    return running_mean(running_mean(values, size), size)

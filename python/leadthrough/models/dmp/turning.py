@@ -35,6 +35,7 @@ from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput, NoContinuousLogarithm
 from leadthrough.models.archive import quaternions
+from leadthrough.models.dmp.running_mean import running_mean
 
 REPRESENTATIONS = ("anchored", "lifted", "log", "euler")
 
@@ -282,14 +283,12 @@ def _anchored(
 
 def _calmed(q: Float64Array) -> Float64Array:
     """The orientations (n, 4), or smoothed ones where they are noisy; the ends stay."""
-    from scipy.ndimage import uniform_filter1d
-
     if noise_of(q) < _NOISY:
         return q
     calm = q
     for _ in range(2):
         size = max(int(_CALMING * len(q)), 1)
-        calm = uniform_filter1d(calm, 2 * size + 1, axis=0, mode="nearest")
+        calm = running_mean(calm, 2 * size + 1)
         calm = calm / np.linalg.norm(calm, axis=1, keepdims=True)
     calm[[0, -1]] = q[[0, -1]]
     return np.asarray(rotations.align_signs(calm))
@@ -338,12 +337,10 @@ def _speeds(
     phases: Float64Array, covered: Float64Array, pieces: int, smoothing: float, mode: str
 ) -> Float64Array:
     """Speeds (intervals + 1,) >= 0 on the curve, in pieces per phase, at evenly spaced phases."""
-    from scipy.ndimage import uniform_filter1d
-
     nodes = np.linspace(0.0, 1.0, _INTERVALS + 1)
     between = np.diff(np.interp(nodes, phases, covered))
     for _ in range(2):
-        between = uniform_filter1d(between, max(int(smoothing * _INTERVALS), 1), mode=mode)
+        between = running_mean(between, max(int(smoothing * _INTERVALS), 1), mode)
     before, after = (between[-1:], between[:1]) if mode == "wrap" else (between[:1], between[-1:])
     around = np.concatenate([before, between, after])
     speeds = 0.5 * (around[1:] + around[:-1])
