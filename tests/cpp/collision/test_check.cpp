@@ -64,6 +64,20 @@ TEST(Collision, EveryLinkHasItsPlaceAndNeighboursAreLeftOut) {
   EXPECT_EQ(arm.model.pairs.size(), 3U);     // second and ball with foot, ball with first
 }
 
+TEST(Collision, BranchesOfARootWithoutShapesAreNoNeighbours) {
+  const std::string limit =
+      "<axis xyz='0 0 1'/><limit lower='-1' upper='1' velocity='1' effort='1'/>";
+  const std::string bar = "<box size='2 0.1 0.1'/>", ball = "<sphere radius='0.1'/>";
+  const auto robot = std::get<urdf::Robot>(urdf::parse(
+      "<robot name='branched'>" + test::link("root") + round_link("left", "0 0 0", bar) +
+      round_link("right", "0 0 0", ball) + joint("turn", "revolute", "root", "left", limit) +
+      joint("mount", "fixed", "root", "right", "<origin xyz='1 0 0'/>") + "</robot>"));
+  const Chain chain = std::get<Chain>(make_chain(robot, "root", "left"));
+  const CollisionModel model = make_collision_model(robot, chain, "root", "left", {}, {});
+  EXPECT_EQ(model.pairs.size(), 1U);
+  EXPECT_TRUE(model.left_out.empty());
+}
+
 TEST(Collision, DistancesAreThoseOfThePlane) {
   const Planar arm;
   const auto found = nearest_batch(itself(arm.model), rows({{0.0, 0.0}, {0.0, kPi / 2}}), 1);

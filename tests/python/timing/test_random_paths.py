@@ -106,9 +106,10 @@ def test_tiny_motions_end_where_they_are_asked_to(size):
         assert motion.duration < 0.2
 
 
-def test_a_narrow_turn_is_rested_at_rather_than_crept_along():
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_narrow_turn_is_rested_at_rather_than_crept_along(side):
     limits = limits_of(2)
-    way = [[0.0, 0.0], [1.0, 0.0], [0.0, 1e-3]]
+    way = side * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1e-3]])
     stopping, cutting = (lt.retime(way, limits, blend=blend) for blend in (0.0, 1e-6))
     assert cutting.duration <= stopping.duration + 0.15
     assert check_limits(cutting, limits).ok

@@ -15,6 +15,7 @@ import leadthrough as lt
 from leadthrough.arm.limits import JointLimits
 from leadthrough.errors import InvalidInput, LimitsInfeasible
 from leadthrough.timing import binding_limits, check_limits
+from leadthrough.timing.sections import Section
 from leadthrough.trajectories import Spline
 
 PANDA = lt.Arm.load("panda").limits
@@ -205,6 +206,16 @@ def test_the_path_stays_within_the_tolerance_of_the_samples():
     motion = lt.retime(lt.JointTrajectory(times, q), limits_of(3), path_tolerance=1e-5)
     dense = CubicSpline(times, q)(np.linspace(0.0, 5.0, 100_001))
     assert cKDTree(dense).query(motion.positions[::100], p=np.inf)[0].max() < 1e-5 + 2e-5
+    np.testing.assert_allclose(motion.positions[[0, -1]], q[[0, -1]], rtol=0.0, atol=1e-8)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_section_is_cut_where_it_moves_whichever_way(side):
+    spline = Spline([0.0, 1.0, 2.0], side * np.array([[[0.0], [1.0]], [[1.0], [1.0]]]))
+    parts = Section(spline, np.arange(3), spline.knots).cut_at(np.array([0.5, 1.5]))
+    assert [part.spline.domain for part in parts] == [(0.0, 0.5), (0.0, 1.0), (0.0, 0.5)]
+    ends = [part.spline.evaluate(part.spline.domain[1])[0] for part in parts]
+    np.testing.assert_allclose(ends, side * np.array([0.5, 1.5, 2.0]), atol=1e-15)
 
 
 def test_standing_still_takes_no_time():
