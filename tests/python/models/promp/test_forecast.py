@@ -180,3 +180,14 @@ def test_single_demonstrations_and_partial_ones_forecast_too(family):
 
 def _arrays(motion):
     return motion.times, motion.positions
+
+
+@pytest.mark.parametrize(("count", "judged"), [(2, 0), (3, 3), (4, 4)])
+def test_from_three_demonstrations_on_each_is_forecast_from_the_others(count, judged, family):
+    skill = lt.ProMP(weights=10).fit(family(0.1, count=count))
+    assert len(skill.experience.left_out) == judged
+    for (curve, _), demonstrated in zip(
+        skill.experience.left_out, family(0.1, count=count), strict=False
+    ):
+        shown = skill.basis(np.linspace(0.0, 1.0, 150)) @ curve.reshape(2, -1).T
+        np.testing.assert_allclose(shown, demonstrated.motion.positions, atol=5e-3)
