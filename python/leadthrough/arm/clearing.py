@@ -50,7 +50,7 @@ class Surroundings:
         # Most motions that come too near to an obstacle do so at a row: that is quick to see.
         surely = self.margin - _TOUCHING
         at_rows = _core.clear_batch(self.model, self.obstacles, q, surely, _ANY_OVERLAP)
-        return bool(np.all(at_rows)) and all(
+        return all(at_rows) and all(
             _core.check_motion(scene, q, margin, _TOLERANCE, 1)[2] is None
             for scene, margin in self._scenes
         )
@@ -58,7 +58,7 @@ class Surroundings:
     def clear_at(self, q: Float64Array) -> bool:
         """Whether the arm keeps the margins at every row of q (n, joints); quick to say no."""
         margins = self.margin, self.self_margin
-        return bool(np.all(_core.clear_batch(self.model, self.obstacles, q, *margins)))
+        return all(_core.clear_batch(self.model, self.obstacles, q, *margins))
 
     @cached_property
     def _scenes(self) -> tuple[tuple[_core.CollisionScene, float], ...]:

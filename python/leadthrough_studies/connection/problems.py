@@ -9,6 +9,7 @@ from __future__ import annotations
 import tarfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache, lru_cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -54,6 +55,7 @@ class Problem:
     goal: Float64Array
 
 
+@cache
 def panda() -> Arm:
     """The Panda of the problems: its hand open, its meshes those of example-robot-data.
 
@@ -82,14 +84,18 @@ def problems(archive: Path, kind: str, numbers: Sequence[int]) -> Iterator[Probl
         kind: one of KINDS.
         numbers: 1 to 100.
     """
+    files = _files(archive)
+    for number in numbers:
+        names = (f"problems/{kind}_panda/{part}{number:04d}.yaml" for part in ("scene", "request"))
+        yield _problem(*(yaml.load(files[name], yaml.CSafeLoader) for name in names))
+
+
+@lru_cache(maxsize=1)  # each look for one of them would decompress them all
+def _files(archive: Path) -> dict[str, bytes]:
+    """The contents of the archive's files, by their names."""
     with tarfile.open(archive) as members:
-        by_name = {member.name.removeprefix("./"): member for member in members.getmembers()}
-        for number in numbers:
-            described = []
-            for part in ("scene", "request"):
-                member = by_name[f"problems/{kind}_panda/{part}{number:04d}.yaml"]
-                described.append(yaml.load(members.extractfile(member), yaml.CSafeLoader))  # type: ignore[arg-type]
-            yield _problem(*described)
+        read = ((member.name, members.extractfile(member)) for member in members)
+        return {name.removeprefix("./"): file.read() for name, file in read if file is not None}
 
 
 def _problem(scene: Mapping[str, Any], request: Mapping[str, Any]) -> Problem:
