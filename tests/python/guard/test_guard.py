@@ -8,6 +8,8 @@ from guard.judge import EXCESS, worst_use
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
 from leadthrough.guard import CommandedState, Moving
+from leadthrough.guard.changing import changed
+from leadthrough.guard.rules import rules_for
 
 Q = HOMES["panda"]
 PERIOD = 1.0 / RATE
@@ -87,6 +89,17 @@ def test_a_fast_step_beside_one_as_fast_is_no_jump(panda, guard):
     kinds = {reason.kind for reason in guard.admit(rows, Q).reasons}
     assert "velocity" in kinds
     assert "jump" not in kinds
+
+
+def test_a_bridge_takes_even_steps_from_one_sample_to_the_next(panda):
+    rows = wave(0.1)
+    rows[20:] += 0.3
+    rules = rules_for(panda, (), PERIOD, margin=0.005, self_margin=0.0)
+    places = changed(rules, np.tile(Q, (3, 1)), rows).places
+    bridge = places[(places >= 19.0) & (places <= 20.0)]
+    assert len(bridge) > 10
+    np.testing.assert_allclose(bridge, np.linspace(19.0, 20.0, len(bridge)), atol=1e-12)
+    np.testing.assert_array_equal(places[places > 20.0], np.arange(21.0, 50.0))
 
 
 def test_a_chunk_that_is_too_fast_keeps_its_path(panda, guard):
