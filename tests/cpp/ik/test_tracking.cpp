@@ -91,6 +91,38 @@ TEST(Tracking, PursuitOfPointsAloneKeepsThePath) {
   EXPECT_LE((made.positions - path.positions).rowwise().norm().maxCoeff(), 1e-4);
 }
 
+// A jump of the path is caught up with, braking alike whichever way the joints turn.
+TEST(Tracking, PursuitOfAMirroredPathIsMirrored) {
+  const std::string limit =
+      "<axis xyz='0 0 1'/><limit lower='-3' upper='3' velocity='2' effort='1'/>";
+  const std::string ahead = "<origin xyz='0.5 0 0'/>";
+  const auto robot = std::get<urdf::Robot>(
+      urdf::parse("<robot name='planar'>" + test::link("l0") + test::link("l1") + test::link("l2") +
+                  test::link("tip") + test::joint("j1", "revolute", "l0", "l1", limit) +
+                  test::joint("j2", "revolute", "l1", "l2", ahead + limit) +
+                  test::joint("end", "fixed", "l2", "tip", ahead) + "</robot>"));
+  const Chain chain = std::get<Chain>(make_chain(robot, "l0", "tip"));
+  constexpr int kCount = 120;
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(kCount, 0.0, 1.19);
+  const Eigen::VectorXd limits = Eigen::VectorXd::Constant(2, 2.0);
+  Rows tracks[2];
+  for (const int mirrored : {0, 1}) {
+    const double side = mirrored ? -1.0 : 1.0;
+    Rows way(kCount, 2);
+    for (int k = 0; k < kCount; ++k) way.row(k) << side * (k < 20 ? 0.2 : 0.5), side * 0.7;
+    const Poses path = forward_kinematics_batch(chain, way);
+    const Pull none{Rows::Zero(kCount, 2), Eigen::VectorXd::Zero(kCount)};
+    const Track track =
+        pursue(chain, {times, path.positions, Rows4(0, 4)}, Eigen::VectorXd(way.row(0)), none,
+               {limits, 4.0 * limits, 0.0, {100.0, 100.0}});
+    ASSERT_EQ(track.q.rows(), kCount);
+    EXPECT_LE(side * track.q(kCount - 1, 0) - 0.5, 1e-4);
+    EXPECT_LE((side * track.q.col(0)).maxCoeff(), 0.5 + 5e-3);  // no overshoot
+    tracks[mirrored] = track.q;
+  }
+  EXPECT_LT((tracks[0] + tracks[1]).cwiseAbs().maxCoeff(), 1e-9);
+}
+
 // Where the tip stands still, its posture takes three tenths of the joints' speed, either way.
 TEST(Tracking, AFarPostureIsApproachedGently) {
   const Chain chain = test::crooked_chain();
