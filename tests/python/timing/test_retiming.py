@@ -281,6 +281,15 @@ def test_nothing_to_move_gives_one_sample_and_holds_are_kept():
     assert lt.retime(still, limits_of(2)).duration == 0.0
 
 
+def test_a_path_from_limit_to_limit_is_inside_them():
+    limits = replace(limits_of(2), lower=np.array([-1.0, 0.0]), upper=np.array([1.0, 0.3]))
+    span = limits.upper - limits.lower
+    path = Spline([0.0, 1.0], np.array([[limits.lower, 0.0 * span, 3.0 * span, -2.0 * span]]))
+    motion = lt.retime(path, limits)
+    np.testing.assert_allclose(motion.positions[-1], limits.upper, atol=1e-9)
+    assert check_limits(motion, limits).ok
+
+
 def test_what_limits_a_motion_is_told_by_joint_and_kind():
     limits = limits_of(2, velocity=1.0, acceleration=2.0, jerk=2000.0)
     motion = lt.retime([[0.0, 0.0], [3.0, 0.3]], limits)
