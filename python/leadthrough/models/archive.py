@@ -6,6 +6,7 @@ import copy
 import json
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -110,8 +111,9 @@ def read_certified(
     Raises:
         InvalidInput: if it is no skill, is damaged, or of a newer format version.
     """
-    if isinstance(path, str | PathLike) and not Path(path).exists():
-        raise InvalidInput(f"path: no such file: {path}")
+    with suppress(OSError):  # a name that no file can have: reading says so
+        if isinstance(path, str | PathLike) and not Path(path).exists():
+            raise InvalidInput(f"path: no such file: {path}")
     try:
         arrays = npz.arrays(Path(path))
         head = json.loads(str(arrays.pop("head")))
