@@ -7,7 +7,7 @@ from guard.judge import EXCESS, worst_use
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
-from leadthrough.guard import Playback
+from leadthrough.guard import Playback, playback
 
 RATE = 1000.0
 AWAY = np.array([0.8, 0.4, -0.4, 0.5, 0.3, -0.4, 0.6])
@@ -92,3 +92,13 @@ def test_wrong_arguments_are_named(panda, motion):
     play = Playback(motion, panda.limits, rate=RATE)
     with pytest.raises(InvalidInput, match=r"^speed"):
         play.speed = 1.5
+
+
+def test_the_phase_may_change_by_what_the_motion_leaves_of_the_limits():
+    # q = a t^2 / 2: of the jerk, J - 6 a s'' is left; of the acceleration, A - v s''.
+    times = np.linspace(0.0, 1.0, 1001)
+    motion = lt.JointTrajectory(times, (0.5 * times**2)[:, None], joint_names=["j"])
+    for acceleration, jerk, bend in ((50.0, 3.0, 0.5), (1.4, 30.0, 0.4)):
+        limits = lt.arm.JointLimits(["j"], [-9.0], [9.0], [9.0], [acceleration], [jerk])
+        found, _ = playback._phase_limits(motion, limits)
+        assert found == pytest.approx(bend, rel=0.01)

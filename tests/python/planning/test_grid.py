@@ -27,7 +27,8 @@ def test_a_point_is_contained_exactly_if_it_has_a_cell(coordinates):
         assert (cell >= 0).all()
         assert (cell < GRID.shape).all()
     else:
-        with pytest.raises(InvalidInput, match="points"):
+        ends = r"from \[ 1.  -2.   0.5\] to \[ 1.3 -1.2  2. \]"
+        with pytest.raises(InvalidInput, match=f"points: expected points in the grid, {ends}"):
             GRID.cells_of(point)
 
 

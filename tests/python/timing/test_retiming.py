@@ -151,6 +151,15 @@ def test_velocities_off_the_path_or_too_fast_are_refused():
         lt.retime(path, PANDA, start_velocity=1.5 * along)
 
 
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_refused_velocity_names_the_joint_nearest_its_limit_whichever_way_it_moves(way):
+    limits = lt.arm.JointLimits(["a", "b"], [-9, -9], [9, 9], [2, 1], [9, 9], [99, 99])
+    line = np.array([[0.0, 0.0], [1.0, way]])
+    with pytest.raises(LimitsInfeasible) as error:
+        lt.retime(line, limits, start_velocity=3.0 * line[1])
+    assert error.value.joint == "b"
+
+
 def test_corners_stop_or_are_cut():
     way = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
     limits = limits_of(2)

@@ -54,3 +54,11 @@ def test_a_stroke_that_ends_beside_its_start_is_not_turned_around_by_a_small_mov
     assert all(
         (one is other) == kept for one, other in zip(faced(known, backwards), known, strict=True)
     )
+
+
+@pytest.mark.parametrize(("apart", "turned"), [(0.075, True), (0.04, False)])
+def test_a_motion_that_nearly_returns_is_turned_round_only_for_ends_clearly_apart(apart, turned):
+    angle = np.linspace(0.0, 1.0, 400) * (2.0 * np.pi - 2.0 * np.arcsin(np.pi * apart))
+    ring = np.column_stack([np.cos(angle), np.sin(angle)]) / (2.0 * np.pi)  # about 1 round
+    found = shown(ring).facing(ring[-1], ring[0])
+    assert np.array_equal(found.path[0], ring[-1 if turned else 0])

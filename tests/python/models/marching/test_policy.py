@@ -66,6 +66,16 @@ def test_speed_leaves_the_start_and_falls_near_the_goal(skill):
     assert speeds[0] < 0.1 * mean
 
 
+def test_speed_falls_in_proportion_to_what_is_left_where_others_went_on(skill):
+    policy = skill.policy_to((0.2, 0.1))  # half-way, where the demonstration is fastest
+    points = walk(policy, (0.0, 0.0), steps=1000)
+    left = np.linalg.norm(points - (0.2, 0.1), axis=1)
+    near = (left > 2.0 * policy.grid.spacing.max()) & (left < 0.015)
+    rates = [np.linalg.norm(policy(point)) for point in points[near]] / left[near]
+    assert near.sum() > 5
+    np.testing.assert_allclose(rates, rates[0], rtol=1e-3)
+
+
 def test_policy_to_another_goal_goes_around_obstacles(skill):
     box = lt.Box((0.05, 0.05, 0.2), (0.2, 0.1, 0.0))
     policy = skill.policy_to((0.45, 0.05), obstacles=[box])
