@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation, Slerp
 
-from leadthrough import rotations
+from leadthrough import rotations, trajectories
 from leadthrough.errors import InvalidInput
 
 unit_quaternions = (
@@ -86,6 +86,16 @@ def test_interpolate_agrees_with_scipy():
     q = curve(times)
     theirs = Slerp(times, Rotation.from_quat(q[:, [1, 2, 3, 0]]))(at).as_quat()[:, [3, 0, 1, 2]]
     assert rotations.distance(rotations.interpolate(times, q, at), theirs).max() < 1e-14
+
+
+def test_the_curve_of_slerps_is_scipys_and_passes_through_every_sample():
+    times, between = uneven(30), np.linspace(0, 1.99, 301)
+    q = curve(times)
+    slerps = trajectories.Slerp(times, q)
+    theirs = Slerp(times, Rotation.from_quat(q[:, [1, 2, 3, 0]]))(between).as_quat()
+    found = slerps.evaluate(between)
+    assert rotations.distance(found, theirs[:, [3, 0, 1, 2]]).max() < 1e-14
+    np.testing.assert_array_equal(slerps.evaluate(times), slerps.quaternions)
 
 
 def test_squad_has_the_velocity_of_the_samples_on_both_sides_of_each():

@@ -151,8 +151,9 @@ def test_contradicting_via_points_are_refused(skill):
     np.testing.assert_allclose(
         fixed.condition(1.0, [0.5, 1.0, 1.5]).weights.mean, fixed.weights.mean, atol=1e-9
     )
-    with pytest.raises(InvalidInput, match="position"):
-        fixed.condition(1.0, [0.6, 1.0, 1.5])
+    for aside in (0.1, -0.1):
+        with pytest.raises(InvalidInput, match="position"):
+            fixed.condition(1.0, [0.5 + aside, 1.0, 1.5])
     with pytest.raises(InvalidInput, match="start"):
         skill.condition(0.0, [0.0, 0.0, 0.1]).generate(start=[0.0, 0.0, 0.2])
 
