@@ -95,10 +95,11 @@ def test_wrong_arguments_are_named(panda, motion):
 
 
 def test_the_phase_may_change_by_what_the_motion_leaves_of_the_limits():
-    # q = a t^2 / 2: of the jerk, J - 6 a s'' is left; of the acceleration, A - v s''.
+    # q = t^2 moves and bends by 2 at most: (A - 2) / 2 and J / 12 bound the phase's acceleration,
+    # half of J / 2 its jerk.
     times = np.linspace(0.0, 1.0, 1001)
-    motion = lt.JointTrajectory(times, (0.5 * times**2)[:, None], joint_names=["j"])
-    for acceleration, jerk, bend in ((50.0, 3.0, 0.5), (1.4, 30.0, 0.4)):
+    motion = lt.JointTrajectory(times, times[:, None] ** 2, joint_names=["j"])
+    for acceleration, jerk, bend, change in ((50.0, 6.0, 0.5, 1.5), (2.8, 60.0, 0.4, 15.0)):
         limits = lt.arm.JointLimits(["j"], [-9.0], [9.0], [9.0], [acceleration], [jerk])
-        found, _ = playback._phase_limits(motion, limits)
-        assert found == pytest.approx(bend, rel=0.01)
+        found = playback._phase_limits(motion, limits)
+        np.testing.assert_allclose(found, (bend, change), rtol=0.01)

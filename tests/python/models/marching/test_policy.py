@@ -110,6 +110,10 @@ def test_motion_that_returns_goes_round_and_does_not_stand_still_at_its_start(di
     model = lt.FastMarching(resolution=None if dimensions == 2 else 0.012)
     skill = model.fit([ring(seed, dimensions=dimensions) for seed in range(3)])
     shown = skill.experience[0]
+    taught = np.linalg.norm(np.gradient(shown, 2.0 / 299, axis=0), axis=1)
+    for sample in (60, 100, 150, 200, 240):
+        speed = np.linalg.norm(skill.policy(shown[sample]))
+        assert speed == pytest.approx(taught[sample], rel=0.1)
     for off in (0.0, 0.003, -0.003):
         points = walk(skill.policy, shown[0] + off, steps=1200)
         length = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
