@@ -204,7 +204,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
             return seen
         check.integer(order, "order", at_least=0, at_most=2)
         several = isinstance(time, list | tuple) or getattr(time, "ndim", 0) > 0
-        phases = self._phases(time if several else [cast(float, time)], "time")
+        phases = self._phases(time if several else [cast(float, time)], "time", at_least=1)
         if columns is None and order == 0 and self.chart.kind == "poses":
             if several:
                 raise InvalidInput("time: expected one time for a pose; call again for more")

@@ -158,6 +158,12 @@ def test_contradicting_via_points_are_refused(skill):
         skill.condition(0.0, [0.0, 0.0, 0.1]).generate(start=[0.0, 0.0, 0.2])
 
 
+@pytest.mark.parametrize("covariance", [None, np.eye(3)])
+def test_no_via_points_at_all_are_refused(skill, covariance):
+    with pytest.raises(InvalidInput, match="time: expected"):
+        skill.condition([], np.empty((0, 3)), covariance=covariance)
+
+
 def test_via_points_too_close_for_the_basis_are_refused_with_their_times(skill):
     mean = skill.distribution([1.0, 1.02])[0]
     apart = 0.3 * np.array([[1.0], [-1.0]]) * skill.scale
