@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -12,6 +12,7 @@ from leadthrough.cli import chain, options
 if TYPE_CHECKING:
     from leadthrough.timing import Binding
 
+_NO_LIMIT = "no limit"
 _ROUNDED = 1e-2  # rad (m), the tolerance of a path that is free of a hand's tremor
 
 
@@ -80,7 +81,7 @@ def retime(
             jacobian=None if tip_speed is None else arm.jacobian,
             inverse_dynamics=arm.inverse_dynamics if torques else None,
         )
-    bindings = timing.binding_limits(timed, arm.limits)
+    limited = _limited_by(timing.binding_limits(timed, arm.limits))
     if start is not None:
         with errors.naming(state="--start"):
             timed = connect(parse.numbers(start, "--start"), timed, arm, obstacles=around)
@@ -92,13 +93,14 @@ def retime(
         "duration": timed.duration,
         "samples": len(timed.times),
         "rate": rate,
-        "limited_by": _fractions(bindings),
+        "limited_by": _fractions(limited),
     }
     units = {"duration_before": "s", "duration": "s", "rate": "Hz"}
     tables.facts(found, as_json=as_json, units=units)
-    if path_tolerance < _ROUNDED and _unbound(bindings) > 0.5:
+    unbound, total = limited.get(_NO_LIMIT, 0.0), sum(limited.values())
+    if path_tolerance < _ROUNDED and unbound > 0.5 * total:
         tables.note(
-            f"for {_unbound(bindings):.0%} of the time no limit binds: small bends of the path, "
+            f"for {unbound / total:.0%} of the time no limit binds: small bends of the path, "
             "such as tremor, hold the motion back; a larger --path-tolerance, up to 1e-2, rounds "
             "them"
         )
@@ -109,18 +111,17 @@ def retime(
             chain.advise(f"run {out} on the robot")
 
 
-def _unbound(bindings: Sequence[Binding]) -> float:
-    """The fraction of the time at which no limit binds."""
-    lengths = [(each.end - each.start, each.binds) for each in bindings]
-    return sum(length for length, binds in lengths if not binds) / sum(each for each, _ in lengths)
-
-
-def _fractions(bindings: Sequence[Binding]) -> list[str]:
-    """Which limits bind and for which fraction of the time, the longest first."""
-    total = sum(each.end - each.start for each in bindings)
+def _limited_by(bindings: Sequence[Binding]) -> dict[str, float]:
+    """How long each limit binds, or none does, s."""
     lengths: dict[str, float] = {}
     for each in bindings:
-        name = f"{each.joint} {each.kind}" if each.binds else "no limit"
+        name = f"{each.joint} {each.kind}" if each.binds else _NO_LIMIT
         lengths[name] = lengths.get(name, 0.0) + each.end - each.start
-    ranked = sorted(lengths.items(), key=lambda item: -item[1])
+    return lengths
+
+
+def _fractions(limited: Mapping[str, float]) -> list[str]:
+    """Which limits bind and for which fraction of the time, the longest first."""
+    total = sum(limited.values())
+    ranked = sorted(limited.items(), key=lambda item: -item[1])
     return [f"{name} {length / total:.0%}" for name, length in ranked if length > 0.005 * total]

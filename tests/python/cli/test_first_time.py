@@ -79,6 +79,15 @@ def test_a_path_with_tremor_is_told_what_makes_it_faster(folder):
     assert facts(*limited, "--path-tolerance", "1e-2")["duration"] < facts(*limited)["duration"]
 
 
+def test_a_motion_that_stands_still_is_its_one_sample(folder):
+    header, first = Path("recordings/rec0.csv").read_text().splitlines()[:2]
+    rows = "".join(f"{0.1 * i:.1f},{first.partition(',')[2]}\n" for i in range(20))
+    Path("still.csv").write_text(f"{header}\n{rows}")
+    arm = ("--robot", "arm.urdf", "--tip", TIP, "--limits", "arm.toml")
+    found = facts("retime", "still.csv", *arm, "-o", "timed.csv")
+    assert (found["samples"], found["duration"], found["limited_by"]) == (1, 0.0, [])
+
+
 def test_a_data_set_in_an_unknown_unit_can_be_seen_once_the_unit_is_given(folder):
     episodes = [np.column_stack([np.degrees(q), opening]) for q, opening in motions()]
     save(Path("set"), episodes)
