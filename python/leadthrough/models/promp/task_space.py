@@ -56,6 +56,8 @@ def through(
             value.
     """
     wanted = check.array(value, "value", shape=("p",))
+    if len(wanted) == 0:
+        raise InvalidInput("value: expected at least one number, got none")
     q = rows @ skill.free.mean
     for _ in range(_MOST_STEPS):
         reached, jacobian = _evaluated(task, q, len(wanted))

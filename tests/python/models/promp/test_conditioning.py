@@ -162,6 +162,8 @@ def test_contradicting_via_points_are_refused(skill):
 def test_no_via_points_at_all_are_refused(skill, covariance):
     with pytest.raises(InvalidInput, match="time: expected"):
         skill.condition([], np.empty((0, 3)), covariance=covariance)
+    with pytest.raises(InvalidInput, match="value: expected at least one"):
+        skill.condition_task(1.0, [], lambda q: (q[:0], np.empty((0, 3))))
 
 
 def test_via_points_too_close_for_the_basis_are_refused_with_their_times(skill):
