@@ -7,42 +7,19 @@
 #include <utility>
 #include <vector>
 
-#include "bind/parts.hpp"
+#include "bind/cells.hpp"
 #include "field/cell_set.hpp"
 #include "field/descent.hpp"
 #include "field/path_distance.hpp"
 #include "field/sparse_distance.hpp"
 #include "field/sparse_march.hpp"
+#include "field/waves.hpp"
 
 namespace py = pybind11;
 
 namespace leadthrough {
 
 namespace {
-
-template <typename T>
-using CArray = py::array_t<T, py::array::c_style>;
-
-// A 2D grid gets a first axis of one cell.
-Grid grid_of(const std::vector<Index>& shape, const std::vector<double>& spacing) {
-  require((shape.size() == 2 || shape.size() == 3) && spacing.size() == shape.size());
-  Grid grid;
-  const std::size_t lead = 3 - shape.size();
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (axis >= lead) grid.shape[axis] = shape[axis - lead];
-    grid.spacing[axis] = spacing[axis < lead ? 0 : axis - lead];
-    require(grid.shape[axis] > 0 && std::isfinite(grid.spacing[axis]) && grid.spacing[axis] > 0.0);
-  }
-  return grid;
-}
-
-std::vector<Index> ascending_cells(const Grid& grid, const CArray<Index>& cells) {
-  require(cells.ndim() == 1);
-  const Index *first = cells.data(), *last = first + cells.size();
-  require(std::adjacent_find(first, last, [](Index a, Index b) { return a >= b; }) == last);
-  require(first == last || (*first >= 0 && last[-1] < grid.size()));
-  return {first, last};
-}
 
 std::vector<Point> points_of(const CArray<double>& rows) {
   require(rows.ndim() == 2 && (rows.shape(1) == 2 || rows.shape(1) == 3));
@@ -76,21 +53,35 @@ class BoundCells {
 
   py::array_t<double> march(const CArray<double>& speed, const CArray<Index>& cells,
                             const CArray<double>& times, double source_radius, Index stop) const {
-    require_speeds(speed);
-    require(cells.ndim() == 1 && times.ndim() == 1 && cells.size() == times.size());
     require(source_radius >= 0.0 && (source_radius == 0.0 || cells.size() == 1));
-    std::vector<Source> sources;
-    for (py::ssize_t n = 0; n < cells.size(); ++n) {
-      require(times.at(n) >= 0.0 && std::isfinite(times.at(n)));
-      sources.push_back({cells.at(n), times.at(n)});
-    }
+    std::vector<Source> sources = sources_of(cells, times);
     std::vector<double> arrival;
     {
       const py::gil_scoped_release release;
+      require_speeds(speed);
       if (source_radius > 0.0) sources = with_ball(set_, speed.data(), sources[0], source_radius);
       arrival = march_second_order(set_, speed.data(), sources, stop);
     }
-    return as_array(arrival);
+    return moved_array(std::move(arrival));
+  }
+
+  // What waves from both ends tell, each end with a flag: whether it lies outside.
+  py::tuple waves(const CArray<double>& speed, const std::array<CArray<Index>, 2>& entries,
+                  const std::array<CArray<double>, 2>& times,
+                  const std::array<bool, 2>& are_outside, double reach) const {
+    require(reach >= 0.0);
+    std::array<WayEnd, 2> ends;
+    for (std::size_t n = 0; n < 2; ++n) {
+      ends[n] = {sources_of(entries[n], times[n]), are_outside[n]};
+      require(are_outside[n] || ends[n].entries.size() == 1);
+    }
+    Waves found;
+    {
+      const py::gil_scoped_release release;
+      require_speeds(speed);
+      found = waves_between(set_, speed.data(), ends[0], ends[1], reach);
+    }
+    return py::make_tuple(moved_array(std::move(found.through)), found.arrival, found.is_open);
   }
 
   py::tuple follow_down(const CArray<double>& arrival, const std::vector<double>& start,
@@ -111,6 +102,7 @@ class BoundCells {
 
   bool is_open(const CArray<double>& times) const {
     require(times.ndim() == 1 && static_cast<std::size_t>(times.size()) == set_.size());
+    const py::gil_scoped_release release;
     return set_.is_open(times.data());
   }
 
@@ -126,9 +118,18 @@ class BoundCells {
 
  private:
   static CellSet make(const Grid& grid, const CArray<Index>& cells) {
-    std::vector<Index> checked = ascending_cells(grid, cells);
     const py::gil_scoped_release release;
-    return {grid, std::move(checked)};
+    return {grid, ascending_cells(grid, cells)};
+  }
+
+  static std::vector<Source> sources_of(const CArray<Index>& cells, const CArray<double>& times) {
+    require(cells.ndim() == 1 && times.ndim() == 1 && cells.size() == times.size());
+    std::vector<Source> sources;
+    for (py::ssize_t n = 0; n < cells.size(); ++n) {
+      require(times.at(n) >= 0.0 && std::isfinite(times.at(n)));
+      sources.push_back({cells.at(n), times.at(n)});
+    }
+    return sources;
   }
 
   void require_speeds(const CArray<double>& speed) const {
@@ -151,7 +152,7 @@ class BoundCells {
       const py::gil_scoped_release release;
       found = distance_transform(set_, mask, outside);
     }
-    return as_array(found);
+    return moved_array(std::move(found));
   }
 
   std::size_t dimensions_;
@@ -162,13 +163,12 @@ py::array_t<Index> widened(const std::vector<Index>& shape, const std::vector<do
                            const CArray<Index>& cells, double radius) {
   require(std::isfinite(radius) && radius >= 0.0);
   const Grid grid = grid_of(shape, spacing);
-  const std::vector<Index> given = ascending_cells(grid, cells);
   std::vector<Index> found;
   {
     const py::gil_scoped_release release;
-    found = cells_within(grid, given, radius);
+    found = cells_within(grid, ascending_cells(grid, cells), radius);
   }
-  return as_array(found);
+  return moved_array(std::move(found));
 }
 
 py::array_t<Index> refined(const std::vector<Index>& coarse_shape,
@@ -176,7 +176,12 @@ py::array_t<Index> refined(const std::vector<Index>& coarse_shape,
   const std::vector<double> unit(coarse_shape.size(), 1.0);
   const Grid coarse = grid_of(coarse_shape, unit), fine = grid_of(fine_shape, unit);
   for (int axis = 0; axis < 3; ++axis) require(coarse.shape[axis] == (fine.shape[axis] + 1) / 2);
-  return as_array(finer_cells(coarse, fine, ascending_cells(coarse, cells)));
+  std::vector<Index> found;
+  {
+    const py::gil_scoped_release release;
+    found = finer_cells(coarse, fine, ascending_cells(coarse, cells));
+  }
+  return moved_array(std::move(found));
 }
 
 py::array_t<double> distances_to_path(const CArray<double>& points, const CArray<double>& path,
@@ -222,6 +227,8 @@ void bind_cells(py::module_& module) {
       .def("find", &BoundCells::find, py::arg("cells").noconvert())
       .def("march", &BoundCells::march, py::arg("speed").noconvert(), py::arg("cells").noconvert(),
            py::arg("times").noconvert(), py::arg("source_radius"), py::arg("stop"))
+      .def("waves", &BoundCells::waves, py::arg("speed").noconvert(), py::arg("cells"),
+           py::arg("times"), py::arg("are_outside"), py::arg("reach"))
       .def("descend", &BoundCells::follow_down, py::arg("arrival").noconvert(), py::arg("start"),
            py::arg("goal"), py::arg("step"))
       .def("is_open", &BoundCells::is_open, py::arg("times").noconvert())

@@ -15,8 +15,7 @@ namespace {
 Eigen::VectorXd distances(const Shape& shape, const Eigen::Ref<const Rows3>& points) {
   const py::gil_scoped_release release;
   Eigen::VectorXd result(points.rows());
-  for (Eigen::Index i = 0; i < points.rows(); ++i)
-    result[i] = signed_distance(shape, points.row(i)).distance;
+  for (Eigen::Index i = 0; i < points.rows(); ++i) result[i] = distance_to(shape, points.row(i));
   return result;
 }
 

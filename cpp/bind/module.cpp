@@ -6,6 +6,7 @@ PYBIND11_MODULE(_core, module) {
   leadthrough::bind_cells(module);
   leadthrough::bind_chain(module);
   leadthrough::bind_shapes(module);  // before those that take shapes
+  leadthrough::bind_blocks(module);
   leadthrough::bind_collision(module);
   leadthrough::bind_dmp(module);
   leadthrough::bind_dynamics(module);

@@ -12,6 +12,7 @@
 namespace leadthrough {
 
 void bind_alignment(pybind11::module_& module);
+void bind_blocks(pybind11::module_& module);
 void bind_cells(pybind11::module_& module);
 void bind_chain(pybind11::module_& module);
 void bind_collision(pybind11::module_& module);

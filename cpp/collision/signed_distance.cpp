@@ -69,6 +69,29 @@ SignedDistance in_own_frame(const Shape& shape, const Eigen::Vector3d& point) {
   }
 }
 
+double length(double x, double y, double z) { return std::sqrt(x * x + z * z + y * y); }
+
+double to_box(const Eigen::Vector3d& point, const Eigen::Vector3d& half) {
+  const Eigen::Vector3d outside = point.cwiseAbs() - half, beyond = outside.cwiseMax(0.0);
+  return length(beyond.x(), beyond.y(), beyond.z()) + std::min(outside.maxCoeff(), 0.0);
+}
+
+double to_cylinder(const Eigen::Vector3d& point, double half, double radius) {
+  const double side = std::hypot(point.x(), point.y()) - radius;
+  const double end = std::abs(point.z()) - half;
+  return std::hypot(std::max(side, 0.0), std::max(end, 0.0)) + std::min(std::max(side, end), 0.0);
+}
+
+double to_segment(const Eigen::Vector3d& point, double half, double radius) {
+  const double along = std::min(std::max(point.z(), -half), half);
+  return length(point.x(), point.y(), point.z() - along) - radius;
+}
+
+// As seen from a frame that is turned so.
+Eigen::Vector3d turned_back(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& v) {
+  return v.x() * rotation.row(0) + v.y() * rotation.row(1) + v.z() * rotation.row(2);
+}
+
 }  // namespace
 
 Shape make_shape(ShapeKind kind, const Eigen::Vector3d& sizes, const Eigen::Matrix3d& rotation,
@@ -111,6 +134,22 @@ SignedDistance signed_distance(const Shape& shape, const Eigen::Vector3d& point)
   SignedDistance answer = in_own_frame(shape, local);
   answer.gradient = (shape.rotation * answer.gradient).eval();
   return answer;
+}
+
+double distance_to(const Shape& shape, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d offset = point - shape.position;
+  switch (shape.kind) {
+    case ShapeKind::kSphere:
+      return length(offset.x(), offset.y(), offset.z()) - shape.radius;
+    case ShapeKind::kBox:
+      return to_box(turned_back(shape.rotation, offset), shape.half);
+    case ShapeKind::kCylinder:
+      return to_cylinder(turned_back(shape.rotation, offset), shape.half.z(), shape.radius);
+    case ShapeKind::kCapsule:
+      return to_segment(turned_back(shape.rotation, offset), shape.half.z(), shape.radius);
+    default:
+      return signed_distance(shape, point).distance;
+  }
 }
 
 double reach_of(const Shape& shape, const Eigen::Vector3d& direction) {

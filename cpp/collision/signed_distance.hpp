@@ -55,6 +55,9 @@ Shape make_cloud(std::shared_ptr<const Cloud> cloud, const Eigen::Matrix3d& rota
 // Of several hulls or balls, to the one that the point is nearest to or deepest in.
 SignedDistance signed_distance(const Shape& shape, const Eigen::Vector3d& point);
 
+// The distance alone, which takes half the time or less.
+double distance_to(const Shape& shape, const Eigen::Vector3d& point);
+
 // How far a shape reaches from its position along a unit vector.
 double reach_of(const Shape& shape, const Eigen::Vector3d& direction);
 

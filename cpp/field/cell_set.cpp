@@ -71,7 +71,8 @@ struct Chord {
 
 std::vector<Chord> chords_of(const Grid& grid, double radius) {
   const auto reach = [&](int axis) {
-    return std::min(static_cast<Index>(radius / grid.spacing[axis]), grid.shape[axis] - 1);
+    const double most = static_cast<double>(grid.shape[axis] - 1);
+    return static_cast<Index>(std::min(radius / grid.spacing[axis], most));
   };
   std::vector<Chord> chords;
   for (Index x = -reach(0); x <= reach(0); ++x) {

@@ -720,6 +720,35 @@ def march_batch_float64(
     threads: int,
 ) -> list[Float64Array]: ...
 
+class Blocks:
+    def __init__(
+        self, shape: Sequence[int], spacing: Sequence[float], first: Sequence[float], reach: float
+    ) -> None: ...
+    def centres(self, numbers: NDArray[np.int64]) -> Float64Array: ...
+
+class Walls:
+    def __init__(
+        self,
+        cells: Blocks,
+        margin: float,
+        shapes: Sequence[Shape],
+        middles: Float64Array,
+        half_extents: Float64Array,
+    ) -> None: ...
+    def hold(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]: ...
+    def distances(self, numbers: NDArray[np.int64], most: float) -> Float64Array: ...
+    def farthest(self, blocks: Blocks, numbers: NDArray[np.int64], most: float) -> Float64Array: ...
+    def nearest(self, blocks: Blocks, numbers: NDArray[np.int64], most: float) -> Float64Array: ...
+
+def tube_speeds(
+    blocks: Blocks,
+    numbers: NDArray[np.int64],
+    paths: Sequence[Float64Array],
+    weights: Sequence[float],
+    radius: float,
+    saturation: float,
+) -> Float64Array: ...
+
 class CellSet:
     def __init__(
         self, shape: Sequence[int], spacing: Sequence[float], cells: NDArray[np.int64]
@@ -733,6 +762,14 @@ class CellSet:
         source_radius: float,
         stop: int,
     ) -> Float64Array: ...
+    def waves(
+        self,
+        speed: Float64Array,
+        cells: Sequence[NDArray[np.int64]],
+        times: Sequence[Float64Array],
+        are_outside: Sequence[bool],
+        reach: float,
+    ) -> tuple[Float64Array, float, bool]: ...
     def descend(
         self, arrival: Float64Array, start: Sequence[float], goal: Sequence[float], step: float
     ) -> tuple[str, Float64Array]: ...

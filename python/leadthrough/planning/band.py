@@ -187,20 +187,15 @@ class _Search:
     def _look(self, blocks: Blocks, numbers: Numbers) -> _Seen:
         """What waves from both ends through given blocks tell."""
         cells = _core.CellSet(blocks.shape, blocks.spacing, numbers)
-        speed = self._field.fastest(blocks, numbers)
-        start, goal = self._ends(blocks, numbers)
-        from_start, from_goal = start.wave(cells, speed), goal.wave(cells, speed)
-        there = float(start.reached(cells, from_goal).min(initial=np.inf))
-        back = float(goal.reached(cells, from_start).min(initial=np.inf))
-        # A wave does not see the way from a block's centre to an end in it.
-        unseen = sum(
-            blocks.reach / float(speed[cells.find(end.numbers)[0]])
-            for end in (start, goal)
-            if not end.is_outside
+        ends = self._ends(blocks, numbers)
+        through, arrival, is_open = cells.waves(
+            self._field.fastest(blocks, numbers),
+            [end.numbers for end in ends],
+            [end.times for end in ends],
+            [end.is_outside for end in ends],
+            blocks.reach,
         )
-        # The two ways differ by the scheme's error, which is largest at the mouths of tubes.
-        arrival = max(there, back)
-        return _Seen(numbers, from_start + from_goal - unseen, arrival, cells.is_open(from_goal))
+        return _Seen(numbers, through, arrival, is_open)
 
     def _ends(self, blocks: Blocks, numbers: Numbers) -> tuple[_End, _End]:
         """Where waves from start and goal enter given blocks."""

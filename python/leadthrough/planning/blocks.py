@@ -35,25 +35,30 @@ class Blocks(Brief):
         """Number of blocks along every axis; the last ones may reach beyond the grid."""
         return tuple(-(-count >> self.level) for count in self.grid.shape)
 
-    @property
+    @cached_property
     def count(self) -> int:
         """Number of blocks in all."""
         return math.prod(self.shape)
 
-    @property
+    @cached_property
     def spacing(self) -> list[float]:
         """Distance between neighbours' centres along every axis."""
         return [float(step) * 2**self.level for step in self.grid.spacing]
 
-    @property
+    @cached_property
     def reach(self) -> float:
         """From a block's centre to the farthest centre of its cells."""
         return 0.5 * float((2**self.level - 1) * np.linalg.norm(self.grid.spacing))
 
     def centres(self, numbers: Numbers) -> Float64Array:
         """Centres (n, d) of blocks."""
+        return self.compiled.centres(numbers)
+
+    @cached_property
+    def compiled(self) -> _core.Blocks:
+        """The blocks as the compiled core takes them."""
         first = self.grid.origin + 0.5 * (2**self.level - 1) * self.grid.spacing
-        return _core.cell_centres(self.shape, self.spacing, first.tolist(), numbers)
+        return _core.Blocks(self.shape, self.spacing, first.tolist(), self.reach)
 
     def around(self, cells: CellArray) -> Numbers:
         """Numbers of the blocks that hold cells of the grid, (n, d)."""

@@ -180,8 +180,9 @@ class TubeField:
         saturation: float,
     ) -> None:
         self.grid = grid
+        self._cells = Blocks(grid, 0)
         self._paths = [np.ascontiguousarray(fine_samples(path, grid)) for path in paths]
-        self._weights = weights
+        self._weights = [float(weight) for weight in weights]
         self._radius = area_of_influence
         self.outside = self._saturation = saturation
 
@@ -196,21 +197,16 @@ class TubeField:
 
     def at(self, cells: Numbers) -> Float64Array:
         """Speeds (n,) of cells."""
-        return self._speeds(Blocks(self.grid, 0), cells)
+        return self._speeds(self._cells, cells)
 
     def fastest(self, blocks: Blocks, numbers: Numbers) -> Float64Array:
         """Upper bounds (n,) of the speeds of the cells of blocks."""
         return self._speeds(blocks, numbers)
 
     def _speeds(self, blocks: Blocks, numbers: Numbers) -> Float64Array:
-        points = blocks.centres(numbers)
-        closeness = np.zeros(len(points))
-        for path, weight in zip(self._paths, self._weights, strict=True):
-            distance = _core.path_distances(points, path, self._radius + blocks.reach)
-            nearest = np.maximum(distance - blocks.reach, 0.0)
-            near = weight * np.maximum(1.0 - nearest / self._radius, 0.0)
-            closeness = np.maximum(closeness, near)
-        return np.asarray(self._saturation + (1.0 - self._saturation) * closeness)
+        return _core.tube_speeds(
+            blocks.compiled, numbers, self._paths, self._weights, self._radius, self._saturation
+        )
 
 
 class HinderedField:

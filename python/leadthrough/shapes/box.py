@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
-from leadthrough.shapes.placed import UNTURNED, Turned, length, pose
+from leadthrough.shapes.placed import UNTURNED, Turned, pose
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -47,19 +47,6 @@ class Box(Turned):
     def half_extents(self) -> Float64Array:
         """Half the edges (3,), m, of its bounding box parallel to the base's axes."""
         return np.asarray(np.abs(self._matrix) @ (0.5 * self.size))
-
-    def distance(self, points: ArrayLike) -> Float64Array:
-        """Signed distances (n,) of points, m.
-
-        Args:
-            points: m in the base frame, (n, 3).
-
-        Raises:
-            InvalidInput: if they are not finite points of that shape.
-        """
-        outside = np.abs(self._local(points)) - 0.5 * self.size
-        deepest = np.maximum(np.maximum(outside[:, 0], outside[:, 1]), outside[:, 2])
-        return length(np.maximum(outside, 0.0)) + np.minimum(deepest, 0.0)
 
     def _compile(self) -> _core.Shape:
         return _core.box_shape(self.size, self.position, self.orientation)

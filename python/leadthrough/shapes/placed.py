@@ -46,6 +46,17 @@ class Placed(Brief, ABC):
         vars(moved).update((name, here[name]) for name in here if name in vars(self))
         return moved
 
+    def distance(self, points: ArrayLike) -> Float64Array:
+        """Signed distances (n,) of points, m; of several parts, to the nearest or deepest one.
+
+        Args:
+            points: m in the base frame, (n, 3).
+
+        Raises:
+            InvalidInput: if they are not finite points of that shape.
+        """
+        return self._compiled.distances(check.array(points, "points", shape=("n", 3)))
+
     @cached_property
     def _compiled(self) -> _core.Shape:
         """The shape as the compiled core takes it."""
@@ -70,15 +81,6 @@ class Turned(Placed):
         """The rotation (3, 3) from the shape's own frame to the base's."""
         return np.asarray(rotations.to_matrix(self.orientation[None])[0])
 
-    def _local(self, points: ArrayLike) -> Float64Array:
-        """Points (n, 3) as they are seen from the shape's own frame.
-
-        Raises:
-            InvalidInput: if they are not finite points of that shape.
-        """
-        offsets = check.array(points, "points", shape=("n", 3)) - self.position
-        return np.asarray(offsets @ self._matrix)
-
 
 class Bounded(Turned):
     """A shape that is known by points: its corners, or the centres of its balls."""
@@ -99,17 +101,6 @@ class Bounded(Turned):
     def bounding_radius(self) -> float:
         """Radius of the ball around its middle that contains it, m."""
         return float(length(self._outline() - self.middle).max()) + self._rounding
-
-    def distance(self, points: ArrayLike) -> Float64Array:
-        """Signed distances (n,) of points, m; inside, from the part that each lies deepest in.
-
-        Args:
-            points: m in the base frame, (n, 3).
-
-        Raises:
-            InvalidInput: if they are not finite points of that shape.
-        """
-        return self._compiled.distances(check.array(points, "points", shape=("n", 3)))
 
     @cached_property
     def _corners(self) -> tuple[Float64Array, Float64Array]:

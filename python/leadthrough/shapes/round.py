@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
-from leadthrough.shapes.placed import UNTURNED, Placed, Turned, length, pose
+from leadthrough.shapes.placed import UNTURNED, Placed, Turned, pose
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -42,18 +42,6 @@ class Sphere(Placed):
     def half_extents(self) -> Float64Array:
         """Half the edges (3,), m, of its bounding box."""
         return np.full(3, self.radius)
-
-    def distance(self, points: ArrayLike) -> Float64Array:
-        """Signed distances (n,) of points, m.
-
-        Args:
-            points: m in the base frame, (n, 3).
-
-        Raises:
-            InvalidInput: if they are not finite points of that shape.
-        """
-        p = check.array(points, "points", shape=("n", 3))
-        return length(p - self.position) - self.radius
 
     def _compile(self) -> _core.Shape:
         return _core.sphere_shape(self.radius, self.position)
@@ -101,20 +89,6 @@ class Capsule(Turned):
     def half_extents(self) -> Float64Array:
         """Half the edges (3,), m, of its bounding box parallel to the base's axes."""
         return np.asarray(self.radius + 0.5 * self.length * np.abs(self._matrix[:, 2]))
-
-    def distance(self, points: ArrayLike) -> Float64Array:
-        """Signed distances (n,) of points, m.
-
-        Args:
-            points: m in the base frame, (n, 3).
-
-        Raises:
-            InvalidInput: if they are not finite points of that shape.
-        """
-        local = self._local(points)
-        half = 0.5 * self.length
-        local[:, 2] -= np.clip(local[:, 2], -half, half)
-        return length(local) - self.radius
 
     def _compile(self) -> _core.Shape:
         return _core.capsule_shape(self.radius, self.length, self.position, self.orientation)
@@ -164,21 +138,6 @@ class Cylinder(Turned):
         reach = np.abs(self._matrix)
         across = np.hypot(reach[:, 0], reach[:, 1])
         return np.asarray(self.radius * across + 0.5 * self.length * reach[:, 2])
-
-    def distance(self, points: ArrayLike) -> Float64Array:
-        """Signed distances (n,) of points, m.
-
-        Args:
-            points: m in the base frame, (n, 3).
-
-        Raises:
-            InvalidInput: if they are not finite points of that shape.
-        """
-        local = self._local(points)
-        side = np.hypot(local[:, 0], local[:, 1]) - self.radius
-        end = np.abs(local[:, 2]) - 0.5 * self.length
-        outside = np.hypot(np.maximum(side, 0.0), np.maximum(end, 0.0))
-        return np.asarray(outside + np.minimum(np.maximum(side, end), 0.0))
 
     def _compile(self) -> _core.Shape:
         return _core.cylinder_shape(self.radius, self.length, self.position, self.orientation)

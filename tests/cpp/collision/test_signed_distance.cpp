@@ -26,6 +26,7 @@ TEST(SignedDistance, GrowsAlongItsGradient) {
     for (const Vector3d& point : {Vector3d(0.9, 0.1, 0.2), Vector3d(0.3, -0.4, -0.1),
                                   Vector3d(0.52, 0.03, 0.01), Vector3d(0.48, 0.01, -0.01)}) {
       const SignedDistance here = signed_distance(shape, point);
+      EXPECT_NEAR(distance_to(shape, point), here.distance, 1e-14);
       EXPECT_NEAR(here.gradient.norm(), 1.0, 1e-12);
       const double ahead = signed_distance(shape, point + 1e-6 * here.gradient).distance;
       EXPECT_NEAR(ahead - here.distance, 1e-6, 1e-9);

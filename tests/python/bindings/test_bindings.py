@@ -14,15 +14,16 @@ FREE = dict(
     re.findall(
         r"(\S+?)\(([^)]*)\)",
         """
-    ArrivalField(cells speed)  CellSet(cells)  CellSet.find(cells)  Chain.forward_kinematics(q)
-    Chain.pose(q)  bridge_on_time(target)  bridge_to_start(target)  cells_within(cells)
-    cell_centres(cells)  condition_at(position noise)  dmp_poses(phases)
+    ArrivalField(cells speed)  Blocks.centres(numbers)  CellSet(cells)  CellSet.find(cells)
+    Chain.forward_kinematics(q)  Chain.pose(q)  bridge_on_time(target)  bridge_to_start(target)
+    cells_within(cells)  cell_centres(cells)  condition_at(position noise)  dmp_poses(phases)
     finer_cells(cells)  first_contact(samples)  first_excess(samples)  path_distances(path points)
     extent(rows)  slowed(path)  stopped(path)
     DmpForces(nodes)  DmpPath(coefficients)  dmp_peak_speeds(phases)
     IkOptions(posture reference)  PursuitOptions(acceleration velocity)  TimedPath(coefficients)
     Shape.distances(points)  TimedPath.positions_at(lengths)  all_finite(values)
-    cloud_shape(points)
+    cloud_shape(points)  tube_speeds(numbers)  Walls.distances(numbers)  Walls.farthest(numbers)
+    Walls.hold(numbers)  Walls.nearest(numbers)
     bounced(velocities)  check_motion(q)  clear_batch(q)
     condition_weights(basis)  descend(arrival)  directions(arrival points)
     distance_transform(mask)  dmp_orientations(values)  dmp_rollout(phases)

@@ -1,0 +1,44 @@
+#include "field/waves.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "field/sparse_march.hpp"
+
+namespace leadthrough {
+
+namespace {
+
+// When a wave from elsewhere is at an end.
+double arrival_at(const WayEnd& end, const CellSet& blocks, const std::vector<double>& times) {
+  double first = std::numeric_limits<double>::infinity();
+  for (const Source& entry : end.entries) {
+    const CellSet::Place place = blocks.find(entry.cell);
+    if (place != blocks.missing()) first = std::min(first, times[place] + entry.time);
+  }
+  return first;
+}
+
+// A wave does not see the way from a block's centre to an end in it.
+double unseen_at(const WayEnd& end, const CellSet& blocks, const double* speed, double reach) {
+  return end.is_outside ? 0.0 : reach / speed[blocks.find(end.entries.front().cell)];
+}
+
+}  // namespace
+
+Waves waves_between(const CellSet& blocks, const double* speed, const WayEnd& start,
+                    const WayEnd& goal, double reach) {
+  std::vector<double> through = march_second_order(blocks, speed, start.entries);
+  const std::vector<double> from_goal = march_second_order(blocks, speed, goal.entries);
+  // The two ways differ by the scheme's error, which is largest at the mouths of tubes.
+  const double arrival =
+      std::max(arrival_at(start, blocks, from_goal), arrival_at(goal, blocks, through));
+  const double unseen =
+      unseen_at(start, blocks, speed, reach) + unseen_at(goal, blocks, speed, reach);
+  std::transform(through.begin(), through.end(), from_goal.begin(), through.begin(),
+                 [&](double there, double back) { return there + back - unseen; });
+  return {std::move(through), arrival, blocks.is_open(from_goal.data())};
+}
+
+}  // namespace leadthrough

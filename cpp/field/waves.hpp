@@ -1,0 +1,28 @@
+#pragma once
+
+// Waves from both ends of a way through blocks, which tell what each block is good for.
+
+#include <vector>
+
+#include "field/blocks.hpp"
+#include "field/eikonal.hpp"
+
+namespace leadthrough {
+
+// Where a wave enters blocks, at the earliest, at the end of a way.
+struct WayEnd {
+  std::vector<Source> entries;
+  bool is_outside;  // beyond the blocks; else there is one entry
+};
+
+struct Waves {
+  std::vector<double> through;  // least times from end to end through each block of the set
+  double arrival;               // the later one of both waves'; infinite if there is no way
+  bool is_open;                 // whether there may be one beyond these blocks
+};
+
+// speed: of each block, above 0 at ends that lie in one. reach: as of `Blocks`.
+Waves waves_between(const CellSet& blocks, const double* speed, const WayEnd& start,
+                    const WayEnd& goal, double reach);
+
+}  // namespace leadthrough
