@@ -24,6 +24,7 @@ from leadthrough.show.scene import Scene
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+_SCRIPTS = ("vectors.js", "shaders.js", "painter.js", "pace.js", "scene.js")
 # Black lines and texts of figures have the colour of the page's own text.
 _INK = re.compile(rf"{palette.BLACK}\b|#000000\b")
 
@@ -60,7 +61,7 @@ def document(title: str, parts: Sequence[str] | str, *, whole: bool = False) -> 
         style=_resource("page.css"),
         kind="whole" if whole else "report",
         body="\n".join([parts] if isinstance(parts, str) else parts),
-        script=_resource("shaders.js") + _resource("scene.js"),
+        script="".join(map(_resource, _SCRIPTS)),
     )
 
 

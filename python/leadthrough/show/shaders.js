@@ -1,19 +1,34 @@
-// What scenes are drawn by, and how well: surfaces with light and shadow, the ground, and depths for the shadow.
-"use strict";
+// Programs of the graphics card: the sky, surfaces with light and shadow, the ground, and depths for the
+// shadow.
 
-const SHADOW_SIZE = 2048;
+const SHADOW_SIZE = 2048; // texels of a side
 
-// How frames are drawn: most pixels for one of the page, texels of the shadow's edge (-1: no
-// shadow), samples for a pixel. A still frame is drawn the first way; while something moves, the
-// first one that is quick enough counts.
-const WAYS = [
-  { ratio: 2, blur: 2, samples: 4 }, { ratio: 1, blur: 1, samples: 1 },
-  { ratio: 1, blur: -1, samples: 1 }, { ratio: 0.6, blur: -1, samples: 1 },
-  { ratio: 0.4, blur: -1, samples: 1 },
-];
-const SLOW = 22; // ms from frame to frame; a screen has 60 in a second
-const BY_PROCESSOR = /swiftshader|llvmpipe|softpipe|basic render|software/i; // names of renderers
-const STILL = 200; // ms without a movement
+const WHOLE_VERTEX = `#version 300 es
+out float height;
+void main() {
+  vec2 at = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0;
+  height = 0.5 + 0.5 * at.y;
+  gl_Position = vec4(at, 0.0, 1.0);
+}`;
+
+const SKY_FRAGMENT = `#version 300 es
+precision mediump float;
+in float height;
+uniform vec3 zenith, horizon;
+out vec4 result;
+void main() { result = vec4(mix(horizon, zenith, clamp((height - 0.3) / 0.7, 0.0, 1.0)), 1.0); }`;
+
+// What was kept of a frame before.
+const KEPT_FRAGMENT = `#version 300 es
+precision highp float;
+uniform sampler2D colours;
+uniform highp sampler2D depths;
+out vec4 result;
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  result = texelFetch(colours, at, 0);
+  gl_FragDepth = texelFetch(depths, at, 0).r;
+}`;
 
 const SURFACE_VERTEX = `#version 300 es
 layout(location = 0) in vec3 position;
@@ -48,20 +63,20 @@ float sunlight(float bias) {
 const SURFACE_FRAGMENT = `#version 300 es
 precision highp float;
 in vec3 place, facing;
-uniform vec3 colour, eye, sun;
+uniform vec3 colour, eye, sun; // the colour as amounts of light
 uniform float opacity;
 out vec4 result;
 ${SHADOW}
 void main() {
   vec3 n = normalize(gl_FrontFacing ? facing : -facing), v = normalize(eye - place);
-  vec3 base = pow(colour, vec3(2.2));
   float key = max(dot(n, sun), 0.0);
   if (key > 0.0) key *= sunlight(0.0025 + 0.004 * (1.0 - key));
   vec3 sky = mix(vec3(0.26, 0.25, 0.24), vec3(0.44, 0.46, 0.50), 0.5 + 0.5 * n.z);
   float fill = 0.16 * max(dot(n, normalize(v + vec3(0.0, 0.0, 0.2))), 0.0);
-  float shine = pow(max(dot(n, normalize(v + sun)), 0.0), 48.0) * step(0.001, key);
-  float rim = 0.10 * pow(1.0 - max(dot(n, v), 0.0), 3.0);
-  vec3 light = base * (sky + fill + vec3(0.62, 0.60, 0.56) * key) + vec3(0.10 * shine * key + rim * 0.4);
+  float gloss = max(dot(n, normalize(v + sun)), 0.0), edge = 1.0 - max(dot(n, v), 0.0);
+  gloss *= gloss; gloss *= gloss; gloss *= gloss; gloss *= gloss; // to the 16th
+  float shine = gloss * gloss * gloss * step(0.001, key), rim = 0.10 * edge * edge * edge;
+  vec3 light = colour * (sky + fill + vec3(0.62, 0.60, 0.56) * key) + vec3(0.10 * shine * key + rim * 0.4);
   result = vec4(pow(light, vec3(1.0 / 2.2)), opacity);
 }`;
 

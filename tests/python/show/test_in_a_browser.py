@@ -126,10 +126,55 @@ def test_play_goes_on_and_the_slider_follows(html):
 
 
 def test_frames_that_move_are_drawn_in_few_pixels_in_software_and_still_ones_in_all(html):
+    html.evaluate("leadthrough.scenes[0].pace = begun(BY_PROCESSOR)")
     html.evaluate("leadthrough.scenes[0].play(true)")
     html.wait_for_function("leadthrough.scenes[0].canvas.width < 640")
     html.evaluate("leadthrough.scenes[0].play(false)")
     html.wait_for_function("leadthrough.scenes[0].canvas.width === 640")
+
+
+def ways(tab, costs, *, frames, begin=0):
+    """The ways in which frames are drawn one after the other, by what each takes, ms.
+
+    A frame is shown with the next of the 60 of a second.
+    """
+    return tab.evaluate(
+        """([costs, frames, begin]) => {
+          let pace = begun(begin);
+          return Array.from({ length: frames }, () => {
+            pace = paced(pace, Math.max(1, Math.ceil(costs[pace.way] / FRAME)) * FRAME);
+            return pace.way;
+          });
+        }""",
+        [costs, frames, begin],
+    )
+
+
+def test_frames_are_drawn_in_the_finest_way_that_keeps_up(html):
+    count = html.evaluate("WAYS.length")
+    ratios = [way["ratio"] for way in html.evaluate("WAYS")]
+    assert ratios == sorted(ratios, reverse=True)
+    for quick in range(count):
+        costs = [40.0] * quick + [12.0] * (count - quick)
+        seen = ways(html, costs, frames=3600)
+        # Now and then the finer one is tried.
+        assert seen[120:].count(quick) > 0.95 * len(seen[120:])
+        assert seen[-1200:].count(quick - 1) < 20
+        assert set(seen) <= set(range(quick + 1))
+
+
+def test_machine_that_keeps_up_or_that_nothing_helps_gets_frames_in_full(html):
+    count = html.evaluate("WAYS.length")
+    assert set(ways(html, [16.0] * count, frames=3600)) == {0}
+    seen = ways(html, [33.0] * count, frames=3600)  # a screen of 30 Hz
+    assert set(seen[60:]) == {0}
+
+
+def test_one_stall_is_forgiven_and_a_way_that_has_become_quick_is_taken_again(html):
+    count = html.evaluate("WAYS.length")
+    assert html.evaluate("paced(paced(begun(0), 900), 16.6).way") == 0
+    assert html.evaluate("paced(begun(0), 60000).owed") == 0  # the window was out of sight
+    assert ways(html, [12.0] * count, frames=2400, begin=count - 1)[-1] == 0
 
 
 def test_slider_sets_the_time(html):
