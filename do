@@ -125,11 +125,10 @@ run_cpp_tests() {
   ctest --test-dir build/core --parallel "$(nproc)" --output-on-failure --no-tests=error
 }
 
-# run_sanitized_tests PRESET CMAKE_OPTION...
-run_sanitized_tests() {
+# build_sanitized PRESET CMAKE_OPTION...
+build_sanitized() {
   [ -f "build/$1/build.ninja" ] || cmake --preset "$@" >/dev/null
   cmake --build --preset "$1" -- --quiet
-  ctest --preset "$1" --parallel "$(nproc)"
 }
 
 # Calls every binding with AddressSanitizer; Python itself leaks by design.
@@ -188,12 +187,16 @@ main() {
       OPENBLAS_NUM_THREADS=1 .venv/bin/python -m pytest -n "$(nproc)" "$@"
       ;;
     sanitize)
-      need "${TEST_PACKAGES[@]}"
+      need "${BUILD_PACKAGES[@]}" "${TEST_PACKAGES[@]}"
+      # First what needs no Python: another run may still be installing the core.
+      build_sanitized tsan
+      ctest --preset tsan --parallel "$(nproc)"
       install_package test
-      run_sanitized_tests asan -DLEADTHROUGH_PYTHON=ON "-DPython_EXECUTABLE=$PWD/.venv/bin/python" \
+      build_sanitized asan -DLEADTHROUGH_PYTHON=ON "-DPython_EXECUTABLE=$PWD/.venv/bin/python" \
         "-Dpybind11_DIR=$(.venv/bin/python -m pybind11 --cmakedir)"
-      run_sanitized_bindings
-      run_sanitized_tests tsan
+      run_sanitized_bindings & # in one process, beside the others
+      ctest --preset asan --parallel "$(nproc)"
+      wait $!
       ;;
     bench)
       install_package bench
