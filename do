@@ -73,6 +73,8 @@ make_environment() {
   "$python" -c 'import os, sysconfig; open(os.path.join(sysconfig.get_path("include"), "Python.h"))' \
     2>/dev/null || need python3-dev
   "$python" -m venv .venv
+  # The pip of older Pythons takes twice the time to resolve and unpack.
+  .venv/bin/python -m pip install -q --disable-pip-version-check --upgrade pip
 }
 
 # A digest of all that the installed package is made from; Python files are used in place.

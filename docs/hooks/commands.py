@@ -15,7 +15,9 @@ _CHANGELOG = Path(__file__).parents[2] / "CHANGELOG.md"
 def on_page_markdown(markdown: str, **_: Any) -> str:
     if "{{ changelog }}" in markdown:
         markdown = markdown.replace("{{ changelog }}", _changelog())
-    return markdown.replace("{{ commands }}", "\n".join(_commands()))
+    if "{{ commands }}" in markdown:
+        markdown = markdown.replace("{{ commands }}", "\n".join(_commands()))
+    return markdown
 
 
 def _changelog() -> str:

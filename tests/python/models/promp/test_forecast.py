@@ -51,7 +51,7 @@ def least_error(count, *, factors, size=2, functions=12, families=200):
     return np.sqrt(left / plain)
 
 
-def forecasts(count, *, families=20, tests=4, weights=20, pace=0.0, rate=0.0, **family):
+def forecasts(count, *, families=12, tests=4, weights=20, pace=0.0, rate=0.0, **family):
     """Errors at the end over plain means', how often regions held it, and plain means' errors."""
     errors, plain, inside, normal = [], [], [], []
     for seed in range(families):
@@ -90,7 +90,7 @@ def test_forecasts_are_nearer_than_the_mean_and_know_how_near(count, most):
 @pytest.mark.parametrize(("count", "most"), [(4, 1.1), (6, 1.02), (12, 1.02), (40, 0.92)])
 def test_forecasts_of_motions_of_full_rank_are_near_what_can_be_known(count, most):
     """Who knows mean and covariance of such motions still misses by 0.7 of the plain mean."""
-    error, inside, normal, _ = forecasts(count, factors=24, families=12)
+    error, inside, normal, _ = forecasts(count, factors=24)
     assert least_error(count, factors=24) > 0.62
     assert error <= most
     assert inside >= 0.9
