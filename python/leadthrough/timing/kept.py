@@ -72,6 +72,31 @@ class Excess:
         )
 
 
+def check_positions(
+    positions: Float64Array, limits: JointLimits
+) -> tuple[Float64Array, Float64Array]:
+    """The least and the largest position (joints,) of each joint.
+
+    Args:
+        positions: positions (n, joints).
+        limits: of the joints.
+
+    Raises:
+        LimitsInfeasible: if a position lies outside its limits.
+    """
+    least, largest = _core.extent(positions)
+    outside = np.maximum(limits.lower - least, largest - limits.upper)
+    if outside.max() > _ROUNDING:
+        i = int(np.argmax(outside))
+        name = limits.joint_names[i]
+        raise LimitsInfeasible(
+            f"{name} leaves its position limits along the path, by {outside[i]:.3g}; a smooth path "
+            "may do so between samples that keep them",
+            joint=name,
+        )
+    return least, largest
+
+
 def excess(motion: Samples, limits: JointLimits, *, rests: tuple[bool, bool]) -> Excess | None:
     """What the samples exceed, or None.
 
@@ -83,13 +108,8 @@ def excess(motion: Samples, limits: JointLimits, *, rests: tuple[bool, bool]) ->
     Raises:
         LimitsInfeasible: if a position lies outside its limits.
     """
-    lower, upper = limits.lower - _ROUNDING, limits.upper + _ROUNDING
     positions = np.ascontiguousarray(motion.positions)
-    least, largest = _core.extent(positions)
-    outside = (least < lower) | (largest > upper)
-    if outside.any():
-        name = limits.joint_names[int(np.argmax(outside))]
-        raise LimitsInfeasible(f"{name} leaves its position limits along the path", joint=name)
+    least, largest = check_positions(positions, limits)
     still = largest - least <= AT_REST
     order, sample, joint, ratio = _core.largest_use(
         motion.times,

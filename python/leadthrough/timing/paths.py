@@ -72,7 +72,7 @@ def _cut_samples(times: Float64Array, q: Float64Array, request: Request) -> Sect
         part = slice(first, last + 1)
         if np.ptp(q[part], axis=0).max() == 0.0:
             return None
-        kept, parameters, spline = _fitted(times[part], q[part], request.path_tolerance)
+        kept, parameters, spline = _fitted(times[part], q[part], request)
         return Section(spline, first + kept, parameters)
 
     return between({0, *request.holds, len(q) - 1}, section, holds=request.holds)
@@ -87,7 +87,7 @@ def _cut_curve(path: Curve, request: Request) -> Sections:
     def section(_first: int, _last: int) -> Section | None:
         if np.ptp(q, axis=0).max() == 0.0:
             return None
-        kept, parameters, spline = _fitted(times, q, request.path_tolerance)
+        kept, parameters, spline = _fitted(times, q, request)
         at_knots = np.interp(path.knots, times[kept], parameters)
         # Of knots between which the curve rests, the last one counts.
         apart = np.unique(at_knots)
@@ -97,12 +97,40 @@ def _cut_curve(path: Curve, request: Request) -> Sections:
 
 
 def _fitted(
+    times: Float64Array, q: Float64Array, request: Request
+) -> tuple[Rows, Float64Array, Spline]:
+    """The samples kept, by their index, their parameters and a spline near all samples.
+
+    A smooth path near samples that touch a position limit may leave it: there it is led along.
+    """
+    tolerance = request.path_tolerance
+    found = _within(times, q, tolerance)
+    if not request.keeps_positions(q) or request.keeps_positions(_reached(found[2])):
+        return found
+    kept, parameters, near = _within(times, q, 0.1 * tolerance)
+    even = np.linspace(*near.domain, max(_SAMPLES_OF_A_CURVE, 8 * len(q)))
+    places = np.union1d(parameters, even)
+    u = places / near.domain[1]
+    away = 0.8 * tolerance * np.minimum(1.0, 10.0 * np.minimum(u, 1.0 - u))[:, None]
+    inside = np.clip(near.evaluate(places), request.lower + away, request.upper - away)
+    return kept, parameters, fit_within(places, inside, 0.1 * tolerance)
+
+
+def _within(
     times: Float64Array, q: Float64Array, tolerance: float
 ) -> tuple[Rows, Float64Array, Spline]:
-    """The samples kept, by their index, their parameters and a spline near all samples."""
     # Dropped samples and the fit share the tolerance.
     kept, parameters = moving_samples(times, q, 0.5 * tolerance)
     return kept, parameters, fit_within(parameters, q[kept], 0.5 * tolerance)
+
+
+def _reached(spline: Spline) -> Float64Array:
+    """Samples (n, joints) of a spline, moved to where a joint turns between them."""
+    q = spline.evaluate(np.linspace(*spline.domain, _SAMPLES_OF_A_CURVE))
+    slope, bend = 0.5 * (q[2:] - q[:-2]), q[2:] - 2.0 * q[1:-1] + q[:-2]
+    turns = (np.abs(slope) <= np.abs(bend)) & (bend != 0.0)  # within a step: a parabola's vertex
+    np.subtract(q[1:-1], 0.5 * slope**2 / np.where(turns, bend, 1.0), out=q[1:-1], where=turns)
+    return q
 
 
 def _cut_spline(path: Spline, request: Request) -> Sections:

@@ -18,6 +18,8 @@ class Request:
     """Options of `retime`, checked against the path; see there for what each one means."""
 
     rate: float
+    lower: Float64Array
+    upper: Float64Array
     path_tolerance: float
     blend: float
     holds: Mapping[int, float]
@@ -35,6 +37,10 @@ class Request:
             value = getattr(self, name)
             if value is not None and not callable(value):
                 raise InvalidInput(f"{name}: expected a function, got {type(value).__name__}")
+
+    def keeps_positions(self, q: Float64Array) -> bool:
+        """Whether configurations (n, joints) lie inside the position limits."""
+        return bool((q >= self.lower).all() and (q <= self.upper).all())
 
     @property
     def along_lines(self) -> bool:

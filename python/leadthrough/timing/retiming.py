@@ -97,6 +97,8 @@ def retime(
         )
     request = Request(
         rate=check.number(rate, "rate", above=0.0),
+        lower=limits.lower,
+        upper=limits.upper,
         path_tolerance=check.number(path_tolerance, "path_tolerance", above=0.0),
         blend=check.number(blend, "blend", at_least=0.0),
         holds=checks.checked_holds(holds, way.rows),

@@ -12,6 +12,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, LimitsInfeasible
 from leadthrough.timing import bounds, schedule
 from leadthrough.timing.course import Course, Creeping
+from leadthrough.timing.kept import check_positions
 from leadthrough.timing.rates import rates_within
 from leadthrough.timing.request import Request
 from leadthrough.timing.samples import Samples
@@ -21,8 +22,6 @@ from leadthrough.trajectories import Spline
 # Points of the grid over a path: the least, for each of its pieces, and the most.
 _POINTS, _POINTS_A_PIECE, _MOST_POINTS = 1000, 8, 50_000
 _POINTS_OF_SPREAD = 400
-# Rounding may take a path beyond its position limits by this, rad or m.
-_ROUNDING = 1e-9
 # A velocity may deviate from the path by this, relative to its size.
 _ALONG = 1e-3
 # Parts between pinches may have pinches again; those of parts of parts are passed.
@@ -93,7 +92,7 @@ def _passing(
     least, largest = _core.extent(section.spline.evaluate(places))
     rates = rates_within(limits, largest - least)
     path = _timed_path(section.spline, rates.scale)
-    _check_positions(path, limits)
+    check_positions(path.positions, limits)
     speeds = (
         _end_speed(path, 0, request.start_velocity, "start_velocity"),
         _end_speed(path, -1, request.end_velocity, "end_velocity"),
@@ -120,15 +119,6 @@ def _timed_path(spline: Spline, scale: Float64Array) -> _core.TimedPath:
     points = min(max(_POINTS, _POINTS_A_PIECE * pieces), _MOST_POINTS)
     table = spline.coefficients.reshape(pieces * terms, joints)
     return _core.TimedPath(spline.knots, table, scale, points + 1)
-
-
-def _check_positions(path: _core.TimedPath, limits: JointLimits) -> None:
-    lower, upper = limits.lower - _ROUNDING, limits.upper + _ROUNDING
-    least, largest = _core.extent(path.positions)
-    outside = (least < lower) | (largest > upper)
-    if outside.any():
-        name = limits.joint_names[int(np.argmax(outside))]
-        raise LimitsInfeasible(f"{name} leaves its position limits along the path", joint=name)
 
 
 def _end_speed(path: _core.TimedPath, end: int, velocity: Float64Array | None, name: str) -> float:
