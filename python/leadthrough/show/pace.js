@@ -15,6 +15,7 @@ const FRAME = 1000 / 60; // ms
 const DUE = 1.05 * FRAME; // ms; a frame that takes longer is late
 const MOST = 6 * FRAME; // ms for which one frame counts at most: a single stall is forgiven
 const OWED = 110; // ms late in all after which frames are drawn in a quicker way
+const OWED_BY_TRY = 40; // ms; the same for a way that is only tried
 const HELPS = 0.9; // of the time that a frame took before
 const PATIENCE = [4000, 64000]; // ms in time before a finer way is tried, after few failures and many
 const LEFT = 300000; // ms without another try where no way was any quicker
@@ -32,7 +33,7 @@ function paced(pace, interval) {
   const owed = Math.max(0, pace.owed + Math.min(interval, MOST) - DUE);
   const mean = pace.time ? 0.8 * pace.mean + 0.2 * interval : interval;
   const next = { ...pace, owed, mean, time: pace.time + interval };
-  if (owed > OWED) return quicker(next);
+  if (owed > (pace.tried ? OWED_BY_TRY : OWED)) return quicker(next);
   return next.way > 0 && next.time > next.patience && owed < FRAME ? finer(next) : next;
 }
 
