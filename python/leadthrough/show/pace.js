@@ -18,34 +18,38 @@ const OWED = 110; // ms late in all after which frames are drawn in a quicker wa
 const OWED_BY_TRY = 40; // ms; the same for a way that is only tried
 const HELPS = 0.9; // of the time that a frame took before
 const PATIENCE = [4000, 64000]; // ms in time before a finer way is tried, after few failures and many
-const LEFT = 300000; // ms without another try where no way was any quicker
+const SURE = 1000; // ms drawn in the quickest way before it is said that it is no quicker
+const LEFT = 20000; // ms in full after no way was quicker; twice as many each time
 const ABSENT = 5000; // ms; a longer one is no frame but a window that was out of sight
 
 // The pace of a scene that is drawn in this way from now on.
-function begun(way, { patience = PATIENCE[0], from = null, tried = false } = {}) {
-  return { way, patience, from, tried, owed: 0, time: 0, mean: 0, left: 0 };
+function begun(way, { patience = PATIENCE[0], vain = 0, from = null, tried = false } = {}) {
+  return { way, patience, vain, from, tried, owed: 0, time: 0, mean: 0, left: 0 };
 }
 
 // The pace after one more frame, so many ms after the frame before.
 function paced(pace, interval) {
   if (!(interval > 0 && interval < ABSENT)) return pace;
   if (pace.left > 0) return { ...pace, left: pace.left - interval };
-  const owed = Math.max(0, pace.owed + Math.min(interval, MOST) - DUE);
+  const way = pace.way, owed = Math.max(0, pace.owed + Math.min(interval, MOST) - DUE);
   const mean = pace.time ? 0.8 * pace.mean + 0.2 * interval : interval;
   const next = { ...pace, owed, mean, time: pace.time + interval };
-  if (owed > (pace.tried ? OWED_BY_TRY : OWED)) return quicker(next);
-  return next.way > 0 && next.time > next.patience && owed < FRAME ? finer(next) : next;
+  const proven = next.time > next.patience, most = pace.tried && !proven ? OWED_BY_TRY : OWED;
+  if (owed > most) return way < WAYS.length - 1 ? quicker(next) : quickest(next);
+  return way > 0 && proven && owed < FRAME ? finer(next) : next;
 }
 
-// Tries a finer way. A way that fails is tried again after twice the time.
+// Tries a finer way. One that fails is tried again after twice the time.
 function finer({ way, patience }) { return begun(way - 1, { patience, tried: true }); }
 
-function quicker({ way, patience, from, tried, time, mean }) {
-  const failed = tried && time < patience;
-  const next = { patience: failed ? Math.min(2 * patience, PATIENCE[1]) : PATIENCE[0] };
-  if (failed) return begun(way + 1, next);
-  const first = from || { way, mean };
-  if (way < WAYS.length - 1) return begun(way + 1, { ...next, from: first });
-  const helped = mean < HELPS * first.mean || first.way === way;
-  return helped ? begun(way, { ...next, from: first }) : { ...begun(first.way), left: LEFT };
+function quicker({ way, patience, vain, from, tried, time, mean }) {
+  if (tried && time < patience) return begun(way + 1, { patience: Math.min(2 * patience, PATIENCE[1]) });
+  return begun(way + 1, { vain, from: from || { way, mean } });
+}
+
+// Stays with the quickest way, if it is any quicker than the first: a screen may have 30 frames a second.
+function quickest(pace) {
+  const { from, time, mean, vain } = pace;
+  if (time < SURE || !from || mean < HELPS * from.mean) return { ...pace, owed: 0 };
+  return { ...begun(from.way, { vain: Math.min(vain + 1, 6) }), left: LEFT * 2 ** vain };
 }
