@@ -43,7 +43,7 @@ LENGTH = 0.6  # m
 SCENES = 200
 MOST_APART = 0.5  # cells
 DRAGS = 100
-LOADS, FRAMES = 5, 120  # of a page from disk
+LOADS, FRAMES = 5, 600  # of a page from disk
 # Each goes on from the files of those before.
 COMMANDS = (
     "--help",

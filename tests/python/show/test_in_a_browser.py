@@ -133,6 +133,19 @@ def test_frames_that_move_are_drawn_in_few_pixels_in_software_and_still_ones_in_
     html.wait_for_function("leadthrough.scenes[0].canvas.width === 640")
 
 
+def test_scene_out_of_sight_is_not_drawn(html):
+    html.evaluate("leadthrough.scenes[0].play(true)")
+    html.evaluate("leadthrough.scenes[0].element.style.display = 'none'")
+    html.wait_for_function("leadthrough.scenes[0].unseen && !leadthrough.scenes[0].waiting")
+    drawn = html.evaluate("leadthrough.scenes[0].frames")
+    html.evaluate("leadthrough.scenes[0].changed()")
+    html.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    assert html.evaluate("leadthrough.scenes[0].frames") == drawn
+    html.evaluate("leadthrough.scenes[0].element.style.display = ''")
+    html.wait_for_function(f"leadthrough.scenes[0].frames > {drawn + 1}")
+    html.evaluate("leadthrough.scenes[0].play(false)")
+
+
 def ways(tab, costs, *, frames, begin=0):
     """The ways in which frames are drawn one after the other, by what each takes, ms.
 
