@@ -47,7 +47,7 @@ class BoundBlocks : public Blocks {
   py::array_t<double> centres(const CArray<Index>& numbers) const {
     py::array_t<double> rows({numbers.size(), static_cast<py::ssize_t>(dimensions)});
     double* to = rows.mutable_data();
-    const py::gil_scoped_release release;
+    const ReleaseIf release(numbers.size() >= kManyCells);
     for (const Index number : checked(numbers)) {
       const Point middle = centre(number);
       to = std::copy(middle.end() - static_cast<std::ptrdiff_t>(dimensions), middle.end(), to);
@@ -76,7 +76,7 @@ py::array_t<double> speeds_about(const BoundBlocks& blocks, const CArray<Index>&
   }
   std::vector<double> speeds;
   {
-    const py::gil_scoped_release release;
+    const ReleaseIf release(numbers.size() >= kManyCells);
     speeds = tube_speeds(blocks, blocks.checked(numbers), tubes, radius, saturation);
   }
   return moved_array(std::move(speeds));
@@ -95,7 +95,7 @@ class BoundWalls {
   py::array_t<bool> hold(const CArray<Index>& numbers) const {
     py::array_t<bool> result(numbers.size());
     bool* to = result.mutable_data();
-    const py::gil_scoped_release release;
+    const ReleaseIf release(numbers.size() >= kManyCells);
     const std::vector<std::uint8_t> held = walls_.hold(cells_.checked(numbers));
     std::transform(held.begin(), held.end(), to, [](std::uint8_t each) { return each != 0; });
     return result;
@@ -146,7 +146,7 @@ class BoundWalls {
     require(std::isfinite(most) && most > 0.0 && blocks.is_flat() == is_flat_);
     std::vector<double> found;
     {
-      const py::gil_scoped_release release;
+      const ReleaseIf release(numbers.size() >= kManyCells);
       found = (walls_.*bound)(blocks, blocks.checked(numbers), most);
     }
     return moved_array(std::move(found));

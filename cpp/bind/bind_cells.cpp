@@ -43,11 +43,12 @@ class BoundCells {
   py::array_t<Index> find(const CArray<Index>& cells) const {
     require(cells.ndim() == 1);
     py::array_t<Index> places(cells.size());
-    std::transform(cells.data(), cells.data() + cells.size(), places.mutable_data(),
-                   [this](Index cell) {
-                     const CellSet::Place place = set_.find(cell);
-                     return place == set_.missing() ? Index(-1) : static_cast<Index>(place);
-                   });
+    Index* to = places.mutable_data();
+    const ReleaseIf release(cells.size() >= kManyCells);
+    std::transform(cells.data(), cells.data() + cells.size(), to, [this](Index cell) {
+      const CellSet::Place place = set_.find(cell);
+      return place == set_.missing() ? Index(-1) : static_cast<Index>(place);
+    });
     return places;
   }
 
@@ -102,7 +103,7 @@ class BoundCells {
 
   bool is_open(const CArray<double>& times) const {
     require(times.ndim() == 1 && static_cast<std::size_t>(times.size()) == set_.size());
-    const py::gil_scoped_release release;
+    const ReleaseIf release(times.size() >= kManyCells);
     return set_.is_open(times.data());
   }
 
@@ -118,7 +119,7 @@ class BoundCells {
 
  private:
   static CellSet make(const Grid& grid, const CArray<Index>& cells) {
-    const py::gil_scoped_release release;
+    const ReleaseIf release(cells.size() >= kManyCells);
     return {grid, ascending_cells(grid, cells)};
   }
 
@@ -178,7 +179,7 @@ py::array_t<Index> refined(const std::vector<Index>& coarse_shape,
   for (int axis = 0; axis < 3; ++axis) require(coarse.shape[axis] == (fine.shape[axis] + 1) / 2);
   std::vector<Index> found;
   {
-    const py::gil_scoped_release release;
+    const ReleaseIf release(cells.size() >= kManyCells);
     found = finer_cells(coarse, fine, ascending_cells(coarse, cells));
   }
   return moved_array(std::move(found));

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "bind/parts.hpp"
+#include "bind/cells.hpp"
 #include "field/arrival_field.hpp"
 #include "field/descent.hpp"
 #include "field/distance_transform.hpp"
@@ -21,22 +21,11 @@ namespace leadthrough {
 
 namespace {
 
-template <typename T>
-using CArray = py::array_t<T, py::array::c_style>;
-
-// Arrays have 2 or 3 axes and `spacing` as many numbers; a 2D grid gets a first axis of one cell.
+// Arrays have as many axes as there are numbers of spacing.
 Grid grid_of(const py::array& cells, const std::vector<double>& spacing) {
-  require((spacing.size() == 2 || spacing.size() == 3) &&
-          cells.ndim() == static_cast<py::ssize_t>(spacing.size()) && cells.size() > 0);
-  for (const double each : spacing) require(std::isfinite(each) && each > 0.0);
-  Grid grid;
-  const std::size_t lead = 3 - spacing.size();
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::size_t given = axis < lead ? 0 : axis - lead;
-    grid.shape[axis] = axis < lead ? 1 : cells.shape(static_cast<py::ssize_t>(given));
-    grid.spacing[axis] = spacing[given];
-  }
-  return grid;
+  require(cells.size() > 0);
+  return leadthrough::grid_of(std::vector<Index>(cells.shape(), cells.shape() + cells.ndim()),
+                              spacing);
 }
 
 Coordinates with_leading_zero(const std::vector<double>& coordinates, std::size_t dimensions) {

@@ -10,21 +10,14 @@ namespace py = pybind11;
 
 namespace leadthrough {
 
-namespace {
-
-constexpr std::size_t kLong = 10'000;  // numbers that take microseconds
-
-}  // namespace
-
 void bind_finite(py::module_& module) {
   // It keeps the GIL for most arrays: to let it go takes longer than they do.
   module.def(
       "all_finite",
       [](const py::array_t<double, py::array::c_style>& values) {
-        const auto size = static_cast<std::size_t>(values.size());
         std::optional<py::gil_scoped_release> release;
-        if (size >= kLong) release.emplace();
-        return all_finite(values.data(), size);
+        if (values.size() >= kLong) release.emplace();
+        return all_finite(values.data(), static_cast<std::size_t>(values.size()));
       },
       py::arg("values").noconvert());
 }

@@ -1,13 +1,12 @@
 #pragma once
 
-// Cells of grids as they come from Python, and arrays that go there without a copy.
+// Cells of grids as they come from Python.
 
 #include <pybind11/numpy.h>
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <utility>
+#include <optional>
 #include <vector>
 
 #include "bind/parts.hpp"
@@ -17,6 +16,20 @@ namespace leadthrough {
 
 template <typename T>
 using CArray = pybind11::array_t<T, pybind11::array::c_style>;
+
+// Cells that take longer to compute with than to let the GIL go and come back.
+constexpr pybind11::ssize_t kManyCells = 1000;
+
+// Lets the GIL go where that is worth it.
+class ReleaseIf {
+ public:
+  explicit ReleaseIf(bool is_worth_it) {
+    if (is_worth_it) release_.emplace();
+  }
+
+ private:
+  std::optional<pybind11::gil_scoped_release> release_;
+};
 
 // A 2D grid gets a first axis of one cell.
 inline Grid grid_of(const std::vector<Index>& shape, const std::vector<double>& spacing) {
@@ -37,16 +50,6 @@ inline std::vector<Index> ascending_cells(const Grid& grid, const CArray<Index>&
   require(std::adjacent_find(first, last, [](Index a, Index b) { return a >= b; }) == last);
   require(first == last || (*first >= 0 && last[-1] < grid.size()));
   return {first, last};
-}
-
-// The vector's own memory as an array.
-template <typename Value>
-pybind11::array_t<Value> moved_array(std::vector<Value>&& values) {
-  auto owner = std::make_unique<std::vector<Value>>(std::move(values));
-  const pybind11::capsule memory(owner.get(),
-                                 [](void* kept) { delete static_cast<std::vector<Value>*>(kept); });
-  const std::vector<Value>& kept = *owner.release();
-  return pybind11::array_t<Value>(static_cast<pybind11::ssize_t>(kept.size()), kept.data(), memory);
 }
 
 }  // namespace leadthrough

@@ -6,7 +6,9 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace leadthrough {
@@ -38,9 +40,22 @@ inline void require(bool sizes_agree) {
   if (!sizes_agree) throw std::invalid_argument("sizes of the arrays and of the chain differ");
 }
 
+// Numbers whose reading takes longer than to let the GIL go and come back.
+constexpr pybind11::ssize_t kLong = 10'000;
+
 template <typename Value>
 pybind11::array_t<Value> as_array(const std::vector<Value>& values) {
   return pybind11::array_t<Value>(static_cast<pybind11::ssize_t>(values.size()), values.data());
+}
+
+// The vector's own memory as an array.
+template <typename Value>
+pybind11::array_t<Value> moved_array(std::vector<Value>&& values) {
+  auto owner = std::make_unique<std::vector<Value>>(std::move(values));
+  const pybind11::capsule memory(owner.get(),
+                                 [](void* kept) { delete static_cast<std::vector<Value>*>(kept); });
+  const std::vector<Value>& kept = *owner.release();
+  return pybind11::array_t<Value>(static_cast<pybind11::ssize_t>(kept.size()), kept.data(), memory);
 }
 
 // The numbers of a contiguous vector of this many finite float64, which needs no other check; null

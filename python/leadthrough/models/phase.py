@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from leadthrough.check import Float64Array
@@ -9,6 +11,9 @@ from leadthrough.motion import normalised_times
 from leadthrough.preprocess.noise import without_noise
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.trajectories import minimum_jerk_rise
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 SAMPLES = 1001  # of progress, at evenly spaced normalised times
 # Fractions of the duration. The speed is averaged twice over the first, which makes the
@@ -72,20 +77,24 @@ def rest_to_rest(progress: Float64Array) -> Float64Array:
     return np.asarray(total / total[-1])
 
 
-def progress_at(progress: Float64Array, normalised_times: Float64Array) -> Float64Array:
-    """The fraction of the path covered at any times, with a continuous acceleration.
+def spline_of(progress: Float64Array) -> CubicSpline:
+    """Progress (m,) at evenly spaced normalised times as a curve, its acceleration continuous."""
+    from scipy.interpolate import CubicSpline
+
+    return CubicSpline(np.linspace(0.0, 1.0, len(progress)), progress, bc_type="clamped")
+
+
+def covered_at(progress: CubicSpline, normalised_times: Float64Array) -> Float64Array:
+    """The fraction of the path covered at any times.
 
     Args:
-        progress: (m,) at evenly spaced normalised times.
+        progress: from `spline_of`.
         normalised_times: (n,) in [0, 1].
 
     Returns:
         Fractions (n,) in [0, 1].
     """
-    from scipy.interpolate import CubicSpline
-
-    spline = CubicSpline(np.linspace(0.0, 1.0, len(progress)), progress, bc_type="clamped")
-    return np.asarray(np.clip(spline(normalised_times), 0.0, 1.0))
+    return np.asarray(np.clip(progress(normalised_times), 0.0, 1.0))
 
 
 def _progress(times: Float64Array, path: Float64Array) -> Float64Array:

@@ -11,7 +11,6 @@ outside the band can be quicker. The cost thus grows with the path, not with the
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import compress, pairwise
 
 import numpy as np
@@ -20,6 +19,7 @@ from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import NoPath
 from leadthrough.planning.blocks import Blocks, Numbers, numbers_of
+from leadthrough.planning.grid import CellArray
 from leadthrough.planning.speed_field import SpeedField
 
 # Maps of fewer blocks are marched as a whole.
@@ -111,6 +111,11 @@ class _Search:
 
     def __init__(self, field: SpeedField, start: Float64Array, goal: Float64Array) -> None:
         self._field, self._start, self._goal = field, start, goal
+        inside = field.grid.contains(np.stack([start, goal]))
+        self._cells = [
+            field.grid.cells_of(place[None]) if held else None
+            for place, held in zip((start, goal), inside, strict=True)
+        ]
         top = 0
         while Blocks(field.grid, top).count > _MOST_BLOCKS:
             top += 1
@@ -118,6 +123,8 @@ class _Search:
         self._least = 0.0  # of all limits
         self._limit = np.inf  # the lowest one above which blocks were left out
         self._is_whole = True  # whether the band holds every cell
+        self._seen: dict[int, _Seen] = {}  # at last, at each level
+        self._asked: tuple[_core.CellSet, Float64Array] | None = None  # cells and speeds, at last
 
     def path(self) -> Float64Array:
         """The quickest path (n, d).
@@ -145,7 +152,7 @@ class _Search:
         band = _united(band, _core.cells_within(finest.shape, finest.spacing, goal.numbers, radius))
         cells = _core.CellSet(finest.shape, finest.spacing, band)
         stop = -1 if start.is_outside else int(start.numbers[0])
-        times = goal.wave(cells, self._field.at(band), ball=_BALL, stop=stop)
+        times = goal.wave(cells, self._speeds(cells, band), ball=_BALL, stop=stop)
         reached = start.reached(cells, times)
         arrival = float(reached.min(initial=np.inf))
         is_found = self._holds(arrival, _ERROR, cells.is_open(times))
@@ -161,12 +168,24 @@ class _Search:
         path[[0, -1]] = ends
         return (np.concatenate([self._start[None], path]) if start.is_outside else path), is_found
 
+    def _speeds(self, cells: _core.CellSet, numbers: Numbers) -> Float64Array:
+        """Speeds (n,) of cells; the map is not asked again for those it was asked for at last."""
+        if self._asked is None:
+            speeds = self._field.at(numbers)
+        else:
+            places = self._asked[0].find(numbers)
+            new = places < 0
+            speeds = self._asked[1][places]
+            speeds[new] = self._field.at(numbers[new])
+        self._asked = cells, speeds
+        return speeds
+
     def _band(self) -> Numbers | None:
         """The cells that the quickest path may pass; None where a limit was too low."""
         self._is_whole, self._limit = True, np.inf
         numbers = np.arange(self._levels[0].count)
         for blocks, finer in pairwise(self._levels):
-            seen = self._first if blocks is self._levels[0] else self._look(blocks, numbers)
+            seen = self._look(blocks, numbers)
             hope = _HOPE * 2**blocks.level
             if not self._holds(seen.arrival, hope, seen.is_open):
                 return None
@@ -179,13 +198,15 @@ class _Search:
             numbers = _core.finer_cells(blocks.shape, finer.shape, kept)
         return numbers
 
-    @cached_property
-    def _first(self) -> _Seen:
-        """What waves through all the largest blocks tell."""
-        return self._look(self._levels[0], np.arange(self._levels[0].count))
-
     def _look(self, blocks: Blocks, numbers: Numbers) -> _Seen:
         """What waves from both ends through given blocks tell."""
+        seen = self._seen.get(blocks.level)
+        # With a higher limit the blocks may still be the same ones.
+        if seen is None or not np.array_equal(seen.numbers, numbers):
+            seen = self._seen[blocks.level] = self._look_anew(blocks, numbers)
+        return seen
+
+    def _look_anew(self, blocks: Blocks, numbers: Numbers) -> _Seen:
         cells = _core.CellSet(blocks.shape, blocks.spacing, numbers)
         ends = self._ends(blocks, numbers)
         through, arrival, is_open = cells.waves(
@@ -199,12 +220,18 @@ class _Search:
 
     def _ends(self, blocks: Blocks, numbers: Numbers) -> tuple[_End, _End]:
         """Where waves from start and goal enter given blocks."""
-        return self._end(blocks, numbers, self._start), self._end(blocks, numbers, self._goal)
+        start, goal = self._cells
+        return (
+            self._end(blocks, numbers, self._start, start),
+            self._end(blocks, numbers, self._goal, goal),
+        )
 
-    def _end(self, blocks: Blocks, numbers: Numbers, place: Float64Array) -> _End:
+    def _end(
+        self, blocks: Blocks, numbers: Numbers, place: Float64Array, cell: CellArray | None
+    ) -> _End:
+        if cell is not None:
+            return _End(blocks.around(cell), np.zeros(1), is_outside=False)
         grid = self._field.grid
-        if grid.contains(place[None])[0]:
-            return _End(blocks.around(grid.cells_of(place[None])), np.zeros(1), is_outside=False)
         last = grid.origin + grid.spacing * (np.array(grid.shape) - 1)
         at = np.stack(np.unravel_index(numbers, blocks.shape), axis=-1)
         before, after = place < grid.origin, place > last

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check
+from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+
+_ENDLESS = "points: expected a curve of finite length; use a larger unit"
 
 
 def arc_length(points: ArrayLike) -> Float64Array:
@@ -19,13 +21,9 @@ def arc_length(points: ArrayLike) -> Float64Array:
     Raises:
         InvalidInput: if there is none, one is not finite, or the length overflows.
     """
-    curve = check.array(points, "points", shape=("n", "d"))
-    if len(curve) == 0:
-        raise InvalidInput("points: expected at least one point, got none")
-    with np.errstate(over="ignore"):
-        lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))])
+    lengths = _core.arc_lengths(_curve(points))
     if not np.isfinite(lengths[-1]):
-        raise InvalidInput("points: expected a curve of finite length; use a larger unit")
+        raise InvalidInput(_ENDLESS)
     return lengths
 
 
@@ -41,15 +39,16 @@ def by_arc_length(points: ArrayLike, count: int) -> Float64Array:
     Raises:
         InvalidInput: as by `arc_length`, or if the count is too small.
     """
-    lengths = arc_length(points)
-    size = check.integer(count, "count", at_least=2)
-    # A step that adds no length has no inside to interpolate in.
-    distinct = np.concatenate([[True], np.diff(lengths) > 0])
-    curve = check.array(points, "points", shape=("n", "d"))[distinct]
-    at = lengths[distinct]
-    if len(curve) == 1:
-        return np.repeat(curve, size, axis=0)
-    wanted = np.linspace(0.0, at[-1], size)
-    left = np.clip(np.searchsorted(at, wanted, side="right") - 1, 0, len(at) - 2)
-    part = ((wanted - at[left]) / (at[left + 1] - at[left]))[:, None]
-    return np.asarray((1.0 - part) * curve[left] + part * curve[left + 1])
+    curve = _curve(points)
+    even = _core.by_arc_length(curve, check.integer(count, "count", at_least=2))
+    if even is None:
+        raise InvalidInput(_ENDLESS)
+    return even
+
+
+def _curve(points: ArrayLike) -> Float64Array:
+    """At least one point (n, d)."""
+    curve = check.array(points, "points", shape=("n", "d"))
+    if len(curve) == 0:
+        raise InvalidInput("points: expected at least one point, got none")
+    return curve

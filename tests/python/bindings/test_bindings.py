@@ -22,6 +22,7 @@ FREE = dict(
     DmpForces(nodes)  DmpPath(coefficients)  dmp_peak_speeds(phases)
     IkOptions(posture reference)  PursuitOptions(acceleration velocity)  TimedPath(coefficients)
     Shape.distances(points)  TimedPath.positions_at(lengths)  all_finite(values)
+    arc_lengths(points)  by_arc_length(points)  rms_apart(curves)
     cloud_shape(points)  tube_speeds(numbers)  Walls.distances(numbers)  Walls.farthest(numbers)
     Walls.hold(numbers)  Walls.nearest(numbers)
     bounced(velocities)  check_motion(q)  clear_batch(q)

@@ -50,13 +50,13 @@ def test_pause_in_a_demonstration_stays_a_pause():
     t = np.linspace(0.0, 1.0, 300)
     u = np.interp(t, [0.0, 0.35, 0.65, 1.0], [0.0, 0.5, 0.5, 1.0])
     progress = phase.rest_to_rest(phase.progress_of(t, np.outer(u, [1.0, 0.0])))
-    middle = phase.progress_at(progress, np.array([0.45, 0.55]))
+    middle = phase.covered_at(phase.spline_of(progress), np.array([0.45, 0.55]))
     assert np.ptp(middle) < 1e-3
 
 
 def test_sampled_progress_stays_inside_zero_and_one():
     t, u = minimum_jerk()
     progress = phase.rest_to_rest(phase.progress_of(t, np.outer(u, [1.0, 0.0])))
-    sampled = phase.progress_at(progress, np.linspace(0.0, 1.0, 12345))
+    sampled = phase.covered_at(phase.spline_of(progress), np.linspace(0.0, 1.0, 12345))
     assert sampled.min() >= 0.0
     assert sampled.max() <= 1.0

@@ -52,7 +52,7 @@ def along_mean(faced: Sequence[Experience], query: Query, scales: Scales) -> Rou
         NoPath: where an end lies in an obstacle, or obstacles separate them.
     """
     blocked: list[MeanPath] = []
-    for mean in mean_path.ways([each.way for each in faced], query.start, query.goal):
+    for mean in mean_path.ways(faced, query.start, query.goal):
         if not _hits(mean.path, query.obstacles):
             return _through(mean, faced, query, scales)
         blocked.append(mean)

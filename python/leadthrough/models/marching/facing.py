@@ -54,4 +54,4 @@ def _shown_one_way(
 
 
 def _way(shown: Sequence[Experience], start: Float64Array, goal: Float64Array) -> Float64Array:
-    return next(mean_path.ways([each.way for each in shown], start, goal)).path
+    return next(mean_path.ways(shown, start, goal)).path

@@ -9,12 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from leadthrough import _core
 from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
+from leadthrough.models.marching.experience import Experience
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 
 _SAMPLES = 1000
@@ -50,49 +53,119 @@ class MeanPath(Brief):
 
 
 def ways(
-    paths: Sequence[Float64Array], start: Float64Array, goal: Float64Array
+    shown: Sequence[Experience], start: Float64Array, goal: Float64Array
 ) -> Iterator[MeanPath]:
     """The ways to do the task that were shown, that of the nearest start first.
 
     Each is the weighted mean of its demonstrations, carried to a new start and goal.
 
     Args:
-        paths: of the demonstrations, each (n, d), at least one.
+        shown: the demonstrations, at least one.
         start: (d,).
         goal: (d,).
     """
-    curves = np.stack([by_arc_length(path, _SAMPLES) for path in paths])
-    shifted = np.stack([with_ends(curve, start, goal) for curve in curves])
-    length = float(np.mean([arc_length(path)[-1] for path in paths]))
-    carried = _all_carried(curves, shifted, start, goal)
-    usual = curves[:, [0, -1]].mean(axis=0)
-    moved = float(np.linalg.norm(np.stack([start, goal]) - usual, axis=1).max())
-    region = _region(curves, start, goal, _ROOM * moved)
-    for chosen in _same_ways(shifted, curves[:, 0], start, length):
-        weights = _weights(curves[:, 0], start, chosen)
+    curves = _curves_of(tuple(shown))
+    shifted = with_ends(curves.points, start, goal)
+    carried = curves.carried(shifted, start, goal)
+    moved = float(np.linalg.norm(np.stack([start, goal]) - curves.usual_ends, axis=1).max())
+    region = curves.region(start, goal, _ROOM * moved)
+    for chosen in _same_ways(shifted, curves.starts, start, curves.usual_length):
+        weights = _weights(curves.starts, start, chosen)
         path = np.einsum("j,jnd->nd", weights, carried)
         if moved > 0.0:
-            path = _bounded(path, _usual_way(curves, chosen, *usual), start, goal)
+            path = _bounded(path, curves.usual_way(chosen), start, goal)
             path = np.clip(path, *region)
         yield MeanPath(path, weights, region)
 
 
-def _region(
-    curves: Float64Array, start: Float64Array, goal: Float64Array, room: float
-) -> tuple[Float64Array, Float64Array]:
-    """Corners around demonstrations (k, n, d), with room, and around start and goal."""
-    ends = np.stack([start, goal])
-    lower, upper = curves.min(axis=(0, 1)) - room, curves.max(axis=(0, 1)) + room
-    return np.minimum(lower, ends.min(axis=0)), np.maximum(upper, ends.max(axis=0))
+class _Curves:
+    """Demonstrations, evenly spaced in arc length, with what is the same for every query.
+
+    Args:
+        shown: the demonstrations, k of them.
+
+    Attributes:
+        points: (k, n, d).
+        starts: (k, d).
+        usual_ends: the means of starts and goals, (2, d).
+        usual_length: mean of the lengths.
+    """
+
+    def __init__(self, shown: Sequence[Experience]) -> None:
+        self.points = np.stack([by_arc_length(each.way, _SAMPLES) for each in shown])
+        self.starts = self.points[:, 0]
+        self.usual_ends = self.points[:, [0, -1]].mean(axis=0)
+        self.usual_length = float(np.mean([each.length for each in shown]))
+        self._corners = self.points.min(axis=(0, 1)), self.points.max(axis=(0, 1))
+        self._chords = [_chord_of(curve) for curve in self.points]
+        self._usual_ways: dict[bytes, Float64Array] = {}
+
+    def carried(
+        self, shifted: Float64Array, start: Float64Array, goal: Float64Array
+    ) -> Float64Array:
+        """The demonstrations (k, n, d), part shifted and part turned to a new start and goal."""
+        result = shifted.copy()
+        for j, chord in enumerate(self._chords):
+            turned = _turned(chord, start, goal)
+            if turned is not None:
+                result[j] = (1.0 - chord.turning) * shifted[j] + chord.turning * turned
+        return result
+
+    def region(
+        self, start: Float64Array, goal: Float64Array, room: float
+    ) -> tuple[Float64Array, Float64Array]:
+        """Corners around the demonstrations, with room, and around start and goal."""
+        ends = np.stack([start, goal])
+        lower, upper = self._corners
+        return np.minimum(lower - room, ends.min(axis=0)), np.maximum(
+            upper + room, ends.max(axis=0)
+        )
+
+    def usual_way(self, chosen: NDArray[np.bool_]) -> Float64Array:
+        """The mean (n, d) of those chosen (k,) where the ends are usual."""
+        key = chosen.tobytes()
+        if key not in self._usual_ways:
+            start, goal = self.usual_ends
+            carried = self.carried(with_ends(self.points, start, goal), start, goal)
+            weights = _weights(self.starts, start, chosen)
+            self._usual_ways[key] = np.asarray(np.einsum("j,jnd->nd", weights, carried))
+        return self._usual_ways[key]
 
 
-def _usual_way(
-    curves: Float64Array, chosen: NDArray[np.bool_], start: Float64Array, goal: Float64Array
-) -> Float64Array:
-    """The mean (n, d) of those chosen among demonstrations (k, n, d) where the ends are usual."""
-    shifted = np.stack([with_ends(curve, start, goal) for curve in curves])
-    weights = _weights(curves[:, 0], start, chosen)
-    return np.asarray(np.einsum("j,jnd->nd", weights, _all_carried(curves, shifted, start, goal)))
+# A skill's demonstrations, facing one way or the other, for as many skills as are in use at a time.
+@lru_cache(maxsize=16)
+def _curves_of(shown: tuple[Experience, ...]) -> _Curves:
+    return _Curves(shown)
+
+
+@dataclass(frozen=True, eq=False)
+class _Chord:
+    """How a curve (n, d) lies about its end.
+
+    Attributes:
+        points: (n, d), from the curve's end.
+        length: between its ends.
+        direction: unit vector (d,) from the end to the start; None where they are one.
+        along: of the points, (n,), in that direction.
+        turning: how much of the turned curve there is in the carried one.
+    """
+
+    points: Float64Array
+    length: float
+    direction: Float64Array | None
+    along: Float64Array
+    turning: float
+
+
+def _chord_of(curve: Float64Array) -> _Chord:
+    points, old = curve - curve[-1], curve[0] - curve[-1]
+    length = float(np.linalg.norm(old))
+    if length == 0.0:
+        return _Chord(points, 0.0, None, np.zeros(len(curve)), 0.0)
+    directed = length / float(arc_length(curve)[-1]) - _RETURNING[0]
+    turning = _TURNED_FRACTION * min(max(directed / (_RETURNING[1] - _RETURNING[0]), 0.0), 1.0)
+    direction = old / length
+    return _Chord(points, length, direction, points @ direction, turning)
 
 
 def _bounded(
@@ -117,56 +190,41 @@ def _bounded(
 
 
 def with_ends(curve: Float64Array, start: Float64Array, goal: Float64Array) -> Float64Array:
-    """The curve with the offsets of both ends blended linearly over its length."""
-    u = np.linspace(0.0, 1.0, len(curve))[:, None]
-    return np.asarray(curve + (1 - u) * (start - curve[0]) + u * (goal - curve[-1]))
+    """The curve, or curves (..., n, d), the offsets of both ends blended linearly over its length.
+
+    Args:
+        curve: (..., n, d).
+        start: (d,).
+        goal: (d,).
+    """
+    u = np.linspace(0.0, 1.0, curve.shape[-2])[:, None]
+    first, last = curve[..., :1, :], curve[..., -1:, :]
+    return np.asarray(curve + (1 - u) * (start - first) + u * (goal - last))
 
 
-def _carried(
-    curve: Float64Array, shifted: Float64Array, start: Float64Array, goal: Float64Array
-) -> Float64Array:
-    turned = _turned(curve, start, goal)
-    if turned is None:
-        return shifted
-    chord = float(np.linalg.norm(curve[-1] - curve[0])) / float(arc_length(curve)[-1])
-    directed = (chord - _RETURNING[0]) / (_RETURNING[1] - _RETURNING[0])
-    fraction = _TURNED_FRACTION * min(max(directed, 0.0), 1.0)
-    return np.asarray((1.0 - fraction) * shifted + fraction * turned)
-
-
-def _turned(curve: Float64Array, start: Float64Array, goal: Float64Array) -> Float64Array | None:
+def _turned(chord: _Chord, start: Float64Array, goal: Float64Array) -> Float64Array | None:
     """The curve turned about the goal and scaled so that it begins at the start, or None.
 
     The rotation takes one chord onto the other in their plane, in any dimension.
     """
-    old, new = curve[0] - curve[-1], start - goal
-    lengths = np.linalg.norm(old), np.linalg.norm(new)
-    if min(lengths) == 0.0 or not _SCALES[0] < lengths[1] / lengths[0] < _SCALES[1]:
+    new = start - goal
+    length, a = float(np.linalg.norm(new)), chord.direction
+    if a is None or length == 0.0 or not _SCALES[0] < length / chord.length < _SCALES[1]:
         return None
-    a, b = old / lengths[0], new / lengths[1]
+    b = new / length
     cosine = float(a @ b)
     if cosine < _LEAST_COSINE:
         return None
-    y = curve - curve[-1]
-    bisector = a + b
-    rotated = y - np.outer(y @ bisector, bisector) / (1 + cosine) + 2 * np.outer(y @ a, b)
-    return np.asarray(goal + lengths[1] / lengths[0] * rotated)
-
-
-def _all_carried(
-    curves: Float64Array, shifted: Float64Array, start: Float64Array, goal: Float64Array
-) -> Float64Array:
-    return np.stack(
-        [_carried(curve, moved, start, goal) for curve, moved in zip(curves, shifted, strict=True)]
-    )
+    y, bisector = chord.points, a + b
+    rotated = y - np.outer(y @ bisector, bisector) / (1 + cosine) + 2 * np.outer(chord.along, b)
+    return np.asarray(goal + length / chord.length * rotated)
 
 
 def _same_ways(
     shifted: Float64Array, starts: Float64Array, start: Float64Array, length: float
 ) -> Iterator[NDArray[np.bool_]]:
     """Which demonstrations are connected by small steps, those with the nearest start first."""
-    gaps = np.sqrt(((shifted[:, None] - shifted[None]) ** 2).sum(axis=3).mean(axis=2))
-    neighbours = gaps < _SAME_WAY * length
+    neighbours = _core.rms_apart(shifted) < _SAME_WAY * length
     distance = np.linalg.norm(starts - start, axis=1)
     left = np.ones(len(shifted), dtype=bool)
     while left.any():

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +18,9 @@ from leadthrough.models.marching.route import Route
 from leadthrough.models.posture import agreed
 from leadthrough.motion import Trajectory
 from leadthrough.preprocess.resample import arc_length, by_arc_length
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 TIMINGS = ("demonstrations", "speed_map", "constant")
 
@@ -56,7 +61,7 @@ def timed(
         covered = np.linspace(0.0, 1.0, len(times))
     else:
         even = by_arc_length(route.path, len(route.path))
-        covered = phase.progress_at(phase.rest_to_rest(_progress(route, timing)), times / total)
+        covered = phase.covered_at(_spline(route, timing), times / total)
         points = CubicSpline(np.linspace(0.0, 1.0, len(even)), even)(covered)
     joints = None if posture is None else posture.along(times, covered)
     return Trajectory(times, points, events.moved(happening, covered, times), joints), covered
@@ -84,10 +89,18 @@ def _adapted(ratio: float) -> float:
     return float(ratio**_DURATION_EXPONENT) if ratio > 0.0 else 1.0
 
 
-def _progress(route: Route, timing: str) -> Float64Array:
+def _spline(route: Route, timing: str) -> CubicSpline:
+    """Progress along a route over normalised time."""
     if timing == "speed_map":
-        return phase.progress_by_speed(route.path, route.speed)
-    if timing == "constant" or not route.used:
-        return phase.uniform_progress()
-    progress = [each.progress for each in route.used]
-    return np.asarray(np.average(progress, axis=0, weights=route.weights))
+        return phase.spline_of(phase.rest_to_rest(phase.progress_by_speed(route.path, route.speed)))
+    timed_by = () if timing == "constant" else route.used
+    return _shown_spline(timed_by, tuple(route.weights.tolist()))
+
+
+# The same for all queries of a skill that follow the same demonstrations.
+@lru_cache(maxsize=16)
+def _shown_spline(used: tuple[Experience, ...], weights: tuple[float, ...]) -> CubicSpline:
+    progress = phase.uniform_progress()
+    if used:
+        progress = np.average([each.progress for each in used], axis=0, weights=weights)
+    return phase.spline_of(phase.rest_to_rest(progress))
