@@ -163,21 +163,21 @@ def shown(space):
 
 @pytest.fixture
 def skill(model, space):
-    return fitted(model, space.shown)
+    return fitted(model, space.shown)[0]
 
 
 @cache
 def fitted(model, motion):
-    """The skill that a model learns; tests share it, as it is frozen."""
-    return model.fit([lt.Demonstration(motion(shift)) for shift in SHIFTS])
+    """The skill that a model learns, which tests share, as it is frozen, and what it was shown."""
+    seen = [lt.Demonstration(motion(shift)) for shift in SHIFTS]
+    return model.fit(seen), seen
 
 
-def test_fit_leaves_model_and_demonstrations_alone_and_returns_a_frozen_skill(model, shown):
-    before = [rows(demonstration.motion).copy() for demonstration in shown]
-    skill = model.fit(shown)
+def test_fit_leaves_model_and_demonstrations_alone_and_returns_a_frozen_skill(model, space, shown):
+    skill, seen = fitted(model, space.shown)
     assert skill is not model
-    for demonstration, values in zip(shown, before, strict=True):
-        np.testing.assert_array_equal(rows(demonstration.motion), values)
+    for demonstration, untouched in zip(seen, shown, strict=True):
+        np.testing.assert_array_equal(rows(demonstration.motion), rows(untouched.motion))
     with pytest.raises(AttributeError):
         skill.model = ()
 

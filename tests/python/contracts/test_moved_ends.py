@@ -198,14 +198,17 @@ def test_turned_end_turns_no_more_than_its_offset(turning_skill, name, index, an
         assert frechet(between) <= MOST * angle + 1e-6
 
 
+@cache
+def steady(name, pace=1.0):
+    model, kind = STEADY[name]
+    return model.fit([lt.Demonstration(shown(kind, seed, pace=pace)) for seed in range(3)])
+
+
 @pytest.mark.parametrize("name", STEADY)
 @pytest.mark.parametrize("pace", [0.1, 10.0])
 def test_time_scale_does_not_matter(name, pace):
-    model, kind = STEADY[name]
-    plain, scaled = (
-        model.fit([lt.Demonstration(shown(kind, seed, pace=p)) for seed in range(3)])
-        for p in (1.0, pace)
-    )
+    _, kind = STEADY[name]
+    plain, scaled = steady(name), steady(name, pace)
     goal = end(plain.generate(), -1, beside(kind, 0.02, -0.03, 0.01))
     here = plain.generate(goal=goal, duration=2.0, dt=0.02)
     there = scaled.generate(goal=goal, duration=2.0 * pace, dt=0.02 * pace)
@@ -217,7 +220,7 @@ def test_a_millimetre_in_one_sample_changes_the_motion_by_a_few_at_most(name):
     model, kind = STEADY[name]
     motions = [shown(kind, seed) for seed in range(3)]
     goal = end(motions[0], -1, beside(kind, 0.05, -0.05, 0.02))
-    plain = model.fit([lt.Demonstration(m) for m in motions]).generate(goal=goal, duration=2.0)
+    plain = steady(name).generate(goal=goal, duration=2.0)
     for row in (0, 40, 120):
         moved = motions[0].positions.copy()
         moved[row] += beside(kind, 1e-3, 0.0, 0.0)
