@@ -1,13 +1,15 @@
 """A page of every numbered demo: its code, its picture, and a scene that plays."""
 
 import ast
-import subprocess
-import sys
+import contextlib
+import io
+import runpy
 import tempfile
 from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
@@ -74,9 +76,10 @@ def _scene(demo: Path) -> str:
 
 
 def _written(demo: Path, name: str) -> str:
-    """The file that a demo writes."""
-    with tempfile.TemporaryDirectory() as folder:
-        subprocess.run([sys.executable, demo, folder], check=True, stdout=subprocess.DEVNULL)
+    """The file that a demo writes, run in this process: what all of them import is here once."""
+    said = contextlib.redirect_stdout(io.StringIO())
+    with tempfile.TemporaryDirectory() as folder, said, patch("sys.argv", [str(demo), folder]):
+        runpy.run_path(str(demo), run_name="__main__")
         return (Path(folder) / name).read_text(encoding="utf-8")
 
 
