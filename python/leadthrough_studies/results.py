@@ -53,7 +53,7 @@ def save_figure(figure: Figure, path: Path) -> None:
     """
     if engine := figure.get_layout_engine():
         engine.execute(figure)
-        figure.set_layout_engine("none")
+        figure.set_layout_engine(None)
     with replacing(path) as temporary:
         figure.savefig(temporary, dpi=110)
 
