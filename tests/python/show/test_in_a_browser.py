@@ -133,6 +133,32 @@ def test_frames_that_move_are_drawn_in_few_pixels_in_software_and_still_ones_in_
     html.wait_for_function("leadthrough.scenes[0].canvas.width === 640")
 
 
+def test_frame_over_what_was_kept_is_the_frame_that_is_drawn_whole(html):
+    apart = html.evaluate(
+        """() => {
+          const scene = leadthrough.scenes[0], painter = scene.painter, gl = painter.gl;
+          const pixels = () => {
+            scene.draw(WAYS.findIndex((way) => way.blur < 0));
+            const seen = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);
+            const whole = [0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight];
+            gl.readPixels(...whole, gl.RGBA, gl.UNSIGNED_BYTE, seen);
+            return seen;
+          };
+          scene.seek(0.0);
+          pixels();
+          scene.seek(1.0);
+          const kept = pixels();
+          painter.resting = "";
+          painter.keep = (size, items, where) => painter.rest(null, size, items, where);
+          const whole = pixels();
+          delete painter.keep;
+          scene.changed();
+          return kept.reduce((most, each, i) => Math.max(most, Math.abs(each - whole[i])), 0);
+        }"""
+    )
+    assert apart <= 2  # of 255
+
+
 def test_scene_out_of_sight_is_not_drawn(html):
     html.evaluate("leadthrough.scenes[0].play(true)")
     html.evaluate("leadthrough.scenes[0].element.style.display = 'none'")
