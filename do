@@ -161,7 +161,9 @@ build_wheels() {
     "$python" -m venv build/wheel-python
     build/wheel-python/bin/pip install -q --disable-pip-version-check \
       'pybind11>=2.13' 'scikit-build-core>=0.10'
-    build/wheel-python/bin/pip wheel -q --disable-pip-version-check --no-build-isolation --no-deps \
+    # Without CXX it is the compiler of this Python, under whichever name: another command line.
+    CXX=g++ build/wheel-python/bin/pip wheel -q --disable-pip-version-check \
+      --no-build-isolation --no-deps \
       --config-settings=build-dir="$PWD/build/wheel-cmake" \
       --config-settings=cmake.define.LEADTHROUGH_WERROR=ON --wheel-dir build/wheel ./build/sdist
   done
