@@ -1,7 +1,23 @@
+#include <cstddef>
+#include <cstdlib>
+
 #include "bind/parts.hpp"
+
+namespace {
+
+// glibc returns freed memory to the system where it is more than twice the largest block freed so
+// far, and to get it anew takes as long as to compute in it: a tenth of a plan's time.
+void keep_freed_memory() {
+  constexpr std::size_t kLargest = std::size_t{1} << 22;
+  void* volatile block = std::malloc(kLargest);
+  std::free(block);
+}
+
+}  // namespace
 
 PYBIND11_MODULE(_core, module) {
   module.doc() = "Numeric kernels of leadthrough; arguments are checked by the Python layer above.";
+  keep_freed_memory();
   leadthrough::bind_alignment(module);
   leadthrough::bind_cells(module);
   leadthrough::bind_chain(module);

@@ -14,7 +14,6 @@ from leadthrough.motion import MotionT
 _Value = TypeVar("_Value")
 _Result = TypeVar("_Result")
 _MOST_THREADS = 256
-_RUNS = 4
 
 
 def generate_all(
@@ -70,9 +69,21 @@ def mapped(
     every = list(values)
     if count == 1:
         return [function(value) for value in every]
-    # A few runs of values for each thread: a task costs some tens of microseconds.
-    size = max(1, len(every) // (_RUNS * count))
-    runs = [every[i : i + size] for i in range(0, len(every), size)]
+    runs = _runs(every, count)
     with ThreadPoolExecutor(count) as pool:
         done = pool.map(lambda run: [function(value) for value in run], runs)
         return [result for run in done for result in run]
+
+
+def _runs(values: Sequence[_Value], threads: int) -> list[Sequence[_Value]]:
+    """The values in consecutive runs: a task costs some tens of microseconds.
+
+    They become shorter towards the end, so that threads end together.
+    """
+    runs = []
+    first = 0
+    while first < len(values):
+        size = max(1, (len(values) - first) // (2 * threads))
+        runs.append(values[first : first + size])
+        first += size
+    return runs
