@@ -10,7 +10,6 @@
 #include "bind/cells.hpp"
 #include "field/cell_set.hpp"
 #include "field/descent.hpp"
-#include "field/path_distance.hpp"
 #include "field/sparse_distance.hpp"
 #include "field/sparse_march.hpp"
 #include "field/waves.hpp"
@@ -20,17 +19,6 @@ namespace py = pybind11;
 namespace leadthrough {
 
 namespace {
-
-std::vector<Point> points_of(const CArray<double>& rows) {
-  require(rows.ndim() == 2 && (rows.shape(1) == 2 || rows.shape(1) == 3));
-  std::vector<Point> points(static_cast<std::size_t>(rows.shape(0)), Point{});
-  const double* from = rows.data();
-  for (Point& point : points) {
-    std::copy(from, from + rows.shape(1), point.begin());
-    from += rows.shape(1);
-  }
-  return points;
-}
 
 // Cells of a grid with what is computed on them.
 class BoundCells {
@@ -185,40 +173,6 @@ py::array_t<Index> refined(const std::vector<Index>& coarse_shape,
   return moved_array(std::move(found));
 }
 
-py::array_t<double> distances_to_path(const CArray<double>& points, const CArray<double>& path,
-                                      double most) {
-  require(points.ndim() == 2 && path.ndim() == 2 && points.shape(1) == path.shape(1));
-  require(path.shape(0) > 0 && most >= 0.0);
-  const std::vector<Point> from = points_of(points), along = points_of(path);
-  std::vector<double> found;
-  {
-    const py::gil_scoped_release release;
-    found = path_distances(from, along, most);
-  }
-  return as_array(found);
-}
-
-// A row for each cell, in as many dimensions as the grid has.
-py::array_t<double> cell_centres(const std::vector<Index>& shape,
-                                 const std::vector<double>& spacing,
-                                 const std::vector<double>& first, const CArray<Index>& cells) {
-  const Grid grid = grid_of(shape, spacing);
-  require(cells.ndim() == 1 && first.size() == shape.size());
-  const std::size_t lead = 3 - shape.size();
-  Point origin{};
-  std::copy(first.begin(), first.end(), origin.begin() + static_cast<std::ptrdiff_t>(lead));
-  py::array_t<double> rows({cells.size(), static_cast<py::ssize_t>(shape.size())});
-  const Index *cell = cells.data(), *end = cell + cells.size();
-  double* to = rows.mutable_data();
-  const py::gil_scoped_release release;
-  require(std::all_of(cell, end, [&](Index each) { return each >= 0 && each < grid.size(); }));
-  for (; cell != end; ++cell) {
-    const Point centre = centre_of(grid, origin, *cell);
-    to = std::copy(centre.begin() + static_cast<std::ptrdiff_t>(lead), centre.end(), to);
-  }
-  return rows;
-}
-
 }  // namespace
 
 void bind_cells(py::module_& module) {
@@ -237,12 +191,8 @@ void bind_cells(py::module_& module) {
       .def("depths", &BoundCells::depths);
   module.def("cells_within", &widened, py::arg("shape"), py::arg("spacing"),
              py::arg("cells").noconvert(), py::arg("radius"));
-  module.def("cell_centres", &cell_centres, py::arg("shape"), py::arg("spacing"), py::arg("first"),
-             py::arg("cells").noconvert());
   module.def("finer_cells", &refined, py::arg("coarse_shape"), py::arg("fine_shape"),
              py::arg("cells").noconvert());
-  module.def("path_distances", &distances_to_path, py::arg("points").noconvert(),
-             py::arg("path").noconvert(), py::arg("most"));
 }
 
 }  // namespace leadthrough

@@ -783,16 +783,9 @@ class CellSet:
 def cells_within(
     shape: Sequence[int], spacing: Sequence[float], cells: NDArray[np.int64], radius: float
 ) -> NDArray[np.int64]: ...
-def cell_centres(
-    shape: Sequence[int],
-    spacing: Sequence[float],
-    first: Sequence[float],
-    cells: NDArray[np.int64],
-) -> Float64Array: ...
 def finer_cells(
     coarse_shape: Sequence[int], fine_shape: Sequence[int], cells: NDArray[np.int64]
 ) -> NDArray[np.int64]: ...
-def path_distances(points: Float64Array, path: Float64Array, most: float) -> Float64Array: ...
 
 class ArrivalFieldFloat32:
     def __init__(

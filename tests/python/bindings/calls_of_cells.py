@@ -31,22 +31,7 @@ call(
 call(CELLS.depths, np.full(12, np.inf))
 call(CELLS.descend, "ok", arrival=FIRST_ROW, start=[0.0, 3.0], goal=[0.0, 0.0], step=0.5)
 call(core.cells_within, [0, 1, 4], **MAP, radius=1.0)
-call(
-    core.cell_centres,
-    [[10.0, 23.0], [12.0, 20.0]],
-    shape=[3, 4],
-    spacing=[2.0, 1.0],
-    first=[10.0, 20.0],
-    cells=np.array([3, 4]),
-)
 call(core.finer_cells, [0, 1, 4, 5], coarse_shape=[2, 2], fine_shape=[4, 4], cells=np.array([0]))
-call(
-    core.path_distances,
-    [1, 1],
-    points=np.array([[0.0, 1.0], [3.0, 0.0]]),
-    path=np.array([[0.0, 0.0], [2.0, 0.0]]),
-    most=9.0,
-)
 BLOCKS = make(core.Blocks, shape=[3, 4], spacing=[2.0, 1.0], first=[10.0, 20.0], reach=0.0)
 call(BLOCKS.centres, [[10.0, 23.0], [12.0, 20.0]], numbers=np.array([3, 4]))
 call(

@@ -16,8 +16,8 @@ FREE = dict(
         """
     ArrivalField(cells speed)  Blocks.centres(numbers)  CellSet(cells)  CellSet.find(cells)
     Chain.forward_kinematics(q)  Chain.pose(q)  bridge_on_time(target)  bridge_to_start(target)
-    cells_within(cells)  cell_centres(cells)  condition_at(position noise)  dmp_poses(phases)
-    finer_cells(cells)  first_contact(samples)  first_excess(samples)  path_distances(path points)
+    cells_within(cells)  condition_at(position noise)  dmp_poses(phases)
+    finer_cells(cells)  first_contact(samples)  first_excess(samples)
     extent(rows)  slowed(path)  stopped(path)
     DmpForces(nodes)  DmpPath(coefficients)  dmp_peak_speeds(phases)
     IkOptions(posture reference)  PursuitOptions(acceleration velocity)  TimedPath(coefficients)
