@@ -18,9 +18,11 @@ class Counted:
 
     def __init__(self, field):
         self._field, self.grid, self.outside, self.cells = field, field.grid, field.outside, 0
+        self.asked = []
 
     def at(self, cells):
         self.cells += len(cells)
+        self.asked.append(cells)
         return self._field.at(cells)
 
     def fastest(self, blocks, numbers):
@@ -82,6 +84,15 @@ def test_cost_grows_with_the_path_and_not_with_the_map():
         asked.append(field.cells)
     assert asked[1] < 2.0 * asked[0]
     assert asked[1] < 0.01 * np.prod(grid.shape)
+
+
+def test_a_band_that_widens_asks_only_for_what_is_new():
+    field, path = random_scene(1)
+    counted = Counted(field)
+    quickest(counted, path[0], path[-1])
+    _, _, *bands = counted.asked  # after start and goal
+    assert len(bands) > 1
+    assert len(np.unique(np.concatenate(bands))) == sum(map(len, bands))
 
 
 def wall_with_gap(width):
