@@ -92,7 +92,7 @@ void bind_gaussian(py::module_& module) {
          const Eigen::Ref<const Rows>& basis, const Eigen::Ref<const Columns>& columns,
          const Eigen::Ref<const Rows>& values, const Eigen::Ref<const Rows>& noise,
          const Eigen::Ref<const Eigen::VectorXd>& scale, double least) {
-        require(basis.cols() > 0 && mean.size() % basis.cols() == 0 &&
+        require(basis.size() > 0 && columns.size() > 0 && mean.size() % basis.cols() == 0 &&
                 covariance.rows() == mean.size() && covariance.cols() == mean.size() &&
                 values.rows() == basis.rows() && values.cols() == columns.size() &&
                 noise.rows() == columns.size() && noise.cols() == columns.size() &&

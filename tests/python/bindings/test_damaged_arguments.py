@@ -3,6 +3,7 @@
 `./do sanitize` runs this with AddressSanitizer, which ends the run if a binding leaves its arrays.
 """
 
+import contextlib
 from collections.abc import Callable
 from typing import Any
 
@@ -58,3 +59,18 @@ def test_damaged_arguments_raise_or_are_computed_with(
             function(**arguments | changed)
         except (TypeError, ValueError, IndexError):
             continue
+
+
+def test_none_of_something_raises_or_is_computed_with(
+    function: Callable[..., Any], arguments: dict[str, Any], expected: Any
+) -> None:
+    """No joints, points or columns: every axis of one length has none of it."""
+    arrays = {name: value for name, value in arguments.items() if isinstance(value, np.ndarray)}
+    for length in sorted({size for value in arrays.values() for size in value.shape}):
+        without = {
+            name: np.resize(value, [size * (size != length) for size in value.shape])
+            for name, value in arrays.items()
+        }
+        print(function.__name__, length)
+        with contextlib.suppress(TypeError, ValueError, IndexError):
+            function(**arguments | without)
