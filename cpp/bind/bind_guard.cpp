@@ -29,8 +29,8 @@ StepLimits make_limits(const Eigen::VectorXd& lower, const Eigen::VectorXd& uppe
                        const Eigen::VectorXd& step, const Eigen::VectorXd& bend,
                        const Eigen::VectorXd& twist) {
   const Index joints = step.size();
-  require(joints > 0 && lower.size() == joints && upper.size() == joints &&
-          bend.size() == joints && twist.size() == joints);
+  require(joints > 0 && lower.size() == joints && upper.size() == joints && bend.size() == joints &&
+          twist.size() == joints);
   require(step.minCoeff() > 0.0 && bend.minCoeff() > 0.0 && twist.minCoeff() > 0.0);
   return {lower, upper, step, bend, twist};
 }
