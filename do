@@ -217,9 +217,10 @@ main() {
       # First what needs no Python: another run may still be installing the core.
       build_sanitized tsan
       ctest --preset tsan --parallel "$(nproc)"
-      install_package test
+      install_core
       build_sanitized asan -DLEADTHROUGH_PYTHON=ON "-DPython_EXECUTABLE=$PWD/.venv/bin/python" \
         "-Dpybind11_DIR=$(.venv/bin/python -m pybind11 --cmakedir)"
+      install_package test
       run_sanitized_bindings & # in one process, beside the others
       ctest --preset asan --parallel "$(nproc)"
       wait $!

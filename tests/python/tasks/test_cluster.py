@@ -153,7 +153,7 @@ def until_quiet(out):
     before, quiet = None, 0
     while True:
         begun = len((out / "log").read_text().split())
-        finished = len(list(out.glob("cache/??/*.json")))
+        finished = len(list(out.glob("cache/??/[!.]*.json")))
         quiet = quiet + 1 if (begun, finished) == before and begun == finished else 0
         if quiet == 3:
             return finished
@@ -192,7 +192,7 @@ def test_without_its_scheduler_a_study_keeps_what_is_finished(cluster, tmp_path,
     document = json.loads((tmp_path / "results.json").read_text())
     done = of_numbers.COUNT - document["unfinished"]
     assert 8 <= len(document["rows"]) == done < of_numbers.COUNT
-    assert len(list(tmp_path.glob("cache/??/*.json"))) == done
+    assert len(list(tmp_path.glob("cache/??/[!.]*.json"))) == done
 
 
 class Ending(list):
