@@ -69,6 +69,7 @@ SignedDistance in_own_frame(const Shape& shape, const Eigen::Vector3d& point) {
   }
 }
 
+// Summed as NumPy's einsum does, which computed these distances first: so they keep their bits.
 double length(double x, double y, double z) { return std::sqrt(x * x + z * z + y * y); }
 
 double to_box(const Eigen::Vector3d& point, const Eigen::Vector3d& half) {

@@ -13,12 +13,11 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import LimitsInfeasible
 from leadthrough.timing.binding import Kind
 from leadthrough.timing.rates import AT_REST
+from leadthrough.timing.request import POSITION_ROUNDING
 from leadthrough.timing.samples import Samples
 
 # A limit may be exceeded by this, relative to it. Time laws are computed to half of it.
 _EXCESS = 1e-6
-# Rounding may take a path beyond its position limits by this, rad or m.
-_ROUNDING = 1e-9
 # How far differences of order 3 reach beyond a sample, and how many copies of it part them.
 _REACH, _COPIES = 3, 2
 _MOST_PASSES = 10
@@ -86,7 +85,7 @@ def check_positions(
     """
     least, largest = _core.extent(positions)
     outside = np.maximum(limits.lower - least, largest - limits.upper)
-    if outside.max() > _ROUNDING:
+    if outside.max() > POSITION_ROUNDING:
         i = int(np.argmax(outside))
         name = limits.joint_names[i]
         raise LimitsInfeasible(

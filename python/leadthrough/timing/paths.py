@@ -111,7 +111,8 @@ def _fitted(
     even = np.linspace(*near.domain, max(_SAMPLES_OF_A_CURVE, 8 * len(q)))
     places = np.union1d(parameters, even)
     u = places / near.domain[1]
-    away = 0.8 * tolerance * np.minimum(1.0, 10.0 * np.minimum(u, 1.0 - u))[:, None]
+    ramp = np.minimum(1.0, 10.0 * np.minimum(u, 1.0 - u))[:, None]  # the ends stay where they are
+    away = ramp * np.minimum(0.8 * tolerance, 0.5 * (request.upper - request.lower))
     inside = np.clip(near.evaluate(places), request.lower + away, request.upper - away)
     return kept, parameters, fit_within(places, inside, 0.1 * tolerance)
 

@@ -1,10 +1,11 @@
-"""The options of `retime` besides the limits, checked."""
+"""The options of `retime` besides the limits of rates, checked."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
@@ -12,10 +13,18 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.timing.bounds import InverseDynamics, Jacobian
 
+# Rounding may take positions beyond their limits by this, rad or m.
+POSITION_ROUNDING = 1e-9
+
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """Options of `retime`, checked against the path; see there for what each one means."""
+    """Options of `retime`, checked against the path; see there for what each one means.
+
+    Attributes:
+        lower: position limits (joints,), rad or m.
+        upper: the same from above.
+    """
 
     rate: float
     lower: Float64Array
@@ -39,8 +48,9 @@ class Request:
                 raise InvalidInput(f"{name}: expected a function, got {type(value).__name__}")
 
     def keeps_positions(self, q: Float64Array) -> bool:
-        """Whether configurations (n, joints) lie inside the position limits."""
-        return bool((q >= self.lower).all() and (q <= self.upper).all())
+        """Whether configurations (n, joints) lie inside the position limits, but for rounding."""
+        outside = np.maximum(self.lower - q, q - self.upper)
+        return bool(outside.max() <= POSITION_ROUNDING)
 
     @property
     def along_lines(self) -> bool:

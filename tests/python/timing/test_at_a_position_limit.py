@@ -1,5 +1,7 @@
 """Motions that touch a position limit: samples keep it, a smooth path near them might not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -39,6 +41,19 @@ def test_samples_held_at_the_limit_stay_there():
     motion = lt.retime(lt.JointTrajectory(times, held), PANDA, path_tolerance=1e-3)
     assert (motion.positions <= PANDA.upper + 1e-9).all()
     assert (motion.positions[:, 0] > PANDA.upper[0] - 2e-3).sum() > 100
+
+
+def test_rounding_beyond_the_limit_and_a_tolerance_wider_than_a_joint_are_borne():
+    times, q = swing(0.0)
+    q[:, 0] += 5e-10
+    assert lt.retime(lt.JointTrajectory(times, q), PANDA).duration < 4.0
+    upper = PANDA.upper.copy()
+    upper[1] = PANDA.lower[1] + 0.01
+    narrow = replace(PANDA, upper=upper)
+    q[:, 1] = upper[1] - 0.01 * np.sin(0.5 * np.pi * times) ** 2
+    motion = lt.retime(lt.JointTrajectory(times, q), narrow, path_tolerance=0.012)
+    assert (motion.positions >= narrow.lower - 1e-9).all()
+    assert (motion.positions <= narrow.upper + 1e-9).all()
 
 
 def test_what_leaves_a_limit_is_refused_with_the_amount():

@@ -128,7 +128,9 @@ class _Curves:
             start, goal = self.usual_ends
             carried = self.carried(with_ends(self.points, start, goal), start, goal)
             weights = _weights(self.starts, start, chosen)
-            self._usual_ways[key] = np.asarray(np.einsum("j,jnd->nd", weights, carried))
+            way = np.asarray(np.einsum("j,jnd->nd", weights, carried))
+            way.setflags(write=False)
+            self._usual_ways[key] = way
         return self._usual_ways[key]
 
 
