@@ -16,10 +16,10 @@ def arc_length(points: ArrayLike) -> Float64Array:
     """Lengths (n,) of the polygonal line through points, from the first one to each, from 0 on.
 
     Args:
-        points: (n, d), at least one.
+        points: (n, d), n > 0 and d > 0.
 
     Raises:
-        InvalidInput: if there is none, one is not finite, or the length overflows.
+        InvalidInput: if they have another shape, one is not finite, or the length overflows.
     """
     lengths = _core.arc_lengths(_curve(points))
     if not np.isfinite(lengths[-1]):
@@ -33,7 +33,7 @@ def by_arc_length(points: ArrayLike, count: int) -> Float64Array:
     The ends stay; pauses and repeated points do not matter.
 
     Args:
-        points: (n, d), at least one.
+        points: (n, d), n > 0 and d > 0.
         count: at least 2.
 
     Raises:
@@ -51,4 +51,6 @@ def _curve(points: ArrayLike) -> Float64Array:
     curve = check.array(points, "points", shape=("n", "d"))
     if len(curve) == 0:
         raise InvalidInput("points: expected at least one point, got none")
+    if curve.shape[1] == 0:
+        raise InvalidInput("points: expected at least one coordinate, got points without any")
     return curve

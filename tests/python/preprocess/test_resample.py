@@ -72,7 +72,16 @@ def test_tiny_steps_beside_a_long_way_are_harmless():
 
 
 @pytest.mark.parametrize(
-    "points", [[], np.zeros((0, 2)), [1.0, 2.0], [[np.nan, 0]], None, [[1e308, 0], [-1e308, 0]]]
+    "points",
+    [
+        [],
+        np.zeros((0, 2)),
+        np.zeros((3, 0)),
+        [1.0, 2.0],
+        [[np.nan, 0]],
+        None,
+        [[1e308, 0], [-1e308, 0]],
+    ],
 )
 def test_bad_points_are_refused(points):
     for call in (resample.arc_length, lambda p: resample.by_arc_length(p, 5)):
