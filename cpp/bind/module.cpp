@@ -19,10 +19,10 @@ PYBIND11_MODULE(_core, module) {
   module.doc() = "Numeric kernels of leadthrough; arguments are checked by the Python layer above.";
   keep_freed_memory();
   leadthrough::bind_alignment(module);
-  leadthrough::bind_cells(module);
   leadthrough::bind_chain(module);
   leadthrough::bind_shapes(module);  // before those that take shapes
-  leadthrough::bind_blocks(module);
+  leadthrough::bind_walls(module);
+  leadthrough::bind_speeds(module);
   leadthrough::bind_collision(module);
   leadthrough::bind_dmp(module);
   leadthrough::bind_dynamics(module);

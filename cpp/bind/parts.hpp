@@ -14,8 +14,6 @@
 namespace leadthrough {
 
 void bind_alignment(pybind11::module_& module);
-void bind_blocks(pybind11::module_& module);
-void bind_cells(pybind11::module_& module);
 void bind_chain(pybind11::module_& module);
 void bind_collision(pybind11::module_& module);
 void bind_dmp(pybind11::module_& module);
@@ -31,9 +29,11 @@ void bind_path(pybind11::module_& module);
 void bind_priority(pybind11::module_& module);
 void bind_shapes(pybind11::module_& module);
 void bind_so3(pybind11::module_& module);
+void bind_speeds(pybind11::module_& module);
 void bind_spline_fit(pybind11::module_& module);
 void bind_time_law(pybind11::module_& module);
 void bind_tracking(pybind11::module_& module);
+void bind_walls(pybind11::module_& module);
 
 // The Python layer says what is wrong; this keeps the kernels inside their arrays.
 inline void require(bool sizes_agree) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "field/cell_set.hpp"
@@ -8,24 +9,28 @@
 
 namespace leadthrough {
 
-// Cubes of a grid's cells, or the cells themselves, as a coarser grid.
+// Cubes of 2^level cells of a grid along each axis, counted from its first cell, as a coarser grid;
+// the last ones may reach beyond the grid. At level 0 they are the cells.
 struct Blocks {
   Grid grid;
-  Point first;   // centre of the first along the grid's three axes
-  double reach;  // from a centre to the farthest centre of a block's cells, 0 for cells
+  Point first;         // centre of the first along the grid's three axes
+  int dimensions = 3;  // 2 for a flat grid
+  int level = 0;
+  double reach = 0.0;  // from a centre to the farthest centre of a block's cells
 
   Point centre(Index number) const { return centre_of(grid, first, number); }
+  std::vector<Point> centres(const std::vector<Index>& numbers) const;
+  std::array<Index, 3> place(Index number) const;  // along the three axes
+  Index number(const std::array<Index, 3>& place) const;
+
+  // That a point lies in, if there is one.
+  std::optional<Index> find(const Point& point) const;
 };
 
-// A path that waves run fast about.
-struct Tube {
-  std::vector<Point> path;  // finely sampled
-  double weight;            // in [0, 1], of the speed on the path
-};
+// Blocks of cells, which are of level 0.
+Blocks blocks_of(const Blocks& cells, int level);
 
-// Upper bounds of the speeds of the cells of blocks, and of cells the speeds themselves: they fall
-// over the radius from each tube's weight, 1 being the speed limit, to the saturation.
-std::vector<double> tube_speeds(const Blocks& blocks, const std::vector<Index>& numbers,
-                                const std::vector<Tube>& tubes, double radius, double saturation);
+// The block that holds a cell.
+Index block_around(const Blocks& blocks, const Blocks& cells, Index cell);
 
 }  // namespace leadthrough

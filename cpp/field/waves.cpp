@@ -1,6 +1,7 @@
 #include "field/waves.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -10,14 +11,9 @@ namespace leadthrough {
 
 namespace {
 
-// When a wave from elsewhere is at an end.
 double arrival_at(const WayEnd& end, const CellSet& blocks, const std::vector<double>& times) {
-  double first = std::numeric_limits<double>::infinity();
-  for (const Source& entry : end.entries) {
-    const CellSet::Place place = blocks.find(entry.cell);
-    if (place != blocks.missing()) first = std::min(first, times[place] + entry.time);
-  }
-  return first;
+  const std::optional<Source> first = first_of(end, blocks, times);
+  return first ? first->time : std::numeric_limits<double>::infinity();
 }
 
 // A wave does not see the way from a block's centre to an end in it.
@@ -26,6 +22,18 @@ double unseen_at(const WayEnd& end, const CellSet& blocks, const double* speed, 
 }
 
 }  // namespace
+
+std::optional<Source> first_of(const WayEnd& end, const CellSet& cells,
+                               const std::vector<double>& times) {
+  std::optional<Source> first;
+  for (const Source& entry : end.entries) {
+    const CellSet::Place place = cells.find(entry.cell);
+    if (place == cells.missing() || std::isinf(times[place])) continue;
+    const double time = times[place] + entry.time;
+    if (!first || time < first->time) first = Source{entry.cell, time};
+  }
+  return first;
+}
 
 Waves waves_between(const CellSet& blocks, const double* speed, const WayEnd& start,
                     const WayEnd& goal, double reach) {

@@ -2,6 +2,7 @@
 
 // Waves from both ends of a way through blocks, which tell what each block is good for.
 
+#include <optional>
 #include <vector>
 
 #include "field/blocks.hpp"
@@ -14,6 +15,11 @@ struct WayEnd {
   std::vector<Source> entries;
   bool is_outside;  // beyond the blocks; else there is one entry
 };
+
+// By which of its entries a wave from elsewhere comes first to an end, and when; none if it does
+// not.
+std::optional<Source> first_of(const WayEnd& end, const CellSet& cells,
+                               const std::vector<double>& times);
 
 struct Waves {
   std::vector<double> through;  // least times from end to end through each block of the set

@@ -243,7 +243,7 @@ def scene(seed: int) -> tuple[SpeedField, Float64Array, list[lt.Shape]]:
     radius = float(rng.choice([0.02, 0.15]))
     if seed // 2 % 2:
         free = ExperienceField(grid, [way], area_of_influence=radius, saturation=0.02)
-        field: SpeedField = PassableField(free, walls, band=0.01, saturation=0.02, reach=0.04)
+        field: SpeedField = PassableField(free, walls, band=0.01, reach=0.04)
     else:
         tube = TubeField(grid, [way], [1.0], area_of_influence=radius, saturation=0.02)
         field = HinderedField(tube, walls, area_of_influence=0.015)

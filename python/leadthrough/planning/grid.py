@@ -9,12 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import check
+from leadthrough import _core, check
 from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 
 CellArray = NDArray[np.int64]
+# Numbers of cells in C order, (n,).
+CellNumbers = NDArray[np.int64]
 
 # A march over this many cells takes some 10 s and 5 GB; a finer one is a mistake in the spacing.
 MOST_CELLS = 200_000_000
@@ -79,6 +81,11 @@ class Grid(Brief):
         """Number of axes, 2 or 3."""
         return len(self.shape)
 
+    @property
+    def compiled(self) -> _core.Cells:
+        """The cells as the compiled core takes them."""
+        return _core.Cells(self.shape, self.spacing.tolist(), self.origin.tolist())
+
     def centres(self) -> Float64Array:
         """Centres of all cells, (*shape, d)."""
         axes = [
@@ -140,6 +147,10 @@ class Grid(Brief):
                 f"points: expected points in the grid, from {self.origin} to {last}, got {outside}"
             )
         return np.floor(self.coordinates(points) + 0.5).astype(np.int64)
+
+    def numbers_of(self, cells: CellArray) -> CellNumbers:
+        """Numbers (n,), in C order, of cells of the grid (n, d)."""
+        return np.asarray(np.ravel_multi_index(tuple(cells.T), self.shape), dtype=np.int64)
 
 
 def spacings(spacing: ArrayLike, dimensions: int) -> Float64Array:

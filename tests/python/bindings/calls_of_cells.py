@@ -5,54 +5,30 @@ from bindings.calls import call, make
 
 from leadthrough import _core as core
 
-# All cells of 3 x 4 and, for what takes any number of cells, the first.
-CELLS = make(core.CellSet, shape=[3, 4], spacing=[1.0, 1.0], cells=np.arange(12))
-FIRST_ROW = np.array([0.0, 1.0, 2.0, 3.0, *np.full(8, np.inf)])
-SOURCE = {"cells": np.array([0]), "times": np.zeros(1), "source_radius": 0.0, "stop": -1}
-MAP = {"shape": [3, 4], "spacing": [1.0, 1.0], "cells": np.array([0])}
-
-call(CELLS.find, [0, 5, -1], cells=np.array([0, 5, 20]))
-call(CELLS.march, FIRST_ROW, speed=np.where(np.arange(12) < 4, 1.0, 0.0), **SOURCE)
-call(CELLS.is_open, False, times=FIRST_ROW)
-ALONG_ROW = {"cells": [np.array([0]), np.array([3])], "times": [np.zeros(1), np.zeros(1)]}
-call(
-    CELLS.waves,
-    np.where(np.arange(12) < 4, 1.0, np.inf),
-    speed=np.where(np.arange(12) < 4, 1.0, 0.0),
-    **ALONG_ROW,
-    are_outside=[False, False],
-    reach=1.0,
-)
-call(
-    CELLS.distances,
-    np.hypot(*np.divmod(np.arange(12), 4)),
-    mask=np.arange(12) == 0,
-)
-call(CELLS.depths, np.full(12, np.inf))
-call(CELLS.descend, "ok", arrival=FIRST_ROW, start=[0.0, 3.0], goal=[0.0, 0.0], step=0.5)
-call(core.cells_within, [0, 1, 4], **MAP, radius=1.0)
-call(core.finer_cells, [0, 1, 4, 5], coarse_shape=[2, 2], fine_shape=[4, 4], cells=np.array([0]))
-BLOCKS = make(core.Blocks, shape=[3, 4], spacing=[2.0, 1.0], first=[10.0, 20.0], reach=0.0)
-call(BLOCKS.centres, [[10.0, 23.0], [12.0, 20.0]], numbers=np.array([3, 4]))
-call(
-    core.tube_speeds,
-    [0.75, 0.5],
-    blocks=BLOCKS,
-    numbers=np.array([1, 4]),
-    paths=[np.array([[10.0, 20.0], [10.0, 20.5]])],
-    weights=[1.0],
-    radius=1.0,
-    saturation=0.5,
-)
+CELLS = make(core.Cells, shape=[3, 4], spacing=[2.0, 1.0], first=[10.0, 20.0])
+PATH = np.array([[10.0, 20.0], [10.0, 20.5]])
+TUBE = make(core.tube_speeds, cells=CELLS, saturation=0.5, paths=[PATH], weights=[1.0], radius=1.0)
+call(TUBE.at, [0.75, 0.5], cells=np.array([1, 4]))
+call(TUBE.fastest, [1.0, 0.5], level=1, blocks=np.array([0, 3]))
 WALLS = make(
     core.Walls,
-    cells=BLOCKS,
+    cells=CELLS,
     margin=0.5,
     shapes=[core.sphere_shape(0.1, np.array([10.0, 20.0, 0.0]))],
     middles=np.array([[10.0, 20.0, 0.0]]),
     half_extents=np.full((1, 3), 0.1),
 )
-call(WALLS.hold, [True, False], numbers=np.array([0, 1]))
-call(WALLS.distances, [0.0, 1.0, 1.5], numbers=np.array([0, 1, 2]), most=1.5)
-call(WALLS.farthest, [0.0, 1.4], blocks=BLOCKS, numbers=np.array([0, 1]), most=3.0)
-call(WALLS.nearest, [-0.6, 0.4], blocks=BLOCKS, numbers=np.array([0, 1]), most=3.0)
+call(WALLS.distances, [0.0, 1.0, 1.5], cells=np.array([0, 1, 2]), most=1.5)
+SOME = {"cells": np.array([0, 1, 2])}
+GIVEN = make(core.given_speeds, cells=CELLS, outside=0.0, speeds=np.arange(12.0).reshape(3, 4))
+call(GIVEN.at, [0.0, 1.0, 2.0], **SOME)
+call(GIVEN.fastest, [5.0, 7.0, 9.0, 11.0], level=1, blocks=np.arange(4))
+call(GIVEN.quickest, "found", start=[10.0, 22.0], goal=[14.0, 23.0])
+EXPERIENCE = make(core.experience_speeds, cells=CELLS, saturation=0.5, paths=[PATH], radius=1.0)
+call(EXPERIENCE.at, [1.0, 0.5], cells=np.array([0, 3]))
+HINDERED = make(core.hindered_speeds, free=GIVEN, walls=WALLS, reach=2.0)
+call(HINDERED.at, [0.0, 0.5, 2.0], **SOME)
+SATURATED = make(core.saturated_speeds, free=GIVEN, walls=WALLS, reach=2.0, saturation=0.6)
+call(SATURATED.at, [0.0, 0.5, 2.0], **SOME)
+PASSABLE = make(core.passable_speeds, free=TUBE, walls=WALLS, band=1.0, reach=3.0)
+call(PASSABLE.at, [0.0, 1.0, 0.5], **SOME)

@@ -14,17 +14,17 @@ FREE = dict(
     re.findall(
         r"(\S+?)\(([^)]*)\)",
         """
-    ArrivalField(cells speed)  Blocks.centres(numbers)  CellSet(cells)  CellSet.find(cells)
+    ArrivalField(cells speed)  SpeedMap.at(cells)  SpeedMap.fastest(blocks)
+    FreeSpeedMap.at(cells)  FreeSpeedMap.fastest(blocks)
     Chain.forward_kinematics(q)  Chain.pose(q)  bridge_on_time(target)  bridge_to_start(target)
-    cells_within(cells)  condition_at(position noise)  dmp_poses(phases)
-    finer_cells(cells)  first_contact(samples)  first_excess(samples)
+    condition_at(position noise)  dmp_poses(phases)
+    first_contact(samples)  first_excess(samples)
     extent(rows)  slowed(path)  stopped(path)
     DmpForces(nodes)  DmpPath(coefficients)  dmp_peak_speeds(phases)
     IkOptions(posture reference)  PursuitOptions(acceleration velocity)  TimedPath(coefficients)
     Shape.distances(points)  TimedPath.positions_at(lengths)  all_finite(values)
     arc_lengths(points)  by_arc_length(points)  rms_apart(curves)
-    cloud_shape(points)  tube_speeds(numbers)  Walls.distances(numbers)  Walls.farthest(numbers)
-    Walls.hold(numbers)  Walls.nearest(numbers)
+    cloud_shape(points)  experience_speeds(paths)  tube_speeds(paths)  Walls.distances(cells)
     bounced(velocities)  check_motion(q)  clear_batch(q)
     condition_weights(basis)  descend(arrival)  directions(arrival points)
     distance_transform(mask)  dmp_orientations(values)  dmp_rollout(phases)

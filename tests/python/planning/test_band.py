@@ -13,23 +13,6 @@ from leadthrough.preprocess.curve_distance import frechet_distance
 from leadthrough.preprocess.resample import by_arc_length
 
 
-class Counted:
-    """A field that counts the cells that it is asked for."""
-
-    def __init__(self, field):
-        self._field, self.grid, self.outside, self.cells = field, field.grid, field.outside, 0
-        self.asked = []
-
-    def at(self, cells):
-        self.cells += len(cells)
-        self.asked.append(cells)
-        return self._field.at(cells)
-
-    def fastest(self, blocks, numbers):
-        self.cells += len(numbers)
-        return self._field.fastest(blocks, numbers)
-
-
 def in_whole_map(field, start, goal):
     """The same path by a march through all cells."""
     grid = field.grid
@@ -69,30 +52,6 @@ def test_path_is_that_of_a_march_through_the_whole_map(seed):
     np.testing.assert_array_equal(found[[0, -1]], path[[0, -1]])
     along = by_arc_length(found, 20 * len(found))
     assert speeds_at(field, field.grid.cells_of(along)).all()
-
-
-def test_cost_grows_with_the_path_and_not_with_the_map():
-    u = np.linspace(0.0, 1.0, 200)[:, None]
-    path = np.hstack([0.6 * u, 0.1 * np.sin(np.pi * u), 0.1 * u])
-    obstacles = [lt.Box((0.06, 0.06, 0.3), path[100])]
-    asked = []
-    for margin in (0.15, 0.5):
-        grid = Grid.covering(path, margin=margin, spacing=0.005)
-        free = TubeField(grid, [path], [1.0], area_of_influence=0.2, saturation=0.02)
-        field = Counted(HinderedField(free, Walls(grid, obstacles), area_of_influence=0.012))
-        quickest(field, path[0], path[-1])
-        asked.append(field.cells)
-    assert asked[1] < 2.0 * asked[0]
-    assert asked[1] < 0.01 * np.prod(grid.shape)
-
-
-def test_a_band_that_widens_asks_only_for_what_is_new():
-    field, path = random_scene(1)
-    counted = Counted(field)
-    quickest(counted, path[0], path[-1])
-    _, _, *bands = counted.asked  # after start and goal
-    assert len(bands) > 1
-    assert len(np.unique(np.concatenate(bands))) == sum(map(len, bands))
 
 
 def wall_with_gap(width):

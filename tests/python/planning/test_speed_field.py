@@ -3,7 +3,6 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.planning import Grid, speed_map
-from leadthrough.planning.blocks import Blocks
 from leadthrough.planning.speed_field import (
     ExperienceField,
     HinderedField,
@@ -64,10 +63,10 @@ def fields(dimensions):
             SaturatedField(free, walls, **saturated),
             speed_map.add_saturated_obstacles(map_, grid, obstacles, **saturated),
         )
-        ways = {"band": REACH / 2, "saturation": SATURATION, "reach": 0.17}
+        ways = {"band": REACH / 2, "reach": 0.17}
         yield (
             PassableField(free, walls, **ways),
-            speed_map.add_passable_obstacles(map_, grid, obstacles, **ways),
+            speed_map.add_passable_obstacles(map_, grid, obstacles, saturation=SATURATION, **ways),
         )
 
 
@@ -87,12 +86,10 @@ def test_speeds_are_those_of_the_whole_map(dimensions):
 @pytest.mark.parametrize("level", [0, 1, 3])
 def test_no_cell_of_a_block_is_faster_than_its_bound(dimensions, level):
     for field, map_ in fields(dimensions):
-        blocks = Blocks(field.grid, level)
-        bounds = field.fastest(blocks, np.arange(blocks.count))
         largest = map_
         for axis, count in enumerate(map_.shape):
             largest = np.maximum.reduceat(largest, np.arange(0, count, 2**level), axis=axis)
-        assert largest.shape == blocks.shape
+        bounds = field.fastest(level, np.arange(largest.size))
         assert (bounds >= largest.ravel() * (1.0 - 1e-12)).all()
 
 
@@ -102,14 +99,3 @@ def test_without_experience_the_wave_is_slow_everywhere_and_with_nothing_else_fa
     some = np.arange(0, 600, 7)
     assert (ExperienceField(grid, [], **sizes).at(some) == 0.2).all()
     assert (ExperienceField(grid, [np.ones((2, 2))], **sizes).at(some) == 1.0).all()
-
-
-def test_blocks_count_from_the_first_cell_and_reach_their_cells():
-    grid = Grid((1.0, 2.0), (0.5, 0.25), (9, 6))
-    blocks = Blocks(grid, 2)
-    assert blocks.shape == (3, 2) and blocks.count == 6
-    for cell in np.ndindex(grid.shape):
-        number = blocks.around(np.array([cell]))
-        centre = blocks.centres(number)
-        away = np.linalg.norm(grid.points_at(np.array([cell], float)) - centre)
-        assert away <= blocks.reach + 1e-12

@@ -26,7 +26,6 @@ from leadthrough.models.marching.query import Query
 from leadthrough.models.marching.route import CELLS_PER_KNOT, Route, route_along
 from leadthrough.models.marching.scales import Scales
 from leadthrough.planning.band import quickest
-from leadthrough.planning.blocks import numbers_of
 from leadthrough.planning.grid import Grid
 from leadthrough.planning.speed_field import SpeedField, TubeField
 from leadthrough.planning.walls import Walls
@@ -130,7 +129,7 @@ def _along_tube(
     if not obstacles:
         return mean
     most = scales.saturation if scales.obstacle_map == "minimum" else 1.0
-    passed, of = np.unique(numbers_of(grid.cells_of(mean), grid.shape), return_inverse=True)
+    passed, of = np.unique(grid.numbers_of(grid.cells_of(mean)), return_inverse=True)
     beside = Walls(grid, obstacles).distances(passed, scales.clearance) / scales.clearance
     influenced = beside[of] < most
     if not influenced.any():

@@ -108,6 +108,5 @@ def passable_field(free: FreeField, obstacles: Sequence[Shape], scales: Scales) 
         free,
         Walls(free.grid, obstacles),
         band=BAND * scales.clearance,
-        saturation=scales.saturation,
         reach=REACH * scales.clearance,
     )
