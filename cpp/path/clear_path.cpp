@@ -1,6 +1,7 @@
 #include "path/clear_path.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "path/refine.hpp"
@@ -34,7 +35,7 @@ class Search {
         arm_(whole_arm(model, obstacles, margins.obstacles, margins.itself)),
         test_(arm_) {}
 
-  ClearPath run(const std::optional<JointArray>& start) {
+  ClearPath run(const std::optional<JointArray>& start, int searches) {
     ClearPath result;
     bool was_narrow = false;
     // Where a search fails, the next looks more closely, and at all families of postures. A way
@@ -45,8 +46,10 @@ class Search {
       double layers;  // apart, beside what is usual
       bool of_every_family;
     };
-    for (const Effort& effort : {Effort{64, 0.1, 1.0, false}, Effort{128, 0.06, 0.5, true},
-                                 Effort{256, 0.04, 0.5, true}}) {
+    constexpr std::array<Effort, kMostSearches> kEfforts{
+        {{64, 0.1, 1.0, false}, {128, 0.06, 0.5, true}, {256, 0.04, 0.5, true}}};
+    for (int n = 0; n < searches; ++n) {
+      const Effort& effort = kEfforts[static_cast<std::size_t>(n)];
       LadderOptions options;
       options.width = effort.width;
       options.cell = effort.cell;
@@ -261,8 +264,8 @@ class Search {
 ClearPath find_clear_path(const CollisionModel& model, const PlacedShapes& obstacles,
                           const TipPath& path, const Eigen::Ref<const Rows>& postures,
                           const std::optional<JointArray>& start, const Margins& margins,
-                          const IkTolerance& tolerance) {
-  return Search(model, obstacles, path, postures, margins, tolerance).run(start);
+                          const IkTolerance& tolerance, int searches) {
+  return Search(model, obstacles, path, postures, margins, tolerance).run(start, searches);
 }
 
 }  // namespace leadthrough::path

@@ -22,10 +22,13 @@ struct ClearPath {
   std::optional<Approach> touch;
 };
 
-// Bodies are numbered as in `against(model, obstacles)`.
+// Where a search fails, the next looks more closely and takes three times as long.
+constexpr int kMostSearches = 3;
+
+// Bodies are numbered as in `against(model, obstacles)`. searches: at most so many.
 ClearPath find_clear_path(const CollisionModel& model, const PlacedShapes& obstacles,
                           const TipPath& path, const Eigen::Ref<const Rows>& postures,
                           const std::optional<JointArray>& start, const Margins& margins,
-                          const IkTolerance& tolerance);
+                          const IkTolerance& tolerance, int searches = kMostSearches);
 
 }  // namespace leadthrough::path

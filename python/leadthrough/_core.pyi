@@ -362,6 +362,7 @@ def clear_path(
     self_margin: float,
     tolerance: IkTolerance,
     tube: Float64Array = ...,
+    searches: int = 3,
 ) -> tuple[
     Float64Array,
     Float64Array | None,

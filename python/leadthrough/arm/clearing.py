@@ -25,6 +25,8 @@ _TOLERANCE = 1e-3
 _TOUCHING = 2e-6
 # m: with this margin, no two parts of an arm count as too near.
 _ANY_OVERLAP = -10.0
+# What the compiled core has.
+_MOST_SEARCHES = 3
 # Bodies that are named where there is no room.
 _NAMED = 3
 
@@ -38,12 +40,15 @@ class Surroundings:
         obstacles: as the core takes them.
         margin: distance to keep from obstacles in m.
         self_margin: distance to keep between parts of the arm in m.
+        searches: for a way around, at most; where one fails, the next looks more closely and takes
+            three times as long. 1 to 3.
     """
 
     model: _core.CollisionModel
     obstacles: list[_core.Shape]
     margin: float
     self_margin: float
+    searches: int = _MOST_SEARCHES
 
     def clear_along(self, q: Float64Array) -> bool:
         """Whether straight motions from row to row of q (n, joints) keep the margins."""
@@ -124,6 +129,7 @@ def _clear_path(
         self_margin,
         tolerance,
         path.tube,
+        _MOST_SEARCHES if around is None else around.searches,
     )
     if len(q):
         return q

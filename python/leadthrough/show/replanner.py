@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypedDict
 
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, follower
 from leadthrough.arm.clearing import Surroundings
 from leadthrough.arm.missed import limits_in_the_way
 from leadthrough.arm.recorded import warn_of_another_arm
@@ -253,12 +253,12 @@ class Replanner:
     def _next_to_the_last(self, motion: Trajectory | PoseTrajectory) -> JointTrajectory | None:
         """The arm as if there were no obstacles, or else next to where it went around them last.
 
-        Both take a few milliseconds, a search for another way around some hundred. None where
-        neither keeps clear.
+        Both take a few milliseconds, a search for another way around some ten times as long. None
+        where neither keeps clear.
         """
         if self._first is None or not self.obstacles:
             return None
-        around = Surroundings(self.arm._collision, compiled(self.obstacles), *_MARGINS)
+        around = self._around(_MARGINS[0])
         for posture, pull in ((None, None), (self._last, _PULL)):
             try:
                 joints = self.arm.follow(motion, seed=self._first, posture=posture, midrange=pull)
@@ -272,29 +272,53 @@ class Replanner:
     def _searched(self, motion: Trajectory | PoseTrajectory) -> JointTrajectory:
         """Another way around the obstacles, looked for until that fails.
 
-        Where there is none, a search takes half a second, and while one drags there is none a
-        little farther on either: the next one has to wait for a plan, or a way that needs none.
+        Where there is none while one drags, there is none a little farther on either: the next
+        search has to wait for a plan, or for a way that needs none.
 
         Raises:
             LeadthroughError: if there is none, or none is looked for.
         """
-        if self.obstacles and not self._may_search:
+        if not self.obstacles or self._first is None:
+            return self._from_any_posture(motion)
+        if not self._may_search:
             raise LeadthroughError(_NOT_SEARCHED)
         self._may_search = False
-        return self._from_the_same_posture(motion)
+        return self._from_the_same_posture(motion, self._first)
 
-    def _from_the_same_posture(self, motion: Trajectory | PoseTrajectory) -> JointTrajectory:
-        """Starts as before if possible: an arm that jumps while one drags is hard to look at."""
-        margin, _ = _MARGINS
-        if self._first is not None:
-            for distance in (_AMPLE, margin) if self._has_ample_room else (margin,):
-                try:
-                    return self.arm.follow(
-                        motion, seed=self._first, obstacles=self.obstacles, margin=distance
-                    )
-                except IkFailure:
-                    self._has_ample_room = False
+    def _from_any_posture(self, motion: Trajectory | PoseTrajectory) -> JointTrajectory:
+        """As before if possible: an arm that jumps while one drags is hard to look at."""
+        try:
+            return self.arm.follow(motion, seed=self._first, obstacles=self.obstacles)
+        except IkFailure:
+            if self._first is None:
+                raise
         return self.arm.follow(motion, obstacles=self.obstacles)
+
+    def _from_the_same_posture(
+        self, motion: Trajectory | PoseTrajectory, first: Float64Array
+    ) -> JointTrajectory:
+        """A way around from a posture (joints,), found by one short search at each distance.
+
+        Raises:
+            IkFailure: if there is none.
+        """
+        margin, _ = _MARGINS
+        if self._has_ample_room:
+            try:
+                return self._quickly_around(motion, first, _AMPLE)
+            except IkFailure:
+                self._has_ample_room = False
+        return self._quickly_around(motion, first, margin)
+
+    def _quickly_around(
+        self, motion: Trajectory | PoseTrajectory, first: Float64Array, margin: float
+    ) -> JointTrajectory:
+        around = replace(self._around(margin), searches=1)
+        chain, limits = self.arm._chain, self.arm.limits
+        return follower.follow(chain, motion, limits=limits, seed=first, around=around)
+
+    def _around(self, margin: float) -> Surroundings:
+        return Surroundings(self.arm._collision, compiled(self.obstacles), margin, _MARGINS[1])
 
     def _usual_goal(self, usual: Motion) -> tuple[Float64Array, Float64Array | None]:
         if self._is_of_joints:

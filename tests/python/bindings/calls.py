@@ -224,6 +224,7 @@ call(
     start=Q[0],
     tolerance=tolerance,
     tube=np.empty((0, 6)),
+    searches=1,
     **tip,
     **margins,
 )
