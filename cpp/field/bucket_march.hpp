@@ -36,13 +36,16 @@ class BucketMarch {
   }
 
  private:
-  static constexpr int kLanes = 16;
+  static constexpr int kLanes = 4;  // more would not stay in registers
   static constexpr int kCapacity = (BucketQueue::kChunk * 2 * D + kLanes - 1) / kLanes * kLanes;
   using Lanes = Eigen::Array<Real, kLanes, 1>;
   using Column = Eigen::Array<Real, kCapacity, 1>;
 
   int find_neighbours(const Cell* cells, int count);
   void update(int count);
+  void gather(int count);
+  void solve(int count);
+  void improve(int count);
 
   PaddedField<Real, D>& field_;
   Schedule<Real> schedule_;
@@ -53,8 +56,8 @@ class BucketMarch {
   Column step_ = Column::Zero();
 };
 
-// A neighbour can only fall if it is later than the front, and only through this cell if its
-// opposite neighbour is not earlier (with "not later", cells between two equal ones would be lost).
+// A neighbour can only fall if it is later than the front. An opposite neighbour that is earlier
+// rules that out as well, but is seldom there, and far away in memory.
 template <typename Real, int D, bool Cubes>
 int BucketMarch<Real, D, Cubes>::find_neighbours(const Cell* cells, int count) {
   const Real* time = field_.time.data();
@@ -67,8 +70,7 @@ int BucketMarch<Real, D, Cubes>::find_neighbours(const Cell* cells, int count) {
         const Index neighbour = cell + stride;
         cells_[found] = static_cast<Cell>(neighbour);
         reached_[found] = t * kLater<Real>;
-        found +=
-            static_cast<int>(time[neighbour] > t) & static_cast<int>(time[neighbour + stride] >= t);
+        found += static_cast<int>(time[neighbour] > t);
       }
     }
   }
@@ -77,6 +79,13 @@ int BucketMarch<Real, D, Cubes>::find_neighbours(const Cell* cells, int count) {
 
 template <typename Real, int D, bool Cubes>
 void BucketMarch<Real, D, Cubes>::update(int count) {
+  gather(count);
+  solve(count);
+  improve(count);
+}
+
+template <typename Real, int D, bool Cubes>
+void BucketMarch<Real, D, Cubes>::gather(int count) {
   const Real* time = field_.time.data();
   for (int n = 0; n < count; ++n) {
     const Real* at = time + cells_[n];
@@ -86,6 +95,10 @@ void BucketMarch<Real, D, Cubes>::update(int count) {
       upwind_[axis][n] = std::min(at[-stride], at[stride]);
     }
   }
+}
+
+template <typename Real, int D, bool Cubes>
+void BucketMarch<Real, D, Cubes>::solve(int count) {
   for (int n = 0; n < count; n += kLanes) {
     std::array<Lanes, D> upwind;
     for (int axis = 0; axis < D; ++axis) upwind[axis] = upwind_[axis].template segment<kLanes>(n);
@@ -98,10 +111,26 @@ void BucketMarch<Real, D, Cubes>::update(int count) {
       reached = solve_boxes(upwind, field_.spacing, step).max(reached);
     }
   }
+}
+
+// Half of the updates improve nothing, in no order that a processor could predict: those that do
+// are moved to the front without a branch.
+template <typename Real, int D, bool Cubes>
+void BucketMarch<Real, D, Cubes>::improve(int count) {
+  const Real* time = field_.time.data();
+  int improved = 0;
   for (int n = 0; n < count; ++n) {
+    const Cell cell = cells_[n];
+    const Real reached = reached_[n];
+    cells_[improved] = cell;
+    reached_[improved] = reached;
     // A wall's solution may be anything, since it was computed with infinite numbers.
-    if (reached_[n] < time[cells_[n]] && step_[n] < kUnreached<Real>)
-      schedule_.improve(cells_[n], reached_[n]);
+    improved +=
+        static_cast<int>(reached < time[cell]) & static_cast<int>(step_[n] < kUnreached<Real>);
+  }
+  for (int n = 0; n < improved; ++n) {
+    // Not so if the cell has been improved a moment ago, through another neighbour.
+    if (reached_[n] < time[cells_[n]]) schedule_.improve(cells_[n], reached_[n]);
   }
 }
 
