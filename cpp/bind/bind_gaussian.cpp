@@ -3,6 +3,7 @@
 #include "bind/parts.hpp"
 #include "learn/bells.hpp"
 #include "learn/bouncing.hpp"
+#include "learn/curves.hpp"
 #include "learn/dense.hpp"
 #include "learn/gaussian.hpp"
 
@@ -69,6 +70,60 @@ py::object condition_at(NumbersIn mean, NumbersIn covariance, NumbersIn centres,
       VectorMap(scale.data(), curves), least);
   if (result.certain) return py::none();
   return py::make_tuple(std::move(result.mean), std::move(result.covariance));
+}
+
+// Curves of weights over several bases, in arrays (motions, bases, n, curves) of at most so many
+// motions, and whether they are certain to be finite. NumPy's memory comes in large pages: to get
+// small ones takes longer than to fill them.
+py::tuple curves(const BasisRows& basis, Eigen::Index functions, Eigen::Index bases,
+                 Eigen::Index rows, const Eigen::Ref<const Rows>& weights, py::ssize_t most,
+                 int threads) {
+  require(functions > 0 && rows > 0 && weights.size() > 0 && weights.cols() % functions == 0 &&
+          most > 0);
+  const Eigen::Index width = weights.cols() / functions;
+  py::list blocks;
+  std::vector<double*> places;
+  for (py::ssize_t first = 0; first < weights.rows(); first += most) {
+    const py::ssize_t count = std::min(most, weights.rows() - first);
+    Numbers block({count, bases, rows, width});
+    for (py::ssize_t i = 0; i < count; ++i) places.push_back(block.mutable_data(i));
+    blocks.append(std::move(block));
+  }
+  const bool certain = [&] {
+    const py::gil_scoped_release release;
+    return fill_curves(basis, rows, weights, width, threads, places);
+  }();
+  return py::make_tuple(std::move(blocks), certain);
+}
+
+// Curves over given rows of the bases, which lie below each other.
+py::tuple curves_over(const Eigen::Ref<const Rows>& basis, Eigen::Index bases,
+                      const Eigen::Ref<const Rows>& weights, py::ssize_t most, int threads) {
+  require(bases > 0 && basis.rows() % bases == 0);
+  const Eigen::Index rows = basis.rows() / bases;
+  const auto part = [&](Eigen::Index first, Eigen::Index count) {
+    Rows found(bases * count, basis.cols());
+    for (Eigen::Index i = 0; i < bases; ++i)
+      found.middleRows(i * count, count) = basis.middleRows(i * rows + first, count);
+    return found;
+  };
+  return curves(part, basis.cols(), bases, rows, weights, most, threads);
+}
+
+// Curves over bells and their derivatives by time, of which there are as many as factors but one.
+py::tuple curves_over_bells(const Eigen::Ref<const Eigen::VectorXd>& phases,
+                            const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
+                            bool periodic, const Eigen::Ref<const Eigen::VectorXd>& factors,
+                            const Eigen::Ref<const Rows>& weights, py::ssize_t most, int threads) {
+  require(factors.size() >= 1 && factors.size() <= 3);
+  const auto part = [&](Eigen::Index first, Eigen::Index count) {
+    Rows found = bells_and_derivatives(phases.segment(first, count), centres, sharpness, periodic,
+                                       static_cast<int>(factors.size()) - 1);
+    for (Eigen::Index i = 1; i < factors.size(); ++i)
+      found.middleRows(i * count, count) *= factors[i];
+    return found;
+  };
+  return curves(part, centres.size(), factors.size(), phases.size(), weights, most, threads);
 }
 
 }  // namespace
@@ -140,13 +195,19 @@ void bind_gaussian(py::module_& module) {
       "normalised_bells",
       [](const Eigen::Ref<const Eigen::VectorXd>& phases,
          const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness, bool periodic,
-         int order, int threads) {
+         int order) {
         require(order >= 0 && order <= 2);
         const py::gil_scoped_release release;
-        return normalised_bells(phases, centres, sharpness, periodic, order, threads);
+        return normalised_bells(phases, centres, sharpness, periodic, order);
       },
       py::arg("phases").noconvert(), py::arg("centres").noconvert(), py::arg("sharpness"),
-      py::arg("periodic"), py::arg("order"), py::arg("threads") = 1);
+      py::arg("periodic"), py::arg("order"));
+  module.def("curves_over", &curves_over, py::arg("basis").noconvert(), py::arg("bases"),
+             py::arg("weights").noconvert(), py::arg("most"), py::arg("threads"));
+  module.def("curves_over_bells", &curves_over_bells, py::arg("phases").noconvert(),
+             py::arg("centres").noconvert(), py::arg("sharpness"), py::arg("periodic"),
+             py::arg("factors").noconvert(), py::arg("weights").noconvert(), py::arg("most"),
+             py::arg("threads"));
 }
 
 }  // namespace leadthrough

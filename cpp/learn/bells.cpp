@@ -1,15 +1,9 @@
 #include "learn/bells.hpp"
 
-#include <algorithm>
-#include <cstddef>
-
 #include "base/constants.hpp"
-#include "base/parallel.hpp"
 
 namespace leadthrough {
 namespace {
-
-constexpr Eigen::Index kRun = 256;  // phases that a thread takes at a time
 
 // A function is exp(g); here g and its derivatives, a value for each centre.
 struct Exponents {
@@ -33,34 +27,44 @@ struct Exponents {
   }
 };
 
+// Those of orders from the first to the last, below each other.
+Rows bells_of_orders(const Eigen::Ref<const Eigen::VectorXd>& phases,
+                     const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
+                     bool periodic, int first, int last) {
+  const Eigen::Index count = phases.size();
+  Rows result((last - first + 1) * count, centres.size());
+  Exponents exponents(centres.size());
+  Eigen::RowVectorXd values(centres.size());
+  const auto f = values.array();
+  const auto slope = exponents.slope.array();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto row = [&](int order) { return result.row((order - first) * count + i).array(); };
+    exponents.at(phases[i], centres, sharpness, periodic);
+    values = exponents.value.array().exp();
+    values /= values.sum();
+    if (first == 0) row(0) = f;
+    // f = b / sum b, whose logarithm has the slope g' - sum f g'.
+    const double rise = last > 0 ? (f * slope).sum() : 0.0;
+    if (first <= 1 && last >= 1) row(1) = f * (slope - rise);
+    if (last < 2) continue;
+    const auto bend = exponents.bend.array() + slope.square();
+    row(2) = f * (bend - (f * bend).sum() - 2.0 * rise * (slope - rise));
+  }
+  return result;
+}
+
 }  // namespace
 
 Rows normalised_bells(const Eigen::Ref<const Eigen::VectorXd>& phases,
                       const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
-                      bool periodic, int order, int threads) {
-  Rows result(phases.size(), centres.size());
-  const auto fill = [&](Eigen::Index i, Exponents& exponents) {
-    exponents.at(phases[i], centres, sharpness, periodic);
-    auto row = result.row(i).array();
-    row = exponents.value.array().exp();
-    row /= row.sum();
-    // f = b / sum b, whose logarithm has the slope g' - sum f g'.
-    const auto slope = exponents.slope.array();
-    const double rise = order > 0 ? (row * slope).sum() : 0.0;
-    if (order == 1) row *= slope - rise;
-    if (order == 2) {
-      const double bend = (row * (exponents.bend.array() + slope.square())).sum();
-      row *= exponents.bend.array() + slope.square() - bend - 2.0 * rise * (slope - rise);
-    }
-  };
-  const Eigen::Index runs = (phases.size() + kRun - 1) / kRun;
-  for_each_index(static_cast<std::size_t>(runs), threads, [&](std::size_t run) {
-    Exponents exponents(centres.size());
-    const Eigen::Index first = static_cast<Eigen::Index>(run) * kRun;
-    const Eigen::Index end = std::min(first + kRun, phases.size());
-    for (Eigen::Index i = first; i < end; ++i) fill(i, exponents);
-  });
-  return result;
+                      bool periodic, int order) {
+  return bells_of_orders(phases, centres, sharpness, periodic, order, order);
+}
+
+Rows bells_and_derivatives(const Eigen::Ref<const Eigen::VectorXd>& phases,
+                           const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
+                           bool periodic, int most) {
+  return bells_of_orders(phases, centres, sharpness, periodic, 0, most);
 }
 
 }  // namespace leadthrough

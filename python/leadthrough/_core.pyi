@@ -689,8 +689,20 @@ def normalised_bells(
     sharpness: float,
     periodic: bool,
     order: int,
-    threads: int = 1,
 ) -> Float64Array: ...
+def curves_over(
+    basis: Float64Array, bases: int, weights: Float64Array, most: int, threads: int
+) -> tuple[list[Float64Array], bool]: ...
+def curves_over_bells(
+    phases: Float64Array,
+    centres: Float64Array,
+    sharpness: float,
+    periodic: bool,
+    factors: Float64Array,
+    weights: Float64Array,
+    most: int,
+    threads: int,
+) -> tuple[list[Float64Array], bool]: ...
 def march_float32(
     speed: Float32Array,
     spacing: Sequence[float],

@@ -43,4 +43,18 @@ TEST(Bells, DerivativesAreThoseOfCentralDifferences) {
     }
 }
 
+TEST(Bells, WithDerivativesAreThoseOfEachOrder) {
+  const Eigen::VectorXd centres = Eigen::VectorXd::LinSpaced(7, -0.2, 1.2);
+  const Eigen::VectorXd phases = Eigen::VectorXd::LinSpaced(9, 0.0, 1.0);
+  for (const bool periodic : {false, true})
+    for (const int most : {0, 1, 2}) {
+      const Rows all = bells_and_derivatives(phases, centres, 9.0, periodic, most);
+      ASSERT_EQ(all.rows(), (most + 1) * 9);
+      for (int order = 0; order <= most; ++order) {
+        const Rows one = normalised_bells(phases, centres, 9.0, periodic, order);
+        EXPECT_TRUE((all.middleRows(order * 9, 9).array() == one.array()).all());
+      }
+    }
+}
+
 }  // namespace leadthrough::bells_tests

@@ -26,6 +26,24 @@ call(
     periodic=False,
     order=0,
 )
+MOTIONS = {"weights": np.array([[2.0, 4.0, 1.0, 3.0]]), "most": 1, "threads": 1}  # two curves each
+call(
+    core.curves_over,
+    [[[[[3.0, 2.0]], [[-2.0, -2.0]]]]],
+    basis=np.array([[0.5, 0.5], [1.0, -1.0]]),
+    bases=2,
+    **MOTIONS,
+)
+call(
+    core.curves_over_bells,
+    [[[[[3.0, 2.0]]]]],
+    phases=np.array([0.5]),
+    centres=np.array([0.0, 1.0]),
+    sharpness=2.0,
+    periodic=False,
+    factors=np.ones(1),
+    **MOTIONS,
+)
 call(core.product, [[2.0, 3.0]], left=np.ones((1, 2)), right=np.array([[1.0, 1.0], [1.0, 2.0]]))
 call(core.solve_definite, [[0.5], [2.0]], matrix=2.0 * np.eye(2), right=np.array([[1.0], [4.0]]))
 call(

@@ -50,13 +50,12 @@ class Basis(Brief):
         """Whether phases 0 and 1 are the same."""
         return self.kind == "rhythmic"
 
-    def __call__(self, phases: Float64Array, order: int = 0, *, threads: int = 1) -> Float64Array:
+    def __call__(self, phases: Float64Array, order: int = 0) -> Float64Array:
         """Values of the functions, or their derivatives with respect to the phase.
 
         Args:
             phases: phases (n,), in [0, 1]; for rhythmic functions any.
             order: 0 for values, 1 or 2 for derivatives.
-            threads: their number; does not change the values.
 
         Returns:
             Values or derivatives (n, k).
@@ -64,7 +63,34 @@ class Basis(Brief):
         if self.kind == "bspline":
             return np.asarray(self._spline(phases, order))
         bells = phases, self.centres, self.sharpness, self.is_rhythmic
-        return _core.normalised_bells(*bells, order, threads)
+        return _core.normalised_bells(*bells, order)
+
+    def curves(
+        self,
+        phases: Float64Array,
+        weights: Float64Array,
+        paces: Float64Array,
+        *,
+        most: int,
+        threads: int,
+    ) -> tuple[list[Float64Array], bool]:
+        """Curves of many weights and their derivatives, and whether all are certainly finite.
+
+        Args:
+            phases: as in a call.
+            weights: weights (m, d k) of m times d curves, one curve after the other.
+            paces: factors (p,) of the values and, up to order p - 1 <= 2, of the derivatives.
+            most: how many of the m may lie in one array.
+            threads: their number; does not change the curves.
+
+        Returns:
+            Arrays (up to most, p, n, d) that hold m together.
+        """
+        if self.kind == "bspline":
+            rows = [self._spline(phases, order) * pace for order, pace in enumerate(paces)]
+            return _core.curves_over(np.concatenate(rows), len(paces), weights, most, threads)
+        bells = phases, self.centres, self.sharpness, self.is_rhythmic
+        return _core.curves_over_bells(*bells, paces, weights, most, threads)
 
     @cached_property
     def centres(self) -> Float64Array:

@@ -6,9 +6,7 @@ several motions lie in one block.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from functools import cached_property
+from collections.abc import Iterator
 from typing import Any, Generic, cast
 
 import numpy as np
@@ -17,13 +15,13 @@ from leadthrough import _core, check, events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.computed import computed, computed_joints
 from leadthrough.models.chart import Chart, turned_by
-from leadthrough.models.many import mapped
-from leadthrough.motion import MotionT_co, PoseTrajectory, Trajectory
+from leadthrough.models.many import checked_threads, mapped
+from leadthrough.models.promp.basis import Basis
+from leadthrough.motion import JointTrajectory, MotionT_co, PoseTrajectory, Trajectory
 
 # Bytes of a block, which stays in memory as long as one of its motions does. Larger ones would be
 # asked for anew each time by the usual C library.
 _BLOCK = 32 * 2**20
-_SURELY_FINITE = 1e300
 _NAMES = ("positions", "velocities", "accelerations")
 
 
@@ -32,22 +30,19 @@ class Drawing(Generic[MotionT_co]):
 
     Args:
         chart: what their columns are.
+        basis: the k basis functions.
         times: (n,) s, which become read-only.
         duration: s, of the motions.
-        bases: values (n, k) of the basis functions and, for joints, of their first and second
-            derivatives by the phase.
     """
 
     def __init__(
-        self,
-        chart: Chart[MotionT_co],
-        times: Float64Array,
-        duration: float,
-        bases: Sequence[Float64Array],
+        self, chart: Chart[MotionT_co], basis: Basis, times: Float64Array, duration: float
     ) -> None:
-        phases = times / duration
-        self._chart, self._times, self._duration, self._bases = chart, times, duration, bases
-        self._shape = (len(bases), len(times), chart.width)
+        self._chart, self._basis, self._times = chart, basis, times
+        self._phases = phases = times / duration
+        orders = 3 if chart.kind == "joints" else 1
+        self._paces = duration ** -np.arange(orders, dtype=np.float64)
+        self._together = max(1, _BLOCK // (8 * orders * len(times) * chart.width))
         self._events = events.moved(chart.events, phases, times)
         self._joints = None if chart.posture is None else chart.posture.along(times, phases)
         self._reference = None if chart.reference is None else chart.reference_at(phases)
@@ -62,73 +57,55 @@ class Drawing(Generic[MotionT_co]):
         Raises:
             InvalidInput: for another number of threads, or where a number is not finite.
         """
-        places = self._places(len(weights))
-        # The sum of so many products cannot overflow: no value of a motion need be looked at.
-        largest = len(self._bases[0].T) * self._peak * float(np.abs(weights).max())
-        certain = largest < _SURELY_FINITE
-        asked = ((*each, certain) for each in zip(weights, places, strict=True))
-        return mapped(self._motion, asked, threads)
+        checked_threads(threads)
+        made: list[Any]  # of the type that the chart was made for
+        if self._chart.kind == "joints":
+            made = [self._joint_motion(values) for values in self._curves(weights, threads)]
+        elif self._reference is None:
+            made = [self._points(values) for values in self._curves(weights, threads)]
+        else:
+            made = []
+            for first in range(0, len(weights), self._together):
+                some = weights[first : first + self._together]
+                made += mapped(self._poses, self._curves(some, threads), threads)
+        return cast(list[MotionT_co], made)
 
-    @cached_property
-    def _peak(self) -> float:
-        """The largest absolute value of the basis functions and their derivatives by time."""
-        return max(
-            max(float(rows.max()), -float(rows.min())) * max(self._duration**-order, 1.0)
-            for order, rows in enumerate(self._bases)
+    def _curves(self, weights: Float64Array, threads: int) -> Iterator[Float64Array]:
+        """The columns (1, n, d) of each motion, of joints with their derivatives (3, n, d)."""
+        blocks, certain = self._basis.curves(
+            self._phases, weights, self._paces, most=self._together, threads=threads
+        )
+        for block in blocks:
+            if not certain and not _core.all_finite(block):
+                _refuse_infinite(block)
+            yield from block
+
+    def _joint_motion(self, values: Float64Array) -> JointTrajectory:
+        names = self._chart.joint_names
+        return computed_joints(self._times, *values, joint_names=names, events=self._events)
+
+    def _points(self, values: Float64Array) -> Trajectory:
+        return computed(
+            Trajectory,
+            times=self._times,
+            positions=values[0],
+            events=self._events,
+            joints=self._joints,
         )
 
-    def _places(self, count: int) -> list[Float64Array | None]:
-        """Where the values of each motion go that are its own arrays; those of poses are not."""
-        if self._reference is not None:
-            return [None] * count
-        together = max(1, _BLOCK // (8 * math.prod(self._shape)))
-        # Nothing is written yet: threads get what they write to from the system side by side.
-        return [
-            place
-            for first in range(0, count, together)
-            for place in np.empty((min(together, count - first), *self._shape))
-        ]
+    def _poses(self, values: Float64Array) -> PoseTrajectory:
+        assert self._reference is not None
+        return computed(
+            PoseTrajectory,
+            times=self._times,
+            positions=values[0, :, :3].copy(),
+            orientations=rotations.align_signs(turned_by(self._reference, values[0, :, 3:])),
+            events=self._events,
+            joints=self._joints,
+        )
 
-    def _compute(self, weights: Float64Array, values: Float64Array, *, certain: bool) -> None:
-        """Writes columns (n, d) and their derivatives by time, certain to be finite or not."""
-        curves = weights.reshape(self._chart.width, -1).T
-        for order, rows in enumerate(self._bases):
-            np.matmul(rows, curves, out=values[order])
-            if order > 0:
-                values[order] *= self._duration**-order
-        if not certain and not _core.all_finite(values):
-            for rows, name in zip(values, _NAMES, strict=False):
-                check.array(rows, name, shape=rows.shape)
 
-    def _motion(self, asked: tuple[Float64Array, Float64Array | None, bool]) -> MotionT_co:
-        """The motion of weights, whose values are written to a place if there is one.
-
-        asked: weights, the place, and whether the values are certain to be finite.
-        """
-        weights, place, certain = asked
-        values = np.empty(self._shape) if place is None else place
-        self._compute(weights, values, certain=certain)
-        chart, times = self._chart, self._times
-        made: Any
-        if chart.kind == "joints":
-            names = chart.joint_names
-            made = computed_joints(times, *values, joint_names=names, events=self._events)
-        elif self._reference is None:
-            made = computed(
-                Trajectory,
-                times=times,
-                positions=values[0],
-                events=self._events,
-                joints=self._joints,
-            )
-        else:
-            turned = turned_by(self._reference, values[0, :, 3:])
-            made = computed(
-                PoseTrajectory,
-                times=times,
-                positions=values[0, :, :3].copy(),
-                orientations=rotations.align_signs(turned),
-                events=self._events,
-                joints=self._joints,
-            )
-        return cast(MotionT_co, made)  # of the type that the chart was made for
+def _refuse_infinite(block: Float64Array) -> None:
+    for values in block:
+        for rows, name in zip(values, _NAMES, strict=False):
+            check.array(rows, name, shape=rows.shape)

@@ -151,7 +151,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         asked = ends.asked(self.chart, start, goal)
         skill = ends.moved(skill, asked) if asked else skill
         times = even_times(skill.duration, dt)
-        return skill._motion(skill.weights.mean, times, skill._bases(times))
+        return skill._motion(skill.weights.mean, times)
 
     def novelty(self, *, start: Place | None = None, goal: Place | None = None) -> float:
         """How far a start and a goal lie from what was shown, in standard deviations.
@@ -299,7 +299,7 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         times = even_times(self.duration, check.number(dt, "dt", above=0.0))
         check.affordable_count(count, "count", each=len(times) * self.chart.width)
         checked_threads(threads)
-        drawing = Drawing(self.chart, times, self.duration, self._bases(times, threads))
+        drawing = Drawing(self.chart, self.basis, times, self.duration)
         return drawing.motions(self.sample_weights(count, seed=seed), threads)
 
     def sample_weights(self, count: int, *, seed: int) -> Float64Array:
@@ -384,13 +384,9 @@ class ProMPSkill(Archived, Generic[MotionT_co]):
         cyclic = self.basis.is_rhythmic
         return phases_at(times, name, duration=self.duration, repeats=cyclic, at_least=at_least)
 
-    def _bases(self, times: Float64Array, threads: int = 1) -> list[Float64Array]:
-        orders, phases = (0, 1, 2) if self.chart.kind == "joints" else (0,), times / self.duration
-        return [self.basis(phases, order, threads=threads) for order in orders]
-
-    def _motion(
-        self, weights: Float64Array, times: Float64Array, bases: Sequence[Float64Array]
-    ) -> MotionT_co:
+    def _motion(self, weights: Float64Array, times: Float64Array) -> MotionT_co:
+        phases = times / self.duration
         curves = weights.reshape(self.chart.width, -1).T
-        values = (rows @ curves * self.duration**-order for order, rows in enumerate(bases))
-        return self.chart.motion(times, times / self.duration, *values)
+        orders = (0, 1, 2) if self.chart.kind == "joints" else (0,)
+        values = [self.basis(phases, each) @ curves * self.duration**-each for each in orders]
+        return self.chart.motion(times, phases, *values)

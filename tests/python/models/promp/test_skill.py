@@ -5,6 +5,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput, UnsupportedQuery
+from leadthrough.models.promp.gaussian import Gaussian
 
 TIMES = np.linspace(0.0, 2.0, 200)
 
@@ -48,6 +49,12 @@ def test_samples_are_repeatable_and_of_the_type_shown(skill, shown):
         assert isinstance(a, lt.JointTrajectory)
         assert a.positions.tobytes() == b.positions.tobytes()
     assert skill.sample(1, seed=8)[0].positions.tobytes() != first[0].positions.tobytes()
+
+
+def test_samples_too_fast_for_floats_are_refused(skill):
+    huge = Gaussian(1e307 * skill.free.mean, skill.free.covariance)
+    with pytest.raises(InvalidInput, match="velocities: expected finite"):
+        skill.with_weights(huge).lasting(1e-6).sample(2, seed=0, dt=1e-7)
 
 
 def test_likelihood_is_that_of_the_normal_distribution(shown):
