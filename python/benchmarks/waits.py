@@ -19,6 +19,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
+from itertools import product
 from pathlib import Path
 from typing import Any, Literal
 
@@ -38,6 +39,7 @@ from leadthrough.planning.speed_field import (
 from leadthrough.planning.walls import Walls
 from leadthrough.preprocess import frechet_distance
 from leadthrough.preprocess.resample import by_arc_length
+from leadthrough.show.replanner import Replanner
 
 LENGTH = 0.6  # m
 SCENES = 200
@@ -272,6 +274,7 @@ def _drags() -> Iterator[Row]:
         print("the live page was left out: it takes Chromium, Playwright and viser to measure")
         return
     yield from _page()
+    yield _first_previews()
     live_drag = importlib.import_module("live_drag")
     taken = live_drag.latencies(DRAGS)
     name = "on the live page, from the mouse to path and arm (wall time)"
@@ -279,6 +282,25 @@ def _drags() -> Iterator[Row]:
     yield Row(
         name, len(taken), statistics.median(taken), max(taken), 80.0, limited="median", wrong=wrong
     )
+
+
+def _first_previews() -> Row:
+    """The first preview after the box has been dragged to where it is in the arm's way."""
+    live_drag = importlib.import_module("live_drag")
+    skill = lt.FastMarching().fit(live_drag.demonstrations())
+    taken, wrong = [], ""
+    for place in product((0.25, 0.35), (-0.15, 0.0, 0.15), np.linspace(0.4, 0.7, 4)):
+        planner = Replanner(lt.Arm.load("panda"), skill, obstacles=[live_drag.BOX])
+        planner.plan()
+        planner.move_obstacle(0, place)
+        begin = time.process_time()
+        answer = planner.preview()
+        taken.append(1e3 * (time.process_time() - begin))
+        if answer.joints is not None:
+            report = planner.arm.check(answer.joints, planner.obstacles)
+            wrong = wrong or ("" if report.ok else str(report))
+    name = "the first preview with a box in the arm's way, found or not"
+    return Row(name, len(taken), statistics.median(taken), max(taken), 80.0, "median", wrong)
 
 
 def _page() -> Iterator[Row]:
