@@ -4,8 +4,10 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
+#include "base/huge_pages.hpp"
 #include "field/eikonal.hpp"
 
 namespace leadthrough {
@@ -46,6 +48,12 @@ struct PaddedField {
     return std::all_of(spacing.begin(), spacing.end(), [](Real h) { return h == Real(1); });
   }
   std::vector<Real> times_up_to(Real limit) const;
+  // The same in the memory of `time`, which is empty then.
+  std::vector<Real> take_times_up_to(Real limit);
+
+ private:
+  std::size_t grid_size() const { return static_cast<std::size_t>(shape[0] * shape[1] * shape[2]); }
+  void copy_times_up_to(Real limit, Real* to) const;
 };
 
 template <typename Real, int D>
@@ -61,8 +69,9 @@ PaddedField<Real, D>::PaddedField(const Grid& grid, const Real* speed) : shape(g
   // Neighbours of border cells are read as well: one more plane at either end.
   const Index margin = stride[0];
   first += margin;
-  time.assign(static_cast<std::size_t>(size + 2 * margin), kUnreached<Real>);
-  step.assign(time.size(), kUnreached<Real>);
+  const auto cells = static_cast<std::size_t>(size + 2 * margin);
+  time = in_huge_pages(cells, kUnreached<Real>);
+  step = in_huge_pages(cells, kUnreached<Real>);
 
   const Real fastest = *std::max_element(speed, speed + grid.size());
   unit = smallest / static_cast<double>(fastest);
@@ -76,9 +85,23 @@ PaddedField<Real, D>::PaddedField(const Grid& grid, const Real* speed) : shape(g
 
 template <typename Real, int D>
 std::vector<Real> PaddedField<Real, D>::times_up_to(Real limit) const {
-  std::vector<Real> result(static_cast<std::size_t>(shape[0] * shape[1] * shape[2]));
+  std::vector<Real> result(grid_size());
+  copy_times_up_to(limit, result.data());
+  return result;
+}
+
+template <typename Real, int D>
+std::vector<Real> PaddedField<Real, D>::take_times_up_to(Real limit) {
+  copy_times_up_to(limit, time.data());  // no place is written to before it has been read
+  time.resize(grid_size());
+  // A flat grid's border is larger than the grid.
+  if (time.capacity() > time.size() + time.size() / 4) time.shrink_to_fit();
+  return std::exchange(time, {});
+}
+
+template <typename Real, int D>
+void PaddedField<Real, D>::copy_times_up_to(Real limit, Real* to) const {
   const Real scale = static_cast<Real>(unit);
-  Real* to = result.data();
   for (Index x = 0; x < shape[0]; ++x) {
     for (Index y = 0; y < shape[1]; ++y) {
       const Real* from = time.data() + row(x, y);
@@ -86,10 +109,10 @@ std::vector<Real> PaddedField<Real, D>::times_up_to(Real limit) const {
         *to++ = from[z] <= limit ? from[z] * scale : kUnreached<Real>;
     }
   }
-  return result;
 }
 
-// Marches from the sources until every time is final, or all up to that of cell `stop`.
+// Marches from the sources until every time is final, or all up to that of cell `stop`. The field
+// has no times then.
 template <typename March, typename Real, int D>
 std::vector<Real> run_march(PaddedField<Real, D>& field, const std::vector<Source>& sources,
                             Index stop) {
@@ -98,11 +121,11 @@ std::vector<Real> run_march(PaddedField<Real, D>& field, const std::vector<Sourc
     march.start(field.cell(source.cell), static_cast<Real>(source.time / field.unit), source.ball);
   if (stop == kNoStop) {
     march.run(nullptr);
-    return field.times_up_to(kUnreached<Real>);
+    return field.take_times_up_to(kUnreached<Real>);
   }
   const Cell last = field.cell(stop);
   march.run(&last);
-  return field.times_up_to(field.time[last]);
+  return field.take_times_up_to(field.time[last]);
 }
 
 }  // namespace leadthrough
