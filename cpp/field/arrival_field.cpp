@@ -31,7 +31,9 @@ template <typename Real, int D>
 class RepairedField final : public ArrivalField<Real> {
  public:
   RepairedField(const Grid& grid, const Real* speed, const std::vector<Source>& sources)
-      : field_(grid, speed), fastest_(*std::max_element(speed, speed + grid.size())) {
+      : field_(grid, speed),
+        has_cubes_(field_.has_cubes()),
+        fastest_(*std::max_element(speed, speed + grid.size())) {
     for (const Source& source : sources)
       sources_.push_back({field_.cell(source.cell), static_cast<Real>(source.time / field_.unit)});
     std::sort(sources_.begin(), sources_.end(), [](const Start& a, const Start& b) {
@@ -70,7 +72,7 @@ class RepairedField final : public ArrivalField<Real> {
 
   template <typename Function>
   void with_march(MarchKind kind, Function function) {
-    if (field_.has_cubes()) {
+    if (has_cubes_) {
       BucketMarch<Real, D, true> march(field_, kind);
       function(march);
     } else {
@@ -80,6 +82,7 @@ class RepairedField final : public ArrivalField<Real> {
   }
 
   PaddedField<Real, D> field_;
+  bool has_cubes_;
   Real fastest_;  // has the step 1
   std::vector<Start> sources_;
   std::vector<Cell> suspects_;  // cells whose time may rest on an invalid one
@@ -135,7 +138,8 @@ Real RepairedField<Real, D>::solve(Cell cell, Real before) const {
   }
   const Real step = field_.step[cell];
   if (least == kUnreached<Real> || step == kUnreached<Real>) return kUnreached<Real>;
-  return solve_boxes(upwind, field_.spacing, One::Constant(step).eval())[0];
+  const One steps = One::Constant(step);
+  return has_cubes_ ? solve_cubes(upwind, steps)[0] : solve_boxes(upwind, field_.spacing, steps)[0];
 }
 
 // Only earlier neighbours may bear witness: two late cells could bear each other out.
