@@ -49,6 +49,24 @@ TEST(Gaussian, ConditionedWeightsAreThoseOfBayesRule) {
   EXPECT_TRUE(found.covariance.isApprox(covariance - gain * rows * covariance, 1e-9));
 }
 
+TEST(Gaussian, ConditionedCovariancesAreSymmetricToTheBit) {
+  for (const Eigen::Index size : {1, 2, 5, 9, 14})
+    for (const Eigen::Index seen : {1, 2, 4}) {  // up to four rows that are taken together
+      const Rows root = random_matrix(size, size, 1);
+      const Rows covariance = (root * root.transpose()).selfadjointView<Eigen::Upper>();
+      const Rows basis = random_matrix(seen, size, 2);
+      const Rows noise = Rows::Identity(1, 1);
+      const Rows nothing = Rows::Zero(seen, 1);
+      const auto found =
+          condition_weights(Eigen::VectorXd::Zero(size), covariance, basis, Columns::Zero(1),
+                            nothing, noise, Eigen::VectorXd::Ones(1), 1e-9);
+      const Rows innovation = basis * covariance * basis.transpose() + Rows::Identity(seen, seen);
+      const Rows gain = covariance * basis.transpose() * test::pseudo_inverse(innovation);
+      EXPECT_TRUE(found.covariance.isApprox(covariance - gain * basis * covariance, 1e-9));
+      EXPECT_EQ(found.covariance, found.covariance.transpose());
+    }
+}
+
 TEST(Gaussian, WhatIsKnownAlreadyIsReported) {
   const Rows basis = Rows::Ones(1, 2);
   const Rows none = Rows::Zero(1, 1);
