@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <random>
 #include <stdexcept>
@@ -58,6 +59,8 @@ TEST(Threads, AnExceptionComesOutAndStopsTheRest) {
   EXPECT_THROW(for_each_index(1000000, 4,
                               [&](std::size_t i) {
                                 ++calls;
+                                // Or the rest would be done before a thread that is interrupted.
+                                std::this_thread::sleep_for(std::chrono::microseconds(20));
                                 if (i == 10) throw std::runtime_error("ten");
                               }),
                std::runtime_error);
