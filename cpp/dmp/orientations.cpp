@@ -20,29 +20,35 @@ using so3::Vector3;
 constexpr Index kLanes = 4;
 using Lanes = Eigen::Array<double, kLanes, 1>;
 
+// Where the numbers of each lane begin.
+using Places = std::array<const double*, kLanes>;
+
+// The k-th numbers of all lanes. They are put together in registers: what was stored one by one
+// cannot be loaded together at once.
+Lanes taken(const Places& places, Index k) {
+  return {places[0][k], places[1][k], places[2][k], places[3][k]};
+}
+
 struct Vectors4 {
   Lanes x, y, z;
 
-  void set(Index lane, const double* from) {
-    x[lane] = from[0];
-    y[lane] = from[1];
-    z[lane] = from[2];
-  }
   // Of their lengths.
   Lanes quarter_squared() const { return 0.25 * (x * x + y * y + z * z); }
 };
 
+Vectors4 vectors_at(const Places& places) {
+  return {taken(places, 0), taken(places, 1), taken(places, 2)};
+}
+
 struct Quaternions4 {
   Lanes w, x, y, z;
 
-  void set(Index lane, const double* from) {
-    w[lane] = from[0];
-    x[lane] = from[1];
-    y[lane] = from[2];
-    z[lane] = from[3];
-  }
   Quaternion get(Index lane) const { return {w[lane], x[lane], y[lane], z[lane]}; }
 };
+
+Quaternions4 quaternions_at(const Places& places) {
+  return {taken(places, 0), taken(places, 1), taken(places, 2), taken(places, 3)};
+}
 
 Quaternions4 compose(const Quaternions4& a, const Quaternions4& b) {
   return {a.w * b.w - (a.x * b.x + a.y * b.y + a.z * b.z),
@@ -53,7 +59,7 @@ Quaternions4 compose(const Quaternions4& a, const Quaternions4& b) {
 
 // What four orientations are the product of.
 struct Factors {
-  Quaternions4 offset, control;
+  Quaternions4 base;              // the first control, turned by the offset if there is one
   std::array<Vectors4, 3> steps;  // each times its share
   Vectors4 coordinates;
 
@@ -70,38 +76,46 @@ Quaternions4 short_exp(const Vectors4& vector) {
   return {polynomial(kCosine, h), scale * vector.x, scale * vector.y, scale * vector.z};
 }
 
+Quaternions4 offsets_at(const Path& offset, const double* phases) {
+  std::array<Quaternion, kLanes> turns;
+  Places places;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    turns[lane] = offset_at(offset, phases[lane]);
+    places[lane] = turns[lane].data();
+  }
+  return quaternions_at(places);
+}
+
 Factors factors_of(const Curve& curve, const Path& offset, const double* phases,
                    const Eigen::Ref<const Rows>& values, Index first) {
   Factors result;
-  std::array<Lanes, 3> shares;
-  Lanes s;
-  std::array<Index, kLanes> intervals;
-  for (Index lane = 0; lane < kLanes; ++lane) {
+  std::array<double, kLanes> fractions;
+  Places controls, coordinates, steps;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
     const double place = place_on(curve, phases[lane]).share;
     const auto i = std::clamp<Index>(static_cast<Index>(place), 0, curve.controls.rows() - 4);
-    intervals[static_cast<std::size_t>(lane)] = i;
-    s[lane] = place - static_cast<double>(i);
-    result.control.set(lane, curve.controls.row(i).data());
-    result.offset.set(lane, offset_at(offset, phases[lane]).data());
-    result.coordinates.set(lane, values.row(first + lane).tail<3>().data());
+    fractions[lane] = place - static_cast<double>(i);
+    controls[lane] = curve.controls.row(i).data();
+    steps[lane] = curve.steps.row(i).data();
+    coordinates[lane] = values.row(first + static_cast<Index>(lane)).tail<3>().data();
   }
+  result.base = quaternions_at(controls);
+  if (!offset.empty()) result.base = compose(offsets_at(offset, phases), result.base);
+  result.coordinates = vectors_at(coordinates);
+  const Lanes s{fractions[0], fractions[1], fractions[2], fractions[3]};
   const Lanes r = 1.0 - s;
-  shares[0] = 1.0 - r * r * r / 6.0;
-  shares[1] = (1.0 + s * (3.0 + s * (3.0 - 2.0 * s))) / 6.0;
-  shares[2] = s * s * s / 6.0;
+  const std::array<Lanes, 3> shares{1.0 - r * r * r / 6.0,
+                                    (1.0 + s * (3.0 + s * (3.0 - 2.0 * s))) / 6.0, s * s * s / 6.0};
   for (std::size_t k = 0; k < 3; ++k) {
-    Vectors4& step = result.steps[k];
-    for (Index lane = 0; lane < kLanes; ++lane)
-      step.set(lane,
-               curve.steps.row(intervals[static_cast<std::size_t>(lane)] + static_cast<Index>(k))
-                   .data());
-    step = {shares[k] * step.x, shares[k] * step.y, shares[k] * step.z};
+    const Vectors4 step = vectors_at(steps);
+    result.steps[k] = {shares[k] * step.x, shares[k] * step.y, shares[k] * step.z};
+    for (const double*& next : steps) next += 3;
   }
   return result;
 }
 
 Quaternions4 product(const Factors& factors) {
-  Quaternions4 q = compose(factors.offset, factors.control);
+  Quaternions4 q = factors.base;
   for (const Vectors4& step : factors.steps) q = compose(q, short_exp(step));
   q = compose(q, short_exp(factors.coordinates));
   const Lanes excess = (q.w * q.w + q.y * q.y) + (q.x * q.x + q.z * q.z) - 1.0;
@@ -117,9 +131,12 @@ class Turner {
   // At the next phases, as many as there are rows of values, into rows from `to` on.
   void turn(const double* phases, const Eigen::Ref<const Rows>& values, double* to) {
     const Index count = values.rows();
+    // The next product waits for the one before it as it was found, not for its sign.
     const auto add = [&](Index n, const Quaternion& q) {
-      previous_ = q.dot(previous_) < 0.0 ? Quaternion(-q) : q;
-      Eigen::Map<Quaternion>(to + 4 * n) = previous_;
+      const double along = q.dot(previous_);
+      negative_ = negative_ ? along > 0.0 : along < 0.0;
+      previous_ = q;
+      Eigen::Map<Quaternion>(to + 4 * n) = negative_ ? Quaternion(-q) : q;
     };
     for (Index n = 0; n < count;) {
       if (curve_.chart == Chart::kRotationVector && n + kLanes <= count) {
@@ -139,6 +156,7 @@ class Turner {
   const Curve& curve_;
   const Path& offset_;
   Quaternion previous_ = Quaternion::Zero();
+  bool negative_ = false;  // whether the previous one was handed over with the other sign
 };
 
 }  // namespace
