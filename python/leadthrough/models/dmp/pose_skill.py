@@ -155,7 +155,13 @@ class PoseDMPSkill(Primitive["PoseDMP", _core.PoseState]):
             duration=total,
         )
         turned, offset = self._turned_ends(first_turned, last_turned)
-        ends = positions.joined(turned)
+        if start_velocity is None and final_velocity is None:
+            ends = self.springs.ends.moved(
+                np.concatenate((positions.start, turned.start)),
+                np.concatenate((positions.goal, turned.goal)),
+            )
+        else:
+            ends = positions.joined(turned)
         course = self._course(ends, via, count=3)
         state = _core.PoseState(
             course, ends.start, ends.start_slope, 0.0, total, self.turning.curve, offset
@@ -176,12 +182,21 @@ class PoseDMPSkill(Primitive["PoseDMP", _core.PoseState]):
 
     def _begin_at_own_pace(self, start: Place | None, goal: Place | None) -> _core.PoseState:
         """The state of a motion that lasts as `default_duration` says, which needs this state."""
+        if start is None and goal is None:
+            return self._begin_as_shown()
         state = self.begin(start=start, goal=goal, duration=self.duration)
-        if (start is None and goal is None) or self.springs.form != "blended":
+        if self.springs.form != "blended":
             return state
         total = self.duration * self._lengthening(state)
         return _core.PoseState(
             state.course, state.value, state.slope, state.phase, total, state.curve, state.offset
+        )
+
+    def _begin_as_shown(self) -> _core.PoseState:
+        learned, curve = self.springs, self.turning.curve
+        start, slope = learned.ends.start, learned.ends.start_slope
+        return _core.PoseState(
+            learned.shown_course, start, slope, 0.0, self.duration, curve, _core.DmpPath()
         )
 
     def step(

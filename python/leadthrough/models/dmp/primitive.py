@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -130,11 +131,29 @@ class Primitive(Archived, Generic[ModelT, StateT]):
     def _course(self, ends: Ends, via: Via, *, count: int) -> _core.DmpCourse:
         """The course between ends and through via points, of the first `count` channels."""
         learned = self.springs
-        if learned.form != "blended" or ends.equal(learned.ends):
+        if ends.equal(learned.ends):
+            direct = learned.shown_course
+        elif learned.form != "blended":
             direct = springs.course(learned.form, ends)
         else:
-            direct = springs.moved_course(learned.ends, ends, self.progress)
+            direct = self._moved_course(ends)
         return course_through(learned, direct, ends, via, count=count)
+
+    def _moved_course(self, ends: Ends) -> _core.DmpCourse:
+        """The course of the form "blended" between ends."""
+        known = self.springs.ends
+        if ends.start_slope is known.start_slope and ends.goal_slope is known.goal_slope:
+            plain = self._shown_reference
+        else:
+            jerk = springs.minimum_jerk(ends.moved(known.start, known.goal))
+            plain = self.progress.expanded(jerk)
+        start, goal = ends.start - known.start, ends.goal - known.goal
+        return springs.moved_course(plain, self.progress, start=start, goal=goal)
+
+    @cached_property
+    def _shown_reference(self) -> Float64Array:
+        """The minimum-jerk motion between the ends as shown, about each break of the progress."""
+        return self.progress.expanded(springs.minimum_jerk(self.springs.ends))
 
     def _course_to(
         self,
@@ -166,9 +185,9 @@ class Primitive(Archived, Generic[ModelT, StateT]):
 
     def _replayed(self) -> tuple[Float64Array, Float64Array]:
         """Values and slopes (n, channels) at PHASES, as demonstrated."""
-        ends = self.springs.ends
-        plain = springs.course(self.springs.form, ends)
-        return _core.dmp_rollout(self.springs.forces, plain, ends.start, ends.start_slope, PHASES)
+        learned, ends = self.springs, self.springs.ends
+        course = learned.shown_course
+        return _core.dmp_rollout(learned.forces, course, ends.start, ends.start_slope, PHASES)
 
     def _advanced(
         self,

@@ -21,7 +21,7 @@ start or goal is left with "hoffmann", whose canonical state ends at 1 %, and ne
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -72,6 +72,10 @@ class Ends(Brief):
         pairs = zip(vars(self).values(), vars(other).values(), strict=True)
         return all(mine is theirs or np.array_equal(mine, theirs) for mine, theirs in pairs)
 
+    def moved(self, start: Float64Array, goal: Float64Array) -> Ends:
+        """With another start and goal (channels,)."""
+        return Ends(start, goal, self.start_slope, self.goal_slope)
+
     def joined(self, other: Ends) -> Ends:
         """These channels followed by others."""
         pairs = zip(vars(self).values(), vars(other).values(), strict=True)
@@ -102,6 +106,11 @@ class Springs(Brief):
         """The learned force, tabulated."""
         return tabulated(self.kernels, self.weights)
 
+    @cached_property
+    def shown_course(self) -> _core.DmpCourse:
+        """The course between the ends as demonstrated."""
+        return course(self.form, self.ends)
+
     def arrays(self) -> dict[str, Float64Array]:
         """Its arrays by name, for a file."""
         return {"weights": self.weights, **vars(self.ends)}
@@ -121,7 +130,7 @@ class Springs(Brief):
         ]
         return Springs(form, found, Ends(*ends))
 
-    def __getstate__(self) -> dict[str, Any]:  # the table is made again
+    def __getstate__(self) -> dict[str, Any]:  # table and course are made again
         return {"form": self.form, "weights": self.weights, "ends": self.ends}
 
 
@@ -170,19 +179,20 @@ def course(form: str, ends: Ends, *, amplitude: float = 1.0) -> _core.DmpCourse:
     return _core.DmpCourse(np.array([0.0, 1.0]), np.ascontiguousarray(reference), gain, drive)
 
 
-def moved_course(learned: Ends, ends: Ends, progress: Progress) -> _core.DmpCourse:
+def moved_course(
+    plain: Float64Array, progress: Progress, *, start: Float64Array, goal: Float64Array
+) -> _core.DmpCourse:
     """The course of the form "blended" between other ends than those learned.
 
     The learned one, shifted by (1 - c) of the start's offset and c of the goal's.
 
     Args:
-        learned: the ends as demonstrated.
-        ends: those asked for.
+        plain: coefficients (6 pieces, channels) of the learned one, about each break of c.
         progress: c.
+        start: offset (channels,).
+        goal: offset (channels,).
     """
-    start, goal = ends.start - learned.start, ends.goal - learned.goal
-    plain = minimum_jerk(replace(ends, start=learned.start, goal=learned.goal))
-    coefficients = progress.expanded(plain) + progress.shift(start, goal)
+    coefficients = plain + progress.shift(start, goal)
     return _core.DmpCourse(progress.breaks, coefficients, np.ones_like(start), np.zeros_like(goal))
 
 
