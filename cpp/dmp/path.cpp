@@ -84,6 +84,14 @@ double place_in_piece(const Path& path, double phase, const double** coefficient
   return std::min(phase, path.breaks[pieces]) - path.breaks[piece];
 }
 
+double Walk::place_in_piece(double phase, const double** coefficients) {
+  const Eigen::Index last = path_.breaks.size() - 2;
+  if (!(phase >= path_.breaks[piece_])) piece_ = 0;
+  while (piece_ < last && path_.breaks[piece_ + 1] <= phase) ++piece_;
+  *coefficients = path_.coefficients.data() + 6 * piece_ * path_.coefficients.cols();
+  return std::min(phase, path_.end()) - path_.breaks[piece_];
+}
+
 Vector end_of(const Path& path) {
   const Eigen::Index last = path.breaks.size() - 2;
   const double length = path.breaks[last + 1] - path.breaks[last];

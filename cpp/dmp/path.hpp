@@ -23,6 +23,20 @@ Path minimum_jerk(const Vector& from, const Vector& to);
 // Phase since the break before it, and the coefficients that hold there.
 double place_in_piece(const Path& path, double phase, const double** coefficients);
 
+// The same for one phase after the other, quicker where they rise: each piece is looked for from
+// the last one on.
+class Walk {
+ public:
+  explicit Walk(const Path& path) : path_(path) {}
+
+  double place_in_piece(double phase, const double** coefficients);
+  double end() const { return path_.end(); }
+
+ private:
+  const Path& path_;
+  Eigen::Index piece_ = 0;
+};
+
 // Values where the path rests.
 Vector end_of(const Path& path);
 

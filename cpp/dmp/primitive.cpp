@@ -28,10 +28,10 @@ double floored(double x) { return static_cast<double>(static_cast<std::int64_t>(
 
 // Writes a state plus `sign` times r and dr/du to another, which may be the same.
 template <typename Channels>
-void add_reference(Channels channels, const Path& reference, double phase, double sign,
-                   const State& from, State& to) {
+void add_reference(Channels channels, Walk& reference, double phase, double sign, const State& from,
+                   State& to) {
   const double* c = nullptr;
-  const double s = place_in_piece(reference, phase, &c);
+  const double s = reference.place_in_piece(phase, &c);
   const double slope_sign = phase < reference.end() ? sign : 0.0;
   for (Eigen::Index i = 0; i < channels; ++i) {
     double value = c[5 * channels + i];
@@ -151,10 +151,11 @@ class Motion {
 void advance(const Forces& forces, const Course& course, const Vector& push, double span,
              State& state) {
   with_channels(state.value.size(), [&](auto channels) {
-    add_reference(channels, course.reference, state.phase, -1.0, state, state);
+    Walk reference(course.reference);
+    add_reference(channels, reference, state.phase, -1.0, state, state);
     Motion(channels, forces, course, push).advance(state.phase, state.phase + span, state);
     state.phase += span;
-    add_reference(channels, course.reference, state.phase, 1.0, state, state);
+    add_reference(channels, reference, state.phase, 1.0, state, state);
   });
 }
 
@@ -194,10 +195,11 @@ void roll(const Forces& forces, const Course& course, State state,
   with_channels(state.value.size(), [&](auto channels) {
     const Motion motion(channels, forces, course, no_push);
     State error = state;
-    add_reference(channels, course.reference, phases[0], -1.0, state, error);
+    Walk reference(course.reference);
+    add_reference(channels, reference, phases[0], -1.0, state, error);
     for (Eigen::Index n = 0; n < phases.size(); ++n) {
       if (n > 0) motion.advance(phases[n - 1], phases[n], error);
-      add_reference(channels, course.reference, phases[n], 1.0, error, state);
+      add_reference(channels, reference, phases[n], 1.0, error, state);
       take(n, state);
     }
   });

@@ -43,6 +43,18 @@ TEST(Path, CorrectionsAddUpAndLeaveNoJumpOfTheFirstTwoDerivatives) {
   }
 }
 
+TEST(Path, WalksFindThePiecesThatAreLookedUp) {
+  Path path{Vector(5), Rows::Random(24, 2)};
+  path.breaks << 0.0, 0.2, 0.5, 0.9, 1.0;
+  Walk walk(path);
+  // On breaks and beside them, beyond the end, and back.
+  for (const double phase : {0.0, 0.1, 0.2, 0.2, 0.95, 1.0, 3.0, 0.3, 0.5, 0.05, 0.9, 0.1}) {
+    const double *wanted = nullptr, *found = nullptr;
+    EXPECT_EQ(walk.place_in_piece(phase, &found), place_in_piece(path, phase, &wanted)) << phase;
+    EXPECT_EQ(found, wanted) << phase;
+  }
+}
+
 TEST(Path, CorrectionBeginsWithItsValueAndSlope) {
   const Path path = superposed({}, {0.25, 0.75, one(0.5), one(-2.0), one(1.5)});
   EXPECT_DOUBLE_EQ(value_at(path, 0.25), 0.5);
