@@ -176,7 +176,11 @@ State coast(const State& before, const Forces& forces, double dt) {
 template <typename State>
 std::optional<State> tick(const State& before, const Forces& forces, double dt) {
   if (!(dt > 0.0 && dt <= before.duration)) return std::nullopt;
-  return coast(before, forces, dt);
+  require(forces.nodes.cols() == before.channels());
+  std::optional<State> after = before;
+  dmp::advance(forces, *before.course, Vector::Zero(before.channels()), dt / before.duration,
+               after->state);
+  return after;
 }
 
 std::shared_ptr<dmp::Surroundings> make_surroundings(const std::vector<Shape>& shapes,

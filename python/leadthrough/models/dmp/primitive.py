@@ -202,19 +202,12 @@ class Primitive(Archived, Generic[ModelT, StateT]):
         limits: tuple[ArrayLike, ArrayLike] | None = None,
     ) -> StateT:
         """The state dt s later; arguments and errors are those of the public `step`."""
-        changed = goal is not None or measured is not None or coupling is not None
-        unconstrained = limits is None and not obstacles
-        if not changed and unconstrained and type(dt) is float and lag == 0.0:
-            # The quick way: control loops ask a thousand times a second.
-            after = state.tick(self.springs.forces, dt)
-            if after is not None:
-                return after
         span = check_step(dt, lag, state.duration)
         if goal is not None:
             state = self._redirected(state, goal)
         if measured is not None:
             state = self._moved(state, measured)
-        if coupling is None and unconstrained:
+        if coupling is None and limits is None and not obstacles:
             return state.coast(self.springs.forces, span)
         push = np.zeros(len(state.value)) if coupling is None else self._acceleration(coupling)
         kept = self._constraints(obstacles, limits)
