@@ -99,6 +99,16 @@ std::shared_ptr<Course> make_course(const VectorIn& breaks, const RowsIn& coeffi
   return std::make_shared<Course>(Course{path_of(breaks, coefficients), gain, drive});
 }
 
+// The course whose reference is a path with its start and goal shifted by the progress.
+Course shifted_course(const VectorIn& breaks, const RowsIn& coefficients, const RowsIn& progress,
+                      const VectorIn& start, const VectorIn& goal) {
+  const Eigen::Index channels = coefficients.cols();
+  require(progress.rows() == coefficients.rows() && progress.cols() == channels &&
+          start.size() == channels && goal.size() == channels);
+  return {dmp::shifted(path_of(breaks, coefficients), progress, start, goal),
+          Vector::Ones(channels), Vector::Zero(channels)};
+}
+
 Course corrected_course(const Course& course, double phase, double until, const VectorIn& value,
                         const VectorIn& slope, const VectorIn& shift) {
   return {corrected(course.reference, phase, until, value, slope, shift), course.gain,
@@ -352,6 +362,9 @@ void bind_dmp(py::module_& module) {
   module.def("dmp_rollout_around", &rollout_around, py::arg("forces"), py::arg("course"),
              py::arg("surroundings"), py::arg("value").noconvert(), py::arg("slope").noconvert(),
              py::arg("phases").noconvert());
+  module.def("dmp_shifted_course", &shifted_course, py::arg("breaks").noconvert(),
+             py::arg("coefficients").noconvert(), py::arg("progress").noconvert(),
+             py::arg("start").noconvert(), py::arg("goal").noconvert());
   module.def("dmp_offset", &dmp::offset_between, py::arg("wanted").noconvert(),
              py::arg("shown").noconvert(), py::arg("near").noconvert());
   module.def("dmp_orientations", &orientations, py::arg("curve"), py::arg("offset"),

@@ -101,6 +101,19 @@ Vector end_of(const Path& path) {
   return result;
 }
 
+Path shifted(Path path, const Eigen::Ref<const Rows>& c, const Eigen::Ref<const Vector>& start,
+             const Eigen::Ref<const Vector>& goal) {
+  const Eigen::RowVectorXd way = (goal - start).transpose();
+  for (Eigen::Index i = 0; i < c.rows(); ++i) {
+    const auto shift = c.row(i).cwiseProduct(way);
+    if (i % 6 == 0)
+      path.coefficients.row(i) += shift + start.transpose();
+    else
+      path.coefficients.row(i) += shift;
+  }
+  return path;
+}
+
 Path superposed(const Path& path, const Correction& correction) {
   const std::vector<double> breaks = joined_breaks(path, correction);
   const auto pieces = static_cast<Eigen::Index>(breaks.size()) - 1;

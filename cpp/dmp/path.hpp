@@ -40,6 +40,11 @@ class Walk {
 // Values where the path rests.
 Vector end_of(const Path& path);
 
+// A path plus (1 - c) times a shift of its start and c times one of its goal. c is a path with the
+// same breaks, of which the coefficients are given.
+Path shifted(Path path, const Eigen::Ref<const Rows>& c, const Eigen::Ref<const Vector>& start,
+             const Eigen::Ref<const Vector>& goal);
+
 // What is to be added to a path from a phase on: at first a value and a slope, at the end and from
 // there on a shift. Between them the jerk is least.
 struct Correction {

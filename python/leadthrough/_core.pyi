@@ -632,6 +632,13 @@ def dmp_rollout_around(
     slope: Float64Array,
     phases: Float64Array,
 ) -> tuple[Float64Array, Float64Array, float]: ...
+def dmp_shifted_course(
+    breaks: Float64Array,
+    coefficients: Float64Array,
+    progress: Float64Array,
+    start: Float64Array,
+    goal: Float64Array,
+) -> DmpCourse: ...
 def dmp_offset(wanted: Float64Array, shown: Float64Array, near: Float64Array) -> Float64Array: ...
 def dmp_orientations(
     curve: DmpCurve,

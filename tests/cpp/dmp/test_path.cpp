@@ -55,6 +55,19 @@ TEST(Path, WalksFindThePiecesThatAreLookedUp) {
   }
 }
 
+TEST(Path, ShiftsComeAsFarAsTheProgressHas) {
+  Path path = minimum_jerk(one(1.0), one(3.0));
+  path = superposed(path, {0.25, 1.0, one(0.0), one(0.0), one(0.5)});
+  const Path progress =
+      superposed(minimum_jerk(one(0.0), one(1.0)), {0.25, 1.0, one(0.0), one(0.0), one(0.0)});
+  ASSERT_EQ(path.breaks, progress.breaks);
+  const Path found = shifted(path, progress.coefficients, one(-2.0), one(5.0));
+  for (const double phase : {0.25, 0.4, 0.77, 1.0, 2.0}) {
+    const double c = value_at(progress, phase);
+    EXPECT_NEAR(value_at(found, phase), value_at(path, phase) - 2.0 * (1.0 - c) + 5.0 * c, 1e-12);
+  }
+}
+
 TEST(Path, CorrectionBeginsWithItsValueAndSlope) {
   const Path path = superposed({}, {0.25, 0.75, one(0.5), one(-2.0), one(1.5)});
   EXPECT_DOUBLE_EQ(value_at(path, 0.25), 0.5);

@@ -238,6 +238,8 @@ path = core.DmpPath()
 bent = make(core.DmpPath, breaks=BREAKS, coefficients=np.zeros((6, 3)))
 course = make(core.DmpCourse, breaks=BREAKS, coefficients=RISE, gain=np.ones(2), drive=np.zeros(2))
 course6 = core.DmpCourse(BREAKS, np.zeros((6, 6)), np.ones(6), np.zeros(6))
+SHIFT = {"start": X[0, :2], "goal": X[0, :2]}
+make(core.dmp_shifted_course, breaks=BREAKS, coefficients=RISE, progress=RISE, **SHIFT)
 curve = make(
     core.DmpCurve,
     controls=rows(1, 0, 0, 0, count=4),

@@ -192,8 +192,7 @@ def moved_course(
         start: offset (channels,).
         goal: offset (channels,).
     """
-    coefficients = plain + progress.shift(start, goal)
-    return _core.DmpCourse(progress.breaks, coefficients, np.ones_like(start), np.zeros_like(goal))
+    return _core.dmp_shifted_course(progress.breaks, plain, progress.coefficients, start, goal)
 
 
 def with_via(before: _core.DmpCourse, via: Via) -> _core.DmpCourse:
