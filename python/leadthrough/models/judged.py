@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import Any, TypeVar
@@ -63,4 +64,6 @@ def _numbers(value: Any, count: int) -> Float64Array | None:
         numbers = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
         return None
-    return numbers if numbers.shape == (count,) and np.isfinite(numbers).all() else None
+    if numbers.shape != (count,) or not all(map(math.isfinite, numbers.tolist())):
+        return None
+    return numbers
