@@ -24,6 +24,11 @@ from leadthrough.errors import InvalidInput
 
 # m/s and rad/s, or a point: nothing along any axis.
 ZERO = (0.0, 0.0, 0.0)
+STILL = (*ZERO, *ZERO)
+# The same as arrays: loops make tasks in every step, and what is left out need not be checked anew.
+_NOTHING = {
+    len(axes): magnitudes.frozen(axes, "axes", shape=(len(axes),)) for axes in (ZERO, STILL)
+}
 
 # The frame of a link, at a point given in it.
 FrameOf = Callable[[str | None, Float64Array], _core.Frame]
@@ -58,6 +63,8 @@ def vector(value: ArrayLike, name: str, size: int) -> Float64Array:
     Raises:
         InvalidInput: if it has another shape or is too large.
     """
+    if (value is ZERO or value is STILL) and len(value) == size:
+        return _NOTHING[size]
     return magnitudes.frozen(value, name, shape=(size,))
 
 

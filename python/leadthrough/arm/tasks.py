@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.arm import magnitudes, task
-from leadthrough.arm.task import ZERO, ArmTask, FrameOf
+from leadthrough.arm.task import STILL, ZERO, ArmTask, FrameOf
 from leadthrough.check import Float64Array
 
 
@@ -43,7 +43,7 @@ class PoseTask(ArmTask):
         position: ArrayLike,
         orientation: ArrayLike,
         *,
-        twist: ArrayLike = (0.0,) * 6,
+        twist: ArrayLike = STILL,
         link: str | None = None,
         gain: float = 5.0,
         damping_ratio: float = 1.0,
@@ -57,7 +57,7 @@ class PoseTask(ArmTask):
         )
 
     def _compiled(self, frame_of: FrameOf) -> _core.ArmTask:
-        frame = frame_of(self.link, np.zeros(3))
+        frame = frame_of(self.link, task.vector(ZERO, "point", 3))
         pose = (self.position, self.orientation, self.twist)
         return _core.pose_task(frame, *pose, self.gain, self.damping_ratio)
 
