@@ -124,8 +124,9 @@ def measured(name: str, step: Step, steps: int) -> Row:
 
 def _text(row: Row) -> str:
     collections = f"{row.collections}, {row.worst_collection:.0f}" if row.collections else "none"
+    median, high = (f"{float(f'{each:.2g}'):g}" for each in (row.median, row.high))
     return (
-        f"| {row.name} | {row.median:.2g} | {row.high:.2g} | {row.worst:.0f} | {row.interrupted} "
+        f"| {row.name} | {median} | {high} | {row.worst:.0f} | {row.interrupted} "
         f"| {row.worst_alone:.0f} | {collections} |"
     )
 

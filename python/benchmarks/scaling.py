@@ -30,7 +30,7 @@ import leadthrough as lt
 
 REPEATS = 3
 # Of batches on threads: wall times of some milliseconds, on which other processes show.
-MORE_REPEATS = 9
+MORE_REPEATS = 15
 LIMITS = lt.Arm.load("panda").limits
 
 
