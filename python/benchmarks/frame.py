@@ -8,6 +8,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+# What is short is repeated for this long, s, or other processes decide its least time.
+LEAST_TIME = 0.3
+
 
 @dataclass(frozen=True)
 class Benchmark:
@@ -59,7 +62,8 @@ class Row:
 def measure(benchmark: Benchmark, repeats: int) -> Row:
     """The row of a benchmark, without times if the answers differ.
 
-    Our runs and the peer's alternate, so that a busy machine slows both.
+    Our runs and the peer's alternate, so that a busy machine slows both; there are at least so
+    many repeats of each.
     """
     if benchmark.calls:
         return _measure_calls(benchmark)
@@ -68,8 +72,9 @@ def measure(benchmark: Benchmark, repeats: int) -> Row:
     answer = (benchmark.name, benchmark.peer_name, error, benchmark.tolerance, passed)
     if not passed:
         return Row(*answer)
-    ours, peer = [], []
-    for _ in range(repeats):
+    ours: list[float] = []
+    peer: list[float] = []
+    while len(ours) < repeats or sum(ours) + sum(peer) < LEAST_TIME:
         ours.append(_seconds(benchmark.ours, benchmark.clock))
         peer.append(_seconds(benchmark.peer, benchmark.clock))
     return Row(
