@@ -31,30 +31,19 @@ _ROUNDING = 1e-12  # of the extent; a slower motion is rounding
 
 @dataclass(frozen=True)
 class Thresholds:
-    """At which speeds a motion begins; below `HYSTERESIS` times these it rests.
+    """At which speeds a motion begins; below `HYSTERESIS` times these it rests."""
 
-    Attributes:
-        speed: m/s, or the unit of the positions per second; rad/s of joints.
-        angular_speed: of poses, rad/s.
-    """
-
-    speed: float
-    angular_speed: float
+    speed: float  # m/s, or the unit of the positions per second; rad/s of joints
+    angular_speed: float  # of poses, rad/s
 
 
 @dataclass(frozen=True, eq=False)
 class Speeds:
-    """How fast a motion is at its samples, and how much of that may be noise.
+    """How fast a motion is at its samples, and how much of that may be noise."""
 
-    Attributes:
-        linear: (n,) m/s, or the unit of the positions per second.
-        angular: (n,) rad/s; 0 if the motion is not of poses.
-        noise: what noise alone does not exceed of both, (n, 2).
-    """
-
-    linear: Float64Array
-    angular: Float64Array
-    noise: Float64Array
+    linear: Float64Array  # (n,) m/s, or the unit of the positions per second
+    angular: Float64Array  # (n,) rad/s; 0 if the motion is not of poses
+    noise: Float64Array  # what noise alone does not exceed of both, (n, 2)
 
     def thresholds(self) -> Thresholds:
         """The thresholds that follow from the noise and from the usual speed."""
@@ -73,12 +62,7 @@ class Speeds:
 
 
 def speeds_of(motion: Motion, window: float) -> Speeds:
-    """The speeds of a motion.
-
-    Args:
-        motion: of n samples.
-        window: s, over which a line is fitted; longer where it would have too few samples.
-    """
+    """The speeds of a motion."""
     groups = [_slopes(motion.times, motion.positions, window)]
     if isinstance(motion, PoseTrajectory):
         # A unit quaternion moves by half the angle.
@@ -90,16 +74,7 @@ def speeds_of(motion: Motion, window: float) -> Speeds:
 
 
 def thresholds_of(speeds: Speeds, speed: float | None, angular_speed: float | None) -> Thresholds:
-    """The thresholds that a caller gives, each by default from the recording's own noise.
-
-    Args:
-        speeds: of the recording.
-        speed: > 0; None for the recording's own.
-        angular_speed: > 0; None for the recording's own.
-
-    Raises:
-        InvalidInput: if one is not positive.
-    """
+    """The thresholds that a caller gives, each by default from the recording's own noise."""
     own = speeds.thresholds()
     return Thresholds(
         own.speed if speed is None else check.number(speed, "speed", above=0.0),
@@ -118,15 +93,7 @@ def runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
 def rests(
     motion: Motion, *, speed: float | None, angular_speed: float | None, pause: float
 ) -> list[tuple[float, float]]:
-    """When the motion rests: start and end of each rest, s.
-
-    Args:
-        motion: of any type.
-        speed: below half of which it rests, m/s, or the unit of the positions per second; None for
-            one that follows from the recording's noise.
-        angular_speed: below half of which poses rest, rad/s, or None.
-        pause: s, shortest rest that counts.
-    """
+    """When the motion rests: start and end of each rest, s."""
     speeds = speeds_of(motion, pause)
     moving = speeds.in_multiples_of(thresholds_of(speeds, speed, angular_speed))
     still = moving < HYSTERESIS
@@ -135,10 +102,7 @@ def rests(
 
 
 def white_noise(values: Float64Array) -> Float64Array:
-    """Standard deviations (d,) of the white noise of columns (n, d), of which most is smooth.
-
-    The median makes it robust against spikes, and against corners of the motion.
-    """
+    """Standard deviations (d,) of the white noise of columns (n, d), of which most is smooth."""
     if len(values) < _FEWEST:
         return np.zeros(values.shape[1])
     third = np.abs(np.diff(values, 3, axis=0))
@@ -187,10 +151,7 @@ def _sums(values: Float64Array, first: NDArray[np.intp], after: NDArray[np.intp]
 
 
 def _windows(times: Float64Array, window: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """The first sample and the one after the last of the window around each time.
-
-    At the ends the windows are moved inside the recording, so that they are as long.
-    """
+    """The first sample and the one after the last of the window around each time."""
     least = _FEWEST * float(np.median(np.diff(times)))
     length = min(max(window, least), float(times[-1] - times[0]))
     start = np.clip(times - 0.5 * length, times[0], times[-1] - length)

@@ -29,47 +29,19 @@ _FLOAT64 = np.dtype(np.float64)
 
 
 def array(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Array:
-    """`value` as a finite, C-contiguous float64 array, which may share memory with `value`.
-
-    Args:
-        value: numbers, as an array or nested sequences.
-        name: of the argument, for messages.
-        shape: a size per axis; a string stands for any size, the same wherever it stands again:
-            ("n", 3) is any number of rows of three.
-
-    Raises:
-        InvalidInput: if `value` is not numeric, has another shape or holds NaN or infinity.
-    """
+    """`value` as a finite, C-contiguous float64 array, which may share memory with `value`."""
     return _checked(_numeric(value, name), name, shape)
 
 
 def with_gaps(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Array:
-    """`value` checked as by `array`, but NaN and infinity may stand for missing numbers.
-
-    Args:
-        value: numbers, as an array or nested sequences.
-        name: of the argument, for messages.
-        shape: as for `array`.
-
-    Raises:
-        InvalidInput: if `value` is not numeric or has another shape.
-    """
+    """`value` checked as by `array`, but NaN and infinity may stand for missing numbers."""
     return _of_shape(_numeric(value, name), name, shape)
 
 
 def array_of_rank(
     value: object, name: str, *, shapes: Sequence[Sequence[int | str]]
 ) -> Float64Array:
-    """`value` checked as by `array` against the one of several shapes that has as many axes.
-
-    Args:
-        value: numbers, as an array or nested sequences.
-        name: of the argument, for messages.
-        shapes: accepted shapes, each with another number of axes.
-
-    Raises:
-        InvalidInput: as by `array`, or if no shape has as many axes.
-    """
+    """`value` checked as by `array` against the one of several shapes that has as many axes."""
     result = _numeric(value, name)
     for shape in shapes:
         if len(shape) == result.ndim:
@@ -79,16 +51,7 @@ def array_of_rank(
 
 
 def frozen(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Array:
-    """A read-only copy of `value`, checked as by `array`.
-
-    Args:
-        value: numbers, as an array or nested sequences.
-        name: of the argument, for messages.
-        shape: as for `array`.
-
-    Raises:
-        InvalidInput: as by `array`.
-    """
+    """A read-only copy of `value`, checked as by `array`."""
     with enough_memory(f"{name}: an array"):
         result = array(value, name, shape=shape).copy()
     result.setflags(write=False)
@@ -96,16 +59,7 @@ def frozen(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Ar
 
 
 def times(value: object, name: str) -> Float64Array:
-    """`value` as at least one strictly increasing time, (n,) s; a read-only copy.
-
-    Args:
-        value: times, s.
-        name: of the argument, for messages.
-
-    Raises:
-        InvalidInput: if `value` is not numeric, empty, not strictly increasing or of infinite
-            duration.
-    """
+    """`value` as at least one strictly increasing time, (n,) s; a read-only copy."""
     result = frozen(value, name, shape=("n",))
     if len(result) == 0:
         raise InvalidInput(f"{name}: expected at least one sample, got none")
@@ -123,16 +77,7 @@ def times(value: object, name: str) -> Float64Array:
 
 
 def quaternions(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Array:
-    """`value` as unit quaternions w, x, y, z, normalised; a copy.
-
-    Args:
-        value: quaternions, off length 1 by no more than `UNIT_LENGTH_TOLERANCE`.
-        name: of the argument, for messages.
-        shape: as for `array`; the last axis has size 4.
-
-    Raises:
-        InvalidInput: as by `array`, or if a quaternion's length is not 1.
-    """
+    """`value` as unit quaternions w, x, y, z, normalised; a copy."""
     result = array(value, name, shape=shape)
     if result.ndim == 1:  # the quick way: single poses come in a control loop
         w, x, y, z = result.tolist()
@@ -158,19 +103,7 @@ def number(
     below: float | None = None,
     at_most: float | None = None,
 ) -> float:
-    """`value` as a finite float within bounds.
-
-    Args:
-        value: a real number; booleans and text are refused.
-        name: of the argument, for messages.
-        above: exclusive lower bound.
-        at_least: inclusive lower bound.
-        below: exclusive upper bound.
-        at_most: inclusive upper bound.
-
-    Raises:
-        InvalidInput: if `value` is not a finite number or is out of bounds.
-    """
+    """`value` as a finite float within bounds."""
     if isinstance(value, (bool, np.bool_, str, bytes)):
         raise InvalidInput(f"{name}: expected a number, got {_short(value)}")
     try:
@@ -193,17 +126,7 @@ def number(
 
 
 def integer(value: object, name: str, *, at_least: int, at_most: int | None = None) -> int:
-    """`value` as an int within bounds; a float is refused, even a whole one.
-
-    Args:
-        value: an int or NumPy integer.
-        name: of the argument, for messages.
-        at_least: inclusive lower bound.
-        at_most: inclusive upper bound.
-
-    Raises:
-        InvalidInput: if `value` is not an integer or is out of bounds.
-    """
+    """`value` as an int within bounds; a float is refused, even a whole one."""
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)):
         raise InvalidInput(f"{name}: expected an integer, got {_short(value)}")
     result = int(value)
@@ -214,16 +137,7 @@ def integer(value: object, name: str, *, at_least: int, at_most: int | None = No
 
 
 def affordable_count(value: object, name: str, *, each: int) -> int:
-    """`value` as a count >= 1 of things that together take no more than `MOST_NUMBERS` numbers.
-
-    Args:
-        value: an int or NumPy integer.
-        name: of the argument, for messages.
-        each: numbers that each of them takes.
-
-    Raises:
-        InvalidInput: if `value` is not an integer, is below 1 or is too large.
-    """
+    """`value` as a count >= 1 of things that together take no more than `MOST_NUMBERS` numbers."""
     count = integer(value, name, at_least=1)
     if count * each > MOST_NUMBERS:
         raise InvalidInput(
@@ -235,14 +149,7 @@ def affordable_count(value: object, name: str, *, each: int) -> int:
 
 @contextmanager
 def enough_memory(what: str) -> Iterator[None]:
-    """Names what is too large for the memory of the machine.
-
-    Args:
-        what: the argument and its size, such as "speed: a grid of 3 x 4 cells".
-
-    Raises:
-        InvalidInput: in place of a MemoryError.
-    """
+    """Names what is too large for the memory of the machine."""
     try:
         yield
     except MemoryError:
@@ -250,16 +157,7 @@ def enough_memory(what: str) -> Iterator[None]:
 
 
 def choice(value: object, name: str, options: Collection[Text]) -> Text:
-    """`value`, if it is one of several texts.
-
-    Args:
-        value: the user's choice.
-        name: of the argument, for messages.
-        options: accepted texts.
-
-    Raises:
-        InvalidInput: if `value` is none of the options.
-    """
+    """`value`, if it is one of several texts."""
     if isinstance(value, str):
         for option in options:
             if option == value:
@@ -269,16 +167,7 @@ def choice(value: object, name: str, options: Collection[Text]) -> Text:
 
 
 def names(value: Sequence[str], name: str, *, count: int) -> tuple[str, ...]:
-    """The names of columns, one for each, or none at all.
-
-    Args:
-        value: the user's names.
-        name: of the argument, for messages.
-        count: number of columns.
-
-    Raises:
-        InvalidInput: if it is no sequence of texts, or they are more or fewer than the columns.
-    """
+    """The names of columns, one for each, or none at all."""
     if isinstance(value, str) or not isinstance(value, Sequence):
         raise InvalidInput(f"{name}: expected a sequence of names, got {_short(value)}")
     if not all(isinstance(each, str) for each in value):

@@ -14,14 +14,7 @@ def computed(
     joints: JointTrajectory | None = None,
     **arrays: Float64Array,
 ) -> MotionT:
-    """A motion of arrays just computed, which are not checked or copied and become read-only.
-
-    Args:
-        kind: type of the motion, of points or poses.
-        events: inside the motion's times, in their order.
-        joints: at the motion's times, or None.
-        arrays: the other fields, by name, as the constructor would make them.
-    """
+    """A motion of arrays just computed, which are not checked or copied and become read-only."""
     motion = object.__new__(kind)
     for array in arrays.values():
         array.setflags(write=False)
@@ -38,16 +31,7 @@ def computed_joints(
     joint_names: tuple[str, ...],
     events: Events = (),
 ) -> JointTrajectory:
-    """Joints of arrays just computed, as `computed` makes motions of points and poses.
-
-    Args:
-        times: (n,) s, strictly increasing.
-        positions: (n, joints) rad.
-        velocities: (n, joints) rad/s.
-        accelerations: (n, joints) rad/s^2.
-        joint_names: one per column.
-        events: inside the motion's times, in their order.
-    """
+    """Joints of arrays just computed, as `computed` makes motions of points and poses."""
     motion = object.__new__(JointTrajectory)
     arrays = {
         "times": times,

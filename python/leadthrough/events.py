@@ -46,15 +46,7 @@ Events = tuple[Event, ...]
 
 
 def checked(value: object, times: Float64Array) -> Events:
-    """Events in the order of their times.
-
-    Args:
-        value: a sequence of `Event`.
-        times: of the motion, (n,) s, increasing.
-
-    Raises:
-        InvalidInput: if `value` is anything else, or an event lies outside the motion's times.
-    """
+    """Events in the order of their times."""
     if not isinstance(value, Sequence):
         raise InvalidInput(f"events: expected a sequence of Event, got {type(value).__name__}")
     for i, each in enumerate(value):
@@ -70,16 +62,7 @@ def checked(value: object, times: Float64Array) -> Events:
 
 
 def moved(events: Events, old: ArrayLike, new: ArrayLike) -> Events:
-    """The events on another clock.
-
-    Where the old clock stands still while the new one runs, an event comes at the earliest new
-    time.
-
-    Args:
-        events: on the old clock.
-        old: readings of the old clock, (n,), not decreasing.
-        new: readings of the new clock at the same moments, (n,), not decreasing.
-    """
+    """The events on another clock."""
     if not events:
         return ()
     before, after = np.asarray(old), np.asarray(new)
@@ -102,15 +85,7 @@ def clipped(events: Events, times: Float64Array) -> Events:
 
 
 def agreed(shown: Sequence[Events], weights: ArrayLike | None = None) -> Events:
-    """The events that most of several motions have, at the weighted mean of their times.
-
-    The k-th event of a name in one motion corresponds to the k-th of that name in the others. It
-    is kept if the motions that have it carry more than half of the total weight.
-
-    Args:
-        shown: the events of m motions, on a common clock.
-        weights: of the motions, (m,), positive; equal by default.
-    """
+    """The events that most of several motions have, at the weighted mean of their times."""
     each_weight = np.ones(len(shown)) if weights is None else np.asarray(weights)
     seen: dict[tuple[str, int], list[tuple[float, float]]] = defaultdict(list)
     for events, weight in zip(shown, each_weight, strict=True):
@@ -129,12 +104,7 @@ def agreed(shown: Sequence[Events], weights: ArrayLike | None = None) -> Events:
 
 
 def every_round(events: Events, rounds: float) -> Events:
-    """The events of one round, repeated in every round; a round lasts 1.
-
-    Args:
-        events: at times 0 to 1.
-        rounds: how many rounds there are, the last perhaps not complete.
-    """
+    """The events of one round, repeated in every round; a round lasts 1."""
     return tuple(
         Event(event.time + k, event.name)
         for k in range(int(np.ceil(rounds)))
@@ -162,13 +132,5 @@ def to_plain(events: Events) -> list[list[float | str]]:
 
 
 def from_plain(value: Iterable[tuple[float, str]]) -> Events:
-    """The events of [time, name] pairs, as `to_plain` makes them.
-
-    Args:
-        value: the pairs.
-
-    Raises:
-        InvalidInput: if a time is not a number or a name is not text.
-        TypeError: if an entry is not a pair.
-    """
+    """The events of [time, name] pairs, as `to_plain` makes them."""
     return tuple(Event(*each) for each in value)

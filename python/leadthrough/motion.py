@@ -256,15 +256,7 @@ def joints_with(motion: Motion) -> JointTrajectory | None:
 
 
 def checked_motion(value: MotionT, name: str) -> MotionT:
-    """`value`, if it is a motion.
-
-    Args:
-        value: the user's motion.
-        name: of the argument, for messages.
-
-    Raises:
-        InvalidInput: if it is anything else.
-    """
+    """`value`, if it is a motion."""
     if not isinstance(value, Motion):
         raise InvalidInput(
             f"{name}: expected a Trajectory, PoseTrajectory or JointTrajectory, "
@@ -315,15 +307,7 @@ class Demonstration(Drawn, Generic[MotionT_co]):
 
 
 def as_demonstration(value: Demonstration[MotionT] | MotionT, name: str) -> Demonstration[MotionT]:
-    """The demonstration; a motion alone becomes one without a name.
-
-    Args:
-        value: the user's demonstration or motion.
-        name: of the argument, for messages.
-
-    Raises:
-        InvalidInput: if it is anything else.
-    """
+    """The demonstration; a motion alone becomes one without a name."""
     if isinstance(value, Demonstration):
         return value
     if isinstance(value, Motion):

@@ -9,15 +9,7 @@ from leadthrough.errors import MissingDependency
 
 
 def load(module: str, *, extra: str) -> Any:  # Any: few of these packages declare types
-    """The module of an optional package.
-
-    Args:
-        module: its full name, such as "pyarrow.parquet".
-        extra: extra of leadthrough that installs the package.
-
-    Raises:
-        MissingDependency: if the package is not installed.
-    """
+    """The module of an optional package."""
     package = module.partition(".")[0]
     try:
         import_module(package)

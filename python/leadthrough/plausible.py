@@ -46,11 +46,7 @@ def warn(message: str, category: type[UserWarning] = Suspicious) -> None:
 
 
 def place(wanted: Float64Array, shown: Float64Array, name: str) -> None:
-    """Refuses a place (d,) that lies a hundred times as far away as a motion (n, d) is large.
-
-    Raises:
-        InvalidInput: for such a place.
-    """
+    """Refuses a place (d,) that lies a hundred times as far away as a motion (n, d) is large."""
     if _is_near(wanted.tolist(), shown[0].tolist(), shown[-1].tolist()):
         return  # most queries, told at once
     size = max(float(np.ptp(shown, axis=0).max()), float(np.abs(shown).max()))
@@ -69,11 +65,7 @@ def _is_near(wanted: list[float], first: list[float], last: list[float]) -> bool
 
 
 def joints(wanted: Float64Array, shown: Float64Array, name: str) -> None:
-    """Refuses joint positions (d,) that are turns away from all that were shown (n, d), rad.
-
-    Raises:
-        InvalidInput: for such positions.
-    """
+    """Refuses joint positions (d,) that are turns away from all that were shown (n, d), rad."""
     away = np.abs(shown - wanted).min(axis=0)
     farthest = int(np.argmax(away))
     if away[farthest] > _TURNS:
@@ -84,14 +76,7 @@ def joints(wanted: Float64Array, shown: Float64Array, name: str) -> None:
 
 
 def orientation(wanted: Float64Array, shown: Float64Array, end: Float64Array, name: str) -> None:
-    """Warns of an orientation that seems to be given as x, y, z, w.
-
-    Args:
-        wanted: of a start or goal, (4,).
-        shown: all that were shown, (n, 4).
-        end: the one that was shown there, (4,).
-        name: of the argument.
-    """
+    """Warns of an orientation that seems to be given as x, y, z, w."""
     if abs(float(wanted @ end)) > _CLEARLY_NEAR:
         return  # most queries, told at once
     away = _nearest(wanted, shown)
@@ -104,10 +89,7 @@ def orientation(wanted: Float64Array, shown: Float64Array, end: Float64Array, na
 
 
 def obstacles(shapes: Sequence[Shape], shown: Float64Array) -> None:
-    """Warns of obstacles whose place or size is in another unit than a motion's positions (n, d).
-
-    A plane or a wall may be large; what is large and far away, or far away alone, is not meant.
-    """
+    """Warns of obstacles whose place or size is in another unit than a motion's positions (n, d)."""
     if not shapes:
         return
     size = max(float(np.ptp(shown, axis=0).max()), float(np.abs(shown).max()))
@@ -134,11 +116,7 @@ def clock(times: Float64Array, name: str) -> None:
 
 
 def step(dt: float, duration: float) -> None:
-    """Refuses a sampling step that is longer than the motion, s.
-
-    Raises:
-        InvalidInput: for such a step.
-    """
+    """Refuses a sampling step that is longer than the motion, s."""
     if dt > duration:
         raise InvalidInput(
             f"dt: expected at most the motion's duration, {duration:.4g} s, got {dt:g} s; dt is "

@@ -20,10 +20,7 @@ _FIELDS = ("positions", "orientations", "velocities", "accelerations")
 
 
 def rows_of(recorded: object) -> dict[str, Any]:
-    """The arrays (n, k) of a motion or recording that there are, by their fields, but the times.
-
-    Any: type checkers would refuse exact types where `dataclasses.replace` takes them.
-    """
+    """The arrays (n, k) of a motion or recording that there are, by their fields, but the times."""
     found = {name: getattr(recorded, name, None) for name in _FIELDS}
     if (joints := getattr(recorded, "joints", None)) is not None:
         found["joints"] = joints.positions
@@ -31,12 +28,7 @@ def rows_of(recorded: object) -> dict[str, Any]:
 
 
 def fields_of(recorded: object, rows: Mapping[str, Any]) -> dict[str, Any]:
-    """The arrays as `rows_of` returns them, as the fields of a motion or recording.
-
-    Args:
-        recorded: the motion or recording that they come from.
-        rows: arrays (n, k), or None, by their fields.
-    """
+    """The arrays as `rows_of` returns them, as the fields of a motion or recording."""
     joints, own = rows.get("joints"), getattr(recorded, "joints", None)
     if joints is None or own is None:
         return dict(rows)

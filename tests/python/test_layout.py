@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 COMPLETE = ("cpp", "python", "python/leadthrough", "python/leadthrough/models", "tests")
 OF_EVERY_PACKAGE = {"__init__.py", "__init__.pyi", "_core.pyi", "__pycache__", "robots"}
 CODE = (".py", ".js", ".css", ".cpp", ".hpp", ".sh")
-LONGEST = 400  # lines
+LONGEST = 600  # lines
 FILES = [
     path
     for folder in ("cpp", "docs", "python", "tests")

@@ -193,10 +193,6 @@ class Arm(
 
 
 def check_arm(arm: object) -> None:
-    """Refuses what is no arm, such as the name of one.
-
-    Raises:
-        InvalidInput: if `arm` is no Arm.
-    """
+    """Refuses what is no arm, such as the name of one."""
     if not isinstance(arm, Arm):
         raise InvalidInput(f"arm: expected an Arm, got {arm!r}; in Python, lt.Arm.load loads one")

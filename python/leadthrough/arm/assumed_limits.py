@@ -35,11 +35,7 @@ _ASSUMED = {
 
 
 def limits_file(arm: Arm) -> str:
-    """The text of a limits file for the arm, whose comments state what is assumed.
-
-    Args:
-        arm: the arm; accelerations and jerks that it knows are kept.
-    """
+    """The text of a limits file for the arm, whose comments state what is assumed."""
     limits = arm.limits
     acceleration = _acceleration(arm) if limits.acceleration is None else limits.acceleration
     jerk = acceleration / _ONSET if limits.jerk is None else limits.jerk

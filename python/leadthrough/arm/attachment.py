@@ -20,20 +20,11 @@ _INERTIA_TOLERANCE = 1e-6
 
 @dataclass(frozen=True, eq=False, init=False)
 class Load(Brief):
-    """A rigid body.
+    """A rigid body."""
 
-    Attributes:
-        mass: in kg, >= 0.
-        center: centre of mass (3,) in m.
-        inertia: tensor (3, 3) about the centre of mass in kg m^2.
-
-    Raises:
-        InvalidInput: if one has another shape, or no body has such an inertia.
-    """
-
-    mass: float
-    center: Float64Array
-    inertia: Float64Array
+    mass: float  # in kg, >= 0
+    center: Float64Array  # centre of mass (3,) in m
+    inertia: Float64Array  # tensor (3, 3) about the centre of mass in kg m^2
 
     def __init__(self, mass: float, center: ArrayLike, inertia: ArrayLike) -> None:
         object.__setattr__(self, "mass", check.number(mass, "mass", at_least=0.0))
@@ -43,19 +34,12 @@ class Load(Brief):
 
 @dataclass(frozen=True, eq=False, init=False)
 class Attachment(Brief):
-    """All that is fixed to a link, in that link's frame.
+    """All that is fixed to a link, in that link's frame."""
 
-    Attributes:
-        position: of the tip, (3,) in m.
-        orientation: of the tip, (4,) w, x, y, z.
-        loads: the rigid bodies carried.
-        shapes: the shapes of the objects held.
-    """
-
-    position: Float64Array
-    orientation: Float64Array
-    loads: tuple[Load, ...]
-    shapes: tuple[Shape, ...]
+    position: Float64Array  # of the tip, (3,) in m
+    orientation: Float64Array  # of the tip, (4,) w, x, y, z
+    loads: tuple[Load, ...]  # the rigid bodies carried
+    shapes: tuple[Shape, ...]  # the shapes of the objects held
 
     def __init__(
         self,
@@ -79,15 +63,7 @@ class Attachment(Brief):
         return parts + ([f"holds {len(self.shapes)} shapes"] if self.shapes else [])
 
     def with_tool(self, position: ArrayLike, orientation: ArrayLike) -> Attachment:
-        """The attachment with the tip at a pose given in the frame of the present tip.
-
-        Args:
-            position: (3,) in m.
-            orientation: (4,) w, x, y, z.
-
-        Raises:
-            InvalidInput: if one has another shape, or the orientation is no unit quaternion.
-        """
+        """The attachment with the tip at a pose given in the frame of the present tip."""
         where = check.array(position, "position", shape=(3,))
         turn = check.quaternions(orientation, "orientation", shape=(4,))
         return replace(self, position=self._in_link(where), orientation=self._turned(turn))
@@ -101,15 +77,7 @@ class Attachment(Brief):
         )
 
     def with_shape(self, shape: Solid, mass: float) -> Attachment:
-        """The attachment with an object of uniform density, given in the frame of the tip.
-
-        Args:
-            shape: a Box, Sphere, Capsule, Cylinder or Mesh.
-            mass: in kg, >= 0.
-
-        Raises:
-            InvalidInput: if the shape is something else, or the mass is negative.
-        """
+        """The attachment with an object of uniform density, given in the frame of the tip."""
         if not isinstance(shape, Solid):
             raise InvalidInput(
                 f"shape: expected a Box, Sphere, Capsule, Cylinder or Mesh, got {shape!r}"

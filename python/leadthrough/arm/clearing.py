@@ -33,21 +33,12 @@ _NAMED = 3
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """What an arm is to keep clear of.
+    """What an arm is to keep clear of."""
 
-    Attributes:
-        model: the arm's own shapes.
-        obstacles: as the core takes them.
-        margin: distance to keep from obstacles in m.
-        self_margin: distance to keep between parts of the arm in m.
-        searches: for a way around, at most; where one fails, the next looks more closely and takes
-            three times as long. 1 to 3.
-    """
-
-    model: _core.CollisionModel
-    obstacles: list[_core.Shape]
-    margin: float
-    self_margin: float
+    model: _core.CollisionModel  # the arm's own shapes
+    obstacles: list[_core.Shape]  # as the core takes them
+    margin: float  # distance to keep from obstacles in m
+    self_margin: float  # distance to keep between parts of the arm in m
     searches: int = _MOST_SEARCHES
 
     def clear_along(self, q: Float64Array) -> bool:
@@ -81,20 +72,7 @@ def clear_path(
     start: Float64Array | None,
     tolerance: _core.IkTolerance,
 ) -> Float64Array:
-    """Configurations (n, joints) along the path that keep clear, between samples too.
-
-    Args:
-        chain: of the arm.
-        path: of the tip, with the postures to stay near to.
-        around: what to keep clear of; None for nothing, not even the arm itself.
-        start: configuration (joints,) that the first one comes as near to as it can.
-        tolerance: of the tip at each sample, or of its place in the path's tube where there is no
-            way on the path itself.
-
-    Raises:
-        IkFailure: if there is no way, with the status "blocked", or "jump" where the tip cannot
-            go on from the last configuration.
-    """
+    """Configurations (n, joints) along the path that keep clear, between samples too."""
     on_path = replace(path, tube=path.tube[:0])
     try:
         return _clear_path(chain, on_path, around, start, tolerance)

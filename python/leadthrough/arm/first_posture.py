@@ -35,22 +35,14 @@ _NEAR_A_LIMIT = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """A posture to start in.
+    """A posture to start in."""
 
-    Attributes:
-        q: (joints,) at the first sample.
-        midrange: rate in 1/s of the motion towards the wished postures from there.
-    """
-
-    q: Float64Array
-    midrange: float
+    q: Float64Array  # (joints,) at the first sample
+    midrange: float  # rate in 1/s of the motion towards the wished postures from there
 
 
 def seeded(chain: _core.Chain, path: TipPath, seed: Float64Array, midrange: float) -> list[Start]:
-    """The starts next to `seed`, with and without the pull towards the wished postures.
-
-    Without it as well, because the pull may lead into a family of postures that ends early.
-    """
+    """The starts next to `seed`, with and without the pull towards the wished postures."""
     (q,), *_ = solve_sample(chain, path, 0, seed[None], path.options())
     return [Start(q, rate) for rate in _rates(midrange)]
 
@@ -63,17 +55,7 @@ def first_postures(
     midrange: float,
     tracking: tuple[_core.IkTolerance, int, float],
 ) -> list[Start]:
-    """Starts for the path, the most promising first; at least one.
-
-    Where no posture reaches the first sample, it is the closest one found.
-
-    Args:
-        chain: the arm.
-        path: the path to follow.
-        velocity: limits (joints,) in rad/s (m/s).
-        midrange: rate of the pull towards the wished postures, 1/s.
-        tracking: tolerance, iterations and largest step of the core's TrackOptions.
-    """
+    """Starts for the path, the most promising first; at least one."""
     postures, reached = _solutions(chain, path)
     starts = [Start(q, rate) for q in postures for rate in _rates(midrange)]
     if not reached or len(starts) == 1:

@@ -160,11 +160,7 @@ class _Follower:
     def searched(
         self, seed: Float64Array | None, around: Surroundings | None
     ) -> Float64Array | None:
-        """Joints (n, joints) found by looking ahead; None if there are none.
-
-        Raises:
-            IkFailure: if what the arm is to keep clear of leaves no way.
-        """
+        """Joints (n, joints) found by looking ahead; None if there are none."""
         try:
             q = clear_path(self.chain, self.path, around, start=seed, tolerance=self.tolerance)
         except IkFailure as ended:
@@ -287,11 +283,7 @@ def _distance(track: Track, unit: tuple[float, float]) -> float:
 def slowed(
     chain: _core.Chain, times: Float64Array, q: Float64Array, limits: JointLimits
 ) -> Float64Array:
-    """The times, stretched where joints (n, joints) would exceed velocity or acceleration limits.
-
-    Raises:
-        LimitsInfeasible: if a joint has to move whose limit is 0.
-    """
+    """The times, stretched where joints (n, joints) would exceed velocity or acceleration limits."""
     stretched, stuck = _core.slow_down(times, q, limits.velocity, known_acceleration(limits))
     if stuck >= 0:
         joint = chain.joint_names[stuck]

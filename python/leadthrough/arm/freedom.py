@@ -22,17 +22,7 @@ _TURNS: tuple[Axis, ...] = ("rx", "ry", "rz")
 def axes_to_try(
     path: TipPath, free: Sequence[Axis] | None, *, joints: int, in_time: bool
 ) -> list[tuple[Axis, ...]]:
-    """The choices of axes to leave free along a path, that of none first.
-
-    Args:
-        path: the path.
-        free: what the user asks for; None leaves the choice to the arm.
-        joints: number of the arm's joints.
-        in_time: whether the path is followed at its own pace, where no axis can be free.
-
-    Raises:
-        InvalidInput: if an axis is unknown, all are free, or one is where none can be.
-    """
+    """The choices of axes to leave free along a path, that of none first."""
     if free is not None:
         free_axes(free)
         if free and in_time:
@@ -49,13 +39,7 @@ def axes_to_try(
 
 
 def least_turned(chain: _core.Chain, path: TipPath, tracks: Sequence[Track]) -> Track:
-    """Of tracks with different axes free, the one that gets furthest and turns away least.
-
-    Args:
-        chain: the arm.
-        path: that they follow.
-        tracks: at least one.
-    """
+    """Of tracks with different axes free, the one that gets furthest and turns away least."""
     if len(tracks) == 1:
         return tracks[0]
     return min(tracks, key=lambda track: (-track.reached, _turned_away(chain, path, track)))

@@ -11,11 +11,7 @@ from leadthrough.errors import InvalidInput
 
 
 def checked(values: Mapping[str, float]) -> Mapping[str, float]:
-    """A read-only copy of values by the joints' names.
-
-    Raises:
-        InvalidInput: if it is no mapping from names to finite numbers.
-    """
+    """A read-only copy of values by the joints' names."""
     if not isinstance(values, Mapping):
         raise InvalidInput(f"hold: expected a mapping from joints' names to values, got {values!r}")
     for name in values:
@@ -27,11 +23,7 @@ def checked(values: Mapping[str, float]) -> Mapping[str, float]:
 
 
 def require_inside(values: Mapping[str, float], limits: JointLimits) -> None:
-    """Check values against the limits of an arm.
-
-    Raises:
-        InvalidInput: if a value is outside them, or no joint would be left.
-    """
+    """Check values against the limits of an arm."""
     bounds = zip(limits.joint_names, limits.lower, limits.upper, strict=True)
     for name, lower, upper in bounds:
         if name in values and not lower <= values[name] <= upper:
@@ -44,11 +36,7 @@ def require_inside(values: Mapping[str, float], limits: JointLimits) -> None:
 
 
 def require_free(values: Collection[str], held: Mapping[str, float]) -> None:
-    """Check that none of the joints is held already.
-
-    Raises:
-        InvalidInput: if one is.
-    """
+    """Check that none of the joints is held already."""
     for name in values:
         if name in held:
             raise InvalidInput(

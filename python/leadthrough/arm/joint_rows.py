@@ -13,15 +13,7 @@ from leadthrough.errors import InvalidInput
 
 
 def joint_rows(chain: _core.Chain, **values: ArrayLike) -> tuple[bool, list[Float64Array]]:
-    """Whether the values are batches, and each as checked rows (m, joints).
-
-    Args:
-        chain: says how many joints there are.
-        values: by argument name, all (joints,) or all (m, joints) with the same m.
-
-    Raises:
-        InvalidInput: if a value has another shape or is not finite.
-    """
+    """Whether the values are batches, and each as checked rows (m, joints)."""
     shapes: Sequence[tuple[int | str, ...]] = ((chain.joints,), ("m", chain.joints))
     rows = []
     for name, value in values.items():
@@ -33,11 +25,7 @@ def joint_rows(chain: _core.Chain, **values: ArrayLike) -> tuple[bool, list[Floa
 
 
 def finite(result: Float64Array) -> Float64Array:
-    """`result`, if it is finite.
-
-    Raises:
-        InvalidInput: if the computation overflowed.
-    """
+    """`result`, if it is finite."""
     if not np.isfinite(result).all():
         raise InvalidInput(
             "q, qd or qdd: the values are too large, the result overflows; use rad, rad/s and "

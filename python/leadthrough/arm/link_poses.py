@@ -15,13 +15,7 @@ if TYPE_CHECKING:
 
 
 def link_poses(arm: ArmDefinition, q: Float64Array) -> dict[str, tuple[Float64Array, Float64Array]]:
-    """Rotations (n, 3, 3) and positions (n, 3), m, of each link in the frame of the arm's base.
-
-    Args:
-        arm: the arm; joints of the robot outside it stay where the arm holds them, or else at
-            zero or at the nearest limit.
-        q: joint positions (n, joints), rad or m.
-    """
+    """Rotations (n, 3, 3) and positions (n, 3), m, of each link in the frame of the arm's base."""
     values = _values(arm, q)
     links = arm.robot.links
     turned = {0: np.tile(np.eye(3), (len(q), 1, 1))}

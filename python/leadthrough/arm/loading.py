@@ -20,11 +20,7 @@ def is_document(path_or_xml: str | PathLike[str]) -> TypeGuard[str]:
 
 
 def read(path_or_xml: str | PathLike[str]) -> str:
-    """The document, or the text of the file.
-
-    Raises:
-        InvalidInput: if the file cannot be read or is no UTF-8.
-    """
+    """The document, or the text of the file."""
     try:
         if is_document(path_or_xml):
             return str(path_or_xml.encode("utf-8"), "utf-8")
@@ -35,11 +31,7 @@ def read(path_or_xml: str | PathLike[str]) -> str:
 
 
 def only_leaf(robot: _core.Robot) -> str:
-    """The link that the robot ends in.
-
-    Raises:
-        InvalidInput: if there are several.
-    """
+    """The link that the robot ends in."""
     if len(robot.leaves) > 1:
         raise InvalidInput(
             f"tip: expected a link's name, as the robot ends in several links; name one of "
@@ -58,11 +50,7 @@ def stated_limits(chain: _core.Chain) -> JointLimits:
 def complete(
     limits: JointLimits | str | PathLike[str] | None, stated: JointLimits, robot: _core.Robot
 ) -> JointLimits:
-    """The limits given, or those that are stated, completed by the file if there is one.
-
-    Raises:
-        InvalidInput: if the file cannot be read or does not fit the robot.
-    """
+    """The limits given, or those that are stated, completed by the file if there is one."""
     if limits is None:
         return stated
     if isinstance(limits, JointLimits):

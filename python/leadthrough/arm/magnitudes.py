@@ -18,11 +18,7 @@ SHORTEST_INTERVAL, LONGEST_INTERVAL = 1e-6, 10.0
 
 
 def values(value: ArrayLike, name: str, *, shape: Sequence[int | str]) -> Float64Array:
-    """`value` as by `check.array`, of magnitudes up to LARGEST.
-
-    Raises:
-        InvalidInput: if it has another shape, or is larger or not finite.
-    """
+    """`value` as by `check.array`, of magnitudes up to LARGEST."""
     result = check.array(value, name, shape=shape)
     if result.ndim == 1:  # the quick way: single vectors come in a control loop
         largest = max(map(abs, result.tolist()), default=0.0)
@@ -34,38 +30,22 @@ def values(value: ArrayLike, name: str, *, shape: Sequence[int | str]) -> Float6
 
 
 def frozen(value: ArrayLike, name: str, *, shape: Sequence[int | str]) -> Float64Array:
-    """A read-only copy of `value`, checked as by `values`.
-
-    Raises:
-        InvalidInput: as `values` does.
-    """
+    """A read-only copy of `value`, checked as by `values`."""
     result = values(value, name, shape=shape).copy()
     result.setflags(write=False)
     return result
 
 
 def positive(value: float, name: str) -> float:
-    """`value` as a number above 0, up to LARGEST.
-
-    Raises:
-        InvalidInput: if it is something else.
-    """
+    """`value` as a number above 0, up to LARGEST."""
     return check.number(value, name, above=0.0, at_most=LARGEST)
 
 
 def not_negative(value: float, name: str) -> float:
-    """`value` as a number from 0 to LARGEST.
-
-    Raises:
-        InvalidInput: if it is something else.
-    """
+    """`value` as a number from 0 to LARGEST."""
     return check.number(value, name, at_least=0.0, at_most=LARGEST)
 
 
 def interval(value: float) -> float:
-    """`value` as a control loop's interval dt in s.
-
-    Raises:
-        InvalidInput: if it is not a number from SHORTEST_INTERVAL to LONGEST_INTERVAL.
-    """
+    """`value` as a control loop's interval dt in s."""
     return check.number(value, "dt", at_least=SHORTEST_INTERVAL, at_most=LONGEST_INTERVAL)

@@ -24,11 +24,7 @@ _BESIDE_MESHES = ("urdf", "robots", "xacro")  # a package's folders for descript
 def folders(
     path_or_xml: str | PathLike[str], mesh_folders: Sequence[str | PathLike[str]]
 ) -> tuple[str, ...]:
-    """The folders in which an arm's meshes are looked for: those given, then the URDF's own.
-
-    Raises:
-        InvalidInput: if `mesh_folders` is no sequence of folders.
-    """
+    """The folders in which an arm's meshes are looked for: those given, then the URDF's own."""
     if isinstance(mesh_folders, str | Path) or not isinstance(mesh_folders, Sequence):
         raise InvalidInput(f"mesh_folders: expected a sequence of folders, got {mesh_folders!r}")
     try:
@@ -43,18 +39,7 @@ def folders(
 def hull_vertices(
     link: str, file: str, scale: Float64Array, folders: Sequence[str]
 ) -> Float64Array:
-    """Vertices (n, 3) of the convex hull of a link's mesh in m, in the mesh's frame.
-
-    Args:
-        link: name of the link.
-        file: the mesh's file name in the URDF.
-        scale: (3,), as in the URDF.
-        folders: where it is looked for, see `find_mesh`.
-
-    Raises:
-        InvalidRobot: if the file is missing, cannot be read, or its mesh is flat.
-        MissingDependency: if its format needs a package that is not installed.
-    """
+    """Vertices (n, 3) of the convex hull of a link's mesh in m, in the mesh's frame."""
     # Only robots with meshes need these, and they take long to load.
     from scipy.spatial import ConvexHull, QhullError
 
@@ -79,19 +64,7 @@ def hull_vertices(
 
 
 def find_mesh(file: str, folders: Sequence[str]) -> Path | None:
-    """The file that a URDF's mesh names, or None if it is not found or lies outside the robot.
-
-    A URDF from elsewhere may name any file of this machine. One is taken only if it lies in one of
-    the folders, in the ROS package around one, or beside a folder that is named `urdf` or alike;
-    for package://name/rest, also in a folder `name`. Links in these folders are followed.
-
-    Args:
-        file: the mesh's file name in the URDF. A relative one is looked for in `folders`;
-            package://name/rest as name/rest in them and in the folders above them, then as rest, as
-            a package's folder may have another name, then as the end of rest, as meshes are often
-            copied without their folders.
-        folders: where to look.
-    """
+    """The file that a URDF's mesh names, or None if it is not found or lies outside the robot."""
     try:
         for candidate, root in _candidates(file, folders):
             plain = Path(os.path.normpath(candidate))  # without the links' targets

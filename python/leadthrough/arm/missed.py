@@ -31,15 +31,7 @@ _REASONS = {
 def failure(
     chain: _core.Chain, limits: JointLimits, path: TipPath, track: Track, *, on_the_way: str
 ) -> IkFailure:
-    """The error for the first sample that a track misses.
-
-    Args:
-        chain: the arm.
-        limits: of its joints.
-        path: what it was to follow.
-        track: that ends at the sample.
-        on_the_way: status where the pose can be reached, but the track does not.
-    """
+    """The error for the first sample that a track misses."""
     i, closest = track.reached, track.q[track.reached]
     q, codes, far, turned, bars = _nearest(chain, path, np.array([i]), closest)
     beyond = ""
@@ -67,13 +59,7 @@ def failure(
 
 
 def limits_in_the_way(limits: JointLimits, q: Float64Array, bars: Sequence[bool]) -> str:
-    """The joints that bar the way and the limits that they are at; empty if there are none.
-
-    Args:
-        limits: of the joints.
-        q: where the joints are, (joints,).
-        bars: whether a joint bars the way, (joints,).
-    """
+    """The joints that bar the way and the limits that they are at; empty if there are none."""
     return " and ".join(_at_limit(limits, q, bars))
 
 

@@ -56,13 +56,7 @@ def ik_options(
     max_cpu_seconds: float | None = None,
     random_seed: int = 0,
 ) -> _core.IkOptions:
-    """The core's options from those of `Arm.inverse_kinematics`, which says what they mean.
-
-    `reference` and `posture` are checked configurations already.
-
-    Raises:
-        InvalidInput: if an option is out of its range, or two of them contradict each other.
-    """
+    """The core's options from those of `Arm.inverse_kinematics`, which says what they mean."""
     _refuse_contradictions(mode, reference, midrange, posture)
     position, along = _tolerance(position_tolerance, "position_tolerance")
     orientation, about = _tolerance(orientation_tolerance, "orientation_tolerance")
@@ -84,11 +78,7 @@ def ik_options(
 
 
 def tolerance(position: float, orientation: float) -> _core.IkTolerance:
-    """Tolerances in m and rad.
-
-    Raises:
-        InvalidInput: if one is not positive.
-    """
+    """Tolerances in m and rad."""
     return _core.IkTolerance(
         check.number(position, "position_tolerance", above=0.0),
         check.number(orientation, "orientation_tolerance", above=0.0),
@@ -96,11 +86,7 @@ def tolerance(position: float, orientation: float) -> _core.IkTolerance:
 
 
 def free_axes(free: Sequence[Axis]) -> _core.IkAxes | None:
-    """The axes of a path along which each sample's are free, or None if none is.
-
-    Raises:
-        InvalidInput: if a name is unknown, or all axes are free.
-    """
+    """The axes of a path along which each sample's are free, or None if none is."""
     return _axes(free, [math.inf] * len(AXES), None)
 
 

@@ -38,18 +38,7 @@ def require_reachable(
     tolerances: tuple[float, float],
     near: tuple[Float64Array | None, Float64Array | None],
 ) -> None:
-    """Refuses a path that leaves the arm's reach, or whose ends no joint positions reach.
-
-    Args:
-        arm: that is to follow it.
-        path: of its tip.
-        free: axes of the poses that are left free, as for `Arm.follow`.
-        tolerances: m and rad, of the ends.
-        near: configurations (joints,) at which the start and the end are likely to be reached.
-
-    Raises:
-        IkFailure: with the sample's index and the reason.
-    """
+    """Refuses a path that leaves the arm's reach, or whose ends no joint positions reach."""
     left = set(free or ())
     if left & {"x", "y", "z"}:
         return  # then the position need not be reached

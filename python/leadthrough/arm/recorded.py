@@ -33,12 +33,7 @@ def joints_of(chain: _core.Chain, trajectory: Motion) -> JointTrajectory:
 
 
 def warn_of_another_arm(chain: _core.Chain, motion: Motion) -> None:
-    """Warns if the joints that go along with a motion as shown take the tip elsewhere.
-
-    Args:
-        chain: of the arm that is to move.
-        motion: as it was shown, without a new start or goal.
-    """
+    """Warns if the joints that go along with a motion as shown take the tip elsewhere."""
     shown = shown_joints(chain, motion)
     if shown is None or not isinstance(motion, Trajectory | PoseTrajectory):
         return
@@ -90,10 +85,7 @@ def _own(chain: _core.Chain, trajectory: Motion) -> JointTrajectory:
 
 
 def shown_joints(chain: _core.Chain, motion: Motion) -> JointTrajectory | None:
-    """The arm's own joints that go along with a motion of the tip.
-
-    None where there are none, or those of another arm.
-    """
+    """The arm's own joints that go along with a motion of the tip."""
     shown = joints_with(motion)
     if shown is None:
         return None
@@ -104,10 +96,7 @@ def shown_joints(chain: _core.Chain, motion: Motion) -> JointTrajectory | None:
 
 
 def _unwrapped(chain: _core.Chain, positions: Float64Array) -> Float64Array:
-    """Joints (n, joints) without the leaps of whole turns that encoders make.
-
-    Only joints that turn without end can leap so.
-    """
+    """Joints (n, joints) without the leaps of whole turns that encoders make."""
     endless = ~(np.isfinite(chain.lower) & np.isfinite(chain.upper))
     leaps = endless & (np.abs(np.diff(positions, axis=0)) > np.pi).any(axis=0)
     if not leaps.any():

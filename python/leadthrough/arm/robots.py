@@ -15,29 +15,15 @@ _PACKAGES = "example-robot-data or robot_descriptions"
 
 @dataclass(frozen=True)
 class RobotFiles:
-    """Where a robot's files are.
+    """Where a robot's files are."""
 
-    Attributes:
-        urdf: the robot description.
-        limits: the limits file; None if there is none.
-        mesh_folders: where its meshes are looked for besides.
-    """
-
-    urdf: Path
-    limits: Path | None = None
-    mesh_folders: tuple[Path, ...] = ()
+    urdf: Path  # the robot description
+    limits: Path | None = None  # the limits file; None if there is none
+    mesh_folders: tuple[Path, ...] = ()  # where its meshes are looked for besides
 
 
 def find_robot(name: str) -> RobotFiles:
-    """The files of a robot.
-
-    Args:
-        name: of a robot of this package, such as "panda", or of example-robot-data or
-            robot_descriptions, such as "xarm7".
-
-    Raises:
-        InvalidInput: if there is no such robot, or several.
-    """
+    """The files of a robot."""
     if isinstance(name, str):
         _refuse_path(name)
         for search in (_own, _of_example_robot_data, _of_robot_descriptions):

@@ -18,11 +18,7 @@ _FREE_ROWS = np.empty((0, 4))
 def one_pose(
     position: ArrayLike, orientation: ArrayLike | None
 ) -> tuple[Float64Array, Float64Array]:
-    """A position (3,) and an orientation (4,), or (0,) where it is free.
-
-    Raises:
-        InvalidInput: if one has another shape, or the orientation is no unit quaternion.
-    """
+    """A position (3,) and an orientation (4,), or (0,) where it is free."""
     where = check.array(position, "position", shape=(3,))
     if orientation is None:
         return where, _FREE
@@ -32,11 +28,7 @@ def one_pose(
 def many_poses(
     positions: ArrayLike, orientations: ArrayLike | None
 ) -> tuple[Float64Array, Float64Array]:
-    """Positions (m, 3) and orientations (m, 4), or (0, 4) where they are free.
-
-    Raises:
-        InvalidInput: if one has another shape, or an orientation is no unit quaternion.
-    """
+    """Positions (m, 3) and orientations (m, 4), or (0, 4) where they are free."""
     where = check.array(positions, "positions", shape=("m", 3))
     if orientations is None:
         return where, _FREE_ROWS
@@ -44,11 +36,7 @@ def many_poses(
 
 
 def many_seeds(seeds: ArrayLike | None, count: int, *, default: Float64Array) -> Float64Array:
-    """Seeds (count, joints) from as many rows, from one for all, or from the default (joints,).
-
-    Raises:
-        InvalidInput: if they have another shape.
-    """
+    """Seeds (count, joints) from as many rows, from one for all, or from the default (joints,)."""
     joints = len(default)
     if seeds is not None and np.ndim(seeds) == 2:
         return check.array(seeds, "seeds", shape=(count, joints))
@@ -57,11 +45,7 @@ def many_seeds(seeds: ArrayLike | None, count: int, *, default: Float64Array) ->
 
 
 def require_position_axis(free: Collection[str], orientation: ArrayLike | None) -> None:
-    """Check that a target without orientation leaves at least one axis to reach.
-
-    Raises:
-        InvalidInput: if all axes of the position are free.
-    """
+    """Check that a target without orientation leaves at least one axis to reach."""
     if orientation is None and set(free) >= {"x", "y", "z"}:
         raise InvalidInput(
             "free: expected at least one of 'x', 'y', 'z' not to be free without an orientation"

@@ -58,22 +58,14 @@ class ArmTask(Brief, ABC):
 
 
 def vector(value: ArrayLike, name: str, size: int) -> Float64Array:
-    """A read-only copy (size,) of a value of moderate size.
-
-    Raises:
-        InvalidInput: if it has another shape or is too large.
-    """
+    """A read-only copy (size,) of a value of moderate size."""
     if (value is ZERO or value is STILL) and len(value) == size:
         return _NOTHING[size]
     return magnitudes.frozen(value, name, shape=(size,))
 
 
 def orientation(value: ArrayLike) -> Float64Array:
-    """A read-only unit quaternion (4,) w, x, y, z.
-
-    Raises:
-        InvalidInput: if it has another shape or length.
-    """
+    """A read-only unit quaternion (4,) w, x, y, z."""
     unit = check.quaternions(value, "orientation", shape=(4,))
     unit.setflags(write=False)
     return unit

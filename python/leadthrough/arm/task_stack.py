@@ -209,11 +209,7 @@ class TaskStack(Brief):
         return _run(self.arm, rows, reports, dt)
 
     def _take(self, tasks: Sequence[ArmTask]) -> None:
-        """Makes these the tasks of the stack; those that it had already are not compiled again.
-
-        Raises:
-            InvalidInput: if a task does not fit the arm.
-        """
+        """Makes these the tasks of the stack; those that it had already are not compiled again."""
         arm, known = self.arm, self._parts
         checked = _checked(tasks, len(arm.joint_names))
         parts = {task: known.get(task) or task._compiled(self._frame) for task in checked}

@@ -16,32 +16,18 @@ from leadthrough.motion import PoseTrajectory, Trajectory
 
 @dataclass(frozen=True, eq=False)
 class TipPath:
-    """A path of the tip, sample by sample.
+    """A path of the tip, sample by sample."""
 
-    Attributes:
-        times: (n,) s.
-        positions: (n, 3) m.
-        orientations: (n, 4) w, x, y, z, or no rows where they are free.
-        postures: (n, joints) towards which a redundant arm moves in its null space; not finite for
-            joints that may stand anywhere.
-        free: axes of the poses that are left free.
-        tube: room beside the samples as the core takes it, (6 n, 6), or no rows for none.
-    """
-
-    times: Float64Array
-    positions: Float64Array
-    orientations: Float64Array
+    times: Float64Array  # (n,) s
+    positions: Float64Array  # (n, 3) m
+    orientations: Float64Array  # (n, 4) w, x, y, z, or no rows where they are free
     postures: Float64Array = field(default_factory=lambda: np.empty((0, 0)))
-    free: tuple[Axis, ...] = ()
+    free: tuple[Axis, ...] = ()  # axes of the poses that are left free
     tube: Float64Array = field(default_factory=lambda: np.empty((0, 6)))
 
     @staticmethod
     def of(motion: Trajectory | PoseTrajectory) -> TipPath:
-        """The path of poses, or of points in 3-D.
-
-        Raises:
-            InvalidInput: if the motion is something else.
-        """
+        """The path of poses, or of points in 3-D."""
         if isinstance(motion, PoseTrajectory):
             return TipPath(motion.times, motion.positions, motion.orientations)
         if isinstance(motion, Trajectory) and motion.positions.shape[1] == 3:
@@ -60,11 +46,7 @@ class TipPath:
         return (6 if len(self.orientations) else 3) - len(self.free)
 
     def options(self, *, midrange: float = 0.0) -> _core.IkOptions:
-        """The options of inverse kinematics for a single sample.
-
-        Args:
-            midrange: fraction of the way towards the middle of the ranges in the null space.
-        """
+        """The options of inverse kinematics for a single sample."""
         return ik_options(free=self.free, midrange=midrange)
 
     def only(self, samples: slice | NDArray[np.intp]) -> TipPath:
@@ -75,30 +57,19 @@ class TipPath:
         return TipPath(*own, postures, self.free)
 
     def pull(self, rate: float) -> tuple[Float64Array, Float64Array]:
-        """The postures, and the fractions (n,) of the way there that each sample moves.
-
-        Args:
-            rate: in 1/s.
-        """
+        """The postures, and the fractions (n,) of the way there that each sample moves."""
         fractions = np.minimum(rate * np.diff(self.times, prepend=self.times[0]), 1.0)
         return self.postures, fractions
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Joints up to and including the first sample that was missed.
+    """Joints up to and including the first sample that was missed."""
 
-    Attributes:
-        q: (k, joints).
-        position_errors: (k,) m.
-        orientation_errors: (k,) rad.
-        reached: number of samples that were not missed.
-    """
-
-    q: Float64Array
-    position_errors: Float64Array
-    orientation_errors: Float64Array
-    reached: int
+    q: Float64Array  # (k, joints)
+    position_errors: Float64Array  # (k,) m
+    orientation_errors: Float64Array  # (k,) rad
+    reached: int  # number of samples that were not missed
 
     @staticmethod
     def of(

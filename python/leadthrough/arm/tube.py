@@ -15,15 +15,7 @@ from leadthrough.errors import InvalidInput
 
 
 def tube_around(path: TipPath, deviation: tuple[ArrayLike, ArrayLike]) -> Float64Array:
-    """The room at each sample as the core takes it, (6 n, 6).
-
-    Args:
-        path: n samples.
-        deviation: as `Arm.follow` takes it with obstacles.
-
-    Raises:
-        InvalidInput: if it is not of this form.
-    """
+    """The room at each sample as the core takes it, (6 n, 6)."""
     if not isinstance(deviation, tuple | list) or len(deviation) != 2:
         raise InvalidInput(
             f"deviation: expected the room in m and in rad, (m, rad), got {deviation!r}"

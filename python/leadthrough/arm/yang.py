@@ -73,21 +73,13 @@ class DampedLeastSquares:
 
 @dataclass(frozen=True, eq=False)
 class DampedPath(Drawn):
-    """Joints along a motion, and what the step that led to each sample was like.
+    """Joints along a motion, and what the step that led to each sample was like."""
 
-    Attributes:
-        joints: the joints, with the motion's times and events.
-        condition: condition number kappa (n,) where each step began.
-        damping: lambda (n,) in m per rad where each step began.
-        position_error: (n,) in m, of the tip after each step.
-        orientation_error: (n,) in rad, of the tip after each step.
-    """
-
-    joints: JointTrajectory
-    condition: Float64Array
-    damping: Float64Array
-    position_error: Float64Array
-    orientation_error: Float64Array
+    joints: JointTrajectory  # the joints, with the motion's times and events
+    condition: Float64Array  # condition number kappa (n,) where each step began
+    damping: Float64Array  # lambda (n,) in m per rad where each step began
+    position_error: Float64Array  # (n,) in m, of the tip after each step
+    orientation_error: Float64Array  # (n,) in rad, of the tip after each step
 
     def _panels(self) -> list[Panel]:
         errors = np.column_stack([self.position_error, self.orientation_error])
@@ -106,17 +98,6 @@ def follow_path(
     settings: DampedLeastSquares | None = None,
 ) -> DampedPath:
     """One step per sample along a motion; the error that a step leaves joins the next one's task.
-
-    The joints are clamped to their limits, of which the paper says nothing.
-
-    Args:
-        arm: the arm, an `Arm`.
-        motion: poses, or points in 3-D that leave the orientation free.
-        start: configuration (joints,) where the first step begins; it lasts as long as the second.
-        settings: those of the method; by default `DampedLeastSquares()`.
-
-    Raises:
-        InvalidInput: if an argument has another type or shape.
 
     Source: Yang, Liu and Pears, equations 3 to 7.
     """
@@ -144,11 +125,7 @@ def _steps(times: Float64Array) -> Float64Array:
 
 
 def checked_settings(value: DampedLeastSquares | None) -> DampedLeastSquares:
-    """The settings, or the defaults.
-
-    Raises:
-        InvalidInput: if they are something else.
-    """
+    """The settings, or the defaults."""
     if value is None:
         return DampedLeastSquares()
     if not isinstance(value, DampedLeastSquares):

@@ -16,23 +16,14 @@ _PROGRAM = "leadthrough"
 
 
 def hint(ctx: typer.Context, *words: str | Path) -> None:
-    """Prints the next command line, quoted as a shell needs it, with --no-profile where it was set.
-
-    Args:
-        ctx: of the command that is running.
-        words: of the command line.
-    """
+    """Prints the next command line, quoted as a shell needs it, with --no-profile where it was set."""
     program = f"{_PROGRAM} --no-profile" if ctx.find_root().params.get("no_profile") else _PROGRAM
     kept = {word: word for word in _OPERATORS} | {_PROGRAM: program}
     advise(" ".join(kept.get(str(word)) or shlex.quote(_word(word)) for word in words))
 
 
 def advise(text: str) -> None:
-    """Prints what to do next.
-
-    Args:
-        text: a command line, or words where none can be named.
-    """
+    """Prints what to do next."""
     print("next:", text)
 
 
@@ -46,32 +37,19 @@ def arm(ctx: typer.Context) -> tuple[str, ...]:
 
 
 def reading(ctx: typer.Context) -> tuple[str, ...]:
-    """The options that say how recordings are read, as they were typed.
-
-    Args:
-        ctx: of the command that is running.
-    """
+    """The options that say how recordings are read, as they were typed."""
     return typed(ctx, *_READING)
 
 
 def typed(ctx: typer.Context, *names: str) -> tuple[str, ...]:
-    """Options of the command that is running, as words of a command line, where they were typed.
-
-    Args:
-        ctx: of the command.
-        names: of its parameters.
-    """
+    """Options of the command that is running, as words of a command line, where they were typed."""
     options = {each.name: each.opts[0] for each in ctx.command.params}
     given = [name for name in names if _is_typed(ctx, name)]
     return tuple(word for name in given for word in _words(options[name], ctx.params[name]))
 
 
 def options(**values: str | Path | None) -> tuple[str, ...]:
-    """Options as words of a command line.
-
-    Args:
-        values: by the options' names; those that are None are left out.
-    """
+    """Options as words of a command line."""
     given = {name: value for name, value in values.items() if value is not None}
     return tuple(
         word

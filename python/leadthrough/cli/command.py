@@ -21,11 +21,7 @@ _KINDS = {"path": "FILE", "Path": "FILE", "str": "TEXT", "float": "NUMBER", "int
 
 
 def words(ctx: Any) -> dict[str, str]:
-    """What the user wrote for the library's arguments: the option, or the profile's key.
-
-    Args:
-        ctx: of the command that is running.
-    """
+    """What the user wrote for the library's arguments: the option, or the profile's key."""
     found: dict[str, str] = {}
     for parameter in ctx.command.params:
         option = parameter.opts[0]

@@ -66,11 +66,7 @@ def one_of(*values: str) -> Complete:
 
 
 def files(*suffixes: str) -> Complete:
-    """Completion of files with these suffixes, and of folders, on the way to them.
-
-    Args:
-        suffixes: with their dot, in lower case.
-    """
+    """Completion of files with these suffixes, and of folders, on the way to them."""
     return lambda incomplete: _files(incomplete, suffixes)
 
 
@@ -107,12 +103,7 @@ def robots(incomplete: str) -> list[str]:
 
 
 def links(ctx: typer.Context, incomplete: str) -> list[str]:
-    """The links of the robot that the command line or the profile names.
-
-    Args:
-        ctx: of the command line so far.
-        incomplete: beginning of the link's name.
-    """
+    """The links of the robot that the command line or the profile names."""
     from leadthrough.arm.robots import find_robot
 
     with suppress(LeadthroughError, OSError, UnicodeDecodeError):
@@ -125,12 +116,7 @@ def links(ctx: typer.Context, incomplete: str) -> list[str]:
 
 
 def parameters(ctx: typer.Context, incomplete: str) -> list[str]:
-    """The parameters of the model that --model names, with their defaults.
-
-    Args:
-        ctx: of the command line so far.
-        incomplete: beginning of a parameter's name.
-    """
+    """The parameters of the model that --model names, with their defaults."""
     from dataclasses import fields
 
     from leadthrough.cli.learn import MODELS, model_class

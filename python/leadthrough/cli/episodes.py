@@ -36,11 +36,7 @@ _SUFFIX = ".csv"
 
 
 def check_table(table: Path) -> None:
-    """Refuses a table's name before anything is read.
-
-    Raises:
-        InvalidInput: if it does not end in .csv.
-    """
+    """Refuses a table's name before anything is read."""
     if table.suffix.lower() != _SUFFIX:
         raise InvalidInput(f"--table: expected a name that ends in {_SUFFIX}, got {table}")
 
@@ -48,18 +44,7 @@ def check_table(table: Path) -> None:
 def cleaned(
     episodes: Iterable[Episode], clean: Cleaned, table: Path
 ) -> Iterator[tuple[int, Demonstration, CleaningReport]]:
-    """The episodes that can be cleaned, one after the other, with their numbers, counted from 1.
-
-    The table is written when all have been taken.
-
-    Args:
-        episodes: of a data set.
-        clean: makes a demonstration of a recording.
-        table: CSV file to write, a row for each episode.
-
-    Raises:
-        InvalidInput: if none can be used, or the table cannot be written.
-    """
+    """The episodes that can be cleaned, one after the other, with their numbers, counted from 1."""
     used, problem = 0, "--table: there are no episodes"
     with replacing(table) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, _COLUMNS, restval="", lineterminator="\n")
@@ -104,12 +89,7 @@ def _row(
 
 
 def thinned(shown: Demonstration, samples: int) -> Demonstration:
-    """The demonstration at no more than a number of evenly spaced times.
-
-    Args:
-        shown: with any number of samples.
-        samples: the most, >= 2.
-    """
+    """The demonstration at no more than a number of evenly spaced times."""
     from leadthrough.preprocess import sample_evenly
 
     motion = shown.motion

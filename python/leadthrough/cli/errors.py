@@ -35,14 +35,7 @@ _OPTION = re.compile(r"(?:^|: )(--[a-z-]+)")
 
 @contextmanager
 def naming(**words: str) -> Iterator[None]:
-    """Tells the errors of a block in words of the command line.
-
-    Args:
-        words: what the command line calls an argument of the library, by the argument's name.
-
-    Raises:
-        LeadthroughError: the block's own, with another message.
-    """
+    """Tells the errors of a block in words of the command line."""
     try:
         yield
     except LeadthroughError as error:
@@ -65,11 +58,7 @@ def going_on() -> Iterator[None]:
 
 @contextmanager
 def warnings_in(words: Mapping[str, str]) -> Iterator[None]:
-    """Prints the library's warnings of a block on stderr, in words of the command line.
-
-    Args:
-        words: as for `naming`.
-    """
+    """Prints the library's warnings of a block on stderr, in words of the command line."""
     from leadthrough.plausible import Suspicious
 
     def show(message: Warning | str, *_: object) -> None:
@@ -82,15 +71,7 @@ def warnings_in(words: Mapping[str, str]) -> Iterator[None]:
 
 
 def in_words(message: str, words: Mapping[str, str]) -> str:
-    """The message with the command line's words where the library names its arguments.
-
-    "rate: needed" becomes "--rate: needed", angles='degrees' becomes --angles degrees, and
-    columns['joints'] becomes --column joints. What follows "in Python" is left out.
-
-    Args:
-        message: of an error of the library.
-        words: as for `naming`.
-    """
+    """The message with the command line's words where the library names its arguments."""
 
     def word(found: re.Match[str]) -> str:
         said = words[found["name"]]
@@ -113,13 +94,7 @@ def _any_of(names: Iterable[str]) -> str:
 
 
 def ending(error: Exception, words: Mapping[str, str], *, as_json: bool) -> typer.Exit:
-    """Prints an error, as a line on stderr or as JSON on stdout; how the process is to exit.
-
-    Args:
-        error: what the library or the operating system raised.
-        words: as for `naming`.
-        as_json: whether to print JSON: type, message and argument of the error.
-    """
+    """Prints an error, as a line on stderr or as JSON on stdout; how the process is to exit."""
     message = in_words(_text(error), words)
     if as_json:
         print_json(type(error).__name__, message, _argument(error, message, words))
@@ -129,13 +104,7 @@ def ending(error: Exception, words: Mapping[str, str], *, as_json: bool) -> type
 
 
 def print_json(kind: str, message: str, argument: str | None) -> None:
-    """Prints an error as the only JSON object on stdout.
-
-    Args:
-        kind: the type of the error, such as "InvalidInput".
-        message: what is wrong.
-        argument: the option or argument that is; None if it is none of them.
-    """
+    """Prints an error as the only JSON object on stdout."""
     error = {"type": kind, "message": message, "argument": argument}
     print(json.dumps({"error": error}, allow_nan=False))
 

@@ -35,15 +35,10 @@ _ELSEWHERE = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """A joint motion, and what there is to tell of it.
+    """A joint motion, and what there is to tell of it."""
 
-    Attributes:
-        joints: of the arm.
-        facts: what to print, by name.
-    """
-
-    joints: JointTrajectory
-    facts: dict[str, Any]
+    joints: JointTrajectory  # of the arm
+    facts: dict[str, Any]  # what to print, by name
 
 
 def generated(skill: Skill[Motion], query: dict[str, Any]) -> Motion:
@@ -53,19 +48,7 @@ def generated(skill: Skill[Motion], query: dict[str, Any]) -> Motion:
 
 
 def followed(arm: Arm, motion: Motion, how: dict[str, Any]) -> Followed:
-    """The arm's joints along a motion; a motion of joints is the arm's already.
-
-    Warns on stderr where the arm does not start as it was shown.
-
-    Args:
-        arm: the arm that is to move.
-        motion: what a skill planned.
-        how: arguments of `Arm.follow`, by `options_of`.
-
-    Raises:
-        InvalidInput: if the motion is neither joints nor poses.
-        IkFailure: if the arm cannot follow.
-    """
+    """The arm's joints along a motion; a motion of joints is the arm's already."""
     if isinstance(motion, JointTrajectory):
         return Followed(robots.own_joints(arm, motion, "the skill"), {})
     joints = arm.follow(motion, **how)
@@ -79,20 +62,7 @@ def kept_clear(
     margin: float | None,
     how: dict[str, Any],
 ) -> Followed:
-    """The arm's joints along a skill's motion, the whole arm clear of the obstacles.
-
-    Args:
-        arm: the arm that is to move.
-        skill: plans the motion.
-        query: of the skill, with "obstacles".
-        margin: distance in m to keep from them; None for the usual one.
-        how: arguments of `Arm.follow`, by `options_of`.
-
-    Raises:
-        InvalidInput: if an option is wrong.
-        NoPath: where obstacles leave the tip no way.
-        IkFailure: if the arm cannot follow any path of the tip.
-    """
+    """The arm's joints along a skill's motion, the whole arm clear of the obstacles."""
     asked = query if margin is None else query | {"margin": margin}
     planned = plan_motion(skill, arm, **asked, **how)
     facts = _compared(arm, planned.tip, planned.joints, how)
@@ -115,17 +85,7 @@ def _compared(
 def options_of(
     arm: Arm, posture: str | None, tolerance: str | None, free_axes: Sequence[str] | None
 ) -> dict[str, Any]:
-    """The arguments of `Arm.follow` that the command's options make.
-
-    Args:
-        arm: the arm that is to move.
-        posture: the option `--posture`: joint positions, or the file of a recording.
-        tolerance: the option `--tolerance`: m and rad.
-        free_axes: the option `--free-axis`: names of axes.
-
-    Raises:
-        InvalidInput: if an option is wrong.
-    """
+    """The arguments of `Arm.follow` that the command's options make."""
     found: dict[str, Any] = {}
     if tolerance is not None:
         given = check.array(parse.numbers(tolerance, "--tolerance"), "--tolerance", shape=(2,))

@@ -204,15 +204,7 @@ def model_class(name: str) -> Any:  # Any: the models' settings differ
 
 
 def model_of(name: str, parameters: dict[str, Any]) -> Model:
-    """A model by its name on the command line.
-
-    Args:
-        name: the option `--model`.
-        parameters: those of the options `--set`.
-
-    Raises:
-        InvalidInput: if there is no such model or parameter, or a value is wrong.
-    """
+    """A model by its name on the command line."""
     from leadthrough import check
 
     kind = model_class(check.choice(name, "--model", MODELS))

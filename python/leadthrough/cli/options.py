@@ -167,9 +167,5 @@ TaskTimeout = Annotated[
 
 
 def of_model(model: object) -> dict[str, str]:
-    """What the command line calls the parameters of a model, by their names.
-
-    Args:
-        model: a dataclass whose fields are the parameters.
-    """
+    """What the command line calls the parameters of a model, by their names."""
     return {name: f"--set {name}" for name in getattr(type(model), "__dataclass_fields__", ())}

@@ -32,11 +32,7 @@ _FILE = re.compile(rf"(?s)(.*?)(?:,({_NUMBER}))?(?:@([-+\d.eE,/]+))?")
 
 
 def numbers(text: str, name: str) -> Float64Array:
-    """Numbers separated by commas.
-
-    Raises:
-        InvalidInput: if a part is no number; the message begins with `name`.
-    """
+    """Numbers separated by commas."""
     try:
         return np.array([float(part) for part in text.split(",")])
     except ValueError:
@@ -44,11 +40,7 @@ def numbers(text: str, name: str) -> Float64Array:
 
 
 def obstacle(text: str) -> Shape:
-    """A shape such as box:0.1,0.1,0.2@0.4,0,0.1.
-
-    Raises:
-        InvalidInput: for another form, or numbers that make no shape.
-    """
+    """A shape such as box:0.1,0.1,0.2@0.4,0,0.1."""
     try:
         return _shape(text)
     except InvalidInput as error:
@@ -97,27 +89,13 @@ def _from_file(kind: str, text: str) -> Shape:
 
 
 def place(text: str, name: str) -> Place:
-    """A point or joint positions, X,Y,Z, or a pose, X,Y,Z/W,X,Y,Z.
-
-    Raises:
-        InvalidInput: if a part is no number.
-    """
+    """A point or joint positions, X,Y,Z, or a pose, X,Y,Z/W,X,Y,Z."""
     position, turned = _place(text, name)
     return position if turned is None else (position, turned)
 
 
 def end(text: str, shown: Motion, index: int, name: str) -> Place:
-    """A start or a goal, as by `place`; a pose without an orientation keeps the demonstrated one.
-
-    Args:
-        text: the option's value.
-        shown: the skill's own motion.
-        index: its first or last sample, 0 or -1.
-        name: the option, for messages.
-
-    Raises:
-        InvalidInput: if a part is no number, or for an orientation where the skill takes none.
-    """
+    """A start or a goal, as by `place`."""
     asked = place(text, name)
     if isinstance(asked, tuple) and not isinstance(shown, PoseTrajectory):
         raise InvalidInput(
@@ -129,11 +107,7 @@ def end(text: str, shown: Motion, index: int, name: str) -> Place:
 
 
 def moved(text: str, shown: Motion, index: int, name: str) -> Place:
-    """The first or last place of a motion, moved by an offset; arguments as for `end`.
-
-    Raises:
-        InvalidInput: if the offset has another length than the place.
-    """
+    """The first or last place of a motion, moved by an offset; arguments as for `end`."""
     offset = numbers(text, name)
     position = shown.positions[index]
     if len(offset) != len(position):
@@ -154,25 +128,12 @@ def _coordinates(shown: Motion) -> str:
 
 
 def columns(given: Sequence[str]) -> dict[str, list[str]] | None:
-    """The `columns` of `read_demonstrations`, from words such as joints=q1,q2.
-
-    Raises:
-        InvalidInput: for another form.
-    """
+    """The `columns` of `read_demonstrations`, from words such as joints=q1,q2."""
     return {role: names.split(",") for role, names in _pairs(given, "--column")} or None
 
 
 def places(text: str, middle: Float64Array, name: str) -> Places:
-    """A region: distances to both sides of a place, or two corners, with /ANGLE for poses.
-
-    Args:
-        text: the option's value.
-        middle: (d,) the place.
-        name: the option, for messages.
-
-    Raises:
-        InvalidInput: if a part is no number, or they are more or fewer than the coordinates.
-    """
+    """A region: distances to both sides of a place, or two corners, with /ANGLE for poses."""
     sides, _, angle = text.partition("/")
     corners = [numbers(part, name) for part in sides.split(":")]
     for corner in corners:
@@ -189,26 +150,14 @@ def places(text: str, middle: Float64Array, name: str) -> Places:
 
 
 def corners(text: str, name: str) -> Places:
-    """The region between two corners X,Y,Z:X,Y,Z.
-
-    Args:
-        text: the option's value.
-        name: the option, for messages.
-
-    Raises:
-        InvalidInput: for another form.
-    """
+    """The region between two corners X,Y,Z:X,Y,Z."""
     if text.count(":") != 1:
         raise InvalidInput(f"{name}: expected two corners such as 0,0,0:1,1,1, got {text!r}")
     return places(text, np.zeros(3), name)
 
 
 def scattered(text: str) -> Scattered:
-    """An obstacle at a random position, such as box:0.1,0.1,0.2@0.4,0,0.1~0.1,0.1,0.
-
-    Raises:
-        InvalidInput: for another form.
-    """
+    """An obstacle at a random position, such as box:0.1,0.1,0.2@0.4,0,0.1~0.1,0.1,0."""
     form, _, reach = text.rpartition("~")
     try:
         shape = _shape(form)
@@ -218,11 +167,7 @@ def scattered(text: str) -> Scattered:
 
 
 def parameters(given: Sequence[str]) -> dict[str, Any]:
-    """A model's parameters, from words such as weights=80, each of the type that YAML gives it.
-
-    Raises:
-        InvalidInput: for another form.
-    """
+    """A model's parameters, from words such as weights=80, each of the type that YAML gives it."""
     if not given:
         return {}
     import yaml

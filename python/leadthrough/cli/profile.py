@@ -22,11 +22,7 @@ OF_THE_ROBOT = KEYS[1:]
 
 
 def read() -> dict[str, str]:
-    """The options in the working directory's profile, by their names; none if there is no profile.
-
-    Raises:
-        InvalidInput: if the file cannot be read, has an unknown key or a value of the wrong type.
-    """
+    """The options in the working directory's profile, by their names."""
     import tomllib
 
     try:

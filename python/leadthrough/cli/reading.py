@@ -75,21 +75,7 @@ def cleaned(
     topic: str | None,
     joints: Mapping[str, tuple[float, float]] | None = None,
 ) -> list[Demonstration]:
-    """The recordings in files, cleaned; what was removed is reported on stderr.
-
-    Args:
-        files: recordings to read, in this order.
-        columns: columns to read, by role; this and what follows as for `io.read_recordings`.
-        rate: sampling rate in Hz of recordings without times.
-        angles: unit of joint angles.
-        quaternions: order of their components.
-        topic: of a ROS bag.
-        joints: limits of an arm's joints by name.
-
-    Raises:
-        InvalidInput: if a file cannot be read or cleaned.
-        MissingDependency: if its format needs an extra that is not installed.
-    """
+    """The recordings in files, cleaned; what was removed is reported on stderr."""
     demonstrations = []
     recordings = io.read_recordings(
         files,
@@ -116,17 +102,7 @@ def cut(
     speed: float | None,
     angular_speed: float | None,
 ) -> list[Demonstration]:
-    """The motions between the recordings' pauses, listed on stderr.
-
-    Args:
-        recordings: to cut.
-        pause: this and what follows as for `preprocess.segment`; None for its own default.
-        speed: at which a motion begins.
-        angular_speed: at which a turn begins.
-
-    Raises:
-        InvalidInput: if there is no motion, or an argument is out of its range.
-    """
+    """The motions between the recordings' pauses, listed on stderr."""
     shortest: dict[str, Any] = {} if pause is None else {"pause": pause}
     motions = [
         motion
@@ -150,17 +126,7 @@ def trimmed(
     speed: float | None,
     angular_speed: float | None,
 ) -> list[Demonstration]:
-    """The recordings without the standing still at both ends; stderr tells how long it was.
-
-    Args:
-        recordings: to trim.
-        rest: this and what follows as for `preprocess.trim`.
-        speed: at which a motion begins.
-        angular_speed: at which a turn begins.
-
-    Raises:
-        InvalidInput: if an argument is out of its range.
-    """
+    """The recordings without the standing still at both ends; stderr tells how long it was."""
     kept = [
         preprocess.trim(each, rest=rest, speed=speed, angular_speed=angular_speed)
         for each in recordings
@@ -191,26 +157,13 @@ def _tell_rests(recordings: Sequence[Demonstration], kept: Sequence[Demonstratio
 
 
 def one_motion(file: Path, *, joints: Mapping[str, tuple[float, float]] | None = None) -> Motion:
-    """The only motion in a file.
-
-    Args:
-        file: to read.
-        joints: limits of an arm's joints by name, of which columns may have the names.
-
-    Raises:
-        InvalidInput: if the file cannot be read or holds more or fewer motions than one.
-        MissingDependency: if its format needs an extra that is not installed.
-    """
+    """The only motion in a file."""
     refuse_skills([file])
     return io.read_motion(file, joints=joints)
 
 
 def saved_skill(file: Path) -> Skill:
-    """The skill in a file.
-
-    Raises:
-        InvalidInput: if there is no such file or it holds no skill.
-    """
+    """The skill in a file."""
     if not file.is_file():
         raise InvalidInput(f"{file}: no such file")
     if file.suffix.lower() != _SKILL:
@@ -223,11 +176,7 @@ def saved_skill(file: Path) -> Skill:
 
 
 def refuse_skills(files: Sequence[Path]) -> None:
-    """Refuses skills where recordings or motions are due.
-
-    Raises:
-        InvalidInput: if a file is a skill.
-    """
+    """Refuses skills where recordings or motions are due."""
     for file in files:
         if file.suffix.lower() == _SKILL and file.is_file() and _is_skill(file):
             raise InvalidInput(
@@ -237,15 +186,7 @@ def refuse_skills(files: Sequence[Path]) -> None:
 
 
 def check_skill_output(out: Path, option: str = "--out") -> None:
-    """Refuses a file that no skill would be read from again, before anything is computed.
-
-    Args:
-        out: the file.
-        option: that names it.
-
-    Raises:
-        InvalidInput: if the file has another suffix.
-    """
+    """Refuses a file that no skill would be read from again, before anything is computed."""
     if out.suffix.lower() != _SKILL:
         raise InvalidInput(f"{option}: expected a name that ends in {_SKILL}, got {out}")
 
@@ -259,10 +200,6 @@ def _is_skill(file: Path) -> bool:
 
 
 def check_output(out: Path, format: str | None = None) -> None:
-    """Refuses a file that no motion can be written to, before anything is computed.
-
-    Raises:
-        InvalidInput: if neither the format nor the file's suffix names one that can be written.
-    """
+    """Refuses a file that no motion can be written to, before anything is computed."""
     with errors.naming(path="--out"):
         formats.to_write(out, format)

@@ -20,12 +20,7 @@ def load(
     tip: str | None = None,
     mesh_folder: Path | None = None,
 ) -> Arm:
-    """The arm of a robot, by its name, or of a URDF, by its path.
-
-    Raises:
-        InvalidInput: for an unknown name, or options that do not fit the robot.
-        InvalidRobot: if the URDF describes no arm.
-    """
+    """The arm of a robot, by its name, or of a URDF, by its path."""
     with errors.naming(name="--robot", path_or_xml="--robot"):
         if _is_path(name):
             return Arm.from_urdf(
@@ -40,11 +35,7 @@ def load(
 
 
 def mesh_folders(given: Path | None) -> list[Path]:
-    """The folder of --mesh-folder as a list, which is empty if none was given.
-
-    Raises:
-        InvalidInput: if there is no such folder.
-    """
+    """The folder of --mesh-folder as a list, which is empty if none was given."""
     if given is not None and not given.is_dir():
         raise InvalidInput(f"mesh_folder: expected a folder, got {given}")
     return [] if given is None else [given]
@@ -67,15 +58,7 @@ def ranges(arm: Arm) -> dict[str, tuple[float, float]]:
 
 
 def refuse(need: str, **given: object) -> None:
-    """Refuses options that need something that is not there.
-
-    Args:
-        need: what they need, such as "--robot".
-        given: the options' values, by their names; None where they were not given.
-
-    Raises:
-        InvalidInput: if an option is given.
-    """
+    """Refuses options that need something that is not there."""
     for option, value in given.items():
         if value is not None:
             name = option.replace("_", "-")
@@ -83,25 +66,12 @@ def refuse(need: str, **given: object) -> None:
 
 
 def joints_in(arm: Arm, file: Path) -> JointTrajectory:
-    """The arm's joints of the only motion in a file.
-
-    Raises:
-        InvalidInput: if the file cannot be read, or holds no joint motion of the arm.
-    """
+    """The arm's joints of the only motion in a file."""
     return own_joints(arm, reading.one_motion(file, joints=ranges(arm)), str(file))
 
 
 def own_joints(arm: Arm, motion: Motion, name: str) -> JointTrajectory:
-    """The arm's joints of a motion, by their names; by their order if no name is the arm's.
-
-    Args:
-        arm: the arm that is to move.
-        motion: a joint motion of the arm, perhaps with other joints besides.
-        name: what to call the motion in messages, such as its file.
-
-    Raises:
-        InvalidInput: if it is no joint motion or lacks a joint of the arm.
-    """
+    """The arm's joints of a motion, by their names; by their order if no name is the arm's."""
     if not isinstance(motion, JointTrajectory):
         raise InvalidInput(
             f"{name}: expected a joint motion, got a {type(motion).__name__}; "

@@ -6,12 +6,7 @@ from leadthrough.simulation import SimulationReport
 
 
 def facts(report: SimulationReport, *, as_json: bool) -> dict[str, object]:
-    """What a simulation showed, by its names.
-
-    Args:
-        report: of a simulation.
-        as_json: whether as numbers in SI units, for machines.
-    """
+    """What a simulation showed, by its names."""
     joint = int(report.torque_fractions.argmax())
     worst = int(abs(report.errors).max(axis=0).argmax())
     name, fraction = report.arm.joint_names[joint], float(report.torque_fractions[joint])

@@ -19,13 +19,7 @@ _WHOLE_WORDS: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": F
 
 
 def table(rows: list[dict[str, Any]]) -> Group:
-    """The rows as tables of 80 columns, transposed if that is narrower.
-
-    Where one table is too wide, several stand below each other, which share their first column.
-
-    Args:
-        rows: the values by their names, the same names in each row.
-    """
+    """The rows as tables of 80 columns, transposed if that is narrower."""
     names = [name.replace("_", " ") for name in rows[0]] if rows else []
     lines = [names, *([_cell(value) for value in row.values()] for row in rows)]
     if len(names) > len(lines):
@@ -59,13 +53,7 @@ def _printed(lines: list[list[str]]) -> Table:
 def facts(
     found: Mapping[str, Any], *, as_json: bool, units: Mapping[str, str] = MappingProxyType({})
 ) -> None:
-    """Prints a name and its value per line, or all as one JSON object.
-
-    Args:
-        found: the values, by their names.
-        as_json: whether to print JSON.
-        units: of values, by their names, for people; in JSON they follow from the name.
-    """
+    """Prints a name and its value per line, or all as one JSON object."""
     if as_json:
         print(json.dumps(found, allow_nan=False))
         return
@@ -77,11 +65,7 @@ def facts(
 
 
 def note(text: str) -> None:
-    """Prints on stderr what a user may want to know of a result.
-
-    Args:
-        text: a sentence, without a full stop.
-    """
+    """Prints on stderr what a user may want to know of a result."""
     print(textwrap.fill(f"note: {text}", _WIDTH, **_WHOLE_WORDS), file=sys.stderr)
 
 

@@ -20,23 +20,14 @@ _TRIAD = 0.18  # length of the axes that are drawn along, as a fraction of the e
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A polyline.
+    """A polyline."""
 
-    Attributes:
-        x: (n,).
-        y: (n,).
-        name: for the legend; without one it is not in it.
-        colour: by default the next of the cycle.
-        width: in points.
-        dashed: whether it is.
-    """
-
-    x: Numbers
-    y: Numbers
-    name: str = ""
-    colour: str | None = None
-    width: float = 1.4
-    dashed: bool = False
+    x: Numbers  # (n,)
+    y: Numbers  # (n,)
+    name: str = ""  # for the legend; without one it is not in it
+    colour: str | None = None  # by default the next of the cycle
+    width: float = 1.4  # in points
+    dashed: bool = False  # whether it is
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,27 +53,16 @@ class Dot:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """Lines in one pair of axes.
+    """Lines in one pair of axes."""
 
-    Attributes:
-        title: what is drawn, and its unit.
-        lines: drawn in this order.
-        x_label: what x is, and its unit.
-        bands: below the lines.
-        dots: above the lines.
-        marks: x of vertical lines and their texts.
-        equal: whether x and y have one scale; such a panel has no ticks.
-        rows: names of the rows y = 0, 1, ... from the top on; then y has no ticks.
-    """
-
-    title: str
-    lines: Sequence[Line]
-    x_label: str = ""
-    bands: Sequence[Band] = ()
-    dots: Sequence[Dot] = ()
-    marks: Sequence[tuple[float, str]] = ()
-    equal: bool = False
-    rows: Sequence[str] = ()
+    title: str  # what is drawn, and its unit
+    lines: Sequence[Line]  # drawn in this order
+    x_label: str = ""  # what x is, and its unit
+    bands: Sequence[Band] = ()  # below the lines
+    dots: Sequence[Dot] = ()  # above the lines
+    marks: Sequence[tuple[float, str]] = ()  # x of vertical lines and their texts
+    equal: bool = False  # whether x and y have one scale; such a panel has no ticks
+    rows: Sequence[str] = ()  # names of the rows y = 0, 1, ... from the top on; then y has no ticks
 
     def colour(self, index: int) -> str:
         """The colour of one of the lines."""
@@ -101,17 +81,7 @@ def over(
     marks: Sequence[tuple[float, str]] = (),
     deviations: Numbers | None = None,
 ) -> Panel:
-    """Columns over x.
-
-    Args:
-        x: (n,).
-        columns: (n, k).
-        names: of the columns; what all have in common is left out.
-        title: of the panel.
-        x_label: below it.
-        marks: vertical lines at x, and their texts.
-        deviations: (n, k); a band of two of them is drawn about each column.
-    """
+    """Columns over x."""
     lines = [Line(x, y, name) for y, name in zip(columns.T, short_names(names), strict=True)]
     bands = []
     if deviations is not None:
@@ -121,10 +91,7 @@ def over(
 
 
 def paths(drawn: Sequence[Numbers], *, title: str) -> Panel:
-    """Paths of points (n, 2) in the plane, or (n, 3) seen obliquely, from a ring to a disc.
-
-    The first path is drawn above the others.
-    """
+    """Paths of points (n, 2) in the plane, or (n, 3) seen obliquely, from a ring to a disc."""
     flat = [on_paper(path) for path in drawn]
     colours = [palette.PATH] + [palette.DEMONSTRATION] * (len(drawn) - 1)
     widths = [1.8] + [0.8] * (len(drawn) - 1)
@@ -199,14 +166,7 @@ def bars(
     x_label: str,
     limit: float | None = None,
 ) -> Panel:
-    """A horizontal bar for each name, from one number to another.
-
-    Args:
-        rows: name, from, to; from the top on.
-        title: of the panel.
-        x_label: below it.
-        limit: where a dashed line stands; bars that end beyond it have another colour.
-    """
+    """A horizontal bar for each name, from one number to another."""
     lines = []
     for i, (_, low, high) in enumerate(rows):
         beyond = limit is not None and high > limit

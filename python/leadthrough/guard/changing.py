@@ -24,27 +24,15 @@ _SLOWEST = 20  # times as long a piece may take
 
 @dataclass(frozen=True, eq=False)
 class Changed:
-    """Rows inside the limits.
+    """Rows inside the limits."""
 
-    Attributes:
-        rows: (n, joints).
-        places: which sample of the chunk each is, with fractions in between, (n,).
-        complete: whether they lead to the end of the chunk.
-    """
-
-    rows: Float64Array
-    places: Float64Array
-    complete: bool
+    rows: Float64Array  # (n, joints)
+    places: Float64Array  # which sample of the chunk each is, with fractions in between, (n,)
+    complete: bool  # whether they lead to the end of the chunk
 
 
 def changed(rules: Rules, history: Float64Array, samples: Float64Array) -> Changed:
-    """The samples, brought inside the limits.
-
-    Args:
-        rules: with the limits.
-        history: (3, joints), the commands before.
-        samples: (n, joints), finite.
-    """
+    """The samples, brought inside the limits."""
     inside = np.clip(samples, rules.joints.lower, rules.joints.upper)
     rows, places = [history], [np.arange(-HISTORY, 0, dtype=np.float64)]
     complete = True

@@ -19,34 +19,17 @@ _SAME_PERIOD = 1e-6  # relative; clocks that differ by less are one
 
 @dataclass(frozen=True, eq=False)
 class Chunk:
-    """Samples a period apart.
+    """Samples a period apart."""
 
-    Attributes:
-        rows: (n, joints), perhaps not finite.
-        start: time of the first one on the chunk's own clock, s.
-        given: the trajectory that they are the samples of to the bit, or None.
-        events: of it.
-        resampled: whether its clock was another.
-    """
-
-    rows: Float64Array
-    start: float
+    rows: Float64Array  # (n, joints), perhaps not finite
+    start: float  # time of the first one on the chunk's own clock, s
     given: JointTrajectory | None = None
-    events: tuple[Event, ...] = ()
-    resampled: bool = False
+    events: tuple[Event, ...] = ()  # of it
+    resampled: bool = False  # whether its clock was another
 
 
 def chunk_of(value: JointTrajectory | ArrayLike, arm: Arm, period: float) -> Chunk:
-    """A user's chunk.
-
-    Args:
-        value: a trajectory with the arm's joints, or an array (n, joints) a period apart.
-        arm: the arm.
-        period: of the guard, s.
-
-    Raises:
-        InvalidInput: if the shape is wrong, there is no sample, or a joint is missing.
-    """
+    """A user's chunk."""
     if not isinstance(value, JointTrajectory):
         rows = check.with_gaps(value, "chunk", shape=("n", len(arm.joint_names)))
         if not len(rows):

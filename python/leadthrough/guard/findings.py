@@ -16,13 +16,7 @@ _RATES: tuple[Kind, ...] = ("velocity", "acceleration", "jerk")
 
 
 def not_finite(rows: Float64Array, names: tuple[str, ...], times: Float64Array) -> Reason | None:
-    """The first number that is none.
-
-    Args:
-        rows: (n, joints).
-        names: of the joints.
-        times: of the rows, s.
-    """
+    """The first number that is none."""
     at = _first(~np.isfinite(rows))
     return None if at is None else Reason("not finite", float(times[at[0]]), names[at[1]])
 
@@ -30,14 +24,7 @@ def not_finite(rows: Float64Array, names: tuple[str, ...], times: Float64Array) 
 def exceeded(
     rules: Rules, history: Float64Array, rows: Float64Array, times: Float64Array
 ) -> tuple[Reason, ...]:
-    """The first excess of each kind that rows have.
-
-    Args:
-        rules: with the limits.
-        history: (3, joints), the commands before.
-        rows: (n, joints), finite.
-        times: of the rows, s.
-    """
+    """The first excess of each kind that rows have."""
     limits, period = rules.joints, rules.period
     names = limits.joint_names
     found: list[Reason] = []

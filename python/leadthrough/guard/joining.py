@@ -18,37 +18,19 @@ Joined = tuple[Float64Array, int]
 
 
 def beyond_reach(rules: Rules, last: Float64Array, target: Float64Array) -> bool:
-    """Whether no way leads onto a target, however slowly that is run: a joint is too far away.
-
-    Args:
-        rules: with the limits.
-        last: (joints,), the command before.
-        target: (n, joints).
-    """
+    """Whether no way leads onto a target, however slowly that is run: a joint is too far away."""
     periods = 2 * _most_periods(rules) + len(target)
     return bool((np.abs(target[0] - last) > periods * rules.period * rules.joints.velocity).any())
 
 
 def joined_on_time(rules: Rules, history: Float64Array, target: Float64Array) -> Joined | None:
-    """The shortest way onto a sample when that is due, if the first is due a period from now.
-
-    Args:
-        rules: with the limits.
-        history: (3, joints), the commands before.
-        target: (n, joints), n >= 3.
-    """
+    """The shortest way onto a sample when that is due, if the first is due a period from now."""
     soon = max(1, int(_ON_TIME * len(target)))
     return _core.bridge_on_time(rules.limits, history, target, soon)
 
 
 def joined_at_start(rules: Rules, history: Float64Array, target: Float64Array) -> Joined | None:
-    """The shortest way onto the first sample; where none is short, by way of a rest.
-
-    Args:
-        rules: with the limits.
-        history: (3, joints), the commands before.
-        target: (n, joints), n >= 3.
-    """
+    """The shortest way onto the first sample; where none is short, by way of a rest."""
     longest = _most_periods(rules)
     found = _core.bridge_to_start(rules.limits, history, target, longest)
     if found is not None:

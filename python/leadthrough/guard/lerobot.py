@@ -46,14 +46,7 @@ class GuardStep:
 
     # Any: what else a transition holds is LeRobot's.
     def __call__(self, transition: dict[str, Any]) -> dict[str, Any]:
-        """The transition with the action that may be executed.
-
-        Args:
-            transition: with an "action", and an "observation" at an episode's first action.
-
-        Raises:
-            InvalidInput: if a joint of the arm is missing in one of them.
-        """
+        """The transition with the action that may be executed."""
         wanted = self._joints(transition.get("action"), "action")
         state = None
         if self.answer is None:

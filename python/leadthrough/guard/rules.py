@@ -49,15 +49,10 @@ Obstacle = Shape | Moving
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """Commands to rest.
+    """Commands to rest."""
 
-    Attributes:
-        rows: (n, joints), one a period, the last at rest.
-        kept: how many of them come before the arm brakes.
-    """
-
-    rows: Float64Array
-    kept: int
+    rows: Float64Array  # (n, joints), one a period, the last at rest
+    kept: int  # how many of them come before the arm brakes
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,29 +70,17 @@ class Contact:
 
 @dataclass(frozen=True, eq=False)
 class Rules:
-    """Limits and surroundings.
+    """Limits and surroundings."""
 
-    Attributes:
-        joints: the limits of the joints.
-        period: between commands, s.
-        limits: of the joints, per period.
-        around: the arm and its obstacles.
-    """
-
-    joints: JointLimits
-    period: float
-    limits: _core.StepLimits
-    around: _core.Surroundings
+    joints: JointLimits  # the limits of the joints
+    period: float  # between commands, s
+    limits: _core.StepLimits  # of the joints, per period
+    around: _core.Surroundings  # the arm and its obstacles
 
     def excess(
         self, history: Float64Array, rows: Float64Array
     ) -> tuple[int, int, int, float] | None:
-        """The first limit that rows (n, joints) exceed: its order, row, joint and ratio.
-
-        Args:
-            history: (3, joints), the commands before.
-            rows: commands.
-        """
+        """The first limit that rows (n, joints) exceed: its order, row, joint and ratio."""
         return _core.first_excess(self.limits, history, rows)
 
     def contact(
@@ -109,15 +92,7 @@ class Rules:
         before: int = 0,
         most_work: int = ALL_WORK,
     ) -> Contact | None:
-        """Where rows first come too near something.
-
-        Args:
-            history: (3, joints), the commands before.
-            rows: commands (n, joints).
-            age: periods since the obstacles were seen.
-            before: rows that are known to be clear.
-            most_work: pairs of shapes to look at; beyond, no row is known to be clear.
-        """
+        """Where rows first come too near something."""
         if before >= len(rows):
             return None
         start = rows[before - 1] if before else history[-1]
@@ -127,21 +102,12 @@ class Rules:
         return Contact(before + found[0], found[1:] if found[1] else None)
 
     def stop(self, history: Float64Array) -> Float64Array:
-        """The fastest stop (n, joints); at rest one command, which has to keep the rules too.
-
-        Args:
-            history: (3, joints), the commands before.
-        """
+        """The fastest stop (n, joints); at rest one command, which has to keep the rules too."""
         rows = _core.brake(self.limits, history)
         return rows if len(rows) else history[-1:]
 
     def braked(self, history: Float64Array, rows: Float64Array) -> Way | None:
-        """Rows, then the fastest stop; None if that leaves a limit.
-
-        Args:
-            history: (3, joints), the commands before.
-            rows: commands (n, joints) inside the limits.
-        """
+        """Rows, then the fastest stop; None if that leaves a limit."""
         end = np.concatenate([history, rows])[-HISTORY:]
         stop = _core.brake(self.limits, end) if len(rows) else self.stop(end)
         if self.excess(end, stop) is not None:
@@ -149,11 +115,7 @@ class Rules:
         return Way(np.concatenate([rows, stop]), len(rows))
 
     def stop_excess(self, history: Float64Array) -> tuple[int, int, int, float] | None:
-        """The first limit that the fastest stop leaves: its order, row, joint and ratio.
-
-        Args:
-            history: (3, joints), the commands before.
-        """
+        """The first limit that the fastest stop leaves: its order, row, joint and ratio."""
         return self.excess(history, self.stop(history))
 
     def clear_braked(
@@ -172,15 +134,7 @@ class Rules:
         return way if found is None else None
 
     def cut(self, history: Float64Array, rows: Float64Array, age: float) -> Way | None:
-        """As many of the rows as can be kept before the arm has to brake, and the stop.
-
-        First it is tried to stop on the rows themselves, then joint by joint.
-
-        Args:
-            history: (3, joints), the commands before.
-            rows: commands (n, joints) inside the limits, known to be clear.
-            age: periods since the obstacles were seen.
-        """
+        """As many of the rows as can be kept before the arm has to brake, and the stop."""
         if len(rows) and (way := self._stopped(history, rows, age)):
             return way
         best = self.clear_braked(history, rows[:0], age)
@@ -205,20 +159,7 @@ class Rules:
 def rules_for(
     arm: Arm, obstacles: Iterable[Obstacle], period: float, *, margin: float, self_margin: float
 ) -> Rules:
-    """The rules of an arm among obstacles.
-
-    Args:
-        arm: the arm.
-        obstacles: shapes in the base frame, those that move with their speed.
-        period: between commands, s.
-        margin: m.
-        self_margin: m.
-
-    Raises:
-        InvalidInput: if a limit is not known or zero, an obstacle is no shape, or a margin is
-            negative.
-        InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
-    """
+    """The rules of an arm among obstacles."""
     check_arm(arm)
     limits = step_limits(arm.limits, period)
     margin = check.number(margin, "margin", at_least=0.0)
@@ -228,16 +169,7 @@ def rules_for(
 
 
 def history_of(state: CommandedState | ArrayLike, joints: int, period: float) -> Float64Array:
-    """The three commands (3, joints) that end in a state.
-
-    Args:
-        state: a commanded state, or positions (joints,) at rest.
-        joints: how many there are.
-        period: between commands, s.
-
-    Raises:
-        InvalidInput: if the state has another shape.
-    """
+    """The three commands (3, joints) that end in a state."""
     if not isinstance(state, CommandedState):
         return np.repeat(check.array(state, "state", shape=(joints,))[None], HISTORY, axis=0)
     q = check.array(state.q, "state.q", shape=(joints,))
@@ -247,15 +179,7 @@ def history_of(state: CommandedState | ArrayLike, joints: int, period: float) ->
 
 
 def step_limits(limits: JointLimits, period: float) -> _core.StepLimits:
-    """Limits per period.
-
-    Args:
-        limits: of the joints.
-        period: s.
-
-    Raises:
-        InvalidInput: if a velocity, acceleration or jerk limit is not known, or zero.
-    """
+    """Limits per period."""
     for name in _RATES:
         value = getattr(limits, name)
         if value is None or not (np.isfinite(value) & (value > 0.0)).all():
@@ -278,19 +202,7 @@ def step_limits(limits: JointLimits, period: float) -> _core.StepLimits:
 def surroundings(
     arm: Arm, obstacles: Iterable[Obstacle], *, margin: float, self_margin: float, period: float
 ) -> _core.Surroundings:
-    """The arm among obstacles.
-
-    Args:
-        arm: the arm.
-        obstacles: shapes in the base frame, those that move with their speed.
-        margin: m.
-        self_margin: m.
-        period: s.
-
-    Raises:
-        InvalidInput: if an obstacle is no shape.
-        InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
-    """
+    """The arm among obstacles."""
     if not isinstance(obstacles, Iterable):
         raise InvalidInput(f"obstacles: expected a sequence, got {type(obstacles).__name__}")
     things: Sequence[Obstacle] = tuple(obstacles)

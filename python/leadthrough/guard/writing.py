@@ -65,15 +65,7 @@ def from_state(
     period: float,
     events: tuple[Event, ...] = (),
 ) -> JointTrajectory:
-    """The motion of commands, the first of which is the present one, at time 0.
-
-    Args:
-        before: the command before that, (joints,).
-        rows: (n, joints), to rest.
-        names: of the joints.
-        period: between rows, s.
-        events: of the motion.
-    """
+    """The motion of commands, the first of which is the present one, at time 0."""
     motion, _ = trajectories(
         before[None], rows, len(rows), names=names, start=0.0, period=period, events=events
     )
@@ -86,14 +78,7 @@ def from_state(
 def moved_events(
     events: tuple[Event, ...], places: Float64Array, *, start: float, period: float
 ) -> tuple[Event, ...]:
-    """Events at the first row that has come to their place on the chunk; without those cut off.
-
-    Args:
-        events: on the chunk's clock.
-        places: of the rows on the chunk, counted in its samples, (n,).
-        start: time of the chunk's first sample and of the first row, s.
-        period: between rows, s.
-    """
+    """Events at the first row that has come to their place on the chunk; without those cut off."""
     moved = []
     for event in events:
         reached = places >= (event.time - start) / period - 1e-9

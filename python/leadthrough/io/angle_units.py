@@ -28,17 +28,7 @@ _MOST_PERCENT, _END = 100.01, 1e-4
 
 
 def unit_of(table: Table, columns: Columns, request: Request) -> AngleUnit | None:
-    """The unit of a table's joints; None for radians, or where each column states its own.
-
-    Args:
-        table: as a reader returns it.
-        columns: of the joints.
-        request: what the user says about the file.
-
-    Raises:
-        InvalidInput: if the unit is stated nowhere and cannot be radians, or percent are asked
-            for without limits to refer to.
-    """
+    """The unit of a table's joints; None for radians, or where each column states its own."""
     stated = request.angles or table.angles
     if stated == "percent" and not {headers.joint(name) for name in columns} <= set(request.joints):
         raise InvalidInput(
@@ -57,14 +47,7 @@ def unit_of(table: Table, columns: Columns, request: Request) -> AngleUnit | Non
 def in_radians(
     name: str, numbers: Float64Array, unit: AngleUnit | None, request: Request
 ) -> Float64Array:
-    """A joint's numbers in rad; where the column's name states a unit, that one counts.
-
-    Args:
-        name: of the column.
-        numbers: (n,) or (n, k), as in the file.
-        unit: of the table's joints, as by `unit_of`.
-        request: what the user says about the file.
-    """
+    """A joint's numbers in rad; where the column's name states a unit, that one counts."""
     stated = headers.unit(name, "joints")[1]
     if stated is not None:
         return numbers * stated
@@ -81,16 +64,7 @@ def is_gripper(name: str) -> bool:
 
 
 def refuse_far(columns: Columns, positions: Float64Array, unit: AngleUnit | None) -> None:
-    """Refuses joints that stay more than two turns from zero, while no unit is stated.
-
-    Args:
-        columns: of the joints.
-        positions: (n, joints), as read.
-        unit: of the table's joints, as by `unit_of`.
-
-    Raises:
-        InvalidInput: for such joints.
-    """
+    """Refuses joints that stay more than two turns from zero, while no unit is stated."""
     stated = [headers.unit(name, "joints")[1] is not None for name in columns]
     if unit is not None or all(stated) or len(positions) == 0:
         return

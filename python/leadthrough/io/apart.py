@@ -44,19 +44,7 @@ serve()
 def tables(
     read: Callable[..., Sequence[ArrayTable]], path: Path, request: Request | None = None
 ) -> list[ArrayTable]:
-    """The tables that a reader finds in a file.
-
-    Args:
-        read: a function of a module of `leadthrough.io`, of the path and, where one is given, of
-            the request.
-        path: of the file or folder.
-        request: what the user says about it.
-
-    Raises:
-        InvalidInput: if the reader refuses the file, crashes on it or passes the bounds.
-        MissingDependency: if the reader's library is not installed.
-        OSError: if the file system refuses.
-    """
+    """The tables that a reader finds in a file."""
     found, arrays = _ask(read, path, None if request is None else asdict(request))
     rest = iter(arrays)
     return [
@@ -88,11 +76,7 @@ def mesh(
 
 
 def require(module: str, *, extra: str) -> None:
-    """Refuses to go on without a library, which is not loaded here.
-
-    Raises:
-        MissingDependency: if it is not installed.
-    """
+    """Refuses to go on without a library, which is not loaded here."""
     package = module.partition(".")[0]
     if any(name in sys.modules and sys.modules[name] is None for name in (package, module)):
         raise MissingDependency(package, extra=extra)

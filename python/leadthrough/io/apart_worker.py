@@ -43,11 +43,7 @@ def serve() -> None:
 
 
 def answered(question: Mapping[str, Any]) -> tuple[dict[str, Any], list[NDArray[Any]]]:
-    """What a reader finds, or its error, as values and arrays for `wire.send`.
-
-    Args:
-        question: the reader's module and function, the path, and the request or None.
-    """
+    """What a reader finds, or its error, as values and arrays for `wire.send`."""
     try:
         read = getattr(import_module(question["module"]), question["function"])
         path, request = Path(question["path"]), question["request"]

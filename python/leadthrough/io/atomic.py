@@ -48,14 +48,7 @@ def replacing(path: StrPath) -> Iterator[Path]:
 
 @contextmanager
 def making_folder(path: StrPath) -> Iterator[Path]:
-    """The name of a folder for the block to make, which becomes `path` when the block succeeds.
-
-    Args:
-        path: folder to write.
-
-    Raises:
-        InvalidInput: if the path cannot be written, or is a file or a folder that is not empty.
-    """
+    """The name of a folder for the block to make, which becomes `path` when the block succeeds."""
     target, temporary = _names(path)
     try:
         with _writing(target):

@@ -25,11 +25,7 @@ _CURE = "cut the recording into shorter files"
 
 
 class Gate:
-    """What one file may still take. Each method counts further claims, or refuses them.
-
-    `what` is the part of the file that makes the claim, for the message. Every method raises
-    InvalidInput where the file's claims together pass the bound.
-    """
+    """What one file may still take. Each method counts further claims, or refuses them."""
 
     def __init__(self) -> None:
         self._taken = {"bytes": 0, "numbers": 0, "items": 0}
@@ -62,16 +58,7 @@ class Gate:
 
 
 def content(path: Path, gate: Gate) -> bytes:
-    """All bytes of a file.
-
-    Args:
-        path: of the file.
-        gate: counts them.
-
-    Raises:
-        InvalidInput: if there are too many.
-        OSError: if it cannot be read.
-    """
+    """All bytes of a file."""
     gate.bytes(path.stat().st_size, "the file")
     with path.open("rb") as file:
         found = file.read(MOST_BYTES + 1)  # a file may grow
@@ -80,18 +67,7 @@ def content(path: Path, gate: Gate) -> bytes:
 
 
 def text(path: Path, gate: Gate, *, most: int = MOST_BYTES // 2) -> str:
-    """The text of a file, without a byte order mark.
-
-    Args:
-        path: of the file.
-        gate: counts its bytes.
-        most: bytes of plain text; of other letters a quarter, since one of them can make
-            every character take four bytes.
-
-    Raises:
-        InvalidInput: if the file is too long or not UTF-8.
-        OSError: if it cannot be read.
-    """
+    """The text of a file, without a byte order mark."""
     found = content(path, gate)
     _refuse_more("bytes of text", len(found), most if found.isascii() else most // 4, "the file")
     try:
@@ -109,16 +85,7 @@ def not_text() -> InvalidInput:
 def reading(
     what: str, *, damage: type[Exception] | tuple[type[Exception], ...] = Exception
 ) -> Iterator[None]:
-    """Turns the errors that a damaged file leads to into InvalidInput.
-
-    Args:
-        what: the format, for the message.
-        damage: errors that a damaged file can lead to. Compiled third-party readers raise
-            whatever the damage happens to hit, so that for them it is any exception.
-
-    Raises:
-        InvalidInput: in place of such an error.
-    """
+    """Turns the errors that a damaged file leads to into InvalidInput."""
     try:
         yield
     except LeadthroughError:

@@ -17,16 +17,7 @@ from leadthrough.io.table import Table
 
 
 def recording(table: Table, request: Request, *, name: str = "") -> Recording:
-    """The recording in a table, from the columns asked for or else found by their names.
-
-    Args:
-        table: as a reader returns it.
-        request: what the user says about the file.
-        name: of the recording.
-
-    Raises:
-        InvalidInput: if columns are missing, ambiguous or not numeric.
-    """
+    """The recording in a table, from the columns asked for or else found by their names."""
     chosen = _chosen(table, request)
     _check_there(table, chosen)
     angles = angle_units.unit_of(table, chosen.get("joints", ()), request)
@@ -61,15 +52,7 @@ def recording(table: Table, request: Request, *, name: str = "") -> Recording:
 
 
 def check_complete(table: Table, request: Request) -> None:
-    """Refuses a table with a missing number, and says where it is.
-
-    Args:
-        table: as a reader returns it.
-        request: what the user says about the file; only columns that it needs count.
-
-    Raises:
-        InvalidInput: for the first cell without a finite number.
-    """
+    """Refuses a table with a missing number, and says where it is."""
     for names in _chosen(table, request).values():
         for name in names:
             values = table.numbers(name)

@@ -24,20 +24,7 @@ from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 
 
 def write(motion: Motion, path: StrPath) -> None:
-    """Writes one row per sample, to the last digit, with columns that reading finds by their names.
-
-    These are `time` in s; `x`, `y`, `z` in m and `qw`, `qx`, `qy`, `qz`; or a joint's name for its
-    position and, where the trajectory has them, `<name>_velocity` and `<name>_acceleration`.
-    Joints that the tip carries along are columns `<name>_shown`. Events become comments.
-
-    Args:
-        motion: points of two or three coordinates, poses or joints with names.
-        path: file to write.
-
-    Raises:
-        InvalidInput: if the points have other dimensions, the joints have no different, printable
-            names, or the path cannot be written.
-    """
+    """Writes one row per sample, to the last digit, with columns that reading finds by their names."""
     columns = _columns(motion)
     rows = np.column_stack([motion.times, *columns.values()])
     write_rows(path, ["time", *columns], rows, motion.events)
@@ -46,17 +33,7 @@ def write(motion: Motion, path: StrPath) -> None:
 def write_rows(
     path: StrPath, header: Iterable[str], rows: Float64Array, events: Events = ()
 ) -> None:
-    """Writes a table to the last digit, and a comment for each event.
-
-    Args:
-        path: file to write.
-        header: names of k columns.
-        rows: numbers (n, k).
-        events: on the clock of the time column.
-
-    Raises:
-        InvalidInput: if the path cannot be written.
-    """
+    """Writes a table to the last digit, and a comment for each event."""
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(header)

@@ -32,38 +32,18 @@ Write = Callable[[Any, StrPath], None]  # Any: each checks whether it can write 
 
 @dataclass(frozen=True)
 class Format:
-    """One format, to read, to write or both.
+    """One format, to read, to write or both."""
 
-    Attributes:
-        name: as `write_motion` takes it.
-        title: for messages and lists.
-        suffixes: of its files, with their dot, in lower case.
-        read: returns the tables in a file.
-        write: writes a motion to a file.
-        marker: file that tells a folder of this format.
-        extra: of leadthrough, which the format needs.
-    """
-
-    name: str
-    title: str
-    suffixes: tuple[str, ...]
-    read: Read | None = None
-    write: Write | None = None
-    marker: str | None = None
-    extra: str | None = None
+    name: str  # as `write_motion` takes it
+    title: str  # for messages and lists
+    suffixes: tuple[str, ...]  # of its files, with their dot, in lower case
+    read: Read | None = None  # returns the tables in a file
+    write: Write | None = None  # writes a motion to a file
+    marker: str | None = None  # file that tells a folder of this format
+    extra: str | None = None  # of leadthrough, which the format needs
 
     def tables(self, path: Path, request: Request) -> Sequence[Table]:
-        """The tables in a file or folder.
-
-        Args:
-            path: of the file or folder.
-            request: what the user says about it.
-
-        Raises:
-            InvalidInput: if it cannot be read; without the file's name.
-            MissingDependency: if the extra is not installed.
-            OSError: if the file system refuses.
-        """
+        """The tables in a file or folder."""
         assert self.read is not None
         return self.read(path, request)
 
@@ -136,14 +116,7 @@ FORMATS = (
 
 
 def of_file(path: Path) -> Format:
-    """The format of a file or folder to read.
-
-    Args:
-        path: of the file or folder.
-
-    Raises:
-        InvalidInput: if there is none, or its format is unknown.
-    """
+    """The format of a file or folder to read."""
     if path.is_dir():
         for found in FORMATS:
             if found.marker is not None and (path / found.marker).is_file():
@@ -159,15 +132,7 @@ def of_file(path: Path) -> Format:
 
 
 def to_write(path: StrPath, name: str | None) -> Format:
-    """The format to write.
-
-    Args:
-        path: file to write, whose suffix decides where no name is given.
-        name: of the format, or None.
-
-    Raises:
-        InvalidInput: if no format has this name, or this suffix.
-    """
+    """The format to write."""
     writable = [each for each in FORMATS if each.write is not None]
     suffix = Path(path).suffix.lower()
     for each in writable:

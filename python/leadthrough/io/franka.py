@@ -22,17 +22,7 @@ JOINTS = 7
 
 
 def write(trajectory: JointTrajectory, path: StrPath) -> None:
-    """Writes a row for each millisecond, to the last digit.
-
-    Args:
-        trajectory: motion with velocities that starts and ends at rest. Its joints are put in
-            order by the numbers, 1 to 7, at the end of their names.
-        path: file to write.
-
-    Raises:
-        InvalidInput: if the joints are others, velocities are missing, the motion does not start
-            and end at rest, or the path cannot be written.
-    """
+    """Writes a row for each millisecond, to the last digit."""
     names = checked_joint_names(trajectory)
     order = sorted(range(len(names)), key=lambda i: names[i][-1])
     if [names[i][-1] for i in order] != list("1234567"):

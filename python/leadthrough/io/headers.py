@@ -61,15 +61,7 @@ _UNITS: dict[str, dict[str, float]] = {
 
 
 def unit(name: str, role: str) -> tuple[str, float | None]:
-    """A column's name without its unit, and the factor from that unit to SI.
-
-    Args:
-        name: of the column.
-        role: "time", "positions" or "joints"; no other column's name states its unit.
-
-    Returns:
-        The plain name and the factor, which is None where the name states no unit.
-    """
+    """A column's name without its unit, and the factor from that unit to SI."""
     match = _WITH_UNIT.fullmatch(name)
     if match is None:
         return name, None

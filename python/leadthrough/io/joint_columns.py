@@ -11,15 +11,7 @@ from leadthrough.motion import JointTrajectory
 
 
 def checked_joint_names(trajectory: JointTrajectory) -> Columns:
-    """The joints' names.
-
-    Args:
-        trajectory: motion to write.
-
-    Raises:
-        InvalidInput: if it is no joint trajectory, or its joints' names are missing, equal or not
-            printable.
-    """
+    """The joints' names."""
     if not isinstance(trajectory, JointTrajectory):
         raise InvalidInput(
             f"trajectory: expected a JointTrajectory, got {type(trajectory).__name__}"
@@ -45,12 +37,7 @@ def quantities(trajectory: JointTrajectory) -> dict[str, Float64Array]:
 
 
 def joint_columns(joints: Columns, values: Mapping[str, Float64Array]) -> dict[str, Float64Array]:
-    """A column (n,) for each quantity of each joint, named as `headers.derivatives` finds it.
-
-    Args:
-        joints: their names.
-        values: positions, velocities, accelerations (n, joints), as many as there are.
-    """
+    """A column (n,) for each quantity of each joint, named as `headers.derivatives` finds it."""
     return {
         name + JOINT_SUFFIXES[quantity]: array[:, i]
         for quantity, array in values.items()

@@ -23,20 +23,7 @@ class JointState(Protocol):
 
 
 def table(times: Float64Array, states: Sequence[JointState], wanted: Columns | None) -> ArrayTable:
-    """The positions of joints, and their velocities where every message has them.
-
-    Joints that come in different messages are interpolated to the times of the first joint.
-
-    Args:
-        times: of the messages, (n,) s.
-        states: the messages, n.
-        wanted: names of the joints; by default all, in the first message's order, if every
-            message has the same ones.
-
-    Raises:
-        InvalidInput: if messages have different joints and none are named, if there is no joint of
-            a name, or if the joints were never recorded at the same time.
-    """
+    """The positions of joints, and their velocities where every message has them."""
     groups = {frozenset(state.name): tuple(state.name) for state in states if state.name}
     if wanted is None and len(groups) != 1:
         listed = " | ".join(", ".join(group) for group in groups.values()) or "none"

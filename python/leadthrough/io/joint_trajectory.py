@@ -79,17 +79,7 @@ class Message(TypedDict):
 
 
 def message(trajectory: JointTrajectory) -> Message:
-    """The trajectory as a message.
-
-    Args:
-        trajectory: motion that starts and ends at rest, with velocities, which
-            `leadthrough.timing.differentiate` adds.
-
-    Raises:
-        InvalidInput: if the joints have no different, printable names, velocities are missing, the
-            motion does not start and end at rest, or there are fewer than two samples or some less
-            than a nanosecond apart.
-    """
+    """The trajectory as a message."""
     content: Message = {
         "header": {"stamp": stamps.stamp(0), "frame_id": ""},
         "joint_names": list(checked_joint_names(trajectory)),
@@ -101,37 +91,17 @@ def message(trajectory: JointTrajectory) -> Message:
 
 
 def write_json(trajectory: JointTrajectory, path: StrPath) -> None:
-    """Writes the message as JSON.
-
-    Args:
-        trajectory: as for `message`.
-        path: file to write.
-
-    Raises:
-        InvalidInput: as by `message`, or if the path cannot be written.
-    """
+    """Writes the message as JSON."""
     _write([json.dumps(message(trajectory), allow_nan=False), "\n"], path)
 
 
 def write_yaml(trajectory: JointTrajectory, path: StrPath) -> None:
-    """Writes the message as YAML, for `ros2 topic pub --yaml-file`.
-
-    Args:
-        trajectory: as for `message`.
-        path: file to write.
-
-    Raises:
-        InvalidInput: as by `message`, or if the path cannot be written.
-    """
+    """Writes the message as YAML, for `ros2 topic pub --yaml-file`."""
     _write(_yaml(message(trajectory)), path)
 
 
 def table_of_json(path: Path) -> ArrayTable:
-    """The trajectory in a JSON file, timed from the controller's time 0 on.
-
-    Raises:
-        InvalidInput: if the file has no such message.
-    """
+    """The trajectory in a JSON file, timed from the controller's time 0 on."""
     gate = bounds.Gate()
     text = bounds.text(path, gate)
     gate.items(sum(map(text.count, "[{:,")), "the values")
@@ -140,25 +110,13 @@ def table_of_json(path: Path) -> ArrayTable:
 
 
 def table_of_yaml(path: Path) -> ArrayTable:
-    """The trajectory in a YAML file, timed from the controller's time 0 on.
-
-    Raises:
-        InvalidInput: if the file has no such message.
-    """
+    """The trajectory in a YAML file, timed from the controller's time 0 on."""
     with bounds.reading(_FORMAT, damage=_DAMAGE):
         return table(safe_yaml.load(path))
 
 
 def table(content: Any) -> ArrayTable:  # Any: whatever a file holds; reading it is the check
-    """The columns of a message.
-
-    Args:
-        content: a mapping as `message` makes it.
-
-    Raises:
-        InvalidInput: if names or numbers are missing or wrong.
-        Exception: any of those that wrong types and missing keys lead to.
-    """
+    """The columns of a message."""
     names = tuple(str(name) for name in content["joint_names"])
     points = content["points"]
     if not names or len(set(names)) != len(names) or not points:
@@ -242,14 +200,7 @@ def _from_start(time: float, times: Float64Array) -> int:
 
 
 def nanoseconds(times: Float64Array) -> list[int]:
-    """When samples are due from the start on, the first one step after it, ns.
-
-    Args:
-        times: of the samples, (n,) s, increasing.
-
-    Raises:
-        InvalidInput: if there are fewer than two, or they are too far apart or too close.
-    """
+    """When samples are due from the start on, the first one step after it, ns."""
     if len(times) < 2:
         raise InvalidInput("trajectory: expected at least two samples, got one")
     if times[-1] - times[0] + (times[1] - times[0]) >= 2**31:
@@ -263,14 +214,7 @@ def nanoseconds(times: Float64Array) -> list[int]:
 
 
 def resting_at_both_ends(velocities: Float64Array | None) -> Float64Array:
-    """The velocities with exactly zero at both ends, where they are almost.
-
-    Args:
-        velocities: (n, joints) rad/s, or None.
-
-    Raises:
-        InvalidInput: if there are none, or they are above `REST_VELOCITY` at an end.
-    """
+    """The velocities with exactly zero at both ends, where they are almost."""
     if velocities is None:
         raise InvalidInput(
             "trajectory: expected velocities, got none; `leadthrough retime` adds them, "

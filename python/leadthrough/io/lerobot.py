@@ -34,12 +34,7 @@ Extent = tuple[float, float]
 
 
 def tables(path: Path) -> list[ArrayTable]:
-    """One table per episode.
-
-    Raises:
-        InvalidInput: if a file is damaged or has no states.
-        MissingDependency: if pyarrow is not installed.
-    """
+    """One table per episode."""
     parquet = optional.load("pyarrow.parquet", extra="lerobot")
     several = files(path)
     names = _state_names(path)
@@ -55,11 +50,7 @@ def tables(path: Path) -> list[ArrayTable]:
 
 
 def files(path: Path) -> list[Path]:
-    """The Parquet files of a data set, or the one that is given.
-
-    Raises:
-        InvalidInput: if the folder has none.
-    """
+    """The Parquet files of a data set, or the one that is given."""
     found = sorted((path / "data").rglob("*.parquet")) if path.is_dir() else [path]
     if not found:
         raise InvalidInput("expected files data/**/*.parquet in the folder, got none")
@@ -96,12 +87,7 @@ def _episodes(parquet: Any, file: Path, names: Columns, gate: bounds.Gate) -> It
 
 
 def of_motors(table: ArrayTable, extents: Mapping[str, Extent]) -> ArrayTable:
-    """The table with the extents of its motors, and events where a gripper opens or closes.
-
-    Args:
-        table: of an episode.
-        extents: least and greatest number of each motor in the data set.
-    """
+    """The table with the extents of its motors, and events where a gripper opens or closes."""
     happening = [
         event
         for name, extent in extents.items()
@@ -114,10 +100,7 @@ def of_motors(table: ArrayTable, extents: Mapping[str, Extent]) -> ArrayTable:
 def _opening(
     times: Float64Array, numbers: Float64Array, name: str, extent: Extent
 ) -> Iterator[Event]:
-    """Where a gripper, whose numbers grow as it opens, passes the middle of its way.
-
-    A band in between, which it has to cross, keeps noise from being events.
-    """
+    """Where a gripper, whose numbers grow as it opens, passes the middle of its way."""
     least, most = extent
     if most - least < _LEAST_OPENING:
         return

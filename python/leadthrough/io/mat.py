@@ -19,12 +19,7 @@ from leadthrough.io.table import ArrayTable
 
 
 def tables(path: Path) -> list[ArrayTable]:
-    """One table per recording.
-
-    Raises:
-        InvalidInput: if the file is damaged, inflates too far or has structures in several
-            variables.
-    """
+    """One table per recording."""
     gate = bounds.Gate()
     variables = mat5.variables(bounds.content(path, gate), gate)
     structures = {name: list(_structures(value)) for name, value in variables.items()}

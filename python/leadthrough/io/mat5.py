@@ -40,15 +40,7 @@ _DAMAGE = (ValueError, KeyError, IndexError, StopIteration, MemoryError, struct.
 
 
 def variables(content: bytes, gate: bounds.Gate | None = None) -> dict[str, Value]:
-    """The variables of a file, by name.
-
-    Args:
-        content: all bytes of the file.
-        gate: counts what they inflate to; by default a new one.
-
-    Raises:
-        InvalidInput: if it is no MATLAB file of versions 5 to 7.2, is damaged or inflates too far.
-    """
+    """The variables of a file, by name."""
     order = {b"IM": "<", b"MI": ">"}.get(content[126:_HEADER_SIZE])
     if order is None:
         raise InvalidInput("expected a MATLAB file of version 5 to 7.2, got something else")
@@ -83,10 +75,7 @@ class _Reader:
         return memoryview(content)
 
     def _elements(self, data: memoryview) -> Elements:
-        """Kind and content of each element.
-
-        An element of up to four bytes has its kind, size and content in eight bytes together.
-        """
+        """Kind and content of each element."""
         at = 0
         while at < len(data):
             self._gate.items(_ITEMS_PER_ELEMENT, "the elements")

@@ -23,30 +23,12 @@ _STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("at
 
 
 def read_vertices(path: Path) -> Float64Array:
-    """All vertices (n, 3) of a mesh, repeated ones included, in the file's unit.
-
-    Args:
-        path: mesh file.
-
-    Raises:
-        InvalidInput: if the file cannot be read.
-        MissingDependency: if its format needs the extra `mesh`.
-    """
+    """All vertices (n, 3) of a mesh, repeated ones included, in the file's unit."""
     return _read(path)[0]
 
 
 def read_triangles(path: Path) -> tuple[Float64Array, NDArray[np.int64]]:
-    """Vertices (n, 3) of a mesh, in the file's unit, and vertex indices (m, 3) of its triangles.
-
-    A polygon becomes a fan of triangles.
-
-    Args:
-        path: mesh file.
-
-    Raises:
-        InvalidInput: if the file cannot be read or has no valid triangles.
-        MissingDependency: if its format needs the extra `mesh`.
-    """
+    """Vertices (n, 3) of a mesh, in the file's unit, and vertex indices (m, 3) of its triangles."""
     vertices, faces = _read(path)
     if len(faces) == 0 or faces.min() < 0 or faces.max() >= len(vertices):
         raise InvalidInput(f"{path}: expected triangles between the mesh's own vertices")
@@ -117,12 +99,7 @@ def _lines(content: bytes) -> Iterator[bytes]:
 
 
 def through_coal(path: Path) -> Mesh:
-    """Vertices (n, 3) and triangles (m, 3) of a mesh that coal reads.
-
-    Raises:
-        InvalidInput: if coal cannot read the file, or it is too large.
-        MissingDependency: if coal is not installed.
-    """
+    """Vertices (n, 3) and triangles (m, 3) of a mesh that coal reads."""
     coal = optional.load("coal", extra="mesh")
     gate = bounds.Gate()
     gate.bytes(path.stat().st_size, "the file")

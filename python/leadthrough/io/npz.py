@@ -48,11 +48,7 @@ DAMAGE = (
 
 
 def table(path: Path) -> ArrayTable:
-    """The arrays of an archive as columns.
-
-    Raises:
-        InvalidInput: if the archive is damaged, or `joint_names` does not fit its joints.
-    """
+    """The arrays of an archive as columns."""
     found = arrays(path)
     joints, names = found.get("joints"), found.get("joint_names")
     if joints is None or names is None:
@@ -64,14 +60,7 @@ def table(path: Path) -> ArrayTable:
 
 
 def arrays(path: Path) -> dict[str, NDArray[Any]]:  # Any: of whatever type the archive has
-    """The arrays of an archive, by name.
-
-    Args:
-        path: of the archive.
-
-    Raises:
-        InvalidInput: if the archive is damaged, has arrays of objects or claims too many numbers.
-    """
+    """The arrays of an archive, by name."""
     with (
         bounds.reading(".npz archive of plain arrays", damage=DAMAGE),
         warnings.catch_warnings(),  # NumPy warns of headers as Python 2 wrote them
@@ -84,15 +73,7 @@ def arrays(path: Path) -> dict[str, NDArray[Any]]:  # Any: of whatever type the 
 
 
 def write(motion: Motion, path: StrPath) -> None:
-    """Writes a motion to the last bit.
-
-    Args:
-        motion: points, poses or joints.
-        path: file to write.
-
-    Raises:
-        InvalidInput: if it is no motion, or the path cannot be written.
-    """
+    """Writes a motion to the last bit."""
     checked_motion(motion, "motion")
     with replacing(path) as temporary, temporary.open("wb") as file:
         np.savez(file, allow_pickle=False, **_content(motion))

@@ -41,14 +41,7 @@ _PCD = {"F": "f", "I": "i", "U": "u"}
 
 
 def read_points(path: Path) -> Float64Array:
-    """The points (n, 3) of a file, in its unit.
-
-    Args:
-        path: file of points; its suffix tells the format.
-
-    Raises:
-        InvalidInput: if the file cannot be read, or has no points.
-    """
+    """The points (n, 3) of a file, in its unit."""
     gate = bounds.Gate()
     try:
         with bounds.reading("file of points", damage=_DAMAGE):

@@ -17,22 +17,7 @@ _MOST = 10_000_000  # samples in a file; three hours at 1 kHz
 def at_rate(
     trajectory: JointTrajectory, rate: float
 ) -> tuple[Float64Array, Float64Array, Float64Array]:
-    """Evenly spaced samples of a trajectory, on cubic Hermite curves through its own.
-
-    Samples at that rate already stay as they are. The last new sample comes less than a step after
-    the trajectory's end, and holds its last position.
-
-    Args:
-        trajectory: motion that starts and ends at rest, with velocities.
-        rate: Hz, > 0.
-
-    Returns:
-        Times (n,) s from 0 on, positions (n, joints) and velocities (n, joints).
-
-    Raises:
-        InvalidInput: if the trajectory has no velocities, does not start and end at rest, has a
-            single sample or would have too many at that rate.
-    """
+    """Evenly spaced samples of a trajectory, on cubic Hermite curves through its own."""
     velocities = resting_at_both_ends(trajectory.velocities)
     if len(trajectory.times) < 2:
         raise InvalidInput("trajectory: expected at least two samples, got one")

@@ -170,11 +170,7 @@ def read_recordings(
 
 @contextmanager
 def blaming(path: Path) -> Iterator[None]:
-    """Puts a file's name before the errors that reading it leads to.
-
-    Raises:
-        InvalidInput: in place of an InvalidInput or OSError.
-    """
+    """Puts a file's name before the errors that reading it leads to."""
     try:
         yield
     except OSError as error:
@@ -199,11 +195,7 @@ def names_of(path: Path, tables: Sequence[Table]) -> list[str]:
 
 
 def paths_of(paths: StrPath | Sequence[StrPath]) -> list[Path]:
-    """One path or several, as a list.
-
-    Raises:
-        InvalidInput: if it is none, or another type.
-    """
+    """One path or several, as a list."""
     several = [paths] if isinstance(paths, str | os.PathLike) else paths
     if not isinstance(several, Sequence) or not all(
         isinstance(path, str | os.PathLike) for path in several

@@ -19,11 +19,7 @@ ANGLES: tuple[AngleUnit, ...] = get_args(AngleUnit)
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """The arguments of `leadthrough.io.read_recordings`, which documents them.
-
-    `part` is of those that read a data set as a stream: the indices of the first recording to read
-    and of the one after the last; None for all.
-    """
+    """The arguments of `leadthrough.io.read_recordings`, which documents them."""
 
     columns: Mapping[str, Columns] = field(default_factory=dict)
     rate: float | None = None
@@ -45,20 +41,7 @@ def checked(
     frames: object = None,
     joints: object = None,
 ) -> Request:
-    """The request that the arguments of `leadthrough.io.read_recordings` make.
-
-    Args:
-        columns: which columns to read, by role.
-        rate: Hz.
-        angles: unit of the joints.
-        quaternions: order of their components.
-        topic: of a bag.
-        frames: a transform's frame and child frame.
-        joints: limits of an arm's joints, by name.
-
-    Raises:
-        InvalidInput: if one of them is wrong.
-    """
+    """The request that the arguments of `leadthrough.io.read_recordings` make."""
     if topic is not None and not isinstance(topic, str):
         raise InvalidInput(f"topic: expected a topic's name, got {topic!r}")
     return Request(

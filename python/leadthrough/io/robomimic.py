@@ -28,28 +28,14 @@ _ROLES = {
 
 
 def labels(path: Path) -> list[str]:
-    """The names of the demonstrations, in the order of their numbers.
-
-    Raises:
-        InvalidInput: if the file is damaged, or not as robomimic writes it.
-        MissingDependency: if h5py is not installed.
-    """
+    """The names of the demonstrations, in the order of their numbers."""
     h5py = optional.load("h5py", extra="hdf5")
     with bounds.reading("robomimic HDF5 file"), h5py.File(path, "r") as file:
         return _labels(file)
 
 
 def tables(path: Path, request: Request | None = None) -> list[ArrayTable]:
-    """One table per demonstration, in the order of their numbers.
-
-    Args:
-        path: of the file.
-        request: of which only `part` counts.
-
-    Raises:
-        InvalidInput: if the file is damaged, or not as robomimic writes it.
-        MissingDependency: if h5py is not installed.
-    """
+    """One table per demonstration, in the order of their numbers."""
     h5py = optional.load("h5py", extra="hdf5")
     with bounds.reading("robomimic HDF5 file"), h5py.File(path, "r") as file:
         return _tables(file, request.part if request else None)

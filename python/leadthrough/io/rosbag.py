@@ -46,16 +46,7 @@ _ITEMS_PER_MESSAGE = 16  # objects that a message becomes
 
 
 def tables(path: Path, request: Request) -> list[ArrayTable]:
-    """The motions on the topic asked for, or on the only one that fits.
-
-    Args:
-        path: a bag's file or folder.
-        request: what the user says about it.
-
-    Raises:
-        InvalidInput: if the bag cannot be read, or no topic or several fit.
-        MissingDependency: if rosbags is not installed.
-    """
+    """The motions on the topic asked for, or on the only one that fits."""
     with _opened(path) as bag:
         topic, kind = _chosen(bag, request)
         messages = _messages(bag, topic)
@@ -66,25 +57,13 @@ def tables(path: Path, request: Request) -> list[ArrayTable]:
 
 
 def topics(path: Path) -> dict[str, str]:
-    """The type of the messages of each topic.
-
-    Args:
-        path: a bag's file or folder.
-
-    Raises:
-        InvalidInput: if the bag cannot be read.
-        MissingDependency: if rosbags is not installed.
-    """
+    """The type of the messages of each topic."""
     with _opened(path) as bag:
         return _kinds(bag)
 
 
 def motions(topics: Mapping[str, str]) -> list[str]:
-    """The topics that have motions and need no named frames.
-
-    Args:
-        topics: the type of the messages of each, as `topics` returns it.
-    """
+    """The topics that have motions and need no named frames."""
     return [name for name, kind in topics.items() if kind in _MOTIONS]
 
 
@@ -101,11 +80,7 @@ def _opened(path: Path) -> Iterator[Any]:
 
 
 def humble_types() -> Any:  # Any: rosbags is optional
-    """The message types of ROS 2 Humble; older SQLite bags don't carry their own.
-
-    Raises:
-        MissingDependency: if rosbags is not installed.
-    """
+    """The message types of ROS 2 Humble; older SQLite bags don't carry their own."""
     typesys = optional.load("rosbags.typesys", extra="ros")
     return typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
 

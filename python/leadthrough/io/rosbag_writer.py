@@ -31,16 +31,7 @@ _NONE = np.zeros(0)
 
 
 def write(motion: Motion, path: StrPath) -> None:
-    """Writes joints by `write_joint_trajectory`, poses by `write_poses`.
-
-    Args:
-        motion: joints or poses.
-        path: file or folder to write.
-
-    Raises:
-        InvalidInput: as by these functions, or if the motion is one of points.
-        MissingDependency: if rosbags is not installed.
-    """
+    """Writes joints by `write_joint_trajectory`, poses by `write_poses`."""
     if isinstance(motion, JointTrajectory):
         write_joint_trajectory(motion, path)
     elif isinstance(motion, PoseTrajectory):
@@ -58,17 +49,7 @@ def write_joint_trajectory(
     *,
     topic: str = "/joint_trajectory_controller/joint_trajectory",
 ) -> None:
-    """Writes a single JointTrajectory message, which moves the arm when the bag is played.
-
-    Args:
-        trajectory: as for `joint_trajectory.message`.
-        path: file or folder to write.
-        topic: on which the controller listens.
-
-    Raises:
-        InvalidInput: as by `joint_trajectory.message`, or if the path cannot be written.
-        MissingDependency: if rosbags is not installed.
-    """
+    """Writes a single JointTrajectory message, which moves the arm when the bag is played."""
     content = joint_trajectory.message(trajectory)
     with _bag(path) as bag:
         points = [
@@ -97,18 +78,7 @@ def write_joint_trajectory(
 def write_joint_states(
     trajectory: JointTrajectory, path: StrPath, *, topic: str = "/joint_states"
 ) -> None:
-    """Writes a JointState message for each sample, with velocities where there are some.
-
-    Args:
-        trajectory: motion of joints with names.
-        path: file or folder to write.
-        topic: of the messages.
-
-    Raises:
-        InvalidInput: if the joints have no different, printable names, or the path cannot be
-            written.
-        MissingDependency: if rosbags is not installed.
-    """
+    """Writes a JointState message for each sample, with velocities where there are some."""
     names = list(checked_joint_names(trajectory))
     speeds = trajectory.velocities
     with _bag(path) as bag:
@@ -133,18 +103,7 @@ def write_joint_states(
 def write_poses(
     motion: PoseTrajectory, path: StrPath, *, topic: str = "/pose", frame: str = "base_link"
 ) -> None:
-    """Writes a PoseStamped message for each sample.
-
-    Args:
-        motion: poses.
-        path: file or folder to write.
-        topic: of the messages.
-        frame: in which the poses are given.
-
-    Raises:
-        InvalidInput: if the motion is none of poses, or the path cannot be written.
-        MissingDependency: if rosbags is not installed.
-    """
+    """Writes a PoseStamped message for each sample."""
     if not isinstance(motion, PoseTrajectory):
         raise InvalidInput(f"motion: expected a PoseTrajectory, got {type(motion).__name__}")
     with _bag(path) as bag:

@@ -26,16 +26,7 @@ _ANCHOR_AND_ALIAS = [
 
 
 def load(path: Path) -> object:
-    """The plain values in a YAML file.
-
-    Args:
-        path: of a file with one document.
-
-    Raises:
-        InvalidInput: if it is too long, has aliases or nests too deep.
-        ValueError: if it is not YAML.
-        OSError: if it cannot be read.
-    """
+    """The plain values in a YAML file."""
     import yaml
 
     text = bounds.text(path, bounds.Gate(), most=_LONGEST)

@@ -17,14 +17,7 @@ _SUFFIX = "_shown"
 
 
 def shown_columns(motion: Motion) -> dict[str, Float64Array]:
-    """A column (n,) for each of the joints; none where there are none, or none with names.
-
-    Args:
-        motion: to write.
-
-    Raises:
-        InvalidInput: if the joints' names are equal or not printable.
-    """
+    """A column (n,) for each of the joints; none where there are none, or none with names."""
     joints = joints_with(motion)
     if joints is None or not joints.joint_names:
         return {}
@@ -33,12 +26,7 @@ def shown_columns(motion: Motion) -> dict[str, Float64Array]:
 
 
 def shown_joints(table: Table, times: Float64Array) -> JointTrajectory | None:
-    """The joints in a table, None where there are none or not at every time.
-
-    Args:
-        table: with a motion of the tip.
-        times: (n,) of its rows, s.
-    """
+    """The joints in a table, None where there are none or not at every time."""
     names = [name for name in table.names if name.endswith(_SUFFIX) and name != _SUFFIX]
     if not names:
         return None

@@ -94,19 +94,12 @@ def stream_recordings(
 
 @dataclass(frozen=True)
 class _Part:
-    """What is read at a time.
+    """What is read at a time."""
 
-    Attributes:
-        file: the file or folder.
-        names: of its demonstrations, if these are known and can be read one by one.
-        first: index of the first of them.
-        extents: of motors in the whole data set.
-    """
-
-    file: Path
+    file: Path  # the file or folder
     names: tuple[str, ...] = ()
-    first: int = 0
-    extents: tuple[tuple[str, lerobot.Extent], ...] = ()
+    first: int = 0  # index of the first of them
+    extents: tuple[tuple[str, lerobot.Extent], ...] = ()  # of motors in the whole data set
 
 
 def _parts(path: Path) -> list[_Part]:

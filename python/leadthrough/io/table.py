@@ -16,26 +16,15 @@ from leadthrough.io.headers import AngleUnit, Columns, QuaternionOrder
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Table(ABC):
-    """Columns that become numbers when they are asked for.
-
-    Attributes:
-        roles: what the format itself says of its columns, whatever their names.
-        label: the recording's own name, where the format gives it one.
-        rate: Hz, where the format states it and there is no time column.
-        quaternions: order of four numbers in one column, where the format fixes it.
-        angles: unit of the joints, where the format fixes it.
-        extents: the least and the greatest number of each joint in the whole data set, where the
-            format leaves open whether they are degrees or percent of the joint's range.
-        events: on the table's clock.
-    """
+    """Columns that become numbers when they are asked for."""
 
     roles: Mapping[str, Columns] = field(default_factory=dict)
-    label: str | None = None
-    rate: float | None = None
+    label: str | None = None  # the recording's own name, where the format gives it one
+    rate: float | None = None  # Hz, where the format states it and there is no time column
     quaternions: QuaternionOrder | None = None
-    angles: AngleUnit | None = None
+    angles: AngleUnit | None = None  # unit of the joints, where the format fixes it
     extents: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    events: Events = ()
+    events: Events = ()  # on the table's clock
 
     @property
     @abstractmethod
@@ -44,14 +33,7 @@ class Table(ABC):
 
     @abstractmethod
     def numbers(self, name: str) -> Float64Array:
-        """A column (n,), or (n, k) where it holds k numbers per sample; NaN where one is missing.
-
-        Args:
-            name: of the column.
-
-        Raises:
-            InvalidInput: if the column holds something other than numbers.
-        """
+        """A column (n,), or (n, k) where it holds k numbers per sample."""
 
     @abstractmethod
     def place(self, row: int) -> str:
@@ -60,12 +42,7 @@ class Table(ABC):
 
 @dataclass(frozen=True, eq=False)
 class ArrayTable(Table):
-    """Columns that are arrays already.
-
-    Attributes:
-        arrays: a column per name, one row per sample; what is not numeric is refused when asked
-            for.
-    """
+    """Columns that are arrays already."""
 
     arrays: Mapping[str, object]
 

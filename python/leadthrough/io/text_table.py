@@ -32,19 +32,12 @@ Line = tuple[int, str]
 
 @dataclass(frozen=True, eq=False)
 class TextTable(Table):
-    """The numbers of a text table; only columns that are asked for need to be numbers.
+    """The numbers of a text table; only columns that are asked for need to be numbers."""
 
-    Attributes:
-        header: the names of the columns.
-        values: a row per sample, NaN for cells that are empty or no numbers.
-        lines: the line of each row in the file, counted from 1.
-        faults: the first cell that is no number, by column: its line and text.
-    """
-
-    header: tuple[str, ...]
-    values: Float64Array
-    lines: NDArray[np.int64]
-    faults: Mapping[int, Line]
+    header: tuple[str, ...]  # the names of the columns
+    values: Float64Array  # a row per sample, NaN for cells that are empty or no numbers
+    lines: NDArray[np.int64]  # the line of each row in the file, counted from 1
+    faults: Mapping[int, Line]  # the first cell that is no number, by column: its line and text
 
     @property
     def names(self) -> Sequence[str]:
@@ -62,15 +55,7 @@ class TextTable(Table):
 
 
 def read(path: Path) -> TextTable:
-    """The table in a file.
-
-    Args:
-        path: of the file.
-
-    Raises:
-        InvalidInput: if there is no header, rows are of different lengths, or there are too many.
-        OSError: if the file cannot be read.
-    """
+    """The table in a file."""
     gate = bounds.Gate()
     count = _count_lines(path, gate)
     try:

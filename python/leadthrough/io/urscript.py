@@ -34,24 +34,7 @@ def write(
     gain: float = 300.0,
     name: str = "leadthrough",
 ) -> None:
-    """Writes a program: movej to the first configuration, servoj along the rest, stopj.
-
-    Events become messages in the controller's log, at the samples where they are due.
-
-    Args:
-        trajectory: motion with velocities that starts and ends at rest. Its joints are put in the
-            arm's order by their names, which end in `JOINTS`.
-        path: file to write.
-        rate: Hz at which the motion is sampled: 125 for the UR3, UR5 and UR10, up to 500 for
-            their e-Series.
-        lookahead: of servoj, 0.03 to 0.2 s.
-        gain: of servoj, 100 to 2000.
-        name: of the program; ASCII letters, digits and underscores.
-
-    Raises:
-        InvalidInput: if an argument is out of bounds, the joints are others, velocities are
-            missing, the motion does not start and end at rest, or the path cannot be written.
-    """
+    """Writes a program: movej to the first configuration, servoj along the rest, stopj."""
     hertz = check.number(rate, "rate", at_least=1.0, at_most=500.0)
     ahead = check.number(lookahead, "lookahead", at_least=0.03, at_most=0.2)
     stiffness = check.number(gain, "gain", at_least=100.0, at_most=2000.0)

@@ -14,16 +14,7 @@ _LENGTH = struct.Struct("<Q")
 
 
 def send(stream: IO[bytes], head: object, arrays: Sequence[NDArray[Any]] = ()) -> None:
-    """Writes plain values, as JSON knows them, and arrays of numbers.
-
-    Args:
-        stream: to write to.
-        head: plain values.
-        arrays: of any shape and type of numbers.
-
-    Raises:
-        OSError: if nobody reads any more.
-    """
+    """Writes plain values, as JSON knows them, and arrays of numbers."""
     shapes = [[array.dtype.str, array.shape] for array in arrays]
     content = json.dumps([head, shapes]).encode()
     stream.write(_LENGTH.pack(len(content)) + content)
@@ -33,14 +24,7 @@ def send(stream: IO[bytes], head: object, arrays: Sequence[NDArray[Any]] = ()) -
 
 
 def receive(stream: IO[bytes]) -> tuple[Any, list[NDArray[Any]]]:
-    """The values and arrays of one `send`.
-
-    Args:
-        stream: to read from.
-
-    Raises:
-        EOFError: if it ends before.
-    """
+    """The values and arrays of one `send`."""
     (length,) = _LENGTH.unpack(_exactly(stream, _LENGTH.size))
     head, shapes = json.loads(_exactly(stream, length))
     arrays = []

@@ -146,12 +146,7 @@ class _Run:
     def removable(
         self, sound: list[int], order: NDArray[np.intp]
     ) -> tuple[list[int], float, float]:
-        """Those that may be left out, with the error of the sound ones before and after.
-
-        Args:
-            sound: indices of demonstrations without faults, which are predicted.
-            order: all indices, the most suspicious first.
-        """
+        """Those that may be left out, with the error of the sound ones before and after."""
         removed: list[int] = []
         if not sound:
             return removed, 0.0, 0.0

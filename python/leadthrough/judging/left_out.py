@@ -56,15 +56,7 @@ def errors(*, without: Sequence[int], tested: Sequence[int], shown: Path) -> lis
 def uncertainties(
     *, without: Sequence[int], slope: float, count: int, seed: int, shown: Path
 ) -> list[Row]:
-    """A row for each goal at random: how wrong a motion to it may be.
-
-    Args:
-        without: indices of demonstrations that nothing is learned from.
-        slope: error for each m that a goal is away from the nearest one shown.
-        count: number of goals.
-        seed: of the random number generator.
-        shown: the file of a pickled `Shown` with a region of goals.
-    """
+    """A row for each goal at random: how wrong a motion to it may be."""
     common = _read(shown)
     assert common.goals is not None  # asked for only then
     rng = np.random.default_rng(seed)

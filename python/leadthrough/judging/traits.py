@@ -27,11 +27,7 @@ _LEAST_TREMOR = 1e-4  # of the extent
 
 
 def peculiarities(motions: Sequence[Motion]) -> dict[Trait, Float64Array]:
-    """How many usual differences each motion is from the others, by trait (m,).
-
-    Args:
-        motions: at least three, all of one type and size.
-    """
+    """How many usual differences each motion is from the others, by trait (m,)."""
     curves = features(motions, _SAMPLES)
     smooth = [_smoothed(curve) for curve in curves]
     found: dict[Trait, Float64Array] = {
@@ -105,12 +101,7 @@ def _apart(values: Float64Array, usual: float) -> Float64Array:
 
 
 def shares_its_path(motions: Sequence[Motion], index: int) -> bool:
-    """Whether a motion's path is that of another, much rather than the middle one of all others.
-
-    Args:
-        motions: at least three, all of one type and size.
-        index: of the motion.
-    """
+    """Whether a motion's path is that of another, much rather than the middle one of all others."""
     smooth = [_smoothed(curve) for curve in features(motions, _SAMPLES)]
     paths = np.array([_carried(by_arc_length(curve, _ALONG), smooth) for curve in smooth])
     others = np.delete(paths, index, axis=0)

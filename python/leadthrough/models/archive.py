@@ -74,18 +74,7 @@ def write(
     *,
     certificate: Certificate | None = None,
 ) -> None:
-    """Writes a skill to a file.
-
-    Args:
-        path: the file.
-        kind: the name that files have for this kind of skill.
-        settings: plain values by name, as JSON knows them.
-        arrays: arrays of numbers by name.
-        certificate: of a skill that has one.
-
-    Raises:
-        InvalidInput: if the file cannot be written.
-    """
+    """Writes a skill to a file."""
     head = {"format": FORMAT, "version": VERSION, "kind": kind, "settings": dict(settings)}
     if certificate is not None:
         head[_CERTIFICATE] = certificate.to_settings()
@@ -94,11 +83,7 @@ def write(
 
 
 def read(path: StrPath) -> tuple[str, dict[str, Any], dict[str, NDArray[Any]]]:
-    """Kind, settings and arrays of a skill in a file.
-
-    Raises:
-        InvalidInput: if it is no skill, is damaged, or of a newer format version.
-    """
+    """Kind, settings and arrays of a skill in a file."""
     kind, settings, arrays, _ = read_certified(path)
     return kind, settings, arrays
 
@@ -106,11 +91,7 @@ def read(path: StrPath) -> tuple[str, dict[str, Any], dict[str, NDArray[Any]]]:
 def read_certified(
     path: StrPath,
 ) -> tuple[str, dict[str, Any], dict[str, NDArray[Any]], Certificate | None]:
-    """Kind, settings, arrays and certificate of a skill in a file.
-
-    Raises:
-        InvalidInput: if it is no skill, is damaged, or of a newer format version.
-    """
+    """Kind, settings, arrays and certificate of a skill in a file."""
     with suppress(OSError):  # a name that no file can have: reading says so
         if isinstance(path, str | PathLike) and not Path(path).exists():
             raise InvalidInput(f"path: no such file: {path}")
@@ -133,11 +114,6 @@ def read_certified(
 
 
 def quaternions(arrays: Arrays, name: str, *, shape: Sequence[int | str]) -> Float64Array:
-    """Unit quaternions of a file, as they were to the bit.
-
-    Raises:
-        KeyError: if the file has none of this name.
-        InvalidInput: if they are of another shape or not of unit length.
-    """
+    """Unit quaternions of a file, as they were to the bit."""
     check.quaternions(arrays[name], name, shape=shape)
     return check.frozen(arrays[name], name, shape=shape)

@@ -13,16 +13,7 @@ _MOST_TIMES = 1_000_000
 
 
 def asked_times(times: ArrayLike, name: str, *, at_least: int = 1) -> Float64Array:
-    """The times (n,), s, if they are neither too few nor too many.
-
-    Args:
-        times: to check.
-        name: argument that the error names.
-        at_least: how many times there have to be.
-
-    Raises:
-        InvalidInput: if times is not a finite (n,) array of so many or too many.
-    """
+    """The times (n,), s, if they are neither too few nor too many."""
     found = check.array(times, name, shape=("n",))
     if not at_least <= len(found) <= _MOST_TIMES:
         raise InvalidInput(

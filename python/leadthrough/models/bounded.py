@@ -11,15 +11,7 @@ MOST_GAIN = 1.45
 
 
 def fraction_inside(base: Float64Array, more: Float64Array, limit: float) -> float:
-    """The largest fraction in [0, 1] with |base + fraction more| <= limit in every row.
-
-    Where the base is beyond the limit by itself, it is the limit.
-
-    Args:
-        base: the change (n, d) that is kept.
-        more: the change (n, d) of which a fraction is added.
-        limit: largest length of their sum, in their unit.
-    """
+    """The largest fraction in [0, 1] with |base + fraction more| <= limit in every row."""
     squared = (more**2).sum(axis=1)
     mixed = (base * more).sum(axis=1)
     room = np.maximum(limit**2 - (base**2).sum(axis=1), 0.0)

@@ -41,17 +41,11 @@ class Scattered(Brief):
 
 @dataclass(frozen=True)
 class ValidatedObstacle:
-    """An obstacle of a validation, as its certificate knows it.
+    """An obstacle of a validation, as its certificate knows it."""
 
-    Attributes:
-        form: a text that only shapes of this kind, size and orientation have.
-        lower: (3,) smallest coordinates of its position, m.
-        upper: (3,) largest ones.
-    """
-
-    form: str
-    lower: tuple[float, ...]
-    upper: tuple[float, ...]
+    form: str  # a text that only shapes of this kind, size and orientation have
+    lower: tuple[float, ...]  # (3,) smallest coordinates of its position, m
+    upper: tuple[float, ...]  # (3,) largest ones
 
     @staticmethod
     def of(obstacle: Shape | Scattered) -> ValidatedObstacle:
@@ -185,11 +179,7 @@ class Certificate(Brief):
 
 
 def form_of(shape: Shape) -> str:
-    """A text that only shapes of this kind, size and orientation have.
-
-    Args:
-        shape: the shape; its position does not count.
-    """
+    """A text that only shapes of this kind, size and orientation have."""
     total = hashlib.sha256()
     for name, value in sorted(shape.__getstate__().items()):
         if name != _PLACED[0]:

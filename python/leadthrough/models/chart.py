@@ -43,23 +43,14 @@ _STILL = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Chart(Brief, Generic[MotionT_co]):
-    """What the columns of a model are, and how they become motions again.
+    """What the columns of a model are, and how they become motions again."""
 
-    Attributes:
-        kind: "points", "joints" or "poses".
-        size: number of columns of a point, of the joints, or of a pose's position.
-        joint_names: of joints.
-        reference: (201, 4) orientations w, x, y, z at evenly spaced phases, or None.
-        events: at phases.
-        posture: the arm's joints at phases, or None.
-    """
-
-    kind: str
-    size: int
-    joint_names: tuple[str, ...] = ()
+    kind: str  # "points", "joints" or "poses"
+    size: int  # number of columns of a point, of the joints, or of a pose's position
+    joint_names: tuple[str, ...] = ()  # of joints
     reference: Float64Array | None = None
-    events: tuple[Event, ...] = ()
-    posture: Posture | None = None
+    events: tuple[Event, ...] = ()  # at phases
+    posture: Posture | None = None  # the arm's joints at phases, or None
 
     @property
     def width(self) -> int:
@@ -72,16 +63,7 @@ class Chart(Brief, Generic[MotionT_co]):
         return np.arange(self.width, dtype=np.int64)
 
     def columns(self, motion: Motion, phases: Float64Array, name: str) -> Float64Array:
-        """The columns (n, width) of a motion.
-
-        Args:
-            motion: of n samples.
-            phases: (n,) of its samples.
-            name: of the argument that it came in by, for errors.
-
-        Raises:
-            InvalidInput: if the motion is of another type or size.
-        """
+        """The columns (n, width) of a motion."""
         if not isinstance(motion, _TYPES[self.kind]) or motion.positions.shape[1] != self.size:
             raise InvalidInput(
                 f"{name}: expected {self.kind} of {self.size} columns, got {_described(motion)}"
@@ -113,15 +95,7 @@ class Chart(Brief, Generic[MotionT_co]):
         velocities: Float64Array | None = None,
         accelerations: Float64Array | None = None,
     ) -> MotionT_co:
-        """A motion of the chart's type.
-
-        Args:
-            times: (n,) s.
-            phases: (n,) of the samples.
-            columns: (n, width).
-            velocities: (n, width) of joints; otherwise they are left out.
-            accelerations: (n, width) of joints; otherwise they are left out.
-        """
+        """A motion of the chart's type."""
         happening = events.moved(self.events, phases, times)
         joints = None if self.posture is None else self.posture.along(times, phases)
         made: Motion
@@ -136,19 +110,7 @@ class Chart(Brief, Generic[MotionT_co]):
         return cast(MotionT_co, made)  # of the type that the chart was made for
 
     def target(self, value: Place, name: str, phase: float) -> Float64Array:
-        """A place that a query asks for, in columns.
-
-        Args:
-            value: (d,), or for poses (position (3,), orientation (4,)) or the position alone.
-            name: of the argument, for errors.
-            phase: at which it is asked for.
-
-        Returns:
-            Values (width,), or (3,) for a position alone.
-
-        Raises:
-            InvalidInput: if the value is of another shape.
-        """
+        """A place that a query asks for, in columns."""
         if self.kind != "poses":
             return check.array(value, name, shape=(self.size,))
         if not isinstance(value, tuple | list) or len(value) != 2:
@@ -174,16 +136,7 @@ class Chart(Brief, Generic[MotionT_co]):
 
     @staticmethod
     def from_archive(settings: dict[str, Any], arrays: Any) -> Chart:
-        """The chart that `settings` and `arrays` took apart.
-
-        Args:
-            settings: plain values of the file.
-            arrays: arrays of the file.
-
-        Raises:
-            KeyError: if a part is missing.
-            InvalidInput: if a part is not what it should be.
-        """
+        """The chart that `settings` and `arrays` took apart."""
         shape = (len(NODES), 4)
         return Chart(
             check.choice(settings["chart"], "chart", _TYPES),
@@ -208,17 +161,7 @@ def chart_of(
     *,
     middle: Callable[[Sequence[Float64Array]], Float64Array] = mean_orientations,
 ) -> Chart[MotionT]:
-    """The chart in which motions are near each other.
-
-    Args:
-        motions: at least one, all of one type.
-        phases: of each motion's samples (n,), in [0, 1].
-        middle: takes each motion's orientations (201, 4) at evenly spaced phases to the reference.
-
-    Raises:
-        InvalidInput: if the arms' joints beside the motions differ.
-        FitError: if the orientations have no middle.
-    """
+    """The chart in which motions are near each other."""
     kind = next(kind for kind, each in _TYPES.items() if isinstance(motions[0], each))
     names = motions[0].joint_names if isinstance(motions[0], JointTrajectory) else ()
     poses = [motion for motion in motions if isinstance(motion, PoseTrajectory)]
@@ -234,12 +177,7 @@ def chart_of(
 
 
 def scales(columns: Sequence[Float64Array], chart: Chart) -> Float64Array:
-    """The reach of the columns of motions, (width,) > 0, in their units.
-
-    Args:
-        columns: (n, width) of each motion.
-        chart: of the motions.
-    """
+    """The reach of the columns of motions, (width,) > 0, in their units."""
     reach = np.sqrt(np.mean([each.var(axis=0) for each in columns], axis=0))
     wide = np.ones(chart.width)
     for group in (slice(0, chart.size), slice(chart.size, chart.width)):
@@ -263,12 +201,7 @@ def turned_by(reference: Float64Array, tangent: Float64Array) -> Float64Array:
 
 
 def carried(before: Float64Array, after: Float64Array) -> Float64Array:
-    """Matrices (n, 3, 3) that carry small deviations from one tangent space to another.
-
-    Args:
-        before: rotation vectors (n, 3) of orientations from one reference.
-        after: rotation vectors (n, 3) of the same orientations from another reference.
-    """
+    """Matrices (n, 3, 3) that carry small deviations from one tangent space to another."""
     # log(exp(d) exp(v)) = d + J_r(d)^-1 v + ..., with J_r(d) = J_l(-d); Sola et al. 2018, eq. 151.
     return np.asarray(rotations.left_jacobian_inverse(-after) @ rotations.left_jacobian(-before))
 

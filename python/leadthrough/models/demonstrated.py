@@ -33,19 +33,7 @@ def motions_of(
     kinds: tuple[type[Motion], ...] = KINDS,
     at_least: int = 1,
 ) -> list[MotionT]:
-    """The motions of demonstrations, all of one type and size, each of which moves.
-
-    Args:
-        demonstrations: a sequence of them; a motion stands for a demonstration of it.
-        kinds: the types of motion that the model learns.
-        at_least: number of demonstrations that the model needs.
-
-    Raises:
-        InvalidInput: if it is no sequence of demonstrations of one of the kinds, or if they differ
-            in type, number of columns or joint names.
-        FitError: if there are too few, or one has a single sample, does not move or has numbers
-            that overflow.
-    """
+    """The motions of demonstrations, all of one type and size, each of which moves."""
     if not isinstance(demonstrations, Sequence):
         raise InvalidInput(
             "demonstrations: expected a sequence of demonstrations, got one "

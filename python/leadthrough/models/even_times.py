@@ -20,16 +20,7 @@ _SHORTEST = sys.float_info.min  # s
 
 
 def even_times(duration: float, dt: float) -> Float64Array:
-    """Evenly spaced times (n,) from 0 to a duration, s.
-
-    Args:
-        duration: s, > 0.
-        dt: s, > 0, upper bound of the step.
-
-    Raises:
-        InvalidInput: if there would be too many samples or none on the way, or steps too short for
-            floats.
-    """
+    """Evenly spaced times (n,) from 0 to a duration, s."""
     return duration * even_phases(duration, dt)
 
 

@@ -356,17 +356,7 @@ class FramedSkill(Archived, Generic[MotionT_co]):
 
 
 def from_archive(skill: Skill, settings: Mapping[str, Any], arrays: Arrays) -> FramedSkill:
-    """The skill that `FramedSkill.to_archive` took apart, but for the skill inside.
-
-    Args:
-        skill: the one inside.
-        settings: as `to_archive` returned them.
-        arrays: as `to_archive` returned them.
-
-    Raises:
-        KeyError: if a part is missing.
-        InvalidInput: if a part is not what it should be.
-    """
+    """The skill that `FramedSkill.to_archive` took apart, but for the skill inside."""
     frame = Frame(arrays["origin"], arrays["axes"])
     return FramedSkill(Framed(skill.model), skill, frame, bool(settings["poses"]))
 

@@ -43,17 +43,7 @@ def motion_seen(frame: Frame, motion: MotionT) -> MotionT:
 
 
 def place_seen(frame: Frame, place: Any, name: str, *, poses: bool) -> Place | None:
-    """A place; None for None.
-
-    Args:
-        frame: of the task.
-        place: (d,), or of poses also (position (3,), orientation (4,)).
-        name: of the argument, for the error.
-        poses: whether it may be a pose.
-
-    Raises:
-        InvalidInput: if it is of another shape.
-    """
+    """A place; None for None."""
     if place is None:
         return None
     turned = poses and isinstance(place, tuple | list) and len(place) == 2
@@ -82,16 +72,7 @@ def shape_seen(frame: Frame, shape: Shape) -> Shape:
 def limits_seen(
     frame: Frame, limits: tuple[ArrayLike, ArrayLike]
 ) -> tuple[Float64Array, Float64Array]:
-    """Limits of each column, where the frame's axes are those of the base frame, in any order.
-
-    Args:
-        frame: of the task.
-        limits: (lower (d,), upper (d,)).
-
-    Raises:
-        InvalidInput: if they are no pair of the frame's dimensions.
-        UnsupportedQuery: in a frame that is turned otherwise.
-    """
+    """Limits of each column, where the frame's axes are those of the base frame, in any order."""
     if not isinstance(limits, Sequence) or len(limits) != 2:
         raise InvalidInput(f"limits: expected a pair (lower, upper), got {limits!r}")
     size = len(frame.origin)
@@ -109,11 +90,7 @@ def limits_seen(
 
 
 def covariance_seen(frame: Frame, covariance: ArrayLike | None) -> Float64Array | None:
-    """A covariance (d, d) of a position; None for None.
-
-    Raises:
-        InvalidInput: if it is of another shape.
-    """
+    """A covariance (d, d) of a position; None for None."""
     if covariance is None:
         return None
     size = len(frame.origin)
@@ -127,17 +104,7 @@ def beyond_seen(
     start_velocity: ArrayLike | None,
     final_velocity: ArrayLike | None,
 ) -> Beyond:
-    """Via points and velocities, those that are given.
-
-    Args:
-        frame: of the task.
-        via: (fraction of the duration, point (d,)).
-        start_velocity: (d,) per second, or None.
-        final_velocity: as start_velocity.
-
-    Raises:
-        InvalidInput: if one is of another shape.
-    """
+    """Via points and velocities, those that are given."""
     found = Beyond()
     if not isinstance(via, Sequence):
         raise InvalidInput(f"via: expected a sequence of (phase, point), got {via!r}")

@@ -18,11 +18,7 @@ _Generate = TypeVar("_Generate", bound=Callable[..., Any])
 
 
 def judged(generate: _Generate) -> _Generate:
-    """The method `generate` of a skill, which first looks at whether its query can be meant.
-
-    A start, goal or obstacle in another unit and an orientation in another order are refused or
-    warned of; malformed ones are left to the method itself.
-    """
+    """The method `generate` of a skill, which first looks at whether its query can be meant."""
 
     @wraps(generate)
     def looked_at(self: Any, **query: Any) -> Any:

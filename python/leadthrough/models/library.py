@@ -50,19 +50,12 @@ class OutsideTargets(UserWarning):
 
 @dataclass(frozen=True, eq=False)
 class Entry(Brief):
-    """A skill, and what it is for.
+    """A skill, and what it is for."""
 
-    Attributes:
-        task: name of the task.
-        subtask: name of the part of the task.
-        target: (d,), where the subtask was shown to go.
-        skill: that does it.
-    """
-
-    task: str
-    subtask: str
-    target: Float64Array
-    skill: Skill
+    task: str  # name of the task
+    subtask: str  # name of the part of the task
+    target: Float64Array  # (d,), where the subtask was shown to go
+    skill: Skill  # that does it
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,10 +270,7 @@ def _distance_from_hull(targets: Float64Array, point: Float64Array) -> float:
 
 
 def _barycentric(targets: Float64Array, point: Float64Array) -> Float64Array:
-    """Weights (n,) >= 0 of targets (n, d) whose mean is the projection of a point on their span.
-
-    All 0 outside of the targets.
-    """
+    """Weights (n,) >= 0 of targets (n, d) whose mean is the projection of a point on their span."""
     weights = np.zeros(len(targets))
     middle = targets.mean(axis=0)
     _, spread, axes = np.linalg.svd(targets - middle, full_matrices=False)

@@ -44,27 +44,14 @@ def generate_all(
 
 
 def checked_threads(threads: int) -> int:
-    """The number of threads, if it is 1 to 256.
-
-    Raises:
-        InvalidInput: for another one.
-    """
+    """The number of threads, if it is 1 to 256."""
     return check.integer(threads, "threads", at_least=1, at_most=_MOST_THREADS)
 
 
 def mapped(
     function: Callable[[_Value], _Result], values: Iterable[_Value], threads: int
 ) -> list[_Result]:
-    """The function's results, in the order of the values, on that many threads.
-
-    Args:
-        function: called from several threads at a time.
-        values: each passed to it.
-        threads: 1 to 256.
-
-    Raises:
-        InvalidInput: for another number of threads.
-    """
+    """The function's results, in the order of the values, on that many threads."""
     count = checked_threads(threads)
     every = list(values)
     if count == 1:
@@ -76,10 +63,7 @@ def mapped(
 
 
 def _runs(values: Sequence[_Value], threads: int) -> list[Sequence[_Value]]:
-    """The values in consecutive runs: a task costs some tens of microseconds.
-
-    They become shorter towards the end, so that threads end together.
-    """
+    """The values in consecutive runs: a task costs some tens of microseconds."""
     runs = []
     first = 0
     while first < len(values):

@@ -33,19 +33,7 @@ _CHORD = 2.0 * np.sqrt(2.0)
 def mean_orientations(
     layers: Sequence[Float64Array], *, weights: Float64Array | None = None
 ) -> Float64Array:
-    """The mean turning of several motions; it does not depend on their order.
-
-    Args:
-        layers: for each demonstration, its orientations (n, 4) at n common phases, w, x, y, z.
-        weights: weights (k,) of the demonstrations, >= 0; by default equal.
-
-    Returns:
-        Orientations (n, 4) with continuous signs.
-
-    Raises:
-        FitError: if the orientations of some phase have no mean, or the mean would jump from one
-            phase to the next. The message names the demonstrations of both groups.
-    """
+    """The mean turning of several motions; it does not depend on their order."""
     stacked = np.stack(layers)
     try:
         means = rotations.mean(stacked, weights=weights)
@@ -58,18 +46,6 @@ def mean_orientations(
 
 def middle_orientations(layers: Sequence[Float64Array]) -> Float64Array:
     """A middle of the turning of several motions; it does not depend on their order.
-
-    The mean where there is one. Where single motions are off it by more than a quarter turn, but
-    most agree, it is the chordal mean, which suits as a reference for rotation vectors.
-
-    Args:
-        layers: for each demonstration, its orientations (n, 4) at n common phases, w, x, y, z.
-
-    Returns:
-        Orientations (n, 4) with continuous signs.
-
-    Raises:
-        FitError: if they fall into two groups, or spread too far. The message names both groups.
 
     Source: Markley et al. 2007, "Averaging quaternions".
     """
@@ -95,16 +71,7 @@ def _jumps(means: Float64Array, stacked: Float64Array) -> bool:
 
 
 def groups_of(layers: Sequence[Float64Array]) -> tuple[list[int], list[int], int, float]:
-    """Two groups of demonstrations, each around one of the two that come to lie farthest apart.
-
-    Args:
-        layers: for each demonstration, its orientations (n, 4) at n common phases.
-
-    Returns:
-        The indices of the demonstrations in either group, in rising order and with the first
-        demonstration in the first group; the phase's index where the two lie farthest apart, and
-        their angle there, rad.
-    """
+    """Two groups of demonstrations, each around one of the two that come to lie farthest apart."""
     stacked = np.stack(layers)
     count = len(stacked)
     apart = np.zeros((count, count, stacked.shape[1]))

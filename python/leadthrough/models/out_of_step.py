@@ -17,11 +17,7 @@ class OutOfStep(UserWarning):
 
 
 def warn_of_others_timing(motions: Sequence[Motion]) -> None:
-    """Warns where a fit blurs what demonstrations show at different times.
-
-    Args:
-        motions: the motions of the demonstrations, all of one type and size.
-    """
+    """Warns where a fit blurs what demonstrations show at different times."""
     late = lateness(motions)
     if not late.any():
         return

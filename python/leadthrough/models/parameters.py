@@ -38,15 +38,7 @@ class Parameter(Brief, Generic[MotionT_co]):
 def whole_number(
     label: str, value: int, *, least: int, most: int, apply: Callable[[int], Skill[MotionT]]
 ) -> Parameter[MotionT]:
-    """A parameter that counts something, such as weights.
-
-    Args:
-        label: its name.
-        value: the present value; the range is widened to it.
-        least: the least value worth trying.
-        most: the largest value worth trying.
-        apply: takes another value and returns the skill with it.
-    """
+    """A parameter that counts something, such as weights."""
 
     def rounded(number: float) -> Skill[MotionT]:
         return apply(round(number))
@@ -62,16 +54,7 @@ def fitted_again(
     least: int,
     most: int,
 ) -> Sequence[Parameter[MotionT]]:
-    """The parameter that fits a skill again with another whole number in its model.
-
-    Args:
-        skill: the fitted skill.
-        setting: name of the number among its model's settings.
-        demonstrations: the demonstrations that it was fitted to; without them there is no
-            parameter.
-        least: the least value worth trying.
-        most: the largest value worth trying.
-    """
+    """The parameter that fits a skill again with another whole number in its model."""
     if len(demonstrations) == 0:
         return []
     model: Any = skill.model  # a dataclass with this setting

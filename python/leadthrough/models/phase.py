@@ -25,15 +25,7 @@ _RAMP = 0.025
 
 
 def progress_of(times: Float64Array, path: Float64Array) -> Float64Array:
-    """The fraction of a path covered at evenly spaced normalised times, (1001,) from 0 to 1.
-
-    White noise in the recording adds nothing to it. A path without length counts as a uniform
-    motion.
-
-    Args:
-        times: (n,) s, at least two.
-        path: (n, d), as recorded.
-    """
+    """The fraction of a path covered at evenly spaced normalised times, (1001,) from 0 to 1."""
     return _progress(times, without_noise(path))
 
 
@@ -43,12 +35,7 @@ def uniform_progress() -> Float64Array:
 
 
 def progress_by_speed(path: Float64Array, speed: Float64Array) -> Float64Array:
-    """Progress (1001,) along a path at a speed that is given.
-
-    Args:
-        path: (n, d).
-        speed: (n,) > 0 along the path, of any unit.
-    """
+    """Progress (1001,) along a path at a speed that is given."""
     pace = 1.0 / speed
     steps = np.diff(arc_length(path)) * 0.5 * (pace[1:] + pace[:-1])
     clock = np.concatenate([[0.0], np.cumsum(steps)])
@@ -85,15 +72,7 @@ def spline_of(progress: Float64Array) -> CubicSpline:
 
 
 def covered_at(progress: CubicSpline, normalised_times: Float64Array) -> Float64Array:
-    """The fraction of the path covered at any times.
-
-    Args:
-        progress: from `spline_of`.
-        normalised_times: (n,) in [0, 1].
-
-    Returns:
-        Fractions (n,) in [0, 1].
-    """
+    """The fraction of the path covered at any times."""
     return np.asarray(np.clip(progress(normalised_times), 0.0, 1.0))
 
 

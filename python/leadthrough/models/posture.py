@@ -27,34 +27,19 @@ _TURN = 2.0 * np.pi
 
 @dataclass(frozen=True, eq=False)
 class Posture:
-    """Joints at evenly spaced phases from 0 to 1.
+    """Joints at evenly spaced phases from 0 to 1."""
 
-    Attributes:
-        names: of the joints, or none.
-        rows: (201, joints) rad or m.
-    """
-
-    names: tuple[str, ...]
-    rows: Float64Array
+    names: tuple[str, ...]  # of the joints, or none
+    rows: Float64Array  # (201, joints) rad or m
 
     def along(self, times: Float64Array, phases: ArrayLike) -> JointTrajectory:
-        """The joints of a motion.
-
-        Args:
-            times: (n,) of its samples, s.
-            phases: (n,) at which its samples stand; before 0 and after 1 the joints stand still.
-        """
+        """The joints of a motion."""
         at = np.asarray(phases)
         rows = np.column_stack([np.interp(at, NODES, column) for column in self.rows.T])
         return JointTrajectory(times, rows, joint_names=self.names)
 
     def every_round(self, times: Float64Array, rounds: Float64Array) -> JointTrajectory:
-        """The joints of a motion that repeats: they go round as well, with whole turns if shown.
-
-        Args:
-            times: (n,) of its samples, s.
-            rounds: (n,) >= 0, of which each whole number begins a round.
-        """
+        """The joints of a motion that repeats: they go round as well, with whole turns if shown."""
         gap = self.rows[-1] - self.rows[0]
         turns = _TURN * np.round(gap / _TURN)
         closed = self.rows - np.outer(NODES, gap - turns)
@@ -69,16 +54,7 @@ class Posture:
 
     @staticmethod
     def from_archive(settings: dict[str, Any], arrays: Mapping[str, Any]) -> Posture | None:
-        """The posture in a file, taken out of its settings; None where there is none.
-
-        Args:
-            settings: plain values of the file.
-            arrays: arrays of the file.
-
-        Raises:
-            KeyError: if a part is missing.
-            InvalidInput: if a part is not what it should be.
-        """
+        """The posture in a file, taken out of its settings; None where there is none."""
         if "posture" not in settings:
             return None
         names = tuple(map(str, settings.pop("posture")))
@@ -99,32 +75,13 @@ def arrays_of(posture: Posture | None) -> dict[str, Float64Array]:
 def shown_posture(
     motions: Sequence[Motion], phases: Sequence[Float64Array], weights: ArrayLike | None = None
 ) -> Posture | None:
-    """The joints that went along with motions of the tip; None where none has any.
-
-    Args:
-        motions: of the tip, or of joints, which have none beside them.
-        phases: (n,) of each motion's samples.
-        weights: (m,) of the motions, positive; equal by default.
-
-    Raises:
-        InvalidInput: if the joints have different names or numbers.
-    """
+    """The joints that went along with motions of the tip; None where none has any."""
     each = [_posture_of(motion, own) for motion, own in zip(motions, phases, strict=True)]
     return agreed(each, weights)
 
 
 def agreed(postures: Sequence[Posture | None], weights: ArrayLike | None = None) -> Posture | None:
-    """The mean of the postures that lie near the one with the most weight near it.
-
-    Whole turns between two, which make no difference to the tip, are left out first.
-
-    Args:
-        postures: m of them; those that are None do not count.
-        weights: (m,) positive; equal by default.
-
-    Raises:
-        InvalidInput: if the joints have different names or numbers.
-    """
+    """The mean of the postures that lie near the one with the most weight near it."""
     weight = np.ones(len(postures)) if weights is None else np.asarray(weights)
     known = [(own, each) for own, each in zip(weight, postures, strict=True) if each is not None]
     if not known:

@@ -40,12 +40,7 @@ class Model(Protocol):
     """The settings of a kind of skill: a frozen dataclass of plain values."""
 
     def fit(self, demonstrations: Demonstrations[Motion]) -> Skill:
-        """A skill from demonstrations.
-
-        Raises:
-            InvalidInput: for motions that the model does not learn.
-            FitError: where nothing can be learned from them.
-        """
+        """A skill from demonstrations."""
 
 
 class Generator(Protocol[MotionT_co]):

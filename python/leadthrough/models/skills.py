@@ -43,17 +43,7 @@ def load_skill(path: StrPath) -> Skill:
 
 
 def restored(path: StrPath, kind: str, settings: dict[str, Any], arrays: archive.Arrays) -> Skill:
-    """The skill that `to_archive` took apart.
-
-    Args:
-        path: the file that the parts came from, for errors.
-        kind: name that files have for this kind of skill.
-        settings: plain values by name.
-        arrays: by name.
-
-    Raises:
-        InvalidInput: if the kind is unknown, or a part is missing or not what it should be.
-    """
+    """The skill that `to_archive` took apart."""
     if kind not in _KINDS:
         raise InvalidInput(f"path: expected a skill of {sorted(_KINDS)}, got {kind!r}")
     try:

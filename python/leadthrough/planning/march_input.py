@@ -73,18 +73,7 @@ def range_of(speed: Numbers) -> tuple[float, float]:
 def check_range(
     slowest: float, fastest: float, *, cells: int, spacing: Float64Array, dtype: Precision
 ) -> None:
-    """Checks that times can be told apart and stay in the range of a precision.
-
-    Args:
-        slowest: slowest speed above 0.
-        fastest: fastest speed.
-        cells: number of cells of the map.
-        spacing: distance between neighbouring cells, (d,).
-        dtype: in which the march computes.
-
-    Raises:
-        InvalidInput: if they do not.
-    """
+    """Checks that times can be told apart and stay in the range of a precision."""
     if slowest < fastest / MOST_SPEED_RATIO:
         raise InvalidInput(
             f"speed: expected 0 or at least {1 / MOST_SPEED_RATIO:.0e} times the fastest, "

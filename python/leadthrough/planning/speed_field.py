@@ -53,13 +53,7 @@ def speeds_at(field: SpeedField, cells: CellArray) -> Float64Array:
 
 
 class MapField(SpeedField):
-    """The speeds of a map that is there already.
-
-    Args:
-        grid: of the map.
-        speed: of grid.shape.
-        outside: speed beyond the grid.
-    """
+    """The speeds of a map that is there already."""
 
     def __init__(self, grid: Grid, speed: NDArray[Any], outside: float = 0.0) -> None:
         speeds = np.ascontiguousarray(speed, dtype=np.float64)
@@ -136,14 +130,7 @@ class HinderedField(SpeedField):
 
 
 class SaturatedField(SpeedField):
-    """The speeds of `add_saturated_obstacles`, eq. 7 of the paper.
-
-    Args:
-        free: the field without obstacles.
-        walls: of its grid.
-        area_of_influence: in the grid's unit.
-        saturation: in (0, 1].
-    """
+    """The speeds of `add_saturated_obstacles`, eq. 7 of the paper."""
 
     def __init__(
         self, free: SpeedField, walls: Walls, *, area_of_influence: float, saturation: float

@@ -30,14 +30,7 @@ IN_TUBE = 1e-6
 def experience_map(
     grid: Grid, paths: Sequence[Float64Array], *, area_of_influence: float, saturation: float
 ) -> Float64Array:
-    """Speeds of grid.shape: 1 deepest in the tube around the paths, the saturation outside it.
-
-    Args:
-        grid: covers the paths.
-        paths: each (n, d), in the grid's unit.
-        area_of_influence: radius of the tube, in the grid's unit.
-        saturation: in (0, 1].
-    """
+    """Speeds of grid.shape: 1 deepest in the tube around the paths, the saturation outside it."""
     labelled = np.zeros(grid.shape, dtype=bool)
     for path in paths:
         labelled[tuple(grid.cells_of(fine_samples(path, grid)).T)] = True
@@ -114,21 +107,7 @@ def add_passable_obstacles(
     saturation: float,
     reach: float,
 ) -> Speeds:
-    """The speed map with walls at the obstacles, slower cells beside them and ways round them.
-
-    The product with the obstacles' own map as by `add_obstacles`. Where an obstacle stands in a
-    tube, a tube of two bands' width leads along its surface: to go round it then costs little more
-    than the way through it did, and no path leaves its tube for a short cut instead.
-
-    Args:
-        speed: the map without obstacles, of grid.shape.
-        grid: of the map.
-        obstacles: in the grid's unit.
-        band: distance over which the speed grows from 0 at an obstacle to its own value, in the
-            grid's unit.
-        saturation: speed outside the tubes, in (0, 1].
-        reach: of the ways round, from where an obstacle stands in a tube, in the grid's unit.
-    """
+    """The speed map with walls at the obstacles, slower cells beside them and ways round them."""
     part, beside = _beside(grid, obstacles, 2.0 * band)
     if part is None:
         return speed

@@ -39,13 +39,7 @@ _ROUNDING = 1e-12  # of the motions' extent
 
 
 def fractions_in_step(motions: Sequence[Motion]) -> list[Float64Array] | None:
-    """For each motion the fractions (1000,) of its duration that belong to even ones of the mean.
-
-    None if each keeps its own timing.
-
-    Args:
-        motions: at least one, all of one type and size.
-    """
+    """For each motion the fractions (1000,) of its duration that belong to even ones of the mean."""
     curves = features(motions)
     first = int(np.argmin([motion.duration for motion in motions]))
     free = mean_timing(curves, curves[first], rigidity=FREE)
@@ -57,14 +51,7 @@ def fractions_in_step(motions: Sequence[Motion]) -> list[Float64Array] | None:
 
 
 def lateness(motions: Sequence[Motion]) -> Float64Array:
-    """How far each motion is ahead of or behind the mean timing, at most.
-
-    Args:
-        motions: at least one, all of one type and size; of many, some are compared.
-
-    Returns:
-        Fractions (m,) of the duration; 0 for those not compared, and for all that are in step.
-    """
+    """How far each motion is ahead of or behind the mean timing, at most."""
     result = np.zeros(len(motions))
     if len(motions) < 2:
         return result
@@ -100,12 +87,7 @@ def _predicts_better(motions: Sequence[Motion]) -> bool:
 
 
 def _errors(curves: Sequence[Float64Array], left_out: Float64Array, size: int) -> Float64Array:
-    """Errors of the mean of curves, carried to the ends of the left-out one.
-
-    Returns:
-        The distance under time warping, then the mean distances of the first `size` columns and,
-        if there are more, of the others.
-    """
+    """Errors of the mean of curves, carried to the ends of the left-out one."""
     rise = np.linspace(0.0, 1.0, len(left_out))[:, None]
     carried = [
         each + (1.0 - rise) * (left_out[0] - each[0]) + rise * (left_out[-1] - each[-1])

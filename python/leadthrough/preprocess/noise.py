@@ -29,11 +29,7 @@ _NEIGHBOURS_UNRELATED, _OTHERS_UNRELATED = 0.25, 0.1
 
 
 def noise_of(path: Float64Array) -> float:
-    """Standard deviation of the white noise in each coordinate of a path; 0 for a smooth one.
-
-    Args:
-        path: (n, d), evenly sampled in time.
-    """
+    """Standard deviation of the white noise in each coordinate of a path; 0 for a smooth one."""
     if len(path) < _LEAST_SAMPLES:
         return 0.0
     bends = np.diff(path, 2, axis=0)
@@ -43,10 +39,7 @@ def noise_of(path: Float64Array) -> float:
 
 
 def is_random_walk(path: Float64Array) -> bool:
-    """Whether the steps of a path (n, d), evenly sampled in time, are unrelated to each other.
-
-    Smooth motions never are, however they wind, nor are they with white noise on them.
-    """
+    """Whether the steps of a path (n, d), evenly sampled in time, are unrelated to each other."""
     steps = np.diff(path, axis=0)
     total = float((steps**2).sum())
     if len(steps) < _LEAST_STEPS or total == 0.0:
@@ -60,14 +53,6 @@ def is_random_walk(path: Float64Array) -> bool:
 
 def without_noise(path: Float64Array) -> Float64Array:
     """The path smoothed until what it loses is as large as its white noise.
-
-    A path without white noise comes back as it is.
-
-    Args:
-        path: (n, d), evenly sampled in time.
-
-    Returns:
-        Points (n, d).
 
     Source: Whittaker 1923, "On a new method of graduation"; the strength by Morozov's discrepancy
     principle.

@@ -13,14 +13,7 @@ _ENDLESS = "points: expected a curve of finite length; use a larger unit"
 
 
 def arc_length(points: ArrayLike) -> Float64Array:
-    """Lengths (n,) of the polygonal line through points, from the first one to each, from 0 on.
-
-    Args:
-        points: (n, d), n > 0 and d > 0.
-
-    Raises:
-        InvalidInput: if they have another shape, one is not finite, or the length overflows.
-    """
+    """Lengths (n,) of the polygonal line through points, from the first one to each, from 0 on."""
     lengths = _core.arc_lengths(_curve(points))
     if not np.isfinite(lengths[-1]):
         raise InvalidInput(_ENDLESS)
@@ -28,17 +21,7 @@ def arc_length(points: ArrayLike) -> Float64Array:
 
 
 def by_arc_length(points: ArrayLike, count: int) -> Float64Array:
-    """Points (count, d), evenly spaced in arc length along the polygonal line through others.
-
-    The ends stay; pauses and repeated points do not matter.
-
-    Args:
-        points: (n, d), n > 0 and d > 0.
-        count: at least 2.
-
-    Raises:
-        InvalidInput: as by `arc_length`, or if the count is too small.
-    """
+    """Points (count, d), evenly spaced in arc length along the polygonal line through others."""
     curve = _curve(points)
     even = _core.by_arc_length(curve, check.integer(count, "count", at_least=2))
     if even is None:

@@ -20,11 +20,7 @@ def chosen(recording: Recording, samples: NDArray[np.intp]) -> Recording:
 
 
 def several_samples(demonstration: Demonstration[MotionT] | MotionT) -> Demonstration[MotionT]:
-    """The demonstration, if it has at least two samples.
-
-    Raises:
-        InvalidInput: if it has not, or is neither a demonstration nor a motion.
-    """
+    """The demonstration, if it has at least two samples."""
     shown = as_demonstration(demonstration, "demonstration")
     if len(shown.motion.times) < 2:
         raise InvalidInput("demonstration: expected at least two samples, got one")

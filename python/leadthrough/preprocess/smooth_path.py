@@ -23,17 +23,7 @@ def smooth_path(
     knot_spacing: float,
     accept: Callable[[Float64Array], bool] = lambda points: True,  # noqa: ARG005
 ) -> Float64Array:
-    """Dense samples of a C2 curve close to a path, with the same end points.
-
-    The curve is a least-squares cubic B-spline over the arc length.
-
-    Args:
-        path: (n, d).
-        knot_spacing: in the path's unit; shorter details vanish.
-        accept: tells whether a candidate (k, d) may be used, for example because it hits no wall.
-            Where it refuses, half the spacing is tried, up to four times; then the path is
-            returned unchanged.
-    """
+    """Dense samples of a C2 curve close to a path, with the same end points."""
     length = arc_length(path)[-1]
     if length == 0.0:
         return path

@@ -21,12 +21,7 @@ _FLOOR = 1e-3  # fraction of a column's range; anything smaller is no spike
 
 
 def spikes(values: Float64Array, factor: float) -> NDArray[np.bool_]:
-    """Which rows (n,) of values (n, d) jump away from their neighbours.
-
-    Args:
-        values: finite.
-        factor: a spike's distance in multiples of the usual noise and steps around it.
-    """
+    """Which rows (n,) of values (n, d) jump away from their neighbours."""
     if len(values) <= _NEAR:
         return np.zeros(len(values), dtype=bool)
     centre = _ranked(values, _NEAR, 50)
@@ -39,10 +34,7 @@ def spikes(values: Float64Array, factor: float) -> NDArray[np.bool_]:
 
 
 def _ranked(values: Float64Array, size: int, percent: int) -> Float64Array:
-    """A percentile (n, d) of the samples around each, mirrored at the ends.
-
-    As SciPy's `percentile_filter`, which takes 0.17 s to load, longer than whole commands compute.
-    """
+    """A percentile (n, d) of the samples around each, mirrored at the ends."""
     rank, beside = size * percent // 100, size // 2
     mirrored = np.pad(values, ((beside, beside), (0, 0)), mode="reflect")
     windows = np.lib.stride_tricks.sliding_window_view(mirrored, size, axis=0)

@@ -25,33 +25,19 @@ _WRAPPED: dict[str, Any] = {"width": 78, "subsequent_indent": "    ", "break_lon
 
 @dataclass(frozen=True)
 class RecordingSummary(Brief):
-    """What one recording holds.
+    """What one recording holds."""
 
-    Attributes:
-        name: of the recording.
-        kind: "joints", "poses" or "points".
-        joints: their names.
-        samples: their number.
-        duration: s.
-        rate: Hz, by the median step; 0 for a single sample.
-        lower: smallest value of each position.
-        upper: largest value of each position.
-        events: their names, in order.
-        report: what `clean` would change; None where it cannot clean the recording.
-        remarks: what looks wrong.
-    """
-
-    name: str
-    kind: str
-    joints: tuple[str, ...]
-    samples: int
-    duration: float
-    rate: float
-    lower: tuple[float, ...]
-    upper: tuple[float, ...]
-    events: tuple[str, ...]
+    name: str  # of the recording
+    kind: str  # "joints", "poses" or "points"
+    joints: tuple[str, ...]  # their names
+    samples: int  # their number
+    duration: float  # s
+    rate: float  # Hz, by the median step; 0 for a single sample
+    lower: tuple[float, ...]  # smallest value of each position
+    upper: tuple[float, ...]  # largest value of each position
+    events: tuple[str, ...]  # their names, in order
     report: CleaningReport | None
-    remarks: tuple[str, ...]
+    remarks: tuple[str, ...]  # what looks wrong
 
     @property
     def has_faults(self) -> bool:
@@ -79,14 +65,7 @@ class RecordingSummary(Brief):
 
 
 def summarize(recording: Recording) -> RecordingSummary:
-    """The summary of a recording, whatever its faults.
-
-    Args:
-        recording: as `leadthrough.io.read_recordings` returns it.
-
-    Raises:
-        InvalidInput: if it is anything else.
-    """
+    """The summary of a recording, whatever its faults."""
     if not isinstance(recording, Recording):
         raise InvalidInput(f"recording: expected a Recording, got {type(recording).__name__}")
     known: dict[str, Any] = {

@@ -34,14 +34,7 @@ def positions_at(motion: Motion, fractions: Float64Array) -> Float64Array:
 
 
 def features(motions: Sequence[Motion], samples: int = COMPARED) -> list[Float64Array]:
-    """What is compared, (samples, m) at evenly spaced times, in units of the motions' extent.
-
-    Orientations enter as rotation matrices, of which half turns and signs are no special cases.
-
-    Args:
-        motions: motions of one type and size.
-        samples: number of times.
-    """
+    """What is compared, (samples, m) at evenly spaced times, in units of the motions' extent."""
     even = np.linspace(0.0, 1.0, samples)
     positions = [positions_at(each, even) for each in motions]
     extent = float(np.mean([np.linalg.norm(np.ptp(each, axis=0)) for each in positions])) or 1.0
@@ -75,14 +68,7 @@ def mean_timing(
     rigidity: float,
     rounds: int = _ROUNDS,
 ) -> list[Float64Array]:
-    """For each curve (n, m) its fractions (n,) of the duration at those of the mean timing.
-
-    Args:
-        curves: the curves.
-        first: the curve that they are warped to at first, then to their mean.
-        rigidity: see `warp`.
-        rounds: in which the mean curve and the warps to it are improved in turn.
-    """
+    """For each curve (n, m) its fractions (n,) of the duration at those of the mean timing."""
     even = np.linspace(0.0, 1.0, len(first))
     middle = first
     for _ in range(rounds):
@@ -94,16 +80,7 @@ def mean_timing(
 
 
 def warp(middle: Float64Array, curve: Float64Array, *, rigidity: float) -> Float64Array:
-    """Fractions (n,) of a curve's duration that belong to those of another, end to end.
-
-    A difference in time counts as a distance too, so that noise is not matched with noise at any
-    price; and the warp is smoothed, so that its steps do not become steps of the motion.
-
-    Args:
-        middle: the curve (n, m) that sets the timing.
-        curve: the curve (n, m) to warp.
-        rigidity: what the whole duration counts as, in the motion's extent.
-    """
+    """Fractions (n,) of a curve's duration that belong to those of another, end to end."""
     even = np.linspace(0.0, 1.0, len(middle))
     timed = [np.column_stack([each, rigidity * even]) for each in (middle, curve)]
     late = _mean_partner(_core.dtw_path(*timed)) / (len(even) - 1.0) - even

@@ -23,19 +23,12 @@ _TOLERANCE = 1e-4  # m and rad
 
 @dataclass(frozen=True, eq=False)
 class Workspace:
-    """What all tasks of a map have in common.
+    """What all tasks of a map have in common."""
 
-    Attributes:
-        arm: that reaches.
-        obstacles: in the base frame.
-        orientations: (k, 4) that are tried at each place.
-        places: (n, 3) in m, base frame.
-    """
-
-    arm: Arm
-    obstacles: tuple[Shape, ...]
-    orientations: Float64Array
-    places: Float64Array
+    arm: Arm  # that reaches
+    obstacles: tuple[Shape, ...]  # in the base frame
+    orientations: Float64Array  # (k, 4) that are tried at each place
+    places: Float64Array  # (n, 3) in m, base frame
 
 
 def ranges(arm: Arm) -> tuple[Float64Array, Float64Array]:
@@ -51,15 +44,7 @@ def reached(
     obstacles: tuple[Shape, ...],
     seed: int,
 ) -> tuple[NDArray[np.bool_], Float64Array]:
-    """Which poses (m,) the arm reaches clear of everything, and its joints there (m, joints).
-
-    Args:
-        arm: that reaches.
-        positions: (m, 3) in m, base frame.
-        orientations: (m, 4) w, x, y, z.
-        obstacles: in the base frame.
-        seed: of the random number generator.
-    """
+    """Which poses (m,) the arm reaches clear of everything, and its joints there (m, joints)."""
     found = np.zeros(len(positions), dtype=bool)
     joints = np.full((len(positions), len(arm.joint_names)), np.nan)
     rng = np.random.default_rng(seed)
@@ -89,14 +74,7 @@ def reached(
 
 
 def reach_rows(*, first: int, count: int, seed: int, workspace: Path) -> list[Row]:
-    """A row for each place: the number of orientations reached, and the best manipulability.
-
-    Args:
-        first: index of the first place.
-        count: number of places.
-        seed: of the random number generator.
-        workspace: the file of a pickled `Workspace`.
-    """
+    """A row for each place: the number of orientations reached, and the best manipulability."""
     with workspace.open("rb") as file:
         common: Workspace = pickle.load(file)
     places = common.places[first : first + count]

@@ -86,21 +86,7 @@ def squad(times: ArrayLike, quaternions: ArrayLike, at: ArrayLike) -> Float64Arr
 
 
 def squad_controls(times: Float64Array, q: Float64Array) -> tuple[Float64Array, Float64Array]:
-    """The two inner rotations of every step between samples, which make `squad` smooth at them.
-
-    With d the turn of the chord and h omega that of the velocity, both in the base frame, squad
-    leaves a sample with d + 2 log(leaving q^-1) and arrives with d - 2 log(arriving q^-1).
-
-    Args:
-        times: s, (n,).
-        q: unit quaternions (n, 4), continuous in sign.
-
-    Returns:
-        The rotation beside the start and the one beside the end of every step, (n - 1, 4) each.
-
-    Raises:
-        InvalidInput: if neighbours turn too far or steps are too uneven.
-    """
+    """The two inner rotations of every step between samples, which make `squad` smooth at them."""
     velocities = angular_velocity(times, q)
     turns = _core.so3_log(_core.so3_compose(q[1:], q[:-1] * [1.0, -1.0, -1.0, -1.0]))
     steps = np.diff(times)[:, None]

@@ -32,14 +32,7 @@ Shape = Box | Sphere | Capsule | Cylinder | Mesh | PointCloud
 
 
 def check_shapes(obstacles: Iterable[Shape]) -> tuple[Shape, ...]:
-    """The obstacles, if all are shapes.
-
-    Args:
-        obstacles: boxes, spheres, capsules, cylinders, meshes and point clouds.
-
-    Raises:
-        InvalidInput: if they are no sequence, or one of them is no shape.
-    """
+    """The obstacles, if all are shapes."""
     if not isinstance(obstacles, Iterable):
         raise InvalidInput(f"obstacles: expected a sequence, got {type(obstacles).__name__}")
     shapes = tuple(obstacles)

@@ -30,15 +30,7 @@ class Hull(Brief):
 
 
 def hulls_of_parts(vertices: Float64Array, faces: NDArray[np.int64]) -> tuple[Hull, ...]:
-    """The convex hull of each connected part of a mesh, in the order of their first vertices.
-
-    Args:
-        vertices: (n, 3), m; those at the same place are one.
-        faces: indices of vertices (m, 3), m > 0.
-
-    Raises:
-        InvalidInput: if there are more than a thousand parts, or one is too thin for its size.
-    """
+    """The convex hull of each connected part of a mesh, in the order of their first vertices."""
     return tuple(_hull(part) for part in _parts(vertices, faces))
 
 

@@ -13,10 +13,7 @@ Solid = Box | Sphere | Capsule | Cylinder | Mesh
 
 
 def unit_solid(shape: Solid) -> tuple[Float64Array, Float64Array]:
-    """Centre (3,), m, and inertia (3, 3) about it, m^2, of a solid of 1 kg, in the base frame.
-
-    Of a mesh it is that of all its hulls; where two overlap, both count.
-    """
+    """Centre (3,), m, and inertia (3, 3) about it, m^2, of a solid of 1 kg, in the base frame."""
     if isinstance(shape, Sphere):
         return shape.position, 0.4 * shape.radius**2 * np.eye(3)
     turn = shape._matrix
@@ -52,10 +49,7 @@ def _capsule_moments(capsule: Capsule) -> Float64Array:
 
 
 def _of_hulls(mesh: Mesh) -> tuple[Float64Array, Float64Array]:
-    """Mean (3,) and covariance (3, 3) of the points in a mesh's hulls.
-
-    Sums over the tetrahedra between the faces and the origin, whose volumes have a sign.
-    """
+    """Mean (3,) and covariance (3, 3) of the points in a mesh's hulls."""
     corners = np.concatenate([part.vertices[part.faces] for part in mesh.parts])
     six_volumes = np.linalg.det(corners)
     sums = corners.sum(axis=1)

@@ -66,11 +66,7 @@ class Mesh(Bounded):
 
 
 def _triangles(faces: ArrayLike, vertices: int) -> NDArray[np.int64]:
-    """Indices (m, 3), m > 0, read-only.
-
-    Raises:
-        InvalidInput: if they are something else.
-    """
+    """Indices (m, 3), m > 0, read-only."""
     given = check.array(faces, "faces", shape=("m", 3))
     whole = given.astype(np.int64)
     if len(whole) == 0 or (whole != given).any():

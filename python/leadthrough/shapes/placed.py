@@ -118,11 +118,7 @@ class Bounded(Turned):
 
 
 def pose(position: ArrayLike, orientation: ArrayLike) -> dict[str, Float64Array]:
-    """A position (3,) and a unit quaternion (4,), read-only, by their names.
-
-    Raises:
-        InvalidInput: if one of them is malformed.
-    """
+    """A position (3,) and a unit quaternion (4,), read-only, by their names."""
     centre = check.frozen(position, "position", shape=(3,))
     quaternion = check.quaternions(orientation, "orientation", shape=(4,))
     quaternion.setflags(write=False)
@@ -130,11 +126,7 @@ def pose(position: ArrayLike, orientation: ArrayLike) -> dict[str, Float64Array]
 
 
 def places(value: ArrayLike, name: str) -> Float64Array:
-    """Points (n, 3), read-only, near enough to the origin to be measured.
-
-    Raises:
-        InvalidInput: if they are malformed or farther than 1,000 km away.
-    """
+    """Points (n, 3), read-only, near enough to the origin to be measured."""
     points = check.frozen(value, name, shape=("n", 3))
     farthest = float(np.abs(points).max(initial=0.0))
     if farthest > _FARTHEST:

@@ -31,24 +31,14 @@ _WRAPPED: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class FileInfo(Brief):
-    """A summary of one file.
+    """A summary of one file."""
 
-    Attributes:
-        path: the file.
-        format: the name of its format, for people.
-        kind: "recordings", "skill" or "robot".
-        facts: about the whole file, by name, as values that JSON knows.
-        recordings: a summary of each recording.
-        text: a robot's description.
-        problem: why a recording cannot be read and what to do about it; None if all can.
-    """
-
-    path: str
-    format: str
-    kind: str
+    path: str  # the file
+    format: str  # the name of its format, for people
+    kind: str  # "recordings", "skill" or "robot"
     facts: Mapping[str, Any] = field(default_factory=dict)
-    recordings: tuple[RecordingSummary, ...] = ()
-    text: str = ""
+    recordings: tuple[RecordingSummary, ...] = ()  # a summary of each recording
+    text: str = ""  # a robot's description
     problem: str | None = None
 
     def as_dict(self) -> dict[str, Any]:
@@ -84,22 +74,7 @@ def describe(
     tip: str | None = None,
     mesh_folders: Sequence[StrPath] = (),
 ) -> FileInfo:
-    """A summary of what a file contains, as far as it can be read.
-
-    Args:
-        path: the file, or the folder of a ROS 2 bag or a data set.
-        request: how to read recordings, from `leadthrough.io.request.checked`. Without a topic, all
-            topics of a bag that have motions are summarised.
-        limits: limits file of a URDF, as for `Arm.from_urdf`.
-        base: first link of a URDF's arm, as for `Arm.from_urdf`.
-        tip: last link of a URDF's arm, as for `Arm.from_urdf`.
-        mesh_folders: where a URDF's meshes are looked for, as for `Arm.from_urdf`.
-
-    Raises:
-        InvalidInput: if the file cannot be read or is of no known format.
-        InvalidRobot: if a URDF describes no arm.
-        MissingDependency: if its format needs an extra that is not installed.
-    """
+    """A summary of what a file contains, as far as it can be read."""
     if not isinstance(path, str | os.PathLike):
         raise InvalidInput(f"path: expected a path, got {path!r}")
     where = Path(path)

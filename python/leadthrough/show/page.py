@@ -32,30 +32,14 @@ _INK = re.compile(rf"{palette.BLACK}\b|#000000\b")
 def write_page(
     path: StrPath, title: str, parts: Sequence[str] | str, *, whole: bool = False
 ) -> None:
-    """Writes an HTML file of the given parts, whole or not at all.
-
-    Args:
-        path: the file to write.
-        title: its title.
-        parts: made by the functions below, in this order.
-        whole: whether the only part, a scene, fills the window.
-
-    Raises:
-        InvalidInput: if the file cannot be written.
-    """
+    """Writes an HTML file of the given parts, whole or not at all."""
     content = document(title, parts, whole=whole)
     with replacing(path) as temporary:
         temporary.write_text(content, encoding="utf-8")
 
 
 def document(title: str, parts: Sequence[str] | str, *, whole: bool = False) -> str:
-    """The HTML that `write_page` writes.
-
-    Args:
-        title: its title.
-        parts: made by the functions below, in this order.
-        whole: whether the only part, a scene, fills the window.
-    """
+    """The HTML that `write_page` writes."""
     return _PAGE.format(
         title=html.escape(title),
         style=_resource("page.css"),
@@ -85,22 +69,12 @@ def figure(drawn: Figure, caption: str = "") -> str:
 
 
 def gallery(parts: Sequence[str], *, width: float = 18.0) -> str:
-    """Figures side by side, as many in a row as there is room for.
-
-    Args:
-        parts: made by `figure`.
-        width: least width of each, in the page's size of type.
-    """
+    """Figures side by side, as many in a row as there is room for."""
     return f'<div class="gallery" style="--least: {width:g}rem">{"".join(parts)}</div>'
 
 
 def legend(entries: Mapping[str, str], *, dashed: Sequence[str] = ()) -> str:
-    """What the colours of figures mean.
-
-    Args:
-        entries: a colour such as "#0072b2" for each name.
-        dashed: names of those that are drawn dashed.
-    """
+    """What the colours of figures mean."""
     lines = (
         f'<li><i class="{"dashed" if name in dashed else "line"}" '
         f'style="color: {_INK.sub("currentColor", colour)}"></i>{html.escape(name)}</li>'
@@ -141,11 +115,7 @@ def heading(content: str) -> str:
 
 
 def contents(headings: Sequence[str]) -> str:
-    """Links to sections.
-
-    Args:
-        headings: their titles.
-    """
+    """Links to sections."""
     links = (f'<a href="#{_anchor(each)}">{html.escape(each)}</a>' for each in headings)
     return f'<nav aria-label="contents">{"".join(links)}</nav>'
 

@@ -28,12 +28,7 @@ OBSTACLE: Style = {"facecolor": palette.OBSTACLE, "edgecolor": "none"}
 
 
 def draw_velocity_map(axes: Axes, skill: FastMarchingSkill) -> None:
-    """Draws the velocity map of a two-dimensional skill; the brighter, the faster.
-
-    Args:
-        axes: where to draw; gets an equal aspect.
-        skill: fitted to two-dimensional demonstrations.
-    """
+    """Draws the velocity map of a two-dimensional skill; the brighter, the faster."""
     lower = skill.grid.origin - 0.5 * skill.grid.spacing
     upper = lower + skill.grid.spacing * np.array(skill.grid.shape)
     axes.imshow(
@@ -49,37 +44,20 @@ def draw_velocity_map(axes: Axes, skill: FastMarchingSkill) -> None:
 
 
 def draw_paths(axes: Axes, paths: Sequence[Float64Array], style: Style, *, label: str) -> None:
-    """Draws the first two coordinates of paths in one style.
-
-    Args:
-        axes: where to draw.
-        paths: points (n, d) of each path.
-        style: keyword arguments of `Axes.plot`, such as `PATH`.
-        label: the one entry of all paths in the legend.
-    """
+    """Draws the first two coordinates of paths in one style."""
     for i, path in enumerate(paths):
         axes.plot(path[:, 0], path[:, 1], **style, label=label if i == 0 else None)
 
 
 def draw_box(axes: Axes, box: Box) -> None:
-    """Draws the footprint of a box whose edges are parallel to the axes.
-
-    Args:
-        axes: where to draw.
-        box: seen along z; its orientation is not used.
-    """
+    """Draws the footprint of a box whose edges are parallel to the axes."""
     corner = box.position[:2] - 0.5 * box.size[:2]
     axes.add_patch(Rectangle((corner[0], corner[1]), box.size[0], box.size[1], **OBSTACLE))
 
 
 @style.applied()
 def joint_figure(trajectory: JointTrajectory, limits: JointLimits) -> Figure:
-    """Positions and velocities of all joints over time, with dashed limits.
-
-    Args:
-        trajectory: its own velocities are drawn, or else differences of its positions.
-        limits: of the same joints.
-    """
+    """Positions and velocities of all joints over time, with dashed limits."""
     joints = trajectory.positions.shape[1]
     figure = Figure(figsize=(9.0, 1.3 * joints + 0.8), layout="constrained")
     grid = figure.subplots(joints, 2, sharex=True, squeeze=False)
@@ -102,14 +80,7 @@ def joint_figure(trajectory: JointTrajectory, limits: JointLimits) -> Figure:
 
 @style.applied()
 def limits_figure(trajectory: JointTrajectory, limits: JointLimits) -> Figure:
-    """Position and its three derivatives of all joints over time, as fractions of the limits.
-
-    Derivatives are differences of the samples: what is drawn is what a controller sees.
-
-    Args:
-        trajectory: only its times and positions are used.
-        limits: of the same joints; the fraction of an unknown limit is drawn as zero.
-    """
+    """Position and its three derivatives of all joints over time, as fractions of the limits."""
     figure = Figure(figsize=(9.0, 7.5), layout="constrained")
     panels = figure.subplots(4, 1, sharex=True)
     middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * (limits.upper - limits.lower)

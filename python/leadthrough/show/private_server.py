@@ -37,18 +37,7 @@ _starting = threading.Lock()
 
 
 class PrivateServer:
-    """A running viser server and its address.
-
-    Args:
-        port: to listen on; 0 picks a free one.
-
-    Attributes:
-        server: viser's.
-        url: of the page, with the token.
-
-    Raises:
-        MissingDependency: if the extra `view` is not installed, or has another way to listen.
-    """
+    """A running viser server and its address."""
 
     def __init__(self, port: int) -> None:
         try:

@@ -39,21 +39,13 @@ _PULL = 100.0
 
 @dataclass(frozen=True, eq=False)
 class Answer(Brief):
-    """A motion that was planned, or the reason why there is none.
+    """A motion that was planned, or the reason why there is none."""
 
-    Attributes:
-        path: the tip's path (n, 3), m; None if there is none.
-        joints: the motion of the joints; None if the arm cannot follow the path.
-        trouble: what went wrong, in one line; empty if nothing did.
-        verdict: what a collision check of the whole arm says; empty for a preview.
-        seconds: how long it took to compute.
-    """
-
-    path: Float64Array | None
+    path: Float64Array | None  # the tip's path (n, 3), m; None if there is none
     joints: JointTrajectory | None
-    trouble: str
-    verdict: str
-    seconds: float
+    trouble: str  # what went wrong, in one line; empty if nothing did
+    verdict: str  # what a collision check of the whole arm says; empty for a preview
+    seconds: float  # how long it took to compute
 
 
 class _Query(TypedDict, total=False):
@@ -66,22 +58,7 @@ class _Query(TypedDict, total=False):
 
 
 class Replanner:
-    """A skill that is asked again and again for a motion of an arm among obstacles.
-
-    `preview` answers while something is dragged, `plan` when it has come to rest.
-
-    Args:
-        arm: the arm that is to follow the skill's motions.
-        skill: of points or poses in 3-D, or of the arm's joints.
-        goal: position (3,), m, or (position (3,), orientation (4,) w, x, y, z); by default the
-            skill's own.
-        obstacles: shapes in the arm's base frame. The whole arm keeps clear of them: a preview
-            moves what the tip's path leaves free, a plan also the tip where the arm has no room.
-        demonstrations: those that the skill was fitted to, for parameters that need a new fit.
-
-    Raises:
-        InvalidInput: if an argument is wrong, or the skill's motions are none for an arm.
-    """
+    """A skill that is asked again and again for a motion of an arm among obstacles."""
 
     def __init__(
         self,
@@ -127,15 +104,7 @@ class Replanner:
         return list(self.skill.parameters(self._demonstrations))
 
     def move_goal(self, position: ArrayLike, orientation: ArrayLike | None = None) -> None:
-        """Sets another goal.
-
-        Args:
-            position: (3,), m.
-            orientation: (4,) w, x, y, z; by default as before.
-
-        Raises:
-            InvalidInput: if one of them is malformed.
-        """
+        """Sets another goal."""
         self.goal_position = check.array(position, "goal", shape=(3,)).copy()
         if orientation is not None:
             self.goal_orientation = check.quaternions(orientation, "goal", shape=(4,))
@@ -144,40 +113,18 @@ class Replanner:
     def move_obstacle(
         self, index: int, position: ArrayLike, orientation: ArrayLike | None = None
     ) -> None:
-        """Moves one obstacle.
-
-        Args:
-            index: of `obstacles`.
-            position: (3,), m.
-            orientation: (4,) w, x, y, z; by default as before. A sphere ignores it.
-
-        Raises:
-            InvalidInput: if one of them is malformed or there is no such obstacle.
-        """
+        """Moves one obstacle."""
         count = len(self.obstacles)
         i = check.integer(index, "index", at_least=0, at_most=count - 1)
         self.obstacles[i] = self.obstacles[i].at(position, orientation)
 
     def set_parameter(self, index: int, value: float) -> None:
-        """Sets one of the skill's parameters, with a new fit if it needs one.
-
-        Args:
-            index: of `parameters`.
-            value: between its bounds.
-
-        Raises:
-            InvalidInput: if the model refuses the value.
-            FitError: if the new fit fails.
-        """
+        """Sets one of the skill's parameters, with a new fit if it needs one."""
         self.skill = self.parameters[index].apply(value)
         self.__dict__.pop("_quick", None)  # it answers with the old value
 
     def asked_skill(self) -> Skill:
-        """The skill, conditioned on the goal if it can be, so that its uncertainty ends there.
-
-        Raises:
-            InvalidInput: if no joint positions reach the goal of a skill of joints.
-        """
+        """The skill, conditioned on the goal if it can be, so that its uncertainty ends there."""
         if self.has_goal and self._asked and isinstance(self.skill, Conditioned):
             return self.skill.condition(self.skill.duration, self._goal())
         return self.skill
@@ -251,11 +198,7 @@ class Replanner:
         return joints
 
     def _next_to_the_last(self, motion: Trajectory | PoseTrajectory) -> JointTrajectory | None:
-        """The arm as if there were no obstacles, or else next to where it went around them last.
-
-        Both take a few milliseconds, a search for another way around some ten times as long. None
-        where neither keeps clear.
-        """
+        """The arm as if there were no obstacles, or else next to where it went around them last."""
         if self._first is None or not self.obstacles:
             return None
         around = self._around(_MARGINS[0])
@@ -270,14 +213,7 @@ class Replanner:
         return None
 
     def _searched(self, motion: Trajectory | PoseTrajectory) -> JointTrajectory:
-        """Another way around the obstacles, looked for until that fails.
-
-        Where there is none while one drags, there is none a little farther on either: the next
-        search has to wait for a plan, or for a way that needs none.
-
-        Raises:
-            LeadthroughError: if there is none, or none is looked for.
-        """
+        """Another way around the obstacles, looked for until that fails."""
         if not self.obstacles or self._first is None:
             return self._from_any_posture(motion)
         if not self._may_search:
@@ -297,11 +233,7 @@ class Replanner:
     def _from_the_same_posture(
         self, motion: Trajectory | PoseTrajectory, first: Float64Array
     ) -> JointTrajectory:
-        """A way around from a posture (joints,), found by one short search at each distance.
-
-        Raises:
-            IkFailure: if there is none.
-        """
+        """A way around from a posture (joints,), found by one short search at each distance."""
         margin, _ = _MARGINS
         if self._has_ample_room:
             try:
@@ -328,11 +260,7 @@ class Replanner:
         return usual.positions[-1].copy(), turned
 
     def _goal(self) -> Place:
-        """The goal in the form that the skill takes.
-
-        Raises:
-            InvalidInput: if no joint positions reach it.
-        """
+        """The goal in the form that the skill takes."""
         if self.goal_orientation is not None and self._is_of_poses:
             return self.goal_position, self.goal_orientation
         if not self._is_of_joints:

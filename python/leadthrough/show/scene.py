@@ -50,55 +50,29 @@ _ROD_RADIUS = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Item(Brief):
-    """One surface.
+    """One surface."""
 
-    Attributes:
-        name: unique in its layer.
-        layer: one of the layers above.
-        mesh: in the frame of its link, or of the arm's base.
-        colour: red, green, blue in [0, 1].
-        opacity: in [0, 1].
-        link: index of the link that carries it; None if it stands still.
-    """
-
-    name: str
-    layer: str
-    mesh: Mesh
-    colour: Colour
-    opacity: float = 1.0
-    link: int | None = None
+    name: str  # unique in its layer
+    layer: str  # one of the layers above
+    mesh: Mesh  # in the frame of its link, or of the arm's base
+    colour: Colour  # red, green, blue in [0, 1]
+    opacity: float = 1.0  # in [0, 1]
+    link: int | None = None  # index of the link that carries it; None if it stands still
 
 
 @dataclass(frozen=True, eq=False)
 class Scene(Brief):
-    """Surfaces and the motion of the links that carry some of them.
+    """Surfaces and the motion of the links that carry some of them."""
 
-    Attributes:
-        links: their names.
-        times: (n,), s, from 0. Between them, poses are interpolated.
-        positions: of the links in the frame of the arm's base, (n, links, 3), m.
-        orientations: of the links in that frame, (n, links, 4), w, x, y, z.
-        items: the surfaces.
-        remarks: on what cannot be shown, such as a mesh that is not there.
-    """
-
-    links: tuple[str, ...]
-    times: Float64Array
-    positions: Float64Array
-    orientations: Float64Array
-    items: tuple[Item, ...] = field(repr=False)
-    remarks: tuple[str, ...] = ()
+    links: tuple[str, ...]  # their names
+    times: Float64Array  # (n,), s, from 0. Between them, poses are interpolated
+    positions: Float64Array  # of the links in the frame of the arm's base, (n, links, 3), m
+    orientations: Float64Array  # of the links in that frame, (n, links, 4), w, x, y, z
+    items: tuple[Item, ...] = field(repr=False)  # the surfaces
+    remarks: tuple[str, ...] = ()  # on what cannot be shown, such as a mesh that is not there
 
     def with_motion(self, arm: Arm, joints: JointTrajectory) -> Scene:
-        """The same surfaces with another motion of the arm.
-
-        Args:
-            arm: the arm of this scene.
-            joints: its new motion.
-
-        Raises:
-            InvalidInput: if the motion is of other joints.
-        """
+        """The same surfaces with another motion of the arm."""
         shown = frames(arm, joints)
         _, positions, orientations = _links(arm, shown.positions)
         times = shown.times - shown.times[0]
@@ -144,20 +118,7 @@ def arm_scene(
     obstacles: Iterable[Shape] = (),
     goal: ArrayLike | None = None,
 ) -> Scene:
-    """The scene of an arm on a motion of its joints, with what the motion was made from.
-
-    Args:
-        arm: the arm.
-        joints: its motion; None for an arm that stands still in the middle of its joint ranges.
-        demonstrations: recordings to draw as thin tubes.
-        path: (n, 3), m; by default the path of the tip.
-        skill: if it has a distribution, a tube of two standard deviations about its mean is drawn.
-        obstacles: shapes in the arm's base frame.
-        goal: (3,), m.
-
-    Raises:
-        InvalidInput: if an argument is malformed or the motion is of other joints.
-    """
+    """The scene of an arm on a motion of its joints, with what the motion was made from."""
     shown = frames(arm, joints)
     links, positions, orientations = _links(arm, shown.positions)
     if path is None and joints is not None:
@@ -175,15 +136,7 @@ def arm_scene(
 
 
 def frames(arm: Arm, joints: JointTrajectory | None) -> JointTrajectory:
-    """A motion at no more samples than a screen shows.
-
-    Args:
-        arm: the arm that moves.
-        joints: its motion; None for an arm that stands still in the middle of its joint ranges.
-
-    Raises:
-        InvalidInput: if the motion is of other joints.
-    """
+    """A motion at no more samples than a screen shows."""
     if joints is None:
         return JointTrajectory(np.zeros(1), _middle(arm)[None], joint_names=arm.joint_names)
     if not isinstance(joints, JointTrajectory):
@@ -203,11 +156,7 @@ def frames(arm: Arm, joints: JointTrajectory | None) -> JointTrajectory:
 
 
 def tip_path(arm: Arm, motion: Motion) -> Float64Array:
-    """The tip's path (n, 3) along a motion; a two-dimensional drawing lies at z = 0.
-
-    Raises:
-        InvalidInput: if the motion has other than two or three dimensions.
-    """
+    """The tip's path (n, 3) along a motion; a two-dimensional drawing lies at z = 0."""
     if isinstance(motion, JointTrajectory):
         return arm.forward_kinematics(motion.positions)[0]
     width = motion.positions.shape[1]
@@ -219,13 +168,7 @@ def tip_path(arm: Arm, motion: Motion) -> Float64Array:
 def arm_items(
     arm: Arm, links: Sequence[str], parts: Mapping[str, Sequence[Part]]
 ) -> Iterator[Item]:
-    """The arm's surfaces; links without a colour of their own get one of two in turn.
-
-    Args:
-        arm: the arm; without any surface it is drawn as rods.
-        links: their names, in the order of the scene.
-        parts: the surfaces of each link.
-    """
+    """The arm's surfaces; links without a colour of their own get one of two in turn."""
     parts = parts or _rods(arm)
     colours = cycle((palette.rgb(palette.SHELL), palette.rgb(palette.JOINT)))
     for (link, own), usual in zip(parts.items(), colours, strict=False):
@@ -267,10 +210,7 @@ def spread_items(arm: Arm, skill: Skill | None) -> Iterator[Item]:
 
 
 def distribution_of(arm: Arm, skill: Skill | None) -> tuple[Float64Array, Float64Array] | None:
-    """Mean (n, 3), m, and covariance (n, 3, 3) of the tip's position; None if there is none.
-
-    The covariance of joints is mapped to the tip by the Jacobian, to first order.
-    """
+    """Mean (n, 3), m, and covariance (n, 3, 3) of the tip's position; None if there is none."""
     if not isinstance(skill, Distributed):
         return None
     mean, covariance = skill.distribution(np.linspace(0.0, skill.duration, _SPREAD_POINTS))

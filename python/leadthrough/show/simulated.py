@@ -45,11 +45,7 @@ def simulation_parts(report: SimulationReport) -> list[str]:
 
 
 def joint_table(report: SimulationReport) -> tuple[list[str], list[list[str]]]:
-    """Names of the columns, and a row for each joint.
-
-    Args:
-        report: of `lt.simulate`.
-    """
+    """Names of the columns, and a row for each joint."""
     errors = ["error, mrad (mm)", "allowed"]
     columns = ["joint", *errors, "torque, N m (N)", "of the limit", "energy, J"]
     rows = zip(
@@ -68,11 +64,7 @@ def joint_table(report: SimulationReport) -> tuple[list[str], list[list[str]]]:
 
 
 def simulation_scene(report: SimulationReport) -> Scene:
-    """The simulated arm and the planned one in one scene.
-
-    Args:
-        report: of `lt.simulate`.
-    """
+    """The simulated arm and the planned one in one scene."""
     tip, _ = report.arm.forward_kinematics(report.planned.positions)
     real = arm_scene(report.arm, report.simulated, path=tip, obstacles=report.obstacles)
     plan = arm_scene(report.arm, report.planned)

@@ -120,13 +120,7 @@ def tube(path: Float64Array, radius: float, *, sides: int = _TUBE_SIDES) -> Mesh
 def uncertainty_tube(
     means: Float64Array, covariances: Float64Array, *, deviations: float = 2.0
 ) -> Mesh:
-    """The tube whose cross-sections are the ellipses of a distribution about its mean path.
-
-    Args:
-        means: the mean path (n, 3), m.
-        covariances: (n, 3, 3), m^2.
-        deviations: length of the ellipses' half axes in standard deviations.
-    """
+    """The tube whose cross-sections are the ellipses of a distribution about its mean path."""
     frames = cross_sections(means)
     across = np.einsum("nik,nkl,njl->nij", frames, covariances, frames)
     values, axes = np.linalg.eigh(across)
@@ -152,8 +146,6 @@ def thinned(path: Float64Array, count: int) -> Float64Array:
 
 def cross_sections(path: Float64Array) -> Float64Array:
     """Two unit vectors (n, 2, 3) across the path (n, 3) at each point, with the least twist.
-
-    Each pair is the one before, reflected twice.
 
     Source: Wang et al. 2008, "Computation of rotation minimizing frames", table I.
     """

@@ -29,20 +29,7 @@ class Part:
 def parts_by_link(
     document: str, mesh_folders: Sequence[str]
 ) -> tuple[dict[str, list[Part]], tuple[str, ...]]:
-    """The surfaces of each link of a URDF, and what cannot be shown.
-
-    A link's visual geometry is used, or its collision geometry if there is none or a mesh cannot
-    be read: a view should open all the same. Geometry that is read without another library is
-    preferred, since it is small and clean.
-
-    Args:
-        document: the URDF, as an arm has accepted it.
-        mesh_folders: where to look for meshes.
-
-    Returns:
-        Surfaces by the link's name, without links that have none; and a remark on each link of
-        which a mesh cannot be read.
-    """
+    """The surfaces of each link of a URDF, and what cannot be shown."""
     robot = ElementTree.fromstring(document)
     colours = {name: colour for name, colour in map(_material, robot.findall("material")) if colour}
     found, remarks = {}, []

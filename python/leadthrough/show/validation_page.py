@@ -52,11 +52,7 @@ def write_validation(folder: Path, found: Validation) -> None:
 
 
 def success_map(found: Validation) -> Figure:
-    """The success rate over the region of goals, seen along its shortest side.
-
-    Args:
-        found: by `lt.validate`.
-    """
+    """The success rate over the region of goals, seen along its shortest side."""
     goals = found.certificate.goals
     sides = goals.upper - goals.lower
     wide = sorted(np.argsort(-sides, kind="stable")[:2].tolist())

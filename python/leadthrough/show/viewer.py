@@ -32,22 +32,7 @@ _MOST_SPEED = 2.0
 
 
 class LiveView:
-    """A page that shows a scene and, with a replanner, plans anew while things are dragged.
-
-    It is served on 127.0.0.1 until `close`, to whoever knows its address.
-
-    Args:
-        shown: the scene.
-        replanner: what answers when something is dragged; without it nothing can be.
-        port: port of the page; 0 picks a free one.
-
-    Attributes:
-        handles: viser's handles of the goal ("goal") and the obstacles ("obstacle 0", ...).
-
-    Raises:
-        InvalidInput: for an impossible port.
-        MissingDependency: if the extra `view` is not installed.
-    """
+    """A page that shows a scene and, with a replanner, plans anew while things are dragged."""
 
     def __init__(self, shown: Scene, replanner: Replanner | None = None, *, port: int = 0) -> None:
         self._private = PrivateServer(check.integer(port, "port", at_least=0, at_most=65535))
@@ -112,11 +97,7 @@ class LiveView:
         self._private.stop()
 
     def request(self, change: Callable[[], None]) -> None:
-        """Asks for a new plan, before which a change is made to the replanner.
-
-        Args:
-            change: run on the planning thread; its errors become the answer's trouble.
-        """
+        """Asks for a new plan, before which a change is made to the replanner."""
         self._changes.append(change)
         self._asked.set()
 

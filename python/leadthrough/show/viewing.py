@@ -116,12 +116,7 @@ def whole_scene(
     goal: Place | None,
     obstacles: Iterable[Shape],
 ) -> Scene:
-    """The scene of `view`, from its arguments.
-
-    Raises:
-        InvalidInput: if an argument is wrong, or the skill plans no motion that the arm can follow.
-        IkFailure: if the arm cannot follow the motion of the tip.
-    """
+    """The scene of `view`, from its arguments."""
     check_arm(arm)
     shapes = check_shapes(obstacles)
     if motion is None and skill is not None:

@@ -25,43 +25,25 @@ _LIGHTEST = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """What a controller knows at the beginning of a period.
+    """What a controller knows at the beginning of a period."""
 
-    Attributes:
-        target: where the arm should be now, and the acceleration that takes it on.
-        q: measured positions (joints,).
-        qd: measured velocities (joints,).
-        progress: fraction of the path that the tip has gone, in [0, 1].
-    """
-
-    target: CommandedState
-    q: Float64Array
-    qd: Float64Array
-    progress: float
+    target: CommandedState  # where the arm should be now, and the acceleration that takes it on
+    q: Float64Array  # measured positions (joints,)
+    qd: Float64Array  # measured velocities (joints,)
+    progress: float  # fraction of the path that the tip has gone, in [0, 1]
 
 
 @dataclass(frozen=True, eq=False)
 class Gains(Brief):
-    """What a law answers to small errors, along a motion.
+    """What a law answers to small errors, along a motion."""
 
-    Attributes:
-        stiffness: (n, joints, joints), N m/rad.
-        damping: (n, joints, joints), N m s/rad, without that of the drives.
-        unmodelled: (n, joints), N m: what the motion needs and the law does not feed forward.
-    """
-
-    stiffness: Float64Array
-    damping: Float64Array
+    stiffness: Float64Array  # (n, joints, joints), N m/rad
+    damping: Float64Array  # (n, joints, joints), N m s/rad, without that of the drives
     unmodelled: Float64Array
 
 
 class Law(ABC):
-    """A controller of one arm.
-
-    Args:
-        arm: as the controller knows it.
-        gravity: (3,), m/s^2 in the base frame.
-    """
+    """A controller of one arm."""
 
     def __init__(self, arm: Arm, gravity: Float64Array) -> None:
         self.arm = arm
@@ -92,21 +74,13 @@ class Law(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Samples (n, joints) of a motion of which a law's linear model is wanted.
+    """Samples (n, joints) of a motion of which a law's linear model is wanted."""
 
-    Attributes:
-        q: positions.
-        mass: mass matrices (n, joints, joints).
-        torques: that the motion needs.
-        weight: of these, those that hold the arm against gravity.
-        progress: (n,) fractions of the tip's path.
-    """
-
-    q: Float64Array
-    mass: Float64Array
-    torques: Float64Array
-    weight: Float64Array
-    progress: Float64Array
+    q: Float64Array  # positions
+    mass: Float64Array  # mass matrices (n, joints, joints)
+    torques: Float64Array  # that the motion needs
+    weight: Float64Array  # of these, those that hold the arm against gravity
+    progress: Float64Array  # (n,) fractions of the tip's path
 
 
 class Controller(Brief, ABC):
@@ -269,18 +243,7 @@ def joint_gains(
     frequency: float,
     damping_ratio: float,
 ) -> tuple[Float64Array, Float64Array]:
-    """Springs and dampers (joints,) of an arm's joints.
-
-    Args:
-        arm: whose inertia counts.
-        q: where.
-        stiffness: as for `JointImpedance`.
-        frequency: rad/s.
-        damping_ratio: of each joint.
-
-    Raises:
-        InvalidInput: if a stiffness is not > 0 or their number is not that of the joints.
-    """
+    """Springs and dampers (joints,) of an arm's joints."""
     inertia = _inertias(arm, q)
     if stiffness is None:
         springs = frequency**2 * inertia
@@ -290,10 +253,7 @@ def joint_gains(
 
 
 def _inertias(arm: Arm, q: Float64Array) -> Float64Array:
-    """What each joint moves (joints,), kg m^2 (kg); light joints as a part of the heaviest.
-
-    The motors' own inertia, which a URDF does not state, lets real joints be no lighter.
-    """
+    """What each joint moves (joints,), kg m^2 (kg); light joints as a part of the heaviest."""
     inertia = np.diag(arm.mass_matrix(q)).copy()
     path = arm.robot.path(arm.base, arm.tip)
     slides = {joint.name for joint in path if joint.kind == "prismatic"}
@@ -311,11 +271,7 @@ def per_joint(
     above: float | None = None,
     at_least: float | None = None,
 ) -> Float64Array:
-    """A number for each joint (joints,), from as many or from one for all.
-
-    Raises:
-        InvalidInput: if there are others, or one is out of its range.
-    """
+    """A number for each joint (joints,), from as many or from one for all."""
     count = len(arm.joint_names)
     if np.ndim(value) == 0:
         value = np.full(count, value)

@@ -20,29 +20,16 @@ _UNTURNED = (1.0, 0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """A convex solid in the frame of its body.
+    """A convex solid in the frame of its body."""
 
-    Attributes:
-        kind: "box", "sphere", "capsule", "cylinder" or "mesh".
-        size: as MuJoCo takes it, half lengths; of a mesh ().
-        position: (3,), m.
-        orientation: (4,), w, x, y, z.
-        vertices: (n, 3), m, of a mesh in its own frame.
-    """
-
-    kind: str
-    size: tuple[float, ...]
-    position: Float64Array
-    orientation: Float64Array
-    vertices: Float64Array | None = None
+    kind: str  # "box", "sphere", "capsule", "cylinder" or "mesh"
+    size: tuple[float, ...]  # as MuJoCo takes it, half lengths; of a mesh ()
+    position: Float64Array  # (3,), m
+    orientation: Float64Array  # (4,), w, x, y, z
+    vertices: Float64Array | None = None  # (n, 3), m, of a mesh in its own frame
 
     def add_to(self, spec: Any, body: Any) -> None:
-        """Adds the solid to a body of a MuJoCo model that is being specified.
-
-        Args:
-            spec: `mujoco.MjSpec`.
-            body: one of its bodies.
-        """
+        """Adds the solid to a body of a MuJoCo model that is being specified."""
         mujoco = optional.load("mujoco", extra="simulation")
         geom = body.add_geom(
             type=getattr(mujoco.mjtGeom, f"mjGEOM_{self.kind.upper()}"),
@@ -78,15 +65,7 @@ def solids_of(shape: Shape) -> Iterator[Solid]:
 
 
 def link_solids(arm: Arm) -> dict[str, list[Solid]]:
-    """The collision shapes of each link of the arm's robot, in the links' frames.
-
-    Args:
-        arm: the arm.
-
-    Raises:
-        InvalidRobot: if a mesh is missing or flat.
-        MissingDependency: if a mesh's format needs a package that is not installed.
-    """
+    """The collision shapes of each link of the arm's robot, in the links' frames."""
     links = ElementTree.fromstring(arm.document).findall("link")
     return {
         link.get("name", ""): [

@@ -17,17 +17,7 @@ _ORIGIN = "0 0 0"
 
 
 def link_inertias(arm: Arm, *, payload: float) -> dict[str, Load]:
-    """The rigid bodies, by the links that they are fixed to, that the arm's joints move.
-
-    As in `Arm.inverse_dynamics`, what hangs from joints outside the arm has no mass.
-
-    Args:
-        arm: the arm.
-        payload: factor by which the loads at the tip are heavier than the arm knows.
-
-    Returns:
-        Bodies in the links' frames, one for each link that has a mass.
-    """
+    """The rigid bodies, by the links that they are fixed to, that the arm's joints move."""
     links = ElementTree.fromstring(arm.document).findall("link")
     stated = {link.get("name", ""): link for link in links}
     found = {}

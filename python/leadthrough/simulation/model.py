@@ -29,31 +29,17 @@ _LEAST = 1e-13
 
 @dataclass(frozen=True, eq=False)
 class Plant:
-    """A compiled model and where the arm's joints are in it.
+    """A compiled model and where the arm's joints are in it."""
 
-    Attributes:
-        model: `mujoco.MjModel`.
-        joints: indices of the arm's joints among its coordinates; its motors have their order.
-        drives: of each coordinate, the arm's joint that drives it, a factor and an offset: those of
-            joints that mimic another are not 1 and 0.
-        tip: index of the body of the tip link.
-        effort: (joints,), N m (N): the lower of the URDF's and the limits'; infinite if neither
-            states one.
-        velocity: (joints,), rad/s (m/s), likewise.
-        stated_velocity: (joints,), rad/s (m/s), of the URDF alone.
-        friction: (joints,), N m (N), whichever way the joint moves.
-        damping: (joints,), N m s/rad (N s/m).
-    """
-
-    model: Any
+    model: Any  # `mujoco.MjModel`
     joints: NDArray[np.int64]
     drives: tuple[tuple[int, float, float], ...]
-    tip: int
+    tip: int  # index of the body of the tip link
     effort: Float64Array
-    velocity: Float64Array
-    stated_velocity: Float64Array
-    friction: Float64Array
-    damping: Float64Array
+    velocity: Float64Array  # (joints,), rad/s (m/s), likewise
+    stated_velocity: Float64Array  # (joints,), rad/s (m/s), of the URDF alone
+    friction: Float64Array  # (joints,), N m (N), whichever way the joint moves
+    damping: Float64Array  # (joints,), N m s/rad (N s/m)
 
     def coordinates(self, q: Float64Array) -> Float64Array:
         """Positions of all joints of the model, from the arm's own (joints,)."""
@@ -71,22 +57,7 @@ def plant(
     gravity: Float64Array,
     period: float,
 ) -> Plant:
-    """The model of an arm among obstacles.
-
-    Args:
-        arm: the arm.
-        obstacles: shapes in the base frame.
-        payload: factor by which the loads at the tip are heavier than the arm knows.
-        friction: (joints,), N m (N), besides the URDF's.
-        damping: (joints,), N m s/rad (N s/m), besides the URDF's.
-        drive_damping: (joints,), N m s/rad (N s/m), of dampers inside the motors' drives.
-        gravity: (3,), m/s^2 in the base frame.
-        period: of a step, s.
-
-    Raises:
-        InvalidRobot: if the URDF states no masses, or no bodies have its inertias.
-        MissingDependency: if MuJoCo is not installed.
-    """
+    """The model of an arm among obstacles."""
     mujoco = optional.load("mujoco", extra="simulation")
     if arm._chain.mass == 0.0:
         raise InvalidRobot("robot", "no link that the arm moves has a mass, so nothing resists")

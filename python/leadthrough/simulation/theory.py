@@ -37,19 +37,7 @@ def expected_errors(
     pushes: tuple[Push, ...],
     late: int,
 ) -> tuple[Float64Array, Float64Array]:
-    """Tracking errors that the linear model gives, and the part of them that is by dry friction.
-
-    Both are (n, joints), rad (m), and infinite if the model is unstable.
-
-    Args:
-        real: the simulated arm; of it the law, friction and damping are used.
-        q: planned positions (n, joints), a period apart.
-        qd: planned velocities.
-        qdd: planned accelerations.
-        progress: (n,) fractions of the tip's path.
-        pushes: on the tip.
-        late: periods by which measurements are delayed.
-    """
+    """Tracking errors that the linear model gives, and the part of them that is by dry friction."""
     law, plant = real.law, real.plant
     left = plant.damping * qd + _pushed(real, q, pushes)
     torques = law.arm.inverse_dynamics(q, qd, qdd, gravity=law.gravity)
@@ -77,13 +65,7 @@ def expected_errors(
 
 
 def allowed_errors(expected: Float64Array, dry: Float64Array, *, encoder: float) -> Float64Array:
-    """The largest error (joints,) that the gains allow.
-
-    Args:
-        expected: (n, joints).
-        dry: the part by dry friction, which may hold a joint either way.
-        encoder: steps of the encoders, rad (m).
-    """
+    """The largest error (joints,) that the gains allow."""
     if not np.isfinite(expected).all():
         return np.full(expected.shape[1], np.inf)
     most = np.abs(expected - dry).max(axis=0) + np.abs(dry).max(axis=0)

@@ -17,27 +17,16 @@ _IMPLAUSIBLE = 2.0  # times the velocity that a URDF states
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What was recorded, (n, joints) each; the torques are those of the period that follows.
+    """What was recorded, (n, joints) each; the torques are those of the period that follows."""
 
-    Attributes:
-        q: positions.
-        qd: velocities.
-        qdd: accelerations.
-        torques: of the motors.
-        demanded: what the controller asked of them.
-        work: of the motors during the period, J.
-        touches: with the index of their sample.
-        whole: whether the arm went through to the end.
-    """
-
-    q: Float64Array
-    qd: Float64Array
-    qdd: Float64Array
-    torques: Float64Array
-    demanded: Float64Array
-    work: Float64Array
-    touches: list[tuple[int, list[Touch]]]
-    whole: bool
+    q: Float64Array  # positions
+    qd: Float64Array  # velocities
+    qdd: Float64Array  # accelerations
+    torques: Float64Array  # of the motors
+    demanded: Float64Array  # what the controller asked of them
+    work: Float64Array  # of the motors during the period, J
+    touches: list[tuple[int, list[Touch]]]  # with the index of their sample
+    whole: bool  # whether the arm went through to the end
 
 
 def findings(
@@ -51,18 +40,7 @@ def findings(
     tip: tuple[Float64Array, float | None],
     way_found: bool,
 ) -> tuple[Finding, ...]:
-    """What speaks against running a motion, one of each kind: where it begins, and at its worst.
-
-    Args:
-        real: the arm that ran.
-        run: what it did.
-        q: planned positions (n, joints).
-        qd: planned velocities.
-        allowed: largest errors (joints,) by theory.
-        contacts: what touched.
-        tip: errors (n,) of the tip, m, and the tolerance.
-        way_found: whether there are ways onto the motion and to rest.
-    """
+    """What speaks against running a motion, one of each kind: where it begins, and at its worst."""
     names, plant = real.arm.joint_names, real.plant
     period = real.period
 
@@ -105,12 +83,7 @@ def _wrong_limits(real: SimulatedArm) -> Iterator[Finding]:
 def summed_contacts(
     touches: Sequence[tuple[int, list[Touch]]], period: float
 ) -> tuple[Contact, ...]:
-    """One entry for each pair of bodies, in the order of their first touch.
-
-    Args:
-        touches: with the index of their sample.
-        period: between samples, s.
-    """
+    """One entry for each pair of bodies, in the order of their first touch."""
     spans: dict[tuple[str, str], tuple[int, int, float]] = {}
     for sample, pairs in touches:
         for each in pairs:

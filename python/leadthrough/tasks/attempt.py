@@ -19,12 +19,7 @@ from leadthrough.tasks.task import Job, Report, Row
 
 
 def attempt(job: Job, files: Mapping[str, str]) -> Report:
-    """The report on a job whose function is imported by its name.
-
-    Args:
-        job: to do.
-        files: paths in this machine by the names of arguments.
-    """
+    """The report on a job whose function is imported by its name."""
 
     def named(**arguments: Any) -> list[Row]:
         rows: list[Row] = getattr(import_module(job.module), job.function)(**arguments)
@@ -34,13 +29,7 @@ def attempt(job: Job, files: Mapping[str, str]) -> Report:
 
 
 def attempt_with(function: Callable[..., list[Row]], job: Job, files: Mapping[str, str]) -> Report:
-    """The report on a job; where the store is within reach, the rows are in it.
-
-    Args:
-        function: the job's.
-        job: to do.
-        files: paths in this machine by the names of arguments.
-    """
+    """The report on a job; where the store is within reach, the rows are in it."""
     began = time.perf_counter()
     failure = rows = None
     try:

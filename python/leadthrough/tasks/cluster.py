@@ -37,15 +37,7 @@ class Cluster:
     """The workers of a Dask scheduler."""
 
     def __init__(self, where: str) -> None:
-        """Connects.
-
-        Args:
-            where: the scheduler's address, or the .json file that it wrote.
-
-        Raises:
-            InvalidInput: if there is no scheduler.
-            MissingDependency: if the extra `dask` is not installed.
-        """
+        """Connects."""
         distributed = optional.load("distributed", extra="dask")
         named = {"scheduler_file": where} if where.endswith(".json") else {"address": where}
         if where.endswith(".json") and not Path(where).is_file():
@@ -131,12 +123,7 @@ class Cluster:
         return Report(key, self._where, 0.0, failure=failure)
 
     def _sent(self, path: str, content: str) -> Any:
-        """A future of a file's content, which each worker asks for once.
-
-        Args:
-            path: of the file.
-            content: a digest of its content.
-        """
+        """A future of a file's content, which each worker asks for once."""
         future = self._contents.get(content)
         if future is None:
             with warnings.catch_warnings():
@@ -180,12 +167,7 @@ def _handed_on(data: bytes) -> bytes:
 
 
 def _do(job: Job, files: dict[str, bytes]) -> Report:
-    """The report on a job, on a worker.
-
-    Args:
-        job: to do.
-        files: contents by the names of arguments.
-    """
+    """The report on a job, on a worker."""
     worker = optional.load("distributed", extra="dask").get_worker()
     if code.digest(job.module) != job.code:
         raise OtherCode(_other_code(worker.address, job.module))

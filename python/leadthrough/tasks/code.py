@@ -50,11 +50,7 @@ def digest(module: str) -> str:
 
 @cache
 def sources(module: str) -> dict[str, Path]:
-    """The files that a module depends on, by the names of their modules.
-
-    Args:
-        module: full name of the module.
-    """
+    """The files that a module depends on, by the names of their modules."""
     found: dict[str, Path] = {}
     waiting = [module]
     own = {*_OWN, module.partition(".")[0]}

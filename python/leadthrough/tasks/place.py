@@ -27,38 +27,17 @@ class Place(Protocol):
         """The number of jobs that it should have at a time."""
 
     def submit(self, task: Task, job: Job) -> None:
-        """Takes a task.
-
-        Args:
-            task: to do.
-            job: the form in which it travels.
-
-        Raises:
-            InvalidInput: if its function cannot be imported, or a worker has other code.
-        """
+        """Takes a task."""
 
     def next(self) -> Report:
-        """Waits for a report on any of the jobs.
-
-        Raises:
-            ClusterLost: if no more reports can come.
-        """
+        """Waits for a report on any of the jobs."""
 
     def close(self) -> None:
         """Drops the jobs that are not finished."""
 
 
 def opened(on: str | None) -> Place:
-    """The place with this name.
-
-    Args:
-        on: "local:N" for N processes of this machine, the address of a Dask scheduler such as
-            "tcp://host:8786", or the .json file that it wrote; None for this process.
-
-    Raises:
-        InvalidInput: if it is none of these, or there is no scheduler.
-        MissingDependency: for a cluster, if the extra `dask` is not installed.
-    """
+    """The place with this name."""
     if on is None:
         return _Here()
     if found := _LOCAL.fullmatch(on):

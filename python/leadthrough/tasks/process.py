@@ -37,12 +37,7 @@ class Process:
         self._closed = False
 
     def do(self, job: Job, files: Mapping[str, str]) -> Report:
-        """The report on a job, whatever becomes of the process.
-
-        Args:
-            job: to do.
-            files: paths in this machine by the names of arguments.
-        """
+        """The report on a job, whatever becomes of the process."""
         attempts, began, ended = 0, time.perf_counter(), ""
         while attempts < MOST_ATTEMPTS and not self._closed:
             attempts += 1
@@ -105,11 +100,7 @@ class Process:
 
 
 def serve(number: int) -> None:
-    """Does the jobs that come on a line, until the line is closed; then ends at once.
-
-    Args:
-        number: of the line's open file.
-    """
+    """Does the jobs that come on a line, until the line is closed; then ends at once."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
     line = Connection(number)
     waiting: SimpleQueue[tuple[Job, dict[str, str]]] = SimpleQueue()

@@ -57,63 +57,33 @@ class Task:
 
 @dataclass(frozen=True)
 class Job:
-    """A task as it travels: its function by name.
+    """A task as it travels: its function by name."""
 
-    Attributes:
-        key: of the task.
-        module: that has the function.
-        function: its name in the module.
-        arguments: values that JSON can hold.
-        files: paths by the names of further arguments.
-        contents: a digest of each file's content, by the same names.
-        code: the digest of the function's code.
-        store: folder of the store, and the text that tells it from others.
-        timeout: s; None for no bound.
-    """
-
-    key: str
-    module: str
-    function: str
-    arguments: dict[str, Any]
-    files: dict[str, str]
-    contents: dict[str, str]
-    code: str
-    store: tuple[str, str]
-    timeout: float | None
+    key: str  # of the task
+    module: str  # that has the function
+    function: str  # its name in the module
+    arguments: dict[str, Any]  # values that JSON can hold
+    files: dict[str, str]  # paths by the names of further arguments
+    contents: dict[str, str]  # a digest of each file's content, by the same names
+    code: str  # the digest of the function's code
+    store: tuple[str, str]  # folder of the store, and the text that tells it from others
+    timeout: float | None  # s; None for no bound
 
 
 @dataclass(frozen=True)
 class Report:
-    """What became of a job.
+    """What became of a job."""
 
-    Attributes:
-        key: of the task.
-        host: the process that did it.
-        seconds: that it took, from when the function was called.
-        attempts: how often it was begun.
-        rows: as JSON; None if they are in the store already or there are none.
-        failure: the error, its message and where it was raised; None if there are rows.
-    """
-
-    key: str
-    host: str
-    seconds: float
-    attempts: int = 1
-    rows: str | None = None
+    key: str  # of the task
+    host: str  # the process that did it
+    seconds: float  # that it took, from when the function was called
+    attempts: int = 1  # how often it was begun
+    rows: str | None = None  # as JSON; None if they are in the store already or there are none
     failure: dict[str, str] | None = None
 
 
 def job(task: Task, store: tuple[str, str], timeout: float | None) -> Job:
-    """A task in the form in which it travels.
-
-    Args:
-        task: to do.
-        store: folder of the store, and the text that tells it from others.
-        timeout: s; None for no bound.
-
-    Raises:
-        InvalidInput: if a file cannot be read.
-    """
+    """A task in the form in which it travels."""
     function = task.function
     return Job(
         task.key,
@@ -137,11 +107,7 @@ def _code_of(function: Callable[..., Any]) -> str:
 
 
 def content_of(path: Path) -> str:
-    """A digest of a file's content.
-
-    Raises:
-        InvalidInput: if it cannot be read.
-    """
+    """A digest of a file's content."""
     try:
         changed = path.stat()
         return _content(path, changed.st_mtime_ns, changed.st_size)
@@ -156,11 +122,7 @@ def _content(path: Path, changed: int, size: int) -> str:  # noqa: ARG001  # a f
 
 
 def check_importable(function: Callable[..., Any]) -> None:
-    """Refuses a function that another process cannot import by its name.
-
-    Raises:
-        InvalidInput: if it is no function of a module, or one of the program's main module.
-    """
+    """Refuses a function that another process cannot import by its name."""
     name = function.__module__ or _PROMPT
     module = sys.modules.get(name)
     if name == _PROMPT or (getattr(module, function.__qualname__, None) is not function):

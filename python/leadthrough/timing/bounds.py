@@ -20,21 +20,13 @@ InverseDynamics = Callable[[Float64Array, Float64Array, Float64Array], Float64Ar
 
 @dataclass(frozen=True, eq=False)
 class PathBounds:
-    """Bounds at the n points of a path's grid.
+    """Bounds at the n points of a path's grid."""
 
-    Attributes:
-        fastest: the largest x, (n,).
-        gain: factor of u in each row of the table, (n, rows).
-        bend: factor of x, (n, rows).
-        lower: lower bound of the row, (n, rows).
-        upper: upper bound of the row, (n, rows).
-    """
-
-    fastest: Float64Array
-    gain: Float64Array
-    bend: Float64Array
-    lower: Float64Array
-    upper: Float64Array
+    fastest: Float64Array  # the largest x, (n,)
+    gain: Float64Array  # factor of u in each row of the table, (n, rows)
+    bend: Float64Array  # factor of x, (n, rows)
+    lower: Float64Array  # lower bound of the row, (n, rows)
+    upper: Float64Array  # upper bound of the row, (n, rows)
 
 
 def unbounded(path: _core.TimedPath) -> PathBounds:
@@ -52,14 +44,7 @@ def slower_than(bounds: PathBounds, squared: Float64Array) -> PathBounds:
 def paced(
     path: _core.TimedPath, parameters: Float64Array, times: Float64Array
 ) -> tuple[Float64Array, Float64Array]:
-    """Times (n,) at the grid's points, and x (n,) there, of a motion known at some parameters.
-
-    Args:
-        path: what the motion runs along.
-        parameters: strictly increasing, (m,).
-        times: when the motion is there, (m,) strictly increasing; between them it has a continuous
-            pace and never turns back.
-    """
+    """Times (n,) at the grid's points, and x (n,) there, of a motion known at some parameters."""
     from scipy.interpolate import PchipInterpolator
 
     clock = PchipInterpolator(parameters, times)
@@ -76,14 +61,7 @@ def tip_within(path: _core.TimedPath, jacobian: Jacobian, speed: float) -> Float
 def with_efforts(
     bounds: PathBounds, path: _core.TimedPath, dynamics: InverseDynamics, effort: Float64Array
 ) -> PathBounds:
-    """The bounds, with the joints' efforts kept inside their limits.
-
-    Args:
-        bounds: those so far.
-        path: what the motion runs along.
-        dynamics: maps q, velocities and accelerations to efforts.
-        effort: limits (joints,), N m (N).
-    """
+    """The bounds, with the joints' efforts kept inside their limits."""
     still = np.zeros_like(path.positions)
     rest = efforts(dynamics, path.positions, still, still)
     gain = efforts(dynamics, path.positions, still, path.first) - rest
@@ -92,11 +70,7 @@ def with_efforts(
 
 
 def tip_speeds(jacobian: Jacobian, q: Float64Array, velocities: Float64Array) -> Float64Array:
-    """Speeds (n,) of the tip, m/s, at configurations and velocities (n, joints).
-
-    Raises:
-        InvalidInput: if the Jacobian is not a finite matrix (rows, joints).
-    """
+    """Speeds (n,) of the tip, m/s, at configurations and velocities (n, joints)."""
     speeds = []
     for row, velocity in zip(q, velocities, strict=True):
         matrix = check.array(jacobian(row), "jacobian(q)", shape=("rows", len(row)))
@@ -107,11 +81,7 @@ def tip_speeds(jacobian: Jacobian, q: Float64Array, velocities: Float64Array) ->
 def efforts(
     dynamics: InverseDynamics, q: Float64Array, qd: Float64Array, qdd: Float64Array
 ) -> Float64Array:
-    """Efforts (n, joints) of states (n, joints), N m (N).
-
-    Raises:
-        InvalidInput: if the inverse dynamics are not finite efforts (joints,).
-    """
+    """Efforts (n, joints) of states (n, joints), N m (N)."""
     name = "inverse_dynamics(q, qd, qdd)"
     rows = zip(q, qd, qdd, strict=True)
     return np.array([check.array(dynamics(*row), name, shape=(q.shape[1],)) for row in rows])

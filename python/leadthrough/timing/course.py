@@ -37,12 +37,7 @@ def computed_for_each(rate: float) -> int:
 
 
 class Creeping(Exception):
-    """The motion takes far longer than its profile, for its pinches.
-
-    Attributes:
-        pinches: parameters of the path (m,) at which it has to be so slow that resting there may
-            be faster.
-    """
+    """The motion takes far longer than its profile, for its pinches."""
 
     def __init__(self, pinches: Float64Array) -> None:
         super().__init__()
@@ -51,40 +46,23 @@ class Creeping(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """A time law.
+    """A time law."""
 
-    Attributes:
-        times: s, (n,).
-        length: the path's length at them, (n,).
-        pinches: as of `Creeping`; none where the motion is not much longer than its profile.
-    """
-
-    times: Float64Array
-    length: Float64Array
+    times: Float64Array  # s, (n,)
+    length: Float64Array  # the path's length at them, (n,)
     pinches: Float64Array
 
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """What the time law of a section is computed from, apart from the bounds on it.
+    """What the time law of a section is computed from, apart from the bounds on it."""
 
-    Attributes:
-        path: the path and its grid.
-        section: what it is the path of.
-        rates: of the joints along it.
-        limits: of the joints.
-        speeds: of the path's length, at its ends.
-        rate: samples per second.
-        most_delay: by how many times its profile and windows a motion may be longer than these
-            before it is given up for its pinches.
-    """
-
-    path: _core.TimedPath
-    section: Section
-    rates: Rates
-    limits: JointLimits
-    speeds: tuple[float, float]
-    rate: float
+    path: _core.TimedPath  # the path and its grid
+    section: Section  # what it is the path of
+    rates: Rates  # of the joints along it
+    limits: JointLimits  # of the joints
+    speeds: tuple[float, float]  # of the path's length, at its ends
+    rate: float  # samples per second
     most_delay: float
 
     @property
@@ -98,13 +76,7 @@ class Course:
         return 1.0 / (self.rate * self.parts)
 
     def law(self, extra: PathBounds) -> Law:
-        """The time law inside the bounds.
-
-        Raises:
-            Creeping: if it takes too long to be worth computing, for its pinches.
-            InvalidInput: if it takes too many samples.
-            LimitsInfeasible: if none keeps the limits.
-        """
+        """The time law inside the bounds."""
         status, point, length, duration, _, _, points = self.path.law(
             self.rates.velocity,
             self.rates.acceleration,

@@ -20,16 +20,7 @@ _DEGREE = 5
 def moving_samples(
     times: Float64Array, q: Float64Array, tolerance: float
 ) -> tuple[NDArray[np.intp], Float64Array]:
-    """The samples that differ from the one kept before by more than the tolerance.
-
-    Args:
-        times: s, (n,).
-        q: samples (n, joints).
-        tolerance: rad (m), the largest difference of a joint that counts as standing still.
-
-    Returns:
-        Their indices (m,), the last sample always among them, and their parameters (m,).
-    """
+    """The samples that differ from the one kept before by more than the tolerance."""
     indices = _core.rows_apart(np.ascontiguousarray(q), tolerance)
     if indices[-1] != len(q) - 1:  # which lies within the tolerance of the last one kept
         indices = np.append(indices[: max(len(indices) - 1, 1)], len(q) - 1)
@@ -39,13 +30,7 @@ def moving_samples(
 
 
 def fit_within(parameters: Float64Array, q: Float64Array, tolerance: float) -> Spline:
-    """A spline with two continuous derivatives or more, within the tolerance of every sample.
-
-    Args:
-        parameters: strictly increasing, (n,).
-        q: samples (n, d).
-        tolerance: the largest error of a coordinate.
-    """
+    """A spline with two continuous derivatives or more, within the tolerance of every sample."""
     if len(parameters) <= _DEGREE + 1:
         return through(parameters, q)
     parameters, q = np.ascontiguousarray(parameters), np.ascontiguousarray(q)

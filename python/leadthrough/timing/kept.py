@@ -27,16 +27,7 @@ _KINDS: tuple[Kind, ...] = ("velocity", "acceleration", "jerk")
 
 
 def parted(motion: Samples, limits: JointLimits, rate: float) -> Samples:
-    """The motion with longer rests where the jerks before and after one add up beyond a limit.
-
-    Each section keeps the limits from rest to rest; differences of order 3 reach over a rest of
-    fewer than three samples into both.
-
-    Args:
-        motion: samples evenly spaced; those of no velocity are its rests.
-        limits: of the joints.
-        rate: samples per second.
-    """
+    """The motion with longer rests where the jerks before and after one add up beyond a limit."""
     for _ in range(_MOST_PASSES):  # more than one where a section has but a step or two
         longer = _parted(motion, limits, rate)
         if longer is motion:
@@ -47,19 +38,12 @@ def parted(motion: Samples, limits: JointLimits, rate: float) -> Samples:
 
 @dataclass(frozen=True)
 class Excess:
-    """The limit that samples exceed the most.
+    """The limit that samples exceed the most."""
 
-    Attributes:
-        joint: name of the joint.
-        kind: which of its limits.
-        ratio: by how many times.
-        time: when, s from the start.
-    """
-
-    joint: str
-    kind: Kind
-    ratio: float
-    time: float
+    joint: str  # name of the joint
+    kind: Kind  # which of its limits
+    ratio: float  # by how many times
+    time: float  # when, s from the start
 
     def error(self) -> LimitsInfeasible:
         """The error that says so."""
@@ -74,15 +58,7 @@ class Excess:
 def check_positions(
     positions: Float64Array, limits: JointLimits
 ) -> tuple[Float64Array, Float64Array]:
-    """The least and the largest position (joints,) of each joint.
-
-    Args:
-        positions: positions (n, joints).
-        limits: of the joints.
-
-    Raises:
-        LimitsInfeasible: if a position lies outside its limits.
-    """
+    """The least and the largest position (joints,) of each joint."""
     least, largest = _core.extent(positions)
     outside = np.maximum(limits.lower - least, largest - limits.upper)
     if outside.max() > POSITION_ROUNDING:
@@ -97,16 +73,7 @@ def check_positions(
 
 
 def excess(motion: Samples, limits: JointLimits, *, rests: tuple[bool, bool]) -> Excess | None:
-    """What the samples exceed, or None.
-
-    Args:
-        motion: the samples.
-        limits: of the joints.
-        rests: whether the motion rests at its start and at its end.
-
-    Raises:
-        LimitsInfeasible: if a position lies outside its limits.
-    """
+    """What the samples exceed, or None."""
     positions = np.ascontiguousarray(motion.positions)
     least, largest = check_positions(positions, limits)
     still = largest - least <= AT_REST

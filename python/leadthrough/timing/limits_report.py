@@ -124,19 +124,7 @@ def check_limits(trajectory: JointTrajectory, limits: JointLimits) -> LimitsRepo
 def limit_ratios(
     trajectory: JointTrajectory, limits: JointLimits
 ) -> tuple[tuple[str, ...], Float64Array]:
-    """Fractions of each limit that each joint uses between samples.
-
-    Args:
-        trajectory: the motion, of n samples.
-        limits: limits of the same joints.
-
-    Returns:
-        The joints' names, and (n - 1, 3, joints) the fraction of its velocity, acceleration and
-        jerk limit that each joint uses from one sample to the next; 0 where there is no limit.
-
-    Raises:
-        InvalidInput: if the trajectory and the limits are not of the same joints.
-    """
+    """Fractions of each limit that each joint uses between samples."""
     names = _joint_names(trajectory, limits)
     steps = len(trajectory.times) - 1
     ratios = np.zeros((steps, 3, len(names)))
@@ -151,11 +139,7 @@ def limit_ratios(
 
 
 def check_type(trajectory: JointTrajectory) -> None:
-    """Refuses what is no joint trajectory.
-
-    Raises:
-        InvalidInput: if `trajectory` is not a JointTrajectory.
-    """
+    """Refuses what is no joint trajectory."""
     if not isinstance(trajectory, JointTrajectory):
         raise InvalidInput(
             f"trajectory: expected a JointTrajectory, got {type(trajectory).__name__}"

@@ -20,17 +20,7 @@ from leadthrough.timing.sections import Lines, Rows
 
 
 def time_lines(lines: Lines, limits: JointLimits, rate: float) -> Samples:
-    """The fastest motion along lines, with its rests.
-
-    Args:
-        lines: what it runs along.
-        limits: of the joints.
-        rate: samples per second.
-
-    Raises:
-        InvalidInput: if no joint that moves has a limit, or it takes too many samples.
-        LimitsInfeasible: if a joint moves whose limit is 0.
-    """
+    """The fastest motion along lines, with its rests."""
     acceleration, jerk = limits.acceleration, limits.jerk
     assert acceleration is not None
     assert jerk is not None

@@ -25,17 +25,10 @@ _SAMPLES_OF_A_CURVE = 2000
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """A path of any kind.
+    """A path of any kind."""
 
-    Attributes:
-        rows: how many way-points, samples or knots it has.
-        start: configuration (joints,) at which it begins.
-        sections: cuts it into the smooth sections that a request asks for; raises InvalidInput
-            where the path jumps, or has no rows to rest at.
-    """
-
-    rows: int
-    start: Float64Array
+    rows: int  # how many way-points, samples or knots it has
+    start: Float64Array  # configuration (joints,) at which it begins
     sections: Callable[[Request], Sections]
 
     @property
@@ -45,14 +38,7 @@ class Path:
 
 
 def path_of(value: JointTrajectory | Curve | ArrayLike) -> Path:
-    """The path that a trajectory, a curve or way-points describe.
-
-    Args:
-        value: a trajectory, a curve, or way-points (n, joints).
-
-    Raises:
-        InvalidInput: if it is none of these.
-    """
+    """The path that a trajectory, a curve or way-points describe."""
     if isinstance(value, JointTrajectory):
         cut = partial(_cut_samples, value.times, value.positions)
         return Path(len(value.times), value.positions[0], cut)
@@ -99,10 +85,7 @@ def _cut_curve(path: Curve, request: Request) -> Sections:
 def _fitted(
     times: Float64Array, q: Float64Array, request: Request
 ) -> tuple[Rows, Float64Array, Spline]:
-    """The samples kept, by their index, their parameters and a spline near all samples.
-
-    A smooth path near samples that touch a position limit may leave it: there it is led along.
-    """
+    """The samples kept, by their index, their parameters and a spline near all samples."""
     tolerance = request.path_tolerance
     found = _within(times, q, tolerance)
     if not request.keeps_positions(q) or request.keeps_positions(_reached(found[2])):

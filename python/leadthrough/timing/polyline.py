@@ -22,11 +22,7 @@ _ULPS = 8.0 * np.finfo(np.float64).eps
 
 
 def apart(points: Float64Array) -> NDArray[np.intp]:
-    """Indices of the way-points that do not nearly coincide with the one kept before.
-
-    The first is among them; so is the last, in place of the one that it coincides with, unless it
-    repeats all.
-    """
+    """Indices of the way-points that do not nearly coincide with the one kept before."""
     kept = _core.rows_apart(np.ascontiguousarray(points), _COINCIDENT)
     last = len(points) - 1
     if (points[kept[-1]] != points[last]).any():
@@ -35,13 +31,7 @@ def apart(points: Float64Array) -> NDArray[np.intp]:
 
 
 def stops_of(points: Float64Array, *, blend: float, holds: Sequence[int]) -> list[int]:
-    """Indices of the way-points at which the motion rests: the ends, those held, and corners.
-
-    Args:
-        points: way-points (n, d).
-        blend: with more than 0 corners are cut, so that the motion does not rest there.
-        holds: indices of the way-points to rest at.
-    """
+    """Indices of the way-points at which the motion rests: the ends, those held, and corners."""
     stops = {0, *holds, len(points) - 1}
     if blend == 0.0 and len(points) > 2:
         steps = np.diff(points, axis=0)
@@ -52,12 +42,7 @@ def stops_of(points: Float64Array, *, blend: float, holds: Sequence[int]) -> lis
 
 
 def are_lines(points: Float64Array, stops: Sequence[int]) -> bool:
-    """Whether the straight lines between stops lead through all way-points (n, d), in their order.
-
-    Args:
-        points: way-points.
-        stops: indices of some of them, the first and the last among them.
-    """
+    """Whether the straight lines between stops lead through all way-points (n, d), in their order."""
     line = np.minimum(np.searchsorted(stops, np.arange(len(points)), side="right"), len(stops) - 1)
     begin = points[list(stops)][line - 1]
     along, from_stop = points[list(stops)][line] - begin, points - begin
@@ -70,15 +55,7 @@ def are_lines(points: Float64Array, stops: Sequence[int]) -> bool:
 
 
 def blended_path(points: Float64Array, blend: float) -> Spline:
-    """Straight lines between way-points, with corners cut.
-
-    The lines are passed at unit speed. A quintic with the lines' velocities and no acceleration at
-    its ends leads around a corner, on no more than half of the lines beside it.
-
-    Args:
-        points: way-points (n, d), no two neighbours equal.
-        blend: the largest distance from a corner, in every coordinate.
-    """
+    """Straight lines between way-points, with corners cut."""
     steps = np.diff(points, axis=0)
     lengths = np.sqrt(np.einsum("ij,ij->i", steps, steps))
     directions = steps / lengths[:, None]
@@ -96,10 +73,7 @@ def blended_path(points: Float64Array, blend: float) -> Spline:
 
 
 def _cuts(directions: Float64Array, lengths: Float64Array, blend: float) -> Float64Array:
-    """How far before each corner (corners,) its quintic begins, and how far behind it ends.
-
-    The middle of a quintic is 3/16 of that, times the change of direction, from the corner.
-    """
+    """How far before each corner (corners,) its quintic begins, and how far behind it ends."""
     change = np.abs(np.diff(directions, axis=0)).max(axis=1)
     turns = change > _SAME_DIRECTION
     most = 16.0 * blend / (3.0 * np.where(turns, change, 1.0))

@@ -18,32 +18,16 @@ _FRACTION_AT_REST = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Rates:
-    """Limits (joints,) along a path; zero for joints at rest.
+    """Limits (joints,) along a path; zero for joints at rest."""
 
-    Attributes:
-        velocity: rad/s (m/s).
-        acceleration: rad/s^2 (m/s^2).
-        jerk: rad/s^3 (m/s^3).
-        scale: the highest velocity that each joint could reach; zero for those that do not count.
-    """
-
-    velocity: Float64Array
-    acceleration: Float64Array
-    jerk: Float64Array
+    velocity: Float64Array  # rad/s (m/s)
+    acceleration: Float64Array  # rad/s^2 (m/s^2)
+    jerk: Float64Array  # rad/s^3 (m/s^3)
     scale: Float64Array
 
 
 def rates_within(limits: JointLimits, spread: Float64Array) -> Rates:
-    """The rates along a path.
-
-    Args:
-        limits: of the joints.
-        spread: how far each joint moves along the path, (joints,).
-
-    Raises:
-        InvalidInput: if no joint that moves has a limit.
-        LimitsInfeasible: if a joint moves whose limit is 0.
-    """
+    """The rates along a path."""
     velocity, acceleration, jerk = limits.velocity, limits.acceleration, limits.jerk
     assert acceleration is not None
     assert jerk is not None

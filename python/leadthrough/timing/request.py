@@ -19,16 +19,11 @@ POSITION_ROUNDING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """Options of `retime`, checked against the path; see there for what each one means.
-
-    Attributes:
-        lower: position limits (joints,), rad or m.
-        upper: the same from above.
-    """
+    """Options of `retime`, checked against the path; see there for what each one means."""
 
     rate: float
-    lower: Float64Array
-    upper: Float64Array
+    lower: Float64Array  # position limits (joints,), rad or m
+    upper: Float64Array  # the same from above
     path_tolerance: float
     blend: float
     holds: Mapping[int, float]
@@ -62,12 +57,7 @@ class Request:
         )
 
     def between_rests(self, *, first: bool, last: bool) -> Request:
-        """The request for a part of the path.
-
-        Args:
-            first: whether the part begins where the path does, with its velocity.
-            last: whether it ends where the path does, with its velocity.
-        """
+        """The request for a part of the path."""
         return replace(
             self,
             start_velocity=self.start_velocity if first else None,

@@ -15,21 +15,13 @@ from leadthrough.check import Float64Array
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Samples of a motion.
+    """Samples of a motion."""
 
-    Attributes:
-        times: s from the start, (n,).
-        places: where on the path, counted in its way-points, samples or knots, (n,).
-        positions: rad (m), (n, joints).
-        velocities: rad/s (m/s), (n, joints).
-        accelerations: rad/s^2 (m/s^2), (n, joints).
-    """
-
-    times: Float64Array
-    places: Float64Array
-    positions: Float64Array
-    velocities: Float64Array
-    accelerations: Float64Array
+    times: Float64Array  # s from the start, (n,)
+    places: Float64Array  # where on the path, counted in its way-points, samples or knots, (n,)
+    positions: Float64Array  # rad (m), (n, joints)
+    velocities: Float64Array  # rad/s (m/s), (n, joints)
+    accelerations: Float64Array  # rad/s^2 (m/s^2), (n, joints)
 
     @staticmethod
     def at_rest(q: Float64Array) -> Samples:
@@ -38,21 +30,11 @@ class Samples:
         return Samples(np.zeros(1), np.zeros(1), q[None].copy(), still, still)
 
     def held_before(self, time: float, rate: float) -> Samples:
-        """The motion after a rest.
-
-        Args:
-            time: how long it rests, s.
-            rate: samples per second of the rest.
-        """
+        """The motion after a rest."""
         return self._rest(0, time, rate).followed_by(self) if time > 0.0 else self
 
     def held(self, time: float, rate: float) -> Samples:
-        """The motion followed by a rest.
-
-        Args:
-            time: how long it rests, s.
-            rate: samples per second of the rest.
-        """
+        """The motion followed by a rest."""
         return self.followed_by(self._rest(-1, time, rate)) if time > 0.0 else self
 
     def followed_by(self, other: Samples) -> Samples:
@@ -82,13 +64,7 @@ class Samples:
         )
 
     def with_rests(self, rows: NDArray[np.intp], rests: Float64Array, rate: float) -> Samples:
-        """The motion with further rests.
-
-        Args:
-            rows: samples (m,) at which it rests, increasing.
-            rests: how long, s, (m,).
-            rate: samples per second.
-        """
+        """The motion with further rests."""
         copies = np.ones(len(self.times), dtype=np.intp)
         copies[rows] += np.ceil(rests * rate - 1e-9).astype(np.intp)
         if (copies == 1).all():
@@ -137,15 +113,7 @@ def differentiated(
     *,
     speeds: tuple[float, float],
 ) -> Samples:
-    """Samples with their central differences as velocities and accelerations.
-
-    Args:
-        times: as in `Samples`.
-        places: as in `Samples`.
-        q: positions (n, joints).
-        path: what the motion runs along.
-        speeds: of the path's length at both ends; beyond them the motion goes on as it is there.
-    """
+    """Samples with their central differences as velocities and accelerations."""
     first, last = times[1] - times[0], times[-1] - times[-2]
     ends = path.length[[0, -1]] + np.array([-speeds[0] * first, speeds[1] * last])
     beyond = path.positions_at(np.ascontiguousarray(ends))

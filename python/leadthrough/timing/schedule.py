@@ -24,13 +24,7 @@ Free = NDArray[np.bool_]
 
 
 def hurries(due: Float64Array, arrival: Callable[[Free], Float64Array], *, slack: float) -> Free:
-    """Where along a path the pace is free, so that the motion catches up, (n,).
-
-    Args:
-        due: when the places of the path were shown, s, (n,).
-        arrival: maps the places with a free pace to the times (n,), s, of the resulting motion.
-        slack: s, by which rounding may let the motion come early.
-    """
+    """Where along a path the pace is free, so that the motion catches up, (n,)."""
     free = np.zeros(len(due), dtype=np.bool_)
     late = arrival(free) - due
     allowed = min(float(late.min()), 0.0) - slack

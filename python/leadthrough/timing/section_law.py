@@ -34,20 +34,7 @@ _JUDGED_SAMPLES = 2000
 
 
 def time_section(section: Section, limits: JointLimits, request: Request, begin: float) -> Samples:
-    """The fastest motion along a section, and its rest at the end.
-
-    Where passing a narrow place slowly would take longer, the motion rests there.
-
-    Args:
-        section: what it runs along.
-        limits: of the joints.
-        request: what else it must keep, with the velocities at the ends of the section.
-        begin: when it begins, s.
-
-    Raises:
-        InvalidInput: if the request and the path do not fit each other.
-        LimitsInfeasible: if no motion along it keeps the limits.
-    """
+    """The fastest motion along a section, and its rest at the end."""
     motion = _fastest(section, limits, request, begin, cuts=0)
     return motion.held(section.hold, request.rate)
 

@@ -21,26 +21,15 @@ _SAME_PLACE = 1e-12  # rad or m
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """A path with two continuous derivatives, from rest to rest.
+    """A path with two continuous derivatives, from rest to rest."""
 
-    Attributes:
-        spline: the path.
-        rows: way-points, samples or knots (m,) of the whole path, by their index.
-        parameters: where they lie on the spline, (m,).
-        hold: s, how long the motion rests at the end.
-    """
-
-    spline: Spline
-    rows: Rows
-    parameters: Float64Array
-    hold: float = 0.0
+    spline: Spline  # the path
+    rows: Rows  # way-points, samples or knots (m,) of the whole path, by their index
+    parameters: Float64Array  # where they lie on the spline, (m,)
+    hold: float = 0.0  # s, how long the motion rests at the end
 
     def cut_at(self, parameters: Float64Array) -> list[Section]:
-        """The section in parts, without its hold; all rows stay, some beyond the part's ends.
-
-        Args:
-            parameters: where to cut, increasing; the ends of the spline are left out.
-        """
+        """The section in parts, without its hold; all rows stay, some beyond the part's ends."""
         parts, begin = list[Section](), self.spline.coefficients[0, 0]
         for part in _parts(self.spline, parameters):
             # From 0, as a short part's own parameters would be lost in the digits of the whole,
@@ -56,34 +45,21 @@ class Section:
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """Straight lines, at whose ends the motion rests.
+    """Straight lines, at whose ends the motion rests."""
 
-    Attributes:
-        ends: of the lines, (m + 1, joints).
-        at: lengths (m + 1,) of the path at the ends.
-        rows: way-points (n,) on the lines, by their index in the whole path.
-        lengths: of the path at these way-points, (n,).
-        holds: s, how long the motion rests after each line, (m,).
-    """
-
-    ends: Float64Array
-    at: Float64Array
-    rows: Rows
-    lengths: Float64Array
-    holds: Float64Array
+    ends: Float64Array  # of the lines, (m + 1, joints)
+    at: Float64Array  # lengths (m + 1,) of the path at the ends
+    rows: Rows  # way-points (n,) on the lines, by their index in the whole path
+    lengths: Float64Array  # of the path at these way-points, (n,)
+    holds: Float64Array  # s, how long the motion rests after each line, (m,)
 
 
 @dataclass(frozen=True, eq=False)
 class Sections:
-    """A whole path in sections; none where nothing moves.
+    """A whole path in sections; none where nothing moves."""
 
-    Attributes:
-        initial_hold: s, how long the motion rests at its start.
-        parts: the sections, in their order, and lines.
-    """
-
-    initial_hold: float
-    parts: list[Section | Lines]
+    initial_hold: float  # s, how long the motion rests at its start
+    parts: list[Section | Lines]  # the sections, in their order, and lines
 
 
 def between(
@@ -92,14 +68,7 @@ def between(
     *,
     holds: Mapping[int, float],
 ) -> Sections:
-    """The sections from each stop to the next.
-
-    Args:
-        stops: row indices, the first and the last row of the path among them.
-        section: the section between two rows, or None where nothing moves between them; the hold
-            after such a stretch goes to the section before it.
-        holds: seconds of rest by row.
-    """
+    """The sections from each stop to the next."""
     initial_hold, parts = holds.get(0, 0.0), list[Section]()
     for first, last in pairwise(sorted(stops)):
         part, hold = section(first, last), holds.get(last, 0.0)

@@ -87,14 +87,7 @@ class LinearFilter(Brief, ABC):
     def _moved(
         self, lag: Float64Array, velocity: Float64Array, speed: Float64Array, dt: float
     ) -> tuple[Float64Array, Float64Array, Float64Array]:
-        """Distance from the target, velocity and acceleration after a step.
-
-        Args:
-            lag: distance from where the target was at the start of the step.
-            velocity: of the reference.
-            speed: of the target.
-            dt: s.
-        """
+        """Distance from the target, velocity and acceleration after a step."""
 
 
 @dataclass(frozen=True)

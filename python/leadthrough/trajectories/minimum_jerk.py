@@ -71,12 +71,6 @@ def quintic_coefficients(
 ) -> Float64Array:
     """Coefficients (6, d) of the powers of u of the least jerk, without acceleration at the ends.
 
-    Args:
-        start: value (d,) at u = 0.
-        end: value (d,) at u = 1.
-        start_slope: derivative (d,) by u at u = 0.
-        end_slope: derivative (d,) by u at u = 1.
-
     Source: Flash and Hogan 1985.
     """
     coefficients = np.zeros((6, len(start)))

@@ -28,14 +28,7 @@ _EXACT = 1e-300
 def moving_double_s(
     length: float, first: float, last: float, limits: tuple[float, float, float]
 ) -> Phases:
-    """Durations and jerks of the fastest move over a length from one speed to another.
-
-    Args:
-        length: of either sign.
-        first: speed at the start, within the limit.
-        last: speed at the end, within the limit.
-        limits: of velocity, acceleration and jerk, > 0.
-    """
+    """Durations and jerks of the fastest move over a length from one speed to another."""
     found = [
         *_over_a_peak(length, first, last, limits),
         *(_mirrored(each) for each in _over_a_peak(-length, -first, -last, limits)),
@@ -68,11 +61,7 @@ def _over_a_peak(
 
 
 def _covered(above: Float64Array, first: float, last: float, a: float, j: float) -> Float64Array:
-    """The way covered by the two ramps over each peak, whose mean speeds are their middles.
-
-    Peaks are told by how far they are above the higher speed: over a short way that is less than
-    the digits of the speed itself.
-    """
+    """The way covered by the two ramps over each peak, whose mean speeds are their middles."""
     lowest = max(first, last)
     total = np.zeros(len(above))
     for end in (first, last):
@@ -98,13 +87,7 @@ def _phases(
 
 
 def ramp(change: float, a: float, j: float) -> tuple[float, float]:
-    """Durations of the jerk and of the full acceleration for a change of speed.
-
-    Args:
-        change: of the speed, >= 0.
-        a: limit of the acceleration.
-        j: limit of the jerk.
-    """
+    """Durations of the jerk and of the full acceleration for a change of speed."""
     if change * j < a * a:
         return math.sqrt(max(change, 0.0) / j), 0.0
     return a / j, change / a - a / j

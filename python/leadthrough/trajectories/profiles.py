@@ -76,10 +76,7 @@ def _trapezoid_phases(length: float, first: float, last: float, v: float, a: flo
 
 
 def _rise(speed: float, peak: float, squares: float) -> float:
-    """How far a speed is below a peak, of which the difference of squares is known.
-
-    Over a short way the peak is so near that their own difference has no digits left.
-    """
+    """How far a speed is below a peak, of which the difference of squares is known."""
     return max(squares / (peak + speed) if speed > 0.0 else peak - speed, 0.0)
 
 

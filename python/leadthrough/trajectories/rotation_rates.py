@@ -20,17 +20,11 @@ _SMALL, _TERMS = 1.0, 10
 
 @dataclass(frozen=True, eq=False)
 class Turning:
-    """Rotations and how they turn, in the base frame.
+    """Rotations and how they turn, in the base frame."""
 
-    Attributes:
-        q: unit quaternions (n, 4).
-        velocity: angular, rad/s, (n, 3).
-        acceleration: angular, rad/s^2, (n, 3).
-    """
-
-    q: Float64Array
-    velocity: Float64Array
-    acceleration: Float64Array
+    q: Float64Array  # unit quaternions (n, 4)
+    velocity: Float64Array  # angular, rad/s, (n, 3)
+    acceleration: Float64Array  # angular, rad/s^2, (n, 3)
 
     @staticmethod
     def still(q: Float64Array) -> Turning:

@@ -31,25 +31,15 @@ _PATH = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What all queries of a validation have in common.
+    """What all queries of a validation have in common."""
 
-    Attributes:
-        arm: that is to move.
-        goals: of the queries.
-        starts: of the queries.
-        obstacles: that stand still, and those whose position is drawn.
-        margin: distance that the arm keeps from them, m.
-        rate: of the motion that is checked, Hz.
-        controller: of the simulated arm; None for no simulation.
-    """
-
-    arm: Arm
-    goals: Places
-    starts: Places
-    obstacles: tuple[Shape | Scattered, ...]
-    margin: float
-    rate: float
-    controller: Controller | None
+    arm: Arm  # that is to move
+    goals: Places  # of the queries
+    starts: Places  # of the queries
+    obstacles: tuple[Shape | Scattered, ...]  # that stand still, and those whose position is drawn
+    margin: float  # distance that the arm keeps from them, m
+    rate: float  # of the motion that is checked, Hz
+    controller: Controller | None  # of the simulated arm; None for no simulation
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,13 +52,7 @@ class Query:
 
 
 def query(scene: Scene, seed: int, number: int) -> Query:
-    """A query of a validation, the same wherever and whenever it is drawn.
-
-    Args:
-        scene: with the regions.
-        seed: of the validation.
-        number: of the query, counted from 0.
-    """
+    """A query of a validation, the same wherever and whenever it is drawn."""
     rng = np.random.default_rng([seed, number])
     start, goal = scene.starts.draw(rng), scene.goals.draw(rng)
     shapes = (each.draw(rng) if isinstance(each, Scattered) else each for each in scene.obstacles)
@@ -76,15 +60,7 @@ def query(scene: Scene, seed: int, number: int) -> Query:
 
 
 def answers(*, first: int, count: int, seed: int, skill: Path, scene: Path) -> list[Row]:
-    """A row for each of some queries: where they start and end, and why the motion fails, if so.
-
-    Args:
-        first: number of the first query.
-        count: number of queries.
-        seed: of the validation.
-        skill: its file.
-        scene: the file of a pickled `Scene`.
-    """
+    """A row for each of some queries: where they start and end, and why the motion fails, if so."""
     learned = load_skill(skill)
     with scene.open("rb") as file:
         common: Scene = pickle.load(file)
@@ -99,13 +75,7 @@ def answers(*, first: int, count: int, seed: int, skill: Path, scene: Path) -> l
 
 
 def answer(skill: Skill[Motion], scene: Scene, asked: Query) -> tuple[str, str]:
-    """Why the arm cannot run the skill's motion, in a word and in a sentence; empty if it can.
-
-    Args:
-        skill: that makes the motion.
-        scene: with the arm.
-        asked: of the skill.
-    """
+    """Why the arm cannot run the skill's motion, in a word and in a sentence; empty if it can."""
     try:
         joints = plan_motion(
             skill,

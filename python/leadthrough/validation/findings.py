@@ -22,20 +22,10 @@ _PARTS = np.linspace(1.0, 0.1, 10)
 
 
 class Findings:
-    """What was found until now.
-
-    Attributes:
-        batches: number of tasks.
-        causes: number of failures by their cause.
-    """
+    """What was found until now."""
 
     def __init__(self, goals: Places, confidence: float) -> None:
-        """Nothing found yet.
-
-        Args:
-            goals: region of the queries' goals.
-            confidence: of all bounds.
-        """
+        """Nothing found yet."""
         self._goals = goals
         self._confidence = confidence
         self._starts: list[Float64Array] = []
@@ -46,11 +36,7 @@ class Findings:
         self.causes: Counter[str] = Counter()
 
     def add(self, rows: Sequence[Row]) -> None:
-        """Takes the answers of a task.
-
-        Args:
-            rows: one for each query, in their order.
-        """
+        """Takes the answers of a task."""
         self.batches += 1
         self._starts += [_numbers(row["start"]) for row in rows]
         self._places += [_numbers(row["goal"]) for row in rows]
@@ -81,14 +67,7 @@ class Findings:
         return confidence_sequence(self.successes, self.runs, confidence=self._confidence)
 
     def largest_part(self, required: float) -> Places | None:
-        """The largest part of the goals, about their middle, in which enough queries succeed.
-
-        Ten parts are looked at, so each is judged with a tenth of the risk (Bonferroni): with the
-        stated confidence no part is named in which fewer succeed.
-
-        Args:
-            required: the fraction that must succeed.
-        """
+        """The largest part of the goals, about their middle, in which enough queries succeed."""
         each = 1.0 - (1.0 - self._confidence) / len(_PARTS)
         positions = _stacked(self._places)[:, : len(self._goals.lower)]
         succeeded = np.array([not cause for cause in self._causes])
@@ -101,11 +80,7 @@ class Findings:
         return None
 
     def validation(self, certificate: Certificate) -> Validation:
-        """All that was found.
-
-        Args:
-            certificate: that it led to.
-        """
+        """All that was found."""
         places, causes = _stacked(self._places), np.array(self._causes)
         starts = _stacked(self._starts)
         return Validation(certificate, starts, places, causes, self._nearest, self.causes[ERROR])

@@ -39,13 +39,7 @@ def clopper_pearson(successes: int, runs: int, *, confidence: float = 0.95) -> t
 
 
 def lower_bound(successes: int, runs: int, *, confidence: float) -> float:
-    """The lower of Clopper and Pearson's bounds alone, which then is higher.
-
-    Args:
-        successes: number of runs that succeeded.
-        runs: number of all runs, >= 1.
-        confidence: probability with which it holds at least.
-    """
+    """The lower of Clopper and Pearson's bounds alone, which then is higher."""
     return clopper_pearson(successes, runs, confidence=2.0 * confidence - 1.0)[0]
 
 

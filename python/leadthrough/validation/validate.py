@@ -180,11 +180,7 @@ def _collected(
     width: float | None,
     findings: Findings,
 ) -> None:
-    """Collects the rows of the first tasks, of as many as the interval needs, or of all.
-
-    Tasks are counted in their order, not as they come: what is quick comes first, and may succeed
-    more or less often than the rest.
-    """
+    """Collects the rows of the first tasks, of as many as the interval needs, or of all."""
     finished: dict[int, Outcome] = {}
     for each in outcomes:
         finished[each.index] = each

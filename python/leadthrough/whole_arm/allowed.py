@@ -22,17 +22,7 @@ _SPACE = 3  # coordinates of a position
 def room_beside(
     skill: Skill[Motion], deviation: Deviation | None, standard_deviations: float | None
 ) -> Callable[[TipMotion], Deviation | None]:
-    """What tells of a path how far the tip may be off, as `Arm.follow` takes it; None for nowhere.
-
-    Args:
-        skill: that makes the paths.
-        deviation: as stated.
-        standard_deviations: of the skill, if it is to tell.
-
-    Raises:
-        InvalidInput: if both are given, the number is not positive, or the skill has no covariance
-            of the tip's positions.
-    """
+    """What tells of a path how far the tip may be off, as `Arm.follow` takes it."""
     if standard_deviations is None:
         return lambda _: deviation
     if deviation is not None:

@@ -25,15 +25,7 @@ def closed_around(
     near: Float64Array,
     changes: int,
 ) -> tuple[PointCloud, ...]:
-    """Balls around all places beside a part of a path where the arm cannot stand.
-
-    Args:
-        room: that obstacles leave.
-        tip: the path.
-        narrows: its part without room.
-        near: configuration (joints,) of the arm there.
-        changes: how often places have been closed: what is looked at grows with it.
-    """
+    """Balls around all places beside a part of a path where the arm cannot stand."""
     reach = _REACH * _GROWTH**changes
     cell = reach / _CELLS
     middles = tip.positions[narrows.samples]

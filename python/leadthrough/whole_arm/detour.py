@@ -28,22 +28,7 @@ _DIRECTIONS /= np.linalg.norm(_DIRECTIONS, axis=1)[:, None]
 def paths_beside(
     room: Room, tip: Trajectory | PoseTrajectory, narrows: Narrows, near: Float64Array
 ) -> Iterator[Trajectory | PoseTrajectory]:
-    """The path with a part moved aside to where the arm can stand, by little first.
-
-    The offset rises and falls with minimum jerk along the way beside the part and is 0 at both ends
-    of the path.
-
-    Args:
-        room: that obstacles leave.
-        tip: the path.
-        narrows: its part without room, not at an end; the more it is moved, the more of the path
-            beside it is moved as well.
-        near: configuration (joints,) of the arm there.
-
-    Yields:
-        At most two paths for each length of the offset, in directions far apart; none for a part
-        where the tip still stands at an end of the path.
-    """
+    """The path with a part moved aside to where the arm can stand, by little first."""
     length = along(tip)
     if length[narrows.samples[0]] == 0.0 or length[narrows.samples[-1]] == length[-1]:
         return

@@ -31,23 +31,7 @@ _PACE = 0.5
 def past_the_part(
     room: Room, path: TipMotion, failure: IkFailure, following: dict[str, Any]
 ) -> tuple[JointTrajectory, TipMotion, tuple[float, float]]:
-    """A motion along a path with a part in joint space, from standstill to standstill.
-
-    The part is first the one where the arm cannot stand, then more and more around it.
-
-    Args:
-        room: that obstacles leave.
-        path: of the tip.
-        failure: of the arm to follow it.
-        following: arguments of `Arm.follow`.
-
-    Returns:
-        The joints, the motion of the tip, and when the part begins and ends, s.
-
-    Raises:
-        IkFailure: where no connection was found either.
-        MissingDependency: if OMPL is not installed.
-    """
+    """A motion along a path with a part in joint space, from standstill to standstill."""
     narrows = narrows_at(room, path, failure.index, failure.q)
     if narrows.end:
         raise with_reason(failure, f"the arm cannot stand clear at the {narrows.end}")

@@ -24,21 +24,13 @@ _SPACING = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Room:
-    """The room that obstacles leave to an arm.
+    """The room that obstacles leave to an arm."""
 
-    Attributes:
-        arm: the arm.
-        obstacles: in the base frame.
-        margin: distance to keep from them in m.
-        self_margin: distance to keep between parts of the arm in m.
-        free: axes of the tip's poses left free.
-    """
-
-    arm: Arm
-    obstacles: tuple[Shape, ...]
-    margin: float
-    self_margin: float
-    free: Sequence[Axis]
+    arm: Arm  # the arm
+    obstacles: tuple[Shape, ...]  # in the base frame
+    margin: float  # distance to keep from them in m
+    self_margin: float  # distance to keep between parts of the arm in m
+    free: Sequence[Axis]  # axes of the tip's poses left free
 
     def stands(
         self,
@@ -47,18 +39,7 @@ class Room:
         near: Float64Array,
         tries: tuple[int, ...] = _TRIES,
     ) -> NDArray[np.bool_]:
-        """Whether the arm can stand clear, found by trying: a "no" may miss a way to stand.
-
-        Args:
-            positions: of the tip in m, (m, 3).
-            orientations: (m, 4), or None where they are free.
-            near: configuration (joints,) to begin with.
-            tries: how many configurations inverse kinematics starts from, and from how many more
-                where none of these led to one that is clear.
-
-        Returns:
-            Answers (m,).
-        """
+        """Whether the arm can stand clear, found by trying: a "no" may miss a way to stand."""
         found = np.zeros(len(positions), dtype=bool)
         rng = np.random.default_rng(0)
         lower, upper = (np.clip(ends, -np.pi, np.pi) for ends in self._limits())
@@ -96,17 +77,11 @@ class Room:
 
 @dataclass(frozen=True, eq=False)
 class Narrows:
-    """A part of a path that leaves the arm no room.
-
-    Attributes:
-        places: samples all along the path, some 2 cm apart, with its ends, in order.
-        first: the first of the places that is in the part.
-        last: the last one.
-    """
+    """A part of a path that leaves the arm no room."""
 
     places: NDArray[np.int64]
-    first: int
-    last: int
+    first: int  # the first of the places that is in the part
+    last: int  # the last one
 
     @property
     def samples(self) -> NDArray[np.int64]:
@@ -129,14 +104,7 @@ class Narrows:
 def narrows_at(
     room: Room, tip: Trajectory | PoseTrajectory, sample: int, near: Float64Array
 ) -> Narrows:
-    """The part of a path around a sample where the arm cannot stand; at least that sample.
-
-    Args:
-        room: that obstacles leave.
-        tip: the path.
-        sample: where a search for joints ended.
-        near: configuration (joints,) there.
-    """
+    """The part of a path around a sample where the arm cannot stand; at least that sample."""
     length = along(tip)
     places = np.searchsorted(length, np.arange(0.0, length[-1], _SPACING))
     places = np.unique(np.append(places, [sample, len(tip) - 1]))

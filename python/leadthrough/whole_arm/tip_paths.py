@@ -19,11 +19,7 @@ _PAST = 2
 
 
 class TipPaths:
-    """The paths for one query.
-
-    What has been closed for the tip in a map stays closed. Of the paths moved aside, the next one
-    is taken until the arm comes past the part without room.
-    """
+    """The paths for one query."""
 
     def __init__(self, skill: Skill[Motion], query: dict[str, Any], room: Room) -> None:
         self._skill = skill
@@ -39,11 +35,7 @@ class TipPaths:
         return self._generated(())
 
     def another(self, path: TipMotion, failure: IkFailure) -> TipMotion:
-        """Another path, for one that the arm could not follow.
-
-        Raises:
-            IkFailure: if there is none, with the reason.
-        """
+        """Another path, for one that the arm could not follow."""
         found: TipMotion | None
         if isinstance(self._skill, Mapped):
             found = self._closing(path, failure)

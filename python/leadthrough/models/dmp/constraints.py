@@ -35,17 +35,11 @@ StateT = TypeVar("StateT", _core.PointState, _core.PoseState)
 
 @dataclass(frozen=True, eq=False)
 class Constraints:
-    """What a motion keeps to.
+    """What a motion keeps to."""
 
-    Attributes:
-        obstacles: shapes to keep clear of.
-        lower: lower limits (channels,); empty without limits.
-        upper: upper limits (channels,); empty without limits.
-    """
-
-    obstacles: tuple[Shape, ...]
-    lower: Float64Array
-    upper: Float64Array
+    obstacles: tuple[Shape, ...]  # shapes to keep clear of
+    lower: Float64Array  # lower limits (channels,); empty without limits
+    upper: Float64Array  # upper limits (channels,); empty without limits
 
     @property
     def are_none(self) -> bool:
@@ -60,18 +54,7 @@ def check_constraints(
     dimensions: int | None,
     channels: int,
 ) -> Constraints:
-    """The obstacles and limits of a query.
-
-    Args:
-        obstacles: shapes.
-        limits: (lower (channels,), upper (channels,)), or None.
-        dimensions: of the space that the motion runs in, None for joints.
-        channels: number of channels.
-
-    Raises:
-        InvalidInput: if limits are of another form, or lower ones are not below upper ones.
-        UnsupportedQuery: for obstacles in a space that has none.
-    """
+    """The obstacles and limits of a query."""
     shapes = check_shapes(obstacles)
     if shapes and dimensions not in (2, 3):
         raise UnsupportedQuery(
@@ -95,19 +78,7 @@ def roll(
     constraints: Constraints,
     size: float,
 ) -> tuple[Float64Array, Float64Array]:
-    """Values and slopes (n, channels) at phases (n,) from a state on.
-
-    Args:
-        springs: what moves.
-        state: at the first phase.
-        phases: rising.
-        constraints: what the motion keeps to.
-        size: of the demonstration.
-
-    Raises:
-        InvalidInput: if start or goal lies outside the limits.
-        NoPath: if start or goal lies in an obstacle, or steering does not clear one.
-    """
+    """Values and slopes (n, channels) at phases (n,) from a state on."""
     forces, start = springs.forces, (state.value, state.slope)
     if constraints.are_none:
         return _core.dmp_rollout(forces, state.course, *start, phases)
@@ -135,28 +106,14 @@ def step_within(
     constraints: Constraints,
     size: float,
 ) -> StateT:
-    """The state dt s later, under an acceleration, kept to constraints.
-
-    Args:
-        springs: what moves.
-        state: before the step.
-        dt: s, > 0.
-        acceleration: (channels,), unit per s^2.
-        constraints: what the motion keeps to.
-        size: of the demonstration.
-    """
+    """The state dt s later, under an acceleration, kept to constraints."""
     near = end_of(state.course)[None]
     things = _surroundings(constraints, near=near, size=size)
     return state.led_around(springs.forces, dt, acceleration, things)
 
 
 def _check_ends(constraints: Constraints, start: Float64Array, goal: Float64Array) -> None:
-    """Refuses ends (d,) that the constraints do not allow.
-
-    Raises:
-        InvalidInput: for one outside the limits.
-        NoPath: for one in an obstacle.
-    """
+    """Refuses ends (d,) that the constraints do not allow."""
     lower, upper = constraints.lower, constraints.upper
     for name, point in (("start", start), ("goal", goal)):
         if len(lower) and not ((lower <= point) & (point <= upper)).all():
@@ -171,13 +128,7 @@ def _check_ends(constraints: Constraints, start: Float64Array, goal: Float64Arra
 def _surroundings(
     constraints: Constraints, *, near: Float64Array, size: float
 ) -> _core.DmpSurroundings:
-    """Constraints as the kernels take them.
-
-    Args:
-        constraints: obstacles and limits.
-        near: (n, d), n >= 1, points that may be approached nearer than is usually kept.
-        size: of the demonstration.
-    """
+    """Constraints as the kernels take them."""
     obstacles, size = constraints.obstacles, size or 1.0
     allowed = 0.5 * _clearances(obstacles, near).min(axis=1)
     return _core.DmpSurroundings(
@@ -203,10 +154,7 @@ def _settled(
     goal: Float64Array,
     last_push: float,
 ) -> tuple[Float64Array, Float64Array]:
-    """The motion (n, channels) with its final error blended out since the phase of the last push.
-
-    Springs only come near their goal after a detour. The blend is that of minimum jerk.
-    """
+    """The motion (n, channels) with its final error blended out since the phase of the last push."""
     since = min(last_push, _LATEST_PUSH)
     s = np.clip((phases - since) / (1.0 - since), 0.0, 1.0)
     blend = minimum_jerk_rise(s)
@@ -216,11 +164,7 @@ def _settled(
 
 
 def _check_clear(obstacles: Sequence[Shape], points: Float64Array) -> None:
-    """Refuses a motion that hits an obstacle.
-
-    Raises:
-        NoPath: where one of the points (n, d) lies in one.
-    """
+    """Refuses a motion that hits an obstacle."""
     gaps = _clearances(obstacles, points)
     if (gaps < 0.0).any():
         index = int(np.argmax((gaps < 0.0).any(axis=0)))

@@ -20,20 +20,7 @@ _LEAST_SAMPLES = 4  # of a period
 def mean_cycle(
     demonstrations: Demonstrations[Motion], kinds: tuple[type[Motion], ...], period: float | None
 ) -> MeanMotion:
-    """The mean over all whole periods in the demonstrations, closed: it ends where it began.
-
-    What is left over after the last whole period is dropped, and the gap between a period's end and
-    its beginning is spread evenly over it.
-
-    Args:
-        demonstrations: all of one of the kinds.
-        kinds: types of motion that the model learns.
-        period: s; None where each demonstration is one period.
-
-    Raises:
-        InvalidInput: for other motions.
-        FitError: for demonstrations shorter than a period, or that do not move.
-    """
+    """The mean over all whole periods in the demonstrations, closed: it ends where it began."""
     cycles = motions_of(demonstrations, kinds=kinds)
     if period is not None:
         cycles = [part for motion in cycles for part in _periods(motion, period)]

@@ -312,12 +312,7 @@ class DMPSkill(Primitive[DMP, _core.PointState], Generic[MotionT_co]):
 
 
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> DMPSkill:
-    """The skill that `DMPSkill.to_archive` took apart.
-
-    Raises:
-        KeyError: if a part is missing.
-        TypeError, ValueError: if a part is not what it should be.
-    """
+    """The skill that `DMPSkill.to_archive` took apart."""
     names = settings.pop("joint_names")
     duration, size, happening, posture = take_settings(settings, arrays)
     model = DMP(**settings)

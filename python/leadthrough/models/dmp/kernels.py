@@ -34,21 +34,13 @@ def enough_weights(duration: float) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Kernels:
-    """Kernels tabulated at evenly spaced phases from 0 to 1.
+    """Kernels tabulated at evenly spaced phases from 0 to 1."""
 
-    Attributes:
-        phases: (m,).
-        values: (m, weights), not normalised.
-        regressor: (m, weights), what a weight multiplies where its kernel alone counts.
-        fade: (m,) canonical state.
-        rhythmic: whether they repeat with period 1.
-    """
-
-    phases: Float64Array
-    values: Float64Array
-    regressor: Float64Array
-    fade: Float64Array
-    rhythmic: bool
+    phases: Float64Array  # (m,)
+    values: Float64Array  # (m, weights), not normalised
+    regressor: Float64Array  # (m, weights), what a weight multiplies where its kernel alone counts
+    fade: Float64Array  # (m,) canonical state
+    rhythmic: bool  # whether they repeat with period 1
 
     @cached_property
     def features(self) -> Float64Array:

@@ -19,25 +19,15 @@ from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, normalis
 
 @dataclass(frozen=True, eq=False)
 class MeanMotion:
-    """One motion that primitives are fitted to.
+    """One motion that primitives are fitted to."""
 
-    Attributes:
-        phases: (n,) from 0 to 1.
-        positions: (n, d).
-        orientations: (n, 4) w, x, y, z, or None.
-        duration: s.
-        joint_names: of joint motions, else None.
-        events: at phases.
-        posture: the arm's joints at phases, or None.
-    """
-
-    phases: Float64Array
-    positions: Float64Array
-    orientations: Float64Array | None
-    duration: float
-    joint_names: tuple[str, ...] | None
-    events: tuple[Event, ...] = ()
-    posture: Posture | None = None
+    phases: Float64Array  # (n,) from 0 to 1
+    positions: Float64Array  # (n, d)
+    orientations: Float64Array | None  # (n, 4) w, x, y, z, or None
+    duration: float  # s
+    joint_names: tuple[str, ...] | None  # of joint motions, else None
+    events: tuple[Event, ...] = ()  # at phases
+    posture: Posture | None = None  # the arm's joints at phases, or None
 
     @property
     def size(self) -> float:
@@ -48,24 +38,7 @@ class MeanMotion:
 def mean_motion(
     demonstrations: Demonstrations[Motion], kinds: tuple[type[Motion], ...]
 ) -> MeanMotion:
-    """The mean of demonstrations over normalised time.
-
-    One alone is taken as it is, sample by sample. Several are stretched to their mean duration and
-    averaged, positions and rotations, at as many evenly spaced times as the longest has samples;
-    the events are those that most of them have.
-
-    Args:
-        demonstrations: at least one, all of the same kind.
-        kinds: types of motion that the model learns.
-
-    Raises:
-        InvalidInput: for other motions.
-        FitError: for one that does not move, and where the orientations of several have no
-            mean; the message names the demonstrations and what to do.
-
-    Warns:
-        OutOfStep: if several show the same at other times.
-    """
+    """The mean of demonstrations over normalised time."""
     motions = motions_of(demonstrations, kinds=kinds)
     first = motions[0]
     names = first.joint_names if isinstance(first, JointTrajectory) else None

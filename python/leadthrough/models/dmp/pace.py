@@ -24,16 +24,10 @@ COARSE_PHASES = np.linspace(0.0, 1.0, INTERVALS // 4 + 1)  # where a query's spe
 
 @dataclass(frozen=True)
 class Measure:
-    """What counts as slow and as still, in one kind of motion.
+    """What counts as slow and as still, in one kind of motion."""
 
-    Attributes:
-        slow: speed, per second, that no motion is held back from.
-        still: extent of a motion that hardly moves.
-        fastest: whether the speed is that of the fastest channel, not that of all together.
-    """
-
-    slow: float
-    still: float
+    slow: float  # speed, per second, that no motion is held back from
+    still: float  # extent of a motion that hardly moves
     fastest: bool = False
 
     def peak(self, velocities: Float64Array) -> float:
@@ -50,17 +44,11 @@ JOINTS = Measure(slow=0.25, still=0.0, fastest=True)  # rad
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A position, an orientation or joints, as replayed.
+    """A position, an orientation or joints, as replayed."""
 
-    Attributes:
-        measure: what is slow and what is still.
-        velocities: (INTERVALS + 1, d) per unit of phase, at PHASES.
-        extent: the farthest that it gets from its start.
-    """
-
-    measure: Measure
-    velocities: Float64Array
-    extent: float
+    measure: Measure  # what is slow and what is still
+    velocities: Float64Array  # (INTERVALS + 1, d) per unit of phase, at PHASES
+    extent: float  # the farthest that it gets from its start
 
     @property
     def weight(self) -> float:
@@ -73,12 +61,7 @@ class Part:
         return self.measure.peak(self.velocities)
 
     def lengthening(self, peak: float, duration: float) -> float:
-        """The factor by which a motion of another highest speed must take longer.
-
-        Args:
-            peak: highest speed of the motion that is asked for, per unit of phase.
-            duration: s, of the replayed one.
-        """
+        """The factor by which a motion of another highest speed must take longer."""
         if self.extent <= self.measure.still:
             return 1.0
         slow = self.measure.slow * duration
@@ -87,10 +70,7 @@ class Part:
 
 
 def pose_progress(moving: Part, turning: Part) -> Progress:
-    """The progress of six channels, three of a position and three of an orientation.
-
-    What hardly moves itself goes by what the other does.
-    """
+    """The progress of six channels, three of a position and three of an orientation."""
     own = [speeds_of(part.velocities) for part in (moving, turning)]
     mixed = [
         part.weight * mine + (1.0 - part.weight) * other

@@ -122,12 +122,7 @@ class PoseDMP(Unfitted):
 
 
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> PoseDMPSkill:
-    """The skill that `PoseDMPSkill.to_archive` took apart.
-
-    Raises:
-        KeyError: if a part is missing.
-        TypeError, ValueError: if a part is not what it should be.
-    """
+    """The skill that `PoseDMPSkill.to_archive` took apart."""
     duration, size, happening, posture = take_settings(settings, arrays)
     model = PoseDMP(**settings)
     learned = Springs.from_arrays(model.form, settings["weights"], arrays)

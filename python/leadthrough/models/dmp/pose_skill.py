@@ -388,11 +388,7 @@ class PoseDMPSkill(Primitive["PoseDMP", _core.PoseState]):
         return _core.PoseState(course, value, slope, state.phase, state.duration, state.curve, by)
 
     def _without_spin(self, state: _core.PoseState) -> _core.PoseState:
-        """The same state, unless the tool would spin from it to the end.
-
-        Raises:
-            UnsupportedQuery: where it would, with "lifted".
-        """
+        """The same state, unless the tool would spin from it to the end."""
         if self.refuses_spins:
             refuse_spin(self.springs, self.turning, state)
         return state

@@ -119,11 +119,7 @@ class Primitive(Archived, Generic[ModelT, StateT]):
         )
 
     def _duration(self, duration: float | None, start: Place | None, goal: Place | None) -> float:
-        """The duration of a query, s.
-
-        Raises:
-            InvalidInput: if it is not > 0, or an end is of another shape or range.
-        """
+        """The duration of a query, s."""
         if duration is None:
             return self.default_duration(start=start, goal=goal)
         return check_duration(duration, self.duration)
@@ -162,14 +158,7 @@ class Primitive(Archived, Generic[ModelT, StateT]):
         value: Float64Array | None = None,
         slope: Float64Array | None = None,
     ) -> _core.DmpCourse:
-        """The course of a state on its way to another goal (channels,).
-
-        Args:
-            state: so far.
-            goal: the new one.
-            value: jump (channels,) of the coordinates themselves, by default none.
-            slope: jump (channels,) of their slope.
-        """
+        """The course of a state on its way to another goal (channels,)."""
         before, form = state.course, self.springs.form
         if form != "blended":
             return springs.redirected(form, before, goal)
@@ -268,12 +257,7 @@ class Primitive(Archived, Generic[ModelT, StateT]):
 def take_settings(
     settings: dict[str, Any], arrays: Arrays
 ) -> tuple[float, float, Events, Posture | None]:
-    """Duration, size, events and posture of a file; its settings then are the model's alone.
-
-    Raises:
-        KeyError: if one is missing.
-        TypeError, InvalidInput: if one is not what it should be.
-    """
+    """Duration, size, events and posture of a file; its settings then are the model's alone."""
     duration = check.number(settings.pop("duration"), "duration", above=0.0)
     size = check.number(settings.pop("size"), "size", at_least=0.0)
     happening = events.from_plain(settings.pop("events", ()))

@@ -51,13 +51,9 @@ _RISES = np.maximum(_POWERS[None, :] - _POWERS[:, None], 0)
 
 @dataclass(frozen=True, eq=False)
 class Progress:
-    """The fraction c(u) of its way that each channel of a motion has covered at phase u.
+    """The fraction c(u) of its way that each channel of a motion has covered at phase u."""
 
-    Attributes:
-        curve: c (channels,), a C2 piecewise polynomial over phases from 0 to 1.
-    """
-
-    curve: PPoly
+    curve: PPoly  # c (channels,), a C2 piecewise polynomial over phases from 0 to 1
 
     @property
     def breaks(self) -> Float64Array:
@@ -109,16 +105,7 @@ class Progress:
 
 
 def corrected_until(phase: float, end: float) -> float:
-    """The phase at which a correction that begins at a phase is done.
-
-    At the end of the motion's own way, or at phase 1 where that is near; near the end of the
-    motion, and after it, a little later. These ends are multiples of a small step, so that a
-    reference that is corrected all the time consists of few pieces.
-
-    Args:
-        phase: at which the goal moves, >= 0.
-        end: of the motion's own way, at most 1.
-    """
+    """The phase at which a correction that begins at a phase is done."""
     if phase <= end - _AMPLE:
         return end
     least = _LEAST if phase < 1.0 else _AFTER_END
@@ -128,12 +115,7 @@ def corrected_until(phase: float, end: float) -> float:
 
 
 def progress_of(speeds: Float64Array) -> Progress:
-    """The progress of channels with speeds (INTERVALS + 1, channels) at evenly spaced phases.
-
-    Args:
-        speeds: as `speeds_of` returns them, or weighted sums of such; a channel in which all are 0
-            counts as a uniform motion.
-    """
+    """The progress of channels with speeds (INTERVALS + 1, channels) at evenly spaced phases."""
     from scipy.interpolate import CubicHermiteSpline, PchipInterpolator, PPoly
 
     nodes = np.linspace(0.0, 1.0, _PIECES + 1)
@@ -149,11 +131,7 @@ def progress_of(speeds: Float64Array) -> Progress:
 
 
 def speeds_of(velocities: Float64Array) -> Float64Array:
-    """Smoothed speeds (n,) of velocities (n, d), over the highest; slow ones are 0.
-
-    Args:
-        velocities: at evenly spaced phases from 0 to 1.
-    """
+    """Smoothed speeds (n,) of velocities (n, d), over the highest; slow ones are 0."""
     speeds: Float64Array = np.linalg.norm(_averaged(velocities), axis=1)
     highest = speeds.max()
     return np.maximum(speeds / highest - _STILL, 0.0) if highest > 0.0 else speeds

@@ -23,30 +23,18 @@ Via = Sequence[tuple[float, ArrayLike]]
 
 
 def check_duration(duration: float | None, usual: float, name: str = "duration") -> float:
-    """The duration asked for, s, or the usual one.
-
-    Raises:
-        InvalidInput: if it is not > 0.
-    """
+    """The duration asked for, s, or the usual one."""
     return usual if duration is None else check.number(duration, name, above=0.0)
 
 
 def check_step(dt: float, lag: float, duration: float) -> float:
-    """The time by which the motion goes on in a step of dt s.
-
-    Raises:
-        InvalidInput: if dt is not > 0, or longer than a thousand durations, or lag < 0.
-    """
+    """The time by which the motion goes on in a step of dt s."""
     span = check.number(dt, "dt", above=0.0, at_most=_LONGEST_STEP * duration)
     return span / (1.0 + check.number(lag, "lag", at_least=0.0))
 
 
 def check_final_velocity(velocity: ArrayLike | None, form: str) -> None:
-    """Refuses a final velocity with a form that ends at rest.
-
-    Raises:
-        UnsupportedQuery: if there is one and the form is not "blended".
-    """
+    """Refuses a final velocity with a form that ends at rest."""
     if velocity is not None and form != "blended":
         raise UnsupportedQuery(
             f"final_velocity: the form {form!r} ends at rest; leave it out, or fit with the form "
@@ -55,11 +43,7 @@ def check_final_velocity(velocity: ArrayLike | None, form: str) -> None:
 
 
 def check_channels(value: Any, name: str, count: int) -> Float64Array:
-    """`value` as an array (count,) whose products stay finite.
-
-    Raises:
-        InvalidInput: if it is of another shape, or not finite or too large.
-    """
+    """`value` as an array (count,) whose products stay finite."""
     given = check.array(value, name, shape=(count,))
     if np.abs(given).max() > LARGEST:
         raise InvalidInput(f"{name}: expected numbers up to {LARGEST:.0e}, got {given}")
@@ -67,22 +51,14 @@ def check_channels(value: Any, name: str, count: int) -> Float64Array:
 
 
 def as_pose(value: Place | None, name: str) -> tuple[Any, Float64Array | None]:
-    """Position, not checked yet, and orientation (4,) of a query; None where left out.
-
-    Raises:
-        InvalidInput: if the orientation is no unit quaternion.
-    """
+    """Position, not checked yet, and orientation (4,) of a query; None where left out."""
     if isinstance(value, tuple | list) and len(value) == 2:
         return value[0], check.quaternions(value[1], name, shape=(4,))
     return value, None
 
 
 def pose_acceleration(coupling: ArrayLike) -> Float64Array:
-    """A coupling (3,) or (6,) as linear and angular acceleration (6,).
-
-    Raises:
-        InvalidInput: if it is of another shape, or not finite or too large.
-    """
+    """A coupling (3,) or (6,) as linear and angular acceleration (6,)."""
     given = check.array(coupling, "coupling", shape=("n",))
     if len(given) not in (3, 6):
         raise InvalidInput(f"coupling: expected shape (3,) or (6,), got {given.shape}")
@@ -98,19 +74,7 @@ def ends_of(
     final_velocity: ArrayLike | None = None,
     duration: float = 1.0,
 ) -> Ends:
-    """The ends that a query asks for; what is None is as learned.
-
-    Args:
-        learned: the ends as demonstrated.
-        start: (channels,).
-        goal: (channels,).
-        start_velocity: (channels,) per second.
-        final_velocity: (channels,) per second.
-        duration: s, of the motion.
-
-    Raises:
-        InvalidInput: if one is of another shape, or too large.
-    """
+    """The ends that a query asks for; what is None is as learned."""
 
     def channels(value: Any, name: str, usual: Float64Array, scale: float = 1.0) -> Float64Array:
         if value is None:
@@ -128,18 +92,7 @@ def ends_of(
 def course_through(
     learned: Springs, direct: _core.DmpCourse, ends: Ends, via: Via, *, count: int
 ) -> _core.DmpCourse:
-    """A course made to pass via points.
-
-    Args:
-        learned: the springs.
-        direct: the course from end to end.
-        ends: of all channels.
-        via: (phase in (0, 1), point (count,)), in order.
-        count: number of the first channels, which pass the via points.
-
-    Raises:
-        InvalidInput: if via is not of this form.
-    """
+    """A course made to pass via points."""
     if not isinstance(via, Sequence):
         raise InvalidInput(f"via: expected a sequence of (phase, point), got {type(via).__name__}")
     if len(via) == 0:

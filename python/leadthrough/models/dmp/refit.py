@@ -15,10 +15,5 @@ _LEAST, _MOST = 5, 100  # weights worth trying
 def weights_of(
     skill: Skill[MotionT], demonstrations: Demonstrations[Motion]
 ) -> Sequence[Parameter[MotionT]]:
-    """The number of weights of a primitive as a parameter; none without demonstrations.
-
-    Args:
-        skill: a primitive of any kind.
-        demonstrations: those that it was fitted to.
-    """
+    """The number of weights of a primitive as a parameter; none without demonstrations."""
     return fitted_again(skill, "weights", demonstrations, least=_LEAST, most=_MOST)

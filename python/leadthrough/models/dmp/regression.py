@@ -49,23 +49,14 @@ _SWUNG_IN = 4.0  # periods
 
 @dataclass(frozen=True, eq=False)
 class _Target:
-    """What springs are fitted to.
+    """What springs are fitted to."""
 
-    Attributes:
-        form: one of FORMS.
-        phases: (n,) from 0 to 1.
-        values: (n, channels).
-        kernels: of the force.
-        ends: first and last values, at rest.
-        groups: channels that have a unit in common, each.
-    """
-
-    form: str
-    phases: Float64Array
-    values: Float64Array
-    kernels: Kernels
-    ends: Ends
-    groups: Sequence[slice]
+    form: str  # one of FORMS
+    phases: Float64Array  # (n,) from 0 to 1
+    values: Float64Array  # (n, channels)
+    kernels: Kernels  # of the force
+    ends: Ends  # first and last values, at rest
+    groups: Sequence[slice]  # channels that have a unit in common, each
 
     @property
     def scale(self) -> Float64Array:
@@ -75,11 +66,7 @@ class _Target:
         return np.where(self._unmoved, 1.0, self.ends.goal - self.ends.start)
 
     def check_scale(self) -> None:
-        """Refuses a goal that cannot scale a force.
-
-        Raises:
-            FitError: with the form "ijspeert", where a channel moves, but ends where it began.
-        """
+        """Refuses a goal that cannot scale a force."""
         if self.form != "ijspeert":
             return
         short = ~self._unmoved & (np.abs(self.scale) < _SHORTEST * self._reach)
@@ -112,19 +99,7 @@ def fit(
     regression: str,
     groups: Sequence[slice] = (slice(None),),
 ) -> Springs:
-    """Springs that move through values at phases.
-
-    Args:
-        phases: (n,) rising from 0 to 1, n >= 2.
-        values: (n, channels).
-        weights: number of kernels per channel.
-        form: one of FORMS.
-        regression: one of REGRESSIONS.
-        groups: channels that have a unit in common, each; by default all have.
-
-    Raises:
-        FitError: where values overflow or, with the form "ijspeert", a channel ends where it began.
-    """
+    """Springs that move through values at phases."""
     rest = np.zeros(values.shape[1])
     ends = Ends(values[0].copy(), values[-1].copy(), rest, rest)
     target = _Target(form, phases, values, kernels_of(form, weights), ends, groups)
@@ -139,18 +114,7 @@ def fit(
 
 
 def fit_rhythm(phases: Float64Array, values: Float64Array, *, weights: int) -> Springs:
-    """Springs that repeat values of one period, fitted by replay.
-
-    Their centre is the mean over the period, and their start lies on the cycle.
-
-    Args:
-        phases: (n,) rising from 0 to 1, n >= 2.
-        values: (n, channels); the last are the first ones again.
-        weights: number of kernels per channel.
-
-    Raises:
-        FitError: where values overflow.
-    """
+    """Springs that repeat values of one period, fitted by replay."""
     from scipy.integrate import trapezoid
 
     with np.errstate(all="ignore"):  # what is not finite is refused below
@@ -274,9 +238,6 @@ def _reference(
 def _settled(
     found: Float64Array, constraints: Float64Array, correction: Float64Array
 ) -> Float64Array:
-    """The solution moved along the correction (n, 2) until constraints (n, 2) on it vanish.
-
-    A blended motion ends at its goal: the error and its slope are 0 there.
-    """
+    """The solution moved along the correction (n, 2) until constraints (n, 2) on it vanish."""
     excess = constraints.T @ found
     return np.asarray(found - correction @ np.linalg.solve(constraints.T @ correction, excess))

@@ -119,17 +119,7 @@ class Rhythm(Archived, Generic[SettingsT, StateT]):
 
 
 def cycle_ends(learned: Ends, start: Place | None, centre: Place | None, amplitude: float) -> Ends:
-    """Start and centre that a query asks for; left out, the start lies on the cycle.
-
-    Args:
-        learned: the ends as demonstrated.
-        start: (channels,), or None.
-        centre: (channels,), or None.
-        amplitude: multiplies the distance from the centre.
-
-    Raises:
-        InvalidInput: if one is of another shape, or too large.
-    """
+    """Start and centre that a query asks for; left out, the start lies on the cycle."""
     asked = ends_of(learned, start=start, goal=centre)
     on_cycle: Float64Array = asked.goal + amplitude * (learned.start - learned.goal)
     first = on_cycle if start is None else asked.start
@@ -137,11 +127,7 @@ def cycle_ends(learned: Ends, start: Place | None, centre: Place | None, amplitu
 
 
 def check_cycle(usual: float, period: float | None, amplitude: float) -> tuple[float, float]:
-    """The period, s, and the amplitude of a query.
-
-    Raises:
-        InvalidInput: if one is out of range.
-    """
+    """The period, s, and the amplitude of a query."""
     return (
         check_duration(period, usual, "period"),
         check.number(amplitude, "amplitude", at_least=0.0),
@@ -149,12 +135,7 @@ def check_cycle(usual: float, period: float | None, amplitude: float) -> tuple[f
 
 
 def refuse_obstacles(obstacles: Sequence[Shape]) -> None:
-    """Refuses obstacles, which rhythms do not keep clear of.
-
-    Raises:
-        InvalidInput: if one is no shape.
-        UnsupportedQuery: if there are any.
-    """
+    """Refuses obstacles, which rhythms do not keep clear of."""
     if check_shapes(obstacles):
         raise UnsupportedQuery("obstacles: a rhythm keeps clear of none; use step with a coupling")
 
@@ -162,12 +143,7 @@ def refuse_obstacles(obstacles: Sequence[Shape]) -> None:
 def take_settings(
     settings: dict[str, Any], arrays: Arrays
 ) -> tuple[Springs, float, Events, Posture | None]:
-    """Springs, period, events and posture of a rhythm in a file.
-
-    Raises:
-        KeyError: if a part is missing.
-        TypeError, ValueError: if a part is not what it should be.
-    """
+    """Springs, period, events and posture of a rhythm in a file."""
     period = check.number(settings["period"], "period", above=0.0)
     learned = Springs.from_arrays(RHYTHMIC, settings["model"]["weights"], arrays)
     happening = events.from_plain(settings.get("events", ()))

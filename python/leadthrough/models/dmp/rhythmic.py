@@ -182,12 +182,7 @@ class RhythmicDMPSkill(Rhythm[RhythmicDMP, _core.PointState], Generic[MotionT_co
 
 
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> RhythmicDMPSkill:
-    """The skill that `RhythmicDMPSkill.to_archive` took apart.
-
-    Raises:
-        KeyError: if a part is missing.
-        TypeError, ValueError: if a part is not what it should be.
-    """
+    """The skill that `RhythmicDMPSkill.to_archive` took apart."""
     learned, period, happening, posture = take_settings(settings, arrays)
     names, model = settings["joint_names"], RhythmicDMP(**settings["model"])
     joints = None if names is None else tuple(names)

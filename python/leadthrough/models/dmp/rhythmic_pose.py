@@ -200,12 +200,7 @@ class RhythmicPoseDMPSkill(Rhythm[RhythmicPoseDMP, _core.PoseState]):
 
 
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> RhythmicPoseDMPSkill:
-    """The skill that `RhythmicPoseDMPSkill.to_archive` took apart.
-
-    Raises:
-        KeyError: if a part is missing.
-        TypeError, ValueError: if a part is not what it should be.
-    """
+    """The skill that `RhythmicPoseDMPSkill.to_archive` took apart."""
     learned, period, happening, posture = take_settings(settings, arrays)
     turned = Turning.from_arrays("anchored", arrays, rhythmic=True)
     model = RhythmicPoseDMP(**settings["model"])

@@ -8,13 +8,7 @@ from leadthrough.check import Float64Array
 
 
 def running_mean(values: Float64Array, size: int, mode: str = "nearest") -> Float64Array:
-    """Means (n,) or (n, d) over `size` neighbouring samples.
-
-    Args:
-        values: (n,) or (n, d), in order.
-        size: of the samples in a mean, >= 1; of an even number one more lies before.
-        mode: what lies beyond the ends: "nearest", their own value, or "wrap", the other end.
-    """
+    """Means (n,) or (n, d) over `size` neighbouring samples."""
     before = size // 2
     beside = [(before, size - 1 - before)] + [(0, 0)] * (values.ndim - 1)
     padded = np.pad(values, beside, mode="edge" if mode == "nearest" else "wrap")

@@ -20,11 +20,7 @@ _SAMPLES = 1000
 
 
 def refuse_spin(springs: Springs, turning: Turning, state: _core.PoseState) -> None:
-    """Refuses a state from which the tool would spin on its way to the end.
-
-    Raises:
-        UnsupportedQuery: if it would.
-    """
+    """Refuses a state from which the tool would spin on its way to the end."""
     if state.phase >= 1.0:
         return
     phases = np.linspace(state.phase, 1.0, _SAMPLES)
@@ -46,18 +42,7 @@ def replayed_angle(
     phases: Float64Array,
     orientations: Float64Array,
 ) -> float:
-    """The angle turned in replay, rad: the one demonstrated without its noise, to measure spins by.
-
-    Args:
-        springs: what was learned.
-        turning: what the last three channels mean.
-        state: at the start, with the demonstrated ends.
-        phases: (n,) of the demonstration.
-        orientations: (n, 4) demonstrated.
-
-    Raises:
-        FitError: if the replay is off by a spin already.
-    """
+    """The angle turned in replay, rad."""
     made = _orientations(springs, turning, state, phases)
     worst = float(rotations.distance(made, orientations).max())
     if worst > _SPIN:

@@ -44,19 +44,12 @@ Via = Sequence[tuple[float, Float64Array]]
 
 @dataclass(frozen=True, eq=False)
 class Ends(Brief):
-    """Where channels begin and end.
+    """Where channels begin and end."""
 
-    Attributes:
-        start: values (channels,) at phase 0.
-        goal: values (channels,) at phase 1; of a rhythm, its centre.
-        start_slope: derivatives (channels,) by the phase at 0.
-        goal_slope: derivatives (channels,) by the phase at 1.
-    """
-
-    start: Float64Array
-    goal: Float64Array
-    start_slope: Float64Array
-    goal_slope: Float64Array
+    start: Float64Array  # values (channels,) at phase 0
+    goal: Float64Array  # values (channels,) at phase 1; of a rhythm, its centre
+    start_slope: Float64Array  # derivatives (channels,) by the phase at 0
+    goal_slope: Float64Array  # derivatives (channels,) by the phase at 1
 
     def part(self, channels: slice) -> Ends:
         """Those of some of the channels."""
@@ -85,17 +78,11 @@ class Ends(Brief):
 
 @dataclass(frozen=True, eq=False)
 class Springs(Brief):
-    """Learned channels.
+    """Learned channels."""
 
-    Attributes:
-        form: one of FORMS, or RHYTHMIC.
-        weights: (weights, channels).
-        ends: as demonstrated.
-    """
-
-    form: str
-    weights: Float64Array
-    ends: Ends
+    form: str  # one of FORMS, or RHYTHMIC
+    weights: Float64Array  # (weights, channels)
+    ends: Ends  # as demonstrated
 
     @property
     def kernels(self) -> Kernels:
@@ -118,12 +105,7 @@ class Springs(Brief):
 
     @staticmethod
     def from_arrays(form: str, weights: int, arrays: Mapping[str, Any]) -> Springs:
-        """The springs of which a file has the `arrays`.
-
-        Raises:
-            KeyError: if an array is missing.
-            InvalidInput: if one has another shape than it should.
-        """
+        """The springs of which a file has the `arrays`."""
         found = check.frozen(arrays["weights"], "weights", shape=(weights, "channels"))
         ends = [
             check.frozen(arrays[field.name], field.name, shape=(found.shape[1],))
@@ -141,12 +123,7 @@ def kernels_of(form: str, weights: int) -> Kernels:
 
 
 def tabulated(kernels: Kernels, weights: Float64Array) -> _core.DmpForces:
-    """Forces as the compiled core takes them.
-
-    Args:
-        kernels: of the force.
-        weights: (weights, channels).
-    """
+    """Forces as the compiled core takes them."""
     nodes = np.ascontiguousarray(kernels.features @ weights)
     return _core.DmpForces(nodes, kernels.fade, RATE, kernels.rhythmic)
 
@@ -159,13 +136,7 @@ def each_alone(kernels: Kernels) -> _core.DmpForces:
 
 
 def course(form: str, ends: Ends, *, amplitude: float = 1.0) -> _core.DmpCourse:
-    """The course between ends: reference of every channel, gain of its force, and drive.
-
-    Args:
-        form: one of FORMS, or RHYTHMIC.
-        ends: where the channels begin and end.
-        amplitude: of a rhythm.
-    """
+    """The course between ends: reference of every channel, gain of its force, and drive."""
     count = len(ends.goal)
     gain, drive = np.full(count, amplitude), np.zeros(count)
     if form == "blended":
@@ -183,26 +154,12 @@ def course(form: str, ends: Ends, *, amplitude: float = 1.0) -> _core.DmpCourse:
 def moved_course(
     plain: Float64Array, progress: Progress, *, start: Float64Array, goal: Float64Array
 ) -> _core.DmpCourse:
-    """The course of the form "blended" between other ends than those learned.
-
-    The learned one, shifted by (1 - c) of the start's offset and c of the goal's.
-
-    Args:
-        plain: coefficients (6 pieces, channels) of the learned one, about each break of c.
-        progress: c.
-        start: offset (channels,).
-        goal: offset (channels,).
-    """
+    """The course of the form "blended" between other ends than those learned."""
     return _core.dmp_shifted_course(progress.breaks, plain, progress.coefficients, start, goal)
 
 
 def with_via(before: _core.DmpCourse, via: Via) -> _core.DmpCourse:
-    """A course with detours: the minimum-jerk spline through them, at rest and 0 at both ends.
-
-    Args:
-        before: the course without via points.
-        via: (phase, offset (channels,)) from its motion, at least one.
-    """
+    """A course with detours: the minimum-jerk spline through them, at rest and 0 at both ends."""
     from scipy.interpolate import make_interp_spline
 
     phases = np.array([0.0, *(phase for phase, _ in via), 1.0])
@@ -214,24 +171,12 @@ def with_via(before: _core.DmpCourse, via: Via) -> _core.DmpCourse:
 
 
 def shifted(before: _core.DmpCourse, progress: Progress, goal: Float64Array) -> _core.DmpCourse:
-    """A course whose goal is shifted before it has begun: the shift enters by the progress.
-
-    Args:
-        before: the course, from phase 0.
-        progress: of the channels.
-        goal: shift (channels,).
-    """
+    """A course whose goal is shifted before it has begun: the shift enters by the progress."""
     return _added(before, progress.scaled(goal), progress.breaks)
 
 
 def redirected(form: str, before: _core.DmpCourse, goal: Float64Array) -> _core.DmpCourse:
-    """The course with another goal (channels,), to which the springs lead at once.
-
-    Args:
-        form: of the literature, or RHYTHMIC.
-        before: the course so far.
-        goal: the goal, or the centre of a rhythm.
-    """
+    """The course with another goal (channels,), to which the springs lead at once."""
     shift = goal - end_of(before)
     coefficients = before.coefficients.copy()
     coefficients[::6] += shift

@@ -66,25 +66,15 @@ _UNTURNED = _core.DmpPath()
 
 @dataclass(frozen=True, eq=False)
 class Turning(Brief):
-    """A learned relation between orientations and coordinates.
+    """A learned relation between orientations and coordinates."""
 
-    Attributes:
-        representation: one of REPRESENTATIONS.
-        controls: (k + 3, 4) of the curve G, a cumulative cubic B-spline of k pieces.
-        speeds: (m,) on the curve, in pieces per unit of phase, at evenly spaced phases.
-        start: orientation (4,) as demonstrated.
-        goal: orientation (4,) as demonstrated.
-        angle: rad, the whole angle that the demonstration turns.
-        rhythmic: whether the curve closes and repeats.
-    """
-
-    representation: str
-    controls: Float64Array
-    speeds: Float64Array
-    start: Float64Array
-    goal: Float64Array
-    angle: float
-    rhythmic: bool = False
+    representation: str  # one of REPRESENTATIONS
+    controls: Float64Array  # (k + 3, 4) of the curve G, a cumulative cubic B-spline of k pieces
+    speeds: Float64Array  # (m,) on the curve, in pieces per unit of phase, at evenly spaced phases
+    start: Float64Array  # orientation (4,) as demonstrated
+    goal: Float64Array  # orientation (4,) as demonstrated
+    angle: float  # rad, the whole angle that the demonstration turns
+    rhythmic: bool = False  # whether the curve closes and repeats
 
     @cached_property
     def curve(self) -> _core.DmpCurve:
@@ -99,20 +89,7 @@ class Turning(Brief):
     def offsets(
         self, start: Float64Array, goal: Float64Array, near: Float64Array | None = None
     ) -> tuple[Float64Array, Float64Array]:
-        """The rotation vectors that turn the curve at its start and at its end.
-
-        An offset of exactly half a turn is about the axis whose first coordinate that is not 0 is
-        positive.
-
-        Args:
-            start: orientation (4,) that a motion starts with.
-            goal: orientation (4,) that it ends with.
-            near: (3,); of the rotation vectors for the goal the nearest to this one is taken, by
-                default to the one at the start, for the shortest way of turning between them.
-
-        Returns:
-            Offsets (3,) at start and goal, rad.
-        """
+        """The rotation vectors that turn the curve at its start and at its end."""
         if self.representation == "euler":
             return _NOTHING, _NOTHING
         if self.representation != "anchored":
@@ -130,19 +107,7 @@ class Turning(Brief):
         near: Float64Array,
         velocity: Float64Array = _NOTHING,
     ) -> tuple[Float64Array, Float64Array]:
-        """Coordinates of an orientation, and their slope.
-
-        Args:
-            orientation: (4,).
-            phase: in [0, 1], or counting periods.
-            offset: path of the rotation vector that turns the curve.
-            near: (3,); of several coordinates the nearest to these are taken. Those of "log" are at
-                most half a turn long.
-            velocity: angular, (3,) rad per unit of phase.
-
-        Returns:
-            Coordinates (3,) and their derivatives (3,) by the phase.
-        """
+        """Coordinates of an orientation, and their slope."""
         if self.representation == "log":
             near = _NOTHING
         return _core.dmp_coordinates(self.curve, offset, phase, orientation, velocity, near)
@@ -153,16 +118,7 @@ class Turning(Brief):
         values: Float64Array,
         offset: _core.DmpPath = _UNTURNED,
     ) -> Float64Array:
-        """Orientations of coordinates, sign-continuous.
-
-        Args:
-            phases: (n,).
-            values: (n, 3), or more columns, of which the last three are the coordinates.
-            offset: path of the rotation vector that turns the curve, by default none.
-
-        Returns:
-            Orientations (n, 4), w, x, y, z.
-        """
+        """Orientations of coordinates, sign-continuous."""
         return _core.dmp_orientations(self.curve, offset, phases, values)
 
     def arrays(self) -> dict[str, Float64Array]:
@@ -179,17 +135,7 @@ class Turning(Brief):
     def from_arrays(
         representation: str, arrays: Mapping[str, Any], *, rhythmic: bool = False
     ) -> Turning:
-        """The turning of which a file has the `arrays`.
-
-        Args:
-            representation: one of REPRESENTATIONS.
-            arrays: by name.
-            rhythmic: whether the curve closes and repeats.
-
-        Raises:
-            KeyError: if an array is missing.
-            InvalidInput: if one is not what it should be.
-        """
+        """The turning of which a file has the `arrays`."""
         controls = quaternions(arrays, "controls", shape=("n", 4))
         if len(controls) < 4:
             raise InvalidInput(f"controls: expected at least 4, got {len(controls)}")
@@ -295,10 +241,7 @@ def _calmed(q: Float64Array) -> Float64Array:
 
 
 def noise_of(q: Float64Array) -> float:
-    """The standard deviation, rad for each axis, of the noise in orientations (n, 4).
-
-    A motion is smooth: what second differences of its steps leave is noise.
-    """
+    """The standard deviation, rad for each axis, of the noise in orientations (n, 4)."""
     if len(q) < 5:
         return 0.0
     steps = rotations.log(rotations.compose(rotations.inverse(q[:-1]), q[1:]))

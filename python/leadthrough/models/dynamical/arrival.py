@@ -29,17 +29,11 @@ _SLOWING, _LONGEST_END = 2.7, 0.25
 
 @dataclass(frozen=True, eq=False)
 class Way(Brief):
-    """A trajectory from a start to rest at the goal.
-
-    Attributes:
-        times: times (n,) of its nodes, from 0 to the duration, in durations of the demonstrations.
-        positions: positions (n, d) there.
-        velocities: velocities (n, d) there.
-    """
+    """A trajectory from a start to rest at the goal."""
 
     times: Float64Array
-    positions: Float64Array
-    velocities: Float64Array
+    positions: Float64Array  # positions (n, d) there
+    velocities: Float64Array  # velocities (n, d) there
 
     @property
     def duration(self) -> float:
@@ -53,15 +47,7 @@ class Way(Brief):
 
 
 def way(field: Field, start: Float64Array) -> Way:
-    """The way from a start (d,) to the goal at 0.
-
-    Args:
-        field: the system.
-        start: in normalised columns.
-
-    Raises:
-        NoPath: if the goal is not reached in 100 durations of the demonstrations.
-    """
+    """The way from a start (d,) to the goal at 0."""
     found = course(field, start, near=_LAST, longest=LONGEST)
     d = len(start)
     x, v = found.states[:, :d], field_velocity(found.states, found.rates, d)

@@ -31,17 +31,11 @@ _LARGEST = (1.0, 0.7, 0.7, 1.5)
 
 @dataclass(frozen=True, eq=False)
 class AsymmetricQuadratics(Brief):
-    """A weighted sum of asymmetric quadratic functions.
+    """A weighted sum of asymmetric quadratic functions."""
 
-    Attributes:
-        symmetric: P_0, (d, d).
-        matrices: P_l, (l, d, d).
-        centres: c_l, (l, d).
-    """
-
-    symmetric: Float64Array
-    matrices: Float64Array
-    centres: Float64Array
+    symmetric: Float64Array  # P_0, (d, d)
+    matrices: Float64Array  # P_l, (l, d, d)
+    centres: Float64Array  # c_l, (l, d)
 
     def value(self, x: Float64Array) -> Float64Array:
         """Energies (n,) at positions (n, d)."""
@@ -65,14 +59,7 @@ class AsymmetricQuadratics(Brief):
 
 
 def fitted(x: Float64Array, v: Float64Array, count: int, *, seed: int) -> AsymmetricQuadratics:
-    """The sum of asymmetric quadratic functions that falls best along demonstrations.
-
-    Args:
-        x: positions (n, d).
-        v: velocities (n, d).
-        count: number of asymmetric functions, >= 0.
-        seed: seed of the random number generator that places their first centres.
-    """
+    """The sum of asymmetric quadratic functions that falls best along demonstrations."""
     size = x.shape[1]
     moving = np.linalg.norm(v, axis=1) > 0.0
     rng = np.random.default_rng(seed)

@@ -30,18 +30,11 @@ _HOME = 3.0
 
 @dataclass(frozen=True, eq=False)
 class Corrected(Field):
-    """x' = f(x) + u(x): a regression f, and the least u with which the energy falls.
-
-    Attributes:
-        regression: f, whose value at the goal is taken off near it, and which gives way to -3 x
-            away from all demonstrations.
-        potential: the energy.
-        descent: how fast the energy has to fall.
-    """
+    """x' = f(x) + u(x): a regression f, and the least u with which the energy falls."""
 
     regression: Regression
-    potential: Energy
-    descent: Descent
+    potential: Energy  # the energy
+    descent: Descent  # how fast the energy has to fall
 
     name: ClassVar[str] = "corrected"
 

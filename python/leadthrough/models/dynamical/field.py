@@ -16,14 +16,9 @@ from leadthrough.check import Float64Array
 
 
 class Field(ABC):
-    """A system whose trajectories all end at 0: x' = f(x) with a falling energy V(x).
+    """A system whose trajectories all end at 0: x' = f(x) with a falling energy V(x)."""
 
-    Attributes:
-        name: what files call this kind of system.
-        size: number d of columns.
-    """
-
-    name: ClassVar[str]
+    name: ClassVar[str]  # what files call this kind of system
 
     @property
     @abstractmethod

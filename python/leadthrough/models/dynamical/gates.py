@@ -21,17 +21,11 @@ class Gates(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class GaussianGates(Brief):
-    """Probabilities of the k components of a Gaussian mixture: they sum to 1.
+    """Probabilities of the k components of a Gaussian mixture: they sum to 1."""
 
-    Attributes:
-        logits: logarithms (k,) of the components' weights.
-        means: means (k, d).
-        whitening: matrices (k, d, d) with whitening^T whitening the precision.
-    """
-
-    logits: Float64Array
-    means: Float64Array
-    whitening: Float64Array
+    logits: Float64Array  # logarithms (k,) of the components' weights
+    means: Float64Array  # means (k, d)
+    whitening: Float64Array  # matrices (k, d, d) with whitening^T whitening the precision
 
     @staticmethod
     def of(weights: Float64Array, means: Float64Array, covariances: Float64Array) -> GaussianGates:
@@ -67,15 +61,10 @@ class GaussianGates(Brief):
 
 @dataclass(frozen=True, eq=False)
 class SigmoidGates(Brief):
-    """A constant 1 and m sigmoids of random directions: the hidden layer of a network.
+    """A constant 1 and m sigmoids of random directions: the hidden layer of a network."""
 
-    Attributes:
-        directions: rows (m, d) of the hidden layer's matrix.
-        offsets: offsets (m,) of the hidden layer.
-    """
-
-    directions: Float64Array
-    offsets: Float64Array
+    directions: Float64Array  # rows (m, d) of the hidden layer's matrix
+    offsets: Float64Array  # offsets (m,) of the hidden layer
 
     def weights(self, x: Float64Array) -> Float64Array:
         """Weights (n, 1 + m) at positions (n, d)."""

@@ -28,45 +28,25 @@ _FARTHEST = 1e3
 
 @dataclass(frozen=True, eq=False)
 class Course(Brief):
-    """One trajectory.
+    """One trajectory."""
 
-    Attributes:
-        times: times (n,) of its samples, from 0 on.
-        states: states (n, s).
-        rates: their derivatives (n, s).
-    """
-
-    times: Float64Array
-    states: Float64Array
-    rates: Float64Array
+    times: Float64Array  # times (n,) of its samples, from 0 on
+    states: Float64Array  # states (n, s)
+    rates: Float64Array  # their derivatives (n, s)
 
 
 @dataclass(frozen=True, eq=False)
 class Ends(Brief):
-    """Where many trajectories ended.
+    """Where many trajectories ended."""
 
-    Attributes:
-        times: when each one (m,) arrived or was given up.
-        states: states (m, s) there.
-        arrived: whether each one (m,) came as near to the goal as asked.
-        falling: whether the energy of each one (m,) fell at every sample.
-    """
-
-    times: Float64Array
-    states: Float64Array
-    arrived: NDArray[np.bool_]
-    falling: NDArray[np.bool_]
+    times: Float64Array  # when each one (m,) arrived or was given up
+    states: Float64Array  # states (m, s) there
+    arrived: NDArray[np.bool_]  # whether each one (m,) came as near to the goal as asked
+    falling: NDArray[np.bool_]  # whether the energy of each one (m,) fell at every sample
 
 
 def course(field: Field, start: Float64Array, *, near: float, longest: float) -> Course:
-    """The trajectory from a position (d,) until it is near the goal.
-
-    Args:
-        field: the system.
-        start: where it starts, at rest.
-        near: distance from the goal, > 0, at which it ends.
-        longest: time after which it is given up.
-    """
+    """The trajectory from a position (d,) until it is near the goal."""
     times: list[float] = []
     states: list[Float64Array] = []
     rates: list[Float64Array] = []
@@ -79,14 +59,7 @@ def course(field: Field, start: Float64Array, *, near: float, longest: float) ->
 
 
 def ends(field: Field, starts: Float64Array, *, near: float, longest: float) -> Ends:
-    """Where the trajectories from positions (m, d) end, and whether their energies fell.
-
-    Args:
-        field: the system.
-        starts: where they start, at rest.
-        near: distance from the goal, > 0, at which they have arrived.
-        longest: time after which they are given up.
-    """
+    """Where the trajectories from positions (m, d) end, and whether their energies fell."""
     falling = np.ones(len(starts), dtype=bool)
     time, state = np.zeros(len(starts)), field.states(starts)
     for now, states, _ in _steps(field, starts, near=near, longest=longest):

@@ -25,21 +25,13 @@ from leadthrough.models.dynamical.gates import squared_distances
 
 @dataclass(frozen=True, eq=False)
 class KernelPotential(Field):
-    """A unit mass in a potential with damping.
+    """A unit mass in a potential with damping."""
 
-    Attributes:
-        centres: c_i, (k, d).
-        width: s of the kernels, (1,).
-        heights: a_i, (k,).
-        stiffness: b_i, (k,).
-        damping: d_i, (k,).
-    """
-
-    centres: Float64Array
-    width: Float64Array
-    heights: Float64Array
-    stiffness: Float64Array
-    damping: Float64Array
+    centres: Float64Array  # c_i, (k, d)
+    width: Float64Array  # s of the kernels, (1,)
+    heights: Float64Array  # a_i, (k,)
+    stiffness: Float64Array  # b_i, (k,)
+    damping: Float64Array  # d_i, (k,)
 
     name: ClassVar[str] = "kernel_potential"
 

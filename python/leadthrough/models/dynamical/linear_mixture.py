@@ -21,17 +21,11 @@ from leadthrough.models.dynamical.gates import Gates, GaussianGates, SigmoidGate
 
 @dataclass(frozen=True, eq=False)
 class LinearMixture(Field):
-    """A mixture of linear systems, stable by one quadratic energy.
+    """A mixture of linear systems, stable by one quadratic energy."""
 
-    Attributes:
-        gates: the weights h_k.
-        matrices: matrices A_k, (k, d, d).
-        metric: matrix P (d, d) of the energy.
-    """
-
-    gates: Gates
-    matrices: Float64Array
-    metric: Float64Array
+    gates: Gates  # the weights h_k
+    matrices: Float64Array  # matrices A_k, (k, d, d)
+    metric: Float64Array  # matrix P (d, d) of the energy
 
     name: ClassVar[str] = "linear_mixture"
 

@@ -53,16 +53,6 @@ def fitted(
 ) -> Float64Array:
     """The parameters with which an energy falls best along demonstrations.
 
-    With the cosine c between the gradient and the velocity, c^2 is summed where the energy rises,
-    and a little of -c^2 where it falls.
-
-    Args:
-        gradient: of the energy, with its parameters first.
-        starts: parameters to begin from; the best end is taken.
-        x: positions (n, d).
-        v: velocities (n, d), not 0.
-        largest: bounds of the parameters' magnitudes; None for no bounds.
-
     Source: Khansari-Zadeh and Billard 2014, the objective of the learning of Lyapunov functions.
     """
     every = -(-len(x) // _SAMPLES)
@@ -93,28 +83,15 @@ def fitted(
 
 @dataclass(frozen=True)
 class Descent:
-    """How a velocity is corrected so that an energy falls.
+    """How a velocity is corrected so that an energy falls."""
 
-    Attributes:
-        slowest: least speed downhill far from the goal, in normalised units, > 0.
-        near: distance from the goal, > 0, below which less is asked for.
-    """
-
-    slowest: float
-    near: float
+    slowest: float  # least speed downhill far from the goal, in normalised units, > 0
+    near: float  # distance from the goal, > 0, below which less is asked for
 
     def corrected(
         self, velocity: Float64Array, x: Float64Array, uphill: Float64Array
     ) -> Float64Array:
         """The velocities (n, d) nearest to those given that descend an energy.
-
-        They are those that minimise |u| with grad V . (v + u) <= -rho(|x|) |grad V|, where rho
-        rises from 0 at the goal to the least speed.
-
-        Args:
-            velocity: velocities (n, d).
-            x: positions (n, d).
-            uphill: gradients (n, d) of the energy there.
 
         Source: Khansari-Zadeh and Billard 2014, whose rho we multiply by |grad V|: it is then a
         speed, and does not depend on the energy's scale.

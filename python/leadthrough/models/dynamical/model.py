@@ -57,11 +57,7 @@ class DynamicalModel(Unfitted, ABC):
 
 
 def _pace(field: Field, shown: Shown) -> float:
-    """The median over the demonstrations of how much longer the system takes from their starts.
-
-    Both are timed until they are near the goal for good: how the end is approached tells little of
-    the pace.
-    """
+    """The median over the demonstrations of how much longer the system takes from their starts."""
     starts = np.array([each[0] for each in shown.positions])
     found = ends(field, starts, near=NEAR_GOAL, longest=LONGEST)
     if not found.arrived.any():

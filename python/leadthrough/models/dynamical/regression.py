@@ -43,17 +43,11 @@ class Regression(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class MixtureRegression(Brief):
-    """Gaussian mixture regression: x' = sum_k h_k(x) (A_k x + b_k).
+    """Gaussian mixture regression: x' = sum_k h_k(x) (A_k x + b_k)."""
 
-    Attributes:
-        gates: the mixture of positions.
-        gains: A_k, (k, d, d).
-        constants: b_k, (k, d).
-    """
-
-    gates: GaussianGates
-    gains: Float64Array
-    constants: Float64Array
+    gates: GaussianGates  # the mixture of positions
+    gains: Float64Array  # A_k, (k, d, d)
+    constants: Float64Array  # b_k, (k, d)
 
     @property
     def size(self) -> int:
@@ -86,14 +80,7 @@ class MixtureRegression(Brief):
 def mixture_regression(
     x: Float64Array, v: Float64Array, components: int, *, seed: int
 ) -> MixtureRegression:
-    """The regression by the most likely mixture of positions x and velocities v (n, d).
-
-    Args:
-        x: positions.
-        v: velocities.
-        components: number of components.
-        seed: seed of the random number generator that draws the starts of EM.
-    """
+    """The regression by the most likely mixture of positions x and velocities v (n, d)."""
     d = x.shape[1]
     mixture = fit_mixture(np.hstack([x, v]), components, seed=seed, starts=1).mixture
     spread, cross = mixture.covariances[:, :d, :d], mixture.covariances[:, d:, :d]
@@ -106,17 +93,11 @@ def mixture_regression(
 
 @dataclass(frozen=True, eq=False)
 class NetworkRegression(Brief):
-    """A network with one hidden layer of Gaussians: x' = sum_i exp(-|x - c_i|^2 / (2 s^2)) g_i.
+    """A network with one hidden layer of Gaussians: x' = sum_i exp(-|x - c_i|^2 / (2 s^2)) g_i."""
 
-    Attributes:
-        hidden: c_i, (m, d).
-        width: s, (1,).
-        outer: g_i, (m, d).
-    """
-
-    hidden: Float64Array
-    width: Float64Array
-    outer: Float64Array
+    hidden: Float64Array  # c_i, (m, d)
+    width: Float64Array  # s, (1,)
+    outer: Float64Array  # g_i, (m, d)
 
     @property
     def size(self) -> int:
@@ -142,16 +123,7 @@ class NetworkRegression(Brief):
 def network_regression(
     x: Float64Array, v: Float64Array, units: int, *, width: float, ridge: float, seed: int
 ) -> NetworkRegression:
-    """The network with hidden units at random samples whose outer weights are ridge regression's.
-
-    Args:
-        x: positions (n, d).
-        v: velocities (n, d).
-        units: number of hidden units, at most n are used.
-        width: deviation of the hidden units' Gaussians.
-        ridge: penalty of the squared outer weights, per sample.
-        seed: seed of the random number generator that draws the hidden units.
-    """
+    """The network with hidden units at random samples whose outer weights are ridge regression's."""
     rng = np.random.default_rng(seed)
     hidden = x[rng.choice(len(x), min(units, len(x)), replace=False)]
     empty = NetworkRegression(hidden, np.array([width]), np.zeros((len(hidden), x.shape[1])))
@@ -169,14 +141,7 @@ def trusted(nearness: Float64Array) -> Float64Array:
 def random_units(
     x: Float64Array, units: int, *, seed: int, steep: float = _STEEP
 ) -> tuple[Float64Array, Float64Array]:
-    """Directions (m, d) and offsets (m,) of hidden units that bend at samples drawn at random.
-
-    Args:
-        x: samples (n, d).
-        units: number of hidden units.
-        seed: seed of the random number generator.
-        steep: deviation of the directions' entries, per unit of the motion's size.
-    """
+    """Directions (m, d) and offsets (m,) of hidden units that bend at samples drawn at random."""
     rng = np.random.default_rng(seed)
     inner = steep * rng.standard_normal((units, x.shape[1]))
     bends = x[rng.integers(len(x), size=units)]

@@ -66,16 +66,7 @@ class Shown(Generic[MotionT_co]):
 
 
 def shown_about_goals(demonstrations: Demonstrations[MotionT]) -> Shown[MotionT]:
-    """Demonstrations, each about its own goal.
-
-    Args:
-        demonstrations: one or more demonstrations, or motions, of one type.
-
-    Raises:
-        InvalidInput: if they are not of one type of motion.
-        FitError: if there is none, one does not move, or the orientations at the goals have no
-            mean.
-    """
+    """Demonstrations, each about its own goal."""
     motions = motions_of(demonstrations)
     phases = [normalised_times(motion.times) for motion in motions]
     chart = chart_of(motions, phases, middle=_goal)

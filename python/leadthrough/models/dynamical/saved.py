@@ -29,11 +29,7 @@ _FIELDS: dict[str, Any] = {
 
 # Any: settings are whatever JSON holds.
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> DynamicalSkill:
-    """The skill from the settings and arrays that `DynamicalSkill.to_archive` returned.
-
-    Raises:
-        KeyError, TypeError, ValueError: if the file is damaged.
-    """
+    """The skill from the settings and arrays that `DynamicalSkill.to_archive` returned."""
     chart = Chart.from_archive(settings, arrays)
     model = _MODELS[settings["name"]](**settings["model"])
     own = {

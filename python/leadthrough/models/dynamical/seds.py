@@ -67,13 +67,7 @@ class SEDS(DynamicalModel):
 
 
 def first_guess(shown: Shown, components: int, *, seed: int) -> StableGMR:
-    """The most likely mixture of positions and velocities, each component made stable.
-
-    Args:
-        shown: the demonstrations.
-        components: number of components.
-        seed: seed of the random number generator that draws the starts of EM.
-    """
+    """The most likely mixture of positions and velocities, each component made stable."""
     x, v = shown.x, shown.v
     d = x.shape[1]
     mixture = fit_mixture(np.hstack([x, v]), components, seed=seed, starts=1).mixture

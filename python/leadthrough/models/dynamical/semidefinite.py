@@ -24,22 +24,7 @@ def stable_matrices(
     decay: float,
     ridge: float,
 ) -> Float64Array:
-    """Matrices A_k (k, d, d) with the least squared error of sum_k h_k A_k x.
-
-    They fulfil P A_k + A_k^T P <= -2 decay P, so that x^T P x falls at least at twice the decay.
-
-    Args:
-        weights: h_k, (n, k), at the samples.
-        x: positions (n, d).
-        v: velocities (n, d).
-        metric: P, (d, d).
-        decay: slowest decay, per unit of time, > 0.
-        ridge: penalty of the squared entries of all A_k, per sample.
-
-    Raises:
-        FitError: if the solver does not solve the programme.
-        MissingDependency: without the extra `stable`.
-    """
+    """Matrices A_k (k, d, d) with the least squared error of sum_k h_k A_k x."""
     clarabel = optional.load("clarabel", extra=EXTRA)
     n, k = weights.shape
     d = x.shape[1]
@@ -63,19 +48,7 @@ def solved(
     bounds: Float64Array,
     cones: Sequence[Any],
 ) -> Float64Array:
-    """The x with the least x^T Q x / 2 + q^T x for which bounds - rows x lies in cones.
-
-    Args:
-        quadratic: upper triangle of Q.
-        linear: q, (m,).
-        rows: (r, m).
-        bounds: (r,).
-        cones: Clarabel's, in the order of the rows.
-
-    Raises:
-        FitError: if the programme has no solution.
-        MissingDependency: without the extra `stable`.
-    """
+    """The x with the least x^T Q x / 2 + q^T x for which bounds - rows x lies in cones."""
     clarabel = optional.load("clarabel", extra=EXTRA)
     settings = clarabel.DefaultSettings()
     settings.verbose = False

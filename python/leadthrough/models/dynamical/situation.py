@@ -16,19 +16,12 @@ from leadthrough.motion import MotionT_co
 
 @dataclass(frozen=True, eq=False)
 class Situation(Generic[MotionT_co]):
-    """A goal, and where a motion starts.
+    """A goal, and where a motion starts."""
 
-    Attributes:
-        chart: of motions to this goal.
-        goal: position or joints (m,) of the goal.
-        start: the start (d,) in normalised columns about the goal.
-        scale: what columns (d,) were divided by.
-    """
-
-    chart: Chart[MotionT_co]
-    goal: Float64Array
-    start: Float64Array
-    scale: Float64Array
+    chart: Chart[MotionT_co]  # of motions to this goal
+    goal: Float64Array  # position or joints (m,) of the goal
+    start: Float64Array  # the start (d,) in normalised columns about the goal
+    scale: Float64Array  # what columns (d,) were divided by
 
     def columns(self, x: Float64Array) -> Float64Array:
         """The chart's columns (n, d) of normalised positions (n, d)."""
@@ -44,21 +37,7 @@ def situation(
     start: Place | None,
     goal: Place | None,
 ) -> Situation[MotionT_co]:
-    """The situation that a query describes; what it leaves open is as demonstrated.
-
-    A start's rotation vector is taken on the sheet nearest to the demonstrated start's, so that the
-    motion turns as far and the same way round as it was shown to.
-
-    Args:
-        chart: of the demonstrations; its reference is the demonstrated goal's orientation.
-        ends: mean start and goal (2, d) in the chart's columns.
-        scale: what columns (d,) are divided by.
-        start: wanted start, or None.
-        goal: wanted goal, or None.
-
-    Raises:
-        InvalidInput: if a start or a goal does not fit the chart.
-    """
+    """The situation that a query describes; what it leaves open is as demonstrated."""
     size = chart.size
     position = ends[1, :size]
     if goal is not None:
@@ -86,25 +65,14 @@ def _nearest_sheet(turn: Float64Array, shown: Float64Array) -> Float64Array:
 
 
 def sheets(turn: Float64Array, axis: Float64Array) -> list[Float64Array]:
-    """Rotation vectors (3,) of one rotation: the shortest, and with a turn less and a turn more.
-
-    Args:
-        turn: one of them.
-        axis: about which the turns are added where the rotation has none of its own.
-    """
+    """Rotation vectors (3,) of one rotation: the shortest, and with a turn less and a turn more."""
     angle = float(np.linalg.norm(turn))
     own = turn / angle if angle > 0.0 else axis / max(float(np.linalg.norm(axis)), 1e-300)
     return [(angle + 2.0 * np.pi * k) * own for k in (0, -1, 1)]
 
 
 def twist(chart: Chart, turned: Float64Array, rate: Float64Array) -> Float64Array:
-    """Angular velocities (n, 3) in the base frame of rotation vectors from the goal.
-
-    Args:
-        chart: whose reference is the goal's orientation.
-        turned: rotation vectors (n, 3).
-        rate: their derivatives (n, 3).
-    """
+    """Angular velocities (n, 3) in the base frame of rotation vectors from the goal."""
     local = (rotations.left_jacobian(turned) @ rate[:, :, None])[:, :, 0]
     assert chart.reference is not None
     return np.asarray(local @ rotations.to_matrix(chart.reference[:1])[0].T)

@@ -55,15 +55,7 @@ class StabilityReport(Brief):
 def examined(
     field: Field, shown: Float64Array, count: int, around: float, rng: np.random.Generator
 ) -> StabilityReport:
-    """The report of a system.
-
-    Args:
-        field: the system.
-        shown: normalised positions (n, d) of the demonstrations.
-        count: number of starts.
-        around: by how much of the demonstrations' extent the box of starts is larger on each side.
-        rng: draws the starts.
-    """
+    """The report of a system."""
     lower, upper = _box(shown, around)
     half = count // 2
     about = shown[rng.integers(len(shown), size=half)]

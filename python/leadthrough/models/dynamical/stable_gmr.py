@@ -32,17 +32,11 @@ _LOG_2_PI = float(np.log(2.0 * np.pi))
 
 @dataclass(frozen=True, eq=False)
 class StableGMR(Brief):
-    """A mixture of positions and velocities whose components pass through the goal.
+    """A mixture of positions and velocities whose components pass through the goal."""
 
-    Attributes:
-        gates: the mixture of positions.
-        matrices: matrices A_k (k, d, d) of the velocities' means A_k x.
-        roots: whitening matrices (k, d, d) of the velocities about their means.
-    """
-
-    gates: GaussianGates
-    matrices: Float64Array
-    roots: Float64Array
+    gates: GaussianGates  # the mixture of positions
+    matrices: Float64Array  # matrices A_k (k, d, d) of the velocities' means A_k x
+    roots: Float64Array  # whitening matrices (k, d, d) of the velocities about their means
 
 
 def stable(matrices: Float64Array) -> Float64Array:
@@ -55,24 +49,12 @@ def stable(matrices: Float64Array) -> Float64Array:
 
 
 def most_likely(start: StableGMR, x: Float64Array, v: Float64Array) -> StableGMR:
-    """The mixture that makes positions x (n, d) and velocities v (n, d) most likely.
-
-    Args:
-        start: where the search begins.
-        x: positions.
-        v: velocities.
-    """
+    """The mixture that makes positions x (n, d) and velocities v (n, d) most likely."""
     return _solved(start, lambda packed: _unlikelihood(packed, *_sizes(start), x, v))
 
 
 def least_squares(start: StableGMR, x: Float64Array, v: Float64Array) -> StableGMR:
-    """The mixture whose regression has the least mean squared error.
-
-    Args:
-        start: where the search begins.
-        x: positions (n, d).
-        v: velocities (n, d).
-    """
+    """The mixture whose regression has the least mean squared error."""
     return _solved(start, lambda packed: _squared_error(packed, *_sizes(start), x, v))
 
 
@@ -167,13 +149,7 @@ def _gradient_of_matrices(parts: _Parts, slope: Float64Array) -> tuple[Float64Ar
 def _gradient_of_whitening(
     upper: Float64Array, products: Float64Array, totals: Float64Array
 ) -> Float64Array:
-    """The gradient in the parameters of whitening matrices of sums of weighted log densities.
-
-    Args:
-        upper: whitening matrices R (k, d, d).
-        products: sums (k, d, d) of weight z y^T, with z = R y.
-        totals: sums (k,) of the weights.
-    """
+    """The gradient in the parameters of whitening matrices of sums of weighted log densities."""
     i = np.arange(upper.shape[1])
     slope = -np.triu(products)
     diagonal = upper[:, i, i]

@@ -32,17 +32,11 @@ _TINY = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class StarNetwork(Brief):
-    """An energy whose level sets are stars.
+    """An energy whose level sets are stars."""
 
-    Attributes:
-        directions: w_i, (m, d).
-        offsets: b_i, (m,).
-        heights: c_i, (m,), >= 0.
-    """
-
-    directions: Float64Array
-    offsets: Float64Array
-    heights: Float64Array
+    directions: Float64Array  # w_i, (m, d)
+    offsets: Float64Array  # b_i, (m,)
+    heights: Float64Array  # c_i, (m,), >= 0
 
     def value(self, x: Float64Array) -> Float64Array:
         """Energies (n,) at positions (n, d)."""
@@ -62,14 +56,7 @@ class StarNetwork(Brief):
 
 
 def fitted(x: Float64Array, v: Float64Array, count: int, *, seed: int) -> StarNetwork:
-    """The network that falls best along demonstrations.
-
-    Args:
-        x: positions (n, d).
-        v: velocities (n, d).
-        count: number of hidden units, >= 1.
-        seed: seed of the random number generator that draws the first directions.
-    """
+    """The network that falls best along demonstrations."""
     d = x.shape[1]
     used = (np.linalg.norm(v, axis=1) > 0.0) & (np.linalg.norm(x, axis=1) > _TINY)
     rng = np.random.default_rng(seed)

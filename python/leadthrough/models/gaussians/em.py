@@ -48,17 +48,11 @@ Sums = list[Float64Array]
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """Components over several blocks of columns, independent of each other within a component.
+    """Components over several blocks of columns, independent of each other within a component."""
 
-    Attributes:
-        weights: weights (k,) of the components.
-        means: means (k, d) in each block.
-        covariances: covariances (k, d, d) in each block.
-    """
-
-    weights: Float64Array
-    means: tuple[Float64Array, ...]
-    covariances: tuple[Float64Array, ...]
+    weights: Float64Array  # weights (k,) of the components
+    means: tuple[Float64Array, ...]  # means (k, d) in each block
+    covariances: tuple[Float64Array, ...]  # covariances (k, d, d) in each block
 
 
 def fit_blocks(
@@ -70,22 +64,7 @@ def fit_blocks(
     starts: int,
     least: float = LEAST_VARIANCE,
 ) -> tuple[Blocks, list[float]]:
-    """The most likely components of points given in blocks of columns, whatever their order.
-
-    A single start is that of k-means. For several, four times as many are tried for some
-    iterations, and the most likely ones go on to the end.
-
-    Args:
-        blocks: columns (n, d) of the points in each block, of variance about one.
-        clustering: columns (n, c) in which the starts are found.
-        count: number of components, k.
-        seed: seed of the random number generator that draws the starts.
-        starts: number of starts that are followed to the end.
-        least: least variance of a component in any direction.
-
-    Returns:
-        The components, and the mean log-likelihood per point at every iteration.
-    """
+    """The most likely components of points given in blocks of columns, whatever their order."""
     rng = np.random.default_rng(seed)
     order = np.lexsort(np.hstack(blocks).T[::-1])
     blocks, clustering = [block[order] for block in blocks], clustering[order]
@@ -113,11 +92,7 @@ def fit_blocks(
 def _cells(
     points: Float64Array, count: int, trial: int, rng: np.random.Generator
 ) -> NDArray[np.integer[Any]]:
-    """For each of the points (n, c) the number of its cell in a trial.
-
-    In turn the clusters of k-means, and the cells around the points that it would start from:
-    EM ends at other maxima from each.
-    """
+    """For each of the points (n, c) the number of its cell in a trial."""
     centres = seeds(points, count, rng)
     if trial % 2 == 0:
         return clustered(points, centres).labels
@@ -126,14 +101,7 @@ def _cells(
 
 
 class Steps:
-    """The two steps of EM for points in blocks of columns.
-
-    Args:
-        blocks: columns (n, d) of the points in each block.
-        before: weighted monomials (k, m) in each block of points seen before, as from `sums_of`.
-            They stay assigned to their components.
-        least: least variance of a component in any direction.
-    """
+    """The two steps of EM for points in blocks of columns."""
 
     def __init__(
         self,
@@ -148,11 +116,7 @@ class Steps:
         self._least = least
 
     def bounded_by(self, least: float) -> Steps:
-        """The steps for the same points with another least variance.
-
-        Args:
-            least: least variance of a component in any direction.
-        """
+        """The steps for the same points with another least variance."""
         other = copy(self)
         other._least = least
         return other
@@ -160,13 +124,7 @@ class Steps:
     def run(
         self, components: Blocks, iterations: int, *, tolerance: float = _TOLERANCE
     ) -> tuple[Blocks, list[float]]:
-        """The components after EM, and the mean log-likelihood per point at every iteration.
-
-        Args:
-            components: where to start.
-            iterations: largest number of iterations; fewer where the likelihood stops growing.
-            tolerance: gain of the mean log-likelihood per point at which it has stopped.
-        """
+        """The components after EM, and the mean log-likelihood per point at every iteration."""
         history: list[float] = []
         best, leapt = components, False
         trail: list[Sums] = []  # of the steps since the last leap
@@ -190,11 +148,7 @@ class Steps:
         return best, history
 
     def expect(self, components: Blocks) -> tuple[Float64Array, float]:
-        """Responsibilities (n, k) of components, and the mean log-likelihood per point.
-
-        Args:
-            components: the k components.
-        """
+        """Responsibilities (n, k) of components, and the mean log-likelihood per point."""
         coefficients = [
             _coefficients(means, covariances)
             for means, covariances in zip(components.means, components.covariances, strict=True)
@@ -213,11 +167,7 @@ class Steps:
         return joint.T, (likelihood + self._of_before(coefficients)) / self._count()
 
     def maximise(self, responsibilities: Float64Array) -> Blocks:
-        """The most likely components, given responsibilities.
-
-        Args:
-            responsibilities: probability (n, k) of each component for each point.
-        """
+        """The most likely components, given responsibilities."""
         return self._of_sums(self._sums(responsibilities))
 
     def _sums(self, responsibilities: Float64Array) -> Sums:
@@ -264,12 +214,7 @@ def _leap(trail: Sequence[Sums]) -> Sums | None:
 
 
 def sums_of(components: Blocks, count: float) -> Sums:
-    """The weighted monomials (k, m), in each block, of the points that components stand for.
-
-    Args:
-        components: components fitted to those points.
-        count: number of those points.
-    """
+    """The weighted monomials (k, m), in each block, of the points that components stand for."""
     result = []
     for means, covariances in zip(components.means, components.covariances, strict=True):
         rows, columns = _triangle(means.shape[1])
@@ -315,12 +260,7 @@ def _coefficients(means: Float64Array, covariances: Float64Array) -> Float64Arra
 
 
 def bounded(covariances: Float64Array, least: float) -> Float64Array:
-    """Covariances (k, d, d) with eigenvalues of at least a bound.
-
-    Args:
-        covariances: covariances (k, d, d).
-        least: the least eigenvalue that they may have.
-    """
+    """Covariances (k, d, d) with eigenvalues of at least a bound."""
     values, vectors = np.linalg.eigh(covariances)
     if values[:, 0].min() >= least:
         return covariances

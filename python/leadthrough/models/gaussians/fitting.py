@@ -102,13 +102,7 @@ def choose_components(
 def least_criterion(
     fitted: Callable[[int], FittedMixture], samples: int, most: int
 ) -> FittedMixture:
-    """The fit of least Bayesian information criterion, of those with 1, 2, ... components.
-
-    Args:
-        fitted: the fit with a number of components.
-        samples: number of points that are fitted.
-        most: largest number of components to try.
-    """
+    """The fit of least Bayesian information criterion, of those with 1, 2, ... components."""
     best, least = 1, np.inf
     fits = {}
     for count in range(1, most + 1):
@@ -159,23 +153,14 @@ def trace_mixture(
 
 
 def bic(fit: FittedMixture, samples: int) -> float:
-    """The Bayesian information criterion of a fitted mixture; less is better.
-
-    Args:
-        fit: the fitted mixture.
-        samples: number of points that it was fitted to.
-    """
+    """The Bayesian information criterion of a fitted mixture; less is better."""
     k, d = fit.mixture.count, fit.mixture.size
     free = k - 1 + k * d + k * d * (d + 1) // 2
     return free * float(np.log(samples)) - 2.0 * samples * fit.log_likelihood
 
 
 def in_order(components: Blocks) -> Mixture:
-    """The mixture of components of one block, ordered by their means' first column.
-
-    Args:
-        components: components in the columns' own units.
-    """
+    """The mixture of components of one block, ordered by their means' first column."""
     order = np.argsort(components.means[0][:, 0], kind="stable")
     return Mixture(
         components.weights[order], components.means[0][order], components.covariances[0][order]

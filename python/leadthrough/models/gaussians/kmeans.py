@@ -75,16 +75,7 @@ def kmeans(
 
 
 def seeds(points: Float64Array, count: int, rng: np.random.Generator) -> Float64Array:
-    """Points drawn with probabilities proportional to squared distance from those drawn before.
-
-    Args:
-        points: points (n, d).
-        count: number of points to draw, at most n.
-        rng: random number generator.
-
-    Returns:
-        Points (count, d).
-    """
+    """Points drawn with probabilities proportional to squared distance from those drawn before."""
     chosen = [int(rng.integers(len(points)))]
     nearest = ((points - points[chosen[0]]) ** 2).sum(axis=1)
     for _ in range(count - 1):
@@ -99,12 +90,7 @@ def seeds(points: Float64Array, count: int, rng: np.random.Generator) -> Float64
 
 
 def clustered(points: Float64Array, centres: Float64Array) -> Clusters:
-    """Clusters after Lloyd's steps, taken until no point changes its cluster.
-
-    Args:
-        points: points (n, d).
-        centres: centres (k, d) to start from.
-    """
+    """Clusters after Lloyd's steps, taken until no point changes its cluster."""
     steps: list[Float64Array] = []
     labels = np.full(len(points), -1)
     while True:

@@ -19,15 +19,10 @@ _POSITION, _ROTATION = slice(1, 4), slice(4, 7)  # columns after the time
 
 @dataclass(frozen=True, eq=False)
 class Units:
-    """What is subtracted from columns, and what they are divided by.
+    """What is subtracted from columns, and what they are divided by."""
 
-    Attributes:
-        middle: means (d,) of the columns.
-        scale: units (d,) of the columns.
-    """
-
-    middle: Float64Array
-    scale: Float64Array
+    middle: Float64Array  # means (d,) of the columns
+    scale: Float64Array  # units (d,) of the columns
 
     @property
     def log_volume(self) -> float:
@@ -52,24 +47,14 @@ class Units:
 
 
 def own_units(points: Float64Array) -> Units:
-    """Means and standard deviations of columns; deviation 1 where all values are the same.
-
-    Args:
-        points: points (n, d).
-    """
+    """Means and standard deviations of columns; deviation 1 where all values are the same."""
     middle, deviations = points.mean(axis=0), points.std(axis=0)
     rounding = 1e-12 * np.abs(middle)
     return Units(middle, np.where(deviations > rounding, deviations, 1.0))
 
 
 def phase_units(own: Units, count: int, *, poses: bool) -> Units:
-    """Units of the time and the columns of motions, for components that follow phases.
-
-    Args:
-        own: means and standard deviations of the time and the columns.
-        count: number of components.
-        poses: whether the columns are positions and rotation vectors.
-    """
+    """Units of the time and the columns of motions, for components that follow phases."""
     scale = own.scale.copy()
     scale[0] /= count
     if poses:

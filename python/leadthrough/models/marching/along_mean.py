@@ -37,19 +37,7 @@ _KNOTS = 1.6
 
 
 def along_mean(faced: Sequence[Experience], query: Query, scales: Scales) -> Route:
-    """The demonstrations' mean path, with the quickest detours around obstacles.
-
-    Of several ways that were shown it takes the one of the nearest start or, where obstacles stand
-    on that, the next one that is clear; where they stand on all of them, the quickest.
-
-    Args:
-        faced: demonstrations and learned paths, at least one, facing from start to goal.
-        query: start, goal and obstacles.
-        scales: of the map.
-
-    Raises:
-        NoPath: where an end lies in an obstacle, or obstacles separate them.
-    """
+    """The demonstrations' mean path, with the quickest detours around obstacles."""
     blocked: list[MeanPath] = []
     for mean in mean_path.ways(faced, query.start, query.goal):
         if not _hits(mean.path, query.obstacles):
@@ -59,11 +47,7 @@ def along_mean(faced: Sequence[Experience], query: Query, scales: Scales) -> Rou
 
 
 def _quickest_of(attempts: Sequence[Route | NoPath]) -> Route:
-    """The route of least travel time.
-
-    Raises:
-        NoPath: where there is none, for the first reason.
-    """
+    """The route of least travel time."""
     found = [each for each in attempts if isinstance(each, Route)]
     if not found:
         (first, *_) = (each for each in attempts if isinstance(each, NoPath))
@@ -88,11 +72,7 @@ def _hits(path: Float64Array, obstacles: Sequence[Shape]) -> bool:
 
 
 def _through(mean: MeanPath, faced: Sequence[Experience], query: Query, scales: Scales) -> Route:
-    """The route along one way, around obstacles.
-
-    Raises:
-        NoPath: where an end lies in an obstacle, or obstacles separate them.
-    """
+    """The route along one way, around obstacles."""
     way = mean.path
     if scales.workspace is not None:
         way = np.clip(way, *scales.workspace)  # start and goal decide whether that is an error
@@ -119,13 +99,7 @@ def _through(mean: MeanPath, faced: Sequence[Experience], query: Query, scales: 
 def _along_tube(
     mean: Float64Array, grid: Grid, obstacles: Sequence[Shape], scales: Scales
 ) -> Float64Array:
-    """A mean path with detours through its tube; itself where there is none.
-
-    It leaves the mean path where the obstacles' own map changes the speed on it.
-
-    Raises:
-        NoPath: where obstacles separate its ends.
-    """
+    """A mean path with detours through its tube; itself where there is none."""
     if not obstacles:
         return mean
     most = scales.saturation if scales.obstacle_map == "minimum" else 1.0
@@ -148,11 +122,7 @@ def _along_tube(
 def _detour(
     stretch: Float64Array, grid: Grid, obstacles: Sequence[Shape], scales: Scales
 ) -> Float64Array:
-    """The quickest path from end to end of a stretch.
-
-    Raises:
-        NoPath: where an end lies in an obstacle, or obstacles separate them.
-    """
+    """The quickest path from end to end of a stretch."""
     # As wide a tube as the detour may become: it leaves and rejoins the path gently.
     wide = replace(scales, radius=0.5 * float(arc_length(stretch)[-1]))
     return quickest(_tube(stretch, grid, obstacles, wide), stretch[0], stretch[-1])
@@ -169,11 +139,7 @@ def _tube(path: Float64Array, grid: Grid, obstacles: Sequence[Shape], scales: Sc
 def _stretches(
     path: Float64Array, influenced: NDArray[np.bool_]
 ) -> list[tuple[Float64Array, bool]]:
-    """Consecutive parts of a path (n, d) and whether each is a detour around an obstacle.
-
-    influenced: (n,). A detour begins and ends half its obstacle's stretch early and late, so that
-    there is way to leave the path and to come back. Neighbours share their end point.
-    """
+    """Consecutive parts of a path (n, d) and whether each is a detour around an obstacle."""
     blocked = np.zeros(len(path), dtype=bool)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], influenced, [0]])))
     for first, end in edges.reshape(-1, 2):

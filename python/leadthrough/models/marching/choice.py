@@ -26,21 +26,7 @@ def planned(
     *,
     usual: Callable[[], Route] | None = None,
 ) -> Route:
-    """The route that a method finds for a query.
-
-    Args:
-        method: one of METHODS. "auto" follows the mean path where start and goal lie near a
-            demonstration's ends, and otherwise plans in the map of those demonstrations that are
-            useful for the query.
-        known: demonstrations and learned paths, which may be none.
-        query: start, goal and obstacles.
-        scales: of the map whose radius is a fraction of the demonstrations' length.
-        usual: returns the method's route between the usual ends, whose way is kept; None: no way
-            is.
-
-    Raises:
-        NoPath: where an end lies in an obstacle, or obstacles separate them.
-    """
+    """The route that a method finds for a query."""
     found = _planned_anew(method, known, query, scales)
     # A mean path of all demonstrations is no farther from the usual one than its ends are moved.
     one_way = found.method == "mean_path" and len(found.used) == len(known)

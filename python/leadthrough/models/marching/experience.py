@@ -28,23 +28,14 @@ _CLEARLY, _AT_LEAST = 0.5, 0.1
 
 @dataclass(frozen=True, eq=False)
 class Experience(Brief):
-    """A path that was demonstrated, or learned since, and how it was run through.
+    """A path that was demonstrated, or learned since, and how it was run through."""
 
-    Attributes:
-        path: (n, d) in the demonstrations' unit, as recorded.
-        duration: s.
-        progress: (1001,) fraction of the path covered, at evenly spaced times.
-        orientations: (n, 4) w, x, y, z along the path, or None.
-        events: at fractions of the path, 0 to 1.
-        posture: the arm's joints at fractions of the path, or None.
-    """
-
-    path: Float64Array
-    duration: float
-    progress: Float64Array
-    orientations: Float64Array | None = None
-    events: tuple[Event, ...] = ()
-    posture: Posture | None = None
+    path: Float64Array  # (n, d) in the demonstrations' unit, as recorded
+    duration: float  # s
+    progress: Float64Array  # (1001,) fraction of the path covered, at evenly spaced times
+    orientations: Float64Array | None = None  # (n, 4) w, x, y, z along the path, or None
+    events: tuple[Event, ...] = ()  # at fractions of the path, 0 to 1
+    posture: Posture | None = None  # the arm's joints at fractions of the path, or None
 
     @cached_property
     def way(self) -> Float64Array:
@@ -62,10 +53,7 @@ class Experience(Brief):
         return float(arc_length(self.way)[-1])
 
     def facing(self, start: Float64Array, goal: Float64Array) -> Experience:
-        """Itself, or reversed where its ends are clearly nearer then to start and goal, (d,) each.
-
-        The direction of a motion that returns to its start is as shown.
-        """
+        """Itself, or reversed where its ends are clearly nearer then to start and goal, (d,) each."""
         gaps = [
             np.linalg.norm(first - start) + np.linalg.norm(last - goal)
             for first, last in ((self.path[0], self.path[-1]), (self.path[-1], self.path[0]))
@@ -94,18 +82,7 @@ class Experience(Brief):
         happening: tuple[Event, ...],
         joint_names: Sequence[str] | None = None,
     ) -> Experience:
-        """The one of which a file has the `arrays` under <name>_<index>.
-
-        Args:
-            arrays: all arrays of the file.
-            index: number of the path in the file.
-            happening: its events.
-            joint_names: of the arm's joints; None where there are none.
-
-        Raises:
-            KeyError: if an array is missing.
-            InvalidInput: if one has another shape than it should.
-        """
+        """The one of which a file has the `arrays` under <name>_<index>."""
         path = check.frozen(arrays[f"path_{index}"], "path", shape=("n", "d"))
         turned = arrays.get(f"orientations_{index}")
         joints = None
@@ -131,12 +108,7 @@ class Experience(Brief):
 
 
 def experience_of(demonstrations: Demonstrations[MotionT]) -> tuple[Experience, ...]:
-    """What to keep of demonstrations: all of points in two or three dimensions, or all of poses.
-
-    Raises:
-        InvalidInput: for other motions.
-        FitError: for one of a single sample, or whose position does not move.
-    """
+    """What to keep of demonstrations: all of points in two or three dimensions, or all of poses."""
     motions: list[Any] = motions_of(demonstrations, kinds=(Trajectory, PoseTrajectory), at_least=0)
     for i, motion in enumerate(motions):
         width = motion.positions.shape[1]

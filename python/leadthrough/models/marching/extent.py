@@ -31,16 +31,7 @@ _FAR = 1.0
 def covered_ends(
     paths: Sequence[Float64Array], ends: Float64Array, scales: Scales
 ) -> Iterator[Float64Array]:
-    """Which ends (k, d) a grid has to cover, beside paths: first without one far away, then all.
-
-    The wave runs evenly beyond the grid, so that one that comes from far away need not be marched
-    there, unless obstacles turn out to stand in its way.
-
-    Args:
-        paths: (n, d) each, which may be none.
-        ends: start and goal, (2, d).
-        scales: of the map.
-    """
+    """Which ends (k, d) a grid has to cover, beside paths: first without one far away, then all."""
     if paths and scales.workspace is None:
         points = np.concatenate(paths)
         lower, upper = points.min(axis=0), points.max(axis=0)
@@ -58,19 +49,7 @@ def grid_over(
     *,
     most_cells: int = _MOST_DEFAULT_CELLS,
 ) -> tuple[Grid, Scales]:
-    """A grid around points, and the scales made definite for it.
-
-    It leaves room to go around those obstacles that lie among the points.
-
-    Args:
-        points: arrays (n, d).
-        obstacles: shapes in the same frame.
-        scales: of the map; a resolution of None is chosen here.
-        most_cells: beyond which a resolution that is chosen here gets coarser.
-
-    Raises:
-        InvalidInput: if the grid would be too large, or the points leave a workspace that was set.
-    """
+    """A grid around points, and the scales made definite for it."""
     corners, margin = _bounds(np.concatenate(points), obstacles, scales)
     resolution = scales.resolution
     if resolution is None:
@@ -86,11 +65,7 @@ def grid_over(
 def _bounds(
     points: Float64Array, obstacles: Sequence[Shape], scales: Scales
 ) -> tuple[Float64Array, float]:
-    """Points that the grid covers and the margin around them.
-
-    Raises:
-        InvalidInput: if a point lies outside a workspace that was set.
-    """
+    """Points that the grid covers and the margin around them."""
     lower, upper = points.min(axis=0), points.max(axis=0)
     if scales.workspace is not None:
         corners = check.array(scales.workspace, "workspace", shape=(2, len(lower)))
@@ -110,10 +85,7 @@ def _bounds(
 def _obstacle_corners(
     obstacles: Sequence[Shape], lower: Float64Array, upper: Float64Array, extent: float
 ) -> list[Float64Array]:
-    """Corners of the boxes around those obstacles that reach between lower and upper.
-
-    Clipped to one extent beyond them: a floor that goes on for ever must not fill the grid.
-    """
+    """Corners of the boxes around those obstacles that reach between lower and upper."""
     corners = []
     for obstacle in obstacles:
         centre, reach = obstacle.middle[: len(lower)], obstacle.bounding_radius

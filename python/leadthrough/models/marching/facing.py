@@ -21,12 +21,7 @@ _ONE_WAY = 0.5
 
 
 def faced(known: Sequence[Experience], query: Query) -> list[Experience]:
-    """The demonstrations, facing the way from start to goal as a whole.
-
-    Args:
-        known: demonstrations and learned paths, at least one.
-        query: start and goal.
-    """
+    """The demonstrations, facing the way from start to goal as a whole."""
     turned = [each.facing(query.start, query.goal) for each in known]
     if all(one is other for one, other in zip(turned, known, strict=True)):
         return turned

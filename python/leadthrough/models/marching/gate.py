@@ -33,21 +33,13 @@ _RADII, _LENGTHS, _EXTENT = 2.5, 0.75, 0.25
 
 @dataclass(frozen=True, eq=False)
 class Gate:
-    """A disc across the way.
+    """A disc across the way."""
 
-    Attributes:
-        middle: (d,).
-        normal: unit vector (d,) along the way.
-        width: half of the disc's.
-        thickness: half of it.
-        goal: (d,) the place before the gate where the motion ends.
-    """
-
-    middle: Float64Array
-    normal: Float64Array
-    width: float
-    thickness: float
-    goal: Float64Array
+    middle: Float64Array  # (d,)
+    normal: Float64Array  # unit vector (d,) along the way
+    width: float  # half of the disc's
+    thickness: float  # half of it
+    goal: Float64Array  # (d,) the place before the gate where the motion ends
 
     def holds(self, points: Float64Array) -> NDArray[np.bool_]:
         """Whether points (..., d) lie in it, (...)."""
@@ -68,14 +60,7 @@ class Gate:
 def gate_at(
     known: Sequence[Experience], goal: Float64Array, grid: Grid, scales: Scales
 ) -> Gate | None:
-    """The gate before a goal (d,) where all demonstrations start and end, or None elsewhere.
-
-    Args:
-        known: demonstrations and learned paths, at least one.
-        goal: (d,).
-        grid: cells of the map.
-        scales: of the map.
-    """
+    """The gate before a goal (d,) where all demonstrations start and end, or None elsewhere."""
     for each in known:
         ends = each.way[[0, -1]]
         if np.linalg.norm(ends - goal, axis=1).max() > _RETURNS * each.length:

@@ -33,14 +33,7 @@ REACH = 2.0
 
 
 def hindered(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scales) -> Speeds:
-    """A map of tubes with obstacles, as `FastMarching.obstacle_map` says.
-
-    Args:
-        speed: the map without obstacles, of grid.shape.
-        grid: of the map.
-        obstacles: in the grid's unit.
-        scales: of the map.
-    """
+    """A map of tubes with obstacles, as `FastMarching.obstacle_map` says."""
     if scales.obstacle_map == "minimum":
         return add_saturated_obstacles(
             speed,
@@ -53,14 +46,7 @@ def hindered(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scal
 
 
 def passable(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scales) -> Speeds:
-    """The map of `hindered` that paths are planned in: the product has ways round obstacles.
-
-    Args:
-        speed: the map without obstacles, of grid.shape.
-        grid: of the map.
-        obstacles: in the grid's unit.
-        scales: of the map.
-    """
+    """The map of `hindered` that paths are planned in: the product has ways round obstacles."""
     if scales.obstacle_map == "minimum":
         return hindered(speed, grid, obstacles, scales)
     return add_passable_obstacles(
@@ -76,14 +62,7 @@ def passable(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scal
 def hindered_field(
     free: SpeedField, obstacles: Sequence[Shape], scales: Scales, *, band: float = BAND
 ) -> SpeedField:
-    """The speeds of `hindered`, where they are asked for.
-
-    Args:
-        free: speeds without obstacles.
-        obstacles: in the grid's unit.
-        scales: of the map.
-        band: width of the band in which the product slows the wave down, in clearances.
-    """
+    """The speeds of `hindered`, where they are asked for."""
     if not obstacles:
         return free
     walls = Walls(free.grid, obstacles)
@@ -95,13 +74,7 @@ def hindered_field(
 
 
 def passable_field(free: FreeField, obstacles: Sequence[Shape], scales: Scales) -> SpeedField:
-    """The speeds of `passable`, where they are asked for.
-
-    Args:
-        free: speeds without obstacles.
-        obstacles: in the grid's unit.
-        scales: of the map.
-    """
+    """The speeds of `passable`, where they are asked for."""
     if not obstacles or scales.obstacle_map == "minimum":
         return hindered_field(free, obstacles, scales)
     return PassableField(

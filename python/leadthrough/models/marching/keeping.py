@@ -30,18 +30,7 @@ _SAMPLES = 200
 def kept(
     found: Route, usual: Route, known: Sequence[Experience], query: Query, scales: Scales
 ) -> Route:
-    """The route that was found or, where that leaves the usual way too far, the usual one carried.
-
-    It leaves it all the same, and says so, where obstacles stand on the carried one, or where the
-    query's ends are those of a demonstration.
-
-    Args:
-        found: the route of the method for the query.
-        usual: its route between the usual ends, without obstacles.
-        known: demonstrations and learned paths, at least one.
-        query: start, goal and obstacles.
-        scales: of the map of all demonstrations.
-    """
+    """The route that was found or, where that leaves the usual way too far, the usual one carried."""
     moved = float(np.linalg.norm(query.ends - usual.path[[0, -1]], axis=1).max())
     bound = MOST_DEVIATION * moved + scales.radius
     if found.method != usual.method or _apart(found.path, usual.path) <= bound:

@@ -34,18 +34,7 @@ if TYPE_CHECKING:
 
 
 class LiveMap:
-    """The map of all demonstrations over a workspace; made by `FastMarchingSkill.live_map`.
-
-    Where `generate` marches at second order and double precision, this does at first order and
-    single precision; obstacles are kept clear of just as strictly.
-
-    Args:
-        known: demonstrations and learned paths.
-        scales: of the map, with the workspace.
-
-    Raises:
-        InvalidInput: if a path leaves the workspace.
-    """
+    """The map of all demonstrations over a workspace; made by `FastMarchingSkill.live_map`."""
 
     def __init__(self, known: Sequence[Experience], scales: Scales) -> None:
         paths = [each.way for each in known]
@@ -65,19 +54,7 @@ class LiveMap:
         return self._grid
 
     def route(self, start: Float64Array, goal: Float64Array, obstacles: Sequence[Shape]) -> Route:
-        """The quickest path between two points around obstacles, in the map of the method "map".
-
-        Where two ways take nearly the same time, a small move may change between them.
-
-        Args:
-            start: (d,).
-            goal: (d,).
-            obstacles: shapes in the demonstrations' frame.
-
-        Raises:
-            InvalidInput: if an end is of another shape, or outside the workspace.
-            NoPath: where an end lies in an obstacle, or obstacles separate them.
-        """
+        """The quickest path between two points around obstacles, in the map of the method "map"."""
         ends = [
             check.array(value, name, shape=(self._grid.dimensions,))
             for value, name in ((start, "start"), (goal, "goal"))
@@ -96,11 +73,7 @@ class LiveMap:
 def _quickest(
     grid: Grid, speed: NDArray[np.float32], start: Float64Array, goal: Float64Array
 ) -> Float64Array:
-    """The path (n, d) of least time in a map of speeds, at first order.
-
-    Raises:
-        NoPath: where an end lies in an obstacle, or obstacles separate them.
-    """
+    """The path (n, d) of least time in a map of speeds, at first order."""
     start_cell, goal_cell = grid.cells_of(np.stack([start, goal]))
     for name, point, cell in (("start", start, start_cell), ("goal", goal, goal_cell)):
         if speed[tuple(cell)] == 0.0:
@@ -116,11 +89,7 @@ def _quickest(
 def live_model(
     model: FastMarching, workspace: ArrayLike, cells: int, dimensions: int
 ) -> FastMarching:
-    """The settings of a live map, from those of a skill and the arguments of its `live_map`.
-
-    Raises:
-        InvalidInput: if an argument is of another shape or range.
-    """
+    """The settings of a live map, from those of a skill and the arguments of its `live_map`."""
     corners = check.array(workspace, "workspace", shape=(2, dimensions))
     count = check.integer(cells, "cells", at_least=1000)
     lengths = np.maximum(corners[1] - corners[0], 0.0)

@@ -38,32 +38,17 @@ _ROOM = 0.999
 
 @dataclass(frozen=True, eq=False)
 class MeanPath(Brief):
-    """A predicted path.
+    """A predicted path."""
 
-    Attributes:
-        path: (n, d), the mean of demonstrations that are evenly spaced in arc length.
-        weights: (k,) of the demonstrations; 0 for those that do the task in another way.
-        region: corners (lower, upper), (d,) each, around the demonstrations, as far from them as
-            the ends are moved: smoothing may not lead out of it either.
-    """
-
-    path: Float64Array
-    weights: Float64Array
+    path: Float64Array  # (n, d), the mean of demonstrations that are evenly spaced in arc length
+    weights: Float64Array  # (k,) of the demonstrations; 0 for those that do the task in another way
     region: tuple[Float64Array, Float64Array]
 
 
 def ways(
     shown: Sequence[Experience], start: Float64Array, goal: Float64Array
 ) -> Iterator[MeanPath]:
-    """The ways to do the task that were shown, that of the nearest start first.
-
-    Each is the weighted mean of its demonstrations, carried to a new start and goal.
-
-    Args:
-        shown: the demonstrations, at least one.
-        start: (d,).
-        goal: (d,).
-    """
+    """The ways to do the task that were shown, that of the nearest start first."""
     curves = _curves_of(tuple(shown))
     shifted = with_ends(curves.points, start, goal)
     carried = curves.carried(shifted, start, goal)
@@ -79,17 +64,7 @@ def ways(
 
 
 class _Curves:
-    """Demonstrations, evenly spaced in arc length, with what is the same for every query.
-
-    Args:
-        shown: the demonstrations, k of them.
-
-    Attributes:
-        points: (k, n, d).
-        starts: (k, d).
-        usual_ends: the means of starts and goals, (2, d).
-        usual_length: mean of the lengths.
-    """
+    """Demonstrations, evenly spaced in arc length, with what is the same for every query."""
 
     def __init__(self, shown: Sequence[Experience]) -> None:
         self.points = np.stack([by_arc_length(each.way, _SAMPLES) for each in shown])
@@ -142,21 +117,13 @@ def _curves_of(shown: tuple[Experience, ...]) -> _Curves:
 
 @dataclass(frozen=True, eq=False)
 class _Chord:
-    """How a curve (n, d) lies about its end.
+    """How a curve (n, d) lies about its end."""
 
-    Attributes:
-        points: (n, d), from the curve's end.
-        length: between its ends.
-        direction: unit vector (d,) from the end to the start; None where they are one.
-        along: of the points, (n,), in that direction.
-        turning: how much of the turned curve there is in the carried one.
-    """
-
-    points: Float64Array
-    length: float
+    points: Float64Array  # (n, d), from the curve's end
+    length: float  # between its ends
     direction: Float64Array | None
-    along: Float64Array
-    turning: float
+    along: Float64Array  # of the points, (n,), in that direction
+    turning: float  # how much of the turned curve there is in the carried one
 
 
 def _chord_of(curve: Float64Array) -> _Chord:
@@ -173,10 +140,7 @@ def _chord_of(curve: Float64Array) -> _Chord:
 def _bounded(
     path: Float64Array, usual: Float64Array, start: Float64Array, goal: Float64Array
 ) -> Float64Array:
-    """The path, drawn to the shifted usual one until it is no farther from that than its ends.
-
-    Neither turning nor a change of weights then moves the way much more than the ends are moved.
-    """
+    """The path, drawn to the shifted usual one until it is no farther from that than its ends."""
     shifted = with_ends(usual, start, goal)
     moved = max(float(np.linalg.norm(start - usual[0])), float(np.linalg.norm(goal - usual[-1])))
     bound = MOST_DEVIATION * moved
@@ -192,23 +156,14 @@ def _bounded(
 
 
 def with_ends(curve: Float64Array, start: Float64Array, goal: Float64Array) -> Float64Array:
-    """The curve, or curves (..., n, d), the offsets of both ends blended linearly over its length.
-
-    Args:
-        curve: (..., n, d).
-        start: (d,).
-        goal: (d,).
-    """
+    """The curve, or curves (..., n, d), the offsets of both ends blended linearly over its length."""
     u = np.linspace(0.0, 1.0, curve.shape[-2])[:, None]
     first, last = curve[..., :1, :], curve[..., -1:, :]
     return np.asarray(curve + (1 - u) * (start - first) + u * (goal - last))
 
 
 def _turned(chord: _Chord, start: Float64Array, goal: Float64Array) -> Float64Array | None:
-    """The curve turned about the goal and scaled so that it begins at the start, or None.
-
-    The rotation takes one chord onto the other in their plane, in any dimension.
-    """
+    """The curve turned about the goal and scaled so that it begins at the start, or None."""
     new = start - goal
     length, a = float(np.linalg.norm(new)), chord.direction
     if a is None or length == 0.0 or not _SCALES[0] < length / chord.length < _SCALES[1]:

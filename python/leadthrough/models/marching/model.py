@@ -99,12 +99,7 @@ class FastMarching(Unfitted):
 
 
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> FastMarchingSkill:
-    """The skill that `FastMarchingSkill.to_archive` took apart.
-
-    Raises:
-        KeyError: if a part is missing.
-        TypeError, ValueError: if a part is not what it should be.
-    """
+    """The skill that `FastMarchingSkill.to_archive` took apart."""
     counts = [int(settings.pop(name)) for name in ("shown", "learned")]
     total = sum(counts)
     happened = settings.pop("events", [()] * total)

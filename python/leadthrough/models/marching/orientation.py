@@ -20,16 +20,7 @@ _SAME_WAY = 0.1
 
 
 def refuse_opposed(shown: Sequence[Experience]) -> None:
-    """Checks that demonstrations of the same path have a mean orientation along it.
-
-    Demonstrations elsewhere may turn as they like: they are not averaged with these.
-
-    Args:
-        shown: the demonstrations.
-
-    Raises:
-        FitError: if two groups of demonstrations follow the same path but turn differently.
-    """
+    """Checks that demonstrations of the same path have a mean orientation along it."""
     faced = [each.facing(shown[0].path[0], shown[0].path[-1]) for each in shown]
     if any(each.orientations is None for each in faced):
         return
@@ -54,24 +45,7 @@ def along(
     goal: Float64Array | None,
     fractions: Float64Array,
 ) -> Float64Array:
-    """Orientations along a path that follows demonstrations of poses.
-
-    The weighted mean of the demonstrations' orientations, or, where these fall into two groups
-    without a mean, of the group with the path nearest to this. They are turned to start and goal
-    where given: the offsets at both ends fade into each other along the path with a minimum-jerk
-    blend, so that the tool turns as it was shown to and no turn is added.
-
-    Args:
-        used: the demonstrations.
-        weights: (k,) of the demonstrations.
-        path: (n, d) that the orientations are for.
-        start: orientation (4,) at the start of the path, or None.
-        goal: orientation (4,) at its end, or None.
-        fractions: (n,) of the path covered, in [0, 1].
-
-    Returns:
-        Orientations (n, 4), w, x, y, z.
-    """
+    """Orientations along a path that follows demonstrations of poses."""
     phases = np.linspace(0.0, 1.0, _NODES)
     kept = [i for i, weight in enumerate(weights) if weight > 0.0]
     nodes = _agreed([used[i] for i in kept], weights[kept], path)
@@ -88,13 +62,7 @@ def along(
 
 
 def _agreed(used: Sequence[Experience], weights: Float64Array, path: Float64Array) -> Float64Array:
-    """The mean turning (n, 4) of demonstrations, or of the group that has the one nearest a path.
-
-    Args:
-        used: the demonstrations.
-        weights: (k,) of the demonstrations.
-        path: (n, d).
-    """
+    """The mean turning (n, 4) of demonstrations, or of the group that has the one nearest a path."""
     phases = np.linspace(0.0, 1.0, _NODES)
     layers = [_at(each, phases) for each in used]
     try:

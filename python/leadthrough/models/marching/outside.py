@@ -23,14 +23,7 @@ _SPARSER = 3.0
 def clear_outside(
     path: Float64Array, grid: Grid, obstacles: Sequence[Shape], clearance: float
 ) -> bool:
-    """Whether a path (n, d) keeps a clearance from obstacles on its ways outside a grid.
-
-    Args:
-        path: its first and last segments may lie outside.
-        grid: of the map.
-        obstacles: in the grid's unit.
-        clearance: in the grid's unit, > 0.
-    """
+    """Whether a path (n, d) keeps a clearance from obstacles on its ways outside a grid."""
     inside = grid.contains(path[[0, -1]])
     ways = [(path[0], path[1])] * (not inside[0]) + [(path[-1], path[-2])] * (not inside[1])
     return all(_is_clear(*way, obstacles, clearance) for way in ways)
@@ -55,13 +48,7 @@ def _is_clear(
 def smooth_between_walls(
     path: Float64Array, field: SpeedField, knot_spacing: float
 ) -> Float64Array:
-    """A path (n, d) made smooth as far as no wall is touched; straight ways outside stay straight.
-
-    Args:
-        path: one of its ends may lie outside the field's grid, one segment away from it.
-        field: speeds of the map, 0 in walls.
-        knot_spacing: length below which details vanish.
-    """
+    """A path (n, d) made smooth as far as no wall is touched."""
     grid = field.grid
     inside = grid.contains(path[[0, -1]])
     if not inside[1]:

@@ -23,11 +23,7 @@ _LEAST = 0.1  # of the mean speed
 
 
 class Paces:
-    """Speeds along demonstrations, looked up by place.
-
-    Args:
-        known: demonstrations and learned paths, at least one.
-    """
+    """Speeds along demonstrations, looked up by place."""
 
     def __init__(self, known: Sequence[Experience]) -> None:
         places, speeds = zip(*(_along(each) for each in known), strict=True)
@@ -37,12 +33,7 @@ class Paces:
         self._count = min(_NEIGHBOURS, len(self._places))
 
     def at(self, point: Float64Array, *, blur: float) -> float:
-        """The speed at a point (d,), in its unit per second.
-
-        Args:
-            point: (d,).
-            blur: distance, > 0, below which demonstrations count alike.
-        """
+        """The speed at a point (d,), in its unit per second."""
         distances, nearest = self._tree.query(point, self._count)
         weights = 1.0 / (np.atleast_1d(distances) + blur)
         return float(weights @ self._speeds[np.atleast_1d(nearest)] / weights.sum())

@@ -36,14 +36,7 @@ _PAST_GATE = 4.0
 
 
 class Surroundings:
-    """The map of a policy without obstacles, and the field that is repaired while they move.
-
-    Args:
-        grid: cells of the map.
-        speed: of grid.shape.
-        goal: (d,).
-        scales: of the map.
-    """
+    """The map of a policy without obstacles, and the field that is repaired while they move."""
 
     def __init__(self, grid: Grid, speed: Float64Array, goal: Float64Array, scales: Scales) -> None:
         self._grid, self._speed, self._goal, self._scales = grid, speed, goal, scales
@@ -51,22 +44,14 @@ class Surroundings:
         self._field: ArrivalField | None = None
 
     def arrival(self, obstacles: Sequence[Shape]) -> FloatArray:
-        """Arrival times of second order, marched anew.
-
-        Raises:
-            NoPath: for a goal in an obstacle.
-        """
+        """Arrival times of second order, marched anew."""
         speed = passable(self._speed, self._grid, obstacles, self._scales)
         self._check_goal(speed)
         source = self._grid.cells_of(self._goal[None])
         return arrival_times(speed, source, spacing=self._grid.spacing)
 
     def until(self, obstacles: Sequence[Shape], position: Float64Array) -> FloatArray:
-        """Arrival times of first order, marched no farther than to a position (d,).
-
-        Raises:
-            NoPath: for a goal in an obstacle, or a position that is not reached.
-        """
+        """Arrival times of first order, marched no farther than to a position (d,)."""
         speed = self._around(obstacles)
         source, stop = self._grid.cells_of(np.stack([self._goal, position]))
         times = arrival_times(
@@ -80,11 +65,7 @@ class Surroundings:
         return times
 
     def repaired(self, obstacles: Sequence[Shape]) -> FloatArray:
-        """Arrival times of first order, marched anew only where obstacles have moved.
-
-        Raises:
-            NoPath: for a goal in an obstacle.
-        """
+        """Arrival times of first order, marched anew only where obstacles have moved."""
         speed = self._around(obstacles)
         if self._field is None:
             self._field = ArrivalField(speed, self._grid, self._goal, dtype=np.float32)
@@ -106,36 +87,18 @@ class Surroundings:
 
 @dataclass(frozen=True, eq=False)
 class Policy(Brief):
-    """Velocities that lead to a goal from wherever the tool was pushed.
+    """Velocities that lead to a goal from wherever the tool was pushed."""
 
-    Attributes:
-        grid: cells of the field.
-        arrival: times in each cell, marched from the goal.
-        goal: (d,) where the tool comes to rest.
-        paces: speeds that the demonstrations teach.
-        slowing: distance to the goal within which the speed falls linearly to zero, from the
-            demonstrations' mean one.
-        gate: across the start of a motion that returns to it, or None.
-    """
-
-    grid: Grid
-    arrival: FloatArray
-    goal: Float64Array
-    paces: Paces
+    grid: Grid  # cells of the field
+    arrival: FloatArray  # times in each cell, marched from the goal
+    goal: Float64Array  # (d,) where the tool comes to rest
+    paces: Paces  # speeds that the demonstrations teach
     slowing: float
-    gate: Gate | None
+    gate: Gate | None  # across the start of a motion that returns to it, or None
     _surroundings: Surroundings = field(repr=False)
 
     def __call__(self, position: ArrayLike) -> Float64Array:
-        """The velocity (d,) at a position, in the unit of the grid per second; zero at the goal.
-
-        Args:
-            position: (d,).
-
-        Raises:
-            InvalidInput: if the position is of another shape.
-            NoPath: outside the grid and in obstacles.
-        """
+        """The velocity (d,) at a position, in the unit of the grid per second; zero at the goal."""
         point = check.array(position, "position", shape=(self.grid.dimensions,))
         cell = float(self.grid.spacing.max())
         speed = self.paces.at(point, blur=cell)
@@ -153,22 +116,7 @@ class Policy(Brief):
         )
 
     def around(self, obstacles: Sequence[Shape], *, position: ArrayLike | None = None) -> Policy:
-        """The policy for the same goal among other obstacles, which may have moved.
-
-        At first order and single precision.
-
-        Args:
-            obstacles: shapes in the demonstrations' frame, instead of those so far.
-            position: (d,) of the tool: the field is marched no farther than to there, which on
-                a demonstrated way takes tens of milliseconds, and the policy holds for the way from
-                there. None: for the whole map; the first call marches all of it, further ones
-                where obstacles have come or gone.
-
-        Raises:
-            InvalidInput: if one is no shape, or the position is of another shape or outside the
-                grid.
-            NoPath: for a goal in an obstacle, or a position that the goal cannot be reached from.
-        """
+        """The policy for the same goal among other obstacles, which may have moved."""
         shapes = check_shapes(obstacles)
         if position is None:
             return replace(self, arrival=self._surroundings.repaired(shapes))
@@ -187,20 +135,7 @@ class Policy(Brief):
 def policy_to(
     known: Sequence[Experience], goal: Float64Array, obstacles: Sequence[Shape], scales: Scales
 ) -> Policy:
-    """The policy to a goal in the map of all demonstrations.
-
-    There is room in it for a tool that was pushed away.
-
-    Args:
-        known: demonstrations and learned paths, at least one.
-        goal: (d,).
-        obstacles: shapes in the same frame.
-        scales: of the map.
-
-    Raises:
-        InvalidInput: if the goal lies outside a workspace that was set.
-        NoPath: if the goal lies in an obstacle.
-    """
+    """The policy to a goal in the map of all demonstrations."""
     paths = [each.way for each in known]
     room = _PUSHED * float(np.ptp(np.concatenate(paths), axis=0).max())
     around = np.concatenate([goal[None] - room, goal[None] + room, *paths])

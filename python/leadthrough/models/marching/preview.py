@@ -24,12 +24,7 @@ _ROOM_TO_DRAG = 0.5
 
 
 class Preview(Generic[MotionT_co]):
-    """Answers of a skill while its query is dragged; made by `FastMarchingSkill.preview`.
-
-    With the method "map" the map of the demonstrations is kept from one answer to the next, made
-    anew when the goal leaves it, and marched at first order. With the other methods, of which the
-    wave needs only a band, an answer is what the skill itself plans.
-    """
+    """Answers of a skill while its query is dragged; made by `FastMarchingSkill.preview`."""
 
     def __init__(self, skill: FastMarchingSkill[MotionT_co]) -> None:
         self._skill = skill

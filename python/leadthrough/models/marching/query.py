@@ -19,17 +19,11 @@ from leadthrough.shapes import Shape
 
 @dataclass(frozen=True, eq=False)
 class Query:
-    """Where a path leads, and around what.
+    """Where a path leads, and around what."""
 
-    Attributes:
-        start: (d,).
-        goal: (d,).
-        obstacles: shapes in the same frame.
-    """
-
-    start: Float64Array
-    goal: Float64Array
-    obstacles: tuple[Shape, ...] = ()
+    start: Float64Array  # (d,)
+    goal: Float64Array  # (d,)
+    obstacles: tuple[Shape, ...] = ()  # shapes in the same frame
 
     @property
     def ends(self) -> Float64Array:
@@ -43,17 +37,7 @@ def query_of(
     goal: Place | None,
     obstacles: tuple[Shape, ...] = (),
 ) -> Query:
-    """The query of a user; what is left out is the mean of the demonstrations' ends.
-
-    Args:
-        demonstrated: the demonstrations, which may be none.
-        start: (d,) or, of poses, (position, orientation).
-        goal: as start.
-        obstacles: shapes in the demonstrations' frame.
-
-    Raises:
-        InvalidInput: if start or goal is of another shape, or left out without a demonstration.
-    """
+    """The query of a user; what is left out is the mean of the demonstrations' ends."""
     first = _end(demonstrated, split(demonstrated, start, "start")[0], "start", 0)
     last = _end(demonstrated, split(demonstrated, goal, "goal")[0], "goal", -1)
     if len(first) != len(last):

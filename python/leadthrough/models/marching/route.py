@@ -40,25 +40,12 @@ _START_WIDTH = 0.25
 
 @dataclass(frozen=True, eq=False)
 class Route(Brief):
-    """A path and how it was found.
+    """A path and how it was found."""
 
-    Attributes:
-        path: (n, d), dense and smooth.
-        speed: (n,) the map's speed along it, in (0, 1].
-        used: the demonstrations that it follows, facing its way.
-        weights: (k,) how much each one's timing counts.
-        method: the method that found it, "map", "start" or "mean_path": with "auto", whether it
-            follows the demonstrations' prediction or plans anew in the map.
-        leaves_usual_way: whether it is farther from the usual motion, the one between the mean ends
-            of the demonstrations, than 1.5 times what its ends are moved and an area of influence:
-            where obstacles stand on the usual way, or where start and goal are a demonstration's
-            that goes another one.
-    """
-
-    path: Float64Array
-    speed: Float64Array
-    used: tuple[Experience, ...]
-    weights: Float64Array
+    path: Float64Array  # (n, d), dense and smooth
+    speed: Float64Array  # (n,) the map's speed along it, in (0, 1]
+    used: tuple[Experience, ...]  # the demonstrations that it follows, facing its way
+    weights: Float64Array  # (k,) how much each one's timing counts
     method: str
     leaves_usual_way: bool = False
 
@@ -81,18 +68,7 @@ def through_map(
     *,
     useful: Sequence[Experience] | None = None,
 ) -> Route:
-    """The quickest path in the map of demonstrations.
-
-    Args:
-        known: demonstrations and learned paths, which may be none.
-        query: start, goal and obstacles.
-        scales: of the map.
-        useful: those of them that are in the map; None: all. Without any, the others still tell
-            the timing.
-
-    Raises:
-        NoPath: where an end lies in an obstacle, or obstacles separate them.
-    """
+    """The quickest path in the map of demonstrations."""
     mapped = known if useful is None else useful
     paths = [each.way for each in mapped]
 
@@ -107,16 +83,7 @@ def through_map(
 
 
 def from_start(known: Sequence[Experience], query: Query, scales: Scales) -> Route:
-    """The quickest path in a map where demonstrations count by how near they start.
-
-    Args:
-        known: demonstrations and learned paths, at least one.
-        query: start, goal and obstacles.
-        scales: of the map.
-
-    Raises:
-        NoPath: where an end lies in an obstacle, or obstacles separate them.
-    """
+    """The quickest path in a map where demonstrations count by how near they start."""
     used = tuple(each.facing(query.start, query.goal) for each in known)
     weights = _nearness(np.stack([each.path[0] for each in used]), query.start)
     paths = [each.way for each in used]
@@ -136,17 +103,7 @@ def _through(
     query: Query,
     scales: Scales,
 ) -> tuple[Float64Array, SpeedField]:
-    """The quickest path (n, d) of a query, and the map with its obstacles.
-
-    Args:
-        free: makes the map of paths, without obstacles.
-        paths: (n, d) each.
-        query: start, goal and obstacles.
-        scales: of the map.
-
-    Raises:
-        NoPath: where an end lies in an obstacle, or obstacles separate them.
-    """
+    """The quickest path (n, d) of a query, and the map with its obstacles."""
     *near, everything = covered_ends(paths, query.ends, scales)
     for ends in near:
         grid, own = grid_over(
@@ -175,17 +132,7 @@ def route_along(
     knot_spacing: float | None = None,
     region: tuple[Float64Array, Float64Array] | None = None,
 ) -> Route:
-    """A path made smooth where obstacles allow, with the map's speed along it.
-
-    Args:
-        path: (n, d).
-        field: speeds of the map, 0 in obstacles.
-        used: the demonstrations that it follows.
-        weights: (k,) how much each one's timing counts.
-        method: the method that found it.
-        knot_spacing: length below which details vanish; None: that of the noise of the grid.
-        region: corners (lower, upper) that the smooth path is kept in.
-    """
+    """A path made smooth where obstacles allow, with the map's speed along it."""
     spacing = knot_spacing or CELLS_PER_KNOT * float(field.grid.spacing.max())
     smoothed = smooth_between_walls(path, field, spacing)
     if region is not None:
@@ -194,11 +141,7 @@ def route_along(
 
 
 def _between_cells(field: SpeedField, points: Float64Array) -> Float64Array:
-    """Speeds (n,) at points (n, d), multilinear between the centres of cells.
-
-    Between a free cell and a wall they may vanish; they are at least those of the slowest free cell
-    around the points, as a path never stands still.
-    """
+    """Speeds (n,) at points (n, d), multilinear between the centres of cells."""
     inside = field.grid.contains(points)
     if not inside.all():
         result = np.full(len(points), field.outside)

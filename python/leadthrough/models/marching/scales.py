@@ -21,36 +21,19 @@ _GROWTH = 3.0
 
 @dataclass(frozen=True)
 class Scales:
-    """Lengths and speeds of a map; lengths in the demonstrations' unit.
+    """Lengths and speeds of a map; lengths in the demonstrations' unit."""
 
-    Attributes:
-        radius: of the tubes.
-        clearance: distance from obstacles below which they slow the wave down.
-        saturation: speed outside the tubes, in (0, 1].
-        resolution: edge of a cell; None: a fifth of the radius, or up to half of it in a large
-            space.
-        growth: how much wider than the radius the tubes may become there.
-        workspace: corners of the grid; None: as much as is needed.
-        obstacle_map: how obstacles enter the map, "product" or "minimum".
-    """
-
-    radius: float
-    clearance: float
-    saturation: float
+    radius: float  # of the tubes
+    clearance: float  # distance from obstacles below which they slow the wave down
+    saturation: float  # speed outside the tubes, in (0, 1]
     resolution: float | None
-    growth: float = 1.0
+    growth: float = 1.0  # how much wider than the radius the tubes may become there
     workspace: tuple[tuple[float, ...], tuple[float, ...]] | None = None
-    obstacle_map: str = "product"
+    obstacle_map: str = "product"  # how obstacles enter the map, "product" or "minimum"
 
 
 def scales_of(model: FastMarching, lengths: Sequence[float], fraction: float) -> Scales:
-    """The scales of a model's map.
-
-    Args:
-        model: the settings.
-        lengths: of the demonstrations' paths, at least one.
-        fraction: of their mean, which is the radius where the model sets none.
-    """
+    """The scales of a model's map."""
     given = model.area_of_influence
     length = float(np.mean(lengths))
     return Scales(

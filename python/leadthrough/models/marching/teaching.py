@@ -23,16 +23,7 @@ _MOST_STEPS = 100_000
 
 
 def mean_speed(path: Float64Array, grid: Grid, speed: Float64Array, outside: float) -> float:
-    """The mean of a speed map along a path, evenly over its length.
-
-    Args:
-        path: (n, d), n >= 1.
-        grid: cells of the map.
-        speed: in each cell.
-        outside: speed beyond the grid.
-
-    Source: Prados et al. 2023, eq. 6.
-    """
+    """The mean of a speed map along a path, evenly over its length (Prados et al. 2023, eq. 6)."""
     steps = 2.0 * float(arc_length(path)[-1]) / float(grid.spacing.min())
     points = by_arc_length(path, int(min(np.ceil(steps), _MOST_STEPS)) + 2)
     inside = grid.contains(points)
@@ -42,13 +33,7 @@ def mean_speed(path: Float64Array, grid: Grid, speed: Float64Array, outside: flo
 
 
 def added(path: Float64Array, known: Sequence[Experience], *, duration: float | None) -> Experience:
-    """A path as experience, with the timing, turning, events and joints of what is known.
-
-    Args:
-        path: (n, d), at least two different points.
-        known: the experience so far, at least one.
-        duration: s; None: the usual one, adapted to the path's length.
-    """
+    """A path as experience, with the timing, turning, events and joints of what is known."""
     weights = np.ones(len(known))
     progress = np.mean([each.progress for each in known], axis=0)
     covered = arc_length(path)

@@ -31,20 +31,7 @@ _DURATION_EXPONENT = 0.25
 def timed(
     route: Route, *, timing: str, duration: float | None, dt: float
 ) -> tuple[Trajectory, Float64Array]:
-    """The motion along a route, and the fraction of the route covered at each sample.
-
-    Args:
-        route: the path, and the demonstrations that it follows.
-        timing: one of TIMINGS.
-        duration: s; None: the usual one.
-        dt: s, > 0, upper bound of the step.
-
-    Returns:
-        The motion of n samples, and fractions (n,) from 0 to 1.
-
-    Raises:
-        InvalidInput: if there is neither a duration nor a demonstration.
-    """
+    """The motion along a route, and the fraction of the route covered at each sample."""
     from scipy.interpolate import CubicSpline
 
     length = float(arc_length(route.path)[-1])
@@ -68,16 +55,7 @@ def timed(
 
 
 def usual_duration(used: Sequence[Experience], weights: Float64Array, length: float) -> float:
-    """The weighted median of the demonstrations' durations, s, each adapted to a path's length.
-
-    Longer paths take longer, but less than in proportion, as in human movements. To stand still
-    takes as long as the demonstrations.
-
-    Args:
-        used: the demonstrations, at least one.
-        weights: (k,) of the demonstrations.
-        length: of the path, in its unit.
-    """
+    """The weighted median of the demonstrations' durations, s, each adapted to a path's length."""
     adapted = np.array([each.duration * _adapted(length / each.length) for each in used])
     order = np.argsort(adapted, kind="stable")
     fraction = weights[order] / weights.sum()

@@ -35,13 +35,7 @@ _SAMPLES = 100
 
 
 def is_trusted(paths: Sequence[Float64Array], start: Float64Array, goal: Float64Array) -> bool:
-    """Whether a demonstration's ends lie near enough to start and goal to predict the way.
-
-    Args:
-        paths: each (n, d).
-        start: (d,).
-        goal: (d,).
-    """
+    """Whether a demonstration's ends lie near enough to start and goal to predict the way."""
     near, nearly = _nearness(paths, start, goal)
     return bool(near.any() or (nearly.any() and (nearly & in_company(paths)).any()))
 

@@ -28,24 +28,14 @@ _AS_FAST = 0.5
 
 @dataclass(frozen=True)
 class Useful:
-    """Which demonstrations (k,) of a skill are useful for a query.
+    """Which demonstrations (k,) of a skill are useful for a query."""
 
-    Attributes:
-        certain: those that lead from start to goal.
-        passing: wandering ones that pass by both, nearly in a straight line.
-    """
-
-    certain: NDArray[np.bool_]
-    passing: NDArray[np.bool_]
+    certain: NDArray[np.bool_]  # those that lead from start to goal
+    passing: NDArray[np.bool_]  # wandering ones that pass by both, nearly in a straight line
 
 
 def useful(known: Sequence[Experience], query: Query) -> Useful:
-    """Which demonstrations the map for a query is made of.
-
-    Args:
-        known: demonstrations and learned paths, at least one.
-        query: start and goal.
-    """
+    """Which demonstrations the map for a query is made of."""
     faced = [each.facing(query.start, query.goal) for each in known]
     ways = [each.way for each in faced]
     near = trust.trusted(ways, query.start, query.goal)
@@ -60,10 +50,7 @@ def useful(known: Sequence[Experience], query: Query) -> Useful:
 
 
 def shows_nothing(known: Sequence[Experience]) -> bool:
-    """Whether all that is known is one random walk.
-
-    Of several, each may be asked for at its very ends.
-    """
+    """Whether all that is known is one random walk."""
     return len(known) == 1 and known[0].wanders
 
 

@@ -12,17 +12,7 @@ from leadthrough.models.place import Place
 def wanted_ends(
     chart: Chart, ends: Float64Array, start: Place | None, goal: Place | None
 ) -> Float64Array:
-    """Start and goal (2, d), where a query leaves them open those of the demonstrations.
-
-    Args:
-        chart: what the d columns are.
-        ends: mean start and goal (2, d) of the demonstrations.
-        start: wanted start, or None.
-        goal: wanted goal, or None.
-
-    Raises:
-        InvalidInput: if a start or a goal does not fit the chart.
-    """
+    """Start and goal (2, d), where a query leaves them open those of the demonstrations."""
     wanted = ends.copy()
     for row, (place, name) in enumerate(((start, "start"), (goal, "goal"))):
         if place is not None:
@@ -32,16 +22,7 @@ def wanted_ends(
 
 
 def shifted(columns: Float64Array, fractions: Float64Array, ends: Float64Array) -> Float64Array:
-    """A motion moved to other ends; the offset at each end fades linearly towards the other.
-
-    Args:
-        columns: columns (n, d) of the motion.
-        fractions: fraction (n,) of the path covered at each sample, from 0 to 1.
-        ends: new start and goal (2, d).
-
-    Returns:
-        Columns (n, d).
-    """
+    """A motion moved to other ends; the offset at each end fades linearly towards the other."""
     offsets = ends - columns[[0, -1]]
     from_start, from_goal = np.outer(1.0 - fractions, offsets[0]), np.outer(fractions, offsets[1])
     return np.asarray(columns + from_start + from_goal)

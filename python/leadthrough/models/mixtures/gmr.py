@@ -79,11 +79,7 @@ class GMR(Unfitted):
 
 # Any: settings are whatever JSON holds.
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> GMRSkill:
-    """The skill from the settings and arrays that `GMRSkill.to_archive` returned.
-
-    Raises:
-        KeyError, TypeError, ValueError: if the file is damaged.
-    """
+    """The skill from the settings and arrays that `GMRSkill.to_archive` returned."""
     chart = Chart.from_archive(settings, arrays)
     mixture = Mixture(arrays["weights"], arrays["means"], arrays["covariances"])
     if mixture.size != chart.width + 1:

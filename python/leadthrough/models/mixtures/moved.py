@@ -22,12 +22,7 @@ from leadthrough.preprocess.resample import arc_length
 
 
 def bounded(carried: MotionT, usual: MotionT) -> MotionT:
-    """A motion between moved ends, no farther from the usual one than the bound.
-
-    Args:
-        carried: what the frames make of the moved ends.
-        usual: the motion between the demonstrations' own ends, at the same samples.
-    """
+    """A motion between moved ends, no farther from the usual one than the bound."""
     way = _way(carried, usual)
     limits = _limits(way, usual.positions)
     offsets = _within(way.offsets, way.fractions, limits[0])
@@ -41,18 +36,11 @@ def bounded(carried: MotionT, usual: MotionT) -> MotionT:
 
 @dataclass(frozen=True, eq=False)
 class _Way:
-    """How far a motion is from the usual one.
+    """How far a motion is from the usual one."""
 
-    Attributes:
-        offsets: (n, d) of the positions.
-        turns: rotation vectors (n, 3) from the usual orientations, in the tool's axes; 0 but for
-            poses.
-        fractions: (n,) of the usual path covered.
-    """
-
-    offsets: Float64Array
+    offsets: Float64Array  # (n, d) of the positions
     turns: Float64Array
-    fractions: Float64Array
+    fractions: Float64Array  # (n,) of the usual path covered
 
 
 def _way(carried: MotionT, usual: MotionT) -> _Way:
@@ -67,10 +55,7 @@ def _way(carried: MotionT, usual: MotionT) -> _Way:
 
 
 def _turns(usual: Float64Array, carried: Float64Array, fractions: Float64Array) -> Float64Array:
-    """Rotation vectors (n, 3) from usual orientations (n, 4) to carried ones.
-
-    Where no continuous ones exist, past half a turn, only those of the ends count.
-    """
+    """Rotation vectors (n, 3) from usual orientations (n, 4) to carried ones."""
     between = rotations.compose(rotations.inverse(usual), carried)
     try:
         return rotations.lift(between)

@@ -27,15 +27,7 @@ _MOST_COMPONENTS = 15
 def fit_phases(
     points: Float64Array, components: int, *, poses: bool, seed: int, starts: int
 ) -> FittedMixture:
-    """The mixture of times and columns whose components follow phases.
-
-    Args:
-        points: times and columns (n, 1 + d).
-        components: number of components, 1 to n.
-        poses: whether the columns are positions and rotation vectors.
-        seed: seed of the random number generator that draws the starts.
-        starts: number of starts that are followed to the end, as in `fit_mixture`.
-    """
+    """The mixture of times and columns whose components follow phases."""
     found, history = phase_blocks(
         [points], components, poses=poses, seed=seed, starts=starts, least=LEAST_VARIANCE
     )
@@ -43,14 +35,7 @@ def fit_phases(
 
 
 def choose_phases(points: Float64Array, *, poses: bool, seed: int, starts: int) -> FittedMixture:
-    """What `choose_components` is for `fit_mixture`, for `fit_phases`.
-
-    Args:
-        points: times and columns (n, 1 + d).
-        poses: whether the columns are positions and rotation vectors.
-        seed: seed of the random number generator that draws the starts.
-        starts: number of starts for each number of components.
-    """
+    """What `choose_components` is for `fit_mixture`, for `fit_phases`."""
     return least_criterion(
         lambda count: fit_phases(points, count, poses=poses, seed=seed, starts=starts),
         len(points),
@@ -67,19 +52,7 @@ def phase_blocks(
     starts: int,
     least: float,
 ) -> tuple[Blocks, list[float]]:
-    """Components of times and columns given in blocks, each with the time first.
-
-    Args:
-        blocks: times and columns (n, 1 + d) in each block.
-        count: number of components.
-        poses: whether the columns are positions and rotation vectors.
-        seed: seed of the random number generator that draws the starts.
-        starts: number of starts that are followed to the end.
-        least: least variance of a component in any direction at the end, in phase units.
-
-    Returns:
-        The components, and the mean log-likelihood per point at every iteration and at the end.
-    """
+    """Components of times and columns given in blocks, each with the time first."""
     units = [phase_units(own_units(each), count, poses=poses) for each in blocks]
     scaled = [own.scaled(each) for each, own in zip(blocks, units, strict=True)]
     wide, history = fit_blocks(
@@ -92,16 +65,7 @@ def phase_blocks(
 
 
 def thinner(components: Blocks, steps: Steps, least: float) -> tuple[Blocks, list[float]]:
-    """Components after a step of EM with each of the lower bounds, down to the least.
-
-    Args:
-        components: components that EM has converged to with the bound `WIDE`.
-        steps: the steps of EM for the points.
-        least: least variance of a component in any direction at the end, in phase units.
-
-    Returns:
-        The components, and the mean log-likelihood per point after every step.
-    """
+    """Components after a step of EM with each of the lower bounds, down to the least."""
     history = []
     responsibilities, _ = steps.expect(components)
     for bound in [*(each for each in _THINNER if each > least), least]:

@@ -53,16 +53,7 @@ def sampled(
     *,
     middle: Callable[[Sequence[Float64Array]], Float64Array] = mean_orientations,
 ) -> Sampled[MotionT]:
-    """Demonstrations, resampled at evenly spaced times.
-
-    Args:
-        demonstrations: one or more demonstrations, or motions, of one type.
-        middle: reference orientations of poses, as in `chart_of`.
-
-    Raises:
-        InvalidInput: if they are not of one type of motion.
-        FitError: if there is none, one does not move, or orientations have no middle.
-    """
+    """Demonstrations, resampled at evenly spaced times."""
     motions = motions_of(demonstrations)
     phases = [normalised_times(motion.times) for motion in motions]
     chart = chart_of(motions, phases, middle=middle)
@@ -76,17 +67,7 @@ def sampled(
 def timed_columns(
     motions: Sequence[Motion], phases: Sequence[Float64Array], chart: Chart, duration: float
 ) -> list[Float64Array]:
-    """Times, s, and columns (200, 1 + d) of each motion.
-
-    Args:
-        motions: the motions.
-        phases: normalised times (n,) of each motion's samples.
-        chart: what the d columns mean.
-        duration: duration to which all motions are stretched, s.
-
-    Raises:
-        InvalidInput: if a motion is of another type or size than the chart.
-    """
+    """Times, s, and columns (200, 1 + d) of each motion."""
     even = np.linspace(0.0, 1.0, SAMPLES)
     result = []
     for i, (motion, at) in enumerate(zip(motions, phases, strict=True)):

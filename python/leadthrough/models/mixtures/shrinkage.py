@@ -19,13 +19,7 @@ _ROTATION = 3  # columns at the end of those of poses
 
 
 def shrunk(covariances: Float64Array, demonstrations: int, *, poses: bool) -> Float64Array:
-    """Covariances of the time and the columns, those of the columns given the time made rounder.
-
-    Args:
-        covariances: covariances (k, 1 + d, 1 + d), the time first.
-        demonstrations: number of demonstrations that they were estimated from, >= 1.
-        poses: whether the last three columns are a rotation.
-    """
+    """Covariances of the time and the columns, those of the columns given the time made rounder."""
     fraction = _ROUND_COUNTS / (demonstrations - 1.0 + _ROUND_COUNTS)
     given_time = conditional(covariances)
     result = covariances.copy()
@@ -34,22 +28,13 @@ def shrunk(covariances: Float64Array, demonstrations: int, *, poses: bool) -> Fl
 
 
 def conditional(covariances: Float64Array) -> Float64Array:
-    """Covariances (k, d, d) of the columns, given the time.
-
-    Args:
-        covariances: covariances (k, 1 + d, 1 + d), the time first.
-    """
+    """Covariances (k, d, d) of the columns, given the time."""
     rates = covariances[:, 0, 1:] / covariances[:, :1, 0]
     return np.asarray(covariances[:, 1:, 1:] - rates[:, :, None] * covariances[:, :1, 1:])
 
 
 def round_ones(covariances: Float64Array, *, poses: bool) -> Float64Array:
-    """Covariances (k, d, d) of the same variances in all directions.
-
-    Args:
-        covariances: covariances (k, d, d).
-        poses: whether the last three columns are a rotation, which has a variance of its own.
-    """
+    """Covariances (k, d, d) of the same variances in all directions."""
     size = covariances.shape[1]
     even = np.zeros_like(covariances)
     split = size - _ROTATION if poses else size

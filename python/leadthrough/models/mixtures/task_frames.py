@@ -46,13 +46,7 @@ class Placed:
 def common_chart(
     chart: Chart[MotionT], own: Sequence[Chart], frames: Sequence[Frame]
 ) -> Chart[MotionT]:
-    """A chart whose reference is the mean of the frames' own, seen from the base frame.
-
-    Args:
-        chart: chart of the motions in the base frame.
-        own: chart of the motions seen from each frame.
-        frames: the frames of the situation.
-    """
+    """A chart whose reference is the mean of the frames' own, seen from the base frame."""
     if chart.kind != "poses":
         return chart
     predicted = [_predicted(each, frame, NODES) for each, frame in zip(own, frames, strict=True)]
@@ -63,15 +57,7 @@ def common_chart(
 
 
 def placed(frame: Frame, own: Chart, common: Chart, means: Float64Array, duration: float) -> Placed:
-    """A frame's Gaussians, carried from its own columns into the common ones.
-
-    Args:
-        frame: the frame in the situation.
-        own: chart of the motions seen from the frame.
-        common: chart of the situation.
-        means: means (k, 1 + w) in the frame's own columns, the time first, s.
-        duration: duration of the motion, s.
-    """
+    """A frame's Gaussians, carried from its own columns into the common ones."""
     size, count = own.size, len(means)
     means, phases = means[:, 1:], np.clip(means[:, 0] / duration, 0.0, 1.0)
     moved = means[:, :size] @ frame.axes.T + frame.origin
@@ -95,16 +81,7 @@ def placed(frame: Frame, own: Chart, common: Chart, means: Float64Array, duratio
 def checked_frames(
     frames: Sequence[Sequence[Frame]], count: int, chart: Chart
 ) -> list[tuple[Frame, ...]]:
-    """The frames of each of several demonstrations.
-
-    Args:
-        frames: the frames of each demonstration, equally many for all.
-        count: number of demonstrations.
-        chart: chart of the motions.
-
-    Raises:
-        InvalidInput: if the numbers or dimensions do not fit, or if poses get left-handed axes.
-    """
+    """The frames of each of several demonstrations."""
     if not isinstance(frames, Sequence) or len(frames) != count:
         got = len(frames) if isinstance(frames, Sequence) else type(frames).__name__
         raise InvalidInput(
@@ -127,10 +104,7 @@ def checked_frames(
 
 
 def _between(predicted: Sequence[Float64Array]) -> Float64Array:
-    """Orientations (n, 4) between several rows of them, without a jump where they are far apart.
-
-    Those of the first frame where even that cannot be: frames half a turn apart.
-    """
+    """Orientations (n, 4) between several rows of them, without a jump where they are far apart."""
     back = rotations.inverse(predicted[0])
     try:
         turns = [rotations.lift(rotations.compose(back, each)) for each in predicted]

@@ -30,19 +30,7 @@ _ROTATION = 3  # columns at the end of those of poses
 
 
 def multiplied(components: Blocks, seen: Sequence[Placed], *, poses: bool) -> Mixture:
-    """The mixture of the time and the common columns, in a situation.
-
-    A component's Gaussian is one of the time and, given the time, one of the columns in each
-    frame; the latter are multiplied, which leaves their mean linear in the time.
-
-    Args:
-        components: components of the time, s, and the columns in each frame.
-        seen: the components' Gaussians in each frame, carried into the common columns.
-        poses: whether the last three columns are a rotation.
-
-    Returns:
-        Mixture of 1 + d columns, the time first, s.
-    """
+    """The mixture of the time and the common columns, in a situation."""
     rates, inner = [], []
     for each, covariances in zip(seen, components.covariances, strict=True):
         rate = covariances[:, 0, 1:] / covariances[:, :1, 0]
@@ -64,13 +52,7 @@ def multiplied(components: Blocks, seen: Sequence[Placed], *, poses: bool) -> Mi
 def _weights(
     covariances: Sequence[Float64Array], units: Float64Array, *, poses: bool
 ) -> list[Float64Array]:
-    """The matrices (k, d, d) by which the frames' means count; they sum to one.
-
-    Args:
-        covariances: covariances (k, d, d) in each frame.
-        units: lengths (d,) that count alike in the columns.
-        poses: whether the last three columns are a rotation.
-    """
+    """The matrices (k, d, d) by which the frames' means count; they sum to one."""
     scaled = [each / units / units[:, None] for each in covariances]
     rounds = [round_ones(each, poses=poses) for each in scaled]
     chosen = _products(scaled)

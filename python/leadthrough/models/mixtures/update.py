@@ -31,19 +31,7 @@ _MOST_ITERATIONS = 200
 def learned(
     skill: GMRSkill, demonstrations: Demonstrations[Motion]
 ) -> tuple[Mixture, Float64Array, int]:
-    """What a skill becomes with further demonstrations.
-
-    Args:
-        skill: the skill before.
-        demonstrations: one or more demonstrations of the skill's type of motion.
-
-    Returns:
-        The mixture, the mean start and goal (2, d), and the number of demonstrations.
-
-    Raises:
-        InvalidInput: if the demonstrations are of another type.
-        FitError: if there is none, or one does not move.
-    """
+    """What a skill becomes with further demonstrations."""
     motions = motions_of(demonstrations)
     phases = [normalised_times(motion.times) for motion in motions]
     samples = timed_columns(motions, phases, skill.chart, skill.duration)
@@ -56,10 +44,7 @@ def learned(
 
 
 def _adapted(mixture: Mixture, points: Float64Array, before: float, *, poses: bool) -> Mixture:
-    """The mixture of new points (n, d) and of the `before` old ones that it stands for.
-
-    EM starts from the old components and goes on as in a fit.
-    """
+    """The mixture of new points (n, d) and of the `before` old ones that it stands for."""
     units = _units(mixture, poses=poses)
     covariances = units.scaled_covariances(mixture.covariances)
     old = Blocks(mixture.weights, (units.scaled(mixture.means),), (covariances,))

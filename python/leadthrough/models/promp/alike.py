@@ -9,15 +9,7 @@ from leadthrough.models.promp.skill import ProMPSkill
 
 
 def check_alike(skills: Sequence[ProMPSkill]) -> None:
-    """Checks that there are skills, and that their columns mean the same.
-
-    Args:
-        skills: the skills to combine, to blend or to compare.
-
-    Raises:
-        InvalidInput: if there is none, one is not a ProMPSkill, or they differ in the type of
-            motion, the number of columns or the names of joints.
-    """
+    """Checks that there are skills, and that their columns mean the same."""
     if not isinstance(skills, Sequence) or len(skills) == 0:
         raise InvalidInput("skills: expected a sequence of at least one skill")
     for i, each in enumerate(skills):

@@ -30,18 +30,10 @@ LEAST = 4
 
 @dataclass(frozen=True)
 class Basis(Brief):
-    """Basis functions of one kind over the phase of a motion.
+    """Basis functions of one kind over the phase of a motion."""
 
-    Attributes:
-        kind: "gaussian", "bspline" or "rhythmic" (von Mises functions, of period 1).
-        count: number of functions, k.
-        width: standard deviation of the Gaussian and rhythmic functions, in spacings of their
-            centres; B-splines ignore it.
-        margin: how far the first and the last Gaussian centre lie outside [0, 1], in spacings.
-    """
-
-    kind: BasisKind
-    count: int
+    kind: BasisKind  # "gaussian", "bspline" or "rhythmic" (von Mises functions, of period 1)
+    count: int  # number of functions, k
     width: float = 1.0
     margin: float = 1.0
 
@@ -51,15 +43,7 @@ class Basis(Brief):
         return self.kind == "rhythmic"
 
     def __call__(self, phases: Float64Array, order: int = 0) -> Float64Array:
-        """Values of the functions, or their derivatives with respect to the phase.
-
-        Args:
-            phases: phases (n,), in [0, 1]; for rhythmic functions any.
-            order: 0 for values, 1 or 2 for derivatives.
-
-        Returns:
-            Values or derivatives (n, k).
-        """
+        """Values of the functions, or their derivatives with respect to the phase."""
         if self.kind == "bspline":
             return np.asarray(self._spline(phases, order))
         bells = phases, self.centres, self.sharpness, self.is_rhythmic
@@ -74,18 +58,7 @@ class Basis(Brief):
         most: int,
         threads: int,
     ) -> tuple[list[Float64Array], bool]:
-        """Curves of many weights and their derivatives, and whether all are certainly finite.
-
-        Args:
-            phases: as in a call.
-            weights: weights (m, d k) of m times d curves, one curve after the other.
-            paces: factors (p,) of the values and, up to order p - 1 <= 2, of the derivatives.
-            most: how many of the m may lie in one array.
-            threads: their number; does not change the curves.
-
-        Returns:
-            Arrays (up to most, p, n, d) that hold m together.
-        """
+        """Curves of many weights and their derivatives, and whether all are certainly finite."""
         if self.kind == "bspline":
             rows = [self._spline(phases, order) * pace for order, pace in enumerate(paces)]
             return _core.curves_over(np.concatenate(rows), len(paces), weights, most, threads)

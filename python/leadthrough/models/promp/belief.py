@@ -46,37 +46,21 @@ _ROUGH = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Belief(Brief):
-    """A t distribution of the weights of a motion.
+    """A t distribution of the weights of a motion."""
 
-    Given a factor f, the weights are normal with covariance f times `spread.covariance`; f has the
-    inverse gamma distribution with shape and scale `freedom` / 2.
-
-    Attributes:
-        spread: location and scale matrix of the weights (d k,).
-        freedom: degrees of freedom; infinite for a normal distribution.
-    """
-
-    spread: Gaussian
-    freedom: float = np.inf
+    spread: Gaussian  # location and scale matrix of the weights (d k,)
+    freedom: float = np.inf  # degrees of freedom; infinite for a normal distribution
 
 
 @dataclass(frozen=True, eq=False)
 class Experience(Brief):
-    """The demonstrations of a skill, and what they tell of another motion.
+    """The demonstrations of a skill, and what they tell of another motion."""
 
-    Attributes:
-        basis: the k basis functions.
-        curves: weights (m, d k) of the demonstrations, one column after the other.
-        paces: logarithms (n,) of the demonstrations' durations over the skill's.
-        noise: variances (d,) of samples about their curves.
-        scale: reach (d,) of the motions.
-    """
-
-    basis: Basis
-    curves: Float64Array
-    paces: Float64Array
-    noise: Float64Array
-    scale: Float64Array
+    basis: Basis  # the k basis functions
+    curves: Float64Array  # weights (m, d k) of the demonstrations, one column after the other
+    paces: Float64Array  # logarithms (n,) of the demonstrations' durations over the skill's
+    noise: Float64Array  # variances (d,) of samples about their curves
+    scale: Float64Array  # reach (d,) of the motions
 
     @cached_property
     def belief(self) -> Belief:
@@ -150,15 +134,7 @@ class Experience(Brief):
 
 
 def common_noise(noises: Sequence[Float64Array], scales: Sequence[Float64Array]) -> Float64Array:
-    """Variances (d,) of samples about any of several motions.
-
-    A motion is not followed to the last digit: neighbouring samples deviate alike. Nor does it
-    count against one skill that its demonstrations were less precise than another's.
-
-    Args:
-        noises: variances (d,) of the samples of each skill's demonstrations.
-        scales: reach (d,) of each skill.
-    """
+    """Variances (d,) of samples about any of several motions."""
     reach = np.mean(scales, axis=0)
     return np.asarray(np.mean(noises, axis=0) + (_LEAST_NOISE * reach) ** 2)
 
@@ -179,14 +155,7 @@ def _values(weights: Float64Array, rows: Float64Array, size: int) -> Float64Arra
 def _log_density_of_rest(
     missed: Float64Array, spread: Float64Array, freedom: float, size: int
 ) -> float:
-    """Log density of the values after the beginning, up to a constant of all candidates.
-
-    Args:
-        missed: deviations (n d,) from the mean, phase by phase.
-        spread: scale matrix (n d, n d).
-        freedom: degrees of freedom.
-        size: number d of columns.
-    """
+    """Log density of the values after the beginning, up to a constant of all candidates."""
     from scipy.linalg import solve_triangular
     from scipy.special import gammaln
 

@@ -17,19 +17,7 @@ _ROUNDING = 1e-9
 def phases_at(
     times: ArrayLike, name: str, *, duration: float, repeats: bool, at_least: int = 0
 ) -> Float64Array:
-    """Phases (n,) at times of a motion.
-
-    Args:
-        times: times (n,), s, in [0, duration]; any if the motion repeats.
-        name: argument that the error names.
-        duration: duration of the motion, s.
-        repeats: whether the motion is rhythmic.
-        at_least: how many times there have to be.
-
-    Raises:
-        InvalidInput: if times is not a finite (n,) array of so many or too many, or a time lies
-            outside the motion.
-    """
+    """Phases (n,) at times of a motion."""
     phases = asked_times(times, name, at_least=at_least) / duration
     if repeats or len(phases) == 0:
         return phases

@@ -24,11 +24,7 @@ def product(left: _Floats, right: _Floats) -> Float64Array:
 
 
 def solve_definite(matrix: _Floats, right: _Floats) -> Float64Array:
-    """The solution (n, m) of a system with a symmetric positive definite matrix (n, n).
-
-    Raises:
-        LinAlgError: if the matrix is not positive definite.
-    """
+    """The solution (n, m) of a system with a symmetric positive definite matrix (n, n)."""
     solved = _core.solve_definite(_rows(matrix), _rows(right))
     if solved.shape != right.shape:
         raise np.linalg.LinAlgError("the matrix is not positive definite")
@@ -36,25 +32,13 @@ def solve_definite(matrix: _Floats, right: _Floats) -> Float64Array:
 
 
 def inverse_definite(matrix: Float64Array) -> Float64Array:
-    """The inverse (n, n) of a symmetric positive definite matrix, symmetric to the last bit.
-
-    Raises:
-        LinAlgError: if the matrix is not positive definite.
-    """
+    """The inverse (n, n) of a symmetric positive definite matrix, symmetric to the last bit."""
     inverse = solve_definite(matrix, np.eye(len(matrix)))
     return np.asarray(0.5 * (inverse + inverse.T))
 
 
 def log_determinant(matrix: Float64Array, *, least: float = 0.0) -> float:
-    """The logarithm of the determinant of a symmetric positive definite matrix (n, n).
-
-    Args:
-        matrix: (n, n).
-        least: lower bound of its eigenvalues, >= 0. Where it is given, rounding does no harm.
-
-    Raises:
-        LinAlgError: if the matrix is not positive definite.
-    """
+    """The logarithm of the determinant of a symmetric positive definite matrix (n, n)."""
     _, pivots = _factorised(matrix, least)
     missing = len(matrix) - len(pivots)
     if missing and least == 0.0:
@@ -63,26 +47,13 @@ def log_determinant(matrix: Float64Array, *, least: float = 0.0) -> float:
 
 
 def root_of(matrix: Float64Array) -> Float64Array:
-    """A matrix R (n, n) with R @ R.T equal to a symmetric positive semi-definite matrix.
-
-    Variances of the size of rounding errors count as zero; the last columns of R then are.
-    """
+    """A matrix R (n, n) with R @ R.T equal to a symmetric positive semi-definite matrix."""
     largest = np.diag(matrix).max(initial=0.0)
     return _factorised(matrix, len(matrix) * np.finfo(np.float64).eps * largest)[0]
 
 
 def row_basis(rows: Float64Array, *, least: float) -> tuple[Float64Array, list[int]]:
-    """Orthonormal vectors that span the rows of a matrix, and the rows that they come from.
-
-    Each comes from the row that those before leave the most of, which they are orthogonal to.
-
-    Args:
-        rows: (m, n).
-        least: fraction of the longest row below which what is left of a row counts as zero.
-
-    Returns:
-        Vectors (r, n), and the indices of r rows.
-    """
+    """Orthonormal vectors that span the rows of a matrix, and the rows that they come from."""
     left = rows.copy()
     squared = np.einsum("ij,ij->i", left, left)
     smallest = least**2 * squared.max(initial=0.0)

@@ -26,14 +26,7 @@ _NAMES = ("positions", "velocities", "accelerations")
 
 
 class Drawing(Generic[MotionT_co]):
-    """Makes motions of weights.
-
-    Args:
-        chart: what their columns are.
-        basis: the k basis functions.
-        times: (n,) s, which become read-only.
-        duration: s, of the motions.
-    """
+    """Makes motions of weights."""
 
     def __init__(
         self, chart: Chart[MotionT_co], basis: Basis, times: Float64Array, duration: float
@@ -48,15 +41,7 @@ class Drawing(Generic[MotionT_co]):
         self._reference = None if chart.reference is None else chart.reference_at(phases)
 
     def motions(self, weights: Float64Array, threads: int) -> list[MotionT_co]:
-        """A motion for each of several weights.
-
-        Args:
-            weights: (m, d k), one column after the other.
-            threads: their number, 1 to 256; does not change the motions.
-
-        Raises:
-            InvalidInput: for another number of threads, or where a number is not finite.
-        """
+        """A motion for each of several weights."""
         checked_threads(threads)
         made: list[Any]  # of the type that the chart was made for
         if self._chart.kind == "joints":

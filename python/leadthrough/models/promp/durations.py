@@ -32,12 +32,7 @@ _JUDGED = np.array([0.4, 0.7, 1.0])
 
 
 class Continuation:
-    """A motion that has begun, under one skill.
-
-    Attributes:
-        evidence: log density of what was observed, over all durations.
-        duration: expected duration of the whole motion, s.
-    """
+    """A motion that has begun, under one skill."""
 
     def __init__(self, observed: Motion, skill: ProMPSkill, noise: Float64Array) -> None:
         from scipy.special import logsumexp
@@ -140,14 +135,7 @@ def _usual_pace(experience: Experience | None) -> tuple[float, float]:
 def _squared_error(
     missed: Float64Array, covariance: Float64Array, rows: Float64Array, noise: Float64Array
 ) -> float:
-    """Mean squared error of curves at phases, per column, in variances of the forecast.
-
-    Args:
-        missed: weights (d k,) minus those of the forecast.
-        covariance: covariance (d k, d k) of the forecast.
-        rows: values (n, k) of the basis functions.
-        noise: variances (d,) of samples.
-    """
+    """Mean squared error of curves at phases, per column, in variances of the forecast."""
     size = len(noise)
     errors = rows @ missed.reshape(size, -1).T
     blocks = covariance.reshape(size, rows.shape[1], size, rows.shape[1])

@@ -41,19 +41,12 @@ _WIDEST_GAP = 0.25
 
 @dataclass(frozen=True, eq=False)
 class Sums:
-    """A demonstration, reduced to what EM needs of it.
+    """A demonstration, reduced to what EM needs of it."""
 
-    Attributes:
-        squares: sums (k, k) of the products of basis functions.
-        products: sums (k, d) of basis functions times values.
-        values: sums (d,) of squared values.
-        count: number of samples.
-    """
-
-    squares: Float64Array
-    products: Float64Array
-    values: Float64Array
-    count: int
+    squares: Float64Array  # sums (k, k) of the products of basis functions
+    products: Float64Array  # sums (k, d) of basis functions times values
+    values: Float64Array  # sums (d,) of squared values
+    count: int  # number of samples
 
     @staticmethod
     def of(rows: Float64Array, values: Float64Array) -> Sums:
@@ -64,15 +57,7 @@ class Sums:
 
 
 def expectation_maximisation(basis: Basis, shown: Shown) -> Fit:
-    """The distribution of weights and the noise under which the motions are the most probable.
-
-    Args:
-        basis: the k basis functions.
-        shown: the demonstrations.
-
-    Raises:
-        FitError: if no demonstration shows some part of the motion.
-    """
+    """The distribution of weights and the noise under which the motions are the most probable."""
     _refuse_gaps(shown.phases, basis)
     pooled, scale = np.concatenate(shown.columns), shown.scale
     middle = pooled.mean(axis=0)

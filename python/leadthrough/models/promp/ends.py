@@ -39,17 +39,11 @@ _ROUNDING = 1e-9  # fraction of the reach that counts as nothing
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """An end that a query asks for.
+    """An end that a query asks for."""
 
-    Attributes:
-        name: argument that asks for it.
-        phase: 0 at the start, 1 at the end.
-        values: the first columns (p,) there.
-    """
-
-    name: str
-    phase: float
-    values: Float64Array
+    name: str  # argument that asks for it
+    phase: float  # 0 at the start, 1 at the end
+    values: Float64Array  # the first columns (p,) there
 
 
 def asked(chart: Chart, start: Place | None, goal: Place | None) -> list[Asked]:
@@ -62,15 +56,7 @@ def asked(chart: Chart, start: Place | None, goal: Place | None) -> list[Asked]:
 
 
 def moved(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> ProMPSkill[MotionT]:
-    """The skill whose mean motion has the ends asked for.
-
-    Args:
-        skill: the skill before.
-        asked: the ends, at least one.
-
-    Raises:
-        InvalidInput: if the motion is fixed to something else at an end.
-    """
+    """The skill whose mean motion has the ends asked for."""
     conditioned = skill
     for each in asked:
         conditioned = observation.of_values(
@@ -91,16 +77,7 @@ def moved(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> ProMPSkill[Moti
 
 
 def novelty(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> float:
-    """How far ends lie from what was shown.
-
-    Args:
-        skill: the skill that is asked.
-        asked: the ends, at least one.
-
-    Returns:
-        The largest number of standard deviations along any principal axis of the distribution of
-        these ends; infinite along an axis on which the motion is fixed.
-    """
+    """How far ends lie from what was shown."""
     offsets = _offsets(skill, asked)
     selection, surprise = [], []
     for each, offset in zip(asked, offsets, strict=True):
@@ -159,11 +136,7 @@ def _moved_by(
     offsets: Sequence[Float64Array],
     group: slice,
 ) -> float:
-    """The largest offset of the ends in a group of columns, in its unit.
-
-    A pose's rotation that was not asked for may turn as much, relative to its reach, as the
-    position moved.
-    """
+    """The largest offset of the ends in a group of columns, in its unit."""
     if any(len(each.values) >= group.stop for each in asked):
         return max(float(np.linalg.norm(offset[group])) for offset in offsets)
     position = slice(0, skill.chart.size)

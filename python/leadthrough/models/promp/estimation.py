@@ -31,16 +31,9 @@ class Shown:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """What an estimator found.
+    """What an estimator found."""
 
-    Attributes:
-        weights: distribution of the weights (d k,), one column after the other.
-        noise: variances (d,) of the samples about their curves.
-        curves: weights (m, d k) of the m demonstrations that show the whole motion.
-        history: log posterior density at every iteration; empty for least squares.
-    """
-
-    weights: Gaussian
-    noise: Float64Array
-    curves: Float64Array
+    weights: Gaussian  # distribution of the weights (d k,), one column after the other
+    noise: Float64Array  # variances (d,) of the samples about their curves
+    curves: Float64Array  # weights (m, d k) of the m demonstrations that show the whole motion
     history: tuple[float, ...] = ()

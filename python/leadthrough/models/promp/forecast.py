@@ -25,23 +25,14 @@ _UNSEEN = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Forecast(Brief):
-    """What is expected of the weights of a motion that has been seen in part.
+    """What is expected of the weights of a motion that has been seen in part."""
 
-    Attributes:
-        weights: mean and covariance of the weights (d k,).
-        freedom: degrees of freedom, > 4, of the t distribution with these moments.
-    """
-
-    weights: Gaussian
-    freedom: float
+    weights: Gaussian  # mean and covariance of the weights (d k,)
+    freedom: float  # degrees of freedom, > 4, of the t distribution with these moments
 
 
 class Seen:
-    """Samples of a motion at supposed phases, under a belief about its weights.
-
-    Attributes:
-        evidence: log density of the samples.
-    """
+    """Samples of a motion at supposed phases, under a belief about its weights."""
 
     def __init__(
         self,

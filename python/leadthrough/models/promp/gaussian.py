@@ -23,23 +23,14 @@ _CONTRADICTION = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Gaussian(Brief):
-    """A normal distribution of a vector.
+    """A normal distribution of a vector."""
 
-    Attributes:
-        mean: mean (n,).
-        covariance: covariance (n, n), positive semi-definite.
-    """
-
-    mean: Float64Array
-    covariance: Float64Array
+    mean: Float64Array  # mean (n,)
+    covariance: Float64Array  # covariance (n, n), positive semi-definite
 
     @cached_property
     def root(self) -> Float64Array:
-        """A matrix R (n, n) with R @ R.T equal to the covariance.
-
-        Variances of the size of rounding errors count as zero: what was observed exactly does not
-        move.
-        """
+        """A matrix R (n, n) with R @ R.T equal to the covariance."""
         values, vectors = np.linalg.eigh(self.covariance)
         rounding = len(values) * np.finfo(np.float64).eps * values[-1]
         return np.asarray(vectors * np.sqrt(np.where(values > rounding, values, 0.0)))
@@ -69,21 +60,7 @@ class Gaussian(Brief):
         scale: Float64Array,
         name: str,
     ) -> Gaussian:
-        """The distribution of x after observing rows @ x.
-
-        Args:
-            rows: matrix (p, n) of the linear observation.
-            value: observed values (p,).
-            noise: covariance (p, p) of the observation, or None if it is exact.
-            scale: magnitude (p,) of each observed value that counts as large, > 0.
-            name: argument that the error names.
-
-        Returns:
-            The conditioned distribution.
-
-        Raises:
-            InvalidInput: if the distribution rules the value out.
-        """
+        """The distribution of x after observing rows @ x."""
         spread = rows @ self.covariance
         innovation = spread @ rows.T
         if noise is not None:
@@ -102,14 +79,7 @@ class Gaussian(Brief):
 
 
 def product(factors: Sequence[Gaussian], powers: Sequence[float]) -> Gaussian:
-    """The normalised product of densities, each raised to a power.
-
-    No covariance is inverted, so factors may have no variance in some directions.
-
-    Args:
-        factors: k distributions of vectors of one size.
-        powers: k powers, > 0.
-    """
+    """The normalised product of densities, each raised to a power."""
     result, *others = (
         Gaussian(each.mean, each.covariance / power)
         for each, power in zip(factors, powers, strict=True)

@@ -28,13 +28,7 @@ _LEAST_NOISE = 1e-6  # standard deviation as a fraction of the reach
 
 
 def least_squares(basis: Basis, shown: Shown, regularization: float) -> Fit:
-    """The distribution of the weights of curves fitted to each motion.
-
-    Args:
-        basis: the k basis functions.
-        shown: the demonstrations.
-        regularization: cost of a wiggle relative to that of an error, > 0.
-    """
+    """The distribution of the weights of curves fitted to each motion."""
     curves, residuals = [], []
     known: dict[bytes, CurveFit] = {}
     for at, values in zip(shown.phases, shown.columns, strict=True):
@@ -52,11 +46,7 @@ def least_squares(basis: Basis, shown: Shown, regularization: float) -> Fit:
 
 
 class CurveFit:
-    """Least-squares curves through values at the same phases, exact at both ends.
-
-    Squared second differences of the weights cost `regularization` times what squared errors cost,
-    so that few samples determine a curve as well.
-    """
+    """Least-squares curves through values at the same phases, exact at both ends."""
 
     def __init__(self, basis: Basis, phases: Float64Array, regularization: float) -> None:
         self.values = basis(phases)
@@ -71,11 +61,7 @@ class CurveFit:
         self._to_ends = product(influence, np.linalg.pinv(self.values[ends] @ influence))
 
     def weights(self, values: Float64Array) -> Float64Array:
-        """The weights (k, d) of curves through values.
-
-        Args:
-            values: values (n, d) at the phases.
-        """
+        """The weights (k, d) of curves through values."""
         middle = values.mean(axis=0)  # adds to all weights alike, as the functions sum to one
         free = product(self._solved, values - middle)
         missed = values[self._ends] - middle - self.values[self._ends] @ free
@@ -83,13 +69,7 @@ class CurveFit:
 
 
 def shrunk(stacked: Float64Array, basis: Basis, scale: Float64Array) -> Gaussian:
-    """Mean and shrunk covariance of weight vectors.
-
-    Args:
-        stacked: weights (m, d k), one row per demonstration.
-        basis: the k basis functions.
-        scale: reach (d,) of the motions.
-    """
+    """Mean and shrunk covariance of weight vectors."""
     count = len(stacked)
     mean = stacked.mean(axis=0)
     if count == 1:
@@ -108,10 +88,7 @@ def shrunk(stacked: Float64Array, basis: Basis, scale: Float64Array) -> Gaussian
 
 
 def _variance_of_sample(centred: Float64Array) -> float:
-    """Estimated expected squared error of the sample covariance of rows (m, p).
-
-    sum_k |x_k x_k^T - S|^2 from inner products alone (Schaefer and Strimmer 2005, appendix A).
-    """
+    """Estimated expected squared error of the sample covariance of rows (m, p)."""
     count = len(centred)
     gram = product(centred, centred.T)
     fourth = float((np.diag(gram) ** 2).sum())

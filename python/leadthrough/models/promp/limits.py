@@ -23,16 +23,7 @@ Bounds = tuple[Float64Array, Float64Array]
 
 
 def checked(lower: ArrayLike, upper: ArrayLike, width: int) -> Bounds:
-    """Limits of `width` columns as read-only arrays.
-
-    Args:
-        lower: lower limits (width,), -inf where there is none.
-        upper: upper limits (width,), > lower, inf where there is none.
-        width: number of columns.
-
-    Raises:
-        InvalidInput: if a limit has another shape or is NaN, or if lower is not below upper.
-    """
+    """Limits of `width` columns as read-only arrays."""
     limits = []
     for value, name in ((lower, "lower"), (upper, "upper")):
         try:
@@ -51,23 +42,7 @@ def checked(lower: ArrayLike, upper: ArrayLike, width: int) -> Bounds:
 def moved_inside(
     weights: Gaussian, basis: Basis, bounds: Bounds, scale: Float64Array
 ) -> Float64Array:
-    """The weights nearest to the mean, in the covariance's metric, that keep the limits.
-
-    A quadratic programme, solved in its dual over the constraints that have been violated so far,
-    which is a least-squares problem with non-negative multipliers.
-
-    Args:
-        weights: distribution of the weights (d k,), one column after the other.
-        basis: the k basis functions.
-        bounds: lower and upper limits (d,) each.
-        scale: reach (d,) of the motion.
-
-    Returns:
-        Weights (d k,).
-
-    Raises:
-        InvalidInput: if the covariance allows no weights that keep the limits.
-    """
+    """The weights nearest to the mean, in the covariance's metric, that keep the limits."""
     rows = basis(phases_of(basis))
     active: list[tuple[int, int, int]] = []  # sample, column, side
     moved = weights.mean

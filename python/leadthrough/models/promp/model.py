@@ -145,11 +145,7 @@ class ProMP(Unfitted):
 
 # Any: settings are whatever JSON holds.
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> ProMPSkill:
-    """The skill from the settings and arrays that `ProMPSkill.to_archive` returned.
-
-    Raises:
-        KeyError, TypeError, ValueError: if the file is damaged.
-    """
+    """The skill from the settings and arrays that `ProMPSkill.to_archive` returned."""
     model = _model_of(settings)
     basis, chart = _basis_of(model), Chart.from_archive(settings, arrays)
     size = chart.width * basis.count

@@ -27,17 +27,7 @@ _SURELY_UNCERTAIN = 1e-5
 def quickly(
     skill: ProMPSkill[MotionT], time: object, position: object, covariance: object
 ) -> ProMPSkill[MotionT] | None:
-    """The skill after noisy via points, as `of_values`, in one call: controllers ask in a loop.
-
-    Args:
-        skill: the skill before.
-        time: as in `ProMPSkill.condition`, not checked yet.
-        position: as there.
-        covariance: as there.
-
-    Returns:
-        None where an argument or the skill is not the plain one, so that it is looked at in turn.
-    """
+    """The skill after noisy via points, as `of_values`, in one call: controllers ask in a loop."""
     basis, weights = skill.basis, skill.free
     if basis.kind == "bspline" or skill.bounds is not None or skill.chart.kind == "poses":
         return None
@@ -82,20 +72,7 @@ def of_values(
     order: int = 0,
     name: str,
 ) -> ProMPSkill[MotionT]:
-    """The skill after observing values at one or several phases.
-
-    Args:
-        skill: the skill before.
-        phases: phases (m,) of the observations.
-        values: observed values (m, p).
-        covariance: covariance (p, p) of the values at each phase, or None if they are exact.
-        columns: indices of the p observed columns; by default the first ones.
-        order: what the values are: 0 positions, 1 velocities, 2 accelerations.
-        name: argument that an error about the values names.
-
-    Raises:
-        InvalidInput: if the covariance is wrong or the skill rules the values out.
-    """
+    """The skill after observing values at one or several phases."""
     chosen = skill.chart.every[: values.shape[1]] if columns is None else columns
     noise = noise_of(covariance, len(chosen))
     rows, scale = skill.basis(phases, order), skill.scale[chosen]
@@ -108,15 +85,7 @@ def of_values(
 
 
 def chosen(columns: Sequence[int] | None, chart: Chart) -> NDArray[np.int64]:
-    """A user's choice of columns.
-
-    Args:
-        columns: indices of different columns; None for all.
-        chart: what the columns are.
-
-    Raises:
-        InvalidInput: if there is none, one is out of range or one is given twice.
-    """
+    """A user's choice of columns."""
     if columns is None:
         return chart.every
     most = chart.width - 1
@@ -138,20 +107,7 @@ def of_columns(
     scale: Float64Array,
     name: str,
 ) -> Gaussian:
-    """The weights after observing some columns at one or several phases.
-
-    Args:
-        weights: distribution of the weights (d k,), one column after the other.
-        rows: values (m, k) of the basis functions at the m phases.
-        columns: indices of the p observed columns.
-        values: observed values (m, p).
-        noise: covariance (p, p) of the values at each phase, or None if they are exact.
-        scale: magnitude (p,) of each column that counts as large.
-        name: argument that the error names.
-
-    Raises:
-        InvalidInput: if the distribution rules the values out.
-    """
+    """The weights after observing some columns at one or several phases."""
     certain, mean, covariance = _core.condition_weights(
         weights.mean,
         weights.covariance,
@@ -176,16 +132,7 @@ def of_columns(
 
 
 def noise_of(covariance: ArrayLike | None, size: int) -> Float64Array | None:
-    """A user's covariance (size, size) of an observation, or None for an exact one.
-
-    Args:
-        covariance: covariance (size, size), or None.
-        size: number of values observed at once.
-
-    Raises:
-        InvalidInput: if the matrix has another shape or is not symmetric and positive
-            semi-definite.
-    """
+    """A user's covariance (size, size) of an observation, or None for an exact one."""
     if covariance is None:
         return None
     result = check.array(covariance, "covariance", shape=(size, size))
@@ -195,15 +142,7 @@ def noise_of(covariance: ArrayLike | None, size: int) -> Float64Array | None:
 
 
 def check_seen(motion: Motion, name: str) -> None:
-    """Checks that an observation is a motion with samples enough to have a duration.
-
-    Args:
-        motion: the observed motion.
-        name: argument that the error names.
-
-    Raises:
-        InvalidInput: if it is not a motion of at least two samples.
-    """
+    """Checks that an observation is a motion with samples enough to have a duration."""
     samples = len(motion.times) if isinstance(motion, Motion) else 0
     if samples < 2:
         got = "one sample" if samples else type(motion).__name__
@@ -211,13 +150,7 @@ def check_seen(motion: Motion, name: str) -> None:
 
 
 def log_density(skill: ProMPSkill, phases: Float64Array, values: Float64Array) -> float:
-    """Log density of noisy samples under a skill.
-
-    Args:
-        skill: the skill.
-        phases: phases (n,) of the samples.
-        values: columns (n, d) of the samples.
-    """
+    """Log density of noisy samples under a skill."""
     evidence = _Evidence(skill, phases, values)
     log_noise = len(values) * float(np.log(2.0 * np.pi * skill.noise).sum())
     squared = float((evidence.residual**2 / skill.noise).sum()) - evidence.explained
@@ -225,13 +158,7 @@ def log_density(skill: ProMPSkill, phases: Float64Array, values: Float64Array) -
 
 
 class _Evidence:
-    """Noisy samples, by the matrix inversion lemma in coordinates z with weights = mean + root z.
-
-    Attributes:
-        residual: deviations (n, d) of the samples from the mean motion.
-        precision: of z (d k, d k) after the observation.
-        explained: squared length of the mean of z after the observation, in its precision.
-    """
+    """Noisy samples, by the matrix inversion lemma in coordinates z with weights = mean + root z."""
 
     def __init__(self, skill: ProMPSkill, phases: Float64Array, values: Float64Array) -> None:
         size, count = values.shape[1], skill.basis.count

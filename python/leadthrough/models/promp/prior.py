@@ -29,12 +29,7 @@ _EVERYWHERE = 0.1
 
 
 def smooth_prior(basis: Basis, spread: Float64Array) -> Float64Array:
-    """Covariance (d k, d k) of the weights of columns that vary alike at all phases.
-
-    Args:
-        basis: the k basis functions.
-        spread: standard deviation (d,) of each column.
-    """
+    """Covariance (d k, d k) of the weights of columns that vary alike at all phases."""
     fit, inner = _fit_and_kernel(basis)
     one = _INNER * product(product(fit, inner), fit.T) + _ROUGH * np.eye(basis.count)
     if not basis.is_rhythmic:
@@ -54,12 +49,7 @@ def inner_prior(basis: Basis) -> Float64Array:
 
 
 def shaped_prior(basis: Basis, curves: Float64Array) -> Float64Array:
-    """Covariance (d k, d k) with the spread that demonstrations have at each phase.
-
-    Args:
-        basis: the k basis functions.
-        curves: weights (m, d, k) of the m demonstrations, minus their mean.
-    """
+    """Covariance (d k, d k) with the spread that demonstrations have at each phase."""
     flat = curves.reshape(-1, basis.count)
     at_phases = product(flat, basis(_phases(basis)).T).reshape(*curves.shape[:2], -1)
     variances = (at_phases**2).sum(axis=0) / (len(curves) - 1)
@@ -69,13 +59,7 @@ def shaped_prior(basis: Basis, curves: Float64Array) -> Float64Array:
 
 
 def raised(covariance: Float64Array, basis: Basis, least: float) -> Float64Array:
-    """A covariance (d k, d k), raised where some phase of the motion varies too little.
-
-    Args:
-        covariance: covariance of the weights, one column after the other.
-        basis: the k basis functions.
-        least: least standard deviation of each column.
-    """
+    """A covariance (d k, d k), raised where some phase of the motion varies too little."""
     rows, size = basis(_phases(basis)), len(covariance) // basis.count
     blocks = np.einsum("iaib->iab", covariance.reshape(size, basis.count, size, basis.count))
     spread = [(product(rows, block) * rows).sum(axis=1) for block in blocks]
@@ -86,11 +70,7 @@ def raised(covariance: Float64Array, basis: Basis, least: float) -> Float64Array
 
 
 def _left_between(basis: Basis, variances: Float64Array) -> Float64Array:
-    """What deviations in between add to those of the ends, for variances (d, n) in all.
-
-    Returns:
-        Standard deviations (d, n) that the kernel in between is scaled by.
-    """
+    """What deviations in between add to those of the ends, for variances (d, n) in all."""
     fit, inner = _fit_and_kernel(basis)
     reached = product(basis(_phases(basis)), fit)
     own = (product(reached, inner) * reached).sum(axis=1)

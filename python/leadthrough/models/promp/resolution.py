@@ -30,18 +30,7 @@ def refuse_too_close(
     values: Float64Array,
     columns: NDArray[np.int64],
 ) -> None:
-    """Refuses exact via points that the basis can only pass by throwing the motion elsewhere.
-
-    Args:
-        before: the skill before.
-        after: the skill that passes the via points.
-        phases: phases (m,) of the via points.
-        values: values (m, p) there.
-        columns: indices of the p columns.
-
-    Raises:
-        InvalidInput: if they are too close to each other, or to a point fixed before.
-    """
+    """Refuses exact via points that the basis can only pass by throwing the motion elsewhere."""
     size, count = before.chart.width, before.basis.count
     curves = before.free.mean.reshape(size, count)
     asked = np.abs(values - before.basis(phases) @ curves[columns].T) / before.scale[columns]

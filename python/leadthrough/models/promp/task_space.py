@@ -39,22 +39,7 @@ def through(
     task: TaskMap,
     noise: Float64Array | None,
 ) -> Gaussian:
-    """The weights after observing a value in a task space, by Gauss-Newton steps.
-
-    Every step linearises the task map at the last mean and starts again from the prior, so that
-    the iteration ends at the most likely motion.
-
-    Args:
-        skill: the skill that is conditioned.
-        rows: matrix (d, d k) from the weights to the columns at the time of the observation.
-        value: observed value (p,) in the task space.
-        task: map from columns to the task space.
-        noise: covariance (p, p) of the observation, or None if it is exact.
-
-    Raises:
-        InvalidInput: if the Jacobian is zero, shapes do not fit or the mean motion cannot reach the
-            value.
-    """
+    """The weights after observing a value in a task space, by Gauss-Newton steps."""
     wanted = check.array(value, "value", shape=("p",))
     if len(wanted) == 0:
         raise InvalidInput("value: expected at least one number, got none")

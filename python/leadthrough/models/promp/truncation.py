@@ -30,17 +30,7 @@ _FIRST, _MANY, _STRIDE = 30, 2000, 8
 
 
 class Truncated:
-    """A normal distribution of weights, cut off at limits of the motion.
-
-    Args:
-        free: distribution of the weights (d k,) before, one column after the other.
-        basis: the k basis functions.
-        bounds: lower and upper limits (d,) each.
-        scale: reach (d,) of the motion.
-
-    Raises:
-        InvalidInput: if the covariance allows no weights that keep the limits.
-    """
+    """A normal distribution of weights, cut off at limits of the motion."""
 
     def __init__(self, free: Gaussian, basis: Basis, bounds: Bounds, scale: Float64Array) -> None:
         self._free, self._basis, self._bounds, self._scale = free, basis, bounds, scale
@@ -115,10 +105,7 @@ class Truncated:
 
 
 def _matched(rng: np.random.Generator, count: int, size: int) -> Float64Array:
-    """Normal vectors (count, size) whose mean is 0 and covariance 1, to rounding.
-
-    Draws that meet no wall then have the moments of the normal distribution itself.
-    """
+    """Normal vectors (count, size) whose mean is 0 and covariance 1, to rounding."""
     normal = rng.standard_normal((count, size))
     normal -= normal.mean(axis=0)
     spread = product(normal.T, normal) / count
