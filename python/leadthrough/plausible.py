@@ -12,9 +12,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from leadthrough.brief import numbers_text
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.repr import numbers_text
 from leadthrough.shapes import Shape
 
 _PACKAGE = "leadthrough."

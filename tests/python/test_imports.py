@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
+from stages import FAMILIES, STAGES
 
 import leadthrough
 import leadthrough_studies
@@ -12,43 +13,6 @@ import leadthrough_studies
 ROOT = Path(__file__).parents[2]
 PACKAGE = Path(leadthrough.__file__).parent
 STUDIES = Path(leadthrough_studies.__file__).parent
-STAGES = (
-    "errors",
-    "optional",
-    "one_thread",
-    "brief",
-    "check",
-    "events",
-    "rotations",
-    "drawing",
-    "sampled",
-    "motion",
-    "computed",
-    "shapes",
-    "plausible",
-    "activity",
-    "standstill",
-    "io",
-    "tasks",
-    "preprocess",
-    "trajectories",
-    "planning",
-    "models",
-    "judging",
-    "arm",
-    "timing",
-    "whole_arm",
-    "reaching",
-    "guard",
-    "simulation",
-    "validation",
-    "show",
-    "cli",
-    "__main__",
-)
-FAMILIES = ("dmp", "promp", "mixtures", "marching", "dynamical")
-# Folders of models/ that every family may use, and that use none.
-HALL = ("gaussians",)
 # Files of the hall of models/ that know every family: what skills there are, and who holds them.
 OVER_FAMILIES = {"__init__", "skills", "library"}
 FREE = {"_core"}  # the compiled kernels know nothing of Python's stages

@@ -1,15 +1,8 @@
 """The tree in CONTRIBUTING.md against the repository, and the length of every file."""
 
-import re
-from pathlib import Path
-
 import pytest
-from test_imports import FAMILIES, HALL, STAGES
+from stages import ROOT, TREE
 
-ROOT = Path(__file__).parents[2]
-(TREE,) = re.findall(
-    r"^```text\n(.*?)^```", (ROOT / "CONTRIBUTING.md").read_text(), re.DOTALL | re.MULTILINE
-)
 # Every folder and module in these is shown, but for what a package needs and what is built.
 COMPLETE = ("cpp", "python", "python/leadthrough", "python/leadthrough/models", "tests")
 OF_EVERY_PACKAGE = {"__init__.py", "__init__.pyi", "_core.pyi", "__pycache__", "robots"}
@@ -23,45 +16,21 @@ FILES = [
 ]
 
 
-def shown():
-    """Paths in the tree, folders with a slash at the end; two blanks for each level."""
-    above = []
-    for line in TREE.splitlines():
-        name = line.split()[0]
-        depth = (len(line) - len(line.lstrip())) // 2
-        above[depth:] = [name]
-        yield "".join(above)
-
-
 def test_everything_in_the_tree_exists():
-    for path in shown():
+    for path in TREE:
         found = ROOT / path
         assert found.is_dir() if path.endswith("/") else found.is_file(), path
 
 
 @pytest.mark.parametrize("folder", COMPLETE)
 def test_every_folder_and_module_is_in_the_tree(folder):
-    drawn = {path.rstrip("/") for path in shown()}
+    drawn = {path.rstrip("/") for path in TREE}
     for path in (ROOT / folder).iterdir():
         if path.name in OF_EVERY_PACKAGE or path.name.startswith("."):
             continue
         is_module = folder == "python/leadthrough" and path.suffix == ".py"
         if path.is_dir() or is_module:
             assert str(path.relative_to(ROOT)) in drawn, f"{path} is not in CONTRIBUTING.md"
-
-
-def test_stages_stand_in_the_order_of_their_imports():
-    prefix = "python/leadthrough/"
-    parts = [path.removeprefix(prefix) for path in shown() if path.startswith(prefix)]
-    stages = [part.removesuffix(".py").rstrip("/") for part in parts if part.count("/") < 2]
-    own = [stage for stage in stages if stage and stage in STAGES]
-    assert own == list(STAGES)
-
-
-def test_families_of_models_are_those_with_walls():
-    prefix = "python/leadthrough/models/"
-    families = [path.removeprefix(prefix).rstrip("/") for path in shown() if prefix in path]
-    assert [family for family in families if family] == [*HALL, *FAMILIES]
 
 
 def test_no_file_is_too_long_to_be_read_at_once():

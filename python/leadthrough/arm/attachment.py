@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, rotations
-from leadthrough.brief import Brief, numbers_text
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr, numbers_text
 from leadthrough.shapes import Shape, Sphere
 from leadthrough.shapes.inertia import Solid, unit_solid
 
@@ -19,7 +19,7 @@ _INERTIA_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Load(Brief):
+class Load(ShortRepr):
     """A rigid body."""
 
     mass: float  # in kg, >= 0
@@ -33,7 +33,7 @@ class Load(Brief):
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Attachment(Brief):
+class Attachment(ShortRepr):
     """All that is fixed to a link, in that link's frame."""
 
     position: Float64Array  # of the tip, (3,) in m

@@ -6,16 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.drawing import palette
 from leadthrough.drawing.drawn import Drawn
 from leadthrough.drawing.panels import Line, Panel
 from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr
 
 
 @dataclass(frozen=True, eq=False)
-class Approach(Brief):
+class Approach(ShortRepr):
     """Two bodies where they are nearest.
 
     Attributes:
@@ -39,7 +39,7 @@ class Approach(Brief):
 
 
 @dataclass(frozen=True, eq=False)
-class Clearance(Brief):
+class Clearance(ShortRepr):
     """How near the arm comes to obstacles, or to itself.
 
     Attributes:
@@ -105,7 +105,7 @@ class CollisionReport(Drawn):
         """The smaller distance (m,) of both kinds at the samples in m."""
         return np.minimum(self.obstacles.distances, self.itself.distances)
 
-    def _brief_parts(self) -> list[str]:
+    def _repr_parts(self) -> list[str]:
         return [f"ok={self.ok}", str(self)]
 
     def _panels(self) -> list[Panel]:
@@ -130,7 +130,7 @@ class CollisionReport(Drawn):
 
 
 @dataclass(frozen=True, eq=False)
-class CollisionPairs(Brief):
+class CollisionPairs(ShortRepr):
     """Which bodies of an arm are checked against each other, and why the others are not.
 
     Attributes:

@@ -50,7 +50,7 @@ class ArmDefinition(Drawn):
             if isinstance(function, FunctionType) and not name.startswith("_"):
                 function.__module__, function.__qualname__ = _ARM, f"Arm.{name}"
 
-    def _brief_parts(self) -> list[str]:
+    def _repr_parts(self) -> list[str]:
         names = self.joint_names
         parts = [f"{self._robot.name!r}, {self.base} to {self.tip}"]
         parts.append(f"{len(names)} joints {names[0]} ... {names[-1]}")

@@ -12,16 +12,16 @@ from leadthrough import _core, check
 from leadthrough.arm import magnitudes
 from leadthrough.arm.arm import Arm
 from leadthrough.arm.limits import known_acceleration
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr
 
 _FREE = np.empty(0)
 _STILL = np.zeros(6)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class JointState(Brief):
+class JointState(ShortRepr):
     """Where the joints are and how they move.
 
     Attributes:
@@ -39,7 +39,7 @@ class JointState(Brief):
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class DifferentialIk(Brief):
+class DifferentialIk(ShortRepr):
     """Steps an arm's joints towards a target that may move, inside the limits.
 
         ik = lt.DifferentialIk(arm)

@@ -24,9 +24,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr
 
 _LARGEST_FILE = 2**20  # bytes
 _BOUNDS = ("lower", "upper")
@@ -34,7 +34,7 @@ _RATES = ("velocity", "effort", "acceleration", "jerk")
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class JointLimits(Brief):
+class JointLimits(ShortRepr):
     """Limits of an arm's joints, one value per joint; infinite where there is no limit.
 
     Attributes:

@@ -90,7 +90,7 @@ class PathReport(Drawn):
             found.append((name, float(values[i]), unit, float(self.times[i])))
         return found
 
-    def _brief_parts(self) -> list[str]:
+    def _repr_parts(self) -> list[str]:
         told = [f"{name} {value:.3g} {unit}".strip() for name, value, unit, _ in self._worst()]
         return [f"ok={self.ok}", f"{len(self.times)} samples", *told]
 

@@ -8,8 +8,8 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
+from leadthrough.repr import ShortRepr
 
 IkStatus = Literal["converged", "unreachable", "limits", "budget"]
 # In the order of the core's codes.
@@ -29,7 +29,7 @@ Columns = tuple[
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class IkResult(Brief):
+class IkResult(ShortRepr):
     """One solution, or the closest configuration found.
 
     Attributes:
@@ -55,7 +55,7 @@ class IkResult(Brief):
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class IkBatch(Brief):
+class IkBatch(ShortRepr):
     """Solutions of many targets, one row per target; the fields mean what those of IkResult mean.
 
     Attributes:

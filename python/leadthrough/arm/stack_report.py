@@ -7,15 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.drawing.drawn import Drawn
 from leadthrough.drawing.panels import Panel, over
 from leadthrough.motion import JointTrajectory
+from leadthrough.repr import ShortRepr
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class TaskReport(Brief):
+class TaskReport(ShortRepr):
     """How each task fared; every array is (tasks,).
 
     Attributes:
@@ -33,7 +33,7 @@ class TaskReport(Brief):
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class StackSolution(Brief):
+class StackSolution(ShortRepr):
     """The motion for one interval.
 
     Attributes:

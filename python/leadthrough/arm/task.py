@@ -18,9 +18,9 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.arm import magnitudes
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr
 
 # m/s and rad/s, or a point: nothing along any axis.
 ZERO = (0.0, 0.0, 0.0)
@@ -35,7 +35,7 @@ FrameOf = Callable[[str | None, Float64Array], _core.Frame]
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class ArmTask(Brief, ABC):
+class ArmTask(ShortRepr, ABC):
     """A task for a `TaskStack`: something to reach, or to keep away from.
 
     Attributes:

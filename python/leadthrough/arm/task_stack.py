@@ -32,10 +32,10 @@ from leadthrough.arm.limits import known_acceleration
 from leadthrough.arm.stack_report import StackRun, StackSolution, TaskReport
 from leadthrough.arm.task import ArmTask
 from leadthrough.arm.tasks import PostureTask
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, InvalidRobot
 from leadthrough.motion import JointTrajectory
+from leadthrough.repr import ShortRepr
 
 Scheme = Literal["siciliano-slotine", "reverse"]
 SCHEMES: tuple[Scheme, ...] = get_args(Scheme)
@@ -45,7 +45,7 @@ _MOST_SAMPLES = 1e7
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class TaskStack(Brief):
+class TaskStack(ShortRepr):
     """Tasks with strict priorities, solved for the velocities or accelerations of an arm's joints.
 
     Attributes:

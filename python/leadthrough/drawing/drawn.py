@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from leadthrough.brief import Brief
 from leadthrough.drawing.svg import drawing
 from leadthrough.errors import LeadthroughError
+from leadthrough.repr import ShortRepr
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from leadthrough.drawing.panels import Panel
 
 
-class Drawn(Brief, ABC):
+class Drawn(ShortRepr, ABC):
     """Classes that derive from this one show a drawing in notebooks, and have `plot`."""
 
     __slots__ = ()

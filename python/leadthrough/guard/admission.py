@@ -7,9 +7,9 @@ from typing import Literal
 
 import numpy as np
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.motion import JointTrajectory
+from leadthrough.repr import ShortRepr
 
 Verdict = Literal["allowed", "changed", "braking"]
 Kind = Literal[
@@ -28,7 +28,7 @@ KINDS: tuple[Kind, ...] = ("position", "velocity", "acceleration", "jerk")  # by
 
 
 @dataclass(frozen=True, eq=False)
-class CommandedState(Brief):
+class CommandedState(ShortRepr):
     """Where the joints are commanded to be, and how fast they are commanded to move.
 
     Attributes:
@@ -43,7 +43,7 @@ class CommandedState(Brief):
 
 
 @dataclass(frozen=True, eq=False)
-class Reason(Brief):
+class Reason(ShortRepr):
     """Why a chunk was not admitted as it was given.
 
     Attributes:
@@ -84,7 +84,7 @@ class Reason(Brief):
 
 
 @dataclass(frozen=True, eq=False)
-class Admission(Brief):
+class Admission(ShortRepr):
     """A motion that may run, and the certified one to rest after it.
 
     Attributes:

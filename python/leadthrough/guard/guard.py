@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.arm import Arm
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event
@@ -37,6 +36,7 @@ from leadthrough.guard.rules import (
 )
 from leadthrough.guard.writing import moved_events, trajectories
 from leadthrough.motion import JointTrajectory
+from leadthrough.repr import ShortRepr
 
 _SLOWEST, _FASTEST = 1.0, 1e4  # Hz
 # Pairs of shapes that are looked at for each sample of a chunk that has to be changed, and for how
@@ -44,7 +44,7 @@ _SLOWEST, _FASTEST = 1.0, 1e4  # Hz
 _WORK, _SHORT = 200, 50
 
 
-class Guard(Brief):
+class Guard(ShortRepr):
     """Admits chunks of joint motion to an arm: as they are, changed, or not at all.
 
         guard = lt.Guard(arm, obstacles, rate=50.0)

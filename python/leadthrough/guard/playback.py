@@ -14,10 +14,10 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.arm import JointLimits
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory
+from leadthrough.repr import ShortRepr
 from leadthrough.trajectories.filters import FilterState
 from leadthrough.trajectories.jerk_filter import JerkFilter
 
@@ -26,7 +26,7 @@ _SLOWEST, _FASTEST = 1.0, 1e4  # Hz
 _EASIEST = 100.0  # 1/s^2: a motion that hardly moves may stop within some periods
 
 
-class Playback(Brief):
+class Playback(ShortRepr):
     """A motion to command one period at a time, at a speed that may change at any time.
 
         play = lt.guard.Playback(motion, arm.limits, rate=1000.0)

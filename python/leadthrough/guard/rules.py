@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 from leadthrough import _core, check
 from leadthrough.arm import Arm, JointLimits
 from leadthrough.arm.arm import check_arm
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.guard.admission import CommandedState
+from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape, check_shapes, compiled
 
 HISTORY = 3  # commanded positions that the next differences reach back to
@@ -25,7 +25,7 @@ _RATES = ("velocity", "acceleration", "jerk")
 
 
 @dataclass(frozen=True, eq=False)
-class Moving(Brief):
+class Moving(ShortRepr):
     """An obstacle that moves, or of which it is not known whether it will.
 
     Attributes:

@@ -7,9 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from leadthrough.check import Float64Array
-from leadthrough.computed import computed_joints
 from leadthrough.events import Event
-from leadthrough.motion import JointTrajectory
+from leadthrough.motion import JointTrajectory, computed_joints
 
 
 def trajectories(

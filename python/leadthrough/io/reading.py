@@ -16,7 +16,7 @@ from leadthrough.io.recording import Recording
 from leadthrough.io.request import Request, checked
 from leadthrough.io.table import Table
 from leadthrough.motion import Demonstration, Motion
-from leadthrough.standstill import trim
+from leadthrough.rest import trim
 
 
 def read_demonstrations(

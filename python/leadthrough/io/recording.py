@@ -9,14 +9,14 @@ from typing import Literal
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.events import Event, Events
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
+from leadthrough.repr import ShortRepr
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Recording(Brief):
+class Recording(ShortRepr):
     """One recorded motion with its faults, which `leadthrough.preprocess.clean` removes.
 
     Times, positions, orientations and derivatives may hold NaN and infinity.

@@ -10,7 +10,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from leadthrough.brief import Brief
 from leadthrough.errors import InvalidInput
 from leadthrough.io import apart, formats, lerobot, robomimic
 from leadthrough.io.atomic import StrPath
@@ -20,12 +19,13 @@ from leadthrough.io.reading import blaming, names_of, paths_of
 from leadthrough.io.recording import Recording
 from leadthrough.io.request import Request, checked
 from leadthrough.io.table import Table
+from leadthrough.repr import ShortRepr
 
 _AT_A_TIME = 20  # demonstrations of a robomimic file
 
 
 @dataclass(frozen=True, eq=False)
-class Episode(Brief):
+class Episode(ShortRepr):
     """One recording of a data set, or why it cannot be read.
 
     Attributes:

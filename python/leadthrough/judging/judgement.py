@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
+from leadthrough.repr import ShortRepr
 
 Fault = Literal["outlier", "another mode", "out of step", "jerky", "stalled"]
 """What may be wrong with a demonstration.
@@ -18,7 +18,7 @@ between.
 
 
 @dataclass(frozen=True, eq=False)
-class Verdict(Brief):
+class Verdict(ShortRepr):
     """What was found of one demonstration.
 
     Attributes:
@@ -40,7 +40,7 @@ class Verdict(Brief):
 
 
 @dataclass(frozen=True, eq=False)
-class Suggestion(Brief):
+class Suggestion(ShortRepr):
     """The goal whose demonstration would tell most.
 
     Attributes:
@@ -55,7 +55,7 @@ class Suggestion(Brief):
 
 
 @dataclass(frozen=True, eq=False)
-class Judgement(Brief):
+class Judgement(ShortRepr):
     """What was found of demonstrations.
 
     Attributes:

@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough.brief import Brief
 from leadthrough.errors import InvalidInput
 from leadthrough.models.place import Place
 from leadthrough.models.places import Places
+from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape
 
 _PLACED = ("position", "orientation")
 
 
 @dataclass(frozen=True, eq=False)
-class Scattered(Brief):
+class Scattered(ShortRepr):
     """An obstacle whose position is drawn at random.
 
     Attributes:
@@ -65,7 +65,7 @@ class ValidatedObstacle:
 
 
 @dataclass(frozen=True, eq=False)
-class Certificate(Brief):
+class Certificate(ShortRepr):
     """How often a skill's motions succeed, for queries drawn at random from stated regions.
 
     Attributes:

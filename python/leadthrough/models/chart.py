@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import check, events, rotations
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event
@@ -32,6 +31,7 @@ from leadthrough.motion import (
     PoseTrajectory,
     Trajectory,
 )
+from leadthrough.repr import ShortRepr
 
 # Phases of the reference orientation.
 NODES = np.linspace(0.0, 1.0, 201)
@@ -42,7 +42,7 @@ _STILL = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Chart(Brief, Generic[MotionT_co]):
+class Chart(ShortRepr, Generic[MotionT_co]):
     """What the columns of a model are, and how they become motions again."""
 
     kind: str  # "points", "joints" or "poses"

@@ -8,17 +8,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory
+from leadthrough.repr import ShortRepr
 
 # Largest entry of axes.T @ axes - identity that passes for rounding.
 _ORTHONORMAL = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Frame(Brief):
+class Frame(ShortRepr):
     """A frame of reference in the task: at a start, a goal or an object.
 
     Attributes:

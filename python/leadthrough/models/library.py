@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, events
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
 from leadthrough.io.atomic import StrPath
@@ -33,6 +32,7 @@ from leadthrough.motion import (
     Trajectory,
     normalised_times,
 )
+from leadthrough.repr import ShortRepr
 
 _KIND = "library"
 # Targets this much off a line or plane, as a fraction of their spread, lie on it.
@@ -49,7 +49,7 @@ class OutsideTargets(UserWarning):
 
 
 @dataclass(frozen=True, eq=False)
-class Entry(Brief):
+class Entry(ShortRepr):
     """A skill, and what it is for."""
 
     task: str  # name of the task
@@ -59,12 +59,12 @@ class Entry(Brief):
 
 
 @dataclass(frozen=True, eq=False)
-class SkillLibrary(Brief):
+class SkillLibrary(ShortRepr):
     """Skills by task, subtask and target; adding one gives a new library."""
 
     entries: tuple[Entry, ...] = ()
 
-    def _brief_parts(self) -> list[str]:
+    def _repr_parts(self) -> list[str]:
         counts = Counter(f"{each.task}/{each.subtask}" for each in self.entries)
         return [f"{len(self.entries)} skills", *(f"{name} {n}" for name, n in counts.items())]
 

@@ -6,16 +6,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Generic
 
-from leadthrough.brief import Brief
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.motion import Motion, MotionT, MotionT_co
+from leadthrough.repr import ShortRepr
 
 if TYPE_CHECKING:
     from leadthrough.models.protocol import Skill
 
 
 @dataclass(frozen=True, eq=False)
-class Parameter(Brief, Generic[MotionT_co]):
+class Parameter(ShortRepr, Generic[MotionT_co]):
     """A number of a skill's model that may be changed.
 
     Attributes:

@@ -10,17 +10,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.place import Place
+from leadthrough.repr import ShortRepr
 
 _ROUNDING = 1e-9  # m or rad, by which a place may lie outside
 _ROUNDED_ANGLE = 1e-6  # rad; the cosine of an angle near 0 has half of its digits
 
 
 @dataclass(frozen=True, eq=False)
-class Places(Brief):
+class Places(ShortRepr):
     """All places between two corners, for poses with all orientations near one.
 
     Attributes:

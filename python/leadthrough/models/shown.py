@@ -38,7 +38,7 @@ class ShownSkill(Drawn):
         except InvalidInput:  # nothing was shown, so there is no motion without a start and goal
             return None
 
-    def _brief_parts(self) -> list[str]:
+    def _repr_parts(self) -> list[str]:
         told: dict[str, Any] = {name: getattr(self, name, None) for name in ("model", "duration")}
         parts = [repr(told["model"])] if told["model"] is not None else []
         if told["duration"] is not None:

@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from leadthrough import _core, check
-from leadthrough.brief import Brief
 from leadthrough.errors import InvalidInput
 from leadthrough.planning.grid import Grid, bounds_of
 from leadthrough.planning.march_input import (
@@ -31,12 +30,13 @@ from leadthrough.planning.march_input import (
     source_cells,
     speed_map,
 )
+from leadthrough.repr import ShortRepr
 
 Kind = Literal["none", "repair", "full_march"]
 
 
 @dataclass(frozen=True)
-class FieldUpdate(Brief):
+class FieldUpdate(ShortRepr):
     """What an update did.
 
     Attributes:

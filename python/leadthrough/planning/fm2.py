@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath
 from leadthrough.planning.arrival import arrival_times
@@ -21,6 +20,7 @@ from leadthrough.planning.descent import descend
 from leadthrough.planning.distance import distance_transform
 from leadthrough.planning.grid import Grid
 from leadthrough.planning.march_input import Numbers
+from leadthrough.repr import ShortRepr
 
 Reason = Literal[
     "", "start_outside", "goal_outside", "start_in_wall", "goal_in_wall", "goal_enclosed"
@@ -28,7 +28,7 @@ Reason = Literal[
 
 
 @dataclass(frozen=True, eq=False)
-class Plan(Brief):
+class Plan(ShortRepr):
     """A path, or why there is none.
 
     Attributes:

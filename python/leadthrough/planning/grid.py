@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import _core, check
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr
 
 CellArray = NDArray[np.int64]
 # Numbers of cells in C order, (n,).
@@ -23,7 +23,7 @@ MOST_CELLS = 200_000_000
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Grid(Brief):
+class Grid(ShortRepr):
     """Cells about the points origin + index * spacing, in C order.
 
     Attributes:

@@ -8,7 +8,7 @@ from leadthrough.preprocess.rate import sample_evenly
 from leadthrough.preprocess.report import CleaningReport
 from leadthrough.preprocess.segment import segment
 from leadthrough.preprocess.smooth import smooth_by_spline, smooth_motion
-from leadthrough.standstill import trim
+from leadthrough.rest import trim
 
 __all__ = [
     "CleaningReport",

@@ -11,18 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import check, events, rotations
-from leadthrough.activity import rests
 from leadthrough.check import UNIT_LENGTH_TOLERANCE, Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io.recording import Recording, recording_of
-from leadthrough.motion import Demonstration, Motion, MotionT
+from leadthrough.motion import Demonstration, Motion, MotionT, fields_of, rows_of
 from leadthrough.preprocess.rate import sample_evenly
 from leadthrough.preprocess.report import CleaningReport, Span
 from leadthrough.preprocess.rows import chosen
 from leadthrough.preprocess.smooth import smoothed_over
 from leadthrough.preprocess.spikes import spikes
-from leadthrough.sampled import fields_of, rows_of
-from leadthrough.standstill import standstill, trim
+from leadthrough.rest import rests, standstill, trim
 
 _GAP = 5.0  # median steps without a sample
 _LARGEST = 1e100  # no recorder measures more; squares of more overflow

@@ -12,8 +12,7 @@ from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event
-from leadthrough.motion import Motion, MotionT, PoseTrajectory, checked_motion
-from leadthrough.sampled import fields_of, rows_of
+from leadthrough.motion import Motion, MotionT, PoseTrajectory, checked_motion, fields_of, rows_of
 
 # m (or the unit of the positions) or rad between the end of a motion and the start of the next:
 # rounding stays below, and with more the arm would jump.

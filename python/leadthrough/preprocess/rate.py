@@ -9,9 +9,8 @@ import numpy as np
 
 from leadthrough import check, events, rotations
 from leadthrough.errors import InvalidInput
-from leadthrough.motion import Demonstration, MotionT, PoseTrajectory
+from leadthrough.motion import Demonstration, MotionT, PoseTrajectory, fields_of, rows_of
 from leadthrough.preprocess.rows import several_samples
-from leadthrough.sampled import fields_of, rows_of
 
 _MOST = 10_000_000  # samples
 

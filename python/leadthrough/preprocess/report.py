@@ -62,7 +62,7 @@ class CleaningReport(Drawn):
         """The fields, as values that JSON can hold."""
         return asdict(self)
 
-    def _brief_parts(self) -> list[str]:
+    def _repr_parts(self) -> list[str]:
         return str(self).splitlines()
 
     def _panels(self) -> list[Panel]:

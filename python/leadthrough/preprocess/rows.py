@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from leadthrough.errors import InvalidInput
 from leadthrough.io.recording import Recording
-from leadthrough.motion import Demonstration, MotionT, as_demonstration
-from leadthrough.sampled import fields_of, rows_of
+from leadthrough.motion import Demonstration, MotionT, as_demonstration, fields_of, rows_of
 
 
 def chosen(recording: Recording, samples: NDArray[np.intp]) -> Recording:

@@ -7,9 +7,9 @@ from typing import cast
 import numpy as np
 
 from leadthrough import check
-from leadthrough.activity import HYSTERESIS, runs, speeds_of, thresholds_of
 from leadthrough.check import Float64Array
 from leadthrough.motion import Demonstration, MotionT, as_demonstration
+from leadthrough.rest import HYSTERESIS, runs, speeds_of, thresholds_of
 
 
 def segment(

@@ -16,10 +16,11 @@ from leadthrough.motion import (
     JointTrajectory,
     MotionT,
     PoseTrajectory,
+    fields_of,
     joints_with,
+    rows_of,
 )
 from leadthrough.preprocess.rows import several_samples
-from leadthrough.sampled import fields_of, rows_of
 
 _DEGREE = 3
 _FEWEST = 5  # samples that a cubic is fitted to, one more than it can pass through

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough.brief import Brief
 from leadthrough.errors import InvalidInput
 from leadthrough.io.recording import Recording
 from leadthrough.preprocess.clean import clean
 from leadthrough.preprocess.report import CleaningReport
+from leadthrough.repr import ShortRepr
 
 _ANY_GAP = 1e300  # s
 _FASTEST = 1e5  # Hz; no arm is recorded so fast
@@ -24,7 +24,7 @@ _WRAPPED: dict[str, Any] = {"width": 78, "subsequent_indent": "    ", "break_lon
 
 
 @dataclass(frozen=True)
-class RecordingSummary(Brief):
+class RecordingSummary(ShortRepr):
     """What one recording holds."""
 
     name: str  # of the recording

@@ -8,20 +8,20 @@ import numpy as np
 
 from leadthrough import check, rotations
 from leadthrough.arm import Arm
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput
 from leadthrough.models.places import Places
 from leadthrough.models.protocol import Skill
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.reaching.solving import reached
+from leadthrough.repr import ShortRepr
 
 _SAMPLES = 25  # of the motion, that are looked at from each place
 _FOLLOWED = 20  # of the best places, which are tried until one is found from which it is run
 
 
 @dataclass(frozen=True, eq=False)
-class Placement(Brief):
+class Placement(ShortRepr):
     """How much of a motion an arm reaches from where it may stand.
 
     Attributes:

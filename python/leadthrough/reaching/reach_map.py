@@ -14,13 +14,13 @@ import numpy as np
 from leadthrough import check, tasks
 from leadthrough.arm import Arm
 from leadthrough.arm.arm import check_arm
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.models.places import Places
 from leadthrough.reaching.orientations import spread_orientations
 from leadthrough.reaching.solving import Workspace, ranges, reach_rows
+from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape, check_shapes
 from leadthrough.tasks import Outcome, Store, Task
 
@@ -30,7 +30,7 @@ _DRAWN = 4000  # configurations from which the volume is taken where none is giv
 
 
 @dataclass(frozen=True, eq=False)
-class ReachMap(Brief):
+class ReachMap(ShortRepr):
     """What an arm reaches on a grid of places.
 
     Attributes:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr
 
 MOST_PARTS = 1000  # each is checked against every link
 # A part that is thinner, m, is given the thickness of a sheet: without any it has no inside.
@@ -17,7 +17,7 @@ _THIN, _SHEET = 1e-4, 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Hull(Brief):
+class Hull(ShortRepr):
     """A convex polyhedron.
 
     Attributes:

@@ -11,15 +11,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, rotations
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr
 
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
 _FARTHEST = 1e6  # m; beyond, rounding would eat what is thin
 
 
-class Placed(Brief, ABC):
+class Placed(ShortRepr, ABC):
     """A shape at a place."""
 
     position: Float64Array

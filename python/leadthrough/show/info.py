@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 from leadthrough.arm import Arm
-from leadthrough.brief import Brief
 from leadthrough.errors import InvalidInput
 from leadthrough.io import apart, formats, rosbag
 from leadthrough.io.atomic import StrPath
@@ -19,6 +18,7 @@ from leadthrough.io.reading import blaming, names_of
 from leadthrough.io.request import Request
 from leadthrough.models import archive
 from leadthrough.preprocess.summary import RecordingSummary, summarize
+from leadthrough.repr import ShortRepr
 
 _ROBOTS = (".urdf", ".xml")
 _WRAPPED: dict[str, Any] = {
@@ -30,7 +30,7 @@ _WRAPPED: dict[str, Any] = {
 
 
 @dataclass(frozen=True)
-class FileInfo(Brief):
+class FileInfo(ShortRepr):
     """A summary of one file."""
 
     path: str  # the file

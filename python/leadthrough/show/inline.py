@@ -8,16 +8,16 @@ from dataclasses import dataclass, field
 
 from leadthrough import check
 from leadthrough.arm import Arm
-from leadthrough.brief import Brief
 from leadthrough.models.protocol import Place, Skill
 from leadthrough.motion import Demonstration, Motion
+from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape
 from leadthrough.show import page
 from leadthrough.show.viewing import whole_scene
 
 
 @dataclass(frozen=True, eq=False)
-class InlineScene(Brief):
+class InlineScene(ShortRepr):
     """A page that a notebook shows where it is the result of a cell.
 
     Attributes:

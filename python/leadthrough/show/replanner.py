@@ -15,12 +15,12 @@ from leadthrough.arm import Arm, follower
 from leadthrough.arm.clearing import Surroundings
 from leadthrough.arm.missed import limits_in_the_way
 from leadthrough.arm.recorded import warn_of_another_arm
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LeadthroughError
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.protocol import Conditioned, Generator, Place, Previewed, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
+from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape, check_shapes, compiled
 from leadthrough.show.scene import tip_path
 from leadthrough.whole_arm import plan_motion
@@ -38,7 +38,7 @@ _PULL = 100.0
 
 
 @dataclass(frozen=True, eq=False)
-class Answer(Brief):
+class Answer(ShortRepr):
     """A motion that was planned, or the reason why there is none."""
 
     path: Float64Array | None  # the tip's path (n, 3), m; None if there is none

@@ -15,13 +15,13 @@ from numpy.typing import ArrayLike
 from leadthrough import check, rotations
 from leadthrough.arm import Arm
 from leadthrough.arm.link_poses import link_poses
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.drawing import palette
 from leadthrough.drawing.palette import Colour
 from leadthrough.errors import InvalidInput
 from leadthrough.models.protocol import Distributed, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion
+from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape, check_shapes
 from leadthrough.show import solids
 from leadthrough.show.solids import Mesh
@@ -49,7 +49,7 @@ _ROD_RADIUS = 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class Item(Brief):
+class Item(ShortRepr):
     """One surface."""
 
     name: str  # unique in its layer
@@ -61,7 +61,7 @@ class Item(Brief):
 
 
 @dataclass(frozen=True, eq=False)
-class Scene(Brief):
+class Scene(ShortRepr):
     """Surfaces and the motion of the links that carry some of them."""
 
     links: tuple[str, ...]  # their names

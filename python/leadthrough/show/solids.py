@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import rotations
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.preprocess.resample import arc_length
+from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Box, Capsule, Cylinder, PointCloud, Shape, Sphere
 from leadthrough.shapes import Mesh as HullMesh
 
@@ -24,7 +24,7 @@ _UNTURNED = np.eye(3)
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh(Brief):
+class Mesh(ShortRepr):
     """A surface of triangles.
 
     Attributes:

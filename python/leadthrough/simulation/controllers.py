@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.arm import Arm
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.guard import CommandedState
+from leadthrough.repr import ShortRepr
 
 # Fraction of the heaviest joint's inertia, of turning and of sliding joints apart.
 _LIGHTEST = 0.05
@@ -34,7 +34,7 @@ class Moment:
 
 
 @dataclass(frozen=True, eq=False)
-class Gains(Brief):
+class Gains(ShortRepr):
     """What a law answers to small errors, along a motion."""
 
     stiffness: Float64Array  # (n, joints, joints), N m/rad
@@ -83,7 +83,7 @@ class Motion:
     progress: Float64Array  # (n,) fractions of the tip's path
 
 
-class Controller(Brief, ABC):
+class Controller(ShortRepr, ABC):
     """What simulated arms are controlled by."""
 
     @abstractmethod

@@ -8,12 +8,12 @@ from typing import Literal
 import numpy as np
 
 from leadthrough.arm import Arm
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.drawing import palette
 from leadthrough.drawing.drawn import Drawn
 from leadthrough.drawing.panels import Line, Panel, over
 from leadthrough.motion import JointTrajectory
+from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape
 
 Kind = Literal[
@@ -23,7 +23,7 @@ _DRAWN = 400  # points of a curve
 
 
 @dataclass(frozen=True, eq=False)
-class Contact(Brief):
+class Contact(ShortRepr):
     """Two bodies that touched.
 
     Attributes:
@@ -44,7 +44,7 @@ class Contact(Brief):
 
 
 @dataclass(frozen=True, eq=False)
-class Finding(Brief):
+class Finding(ShortRepr):
     """Why a motion is not fit to run.
 
     Attributes:
@@ -150,7 +150,7 @@ class SimulationReport(Drawn):
             "no contact"
         )
 
-    def _brief_parts(self) -> list[str]:
+    def _repr_parts(self) -> list[str]:
         return [f"ok={self.ok}", str(self)]
 
     def _panels(self) -> list[Panel]:

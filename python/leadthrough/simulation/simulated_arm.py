@@ -13,10 +13,10 @@ from numpy.typing import ArrayLike
 from leadthrough import check, optional
 from leadthrough.arm import Arm
 from leadthrough.arm.dynamics import GRAVITY
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.guard import CommandedState
+from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape, check_shapes
 from leadthrough.simulation.controllers import ComputedTorque, Controller, Moment, per_joint
 from leadthrough.simulation.model import LINK, plant
@@ -28,7 +28,7 @@ _RUNAWAY, _STRONGEST = 1e3, 2e4
 
 
 @dataclass(frozen=True, eq=False)
-class Push(Brief):
+class Push(ShortRepr):
     """A force on the tip that nobody told the controller of.
 
     Attributes:
@@ -51,7 +51,7 @@ class Push(Brief):
 
 
 @dataclass(frozen=True, eq=False)
-class Touch(Brief):
+class Touch(ShortRepr):
     """Two bodies that touch.
 
     Attributes:
@@ -63,7 +63,7 @@ class Touch(Brief):
     force: float
 
 
-class SimulatedArm(Brief):
+class SimulatedArm(ShortRepr):
     """An arm under gravity and a controller that takes a command every period.
 
         real = lt.simulation.SimulatedArm(arm, q)

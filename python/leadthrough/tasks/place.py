@@ -8,8 +8,8 @@ from queue import SimpleQueue
 from typing import Protocol
 
 from leadthrough import check
+from leadthrough.blas_threads import one_blas_thread
 from leadthrough.errors import InvalidInput
-from leadthrough.one_thread import one_blas_thread
 from leadthrough.tasks.attempt import attempt_with
 from leadthrough.tasks.process import Process
 from leadthrough.tasks.task import Job, Report, Task, check_importable

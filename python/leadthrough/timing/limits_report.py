@@ -14,12 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from leadthrough.arm.limits import JointLimits
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.drawing.drawn import Drawn
 from leadthrough.drawing.panels import Panel, bars
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory
+from leadthrough.repr import ShortRepr
 
 # A ratio above 1 by less is rounding: third differences of positions sampled at 1 kHz carry 1e-6
 # rad/s^3 of it, and a position given with seven digits 1e-7 rad.
@@ -29,7 +29,7 @@ _LONGEST_BAR = 3.0  # of a drawing, in multiples of the limit
 
 
 @dataclass(frozen=True, eq=False)
-class Peak(Brief):
+class Peak(ShortRepr):
     """How much of one quantity's limits a trajectory uses at most.
 
     Attributes:
@@ -86,7 +86,7 @@ class LimitsReport(Drawn):
     def _peaks(self) -> dict[str, Peak | None]:
         return {name: getattr(self, name) for name in _QUANTITIES}
 
-    def _brief_parts(self) -> list[str]:
+    def _repr_parts(self) -> list[str]:
         told = [f"{name} {peak or 'not checked'}" for name, peak in self._peaks().items()]
         return [f"ok={self.ok}", *told]
 

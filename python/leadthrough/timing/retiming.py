@@ -18,9 +18,8 @@ from numpy.typing import ArrayLike
 from leadthrough import check, events
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array
-from leadthrough.computed import computed_joints
 from leadthrough.errors import InvalidInput
-from leadthrough.motion import JointTrajectory
+from leadthrough.motion import JointTrajectory, computed_joints
 from leadthrough.timing import request as checks
 from leadthrough.timing.bounds import InverseDynamics, Jacobian
 from leadthrough.timing.kept import excess, parted, tightened

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr
 
 # Times computed by adding steps miss the end of a domain by rounding: this fraction of its length.
 _SLACK = 1e-9
@@ -38,7 +38,7 @@ class Curve(Protocol):
         """
 
 
-class PointCurve(Brief, ABC):
+class PointCurve(ShortRepr, ABC):
     """A `Curve` of points that can be transformed and slowed down."""
 
     if TYPE_CHECKING:  # some curves have fields of these names, which properties would hide

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr
 
 # A target this near, relative to the size of the numbers, is reached: nearer is rounding.
 _REACHED = 1e-14
@@ -27,7 +27,7 @@ _SHORTEST_PERIOD, _LONGEST_PERIOD = 1e-7, 1e5
 
 
 @dataclass(frozen=True, eq=False)
-class FilterState(Brief):
+class FilterState(ShortRepr):
     """Position, velocity and acceleration of a reference.
 
     Filters that do not bound the jerk return the mean acceleration of the last step, and need none.
@@ -56,7 +56,7 @@ class FilterState(Brief):
         return FilterState(x, np.zeros_like(x), np.zeros_like(x))
 
 
-class LinearFilter(Brief, ABC):
+class LinearFilter(ShortRepr, ABC):
     """A filter whose distance from its target follows a linear equation, solved exactly."""
 
     def step(
@@ -154,7 +154,7 @@ class SecondOrderFilter(LinearFilter):
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class TimeOptimalFilter(Brief):
+class TimeOptimalFilter(ShortRepr):
     """The fastest way to a target, at rest or moving, inside limits of velocity and acceleration.
 
     The bang-bang law of the phase plane chatters when sampled; this is its sampled form. From the

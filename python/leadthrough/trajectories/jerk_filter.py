@@ -22,9 +22,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr
 from leadthrough.trajectories.filters import FilterState, check_period, rate_limit
 
 _RATES = ("velocity", "acceleration", "jerk")
@@ -33,7 +33,7 @@ _LARGEST = 1e12
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class JerkFilter(Brief):
+class JerkFilter(ShortRepr):
     """The fastest way to rest at a target inside limits of velocity, acceleration and jerk.
 
     Each limit is > 0, (d,) or one number for all dimensions.

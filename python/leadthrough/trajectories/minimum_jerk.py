@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
+from leadthrough.repr import ShortRepr
 from leadthrough.trajectories import curve
 from leadthrough.trajectories.bezier import Bezier
 from leadthrough.trajectories.interpolation import of_bspline
@@ -24,7 +24,7 @@ QUINTIC = np.array([[10.0, -6.0, -4.0], [-15.0, 8.0, 7.0], [6.0, -3.0, -3.0]])
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class State(Brief):
+class State(ShortRepr):
     """Position, velocity and acceleration of a motion; it rests by default.
 
     Attributes:

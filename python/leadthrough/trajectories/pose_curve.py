@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import PoseTrajectory
+from leadthrough.repr import ShortRepr
 from leadthrough.trajectories import curve
 from leadthrough.trajectories.curve import Curve
 from leadthrough.trajectories.rotation_curve import RotationCurve
@@ -20,7 +20,7 @@ _SAME = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class PoseCurve(Brief):
+class PoseCurve(ShortRepr):
     """Positions in 3-D and rotations over one domain.
 
     Attributes:

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import _core, check, rotations
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr
 from leadthrough.rotations.interpolation import squad_controls
 from leadthrough.trajectories import curve
 from leadthrough.trajectories.rotation_rates import Turning, slerp
@@ -26,7 +26,7 @@ from leadthrough.trajectories.rotation_rates import Turning, slerp
 _MOST_POINTS = 50
 
 
-class RotationCurve(Brief, ABC):
+class RotationCurve(ShortRepr, ABC):
     """A curve of rotations over an interval of times."""
 
     @property

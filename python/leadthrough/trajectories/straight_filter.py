@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr
 from leadthrough.trajectories.filters import FilterState
 from leadthrough.trajectories.jerk_filter import JerkFilter
 
@@ -38,7 +38,7 @@ class LineState(FilterState):
 
 
 @dataclass(frozen=True, eq=False)
-class StraightFilter(Brief):
+class StraightFilter(ShortRepr):
     """The fastest way to rest at a target along a straight line, inside all dimensions' limits.
 
     A target that changes during the motion is approached on the same line if it lies on it;

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.models.certificate import Certificate
+from leadthrough.repr import ShortRepr
 
 
 @dataclass(frozen=True, eq=False)
-class Failing(Brief):
+class Failing(ShortRepr):
     """A query whose motion the arm cannot run.
 
     Attributes:
@@ -34,7 +34,7 @@ class Failing(Brief):
 
 
 @dataclass(frozen=True, eq=False)
-class Validation(Brief):
+class Validation(ShortRepr):
     """How often a skill's motions succeed on an arm.
 
     Attributes:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from leadthrough.brief import Brief
 from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
+from leadthrough.repr import ShortRepr
 
 
 @dataclass(frozen=True, eq=False)
-class PlannedMotion(Brief):
+class PlannedMotion(ShortRepr):
     """A motion that the whole arm can run.
 
     Attributes:

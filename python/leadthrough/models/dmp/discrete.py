@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
-from leadthrough.computed import computed
 from leadthrough.models import archive
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.dmp.constraints import Constraints, check_constraints
@@ -39,7 +38,7 @@ from leadthrough.models.judged import judged
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.place import Place
 from leadthrough.models.unfitted import Unfitted
-from leadthrough.motion import JointTrajectory, Motion, MotionT, MotionT_co, Trajectory
+from leadthrough.motion import JointTrajectory, Motion, MotionT, MotionT_co, Trajectory, computed
 from leadthrough.shapes import Shape
 
 

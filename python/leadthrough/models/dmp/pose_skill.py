@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, rotations
 from leadthrough.check import Float64Array
-from leadthrough.computed import computed
 from leadthrough.models import archive
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.dmp.constraints import Constraints, check_constraints
@@ -43,7 +42,7 @@ from leadthrough.models.even_times import even_phases
 from leadthrough.models.judged import judged
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.place import Place
-from leadthrough.motion import Motion, PoseTrajectory
+from leadthrough.motion import Motion, PoseTrajectory, computed
 from leadthrough.shapes import Shape
 
 if TYPE_CHECKING:

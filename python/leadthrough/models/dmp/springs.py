@@ -28,10 +28,10 @@ from typing import Any
 import numpy as np
 
 from leadthrough import _core, check
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.models.dmp.kernels import Kernels, discrete, rhythmic
 from leadthrough.models.dmp.progress import Progress
+from leadthrough.repr import ShortRepr
 from leadthrough.trajectories.minimum_jerk import quintic_coefficients
 
 FORMS = ("blended", "hoffmann", "ijspeert")
@@ -43,7 +43,7 @@ Via = Sequence[tuple[float, Float64Array]]
 
 
 @dataclass(frozen=True, eq=False)
-class Ends(Brief):
+class Ends(ShortRepr):
     """Where channels begin and end."""
 
     start: Float64Array  # values (channels,) at phase 0
@@ -77,7 +77,7 @@ class Ends(Brief):
 
 
 @dataclass(frozen=True, eq=False)
-class Springs(Brief):
+class Springs(ShortRepr):
     """Learned channels."""
 
     form: str  # one of FORMS, or RHYTHMIC

@@ -31,11 +31,11 @@ from typing import Any
 import numpy as np
 
 from leadthrough import _core, check, rotations
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput, NoContinuousLogarithm
 from leadthrough.models.archive import quaternions
 from leadthrough.models.dmp.running_mean import running_mean
+from leadthrough.repr import ShortRepr
 
 REPRESENTATIONS = ("anchored", "lifted", "log", "euler")
 
@@ -65,7 +65,7 @@ _UNTURNED = _core.DmpPath()
 
 
 @dataclass(frozen=True, eq=False)
-class Turning(Brief):
+class Turning(ShortRepr):
     """A learned relation between orientations and coordinates."""
 
     representation: str  # one of REPRESENTATIONS

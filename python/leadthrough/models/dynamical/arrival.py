@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BPoly, CubicHermiteSpline
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import NoPath
 from leadthrough.models.dynamical.field import Field
 from leadthrough.models.dynamical.integration import course
+from leadthrough.repr import ShortRepr
 
 # Distances from the goal at which a trajectory has arrived, and at which a motion's last piece
 # begins, in sizes of the motion.
@@ -28,7 +28,7 @@ _SLOWING, _LONGEST_END = 2.7, 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Way(Brief):
+class Way(ShortRepr):
     """A trajectory from a start to rest at the goal."""
 
     times: Float64Array

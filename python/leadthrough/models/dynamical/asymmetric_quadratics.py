@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.models.dynamical import lyapunov
+from leadthrough.repr import ShortRepr
 
 # The least eigenvalues of P_0 and of the symmetric parts of P_l, and the largest entries of the
 # roots of P_0 and P_l, of the skew parts and the centres. Without them, valleys of the energy
@@ -30,7 +30,7 @@ _LARGEST = (1.0, 0.7, 0.7, 1.5)
 
 
 @dataclass(frozen=True, eq=False)
-class AsymmetricQuadratics(Brief):
+class AsymmetricQuadratics(ShortRepr):
     """A weighted sum of asymmetric quadratic functions."""
 
     symmetric: Float64Array  # P_0, (d, d)

@@ -8,8 +8,8 @@ from typing import Protocol
 
 import numpy as np
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
+from leadthrough.repr import ShortRepr
 
 
 class Gates(Protocol):
@@ -20,7 +20,7 @@ class Gates(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class GaussianGates(Brief):
+class GaussianGates(ShortRepr):
     """Probabilities of the k components of a Gaussian mixture: they sum to 1."""
 
     logits: Float64Array  # logarithms (k,) of the components' weights
@@ -60,7 +60,7 @@ class GaussianGates(Brief):
 
 
 @dataclass(frozen=True, eq=False)
-class SigmoidGates(Brief):
+class SigmoidGates(ShortRepr):
     """A constant 1 and m sigmoids of random directions: the hidden layer of a network."""
 
     directions: Float64Array  # rows (m, d) of the hidden layer's matrix

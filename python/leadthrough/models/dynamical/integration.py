@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.models.dynamical.field import Field
+from leadthrough.repr import ShortRepr
 
 # Error of a step: a ten-thousandth of the distance from the goal, as valleys of an energy, which
 # trajectories slide along, become as narrow as they are near.
@@ -27,7 +27,7 @@ _FARTHEST = 1e3
 
 
 @dataclass(frozen=True, eq=False)
-class Course(Brief):
+class Course(ShortRepr):
     """One trajectory."""
 
     times: Float64Array  # times (n,) of its samples, from 0 on
@@ -36,7 +36,7 @@ class Course(Brief):
 
 
 @dataclass(frozen=True, eq=False)
-class Ends(Brief):
+class Ends(ShortRepr):
     """Where many trajectories ended."""
 
     times: Float64Array  # when each one (m,) arrived or was given up

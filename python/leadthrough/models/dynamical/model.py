@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
+from leadthrough.blas_threads import one_blas_thread
 from leadthrough.errors import FitError
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.dynamical.arrival import LONGEST
@@ -15,7 +16,6 @@ from leadthrough.models.dynamical.samples import NEAR_GOAL, Shown, shown_about_g
 from leadthrough.models.dynamical.skill import DynamicalSkill
 from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import MotionT
-from leadthrough.one_thread import one_blas_thread
 
 # A system's speed is changed by no more than this: one that is so slow rests somewhere on the way.
 _MOST_PACE = 2.0

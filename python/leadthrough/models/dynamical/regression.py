@@ -10,11 +10,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.models.dynamical.gates import GaussianGates, squared_distances
 from leadthrough.models.dynamical.linear_mixture import vars_of
 from leadthrough.models.gaussians.fitting import fit_mixture
+from leadthrough.repr import ShortRepr
 
 # Deviation of random directions' entries, per unit of the motion's size.
 _STEEP = 3.0
@@ -42,7 +42,7 @@ class Regression(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class MixtureRegression(Brief):
+class MixtureRegression(ShortRepr):
     """Gaussian mixture regression: x' = sum_k h_k(x) (A_k x + b_k)."""
 
     gates: GaussianGates  # the mixture of positions
@@ -92,7 +92,7 @@ def mixture_regression(
 
 
 @dataclass(frozen=True, eq=False)
-class NetworkRegression(Brief):
+class NetworkRegression(ShortRepr):
     """A network with one hidden layer of Gaussians: x' = sum_i exp(-|x - c_i|^2 / (2 s^2)) g_i."""
 
     hidden: Float64Array  # c_i, (m, d)

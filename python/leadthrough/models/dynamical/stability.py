@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.models.dynamical.arrival import LONGEST, NEAR
 from leadthrough.models.dynamical.field import Field
 from leadthrough.models.dynamical.integration import ends
+from leadthrough.repr import ShortRepr
 
 # Deviation of starts about the demonstrations' samples, in sizes of the motion.
 _ABOUT = 0.05
@@ -21,7 +21,7 @@ _AT_REST = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class StabilityReport(Brief):
+class StabilityReport(ShortRepr):
     """How a system did from many starts.
 
     Attributes:

@@ -14,9 +14,9 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import logsumexp, softmax
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.models.dynamical.gates import GaussianGates
+from leadthrough.repr import ShortRepr
 
 # The slowest decay of a linear part, per duration of the demonstrations.
 SLOWEST = 0.1
@@ -31,7 +31,7 @@ _LOG_2_PI = float(np.log(2.0 * np.pi))
 
 
 @dataclass(frozen=True, eq=False)
-class StableGMR(Brief):
+class StableGMR(ShortRepr):
     """A mixture of positions and velocities whose components pass through the goal."""
 
     gates: GaussianGates  # the mixture of positions

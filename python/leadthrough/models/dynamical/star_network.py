@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.models.dynamical import lyapunov
+from leadthrough.repr import ShortRepr
 
 # Of the bound of sum_i c_i k(b_i), which is 1.
 _MOST_SLOPE = 0.95
@@ -31,7 +31,7 @@ _TINY = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class StarNetwork(Brief):
+class StarNetwork(ShortRepr):
     """An energy whose level sets are stars."""
 
     directions: Float64Array  # w_i, (m, d)

@@ -12,20 +12,20 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
 from leadthrough.models.gaussians.em import Blocks, Steps, fit_blocks
 from leadthrough.models.gaussians.kmeans import clustered, seeds
 from leadthrough.models.gaussians.mixture import Mixture
 from leadthrough.models.gaussians.units import Units, own_units
+from leadthrough.repr import ShortRepr
 
 # The search for a number of components ends after this many numbers without improvement.
 _PATIENCE = 3
 
 
 @dataclass(frozen=True, eq=False)
-class FittedMixture(Brief):
+class FittedMixture(ShortRepr):
     """A mixture fitted by EM.
 
     Attributes:

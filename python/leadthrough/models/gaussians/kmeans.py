@@ -13,15 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr
 
 _MOST_STEPS = 300
 
 
 @dataclass(frozen=True, eq=False)
-class Clusters(Brief):
+class Clusters(ShortRepr):
     """Points divided into clusters.
 
     Attributes:

@@ -14,15 +14,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr
 
 _SUM_TOLERANCE = 1e-6  # of weights that were rounded in a file
 
 
 @dataclass(frozen=True, eq=False)
-class Mixture(Brief):
+class Mixture(ShortRepr):
     """A mixture of k normal distributions of d columns.
 
     Attributes:

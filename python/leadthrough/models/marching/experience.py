@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from leadthrough import check, events
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput
 from leadthrough.events import Event
@@ -20,6 +19,7 @@ from leadthrough.models.posture import Posture, shown_posture
 from leadthrough.motion import MotionT, PoseTrajectory, Trajectory
 from leadthrough.preprocess.noise import is_random_walk, without_noise
 from leadthrough.preprocess.resample import arc_length
+from leadthrough.repr import ShortRepr
 
 # A demonstration is reversed where that brings its ends nearer to start and goal, in sum, by half
 # and by a fraction of its length: those that return to their start go round as they were shown.
@@ -27,7 +27,7 @@ _CLEARLY, _AT_LEAST = 0.5, 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class Experience(Brief):
+class Experience(ShortRepr):
     """A path that was demonstrated, or learned since, and how it was run through."""
 
     path: Float64Array  # (n, d) in the demonstrations' unit, as recorded

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import _core
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.models.marching.experience import Experience
 from leadthrough.preprocess.resample import arc_length, by_arc_length
+from leadthrough.repr import ShortRepr
 
 _SAMPLES = 1000
 _TURNED_FRACTION = 1.0 / 3.0
@@ -37,7 +37,7 @@ _ROOM = 0.999
 
 
 @dataclass(frozen=True, eq=False)
-class MeanPath(Brief):
+class MeanPath(ShortRepr):
     """A predicted path."""
 
     path: Float64Array  # (n, d), the mean of demonstrations that are evenly spaced in arc length

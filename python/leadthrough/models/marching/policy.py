@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath
 from leadthrough.models.marching.experience import Experience
@@ -27,6 +26,7 @@ from leadthrough.planning.descent import direction
 from leadthrough.planning.grid import Grid
 from leadthrough.planning.march_input import FloatArray
 from leadthrough.planning.speed_map import experience_map
+from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape, check_shapes
 
 # Room for a policy around its goal, as a fraction of the demonstrations' extent.
@@ -86,7 +86,7 @@ class Surroundings:
 
 
 @dataclass(frozen=True, eq=False)
-class Policy(Brief):
+class Policy(ShortRepr):
     """Velocities that lead to a goal from wherever the tool was pushed."""
 
     grid: Grid  # cells of the field

@@ -12,7 +12,6 @@ from itertools import product
 
 import numpy as np
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import NoPath
 from leadthrough.models.marching.experience import Experience
@@ -31,6 +30,7 @@ from leadthrough.planning.speed_field import (
     speeds_at,
 )
 from leadthrough.preprocess.resample import arc_length
+from leadthrough.repr import ShortRepr
 
 # Grid noise is shorter than this many cells; the shapes of demonstrations are not.
 CELLS_PER_KNOT = 8.0
@@ -39,7 +39,7 @@ _START_WIDTH = 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Route(Brief):
+class Route(ShortRepr):
     """A path and how it was found."""
 
     path: Float64Array  # (n, d), dense and smooth

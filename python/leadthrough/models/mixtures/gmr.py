@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from leadthrough import check
+from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models import archive
@@ -22,7 +23,6 @@ from leadthrough.models.mixtures.phases import choose_phases, fit_phases
 from leadthrough.models.mixtures.samples import SAMPLES, sampled
 from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import MotionT
-from leadthrough.one_thread import one_blas_thread
 
 
 @dataclass(frozen=True)

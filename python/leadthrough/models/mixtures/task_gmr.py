@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough import check
+from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array
 from leadthrough.models import archive
 from leadthrough.models.chart import Chart, chart_of
@@ -31,7 +32,6 @@ from leadthrough.models.mixtures.task_frames import checked_frames
 from leadthrough.models.mixtures.task_gmr_skill import TaskGMRSkill
 from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import MotionT
-from leadthrough.one_thread import one_blas_thread
 
 # A deviation of 5 % of a column's: frames are not weighed by finer agreement than that, which few
 # demonstrations show by chance.

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 import numpy as np
 
 from leadthrough import _core
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
+from leadthrough.repr import ShortRepr
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -29,7 +29,7 @@ LEAST = 4
 
 
 @dataclass(frozen=True)
-class Basis(Brief):
+class Basis(ShortRepr):
     """Basis functions of one kind over the phase of a motion."""
 
     kind: BasisKind  # "gaussian", "bspline" or "rhythmic" (von Mises functions, of period 1)

@@ -17,10 +17,10 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.gaussian import Gaussian
+from leadthrough.repr import ShortRepr
 
 # What is tried: demonstrations that the prior counts as, and its correlation lengths, in phase.
 _STRENGTHS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
@@ -45,7 +45,7 @@ _ROUGH = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Belief(Brief):
+class Belief(ShortRepr):
     """A t distribution of the weights of a motion."""
 
     spread: Gaussian  # location and scale matrix of the weights (d k,)
@@ -53,7 +53,7 @@ class Belief(Brief):
 
 
 @dataclass(frozen=True, eq=False)
-class Experience(Brief):
+class Experience(ShortRepr):
     """The demonstrations of a skill, and what they tell of another motion."""
 
     basis: Basis  # the k basis functions

@@ -13,11 +13,17 @@ import numpy as np
 
 from leadthrough import _core, check, events, rotations
 from leadthrough.check import Float64Array
-from leadthrough.computed import computed, computed_joints
 from leadthrough.models.chart import Chart, turned_by
 from leadthrough.models.many import checked_threads, mapped
 from leadthrough.models.promp.basis import Basis
-from leadthrough.motion import JointTrajectory, MotionT_co, PoseTrajectory, Trajectory
+from leadthrough.motion import (
+    JointTrajectory,
+    MotionT_co,
+    PoseTrajectory,
+    Trajectory,
+    computed,
+    computed_joints,
+)
 
 # Bytes of a block, which stays in memory as long as one of its motions does. Larger ones would be
 # asked for anew each time by the usual C library.

@@ -11,11 +11,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.belief import Belief
 from leadthrough.models.promp.gaussian import Gaussian
+from leadthrough.repr import ShortRepr
 
 # Logarithms of the factors that the covariance is tried with.
 _FACTORS = np.linspace(-3.0, 5.5, 86)
@@ -24,7 +24,7 @@ _UNSEEN = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Forecast(Brief):
+class Forecast(ShortRepr):
     """What is expected of the weights of a motion that has been seen in part."""
 
     weights: Gaussian  # mean and covariance of the weights (d k,)

@@ -8,11 +8,11 @@ from functools import cached_property
 
 import numpy as np
 
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.promp.dense import product as matrix_product
 from leadthrough.models.promp.dense import root_of
+from leadthrough.repr import ShortRepr
 
 # Standard deviations below this fraction of the scale of what is observed count as zero: no
 # observation moves the distribution in such a direction.
@@ -22,7 +22,7 @@ _CONTRADICTION = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Gaussian(Brief):
+class Gaussian(ShortRepr):
     """A normal distribution of a vector."""
 
     mean: Float64Array  # mean (n,)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.brief import Brief
+from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.promp import observation
@@ -27,11 +27,11 @@ from leadthrough.models.promp.belief import common_noise
 from leadthrough.models.promp.durations import Continuation
 from leadthrough.models.promp.skill import ProMPSkill
 from leadthrough.motion import Motion, MotionT, MotionT_co
-from leadthrough.one_thread import one_blas_thread
+from leadthrough.repr import ShortRepr
 
 
 @dataclass(frozen=True, eq=False)
-class Region(Brief):
+class Region(ShortRepr):
     """Ellipsoids that a motion is expected to be in, one at each of n times.
 
     Attributes:
@@ -62,7 +62,7 @@ class Region(Brief):
 
 
 @dataclass(frozen=True, eq=False)
-class Inference(Brief, Generic[MotionT_co]):
+class Inference(ShortRepr, Generic[MotionT_co]):
     """What the beginning of a motion tells; entry i is about skill i.
 
     Attributes:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
+from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput
 from leadthrough.models import archive
@@ -32,7 +33,6 @@ from leadthrough.models.promp.least_squares import least_squares
 from leadthrough.models.promp.skill import ProMPSkill
 from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import Motion, MotionT, normalised_times
-from leadthrough.one_thread import one_blas_thread
 
 Estimator: TypeAlias = Literal["least_squares", "em"]
 

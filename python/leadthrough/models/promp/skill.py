@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
+from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Archived, Arrays
@@ -31,7 +32,6 @@ from leadthrough.models.promp.saved import taken_apart
 from leadthrough.models.promp.task_space import TaskMap
 from leadthrough.models.promp.truncation import Truncated
 from leadthrough.motion import Motion, MotionT_co, normalised_times
-from leadthrough.one_thread import one_blas_thread
 from leadthrough.shapes import Shape
 
 if TYPE_CHECKING:

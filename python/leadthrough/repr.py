@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 _WIDTH = 100  # characters of a line
-_LINES = 5
-_LONGEST = 60  # characters of one value
+_MAX_LINES = 5
+_MAX_VALUE = 60  # characters of one value
 _NUMBERS = 8  # of an array whose numbers are shown, not its shape
 
 
-class Brief:
+class ShortRepr:
     """Classes that derive from this one show their fields in one to five lines.
 
     Arrays are shown by their shape, unless they are small; fields whose name begins with an
@@ -29,9 +29,9 @@ class Brief:
         super().__init_subclass__(**options)
         if "__repr__" not in vars(cls):
             # In the class itself, so that the decorator `dataclass` leaves it as it is.
-            cls.__repr__ = _brief_repr  # type: ignore[method-assign, assignment]
+            cls.__repr__ = _short_repr  # type: ignore[method-assign, assignment]
 
-    def _brief_parts(self) -> Sequence[str]:
+    def _repr_parts(self) -> Sequence[str]:
         """What stands between the parentheses."""
         if not is_dataclass(self):
             return ()
@@ -39,19 +39,19 @@ class Brief:
         return [f"{name}={value_text(getattr(self, name))}" for name in shown]
 
 
-def _brief_repr(self: Brief) -> str:
+def _short_repr(self: ShortRepr) -> str:
     return in_lines(one_line(self))
 
 
 def in_lines(text: str) -> str:
     """The text in at most five lines, cut off with "..." where it is longer."""
-    lines = wrap(text, _WIDTH, subsequent_indent="  ", max_lines=_LINES, placeholder=" ...")
+    lines = wrap(text, _WIDTH, subsequent_indent="  ", max_lines=_MAX_LINES, placeholder=" ...")
     return "\n".join(lines)
 
 
-def one_line(value: Brief) -> str:
+def one_line(value: ShortRepr) -> str:
     """The text of an object inside that of another."""
-    return f"{type(value).__name__}({', '.join(value._brief_parts())})"
+    return f"{type(value).__name__}({', '.join(value._repr_parts())})"
 
 
 def value_text(value: object) -> str:
@@ -64,8 +64,8 @@ def value_text(value: object) -> str:
         return f"{len(value)} entries"
     if isinstance(value, tuple | list) and len(value) > 3:
         return _several(value)
-    text = one_line(value) if isinstance(value, Brief) else repr(value)
-    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 4]} ..."
+    text = one_line(value) if isinstance(value, ShortRepr) else repr(value)
+    return text if len(text) <= _MAX_VALUE else f"{text[: _MAX_VALUE - 4]} ..."
 
 
 def _array_text(values: NDArray[Any]) -> str:

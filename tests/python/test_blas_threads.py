@@ -7,7 +7,7 @@ import pytest
 import scipy.linalg  # noqa: F401, brings a library of its own
 from threadpoolctl import threadpool_info
 
-from leadthrough.one_thread import one_blas_thread
+from leadthrough.blas_threads import one_blas_thread
 
 
 def threads():

@@ -8,8 +8,8 @@ import pytest
 import leadthrough as lt
 from leadthrough import planning, trajectories
 from leadthrough.arm import JointState, PoseTask, PostureTask, TaskStack, yang
-from leadthrough.brief import Brief
 from leadthrough.models import Frame, choose_components, infer, kmeans
+from leadthrough.repr import ShortRepr
 
 T = np.linspace(0.0, 2.0, 100)
 S = lt.trajectories.minimum_jerk_rise(T / 2.0)
@@ -59,7 +59,7 @@ def test_results_are_told_in_one_to_five_lines(results):
 
 def test_large_arrays_are_told_by_their_shape_and_small_ones_by_their_numbers():
     @dataclass(frozen=True, eq=False)
-    class Answer(Brief):
+    class Answer(ShortRepr):
         small: object
         large: object
         names: object
@@ -70,14 +70,14 @@ def test_large_arrays_are_told_by_their_shape_and_small_ones_by_their_numbers():
 
 def test_long_values_are_cut_off():
     @dataclass(frozen=True, eq=False)
-    class Answer(Brief):
+    class Answer(ShortRepr):
         words: object
 
     assert len(repr(Answer("word " * 500))) < 100
 
 
 def test_a_class_keeps_its_own_repr():
-    class Answer(Brief):
+    class Answer(ShortRepr):
         def __repr__(self):
             return "mine"
 

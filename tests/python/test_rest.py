@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import leadthrough as lt
-from leadthrough.activity import white_noise
 from leadthrough.errors import InvalidInput
 from leadthrough.preprocess import clean, segment, trim
+from leadthrough.rest import white_noise
 
 BEFORE, AFTER, MOTION = 0.8, 0.9, 2.5  # s
 EXACTLY = 0.12  # s, how exactly the ends of a rest are found
