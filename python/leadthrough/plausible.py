@@ -89,7 +89,7 @@ def orientation(wanted: Float64Array, shown: Float64Array, end: Float64Array, na
 
 
 def obstacles(shapes: Sequence[Shape], shown: Float64Array) -> None:
-    """Warns of obstacles whose place or size is in another unit than a motion's positions (n, d)."""
+    """Warns of obstacles with position or size in another unit than positions (n, d)."""
     if not shapes:
         return
     size = max(float(np.ptp(shown, axis=0).max()), float(np.abs(shown).max()))

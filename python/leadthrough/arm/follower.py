@@ -283,7 +283,7 @@ def _distance(track: Track, unit: tuple[float, float]) -> float:
 def slowed(
     chain: _core.Chain, times: Float64Array, q: Float64Array, limits: JointLimits
 ) -> Float64Array:
-    """The times, stretched where joints (n, joints) would exceed velocity or acceleration limits."""
+    """The times, stretched where joints (n, joints) exceed velocity or acceleration limits."""
     stretched, stuck = _core.slow_down(times, q, limits.velocity, known_acceleration(limits))
     if stuck >= 0:
         joint = chain.joint_names[stuck]

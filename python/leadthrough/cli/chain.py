@@ -16,7 +16,7 @@ _PROGRAM = "leadthrough"
 
 
 def hint(ctx: typer.Context, *words: str | Path) -> None:
-    """Prints the next command line, quoted as a shell needs it, with --no-profile where it was set."""
+    """Prints the next command line, quoted for a shell, with --no-profile where it was set."""
     program = f"{_PROGRAM} --no-profile" if ctx.find_root().params.get("no_profile") else _PROGRAM
     kept = {word: word for word in _OPERATORS} | {_PROGRAM: program}
     advise(" ".join(kept.get(str(word)) or shlex.quote(_word(word)) for word in words))

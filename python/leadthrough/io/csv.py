@@ -24,7 +24,7 @@ from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 
 
 def write(motion: Motion, path: StrPath) -> None:
-    """Writes one row per sample, to the last digit, with columns that reading finds by their names."""
+    """Writes one row per sample, to the last digit, under names that reading recognises."""
     columns = _columns(motion)
     rows = np.column_stack([motion.times, *columns.values()])
     write_rows(path, ["time", *columns], rows, motion.events)

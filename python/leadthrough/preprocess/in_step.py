@@ -39,7 +39,7 @@ _ROUNDING = 1e-12  # of the motions' extent
 
 
 def fractions_in_step(motions: Sequence[Motion]) -> list[Float64Array] | None:
-    """For each motion the fractions (1000,) of its duration that belong to even ones of the mean."""
+    """Per motion, the fractions (1000,) of its duration that match even ones of the mean."""
     curves = features(motions)
     first = int(np.argmin([motion.duration for motion in motions]))
     free = mean_timing(curves, curves[first], rigidity=FREE)

@@ -15,7 +15,7 @@ _WELD = 1e-6
 
 
 def creased(mesh: Mesh) -> tuple[Mesh, Float64Array]:
-    """The mesh with separate vertices on both sides of each crease, and their unit normals (n, 3)."""
+    """The mesh with separate vertices on both sides of creases, and unit normals (n, 3)."""
     corners = mesh.vertices[mesh.faces]
     areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(areas, axis=1, keepdims=True)

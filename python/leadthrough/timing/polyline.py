@@ -42,7 +42,7 @@ def stops_of(points: Float64Array, *, blend: float, holds: Sequence[int]) -> lis
 
 
 def are_lines(points: Float64Array, stops: Sequence[int]) -> bool:
-    """Whether the straight lines between stops lead through all way-points (n, d), in their order."""
+    """Whether straight lines between stops pass all way-points (n, d) in order."""
     line = np.minimum(np.searchsorted(stops, np.arange(len(points)), side="right"), len(stops) - 1)
     begin = points[list(stops)][line - 1]
     along, from_stop = points[list(stops)][line] - begin, points - begin

@@ -154,7 +154,7 @@ def _settled(
     goal: Float64Array,
     last_push: float,
 ) -> tuple[Float64Array, Float64Array]:
-    """The motion (n, channels) with its final error blended out since the phase of the last push."""
+    """The motion (n, channels), its final error blended out since the phase of the last push."""
     since = min(last_push, _LATEST_PUSH)
     s = np.clip((phases - since) / (1.0 - since), 0.0, 1.0)
     blend = minimum_jerk_rise(s)

@@ -123,7 +123,7 @@ class NetworkRegression(ShortRepr):
 def network_regression(
     x: Float64Array, v: Float64Array, units: int, *, width: float, ridge: float, seed: int
 ) -> NetworkRegression:
-    """The network with hidden units at random samples whose outer weights are ridge regression's."""
+    """The network with hidden units at random samples and outer weights by ridge regression."""
     rng = np.random.default_rng(seed)
     hidden = x[rng.choice(len(x), min(units, len(x)), replace=False)]
     empty = NetworkRegression(hidden, np.array([width]), np.zeros((len(hidden), x.shape[1])))

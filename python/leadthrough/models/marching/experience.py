@@ -53,7 +53,7 @@ class Experience(ShortRepr):
         return float(arc_length(self.way)[-1])
 
     def facing(self, start: Float64Array, goal: Float64Array) -> Experience:
-        """Itself, or reversed where its ends are clearly nearer then to start and goal, (d,) each."""
+        """Itself, or reversed where that brings its ends clearly nearer to start and goal, (d,)."""
         gaps = [
             np.linalg.norm(first - start) + np.linalg.norm(last - goal)
             for first, last in ((self.path[0], self.path[-1]), (self.path[-1], self.path[0]))

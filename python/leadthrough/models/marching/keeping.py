@@ -30,7 +30,7 @@ _SAMPLES = 200
 def kept(
     found: Route, usual: Route, known: Sequence[Experience], query: Query, scales: Scales
 ) -> Route:
-    """The route that was found or, where that leaves the usual way too far, the usual one carried."""
+    """The route found or, where it deviates too far from the nominal one, the latter carried."""
     moved = float(np.linalg.norm(query.ends - usual.path[[0, -1]], axis=1).max())
     bound = MOST_DEVIATION * moved + scales.radius
     if found.method != usual.method or _apart(found.path, usual.path) <= bound:

@@ -156,7 +156,7 @@ def _bounded(
 
 
 def with_ends(curve: Float64Array, start: Float64Array, goal: Float64Array) -> Float64Array:
-    """The curve, or curves (..., n, d), the offsets of both ends blended linearly over its length."""
+    """The curve, or curves (..., n, d), with both ends' offsets blended linearly along it."""
     u = np.linspace(0.0, 1.0, curve.shape[-2])[:, None]
     first, last = curve[..., :1, :], curve[..., -1:, :]
     return np.asarray(curve + (1 - u) * (start - first) + u * (goal - last))

@@ -158,7 +158,7 @@ def log_density(skill: ProMPSkill, phases: Float64Array, values: Float64Array) -
 
 
 class _Evidence:
-    """Noisy samples, by the matrix inversion lemma in coordinates z with weights = mean + root z."""
+    """Noisy samples, by the matrix inversion lemma in z with weights = mean + root z."""
 
     def __init__(self, skill: ProMPSkill, phases: Float64Array, values: Float64Array) -> None:
         size, count = values.shape[1], skill.basis.count
