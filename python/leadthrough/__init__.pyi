@@ -41,7 +41,7 @@ from .models import (
 )
 from .motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from .planning import Grid, arrival_times
-from .shapes import Box, Capsule, Cylinder, Mesh, PointCloud, Sphere
+from .shapes import Box, Capsule, Cylinder, Mesh, PointCloud, Scene, Sphere
 from .simulation import SimulationReport, simulate
 from .timing import check_limits, differentiate, retime, scale_to_limits
 from .validation import validate
@@ -72,6 +72,7 @@ __all__ = [
     "ProMP",
     "RhythmicDMP",
     "RhythmicPoseDMP",
+    "Scene",
     "SimulationReport",
     "SkillLibrary",
     "Sphere",
