@@ -19,15 +19,15 @@ _PICTURES = Path(__file__).parents[1] / "demos" / "pictures"
 # Scenes that demos write, which are run whenever the pages are built, and the module that a demo
 # needs; where it is missing, there is the picture alone.
 _SCENES = {
-    "20_look_at_it": ("look.html", "leadthrough"),
-    "27_give_way_for_the_wrist": ("give_way.html", "leadthrough"),
-    "28_what_the_camera_sees": ("seen.html", "leadthrough"),
-    "30_seen_to_run": ("simulated.html", "mujoco"),
-    "37_when_there_is_no_room": ("past_the_box.html", "ompl"),
+    "20_view_motion": ("motion.html", "leadthrough"),
+    "27_plan_motion": ("planned.html", "leadthrough"),
+    "28_meshes_and_point_clouds": ("obstacles.html", "leadthrough"),
+    "30_simulate_motion": ("simulated.html", "mujoco"),
+    "37_blocked_paths": ("blocked.html", "ompl"),
 }
 _PLAYED = {demo: file for demo, (file, needed) in _SCENES.items() if find_spec(needed)}
 # Their pictures are of the scene.
-_SEEN = ("20_look_at_it", "28_what_the_camera_sees", "30_seen_to_run")
+_SEEN = ("20_view_motion", "28_meshes_and_point_clouds", "30_simulate_motion")
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:

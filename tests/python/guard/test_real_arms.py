@@ -25,9 +25,9 @@ def _elsewhere(tmp_path, monkeypatch):
 
 
 def run_loop(monkeypatch, *words):
-    monkeypatch.setattr(sys, "argv", ["32_on_the_real_arm.py", *words])
+    monkeypatch.setattr(sys, "argv", ["32_guarded_playback.py", *words])
     monkeypatch.syspath_prepend(str(DEMOS))
-    return runpy.run_path(str(DEMOS / "32_on_the_real_arm.py"))
+    return runpy.run_path(str(DEMOS / "32_guarded_playback.py"))
 
 
 class URControl:
