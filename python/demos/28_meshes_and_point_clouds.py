@@ -1,6 +1,7 @@
 """Obstacles as meshes and point clouds: a bin, a shelf as a depth camera sees it, a drum.
 
-Writes obstacles.ply, bin.obj and obstacles.html: python python/demos/28_meshes_and_point_clouds.py [FOLDER]
+Writes obstacles.ply, bin.obj and obstacles.html:
+python python/demos/28_meshes_and_point_clouds.py [FOLDER]
 """
 
 import sys

@@ -1,6 +1,7 @@
 """Reachability of a UR3, and its placement for a motion that a Panda demonstrated.
 
-Writes reach.npz, reach.png and placement.png: python python/demos/34_reachability_and_placement.py [FOLDER]
+Writes reach.npz, reach.png and ur3_placement.png:
+python python/demos/34_reachability_and_placement.py [FOLDER]
 """
 
 import sys
@@ -33,5 +34,5 @@ assert stand.best is not None
 assert stand.joints is not None
 print(f"best at {stand.best[:3].round(2)}, facing {np.degrees(stand.best[3]):.0f} degrees")
 print(f"joints of {len(stand.joints)} samples, clear of itself: {ur3.check(stand.joints).ok}")
-lt.show.placement_figure(stand).savefig(folder / "placement.png")
-print(f"wrote {folder / 'reach.png'} and {folder / 'placement.png'}")
+lt.show.placement_figure(stand).savefig(folder / "ur3_placement.png")
+print(f"wrote {folder / 'reach.png'} and {folder / 'ur3_placement.png'}")
