@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
-from leadthrough.brief import Brief
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr
 from leadthrough.shapes.box import Box
 from leadthrough.shapes.cloud import PointCloud
 from leadthrough.shapes.mesh import Mesh
@@ -28,7 +28,7 @@ Shape = Box | Sphere | Capsule | Cylinder | Mesh | PointCloud
 
 
 @dataclass(frozen=True, eq=False)
-class MovingObstacle(Brief):
+class MovingObstacle(ShortRepr):
     """An obstacle with a bound on its speed.
 
     The guard takes it to be anywhere that it may have moved to. For all else it is at its present
@@ -51,7 +51,7 @@ class MovingObstacle(Brief):
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class RandomObstacle(Brief):
+class RandomObstacle(ShortRepr):
     """An obstacle whose position is drawn at random for each query of a validation.
 
     Attributes:
@@ -88,7 +88,7 @@ Obstacle = Shape | MovingObstacle | RandomObstacle
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Scene(Brief):
+class Scene(ShortRepr):
     """The obstacles around an arm, and the distances to keep from them.
 
     Taken wherever an arm is asked; a plain list of obstacles is a scene with the default margins.
