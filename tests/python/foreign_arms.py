@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import xacro
+from motions import minimum_jerk
 
 import leadthrough as lt
 
@@ -49,7 +50,7 @@ def record(path, arm, first, *, seed, noise=5e-4):
     rng = np.random.default_rng(seed)
     times = np.arange(0.0, 3.0, 0.01)
     u = times / times[-1]
-    rise = u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
+    rise = minimum_jerk(u)
     way = np.array([0.5, 0.35, -0.3, 0.3, 0.4, -0.3, 0.6])[: len(first)]
     own = np.asarray(first) + rng.normal(0.0, 0.01, len(first))
     q = own + rise[:, None] * (way + rng.normal(0.0, 0.02, len(first)))

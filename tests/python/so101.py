@@ -8,6 +8,7 @@ import json
 
 import numpy as np
 import pyarrow as pa
+from motions import minimum_jerk
 from pyarrow import parquet
 
 URDF = """<robot name="five_joints_and_a_gripper">
@@ -59,7 +60,7 @@ def motions(count=3, samples=90):
     """Episodes of the arm's joints (n, 5), rad, a little different each, and its opening (n,)."""
     rng = np.random.default_rng(0)
     u = np.linspace(0.0, 1.0, samples)
-    rise = u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
+    rise = minimum_jerk(u)
     for _ in range(count):
         q = FIRST + rng.normal(0.0, 0.01, 5) + np.outer(rise, WAY)
         yield q + rng.normal(0.0, 5e-4, q.shape), np.where(u < 0.7, 80.0, 5.0)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from motions import minimum_jerk
 from scipy.interpolate import CubicSpline
 
 import leadthrough as lt
@@ -18,7 +19,7 @@ def line(arm, posture, direction, *, half, duration, samples=601):
     """Straight through a posture's pose from rest to rest, the tool not turning."""
     position, orientation = arm.forward_kinematics(posture)
     s = np.linspace(0.0, 1.0, samples)
-    along = half * (2.0 * (10 * s**3 - 15 * s**4 + 6 * s**5) - 1.0)
+    along = half * (2.0 * minimum_jerk(s) - 1.0)
     positions = position + np.outer(along, direction)
     return lt.PoseTrajectory(duration * s, positions, np.tile(orientation, (samples, 1)))
 
@@ -289,7 +290,7 @@ def test_a_mirrored_path_is_lagged_behind_and_caught_up_with_alike():
     posture = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.0])
     times = np.linspace(0.0, 0.8, 161)
     s = np.minimum(times / 0.35, 1.0)
-    along = 0.3 * (10 * s**3 - 15 * s**4 + 6 * s**5)
+    along = 0.3 * minimum_jerk(s)
 
     def followed(side):
         positions = PANDA.forward_kinematics(posture)[0] + np.outer(side * along, [0.0, 1.0, 0.0])

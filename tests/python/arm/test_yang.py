@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough.arm.yang import DampedLeastSquares, follow_path
@@ -17,7 +18,7 @@ def outwards(distance):
     """A straight motion of the Panda's tool away from the base, from rest to rest."""
     position, orientation = PANDA.forward_kinematics(READY)
     s = TIMES / TIMES[-1]
-    way = distance * (10 * s**3 - 15 * s**4 + 6 * s**5)
+    way = distance * minimum_jerk(s)
     positions = position + way[:, None] * np.array([1.0, 0.0, 0.0])
     return lt.PoseTrajectory(TIMES, positions, np.tile(orientation, (len(s), 1)))
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cli.command_line import facts, run
+from motions import minimum_jerk
 
 import leadthrough as lt
 
@@ -21,7 +22,7 @@ def record(path, arm, seed):
     """A reach of an arm as a CSV of its joints at 100 Hz, a little different each time."""
     rng = np.random.default_rng(seed)
     times = np.arange(0.0, 2.0, 0.01)
-    share = (times / times[-1]) ** 3 * (10 - 15 * times / times[-1] + 6 * (times / times[-1]) ** 2)
+    share = minimum_jerk(times / times[-1])
     turn = np.array([0.8, -0.4, 0.5, -0.3, 0.4, 0.6]) + rng.normal(0, 0.02, 6)
     rows = np.column_stack([times, HOME + share[:, None] * turn])
     header = ",".join(["time", *arm.joint_names])

@@ -9,6 +9,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 from cli.command_line import run
+from motions import minimum_jerk
 from pyarrow import parquet
 
 import leadthrough as lt
@@ -21,7 +22,7 @@ EPISODES, SAMPLES = 60, 50
 def path_of(number):
     """Joints (SAMPLES, 3) of an episode."""
     phase = np.linspace(0.0, 1.0, SAMPLES)[:, None]
-    eased = phase**3 * (10.0 - 15.0 * phase + 6.0 * phase**2)
+    eased = minimum_jerk(phase)
     return eased * [0.5, -0.3, 0.8] + 0.001 * number
 
 

@@ -8,12 +8,12 @@ from functools import cache
 
 import numpy as np
 import pytest
+from kinds import kind
+from motions import reach
 
-import leadthrough as lt
 from leadthrough import rotations
-from leadthrough.models import FastMarchingSkill, TaskGMR
+from leadthrough.models import FastMarchingSkill
 from leadthrough.preprocess.resample import by_arc_length
-from leadthrough.trajectories import minimum_jerk_rise
 
 # Fréchet distance to the motion between the ends as shown, over the offset.
 MOST = 1.5
@@ -21,24 +21,24 @@ OFFSETS = (0.01, 0.1, 1.0, 3.0)  # in sizes of the motion, or rad
 SAMPLES = 81
 
 MODELS = {
-    "movement primitive": (lt.DMP(), "points"),
-    "movement primitive of joints": (lt.DMP(), "joints"),
-    "movement primitive of poses": (lt.PoseDMP(), "poses"),
-    "probabilistic primitive": (lt.ProMP(), "points"),
-    "probabilistic primitive of joints": (lt.ProMP(), "joints"),
-    "probabilistic primitive of poses": (lt.ProMP(), "poses"),
-    "mixture": (lt.GMR(starts=1), "points"),
-    "mixture of joints": (lt.GMR(starts=1), "joints"),
-    "fast marching": (lt.FastMarching(), "drawings"),
-    "fast marching of poses": (lt.FastMarching(), "poses"),
+    "movement primitive": kind("DMP"),
+    "movement primitive of joints": kind("DMP", "joints"),
+    "movement primitive of poses": kind("DMP", "poses"),
+    "probabilistic primitive": kind("ProMP"),
+    "probabilistic primitive of joints": kind("ProMP", "joints"),
+    "probabilistic primitive of poses": kind("ProMP", "poses"),
+    "mixture": kind("GMR", starts=1),
+    "mixture of joints": kind("GMR", "joints", starts=1),
+    "fast marching": kind("FastMarching", "drawings"),
+    "fast marching of poses": kind("FastMarching", "poses"),
 }
 
 # With the mixtures whose ends test_moved.py moves.
 STEADY = MODELS | {
-    "mixture of poses": (lt.GMR(), "poses"),
-    "task mixture": (TaskGMR(starts=1), "points"),
-    "task mixture of joints": (TaskGMR(starts=1), "joints"),
-    "task mixture of poses": (TaskGMR(), "poses"),
+    "mixture of poses": kind("GMR", "poses"),
+    "task mixture": kind("TaskGMR", starts=1),
+    "task mixture of joints": kind("TaskGMR", "joints", starts=1),
+    "task mixture of poses": kind("TaskGMR", "poses"),
 }
 
 COUNTS = dict.fromkeys(MODELS, (2, 40)) | {"fast marching of poses": (5,)}  # which is slow
@@ -51,7 +51,7 @@ def skill(request):
 
 
 @pytest.fixture(
-    params=[(n, k) for n, (_, kind) in MODELS.items() if kind == "poses" for k in COUNTS[n]],
+    params=[(n, k) for n, each in MODELS.items() if each.motion == "poses" for k in COUNTS[n]],
     ids=str,
 )
 def turning_skill(request):
@@ -60,28 +60,9 @@ def turning_skill(request):
 
 
 @cache
-def fitted(name, count):
-    model, kind = MODELS[name]
-    return model.fit([lt.Demonstration(shown(kind, seed)) for seed in range(count)])
-
-
-def shown(kind, seed, *, pace=1.0):
-    """A reach with a bow and a hold, each time a little different."""
-    rng = np.random.default_rng(seed)
-    u = np.linspace(0.0, 1.0, 121)
-    s = minimum_jerk_rise(np.clip(u / rng.uniform(0.65, 0.75), 0.0, 1.0))
-    bow = np.sin(np.pi * s) * rng.uniform(0.08, 0.12)
-    off = rng.normal(0.0, 0.01, 3)
-    points = np.column_stack([0.3 * s, bow, 0.1 * s**2]) + np.outer(1.0 - s, off)
-    times = pace * rng.uniform(1.8, 2.2) * u
-    if kind == "drawings":
-        return lt.Trajectory(times, points[:, :2])
-    if kind == "points":
-        return lt.Trajectory(times, points)
-    if kind == "joints":
-        return lt.JointTrajectory(times, points, joint_names=("a", "b", "c"))
-    axis = np.array([0.2, 0.6, 0.8]) + rng.normal(0.0, 0.02, 3)
-    return lt.PoseTrajectory(times, points, rotations.exp(np.outer(1.5 * s, axis)))
+def fitted(name, count, pace=1.0):
+    each = STEADY[name]
+    return each.build().fit([reach(each.motion, seed, pace=pace) for seed in range(count)])
 
 
 def sampled(motion):
@@ -198,18 +179,11 @@ def test_turned_end_turns_no_more_than_its_offset(turning_skill, name, index, an
         assert frechet(between) <= MOST * angle + 1e-6
 
 
-@cache
-def steady(name, pace=1.0):
-    model, kind = STEADY[name]
-    return model.fit([lt.Demonstration(shown(kind, seed, pace=pace)) for seed in range(3)])
-
-
 @pytest.mark.parametrize("name", STEADY)
 @pytest.mark.parametrize("pace", [0.1, 10.0])
 def test_time_scale_does_not_matter(name, pace):
-    _, kind = STEADY[name]
-    plain, scaled = steady(name), steady(name, pace)
-    goal = end(plain.generate(), -1, beside(kind, 0.02, -0.03, 0.01))
+    plain, scaled = fitted(name, 3), fitted(name, 3, pace)
+    goal = end(plain.generate(), -1, beside(STEADY[name].motion, 0.02, -0.03, 0.01))
     here = plain.generate(goal=goal, duration=2.0, dt=0.02)
     there = scaled.generate(goal=goal, duration=2.0 * pace, dt=0.02 * pace)
     np.testing.assert_allclose(there.positions, here.positions, atol=1e-6)
@@ -217,13 +191,13 @@ def test_time_scale_does_not_matter(name, pace):
 
 @pytest.mark.parametrize("name", STEADY)
 def test_a_millimetre_in_one_sample_changes_the_motion_by_a_few_at_most(name):
-    model, kind = STEADY[name]
-    motions = [shown(kind, seed) for seed in range(3)]
-    goal = end(motions[0], -1, beside(kind, 0.05, -0.05, 0.02))
-    plain = steady(name).generate(goal=goal, duration=2.0)
+    model, of = STEADY[name].build(), STEADY[name].motion
+    motions = [reach(of, seed) for seed in range(3)]
+    goal = end(motions[0], -1, beside(of, 0.05, -0.05, 0.02))
+    plain = fitted(name, 3).generate(goal=goal, duration=2.0)
     for row in (0, 40, 120):
         moved = motions[0].positions.copy()
-        moved[row] += beside(kind, 1e-3, 0.0, 0.0)
+        moved[row] += beside(of, 1e-3, 0.0, 0.0)
         changed = [replace(motions[0], positions=moved), *motions[1:]]
-        made = model.fit([lt.Demonstration(m) for m in changed]).generate(goal=goal, duration=2.0)
+        made = model.fit(changed).generate(goal=goal, duration=2.0)
         assert np.linalg.norm(made.positions - plain.positions, axis=1).max() <= 3e-3

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import strategies as st
+from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
@@ -14,7 +15,7 @@ GRIPPER = (lt.Event(0.25, "close gripper"), lt.Event(0.9, 'say "done"'))
 def _joints_of(names, count=101):
     """One second at 100 Hz from rest to rest, with exact derivatives and two events."""
     s = np.linspace(0.0, 1.0, count)
-    shape = 10 * s**3 - 15 * s**4 + 6 * s**5
+    shape = minimum_jerk(s)
     first = 30 * s**2 - 60 * s**3 + 30 * s**4
     second = 60 * s - 180 * s**2 + 120 * s**3
     way = np.linspace(-1.0, 1.2, len(names))

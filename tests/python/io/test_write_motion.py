@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import yaml
+from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
@@ -154,7 +155,7 @@ def test_a_franka_table_has_a_row_for_each_millisecond(tmp_path, panda_motion):
 def test_between_samples_a_controller_gets_the_smooth_motion(tmp_path, panda_motion):
     franka.write(panda_motion, tmp_path / "arm.csv")
     s = np.arange(1001) / 1000
-    shape = 10 * s**3 - 15 * s**4 + 6 * s**5
+    shape = minimum_jerk(s)
     way = panda_motion.positions[-1] - panda_motion.positions[0]
     expected = panda_motion.positions[0] + np.outer(shape, way)
     assert np.abs(read(tmp_path / "arm.csv").positions - expected).max() < 1e-7

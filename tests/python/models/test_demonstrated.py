@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from kinds import kind
 
 import leadthrough as lt
 from leadthrough.errors import FitError, InvalidInput
-from leadthrough.models import TaskGMR
 
 T = np.linspace(0.0, 1.0, 60)
 LINE = np.column_stack([T, 0.3 * np.sin(3.0 * T), T**2])
@@ -13,21 +13,21 @@ POINTS = lt.Trajectory(T, LINE)
 POSES = lt.PoseTrajectory(T, LINE, lt.rotations.exp(np.outer(T, [0.4, 0.0, 0.2])))
 JOINTS = lt.JointTrajectory(T, LINE, joint_names=("a", "b", "c"))
 
-MODELS = {
-    "DMP": (lt.DMP(), POINTS),
-    "PoseDMP": (lt.PoseDMP(), POSES),
-    "RhythmicDMP": (lt.RhythmicDMP(), POINTS),
-    "RhythmicPoseDMP": (lt.RhythmicPoseDMP(), POSES),
-    "ProMP": (lt.ProMP(), POINTS),
-    "GMR": (lt.GMR(), POINTS),
-    "TaskGMR": (TaskGMR(), POINTS),
-    "FastMarching": (lt.FastMarching(), POSES),
-}
+LEARNERS = (
+    kind("DMP"),
+    kind("DMP", "poses"),
+    kind("RhythmicDMP"),
+    kind("RhythmicDMP", "poses"),
+    kind("ProMP"),
+    kind("GMR"),
+    kind("TaskGMR"),
+    kind("FastMarching", "poses"),
+)
 
 
-@pytest.fixture(params=MODELS)
+@pytest.fixture(params=LEARNERS, ids=str)
 def case(request):
-    return MODELS[request.param]
+    return request.param.build(), POSES if request.param.motion == "poses" else POINTS
 
 
 def test_a_motion_stands_for_a_demonstration_of_it(case):
@@ -74,8 +74,9 @@ def test_different_numbers_of_columns_are_refused(case):
             model.fit([motion, lt.Trajectory(T, LINE[:, :2])])
 
 
-@pytest.mark.parametrize("model", [lt.DMP(), lt.ProMP(), lt.GMR(), TaskGMR(), lt.RhythmicDMP()])
-def test_different_joints_are_refused(model):
+@pytest.mark.parametrize("family", ["DMP", "ProMP", "GMR", "TaskGMR", "RhythmicDMP"])
+def test_different_joints_are_refused(family):
+    model = kind(family, "joints").build()
     renamed = lt.JointTrajectory(T, LINE, joint_names=("a", "b", "d"))
     with pytest.raises(InvalidInput, match="same joint names"):
         model.fit([JOINTS, renamed])
@@ -83,7 +84,7 @@ def test_different_joints_are_refused(model):
 
 def test_a_type_that_the_model_does_not_learn_is_refused_by_name():
     with pytest.raises(InvalidInput, match="a Demonstration of a PoseTrajectory, got Trajectory"):
-        lt.PoseDMP().fit([POINTS])
+        kind("DMP", "poses").build().fit([POINTS])
     with pytest.raises(InvalidInput, match="Trajectory or PoseTrajectory, got JointTrajectory"):
         lt.FastMarching().fit([JOINTS])
 

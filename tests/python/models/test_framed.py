@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from kinds import kind
 
 import leadthrough as lt
 from leadthrough import rotations
@@ -16,11 +17,12 @@ S = minimum_jerk_rise(U)
 POINTS = np.column_stack([0.45 * S, 0.1 * np.sin(np.pi * S), 0.1 * S])
 TURNED = rotations.exp(np.outer(S, [0.2, 0.3, 1.0]))
 POSES = lt.PoseTrajectory(2.0 * U, POINTS, TURNED, [lt.Event(1.0, "shut")])
-MODELS = {
-    "poses": (lt.PoseDMP(), POSES),
-    "points": (lt.DMP(), lt.Trajectory(2.0 * U, POINTS)),
-    "ProMP": (lt.ProMP(), POSES),
-}
+MOTIONS = {"poses": POSES, "points": lt.Trajectory(2.0 * U, POINTS)}
+LEARNERS = (kind("DMP", "poses"), kind("DMP"), kind("ProMP", "poses"))
+
+
+def pose_primitive(**settings):
+    return kind("DMP", "poses", **settings).build()
 
 
 def turned_by(degrees, origin=(0.0, 0.0, 0.0)):
@@ -31,9 +33,9 @@ def turned_by(degrees, origin=(0.0, 0.0, 0.0)):
 HERE, THERE = turned_by(10.0, (0.4, 0.0, 0.2)), turned_by(130.0, (0.1, 0.5, 0.3))
 
 
-@pytest.fixture(params=MODELS, ids=str)
+@pytest.fixture(params=LEARNERS, ids=str)
 def case(request):
-    model, seen = MODELS[request.param]
+    model, seen = request.param.build(), MOTIONS[request.param.motion]
     shown = HERE.base(seen)
     return Framed(model).fit([lt.Demonstration(shown)], frames=[[HERE]]), shown, seen
 
@@ -64,7 +66,7 @@ def test_query_is_in_the_base_frame(case):
 
 
 def test_obstacles_are_in_the_base_frame():
-    skill = Framed(lt.PoseDMP()).fit([lt.Demonstration(HERE.base(POSES))], frames=[[HERE]])
+    skill = Framed(pose_primitive()).fit([lt.Demonstration(HERE.base(POSES))], frames=[[HERE]])
     there = skill.at([THERE])
     above = there.generate().positions[90] + np.array([0.0, 0.0, 0.02])
     box = lt.Box((0.05, 0.04, 0.06), above, (0.8, 0.0, 0.0, 0.6))
@@ -100,7 +102,8 @@ def test_frames_that_do_not_fit_are_refused(case):
 
 
 def test_via_points_and_velocities_are_in_the_base_frame():
-    for model, seen in (MODELS["poses"], MODELS["points"]):
+    for motion, seen in MOTIONS.items():
+        model = kind("DMP", motion).build()
         skill = Framed(model).fit([lt.Demonstration(HERE.base(seen))], frames=[[HERE]]).at([THERE])
         assert {"via", "start_velocity", "final_velocity"} <= skill.supports
         plain = skill.generate(duration=2.0, dt=1e-3)
@@ -115,9 +118,9 @@ def test_via_points_and_velocities_are_in_the_base_frame():
         )
 
 
-@pytest.mark.parametrize("kind", ["poses", "points"])
-def test_steps_in_a_frame_are_those_of_the_whole_motion(kind):
-    model, seen = MODELS[kind]
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_steps_in_a_frame_are_those_of_the_whole_motion(motion):
+    model, seen = kind("DMP", motion).build(), MOTIONS[motion]
     skill = Framed(model).fit([lt.Demonstration(HERE.base(seen))], frames=[[HERE]]).at([THERE])
     whole, state = skill.generate(dt=0.05), skill.begin()
     np.testing.assert_allclose(state.position, whole.positions[0], atol=1e-9)
@@ -133,7 +136,7 @@ def test_steps_in_a_frame_are_those_of_the_whole_motion(kind):
 
 
 def test_goal_push_and_measurement_of_a_step_are_in_the_base_frame():
-    model, seen = MODELS["poses"]
+    model, seen = pose_primitive(), POSES
     skill = Framed(model).fit([lt.Demonstration(HERE.base(seen))], frames=[[HERE]]).at([THERE])
     goal = THERE.base(seen).positions[-1] + (0.02, -0.03, 0.01)
     state = skill.begin()
@@ -165,8 +168,8 @@ def test_a_policy_is_asked_and_answers_in_the_base_frame():
 
 def test_a_via_point_of_a_distribution_is_in_the_base_frame():
     rng = np.random.default_rng(2)
-    for kind in ("poses", "points"):
-        seen = [MODELS[kind][1]]
+    for motion, first in MOTIONS.items():
+        seen = [first]
         seen += [
             replace(seen[0], positions=seen[0].positions + rng.normal(0.0, 0.02, 3))
             for _ in range(4)
@@ -176,10 +179,10 @@ def test_a_via_point_of_a_distribution_is_in_the_base_frame():
         plain = skill.generate(dt=0.01)
         row = len(plain.times) // 2
         through = plain.positions[row] + (0.01, 0.015, -0.01)
-        place = (through, plain.orientations[row]) if kind == "poses" else through
+        place = (through, plain.orientations[row]) if motion == "poses" else through
         made = skill.condition(plain.times[row], place).generate(dt=0.01)
         np.testing.assert_allclose(made.positions[row], through, atol=1e-6)
-        if kind == "points":
+        if motion == "points":
             # Sure of the height only: across it, the motion is pulled nowhere.
             loose = skill.condition(
                 plain.times[row], through, covariance=np.diag([1e6, 1e6, 1e-12])
@@ -195,7 +198,7 @@ def test_a_via_point_of_a_distribution_is_in_the_base_frame():
 
 
 def test_limits_are_in_the_base_frame_where_its_axes_are_those_of_the_task():
-    seen = MODELS["points"][1]
+    seen = MOTIONS["points"]
     quarter = turned_by(90.0, (0.4, 0.0, 0.2))
     skill = Framed(lt.DMP()).fit([lt.Demonstration(quarter.base(seen))], frames=[[quarter]])
     assert "limits" in skill.supports
@@ -215,7 +218,7 @@ def test_limits_are_in_the_base_frame_where_its_axes_are_those_of_the_task():
     for wrong in ((1.0,), (np.ones(3), -np.ones(3))):
         with pytest.raises(InvalidInput, match="limits"):
             skill.generate(limits=wrong)
-    poses = Framed(lt.PoseDMP()).fit([lt.Demonstration(HERE.base(POSES))], frames=[[HERE]])
+    poses = Framed(pose_primitive()).fit([lt.Demonstration(HERE.base(POSES))], frames=[[HERE]])
     with pytest.raises(UnsupportedQuery, match=r"limits: .*Framed\(DMP\(\)\)"):
         poses.generate(limits=(-np.ones(3), np.ones(3)))
 
@@ -233,10 +236,10 @@ def test_what_the_skill_inside_does_not_take_is_refused_by_name():
     for ask in (promp.begin, lambda: promp.policy((0.0, 0.0, 0.0))):
         with pytest.raises(UnsupportedQuery, match="Framed"):
             ask()
-    hoffmann = Framed(lt.PoseDMP(form="hoffmann")).fit([shown], frames=[[HERE]])
+    hoffmann = Framed(pose_primitive(form="hoffmann")).fit([shown], frames=[[HERE]])
     with pytest.raises(UnsupportedQuery, match="final_velocity"):
         hoffmann.generate(final_velocity=(0.1, 0.0, 0.0))
-    skill = Framed(lt.PoseDMP()).fit([shown], frames=[[HERE]])
+    skill = Framed(pose_primitive()).fit([shown], frames=[[HERE]])
     for query in ({"via": [(0.5, (0.0, 0.0))]}, {"via": [0.5]}, {"start_velocity": (0.1,)}):
         with pytest.raises(InvalidInput, match=next(iter(query))):
             skill.generate(**query)

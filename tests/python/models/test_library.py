@@ -4,6 +4,8 @@ import warnings
 
 import numpy as np
 import pytest
+from kinds import kind
+from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough import rotations
@@ -11,7 +13,7 @@ from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models import OutsideTargets
 
 TIMES = np.linspace(0.0, 2.0, 200)
-S = (TIMES / 2.0) ** 3 * (10.0 - 15.0 * TIMES / 2.0 + 6.0 * (TIMES / 2.0) ** 2)
+S = minimum_jerk(TIMES / 2.0)
 GRID = [(x, y, 0.1) for x in (0.2, 0.3, 0.4) for y in (-0.1, 0.0, 0.1)]
 
 
@@ -25,44 +27,48 @@ def reach(target, *, turned=1.0):
 def filled(model=None):
     library = lt.SkillLibrary()
     for target in GRID:
-        skill = (model or lt.PoseDMP(weights=20)).fit(
-            [lt.Demonstration(reach(target, turned=5.0 * target[0]))]
-        )
+        skill = (model or pose_primitive(weights=20)).fit([reach(target, turned=5.0 * target[0])])
         library = library.with_skill(skill, task="digging", subtask="reach", target=target)
     return library
 
 
-LIBRARY = filled()
+def pose_primitive(**settings):
+    return kind("DMP", "poses", **settings).build()
 
 
-def test_nearest_target_is_found():
-    skill = LIBRARY.nearest("digging", "reach", (0.31, 0.08, 0.0))
+@pytest.fixture(scope="module")
+def library():
+    return filled()
+
+
+def test_nearest_target_is_found(library):
+    skill = library.nearest("digging", "reach", (0.31, 0.08, 0.0))
     np.testing.assert_allclose(skill.generate().positions[-1], (0.3, 0.1, 0.1), atol=1e-9)
 
 
-def test_tasks_and_subtasks_are_kept_apart():
+def test_tasks_and_subtasks_are_kept_apart(library):
     other = lt.DMP().fit([lt.Demonstration(lt.Trajectory([0, 1], [[0.0], [1.0]]))])
-    both = LIBRARY.with_skill(other, task="digging", subtask="home", target=(0.0,))
+    both = library.with_skill(other, task="digging", subtask="home", target=(0.0,))
     assert both.subtasks("digging") == ("reach", "home")
-    assert LIBRARY.subtasks("digging") == ("reach",)
+    assert library.subtasks("digging") == ("reach",)
     assert both.subtasks("seeding") == ()
     assert both.nearest("digging", "home", (5.0,)) is other
 
 
-def test_same_target_is_replaced():
-    skill = lt.PoseDMP().fit([lt.Demonstration(reach((0.9, 0.9, 0.9)))])
-    library = LIBRARY.with_skill(skill, task="digging", subtask="reach", target=GRID[0])
+def test_same_target_is_replaced(library):
+    skill = pose_primitive().fit([lt.Demonstration(reach((0.9, 0.9, 0.9)))])
+    library = library.with_skill(skill, task="digging", subtask="reach", target=GRID[0])
     assert len(library.entries) == len(GRID)
     assert library.nearest("digging", "reach", GRID[0]) is skill
 
 
 @pytest.mark.parametrize("target", [(0.25, 0.05, 0.1), (0.35, -0.02, 0.1), (0.3, 0.1, 0.1)])
-def test_skills_between_targets_are_interpolated(target):
-    made = LIBRARY.interpolated("digging", "reach", target).generate(dt=2.0 / 199)
+def test_skills_between_targets_are_interpolated(library, target):
+    made = library.interpolated("digging", "reach", target).generate(dt=2.0 / 199)
     truth = reach(target, turned=5.0 * target[0])
     np.testing.assert_allclose(made.positions, truth.positions, atol=1e-4)
     assert rotations.distance(made.orientations, truth.orientations).max() < 1e-3
-    from_nearest = LIBRARY.nearest("digging", "reach", target).generate(dt=2.0 / 199)
+    from_nearest = library.nearest("digging", "reach", target).generate(dt=2.0 / 199)
     assert np.abs(made.positions - truth.positions).max() <= (
         np.abs(from_nearest.positions - truth.positions).max() + 1e-4
     )
@@ -79,10 +85,10 @@ def test_targets_on_a_line_are_enough():
     assert made.joint_names == ("a", "b")
 
 
-def test_outside_of_all_targets_the_nearest_is_taken():
+def test_outside_of_all_targets_the_nearest_is_taken(library):
     with pytest.warns(OutsideTargets, match=r"lies 0\.2 outside .* 'reach'"):
-        far = LIBRARY.interpolated("digging", "reach", (0.6, 0.0, 0.1))
-    assert far is LIBRARY.nearest("digging", "reach", (0.6, 0.0, 0.1))
+        far = library.interpolated("digging", "reach", (0.6, 0.0, 0.1))
+    assert far is library.nearest("digging", "reach", (0.6, 0.0, 0.1))
     one = lt.SkillLibrary().with_skill(far, task="t", subtask="s", target=(0.0, 0.0))
     with pytest.warns(OutsideTargets, match=r"lies 1\.41 outside"):
         assert one.interpolated("t", "s", (1.0, 1.0)) is far
@@ -100,17 +106,17 @@ def test_outside_of_all_targets_the_nearest_is_taken():
         ((0.1, 0.0, -0.1), np.sqrt(0.05)),
     ],
 )
-def test_distance_tells_how_far_outside_a_target_is(target, outside):
-    assert LIBRARY.distance("digging", "reach", target) == pytest.approx(outside, abs=1e-12)
+def test_distance_tells_how_far_outside_a_target_is(library, target, outside):
+    assert library.distance("digging", "reach", target) == pytest.approx(outside, abs=1e-12)
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
-        LIBRARY.interpolated("digging", "reach", target)
+        library.interpolated("digging", "reach", target)
     assert [each.category for each in told] == ([OutsideTargets] if outside else [])
 
 
-def test_distance_from_targets_in_space_or_at_one_place():
+def test_distance_from_targets_in_space_or_at_one_place(library):
     rng = np.random.default_rng(0)
-    skill, library = LIBRARY.entries[0].skill, lt.SkillLibrary()
+    skill, library = library.entries[0].skill, lt.SkillLibrary()
     corners = rng.standard_normal((12, 3))
     for corner in corners:
         library = library.with_skill(skill, task="t", subtask="s", target=corner)
@@ -128,9 +134,9 @@ def test_distance_from_targets_in_space_or_at_one_place():
         one.distance("t", "s", (4.0,))
 
 
-def test_library_comes_back_from_its_file(tmp_path):
+def test_library_comes_back_from_its_file(library, tmp_path):
     points = [lt.Demonstration(lt.Trajectory(TIMES, np.outer(S, [0.3, 0.1])))]
-    library = LIBRARY.with_skill(
+    library = library.with_skill(
         lt.FastMarching().fit(points), task="draw", subtask="line", target=(0.3, 0.1)
     )
     library.save(tmp_path / "skills.npz")
@@ -150,7 +156,7 @@ def test_what_cannot_be_averaged_is_refused():
     for target, turned in (((0.0, 0.0), 0.0), ((1.0, 0.0), np.pi)):
         drawn = lt.FastMarching().fit(points)
         library = library.with_skill(drawn, task="t", subtask="drawn", target=target)
-        skill = lt.PoseDMP().fit([lt.Demonstration(reach((1, 1, 1), turned=turned))])
+        skill = pose_primitive().fit([lt.Demonstration(reach((1, 1, 1), turned=turned))])
         library = library.with_skill(skill, task="t", subtask="far", target=target)
     for subtask in ("drawn", "far"):
         library.nearest("t", subtask, (0.5, 0.0))
@@ -158,18 +164,18 @@ def test_what_cannot_be_averaged_is_refused():
             library.interpolated("t", subtask, (0.5, 0.0))
 
 
-def test_bad_input_is_refused(tmp_path):
-    skill = LIBRARY.entries[0].skill
+def test_bad_input_is_refused(library, tmp_path):
+    skill = library.entries[0].skill
     for change in ({"task": 3}, {"subtask": None}, {"target": (0.0,)}, {"target": "x"}):
         query = {"task": "digging", "subtask": "reach", "target": (0.0, 0.0, 0.0), **change}
         with pytest.raises(InvalidInput, match=next(iter(change))):
-            LIBRARY.with_skill(skill, **query)
+            library.with_skill(skill, **query)
         with pytest.raises(InvalidInput):
-            LIBRARY.nearest(**query)
+            library.nearest(**query)
     with pytest.raises(InvalidInput, match="skill"):
-        LIBRARY.with_skill(None, task="a", subtask="b", target=(0.0,))
+        library.with_skill(None, task="a", subtask="b", target=(0.0,))
     skill.save(tmp_path / "skill.npz")
-    LIBRARY.save(tmp_path / "library.npz")
+    library.save(tmp_path / "library.npz")
     with pytest.raises(InvalidInput, match="library"):
         lt.SkillLibrary.load(tmp_path / "skill.npz")
     with pytest.raises(InvalidInput, match="library"):

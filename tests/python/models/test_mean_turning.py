@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from kinds import kind
 
 import leadthrough as lt
 from leadthrough import rotations
@@ -11,13 +12,13 @@ from leadthrough.models.mean_turning import mean_orientations
 from leadthrough.preprocess import align_by_time_warping
 
 U = np.linspace(0.0, 1.0, 120)
-MODELS = {
-    "PoseDMP": lt.PoseDMP(),
-    "ProMP": lt.ProMP(weights=8),
-    "GMR": lt.GMR(4),
-    "TaskGMR": TaskGMR(components=3),
-    "FastMarching": lt.FastMarching(),
-}
+LEARNERS = (
+    kind("DMP", "poses"),
+    kind("ProMP", "poses", weights=8),
+    kind("GMR", "poses", components=4),
+    kind("TaskGMR", "poses", components=3),
+    kind("FastMarching", "poses"),
+)
 
 
 def turning(degrees, *, at=U, aside=0.0):
@@ -28,9 +29,9 @@ def turning(degrees, *, at=U, aside=0.0):
     return lt.Demonstration(lt.PoseTrajectory(2.0 * U, points, turned))
 
 
-@pytest.fixture(params=MODELS, ids=str)
+@pytest.fixture(params=LEARNERS, ids=str)
 def model(request):
-    return MODELS[request.param]
+    return request.param.build()
 
 
 @pytest.mark.parametrize("angles", [(170.0, -168.0, 165.0, -170.0), (179.0, -95.0, 100.0, -90.0)])
@@ -59,7 +60,8 @@ def test_a_mean_does_not_depend_on_the_order(model):
 def test_a_spread_beyond_a_quarter_turn_has_no_mean_but_a_middle_for_frames():
     angles = (95.0, 60.0, -20.0, -95.0)
     for order in (angles, angles[::-1]):
-        for model in (lt.PoseDMP(), lt.ProMP(), lt.GMR(), lt.FastMarching()):
+        for family in ("DMP", "ProMP", "GMR", "FastMarching"):
+            model = kind(family, "poses").build()
             with pytest.raises(
                 FitError, match=r"\[0, 1\] and \[2, 3\] turn up to 1.. degrees apart"
             ):
@@ -90,8 +92,8 @@ def test_the_same_turning_at_other_times_is_told_with_its_cure():
         turned = rotations.exp(np.outer(at, [0.0, 0.0, np.radians(200.0)]))
         shown.append(lt.PoseTrajectory(2.0 * U, points, turned))
     with pytest.raises(FitError, match=r"\[0, 2\] and \[1\].*align_by_time_warping"):
-        lt.PoseDMP().fit(shown)
-    made = lt.PoseDMP().fit(align_by_time_warping(shown)).generate()
+        kind("DMP", "poses").build().fit(shown)
+    made = kind("DMP", "poses").build().fit(align_by_time_warping(shown)).generate()
     turns = rotations.distance(made.orientations[1:], made.orientations[:-1])
     assert np.degrees(turns.sum()) == pytest.approx(200.0, abs=2.0)
 

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from kinds import kind
+from motions import motion_of
 
 import leadthrough as lt
-from leadthrough import rotations
 from leadthrough.models import OutOfStep
 from leadthrough.preprocess import align_by_time_warping
 
@@ -17,27 +18,24 @@ def paused(at):
     return np.column_stack([u, np.sin(6.0 * u), 0.2 * u])
 
 
-def points(at):
-    return lt.Trajectory(T, paused(at))
+def demonstration(at, motion="points"):
+    path = paused(at)
+    return motion_of(motion, T, path, np.outer(path[:, 0], [0.0, 0.5, 1.0]))
 
 
-def poses(at):
-    turned = rotations.exp(np.outer(paused(at)[:, 0], [0.0, 0.5, 1.0]))
-    return lt.PoseTrajectory(T, paused(at), turned)
+LEARNERS = (
+    kind("ProMP"),
+    kind("ProMP", "poses"),
+    kind("GMR", starts=1),
+    kind("DMP"),
+    kind("DMP", "poses"),
+)
 
 
-MODELS = {
-    "ProMP": (lt.ProMP(), points),
-    "ProMP of poses": (lt.ProMP(), poses),
-    "GMR": (lt.GMR(starts=1), points),
-    "DMP": (lt.DMP(), points),
-    "PoseDMP": (lt.PoseDMP(), poses),
-}
-
-
-@pytest.mark.parametrize(("model", "motion"), MODELS.values(), ids=MODELS)
-def test_a_warning_names_the_demonstrations_and_the_cure_once_and_here(model, motion):
-    shown = [motion(at) for at in (0.5, 0.5, 0.5, 0.9, 0.5)]
+@pytest.mark.parametrize("learner", LEARNERS, ids=str)
+def test_a_warning_names_the_demonstrations_and_the_cure_once_and_here(learner):
+    model = learner.build()
+    shown = [demonstration(at, learner.motion) for at in (0.5, 0.5, 0.5, 0.9, 0.5)]
     cure = r"demonstrations \[3\]: .* preprocess.align_by_time_warping"
     with pytest.warns(OutOfStep, match=cure) as told:
         model.fit(shown)
@@ -47,16 +45,16 @@ def test_a_warning_names_the_demonstrations_and_the_cure_once_and_here(model, mo
 
 def test_demonstrations_that_all_differ_are_all_named():
     with pytest.warns(OutOfStep, match=r"demonstrations \[0, 2\]: .* 22% of the duration"):
-        lt.ProMP().fit([points(at) for at in (0.2, 0.5, 0.8)])
+        lt.ProMP().fit([demonstration(at) for at in (0.2, 0.5, 0.8)])
 
 
 def test_given_phases_say_what_belongs_together():
     at = (0.2, 0.8)
     u = [np.interp(T, [0.0, 2.0 * a, 2.0 * a + 1.0, 3.0], [0.0, a, a + 1e-3, 1.0]) for a in at]
-    lt.ProMP().fit([points(a) for a in at], phases=u)
+    lt.ProMP().fit([demonstration(a) for a in at], phases=u)
 
 
 def test_handwriting_and_single_motions_are_in_step():
     for name in lt.io.lasa.motions()[::3]:
         lt.ProMP().fit(lt.io.lasa.load(name))
-    lt.DMP().fit([points(0.2)])
+    lt.DMP().fit([demonstration(0.2)])

@@ -4,6 +4,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from kinds import kind
 
 import leadthrough as lt
 from leadthrough.models import TaskGMR
@@ -21,27 +22,50 @@ ROUND = np.column_stack([np.cos(2 * np.pi * T), np.sin(2 * np.pi * T), 0.0 * T])
 STILL = np.repeat(TURNS[:1], len(T), axis=0)
 
 # Models none of whose settings is the default one, what they learn from, and what may be dragged.
-MODELS = {
-    "DMP": (lt.DMP(30, "hoffmann", "ridge"), ARCHES, {"weights"}),
-    "PoseDMP": (lt.PoseDMP(30, "log", "ridge"), POSES, {"weights"}),
-    "RhythmicDMP": (lt.RhythmicDMP(20, 0.5), [lt.Trajectory(T, ROUND)], {"weights"}),
-    "RhythmicPoseDMP": (
-        lt.RhythmicPoseDMP(20, 0.5), [lt.PoseTrajectory(T, ROUND, STILL)], {"weights"},
+LEARNERS = {
+    "DMP": (kind("DMP", weights=30, form="hoffmann", regression="ridge"), ARCHES, {"weights"}),
+    "DMP of poses": (
+        kind("DMP", "poses", weights=30, orientation="log", regression="ridge"),
+        POSES,
+        {"weights"},
     ),
-    "ProMP": (lt.ProMP(12, "gaussian", 0.8, "em", 1e-4), ARCHES, {"weights"}),
-    "GMR": (lt.GMR(5, seed=3), ARCHES, {"components"}),
-    "TaskGMR": (TaskGMR(5, seed=3), ARCHES, {"components"}),
+    "RhythmicDMP": (
+        kind("RhythmicDMP", weights=20, period=0.5),
+        [lt.Trajectory(T, ROUND)],
+        {"weights"},
+    ),
+    "RhythmicDMP of poses": (
+        kind("RhythmicDMP", "poses", weights=20, period=0.5),
+        [lt.PoseTrajectory(T, ROUND, STILL)],
+        {"weights"},
+    ),
+    "ProMP": (
+        kind("ProMP", weights=12, basis="gaussian", width=0.8, estimator="em", regularization=1e-4),
+        ARCHES,
+        {"weights"},
+    ),
+    "GMR": (kind("GMR", components=5, seed=3), ARCHES, {"components"}),
+    "TaskGMR": (kind("TaskGMR", components=5, seed=3), ARCHES, {"components"}),
     "FastMarching": (
-        lt.FastMarching(0.02, 0.1, 0.01, "map", "constant", ((-0.5, -0.5), (0.8, 0.8))),
+        kind(
+            "FastMarching",
+            area_of_influence=0.02,
+            saturation=0.1,
+            resolution=0.01,
+            method="map",
+            timing="constant",
+            workspace=((-0.5, -0.5), (0.8, 0.8)),
+        ),
         ARCHES,
         {"saturation", "area of influence, m"},
     ),
-}  # fmt: skip
+}
 
 
-@pytest.fixture(params=MODELS)
+@pytest.fixture(params=LEARNERS)
 def case(request):
-    return MODELS[request.param]
+    learner, motions, labels = LEARNERS[request.param]
+    return learner.build(), motions, labels
 
 
 def settings(model):

@@ -1,18 +1,19 @@
 """Progress along a path, learned from demonstrations."""
 
+import motions
 import numpy as np
 import pytest
 
 from leadthrough.models import phase
 
 
-def minimum_jerk(count=500):
+def rising(count=500):
     t = np.linspace(0.0, 1.0, count)
-    return t, 10 * t**3 - 15 * t**4 + 6 * t**5
+    return t, motions.minimum_jerk(t)
 
 
 def test_progress_of_a_minimum_jerk_motion_is_minimum_jerk():
-    t, u = minimum_jerk()
+    t, u = rising()
     progress = phase.progress_of(3.0 + 2.0 * t, np.outer(u, [3.0, 4.0]))
     expected = np.interp(np.linspace(0, 1, phase.SAMPLES), t, u)
     np.testing.assert_allclose(progress, expected, atol=1e-6)
@@ -55,7 +56,7 @@ def test_pause_in_a_demonstration_stays_a_pause():
 
 
 def test_sampled_progress_stays_inside_zero_and_one():
-    t, u = minimum_jerk()
+    t, u = rising()
     progress = phase.rest_to_rest(phase.progress_of(t, np.outer(u, [1.0, 0.0])))
     sampled = phase.covered_at(phase.spline_of(progress), np.linspace(0.0, 1.0, 12345))
     assert sampled.min() >= 0.0

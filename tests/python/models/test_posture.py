@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+from kinds import kind
+from motions import arm, minimum_jerk
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
-from leadthrough.models import Framed, TaskGMR
+from leadthrough.models import Framed
 from leadthrough.models.posture import Posture, agreed, shown_posture
 from leadthrough.preprocess import (
     align_by_arc_length,
@@ -17,9 +19,9 @@ from leadthrough.preprocess import (
     smooth_by_spline,
 )
 
-ARM = lt.Arm.load("panda")
+ARM = arm("panda")
 U = np.linspace(0.0, 1.0, 121)
-RISE = U**3 * (10.0 - 15.0 * U + 6.0 * U**2)
+RISE = minimum_jerk(U)
 HOME = np.array([0.3, -0.7, -0.6, -2.3, 0.4, 1.9, -0.5])
 WAY = np.array([0.5, 0.3, -0.4, 0.4, -0.3, 0.2, 0.6])
 
@@ -40,25 +42,34 @@ def points():
     return [lt.Trajectory(p.times, p.positions, joints=p.joints) for p in poses()]
 
 
-SKILLS = {
-    "DMP": (lt.DMP(), points),
-    "PoseDMP": (lt.PoseDMP(), poses),
-    "PoseDMP lifted": (lt.PoseDMP(orientation="lifted"), poses),
-    "RhythmicDMP": (lt.RhythmicDMP(), points),
-    "RhythmicPoseDMP": (lt.RhythmicPoseDMP(), poses),
-    "ProMP": (lt.ProMP(), poses),
-    "ProMP of points": (lt.ProMP(), points),
-    "GMR": (lt.GMR(), poses),
-    "TaskGMR": (TaskGMR(), poses),
-    "FastMarching": (lt.FastMarching(), poses),
-    "FastMarching of points": (lt.FastMarching(), points),
-    "Framed": (Framed(lt.PoseDMP()), poses),
+LEARNERS = {
+    "DMP": kind("DMP"),
+    "DMP of poses": kind("DMP", "poses"),
+    "DMP of poses, lifted": kind("DMP", "poses", orientation="lifted"),
+    "RhythmicDMP": kind("RhythmicDMP"),
+    "RhythmicDMP of poses": kind("RhythmicDMP", "poses"),
+    "ProMP": kind("ProMP", "poses"),
+    "ProMP of points": kind("ProMP"),
+    "GMR": kind("GMR", "poses"),
+    "TaskGMR": kind("TaskGMR", "poses"),
+    "FastMarching": kind("FastMarching", "poses"),
+    "FastMarching of points": kind("FastMarching"),
+    "Framed": kind("DMP", "poses"),
 }
 
 
-@pytest.mark.parametrize("name", SKILLS)
+def learner(name):
+    """A model, and a function that returns what it learns."""
+    model = LEARNERS[name].build()
+    return (
+        Framed(model) if name == "Framed" else model,
+        poses if LEARNERS[name].motion == "poses" else points,
+    )
+
+
+@pytest.mark.parametrize("name", LEARNERS)
 def test_a_skill_keeps_the_joints_by_phase_and_in_its_file(name, tmp_path):
-    model, demonstrations = SKILLS[name]
+    model, demonstrations = learner(name)
     given = demonstrations()
     skill = model.fit(given)
     made = skill.generate()
@@ -74,9 +85,9 @@ def test_a_skill_keeps_the_joints_by_phase_and_in_its_file(name, tmp_path):
     assert again.joints.joint_names == ARM.joint_names
 
 
-@pytest.mark.parametrize("name", SKILLS)
+@pytest.mark.parametrize("name", LEARNERS)
 def test_motions_without_joints_have_none_afterwards(name):
-    model, demonstrations = SKILLS[name]
+    model, demonstrations = learner(name)
     bare = [
         lt.PoseTrajectory(m.times, m.positions, m.orientations)
         if isinstance(m, lt.PoseTrajectory)
@@ -87,7 +98,7 @@ def test_motions_without_joints_have_none_afterwards(name):
 
 
 def test_a_new_goal_leaves_the_joints_of_the_start():
-    skill = lt.PoseDMP().fit(poses())
+    skill = kind("DMP", "poses").build().fit(poses())
     plain = skill.generate()
     goal = plain.positions[-1] + [0.05, 0.0, 0.03], plain.orientations[-1]
     moved = skill.generate(goal=goal)
@@ -97,7 +108,7 @@ def test_a_new_goal_leaves_the_joints_of_the_start():
 def test_a_library_blends_the_joints_of_the_targets_around():
     library = lt.SkillLibrary()
     for target, offset in ((0.0, 0.0), (1.0, 0.2)):
-        skill = lt.PoseDMP().fit([ARM.poses(shown(HOME + offset))])
+        skill = kind("DMP", "poses").build().fit([ARM.poses(shown(HOME + offset))])
         library = library.with_skill(skill, task="t", subtask="s", target=[target])
     between = library.interpolated("t", "s", [0.5]).generate()
     np.testing.assert_allclose(between.joints.positions[0], HOME + 0.1, atol=1e-3)

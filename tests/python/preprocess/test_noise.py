@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from motions import minimum_jerk
 
 from leadthrough.io import lasa
 from leadthrough.preprocess.noise import noise_of, without_noise
@@ -11,7 +12,7 @@ from leadthrough.preprocess.resample import arc_length
 def reach(count):
     """A bow of 1.09 m in minimum-jerk time."""
     t = np.linspace(0.0, 1.0, count)
-    u = 10 * t**3 - 15 * t**4 + 6 * t**5
+    u = minimum_jerk(t)
     return np.column_stack([u, 0.2 * np.sin(np.pi * u)])
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
@@ -12,7 +13,7 @@ def stop_and_go(*, rate=100.0, noise=0.0):
     """Three strokes of 1 s and 0.2 m, the last one a turn on the spot, 1 s of rest around each."""
     times = np.arange(0.0, 7.0, 1.0 / rate)
     rise = [np.clip(times - start, 0.0, 1.0) for start in (1.0, 3.0, 5.0)]
-    s = [u**3 * (10.0 - 15.0 * u + 6.0 * u**2) for u in rise]
+    s = [minimum_jerk(u) for u in rise]
     points = np.column_stack([0.2 * s[0], 0.2 * s[1], np.zeros_like(times)])
     points += np.random.default_rng(0).normal(0.0, noise, points.shape)
     turned = lt.rotations.exp(np.outer(s[2], [0.0, 1.5, 0.0]))

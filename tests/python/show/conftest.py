@@ -4,6 +4,7 @@ import shutil
 
 import numpy as np
 import pytest
+from motions import minimum_jerk
 
 import leadthrough as lt
 
@@ -25,7 +26,7 @@ def shown():
     """Five hands carry something over a table, from its right to its left."""
     rng = np.random.default_rng(1)
     times = np.linspace(0.0, 4.0, 200)
-    share = 10 * (times / 4) ** 3 - 15 * (times / 4) ** 4 + 6 * (times / 4) ** 5
+    share = minimum_jerk(times / 4)
     demonstrations = []
     for _ in range(5):
         first, last = np.array([[0.40, -0.38, 0.18], [0.50, 0.36, 0.22]]) + rng.normal(

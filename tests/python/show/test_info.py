@@ -3,6 +3,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from motions import minimum_jerk
 from typer.testing import CliRunner
 
 import leadthrough as lt
@@ -16,7 +17,7 @@ TIMES = np.arange(51) / 50.0
 JOINTS = lt.differentiate(
     lt.JointTrajectory(
         TIMES,
-        np.outer(10 * TIMES**3 - 15 * TIMES**4 + 6 * TIMES**5, [1.0, -0.5]),
+        np.outer(minimum_jerk(TIMES), [1.0, -0.5]),
         joint_names=("a_joint", "b_joint"),
     )
 )

@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 import pytest
+from kinds import kind
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
@@ -12,17 +13,17 @@ from leadthrough.show.scene import distribution_of
 
 BOX = lt.Box((0.1, 0.1, 0.3), (0.55, 0.0, 0.15))
 MODELS = {
-    "map": lt.FastMarching(method="map"),
-    "fast marching": lt.FastMarching(),
-    "pose DMP": lt.PoseDMP(),
-    "ProMP": lt.ProMP(),
-    "GMR": lt.GMR(components=5),
+    "map": kind("FastMarching", "poses", method="map"),
+    "fast marching": kind("FastMarching", "poses"),
+    "pose DMP": kind("DMP", "poses"),
+    "ProMP": kind("ProMP", "poses"),
+    "GMR": kind("GMR", "poses", components=5),
 }
 
 
 @pytest.fixture(scope="module")
 def skills(shown):
-    return {name: model.fit(shown) for name, model in MODELS.items()}
+    return {name: of.build().fit(shown) for name, of in MODELS.items()}
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -203,7 +204,7 @@ def test_the_elbow_goes_around_a_dragged_obstacle_in_forty_milliseconds(panda):
     line = rise * [0.0, -0.7, 0.0] + [0.45, 0.35, 0.35]
     shown = lt.PoseTrajectory(times, line, np.tile([0.0, 1.0, 0.0, 0.0], (151, 1)))
     shelf = lt.Box((0.1, 0.4, 0.2), (-0.15, 0.0, 0.65))  # behind the elbow
-    planner = Replanner(panda, lt.PoseDMP().fit([shown]), obstacles=[shelf])
+    planner = Replanner(panda, kind("DMP", "poses").build().fit([shown]), obstacles=[shelf])
     planner._first = np.array([0.6, -0.5, 0.0, -2.4, 0.0, 2.0, 1.4])  # its elbow near the shelf
     taken = []
     for shift in np.linspace(0.0, 0.03, 7):

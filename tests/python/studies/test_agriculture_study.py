@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from motions import minimum_jerk
 
 from leadthrough import rotations
 from leadthrough.models import PoseDMP, SkillLibrary
@@ -36,7 +37,7 @@ ARM = load_arm()
 def recordings_folder(tmp_path_factory):
     """A recording at 20 Hz: rest, half a turn about z while moving 0.3 m, rest, and back."""
     u = np.concatenate([np.zeros(20), np.linspace(0.0, 1.0, 60), np.ones(20)])
-    there = u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
+    there = minimum_jerk(u)
     share = np.concatenate([there, there[::-1]])[:, None]
     turned = rotations.exp(np.pi * share * [0.0, 0.0, 1.0])
     columns = [f"current_pos_{axis}" for axis in "xyz"]

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough import rotations
@@ -17,7 +18,7 @@ RIVALS = {
 
 
 def bow(offset):
-    progress = U**3 * (10.0 - 15.0 * U + 6.0 * U**2)
+    progress = minimum_jerk(U)
     columns = [0.4 * progress, offset * (1.0 - progress) + 0.2 * np.sin(np.pi * progress)]
     return lt.Demonstration(lt.Trajectory(2.0 * U, np.column_stack(columns)))
 

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough.arm import Arm
@@ -92,7 +93,7 @@ def test_measures_of_a_bell_and_of_constant_speed():
 
 
 def test_learned_velocity_of_a_quicker_motion_is_larger():
-    curve = np.column_stack([10 * U**3 - 15 * U**4 + 6 * U**5, U])
+    curve = np.column_stack([minimum_jerk(U), U])
     slow, fast = (lt.JointTrajectory(duration * U, curve) for duration in (4.0, 1.0))
     skill = lt.ProMP().fit([lt.Demonstration(slow)])
     for motion in (slow, fast):

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough import timing
@@ -24,7 +25,7 @@ LIMITS = JointLimits(
 def between(first, last, duration, samples=200, start=0.0):
     """From one configuration to another with smooth starts and stops, Flash and Hogan 1985."""
     u = np.linspace(0, 1, samples)
-    s = 10 * u**3 - 15 * u**4 + 6 * u**5
+    s = minimum_jerk(u)
     q = np.asarray(first) + np.outer(s, np.subtract(last, first))
     return lt.JointTrajectory(start + duration * u, q, joint_names=LIMITS.joint_names)
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from motions import minimum_jerk
 
 import leadthrough as lt
 
@@ -16,7 +17,7 @@ def panda():
 @pytest.fixture(scope="session")
 def reach(panda):
     phase = np.linspace(0.0, 1.0, 51)[:, None]
-    eased = phase**3 * (10.0 - 15.0 * phase + 6.0 * phase**2)
+    eased = minimum_jerk(phase)
     rows = HOME + eased * [0.6, 0.4, 0.0, 0.3, 0.0, 0.1, 0.2]
     shown = lt.JointTrajectory(3.0 * phase[:, 0], rows, joint_names=panda.joint_names)
     return lt.PoseDMP(weights=20).fit([panda.poses(shown)])

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from kinds import kind
 from scipy.interpolate import CubicSpline
 from scipy.spatial import KDTree
 
@@ -39,12 +40,16 @@ def box():
 
 
 @pytest.mark.parametrize(
-    "model",
-    [lt.PoseDMP(), lt.ProMP(), lt.FastMarching(resolution=0.02)],
-    ids=lambda m: type(m).__name__,
+    "learner",
+    [
+        kind("DMP", "poses"),
+        kind("ProMP", "poses"),
+        kind("FastMarching", "poses", resolution=0.02),
+    ],
+    ids=str,
 )
-def test_the_tip_gives_way_where_the_arm_has_no_room(model, panda, shown, box):
-    skill = model.fit(shown)
+def test_the_tip_gives_way_where_the_arm_has_no_room(learner, panda, shown, box):
+    skill = learner.build().fit(shown)
     query = {"dt": 0.02}
     if "obstacles" in skill.supports:
         query["obstacles"] = [box]

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput, NoPath, UnsupportedQuery
 
 TIMES = np.linspace(0.0, 2.0, 200)
-S = (TIMES / 2.0) ** 3 * (10.0 - 15.0 * TIMES / 2.0 + 6.0 * (TIMES / 2.0) ** 2)
+S = minimum_jerk(TIMES / 2.0)
 BOW = np.column_stack([0.4 * S, 0.05 * np.sin(np.pi * S), 0.2 + 0.0 * S])
 SKILL = lt.DMP().fit([lt.Demonstration(lt.Trajectory(TIMES, BOW))])
 FLAT = lt.DMP().fit([lt.Demonstration(lt.Trajectory(TIMES, BOW[:, :2]))])

@@ -1,50 +1,37 @@
 """Systems of poses: in the rotation vectors from the goal's orientation, which may exceed pi."""
 
-from functools import cache
-
 import numpy as np
 import pytest
+from kinds import SHIFTS, kind
+from motions import arch
 
-import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.errors import FitError, InvalidInput
-from leadthrough.models import CLFDM, LPVDS
-
-T = np.linspace(0.0, 1.5, 150)
-U = 10 * (T / 1.5) ** 3 - 15 * (T / 1.5) ** 4 + 6 * (T / 1.5) ** 5
 
 
-def shown(turn=5.0):
-    motions = []
-    for shift in (-0.02, 0.0, 0.02):
-        bow = 0.1 * np.sin(np.pi * U) + shift * (1 - U)
-        points = np.column_stack([0.3 * U, bow, 0.1 * U])
-        turned = rotations.exp(np.outer(turn * U, [shift, 0.6, 0.8]))
-        motions.append(lt.Demonstration(lt.PoseTrajectory(T, points, turned)))
-    return motions
+def demonstrated(turn=5.0):
+    return [arch("poses", shift, turn=turn) for shift in SHIFTS]
 
 
-@cache
-def fitted(name):
-    models = {
-        "CLF-DM": CLFDM(components=6, quadratics=1),
-        "LPV-DS": LPVDS(components=5),
-    }
-    return models[name].fit(shown())
-
-
-@pytest.fixture(params=["CLF-DM", "LPV-DS"])
+@pytest.fixture(
+    scope="module",
+    params=[
+        kind("CLFDM", "poses", components=6, quadratics=1),
+        kind("LPVDS", "poses", components=5),
+    ],
+    ids=str,
+)
 def skill(request):
-    return fitted(request.param)
+    return request.param.build().fit(demonstrated())
 
 
-def test_a_motion_turns_as_far_and_the_same_way_round_as_it_was_shown_to(skill):
+def test_a_motion_turns_as_far_and_the_same_way_round_as_demonstrated(skill):
     motion = skill.generate()
     turned = np.linalg.norm(rotations.lift(motion.orientations), axis=1)
     assert turned[-1] == pytest.approx(0.0, abs=1e-6) or turned.max() == pytest.approx(5.0, abs=0.2)
     steps = rotations.distance(motion.orientations[1:], motion.orientations[:-1])
     assert steps.sum() == pytest.approx(5.0, abs=0.2)
-    middle = shown()[1].motion.positions
+    middle = demonstrated()[1].positions
     gaps = np.linalg.norm(middle[:, None] - motion.positions[None], axis=2)
     assert gaps.min(axis=1).max() < 0.03
 
@@ -75,6 +62,6 @@ def test_all_starts_reach_the_goal(skill):
 
 def test_what_a_system_of_poses_cannot_do_is_refused(skill):
     with pytest.raises(FitError, match="within a full turn"):
-        LPVDS(components=2).fit(shown(turn=7.0))
+        kind("LPVDS", "poses", components=2).build().fit(demonstrated(turn=7.0))
     with pytest.raises(InvalidInput, match="position"):
         skill.policy((0.0, 0.0, 0.0))

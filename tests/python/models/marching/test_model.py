@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough.errors import FitError, InvalidInput, NoPath
@@ -14,7 +15,7 @@ from leadthrough_studies import metrics
 def wave(amplitude=0.05, *, count=200, duration=2.0, shift=0.0, scale=1.0):
     """One arch of a sine over 0.4 m, covered in minimum-jerk time."""
     t = np.linspace(0.0, 1.0, count)
-    u = 10 * t**3 - 15 * t**4 + 6 * t**5
+    u = minimum_jerk(t)
     points = np.column_stack([0.4 * u, amplitude * np.sin(2 * np.pi * u) + shift * (1 - u)])
     return lt.Demonstration(lt.Trajectory(duration * t, scale * points))
 

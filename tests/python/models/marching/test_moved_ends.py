@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough.models.marching import mean_path
@@ -11,7 +12,7 @@ from leadthrough.preprocess.resample import by_arc_length
 OFFSETS = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)  # of the demonstrations' size
 DIRECTIONS = np.deg2rad([20.0, 140.0, 260.0])
 SHARE = np.linspace(0.0, 1.0, 120)
-RISE = 10 * SHARE**3 - 15 * SHARE**4 + 6 * SHARE**5
+RISE = minimum_jerk(SHARE)
 
 
 def family(seed, count, *, closed=False, slower=1.0):

@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough.preprocess.resample import arc_length
 
 SHARE = np.linspace(0.0, 1.0, 200)
-RISE = 10 * SHARE**3 - 15 * SHARE**4 + 6 * SHARE**5
+RISE = minimum_jerk(SHARE)
 BOW = np.column_stack([RISE, 0.2 * np.sin(np.pi * RISE)])  # 1.09 m
 NOISE = 0.03  # m
 

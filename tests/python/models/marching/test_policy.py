@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput, NoPath
@@ -10,7 +11,7 @@ from leadthrough.errors import InvalidInput, NoPath
 @pytest.fixture(scope="module")
 def skill():
     t = np.linspace(0.0, 1.0, 200)
-    u = 10 * t**3 - 15 * t**4 + 6 * t**5
+    u = minimum_jerk(t)
     arch = np.column_stack([0.4 * u, 0.1 * np.sin(np.pi * u)])
     return lt.FastMarching().fit([lt.Demonstration(lt.Trajectory(2.0 * t, arch))])
 
@@ -99,7 +100,7 @@ def test_nowhere_to_go_is_said(skill):
 def ring(seed, *, dimensions=2, scatter=0.003):
     """A motion of 2 s once round, that ends where it began, but for some scatter."""
     t = np.linspace(0.0, 1.0, 300)
-    angle = 2.0 * np.pi * (10 * t**3 - 15 * t**4 + 6 * t**5)
+    angle = 2.0 * np.pi * minimum_jerk(t)
     points = 0.2 * np.column_stack([1.0 - np.cos(angle), np.sin(angle), 0.5 * np.sin(angle)])
     ends = np.random.default_rng(seed).normal(0.0, scatter, (2, dimensions))
     return lt.Trajectory(2.0 * t, points[:, :dimensions] + np.linspace(*ends, 300))

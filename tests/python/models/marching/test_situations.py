@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
@@ -188,7 +189,7 @@ def test_unknown_obstacle_map_is_named():
 
 def rings(count, *, scatter=0.0):
     rng = np.random.default_rng(3)
-    angle = 2.0 * np.pi * (10 * SHARE**3 - 15 * SHARE**4 + 6 * SHARE**5)
+    angle = 2.0 * np.pi * minimum_jerk(SHARE)
     ring = 0.2 * np.column_stack([1.0 - np.cos(angle), np.sin(angle)])
     return [
         in_time(ring + np.linspace(*rng.normal(0.0, scatter, (2, 2)), 300)) for _ in range(count)

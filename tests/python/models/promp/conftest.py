@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from motions import minimum_jerk
 
 import leadthrough as lt
 
@@ -9,7 +10,7 @@ import leadthrough as lt
 def _shown(count=8, *, joints=3, noise=0.0, seed=0, duration=2.0):
     rng = np.random.default_rng(seed)
     u = np.linspace(0.0, 1.0, 200)
-    swing = 10 * u**3 - 15 * u**4 + 6 * u**5
+    swing = minimum_jerk(u)
     demonstrations = []
     for _ in range(count):
         ends = np.arange(1, joints + 1) * (1.0 + 0.2 * rng.standard_normal(joints))

@@ -2,19 +2,18 @@
 
 from xml.etree import ElementTree
 
+import kinds
 import pytest
-from contracts.test_models import MODELS, demonstrations
 
 from leadthrough.errors import NotFitted
 
 
-@pytest.fixture(scope="module", params=MODELS, ids=str)
+@pytest.fixture(scope="module", params=kinds.KINDS)
 def skill(request):
-    model, space = MODELS[request.param]
-    return model.fit(demonstrations(space))
+    return kinds.learned(request.param)
 
 
-def test_skill_is_told_in_a_few_lines(skill):
+def test_skill_is_described_in_a_few_lines(skill):
     text = repr(skill)
     assert text.startswith(f"{type(skill).__name__}({type(skill.model).__name__}(")
     assert "supports" in text
@@ -33,7 +32,8 @@ def test_skill_draws_its_motion(skill):
 
 @pytest.mark.parametrize("name", ["generate", "plot", "save", "supports"])
 def test_model_says_that_it_is_to_be_fitted_first(name):
-    for model, _ in MODELS.values():
+    for each in kinds.KINDS.values():
+        model = each.build()
         kind = type(model).__name__
         with pytest.raises(NotFitted, match=rf"{name}: {kind} .* {kind}\(\)\.fit\(demonstrations"):
             getattr(model, name)
