@@ -51,7 +51,8 @@ def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
 def _fit(repeats: int) -> Benchmark:
     times = np.linspace(0.0, 1.0, SAMPLES)
     joints = (
-        np.sin(np.outer(times, np.arange(1, 8))) * lt.trajectories.minimum_jerk_rise(times)[:, None]
+        np.sin(np.outer(times, np.arange(1, 8)))
+        * lt.trajectories.minimum_jerk_time_scaling(times)[:, None]
     )
     demonstration = lt.Demonstration(lt.JointTrajectory(times, joints))
 
@@ -97,7 +98,7 @@ def _subtask(repeats: int) -> Benchmark:
 
 def _pose_motion(duration: float) -> lt.PoseTrajectory:
     times = np.linspace(0.0, duration, SAMPLES)
-    s = lt.trajectories.minimum_jerk_rise(times / duration)
+    s = lt.trajectories.minimum_jerk_time_scaling(times / duration)
     positions = np.column_stack([0.3 * s, 0.1 * np.sin(2.0 * s), 0.2 * s**2])
     return lt.PoseTrajectory(times, positions, lt.rotations.exp(np.outer(s, [0.5, 1.0, 1.1])))
 

@@ -132,7 +132,7 @@ def _text(row: Row) -> str:
 
 
 def _rise() -> Any:
-    return lt.trajectories.minimum_jerk_rise(np.linspace(0.0, 1.0, 201))[:, None]
+    return lt.trajectories.minimum_jerk_time_scaling(np.linspace(0.0, 1.0, 201))[:, None]
 
 
 def _joints() -> lt.Demonstration[Any]:

@@ -62,7 +62,7 @@ def demonstrations() -> list[lt.Demonstration[Any]]:
     """Five hands carry something over a table."""
     rng = np.random.default_rng(1)
     times = np.linspace(0.0, 4.0, 200)
-    s = lt.trajectories.minimum_jerk_rise(times / 4.0)[:, None]
+    s = lt.trajectories.minimum_jerk_time_scaling(times / 4.0)[:, None]
     arch = np.sin(np.pi * s) ** 2 * [0.0, 0.0, 1.0]
     turned = np.tile((0.0, 1.0, 0.0, 0.0), (len(times), 1))
     shown = []

@@ -139,7 +139,7 @@ def _serial_arm(count: int) -> str:
 
 def _weights(count: int) -> Benchmark:
     times = np.linspace(0.0, 1.0, 1001)
-    rise = lt.trajectories.minimum_jerk_rise(times)[:, None]
+    rise = lt.trajectories.minimum_jerk_time_scaling(times)[:, None]
     joints = np.sin(np.outer(times, np.arange(1, 8))) * rise
     shown = [lt.Demonstration(lt.JointTrajectory(times, joints))]
 
@@ -268,7 +268,7 @@ def _planned() -> Callable[..., Any]:
 
 def _rolled_out() -> Callable[..., Any]:
     times = np.linspace(0.0, 10.0, 1001)
-    s = lt.trajectories.minimum_jerk_rise(times / 10.0)[:, None]
+    s = lt.trajectories.minimum_jerk_time_scaling(times / 10.0)[:, None]
     turned = lt.rotations.exp(s * [0.3, 0.2, 1.5])
     skill = lt.PoseDMP().fit([lt.PoseTrajectory(times, s * [0.3, 0.2, 0.1], turned)])
     moved = np.random.default_rng(3).uniform(-0.05, 0.05, (50, 3))

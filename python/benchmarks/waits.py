@@ -131,7 +131,7 @@ def demonstrations(dimensions: int) -> list[lt.Demonstration[Any]]:
     """Five noisy demonstrations of an arc."""
     rng = np.random.default_rng(5)
     times = np.linspace(0.0, 3.0, 200)
-    s = lt.trajectories.minimum_jerk_rise(times / 3.0)
+    s = lt.trajectories.minimum_jerk_time_scaling(times / 3.0)
     arc = np.column_stack([0.56 * s - 0.28, 0.1 * np.sin(np.pi * s), 0.1 * s])[:, :dimensions]
     if dimensions == 2:
         arc = arc + PLACE

@@ -23,7 +23,7 @@ microseconds = (time.process_time() - began) / len(answers.q) * 1e6
 print(f"{answers.success.mean():.2%} of 2000 random poses solved, {microseconds:.0f} us per pose")
 
 times = np.linspace(0.0, 2.0, 801)
-angle = 2.0 * np.pi * lt.trajectories.minimum_jerk_rise(times / 2.0)  # from rest to rest
+angle = 2.0 * np.pi * lt.trajectories.minimum_jerk_time_scaling(times / 2.0)  # from rest to rest
 circle = np.column_stack([np.full(801, 0.45), 0.15 * np.cos(angle), 0.45 + 0.15 * np.sin(angle)])
 downwards = np.tile([0.0, 1.0, 0.0, 0.0], (801, 1))
 asked = lt.PoseTrajectory(times, circle, downwards)

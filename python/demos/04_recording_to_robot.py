@@ -17,7 +17,7 @@ arm = lt.Arm.load("ur3")
 
 # Stands in for a file from the robot's own recorder: a header, 100 Hz, guided quickly by hand.
 phase = np.linspace(0.0, 1.0, 121)
-swing = lt.trajectories.minimum_jerk_rise(phase)
+swing = lt.trajectories.minimum_jerk_time_scaling(phase)
 q = np.array([0.0, -1.6, 1.9, -1.9, -1.6, 0.0]) + np.outer(swing, [1.2, 0.3, -0.4, 0.5, 0.6, 2.0])
 recording = folder / "recording.csv"
 header = ",".join(["time", *arm.joint_names])

@@ -15,7 +15,9 @@ plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 
 times = np.linspace(0.0, 4.0, 400)
-turned = 4.0 * np.pi * lt.trajectories.minimum_jerk_rise(times / times[-1])  # from rest to rest
+turned = (
+    4.0 * np.pi * lt.trajectories.minimum_jerk_time_scaling(times / times[-1])
+)  # from rest to rest
 lean = turned / 25.0
 axis = np.column_stack([np.sin(lean), np.zeros_like(lean), np.cos(lean)])
 orientations = lt.rotations.exp(turned[:, None] * axis)

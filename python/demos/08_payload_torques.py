@@ -22,7 +22,7 @@ print(drilling.describe())
 
 # Reach out from near the base until the elbow is almost straight.
 phase = np.linspace(0.0, 1.0, 201)
-swing = lt.trajectories.minimum_jerk_rise(phase)
+swing = lt.trajectories.minimum_jerk_time_scaling(phase)
 near, far = (
     np.array([0.0, -1.0, 0.0, -2.7, 0.0, 1.7, 0.8]),
     np.array([0.0, 1.2, 0.0, -0.2, 0, 1.5, 0.8]),

@@ -20,7 +20,7 @@ position, orientation = arm.forward_kinematics(posture)
 # The line passes through this pose in the direction that requires the fastest joints.
 _, _, directions = np.linalg.svd(np.linalg.pinv(arm.jacobian(posture))[:, :3])
 times = np.linspace(0.0, 1.5, 601)
-along = 0.24 * lt.trajectories.minimum_jerk_rise(times / 1.5) - 0.12  # m, from rest to rest
+along = 0.24 * lt.trajectories.minimum_jerk_time_scaling(times / 1.5) - 0.12  # m, from rest to rest
 line = lt.PoseTrajectory(times, position + np.outer(along, directions[0]), [orientation] * 601)
 
 

@@ -17,7 +17,7 @@ arm = lt.Arm.load("panda")
 
 # The hand points down and moves from one side to the other in front of the arm.
 times = np.linspace(0.0, 3.0, 301)
-side = 0.35 - 0.7 * lt.trajectories.minimum_jerk_rise(times / 3.0)  # from rest to rest
+side = 0.35 - 0.7 * lt.trajectories.minimum_jerk_time_scaling(times / 3.0)  # from rest to rest
 line = np.column_stack([np.full(301, 0.45), side, np.full(301, 0.35)])
 asked = lt.PoseTrajectory(times, line, np.tile([0.0, 1.0, 0.0, 0.0], (301, 1)))
 seed = [0.6, -0.5, 0.0, -2.4, 0.0, 2.0, 1.4]

@@ -18,8 +18,10 @@ folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 # A hand carries a jug to a glass and tips it by 130 degrees while it swings about the wrist.
 times = np.linspace(0.0, 4.0, 401)
 u = times / 4.0
-carried = lt.trajectories.minimum_jerk_rise(u)
-tipped = np.radians(130.0) * lt.trajectories.minimum_jerk_rise(np.clip((u - 0.4) / 0.6, 0.0, 1.0))
+carried = lt.trajectories.minimum_jerk_time_scaling(u)
+tipped = np.radians(130.0) * lt.trajectories.minimum_jerk_time_scaling(
+    np.clip((u - 0.4) / 0.6, 0.0, 1.0)
+)
 positions = np.column_stack([0.4 * carried, 0.1 * np.sin(np.pi * carried), 0.3 + 0.05 * carried])
 swung = lt.rotations.exp(np.outer(carried, [0.0, 0.0, 1.2]))
 orientations = lt.rotations.compose(swung, lt.rotations.exp(np.outer(tipped, [0.0, 1.0, 0.0])))

@@ -18,7 +18,7 @@ arm = lt.Arm.load("panda")
 # Six slightly different demonstrations carry an object over a table, flange down; in m.
 rng = np.random.default_rng(1)
 times = np.linspace(0.0, 4.0, 200)
-way = lt.trajectories.minimum_jerk_rise(times / 4.0)
+way = lt.trajectories.minimum_jerk_time_scaling(times / 4.0)
 demonstrations = []
 for _ in range(6):
     first, last = rng.normal([(0.40, -0.38, 0.18), (0.50, 0.36, 0.22)], 0.01)

@@ -20,7 +20,7 @@ arm = lt.Arm.load("ur3")
 # Stands in for `ros2 bag record`: tremor, a pause midway, two faulty samples, a gap.
 times = np.arange(0.0, 6.0, 0.008)
 progress = np.interp(times, [0.0, 0.4, 2.0, 4.0, 5.6, 6.0], [0.0, 0.0, 0.5, 0.5, 1.0, 1.0])
-way = lt.trajectories.minimum_jerk_rise(progress)
+way = lt.trajectories.minimum_jerk_time_scaling(progress)
 q = np.array([0.0, -1.6, 1.9, -1.9, -1.6, 0.0]) + np.outer(way, [1.2, 0.3, -0.4, 0.5, 0.6, 2.0])
 q += np.random.default_rng(3).normal(scale=3e-4, size=q.shape)
 q[[150, 151], 2] += 1.5

@@ -16,7 +16,7 @@ folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 
 # A hand reaches 0.4 m within 1.2 s, and holds a tool there for 0.8 s.
 times = np.linspace(0.0, 2.0, 201)
-reached = lt.trajectories.minimum_jerk_rise(np.clip(times / 1.2, 0.0, 1.0))
+reached = lt.trajectories.minimum_jerk_time_scaling(np.clip(times / 1.2, 0.0, 1.0))
 shown = lt.Trajectory(times, np.outer(reached, [0.4, 0.0, 0.0]))
 skill = lt.DMP().fit([lt.Demonstration(shown, name="reach")])
 

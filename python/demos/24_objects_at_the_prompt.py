@@ -17,7 +17,7 @@ arm = lt.Arm.load("panda")
 # Four hands carry something over a table and let it go; in m.
 rng = np.random.default_rng(2)
 times = np.linspace(0.0, 4.0, 200)
-way = lt.trajectories.minimum_jerk_rise(times / 4.0)
+way = lt.trajectories.minimum_jerk_time_scaling(times / 4.0)
 shown = []
 for _ in range(4):
     first, last = rng.normal([(0.40, -0.30, 0.18), (0.50, 0.30, 0.22)], 0.01)

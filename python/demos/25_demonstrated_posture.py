@@ -18,7 +18,7 @@ arm = lt.Arm.load("panda")
 # Three recordings of a person who guides the arm, its elbow turned out to pass beside something.
 rng = np.random.default_rng(0)
 times = np.linspace(0.0, 3.0, 151)
-rise = lt.trajectories.minimum_jerk_rise(times / times[-1])
+rise = lt.trajectories.minimum_jerk_time_scaling(times / times[-1])
 first, way = (
     np.array([0.5, -0.6, -1.2, -2.2, 0.6, 2.0, 1.4]),
     np.array([0.6, 0.3, 0.2, 0.4, 0, 0, 0]),

@@ -17,7 +17,7 @@ arm = lt.Arm.load("ur3")
 
 # A reach from the left to the right in front of the arm, the flange pointing down.
 u = np.linspace(0.0, 1.0, 101)
-rise = lt.trajectories.minimum_jerk_rise(u)
+rise = lt.trajectories.minimum_jerk_time_scaling(u)
 line = np.column_stack([0.3 + 0.04 * np.sin(np.pi * u), 0.5 * rise - 0.25, np.full(101, 0.2)])
 shown = lt.PoseTrajectory(2.5 * u, line, np.tile([0.0, 1.0, 0.0, 0.0], (101, 1)))
 skill = lt.PoseDMP().fit([shown])

@@ -40,7 +40,7 @@ around = [shelf, bin_, drum]
 
 # The hand dips into the bin and comes out again while the elbow passes the shelf.
 times = np.linspace(0.0, 4.0, 201)
-turn = 2.0 * np.pi * lt.trajectories.minimum_jerk_rise(times / 4.0)
+turn = 2.0 * np.pi * lt.trajectories.minimum_jerk_time_scaling(times / 4.0)
 path = np.column_stack(
     [np.full(201, 0.45), 0.02 * np.sin(turn), 0.33 - 0.06 * (1.0 - np.cos(turn))]
 )

@@ -22,7 +22,7 @@ table = lt.Box((2.0, 2.0, 0.05), (0.9, 0.0, -0.1))
 # Half of the limits: the rest is for pausing, resuming and changing the speed on the path.
 slower = {name: 0.5 * getattr(arm.limits, name) for name in ("velocity", "acceleration", "jerk")}
 limits = lt.arm.JointLimits(**{**vars(arm.limits), **slower})
-way = lt.trajectories.minimum_jerk_rise(np.linspace(0.0, 1.0, 101))
+way = lt.trajectories.minimum_jerk_time_scaling(np.linspace(0.0, 1.0, 101))
 motion = lt.retime(home + np.outer(way, np.full(len(home), 0.9)), limits)
 
 robot = connect(kind, host, arm, np.array(home) - 0.1, [table])

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 from leadthrough.check import Float64Array
 from leadthrough.motion import Demonstration, JointTrajectory, Trajectory, normalised_times
 from leadthrough.preprocess.resample import arc_length
-from leadthrough.trajectories import minimum_jerk_rise
+from leadthrough.trajectories import minimum_jerk_time_scaling
 
 _RATE = 50.0  # Hz
 _TREMOR_WAVES = 6
@@ -108,7 +108,7 @@ def guide(
     scattered = wanted + rng.normal(0.0, teaching.spread, wanted.shape)
     times = np.linspace(0.0, teaching.duration, int(teaching.duration * _RATE) + 1)
     u = times / teaching.duration
-    progress = minimum_jerk_rise(u)
+    progress = minimum_jerk_time_scaling(u)
     knots = arc_length(scattered)
     curve = CubicSpline(knots / knots[-1], scattered)
     bow = rng.normal(0.0, teaching.bow * knots[-1], wanted.shape[1])

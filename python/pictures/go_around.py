@@ -32,7 +32,7 @@ def shown_by_hand() -> list[lt.Demonstration]:
     """Six slightly different demonstrations that carry an object over a table, flange down."""
     rng = np.random.default_rng(1)
     times = np.linspace(0.0, 3.0, 200)
-    way = lt.trajectories.minimum_jerk_rise(times / times[-1])
+    way = lt.trajectories.minimum_jerk_time_scaling(times / times[-1])
     result = []
     for _ in range(6):
         first, last = rng.normal([(0.40, -0.38, 0.22), (0.50, 0.36, 0.22)], 0.01)
@@ -84,7 +84,9 @@ def main(out: Path) -> None:
         free = drawn(None)
         camera.take("Shown by hand, six times", free, np.arange(0.0, free.times[-1], STEP))
         for k in range(DRAGS + 1):
-            place = FROM + lt.trajectories.minimum_jerk_rise(np.array(k / DRAGS)) * (TO - FROM)
+            place = FROM + lt.trajectories.minimum_jerk_time_scaling(np.array(k / DRAGS)) * (
+                TO - FROM
+            )
             last = drawn(lt.Box(BOX, place))
             camera.take("A box is dragged into the way", last, [0.0])
         title = "The whole arm goes around, inside its limits"

@@ -36,7 +36,7 @@ def test_commands_that_clean_learn_plan_time_check_guard_and_show_load_no_librar
     tmp_path,
 ):
     times = np.linspace(0.0, 2.0, 30)
-    s = lt.trajectories.minimum_jerk_rise(times / 2.0)[:, None]
+    s = lt.trajectories.minimum_jerk_time_scaling(times / 2.0)[:, None]
     names = ("shown.csv", "posed.csv", "joints.csv")
     shown, posed, joints = (str(tmp_path / name) for name in names)
     turned = lt.rotations.exp(s * [0.1, 0.2, 0.3])

@@ -11,7 +11,7 @@ from leadthrough.errors import IkFailure, InvalidInput
 from leadthrough.plausible import Suspicious
 
 T = np.linspace(0.0, 3.0, 150)
-WAY = lt.trajectories.minimum_jerk_rise(T / 3.0)
+WAY = lt.trajectories.minimum_jerk_time_scaling(T / 3.0)
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 START, GOAL = np.array([0.4, -0.2, 0.4]), np.array([0.45, 0.25, 0.3])
 

@@ -12,7 +12,7 @@ from leadthrough.models import Frame, choose_components, infer, kmeans
 from leadthrough.repr import ShortRepr
 
 T = np.linspace(0.0, 2.0, 100)
-S = lt.trajectories.minimum_jerk_rise(T / 2.0)
+S = lt.trajectories.minimum_jerk_time_scaling(T / 2.0)
 HOME = np.array([0.3, -1.4, 1.6, -1.8, -1.5, 0.2])
 
 

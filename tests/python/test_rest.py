@@ -19,7 +19,7 @@ def recorded(rng, *, noise=0.0, rate=100.0, pause=0.0, before=BEFORE, after=AFTE
     knots = np.cumsum([0.0, before, 0.5 * MOTION, pause, 0.5 * MOTION, after])
     times = np.arange(0.0, knots[-1], 1.0 / rate)
     part = np.interp(times, knots, [0.0, 0.0, 0.5, 0.5, 1.0, 1.0])
-    way = np.outer(lt.trajectories.minimum_jerk_rise(part), np.linspace(0.3, -0.2, joints))
+    way = np.outer(lt.trajectories.minimum_jerk_time_scaling(part), np.linspace(0.3, -0.2, joints))
     return lt.Trajectory(times, way + rng.normal(0.0, noise, way.shape))
 
 
@@ -57,7 +57,7 @@ def test_pauses_in_the_middle_stay():
 
 def test_a_turn_on_the_spot_is_a_motion():
     times = np.arange(0.0, 4.0, 0.01)
-    part = lt.trajectories.minimum_jerk_rise(np.clip((times - 1.0) / 2.0, 0.0, 1.0))
+    part = lt.trajectories.minimum_jerk_time_scaling(np.clip((times - 1.0) / 2.0, 0.0, 1.0))
     turned = lt.rotations.exp(np.outer(part, [0.0, 0.0, 1.2]))
     points = np.random.default_rng(4).normal(0.0, 2e-4, (len(times), 3))
     poses = lt.PoseTrajectory(times, points, turned)

@@ -15,7 +15,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "guide" / "which-model.md"
 COLUMNS = ["model", "of", "start", "goal", "obstacles", "via points", "uncertainty", "online"]
 SMALL = {"UMIC": {"kernels": 8}, "SEDS": {"components": 2}}  # the others are quick as they are
 TIMES = np.linspace(0.0, 2.0, 40)
-RISE = lt.trajectories.minimum_jerk_rise(TIMES / 2.0)
+RISE = lt.trajectories.minimum_jerk_time_scaling(TIMES / 2.0)
 
 
 def rows():

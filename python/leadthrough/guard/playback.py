@@ -18,8 +18,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr
-from leadthrough.trajectories.filters import FilterState
-from leadthrough.trajectories.jerk_filter import JerkFilter
+from leadthrough.trajectories.filters import FilterState, JerkFilter
 
 _LEAST_ROOM = 0.01  # fraction of a limit that a motion has to leave
 _SLOWEST, _FASTEST = 1.0, 1e4  # Hz

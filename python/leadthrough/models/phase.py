@@ -10,7 +10,7 @@ from leadthrough.check import Float64Array
 from leadthrough.motion import normalised_times
 from leadthrough.preprocess.noise import without_noise
 from leadthrough.preprocess.resample import arc_length
-from leadthrough.trajectories import minimum_jerk_rise
+from leadthrough.trajectories import minimum_jerk_time_scaling
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -59,7 +59,7 @@ def rest_to_rest(progress: Float64Array) -> Float64Array:
     speed = speed_of(progress)
     u = np.linspace(0.0, 1.0, SAMPLES)
     x = np.clip(np.minimum(u, 1.0 - u) / _RAMP, 0.0, 1.0)
-    speed = minimum_jerk_rise(x, speed)
+    speed = minimum_jerk_time_scaling(x, speed)
     total = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))])
     return np.asarray(total / total[-1])
 

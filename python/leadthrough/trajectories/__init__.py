@@ -4,14 +4,16 @@ After Grioli's notes on trajectories (2023), chapters 2 and 3.
 """
 
 from leadthrough.trajectories.bezier import Bezier, de_casteljau, joined
-from leadthrough.trajectories.bspline import BSpline, Nurbs
-from leadthrough.trajectories.bspline_fitting import bspline_near, nurbs_through
+from leadthrough.trajectories.bspline import BSpline, Nurbs, bspline_near, nurbs_through
 from leadthrough.trajectories.curve import Curve, PointCurve
 from leadthrough.trajectories.filters import (
     FilterState,
     FirstOrderFilter,
+    JerkFilter,
     LinearFilter,
+    LineState,
     SecondOrderFilter,
+    StraightFilter,
     TimeOptimalFilter,
 )
 from leadthrough.trajectories.interpolation import (
@@ -23,22 +25,24 @@ from leadthrough.trajectories.interpolation import (
     smooth,
     smoothing,
 )
-from leadthrough.trajectories.jerk_filter import JerkFilter
-from leadthrough.trajectories.law import run_by
+from leadthrough.trajectories.law import PoseCurve, run_by
 from leadthrough.trajectories.minimum_jerk import (
     State,
     minimum_jerk,
-    minimum_jerk_rise,
     minimum_jerk_through,
+    minimum_jerk_time_scaling,
+    point_to_point,
 )
-from leadthrough.trajectories.point_to_point import point_to_point
 from leadthrough.trajectories.polynomial import Lagrange, chebyshev_nodes, osculating
-from leadthrough.trajectories.pose_curve import PoseCurve
 from leadthrough.trajectories.profiles import double_s, trapezoid
-from leadthrough.trajectories.rotation_curve import RotationBezier, RotationCurve, Slerp, Squad
-from leadthrough.trajectories.rotation_spline import RotationSpline
+from leadthrough.trajectories.rotation import (
+    RotationBezier,
+    RotationCurve,
+    RotationSpline,
+    Slerp,
+    Squad,
+)
 from leadthrough.trajectories.spline import Spline
-from leadthrough.trajectories.straight_filter import LineState, StraightFilter
 
 __all__ = [
     "BSpline",
@@ -72,8 +76,8 @@ __all__ = [
     "joined",
     "linear",
     "minimum_jerk",
-    "minimum_jerk_rise",
     "minimum_jerk_through",
+    "minimum_jerk_time_scaling",
     "natural_cubic",
     "nurbs_through",
     "osculating",

@@ -21,11 +21,11 @@ from leadthrough.trajectories import curve
 from leadthrough.trajectories.curve import PointCurve
 from leadthrough.trajectories.spline import Spline
 
-_MOST_POINTS = 100
+_MAX_POINTS = 100
 # Ends that are nearer than this, relative to the numbers' size, meet.
 _JOINED = 1e-9
 # Factorials of higher orders lose the digits of a derivative.
-_MOST_CONTINUITY = 20
+_MAX_CONTINUITY = 20
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -48,7 +48,7 @@ class Bezier(PointCurve):
 
     def __init__(self, points: ArrayLike, domain: ArrayLike = (0.0, 1.0)) -> None:
         table = curve.points(points, "points")
-        check.integer(len(table), "number of points", at_least=1, at_most=_MOST_POINTS)
+        check.integer(len(table), "number of points", at_least=1, at_most=_MAX_POINTS)
         ends = curve.knot_times(domain, "domain")[[0, -1]]
         vars(self).update(points=table, domain=(float(ends[0]), float(ends[1])))
 
@@ -114,7 +114,7 @@ class Bezier(PointCurve):
                 f"{free.shape[1]}"
             )
         length = check.number(duration, "duration", above=0.0)
-        most = check.integer(continuity, "continuity", at_least=0, at_most=_MOST_CONTINUITY)
+        most = check.integer(continuity, "continuity", at_least=0, at_most=_MAX_CONTINUITY)
         degree, end = most + len(free), self.domain[1]
         # The k-th difference of the first control points gives the k-th derivative at the start.
         differences = [

@@ -1,4 +1,4 @@
-"""What all curves have in common: a domain, knots, and derivatives at any times inside it."""
+"""The interface of all curves: a domain, knots, and derivatives at any times inside it."""
 
 from __future__ import annotations
 

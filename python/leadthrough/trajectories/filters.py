@@ -1,21 +1,31 @@
 """Filters that lead a reference to targets as these arrive, one step a sample.
 
 A filter is frozen; what changes is its FilterState, which goes into `step` and comes out of it.
-Every dimension is filtered by itself. Linear filters are stepped exactly, whatever the period.
+Linear filters are stepped exactly, whatever the period. Every dimension is filtered by itself, but
+for the StraightFilter, which leads all of them along a line.
 
-Source: Grioli 2023, chapter 3; Zanasi, Lo Bianco and Tonielli 2000 for time-optimal filters.
+The JerkFilter ramps towards its highest velocity for as long as a stop begun afterwards would end
+before the target; then it stops. It needs the present state only, so targets may change at any
+time. Each motion is time-optimal, and its samples lie on it exactly, whatever the period: only a
+reference that cannot stop in time overshoots. A state outside the limits returns inside them: an
+acceleration at the jerk's limit, a velocity by the fastest ramp to its own limit.
+
+Source: Grioli 2023, chapter 3; Zanasi, Lo Bianco and Tonielli 2000 for time-optimal filters. The
+JerkFilter solves the problem of Lo Bianco and Ghilardelli 2014 as Castain and Paul did in 1984, "An
+on-line dynamic trajectory generator".
 """
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check
+from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.repr import ShortRepr
@@ -23,7 +33,7 @@ from leadthrough.repr import ShortRepr
 # A target this near, relative to the size of the numbers, is reached: nearer is rounding.
 _REACHED = 1e-14
 # s; steps outside this range lose their digits.
-_SHORTEST_PERIOD, _LONGEST_PERIOD = 1e-7, 1e5
+_MIN_PERIOD, _MAX_PERIOD = 1e-7, 1e5
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,7 +251,7 @@ def _inputs(
 
 def check_period(period: float) -> float:
     """`period` as a number of seconds that filters can step by."""
-    return check.number(period, "period", at_least=_SHORTEST_PERIOD, at_most=_LONGEST_PERIOD)
+    return check.number(period, "period", at_least=_MIN_PERIOD, at_most=_MAX_PERIOD)
 
 
 def rate_limit(value: ArrayLike, name: str) -> Float64Array:
@@ -257,3 +267,274 @@ def limit_for(limit: Float64Array, name: str, x: Float64Array) -> Float64Array:
     if limit.ndim and limit.shape != x.shape:
         raise InvalidInput(f"{name}: expected limits of {len(x)} dimensions, got {len(limit)}")
     return np.broadcast_to(limit, x.shape)
+
+
+_RATES = ("velocity", "acceleration", "jerk")
+# Beyond this, sums of cubes lose all digits.
+_MAX_NUMBER = 1e12
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class JerkFilter(ShortRepr):
+    """The fastest way to rest at a target inside limits of velocity, acceleration and jerk.
+
+    Each limit is > 0, (d,) or one number for all dimensions.
+
+    Attributes:
+        velocity: limit in the positive direction.
+        acceleration: limit in the positive direction.
+        jerk: limit in the positive direction.
+        velocity_down: limit in the negative direction, by default the same.
+        acceleration_down: limit in the negative direction, by default the same.
+        jerk_down: limit in the negative direction, by default the same.
+
+    Raises:
+        InvalidInput: if a limit is not > 0 or above 1e12, or not all are of one dimension.
+    """
+
+    velocity: Float64Array
+    acceleration: Float64Array
+    jerk: Float64Array
+    velocity_down: Float64Array
+    acceleration_down: Float64Array
+    jerk_down: Float64Array
+    _limits: Float64Array = field(init=False, repr=False)  # (6, d or 1) low and high of each rate
+
+    def __init__(  # noqa: PLR0917  # its fields, in their order
+        self,
+        velocity: ArrayLike,
+        acceleration: ArrayLike,
+        jerk: ArrayLike,
+        velocity_down: ArrayLike | None = None,
+        acceleration_down: ArrayLike | None = None,
+        jerk_down: ArrayLike | None = None,
+    ) -> None:
+        limits = {}
+        for name, up, down in zip(
+            _RATES,
+            (velocity, acceleration, jerk),
+            (velocity_down, acceleration_down, jerk_down),
+            strict=True,
+        ):
+            limits[f"{name}_down"] = rate_limit(up if down is None else down, f"{name}_down")
+            limits[name] = rate_limit(up, name)
+        vars(self).update(limits, _limits=_table(limits))
+
+    def step(self, state: FilterState, target: ArrayLike, period: float) -> FilterState:
+        """The state one period later, each dimension on its own fastest way to the target.
+
+        Args:
+            state: the present one.
+            target: (d,).
+            period: s, 1e-7 to 1e5.
+
+        Raises:
+            InvalidInput: if the shapes do not fit or a number is out of its range.
+        """
+        states, limits, goal = self._checked(state, target)
+        return _state(_core.step_each(states, limits, goal, check_period(period)))
+
+    def step_together(self, state: FilterState, target: ArrayLike, period: float) -> FilterState:
+        """The state one period later; all dimensions come to rest when the slowest of them can.
+
+        The others keep a lower speed on their way. Only one whose hardest stop happens to end on
+        its target cannot wait, and arrives earlier.
+
+        Args:
+            state: as for `step`.
+            target: as for `step`.
+            period: as for `step`.
+
+        Raises:
+            InvalidInput: as for `step`.
+        """
+        states, limits, goal = self._checked(state, target)
+        return _state(_core.step_together(states, limits, goal, check_period(period)))
+
+    def durations(self, state: FilterState, target: ArrayLike) -> Float64Array:
+        """Times (d,), s, that `step` takes to rest at the target.
+
+        Args:
+            state: the present one.
+            target: (d,).
+
+        Raises:
+            InvalidInput: if the shapes do not fit or a number is out of its range.
+        """
+        return np.asarray(_core.times_to_rest(*self._checked(state, target)))
+
+    def resting_place(self, state: FilterState) -> Float64Array:
+        """Positions (d,) at which the dimensions rest if they stop as fast as they may.
+
+        Args:
+            state: the present one.
+
+        Raises:
+            InvalidInput: if its shape does not fit the limits or a number is out of its range.
+        """
+        states, limits, _ = self._checked(state, getattr(state, "position", ()))
+        return np.asarray(_core.resting_places(states, limits))
+
+    def along(self, direction: ArrayLike) -> JerkFilter:
+        """The filter of a position on a line, such that all dimensions keep their limits.
+
+        Args:
+            direction: of the line, (d,); a dimension that does not move does not bind.
+
+        Raises:
+            InvalidInput: if it does not fit the limits.
+        """
+        u = check.array(direction, "direction", shape=("d",))
+        if not u.any():  # nothing moves: any limit will do
+            return JerkFilter(1.0, 1.0, 1.0)
+        limits = self._limits_of(len(u)).reshape(3, 2, len(u))  # rate, low and high, dimension
+        with np.errstate(divide="ignore"):
+            along = np.abs(limits / u)
+        along[:, :, u == 0.0] = np.inf
+        forwards = np.where(u > 0.0, along[:, 1], along[:, 0]).min(axis=1)
+        backwards = np.where(u > 0.0, along[:, 0], along[:, 1]).min(axis=1)
+        return JerkFilter(*forwards, *backwards)
+
+    def _checked(
+        self, state: FilterState, target: ArrayLike
+    ) -> tuple[Float64Array, Float64Array, Float64Array]:
+        """States (3, d), limits (6, d), low and high, and targets (d,)."""
+        if not isinstance(state, FilterState):
+            raise InvalidInput(f"state: expected a FilterState, got {type(state).__name__}")
+        states = np.array((state.position, state.velocity, state.acceleration))
+        goal = check.array(target, "target", shape=state.position.shape)
+        if max(np.abs(x).max(initial=0.0) for x in (states, goal)) > _MAX_NUMBER:
+            raise InvalidInput(f"state, target: expected numbers up to {_MAX_NUMBER:g}")
+        return states, self._limits_of(len(goal)), goal
+
+    def _limits_of(self, dimensions: int) -> Float64Array:
+        """Limits (6, d)."""
+        size = self._limits.shape[1]
+        if size == dimensions:  # the quick way, for control loops
+            return self._limits
+        if size not in {1, dimensions}:
+            raise InvalidInput(f"limits: expected limits of {dimensions} dimensions, got {size}")
+        return np.ascontiguousarray(np.broadcast_to(self._limits, (6, dimensions)))
+
+
+def _table(limits: Mapping[str, Float64Array]) -> Float64Array:
+    """Low and high bounds (6, d) of each rate; d is 1 where all limits are single numbers."""
+    rows = [
+        np.atleast_1d(-limit if name.endswith("_down") else limit) for name, limit in limits.items()
+    ]
+    sizes = {len(row) for row in rows if len(row) != 1}
+    if len(sizes) > 1:
+        raise InvalidInput(f"limits: expected as many of each, got {sorted(sizes)}")
+    table = np.stack(np.broadcast_arrays(*rows))
+    if np.abs(table).max(initial=0.0) > _MAX_NUMBER:
+        raise InvalidInput(f"limits: expected numbers up to {_MAX_NUMBER:g}")
+    return table
+
+
+def _state(rows: Float64Array) -> FilterState:
+    return FilterState(rows[0], rows[1], rows[2])
+
+
+# A target this far off a line, relative to its distance, lies on it: rounding.
+_ON_THE_LINE = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class LineState(FilterState):
+    """A state on a line, besides its position, velocity and acceleration.
+
+    Attributes:
+        origin: where the line begins, (d,).
+        direction: unit vector (d,), or 0 where there is no line yet.
+        along: the state along the line, of one dimension.
+        limits: of all dimensions.
+        scalar: limits along the line.
+    """
+
+    origin: Float64Array
+    direction: Float64Array
+    along: FilterState
+    limits: JerkFilter
+    scalar: JerkFilter
+
+
+@dataclass(frozen=True, eq=False)
+class StraightFilter(ShortRepr):
+    """The fastest way to rest at a target along a straight line, inside all dimensions' limits.
+
+    A target that changes during the motion is approached on the same line if it lies on it;
+    otherwise the reference stops as fast as it may and leaves for the target from there.
+
+    Attributes:
+        limits: of every dimension.
+
+    Raises:
+        InvalidInput: if they are not a JerkFilter.
+    """
+
+    limits: JerkFilter
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.limits, JerkFilter):
+            what = type(self.limits).__name__
+            raise InvalidInput(f"limits: expected a JerkFilter, got {what}")
+
+    def step(self, state: FilterState, target: ArrayLike, period: float) -> LineState:
+        """The state one period later.
+
+        Args:
+            state: at rest, or one that this method returned.
+            target: (d,).
+            period: s, 1e-7 to 1e5.
+
+        Raises:
+            InvalidInput: if the state moves and is not on a line, the shapes do not fit or a number
+                is out of its range.
+        """
+        line = self._on_a_line(state)
+        goal = check.array(target, "target", shape=line.position.shape)
+        place = _place(line, goal)
+        if place is None and not _moves(line.along):
+            line = self._towards(line.position, goal)
+            place = _place(line, goal)
+        stop = line.scalar.resting_place(line.along) if place is None else np.array([place])
+        along = line.scalar.step(line.along, stop, period)
+        there = place is not None and along.position[0] == place and not _moves(along)
+        moved = goal if there else line.origin + along.position * line.direction
+        velocity, acceleration = (
+            rate * line.direction for rate in (along.velocity, along.acceleration)
+        )
+        return replace(
+            line, position=moved, velocity=velocity, acceleration=acceleration, along=along
+        )
+
+    def _on_a_line(self, state: FilterState) -> LineState:
+        if isinstance(state, LineState):
+            if state.limits is self.limits:
+                return state
+            return replace(state, limits=self.limits, scalar=self.limits.along(state.direction))
+        if not isinstance(state, FilterState):
+            raise InvalidInput(f"state: expected a FilterState, got {type(state).__name__}")
+        if _moves(state):
+            raise InvalidInput("state: expected one at rest or one that this filter returned")
+        return self._towards(state.position, state.position)
+
+    def _towards(self, origin: Float64Array, goal: Float64Array) -> LineState:
+        """At rest at the origin of the line to a goal; at the goal the direction is 0."""
+        way, still = goal - origin, np.zeros_like(origin)
+        length = float(np.linalg.norm(way))
+        direction = way / length if length > 0.0 else still
+        rest, scalar = FilterState.at_rest([0.0]), self.limits.along(direction)
+        return LineState(origin, still, still, origin, direction, rest, self.limits, scalar)
+
+
+def _place(line: LineState, goal: Float64Array) -> float | None:
+    """Distance of a goal along the line, or None where it does not lie on it."""
+    way = goal - line.origin
+    place = float(way @ line.direction)
+    off = np.abs(way - place * line.direction).max(initial=0.0)
+    return place if off <= _ON_THE_LINE * (abs(place) + np.abs(goal).max(initial=0.0)) else None
+
+
+def _moves(state: FilterState) -> bool:
+    return bool(state.velocity.any() or state.acceleration.any())

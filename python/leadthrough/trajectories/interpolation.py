@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from scipy.interpolate import BSpline, PPoly
     from scipy.sparse import lil_matrix
 
-_MOST_CONTINUITY = 10
-_LEAST_SMOOTHED = 5
+_MAX_CONTINUITY = 10
+_MIN_SMOOTHED = 5
 ENDS = ("rest", "natural")
 
 
@@ -161,7 +161,7 @@ def smooth(
     from scipy.sparse.linalg import spsolve
 
     t, x = _through(times, points)
-    k = check.integer(continuity, "continuity", at_least=0, at_most=_MOST_CONTINUITY)
+    k = check.integer(continuity, "continuity", at_least=0, at_most=_MAX_CONTINUITY)
     if k == 0:
         return linear(t, x)
     rest = check.choice(ends, "ends", ENDS) == "rest"
@@ -212,7 +212,7 @@ def smoothing(times: ArrayLike, points: ArrayLike, *, weight: float) -> Spline:
     """
     from scipy.interpolate import make_smoothing_spline
 
-    t, x = _through(times, points, least=_LEAST_SMOOTHED)
+    t, x = _through(times, points, least=_MIN_SMOOTHED)
     penalty = check.number(weight, "weight", at_least=0.0)
     columns = [make_smoothing_spline(t, column, lam=penalty) for column in x.T]
     return Spline(t, np.concatenate([_table(column, t)[:, :, None] for column in columns], axis=2))

@@ -21,7 +21,7 @@ from leadthrough.trajectories import curve
 from leadthrough.trajectories.curve import PointCurve
 
 # Products of more differences of nodes would overflow.
-_MOST_NODES = 500
+_MAX_NODES = 500
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -45,8 +45,8 @@ class Lagrange(PointCurve):
 
     def __init__(self, nodes: ArrayLike, points: ArrayLike) -> None:
         times = curve.knot_times(nodes, "nodes")
-        if len(times) > _MOST_NODES:
-            raise InvalidInput(f"nodes: expected at most {_MOST_NODES}, got {len(times)}")
+        if len(times) > _MAX_NODES:
+            raise InvalidInput(f"nodes: expected at most {_MAX_NODES}, got {len(times)}")
         table = curve.points(points, "points", count=len(times))
         vars(self).update(nodes=times, points=table, _weights=_weights(times))
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
 from leadthrough.motion import PoseTrajectory, Trajectory
-from leadthrough.trajectories import minimum_jerk_rise
+from leadthrough.trajectories import minimum_jerk_time_scaling
 from leadthrough.whole_arm.room import Narrows, Room, along, turned
 
 # m that a part of the path is moved by, tried in this order.
@@ -74,6 +74,6 @@ def _share(tip: Trajectory | PoseTrajectory, part: Narrows, offset: float) -> Fl
     first, last = length[part.samples[[0, -1]]]
     before = min(_RAMP * offset, first)
     after = min(_RAMP * offset, length[-1] - last)
-    rise = minimum_jerk_rise(np.clip((length - first + before) / before, 0.0, 1.0))
-    fall = minimum_jerk_rise(np.clip((last + after - length) / after, 0.0, 1.0))
+    rise = minimum_jerk_time_scaling(np.clip((length - first + before) / before, 0.0, 1.0))
+    fall = minimum_jerk_time_scaling(np.clip((last + after - length) / after, 0.0, 1.0))
     return np.asarray(rise * fall)

@@ -15,7 +15,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
 from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory, normalised_times
 from leadthrough.preprocess import join
-from leadthrough.trajectories import minimum_jerk_rise
+from leadthrough.trajectories import minimum_jerk_time_scaling
 from leadthrough.whole_arm.connection import way_between
 from leadthrough.whole_arm.room import Room, narrows_at
 from leadthrough.whole_arm.tip_paths import TipMotion, with_reason
@@ -111,7 +111,7 @@ def _from_rest_to_rest(
         duration = max(float(needed.max()), dt)
         share = np.linspace(0.0, 1.0, int(np.ceil(duration / dt)) + 1)[1:]
         times.append(times[-1][-1] + duration * share)
-        rows.append(here + minimum_jerk_rise(share)[:, None] * (there - here))
+        rows.append(here + minimum_jerk_time_scaling(share)[:, None] * (there - here))
     return np.concatenate(times), np.vstack(rows)
 
 

@@ -19,7 +19,7 @@ from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
 from leadthrough.preprocess.resample import by_arc_length
 from leadthrough.shapes import Box, Cylinder
 from leadthrough.timing import check_limits, retime
-from leadthrough.trajectories import minimum_jerk_rise
+from leadthrough.trajectories import minimum_jerk_time_scaling
 from leadthrough.whole_arm import plan_motion
 from leadthrough_studies.demo.performed import Performed
 from leadthrough_studies.demonstrator import Teaching, guide
@@ -99,7 +99,7 @@ def _shown(rng: np.random.Generator, number: int) -> Demonstration[PoseTrajector
     carried = guide(np.array(_WAY), _TEACHING, rng).motion
     assert isinstance(carried, Trajectory)
     phases = carried.times / carried.times[-1]
-    passed = minimum_jerk_rise(np.clip((phases - _TIPPING) / (1.0 - _TIPPING), 0.0, 1.0))
+    passed = minimum_jerk_time_scaling(np.clip((phases - _TIPPING) / (1.0 - _TIPPING), 0.0, 1.0))
     tipped = np.outer(passed, [rng.normal(_TIPPED, _TIPPED_BY_CHANCE), 0.0, 0.0])
     upright = np.repeat(rotations.from_matrix(_UPRIGHT[None]), len(phases), axis=0)
     turned = rotations.compose(rotations.exp(tipped), upright)

@@ -18,7 +18,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
 from leadthrough.motion import JointTrajectory, PoseTrajectory
 from leadthrough.shapes import Box, Cylinder, Shape, Sphere
-from leadthrough.trajectories import minimum_jerk_rise
+from leadthrough.trajectories import minimum_jerk_time_scaling
 from leadthrough_studies.robotasks.study import read
 
 # Where the ends of the reaches lie, m in the arm's base frame.
@@ -101,7 +101,7 @@ def _reach(name: str, rng: np.random.Generator) -> PoseTrajectory:
             break
     u = np.linspace(0.0, 1.0, _SAMPLES)
     bow = np.outer(np.sin(np.pi * u), rng.uniform(-0.08, 0.08, 3))
-    way = ends[0] + np.outer(minimum_jerk_rise(u), ends[1] - ends[0]) + bow
+    way = ends[0] + np.outer(minimum_jerk_time_scaling(u), ends[1] - ends[0]) + bow
     return PoseTrajectory(_DURATION * u, way, np.tile(_DOWN, (_SAMPLES, 1)))
 
 

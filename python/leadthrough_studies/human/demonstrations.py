@@ -19,7 +19,7 @@ from leadthrough.arm import Arm
 from leadthrough.arm.yang import DampedLeastSquares, follow_path
 from leadthrough.check import Float64Array
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory
-from leadthrough.trajectories import minimum_jerk_rise
+from leadthrough.trajectories import minimum_jerk_time_scaling
 from leadthrough_studies.demonstrator import JointTeaching, guide_joints
 
 ROBOT = "panda"
@@ -62,7 +62,7 @@ def human(count: int, rng: np.random.Generator) -> list[Demonstration]:
 
 
 def damped(
-    arm: Arm, count: int, rng: np.random.Generator, *, law: Law = minimum_jerk_rise
+    arm: Arm, count: int, rng: np.random.Generator, *, law: Law = minimum_jerk_time_scaling
 ) -> list[Demonstration]:
     """Demonstrations of the reach by damped least squares, along straight lines of the tool.
 

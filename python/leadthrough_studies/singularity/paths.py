@@ -23,7 +23,7 @@ from leadthrough.arm import Arm
 from leadthrough.arm.yang import DampedLeastSquares, follow_path
 from leadthrough.check import Float64Array
 from leadthrough.motion import JointTrajectory, PoseTrajectory
-from leadthrough.trajectories import minimum_jerk_rise
+from leadthrough.trajectories import minimum_jerk_time_scaling
 from leadthrough_studies.singularity.by_ranges import follow_by_ranges
 
 ROTATION_WEIGHT = 0.3  # m per rad
@@ -83,7 +83,7 @@ def motion(arm: Arm, approach: Approach) -> PoseTrajectory:
     position, orientation = arm.forward_kinematics(posture)
     times = np.arange(round(_DURATION * _RATE) + 1) / _RATE
     u = times / _DURATION
-    along = _TRAVEL * (minimum_jerk_rise(u) - _CLOSEST_AT)
+    along = _TRAVEL * (minimum_jerk_time_scaling(u) - _CLOSEST_AT)
     turned = rotations.exp(np.outer(along, direction[3:]))
     return PoseTrajectory(
         times,

@@ -111,7 +111,7 @@ def test_a_sheet_of_points_between_two_samples_is_found(panda):
 
 def test_the_elbow_goes_around_a_cloud_and_a_mesh_while_the_tip_keeps_its_path(panda):
     u = np.linspace(0.0, 1.0, 101)
-    side = 0.35 - 0.7 * lt.trajectories.minimum_jerk_rise(u)
+    side = 0.35 - 0.7 * lt.trajectories.minimum_jerk_time_scaling(u)
     line = np.column_stack([np.full(101, 0.45), side, np.full(101, 0.35)])
     motion = lt.PoseTrajectory(3.0 * u, line, [(0.0, 1.0, 0.0, 0.0)] * 101)
     seed = [0.6, -0.5, 0.0, -2.4, 0.0, 2.0, 1.4]
@@ -132,7 +132,9 @@ def test_the_elbow_goes_around_a_cloud_and_a_mesh_while_the_tip_keeps_its_path(p
 
 def test_planners_keep_clear_of_clouds_and_meshes():
     t = np.linspace(0.0, 2.0, 101)
-    line = np.column_stack([0.4 * lt.trajectories.minimum_jerk_rise(t / 2), 0 * t, 0 * t + 0.2])
+    line = np.column_stack(
+        [0.4 * lt.trajectories.minimum_jerk_time_scaling(t / 2), 0 * t, 0 * t + 0.2]
+    )
     shown = [lt.Demonstration(lt.Trajectory(t, line + off * Y)) for off in (-0.01, 0.0, 0.01)]
     ball = solids.sphere(0.05).moved(np.array([0.2, 0.01, 0.2]))
     mesh = lt.Mesh(ball.vertices, ball.faces)

@@ -62,7 +62,7 @@ def planned(*words):
 def test_a_goal_farther_on_takes_longer_and_says_why(tmp_path, monkeypatch):
     """Twice as far along its own way: at most 1.3 times as fast as demonstrated."""
     monkeypatch.chdir(tmp_path)
-    rise = lt.trajectories.minimum_jerk_rise(U)
+    rise = lt.trajectories.minimum_jerk_time_scaling(U)
     shown = lt.Trajectory(2.0 * U, np.outer(rise, [0.4, 0.0, 0.1]))
     lt.DMP().fit([shown]).save("reach.npz")
     assert "lengthened" not in planned("reach.npz")

@@ -27,7 +27,7 @@ def panda():
 
 @pytest.fixture(scope="module")
 def motion(panda):
-    way = lt.trajectories.minimum_jerk_rise(np.linspace(0.0, 1.0, 101))
+    way = lt.trajectories.minimum_jerk_time_scaling(np.linspace(0.0, 1.0, 101))
     return lt.retime(HOMES["panda"] + np.outer(way, AWAY), limits_of(panda, 0.5))
 
 

@@ -70,7 +70,7 @@ def test_a_real_recording_of_poses_and_joints_needs_a_choice(recordings):
 def reach(*, noise=0.0):
     """A reach of 2.5 s between rests of 0.8 and 0.9 s, with an event in each rest."""
     times = np.arange(0.0, 4.2, 0.01)
-    rise = lt.trajectories.minimum_jerk_rise(np.clip((times - 0.8) / 2.5, 0.0, 1.0))
+    rise = lt.trajectories.minimum_jerk_time_scaling(np.clip((times - 0.8) / 2.5, 0.0, 1.0))
     q = np.outer(rise, [0.3, -0.2, 0.5, 0.1, 0.4, 0.2])
     q += np.random.default_rng(3).normal(0.0, noise, q.shape)
     names = [f"joint_{i}" for i in range(1, 7)]

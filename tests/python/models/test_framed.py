@@ -10,10 +10,10 @@ import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models import Frame, Framed
-from leadthrough.trajectories import minimum_jerk_rise
+from leadthrough.trajectories import minimum_jerk_time_scaling
 
 U = np.linspace(0.0, 1.0, 201)
-S = minimum_jerk_rise(U)
+S = minimum_jerk_time_scaling(U)
 POINTS = np.column_stack([0.45 * S, 0.1 * np.sin(np.pi * S), 0.1 * S])
 TURNED = rotations.exp(np.outer(S, [0.2, 0.3, 1.0]))
 POSES = lt.PoseTrajectory(2.0 * U, POINTS, TURNED, [lt.Event(1.0, "shut")])

@@ -8,7 +8,7 @@ from leadthrough.models.promp import drawn
 from leadthrough.models.promp.gaussian import Gaussian
 
 TIMES = np.linspace(0.0, 2.0, 40)
-RISE = lt.trajectories.minimum_jerk_rise(TIMES / 2.0)[:, None]
+RISE = lt.trajectories.minimum_jerk_time_scaling(TIMES / 2.0)[:, None]
 SHOWN = [lt.Trajectory(TIMES, RISE * [0.3, 0.2 + 0.02 * k]) for k in range(3)]
 JOINTS = lt.JointTrajectory(TIMES, np.hstack([RISE, 2.0 * RISE]), joint_names=("a", "b"))
 EVENTS = [lt.Event(1.0, "grasp")]

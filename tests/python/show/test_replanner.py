@@ -200,7 +200,7 @@ def test_previews_that_find_no_way_for_the_arm_are_quick_all_the_same(skills, pa
 
 def test_the_elbow_goes_around_a_dragged_obstacle_in_forty_milliseconds(panda):
     times = np.linspace(0.0, 3.0, 151)
-    rise = lt.trajectories.minimum_jerk_rise(times / 3.0)[:, None]
+    rise = lt.trajectories.minimum_jerk_time_scaling(times / 3.0)[:, None]
     line = rise * [0.0, -0.7, 0.0] + [0.45, 0.35, 0.35]
     shown = lt.PoseTrajectory(times, line, np.tile([0.0, 1.0, 0.0, 0.0], (151, 1)))
     shelf = lt.Box((0.1, 0.4, 0.2), (-0.15, 0.0, 0.65))  # behind the elbow

@@ -18,7 +18,7 @@ def loaded():
 @pytest.fixture(scope="session")
 def swing(loaded):
     """From rest to rest, as fast as the limits allow."""
-    way = lt.trajectories.minimum_jerk_rise(np.linspace(0.0, 1.0, 101))
+    way = lt.trajectories.minimum_jerk_time_scaling(np.linspace(0.0, 1.0, 101))
     return lt.retime(HOME + np.outer(way, AWAY - HOME), loaded.limits)
 
 

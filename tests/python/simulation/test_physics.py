@@ -146,7 +146,7 @@ def test_all_shapes_are_obstacles_and_what_is_held_counts():
         lt.PointCloud(np.vstack([cube, np.zeros(3)]), 0.04, tip),
     ]
     deep = arm.inverse_kinematics(tip, arm.forward_kinematics(HOME)[1], seed=HOME).q
-    way = lt.trajectories.minimum_jerk_rise(np.linspace(0.0, 1.0, 51))
+    way = lt.trajectories.minimum_jerk_time_scaling(np.linspace(0.0, 1.0, 51))
     motion = lt.JointTrajectory(np.linspace(0.0, 0.4, 51), HOME + np.outer(way, deep - HOME))
     for shape in shapes:
         report = lt.simulate(arm, motion, obstacles=[shape])

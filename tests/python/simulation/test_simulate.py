@@ -140,7 +140,7 @@ def test_obstacles_and_the_arm_itself_are_hit(loaded, swing):
     report = lt.simulate(loaded, swing, obstacles=[lt.Box((0.05, 0.05, 0.4), middle)])
     assert "contact" in kinds(report)
     assert report.contacts[0].bodies[1] == "obstacle 0"
-    way = lt.trajectories.minimum_jerk_rise(np.linspace(0.0, 1.0, 51))[:, None]
+    way = lt.trajectories.minimum_jerk_time_scaling(np.linspace(0.0, 1.0, 51))[:, None]
     bent = HOME + way * [1.0, 0.6, -0.4, 0.7, 0.3, -0.5, 1.0]
     hit = loaded.check(bent).first
     report = lt.simulate(loaded, lt.JointTrajectory(np.linspace(0.0, 1.0, 51), bent))
@@ -190,7 +190,7 @@ def test_a_skills_tight_and_loose_phases_are_felt(loaded):
     """Demonstrations that agree at the end and not on the way: the tip is stiff at the end."""
     rng = np.random.default_rng(2)
     u = np.linspace(0.0, 1.0, 40)
-    way = HOME + np.outer(lt.trajectories.minimum_jerk_rise(u), AWAY - HOME)
+    way = HOME + np.outer(lt.trajectories.minimum_jerk_time_scaling(u), AWAY - HOME)
     bulge = np.sin(np.pi * u)[:, None] ** 2
     shown = [
         lt.JointTrajectory(

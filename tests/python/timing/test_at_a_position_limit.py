@@ -16,7 +16,7 @@ MIDDLE = 0.5 * (PANDA.lower + PANDA.upper)
 def swing(beyond, samples=101):
     """Out to the first joint's upper limit, and by a fraction beyond, and back."""
     times = np.linspace(0.0, 2.0, samples)
-    u = tr.minimum_jerk_rise(0.5 * times)
+    u = tr.minimum_jerk_time_scaling(0.5 * times)
     q = MIDDLE + 0.3 * np.outer(u, np.ones(7))
     q[:, 0] = MIDDLE[0] + (1.0 + beyond) * (PANDA.upper[0] - MIDDLE[0]) * np.sin(np.pi * u)
     return times, q

@@ -15,7 +15,7 @@ MIDDLE = 0.5 * (PANDA.lower + PANDA.upper)
 
 def test_a_trajectory_keeps_its_timing_wherever_the_limits_allow():
     times = np.linspace(2.0, 8.0, 121)
-    swing = tr.minimum_jerk_rise((times - 2.0) / 6.0)
+    swing = tr.minimum_jerk_time_scaling((times - 2.0) / 6.0)
     shown = lt.JointTrajectory(times, MIDDLE + np.outer(swing, np.linspace(-0.5, 0.5, 7)))
     kept = lt.retime(shown, PANDA, not_before=shown.times)
     fastest = lt.retime(shown, PANDA)

@@ -225,8 +225,10 @@ def test_minimum_jerk_meets_its_boundary_conditions_and_beats_its_neighbours():
 def test_the_rise_of_minimum_jerk_is_its_curve_from_zero_to_a_height():
     u = np.linspace(0.0, 1.0, 11)
     curve = tr.minimum_jerk([0.0], [2.5], duration=1.0)
-    assert np.allclose(tr.minimum_jerk_rise(u, 2.5), curve.evaluate(u)[:, 0], rtol=0.0, atol=1e-14)
-    assert np.array_equal(tr.minimum_jerk_rise(np.array([0.0, 0.5, 1.0])), [0.0, 0.5, 1.0])
+    assert np.allclose(
+        tr.minimum_jerk_time_scaling(u, 2.5), curve.evaluate(u)[:, 0], rtol=0.0, atol=1e-14
+    )
+    assert np.array_equal(tr.minimum_jerk_time_scaling(np.array([0.0, 0.5, 1.0])), [0.0, 0.5, 1.0])
 
 
 def test_minimum_jerk_through_points_is_four_times_continuous_and_at_rest():

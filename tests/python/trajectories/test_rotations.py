@@ -6,7 +6,7 @@ import pytest
 from leadthrough import PoseTrajectory, rotations
 from leadthrough import trajectories as tr
 from leadthrough.errors import InvalidInput
-from leadthrough.trajectories import rotation_rates
+from leadthrough.trajectories import rotation
 
 TIMES = np.array([0.0, 0.7, 1.5, 1.9, 3.0, 4.0])
 Q = rotations.exp(np.cumsum(np.random.default_rng(0).normal(size=(6, 3)) * 0.5, axis=0))
@@ -64,7 +64,7 @@ def test_the_drift_of_the_jacobian_is_its_derivative_at_any_angle(angle):
     phi *= angle / np.linalg.norm(phi, axis=1, keepdims=True)
     change = eighth_order(lambda t: rotations.left_jacobian(phi + t * slope), 0.0, 5e-3)
     expected = np.einsum("nij,nj->ni", change, slope)
-    np.testing.assert_allclose(rotation_rates.drift(phi, slope), expected, atol=2e-12)
+    np.testing.assert_allclose(rotation.drift(phi, slope), expected, atol=2e-12)
 
 
 def test_turning_all_rotations_turns_the_curve(make):

@@ -14,7 +14,7 @@ DOWN = [0.0, 1.0, 0.0, 0.0]
 def skill():
     """Reaches across the table, higher or lower in the middle by 4 cm, the tool pointing down."""
     u = np.linspace(0.0, 1.0, 61)
-    rise, bow = lt.trajectories.minimum_jerk_rise(u), np.sin(np.pi * u)
+    rise, bow = lt.trajectories.minimum_jerk_time_scaling(u), np.sin(np.pi * u)
     shown = [
         lt.PoseTrajectory(
             2.0 * u,

@@ -15,7 +15,7 @@ DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 def shown():
     """A reach across the table, the tool pointing down, with the gripper closed on the way."""
     u = np.linspace(0.0, 1.0, 61)
-    rise, bow = lt.trajectories.minimum_jerk_rise(u), np.sin(np.pi * u)
+    rise, bow = lt.trajectories.minimum_jerk_time_scaling(u), np.sin(np.pi * u)
     way = np.column_stack([0.45 + 0.05 * bow, 0.6 * rise - 0.3, 0.25 + 0.1 * bow])
     closed = lt.Event(1.0, "close")
     return lt.PoseTrajectory(2.0 * u, way, np.tile(DOWN, (61, 1)), [closed])

@@ -21,7 +21,7 @@ DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 def shown():
     """Three reaches across the table in front of the arm, the tool pointing down."""
     u = np.linspace(0.0, 1.0, 61)
-    rise = lt.trajectories.minimum_jerk_rise(u)
+    rise = lt.trajectories.minimum_jerk_time_scaling(u)
     bow = np.sin(np.pi * u)
     return [
         lt.PoseTrajectory(

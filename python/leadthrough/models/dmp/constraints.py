@@ -20,7 +20,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath, UnsupportedQuery
 from leadthrough.models.dmp.springs import Springs, end_of
 from leadthrough.shapes import Shape, check_shapes, compiled
-from leadthrough.trajectories.minimum_jerk import minimum_jerk_rise
+from leadthrough.trajectories.minimum_jerk import minimum_jerk_time_scaling
 
 # Fractions of the demonstration's size: the distance to keep from obstacles, and the one at which
 # steering fades. Nearer ends halve the first.
@@ -157,7 +157,7 @@ def _settled(
     """The motion (n, channels), its final error blended out since the phase of the last push."""
     since = min(last_push, _LATEST_PUSH)
     s = np.clip((phases - since) / (1.0 - since), 0.0, 1.0)
-    blend = minimum_jerk_rise(s)
+    blend = minimum_jerk_time_scaling(s)
     speed = 30.0 * s**2 * (1.0 - s) ** 2 / (1.0 - since)
     off = goal - values[-1]
     return values + np.outer(blend, off), slopes + np.outer(speed, off)

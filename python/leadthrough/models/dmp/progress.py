@@ -20,7 +20,7 @@ import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.models.dmp.running_mean import running_mean
-from leadthrough.trajectories.minimum_jerk import minimum_jerk_rise
+from leadthrough.trajectories.minimum_jerk import minimum_jerk_time_scaling
 
 if TYPE_CHECKING:
     from scipy.interpolate import PPoly
@@ -122,7 +122,7 @@ def progress_of(speeds: Float64Array) -> Progress:
     at_nodes = np.maximum(_averaged(speeds)[:: INTERVALS // _PIECES], 0.0)
     at_nodes[:, at_nodes.max(axis=0) <= 0.0] = 1.0
     from_rest = np.clip(np.minimum(nodes, 1.0 - nodes) / _RAMP, 0.0, 1.0)
-    at_nodes = at_nodes / at_nodes.max(axis=0) * minimum_jerk_rise(from_rest)[:, None]
+    at_nodes = at_nodes / at_nodes.max(axis=0) * minimum_jerk_time_scaling(from_rest)[:, None]
     bends = PchipInterpolator(nodes, at_nodes).derivative()(nodes)
     bends[[0, -1]] = 0.0
     covered = CubicHermiteSpline(nodes, at_nodes, bends).antiderivative()

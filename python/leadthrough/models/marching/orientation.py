@@ -12,7 +12,7 @@ from leadthrough.errors import FitError
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.mean_turning import groups_of, mean_orientations
 from leadthrough.preprocess.resample import arc_length, by_arc_length
-from leadthrough.trajectories import minimum_jerk_rise
+from leadthrough.trajectories import minimum_jerk_time_scaling
 
 _NODES = 101  # of the mean orientation along the path
 # Paths nearer to each other than this fraction of their length are followed together.
@@ -56,7 +56,7 @@ def along(
         else rotations.log(rotations.compose(wanted[None], rotations.inverse(node[None])))
         for wanted, node in ((start, nodes[0]), (goal, nodes[-1]))
     ]
-    blend = minimum_jerk_rise(fractions)[:, None]
+    blend = minimum_jerk_time_scaling(fractions)[:, None]
     turns = rotations.exp((1.0 - blend) * offsets[0] + blend * offsets[1])
     return rotations.align_signs(rotations.compose(turns, mean))
 

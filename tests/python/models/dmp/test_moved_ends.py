@@ -5,7 +5,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough import rotations
-from leadthrough.trajectories import minimum_jerk_rise
+from leadthrough.trajectories import minimum_jerk_time_scaling
 
 TIMES = np.linspace(0.0, 4.0, 401)
 HELD = TIMES > 1.25  # after a reach of 1.2 s
@@ -13,13 +13,13 @@ HELD = TIMES > 1.25  # after a reach of 1.2 s
 
 def reach(times=TIMES, *, length=0.4):
     """0.4 m along x within 1.2 s; held after it."""
-    done = minimum_jerk_rise(np.clip(times / 1.2, 0.0, 1.0))
+    done = minimum_jerk_time_scaling(np.clip(times / 1.2, 0.0, 1.0))
     return lt.Trajectory(times, np.outer(done, [length, 0.0, 0.0]))
 
 
 def pose_reach(times=TIMES):
     """The reach, which also turns by 46 degrees about z."""
-    done = minimum_jerk_rise(np.clip(times / 1.2, 0.0, 1.0))
+    done = minimum_jerk_time_scaling(np.clip(times / 1.2, 0.0, 1.0))
     turned = rotations.exp(np.outer(done, [0.0, 0.0, np.radians(46.0)]))
     return lt.PoseTrajectory(times, reach(times).positions, turned)
 
@@ -53,7 +53,7 @@ def test_moved_goal_is_neither_passed_nor_approached_during_the_hold(kind, goal)
 
 @pytest.mark.parametrize("kind", [lambda m: m, as_joints], ids=["points", "joints"])
 def test_moved_start_is_left_as_the_demonstration_leaves_its_own(kind):
-    done = minimum_jerk_rise(np.clip((TIMES - 2.0) / 1.2, 0.0, 1.0))
+    done = minimum_jerk_time_scaling(np.clip((TIMES - 2.0) / 1.2, 0.0, 1.0))
     shown = lt.Trajectory(TIMES, np.outer(done, [0.4, 0.0, 0.0]))
     made = fitted(kind(shown)).generate(start=(0.1, 0.1, 0.0), duration=4.0)
     assert np.abs(made.positions[TIMES < 1.95] - (0.1, 0.1, 0.0)).max() <= 1e-3
@@ -81,7 +81,7 @@ def test_tool_that_hardly_turns_takes_a_turned_goal_with_its_way():
 
 
 def hook(times=TIMES):
-    s = minimum_jerk_rise(times / times[-1])
+    s = minimum_jerk_time_scaling(times / times[-1])
     return lt.Trajectory(times, np.column_stack([0.3 * s, 0.1 * np.sin(2.5 * s), 0.2 * s**2]))
 
 
@@ -101,7 +101,7 @@ def test_goal_moved_on_the_way_is_reached_in_time(shown, phase):
 @pytest.mark.parametrize("orientation", ["anchored", "lifted", "log", "euler"])
 @pytest.mark.parametrize("phase", [0.5, 0.7, 0.9])
 def test_goal_turned_on_the_way_is_reached_in_time(phase, orientation):
-    s = minimum_jerk_rise(TIMES / 4.0)
+    s = minimum_jerk_time_scaling(TIMES / 4.0)
     turned = rotations.exp(np.outer(s, [0.3, 0.8, 0.5]))
     shown = lt.PoseTrajectory(TIMES, hook().positions, turned)
     skill = fitted(shown, lt.PoseDMP(orientation=orientation))
@@ -177,7 +177,9 @@ def test_goal_moved_along_the_way_is_not_reached_faster_than_a_person_showed():
 
 def test_goal_turned_along_the_way_is_not_reached_faster_than_a_person_showed():
     """90 degrees more than the 90 shown: 2.0 times the speed today."""
-    turned = rotations.exp(np.outer(minimum_jerk_rise(TIMES / 4.0), [0.0, 0.0, np.pi / 2.0]))
+    turned = rotations.exp(
+        np.outer(minimum_jerk_time_scaling(TIMES / 4.0), [0.0, 0.0, np.pi / 2.0])
+    )
     skill = fitted(lt.PoseTrajectory(TIMES, hook().positions, turned), lt.PoseDMP())
     plain, made = (
         skill.generate(**query, dt=0.002)
