@@ -13,10 +13,14 @@ from frame import Benchmark
 import leadthrough as lt
 from leadthrough.check import Float64Array
 from leadthrough.planning import Grid, arrival_times, descend
-from leadthrough.planning.band import quickest
-from leadthrough.planning.speed_field import HinderedField, TubeField
-from leadthrough.planning.speed_map import add_obstacles, tube_map
-from leadthrough.planning.walls import Walls
+from leadthrough.planning.obstacles import Walls
+from leadthrough.planning.speed_map import (
+    HinderedField,
+    TubeField,
+    add_obstacles,
+    quickest,
+    tube_map,
+)
 from leadthrough.preprocess import frechet_distance
 from leadthrough.preprocess.resample import by_arc_length
 

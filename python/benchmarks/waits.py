@@ -28,15 +28,15 @@ import numpy as np
 import leadthrough as lt
 from leadthrough.check import Float64Array
 from leadthrough.planning import Grid, arrival_times, descend
-from leadthrough.planning.band import quickest
-from leadthrough.planning.speed_field import (
+from leadthrough.planning.obstacles import Walls
+from leadthrough.planning.speed_map import (
     ExperienceField,
     HinderedField,
     PassableField,
     SpeedField,
     TubeField,
+    quickest,
 )
-from leadthrough.planning.walls import Walls
 from leadthrough.preprocess import frechet_distance
 from leadthrough.preprocess.resample import by_arc_length
 from leadthrough.show.replanner import Replanner

@@ -1,13 +1,16 @@
 """Planning in space: grids, arrival times, distances and the quickest paths."""
 
-from leadthrough.planning.arrival import arrival_times, arrival_times_batch
-from leadthrough.planning.arrival_field import ArrivalField, FieldUpdate
+from leadthrough.planning.arrival import (
+    ArrivalField,
+    FieldUpdate,
+    arrival_times,
+    arrival_times_batch,
+    nearest_sources,
+)
 from leadthrough.planning.descent import descend, direction
-from leadthrough.planning.distance import distance_transform
 from leadthrough.planning.fm2 import Plan, fm2_speed, plan, plan_many
 from leadthrough.planning.grid import Grid
-from leadthrough.planning.nearest_source import nearest_sources
-from leadthrough.planning.obstacles import occupied, occupied_by_points
+from leadthrough.planning.obstacles import distance_transform, occupied, occupied_by_points
 
 __all__ = [
     "ArrivalField",

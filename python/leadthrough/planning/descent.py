@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath
+from leadthrough.planning.arrival import FloatArray
 from leadthrough.planning.grid import Grid
-from leadthrough.planning.march_input import FloatArray
 
 _REASONS = {
     "start_outside": "the start lies outside the grid",

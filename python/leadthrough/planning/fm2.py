@@ -15,11 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath
-from leadthrough.planning.arrival import arrival_times
+from leadthrough.planning.arrival import Numbers, arrival_times
 from leadthrough.planning.descent import descend
-from leadthrough.planning.distance import distance_transform
 from leadthrough.planning.grid import Grid
-from leadthrough.planning.march_input import Numbers
+from leadthrough.planning.obstacles import distance_transform
 from leadthrough.repr import ShortRepr
 
 Reason = Literal[

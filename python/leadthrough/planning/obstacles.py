@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import check
+from leadthrough import _core, check
 from leadthrough.check import Float64Array
-from leadthrough.planning.distance import distance_transform
-from leadthrough.planning.grid import Grid
-from leadthrough.shapes import Shape, check_shapes
+from leadthrough.errors import InvalidInput
+from leadthrough.planning.grid import MOST_CELLS, CellNumbers, Grid, spacings
+from leadthrough.shapes import Shape, check_shapes, compiled
 
 
 def occupied(grid: Grid, obstacles: Iterable[Shape], *, margin: float = 0.0) -> NDArray[np.bool_]:
@@ -92,3 +92,56 @@ def _distances_of_cells(grid: Grid, near: tuple[slice, ...], obstacle: Shape) ->
         axes.append(np.zeros(1))
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     return obstacle.distance(points).reshape([part.stop - part.start for part in near])
+
+
+def distance_transform(mask: ArrayLike, *, spacing: ArrayLike = 1.0) -> Float64Array:
+    """Distance of every cell to the nearest True cell, centre to centre; inf if there is none.
+
+    Args:
+        mask: 2-D or 3-D booleans.
+        spacing: distance between neighbouring cells, > 0, (d,) or one number.
+
+    Returns:
+        Distances in the unit of the spacing, of the mask's shape.
+
+    Raises:
+        InvalidInput: if the mask is not such an array or a spacing is not > 0.
+    """
+    cells = np.asarray(mask)
+    if cells.dtype != np.bool_ or cells.ndim not in (2, 3) or not 0 < cells.size <= MOST_CELLS:
+        raise InvalidInput(
+            f"mask: expected a 2-D or 3-D array of booleans with 1 to {MOST_CELLS:.0e} cells, "
+            f"got shape {cells.shape} of {cells.dtype}"
+        )
+    steps = spacings(spacing, cells.ndim).tolist()
+    with check.enough_memory(f"mask: a grid of shape {cells.shape}"):
+        return _core.distance_transform(np.ascontiguousarray(cells), steps)
+
+
+class Walls:
+    """The cells whose centre lies in an obstacle, or so near that a path may touch it.
+
+    Args:
+        grid: the cells; a 2-D grid is the plane z = 0.
+        obstacles: shapes in the grid's unit.
+
+    Attributes:
+        compiled: the walls as the compiled core takes them.
+    """
+
+    def __init__(self, grid: Grid, obstacles: Sequence[Shape]) -> None:
+        # A path may pass a free cell's corner, half a diagonal from the centre that is tested.
+        margin = 0.5 * float(np.linalg.norm(grid.spacing))
+        middles = np.array([each.middle for each in obstacles]).reshape(-1, 3)
+        extents = np.array([each.half_extents for each in obstacles]).reshape(-1, 3)
+        shapes = compiled(obstacles)
+        self.compiled = _core.Walls(grid.compiled, margin, shapes, middles, extents)
+
+    def distances(self, cells: CellNumbers, most: float) -> Float64Array:
+        """Distances (n,) to the nearest wall, centre to centre, at most `most`; 0 in walls.
+
+        Args:
+            cells: numbers of cells, ascending.
+            most: in the grid's unit, > 0.
+        """
+        return self.compiled.distances(cells, most)

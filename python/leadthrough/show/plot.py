@@ -13,7 +13,7 @@ from matplotlib.patches import Rectangle
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array
 from leadthrough.drawing import palette, style
-from leadthrough.models.marching.skill import FastMarchingSkill
+from leadthrough.models.marching.model import FastMarchingSkill
 from leadthrough.motion import JointTrajectory
 from leadthrough.shapes import Box
 

@@ -6,9 +6,8 @@ import pytest
 import leadthrough as lt
 from leadthrough.errors import NoPath
 from leadthrough.planning import Grid, arrival_times, descend
-from leadthrough.planning.band import quickest
-from leadthrough.planning.speed_field import HinderedField, MapField, TubeField, speeds_at
-from leadthrough.planning.walls import Walls
+from leadthrough.planning.obstacles import Walls
+from leadthrough.planning.speed_map import HinderedField, MapField, TubeField, quickest, speeds_at
 from leadthrough.preprocess.curve_distance import frechet_distance
 from leadthrough.preprocess.resample import by_arc_length
 

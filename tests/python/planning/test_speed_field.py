@@ -3,7 +3,8 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.planning import Grid, speed_map
-from leadthrough.planning.speed_field import (
+from leadthrough.planning.obstacles import Walls
+from leadthrough.planning.speed_map import (
     ExperienceField,
     HinderedField,
     MapField,
@@ -12,7 +13,6 @@ from leadthrough.planning.speed_field import (
     TubeField,
     speeds_at,
 )
-from leadthrough.planning.walls import Walls
 
 SATURATION, RADIUS, REACH = 0.05, 0.063, 0.087
 

@@ -1,24 +1,406 @@
-"""Fast Marching Learning: demonstrations become a speed map, a wave in it gives the path.
+"""A skill of Fast Marching Learning: asked for paths and motions, and taught further ones.
 
-Source: Prados et al. 2023, Appl. Sci. 13:2028, Algorithm 1.
+Source: Prados et al. 2023, Appl. Sci. 13:2028, eqs. 6 and 7.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, Literal
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property, partial
+from typing import Any, ClassVar, Generic, Literal, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check, events
+from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models import archive
+from leadthrough.models.archive import Archived, Arrays
 from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.judged import judged
+from leadthrough.models.marching import orientation
 from leadthrough.models.marching.experience import Experience, experience_of
-from leadthrough.models.marching.hindrance import OBSTACLE_MAPS
+from leadthrough.models.marching.maps import (
+    MAP_RADIUS,
+    OBSTACLE_MAPS,
+    Scales,
+    grid_over,
+    hindered,
+    scales_of,
+)
 from leadthrough.models.marching.orientation import refuse_opposed
-from leadthrough.models.marching.skill import FastMarchingSkill
-from leadthrough.models.marching.time_law import TIMINGS
+from leadthrough.models.marching.planner import planned
+from leadthrough.models.marching.policy import Policy, policy_to
+from leadthrough.models.marching.route import LiveMap, Query, Route, live_model, query_of, split
+from leadthrough.models.marching.time_law import TIMINGS, timed, usual_duration
+from leadthrough.models.parameters import Parameter
+from leadthrough.models.place import Place
+from leadthrough.models.posture import agreed
 from leadthrough.models.unfitted import Unfitted
-from leadthrough.motion import MotionT
+from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, Trajectory
+from leadthrough.planning.grid import Grid
+from leadthrough.planning.speed_map import experience_map
+from leadthrough.preprocess.resample import arc_length, by_arc_length
+from leadthrough.shapes import Shape, check_shapes
+
+
+@dataclass(frozen=True, eq=False)
+class FastMarchingSkill(Archived, Generic[MotionT_co]):
+    """What was learned; made by `FastMarching.fit`.
+
+    Attributes:
+        model: the settings that it was fitted with.
+        demonstrated: the demonstrations.
+        learned: paths that were added since, by `with_experience` or `auto_learn`.
+    """
+
+    model: FastMarching
+    demonstrated: tuple[Experience, ...]
+    learned: tuple[Experience, ...] = ()
+
+    kind: ClassVar[str] = "fast_marching"
+    supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration", "obstacles"})
+
+    @property
+    def experience(self) -> tuple[Float64Array, ...]:
+        """All paths, (n, d) each, first the demonstrated, then the auto-learned ones."""
+        return tuple(each.path for each in self._all)
+
+    @property
+    def area_of_influence(self) -> float:
+        """Radius of the tubes in the velocity map."""
+        return self._map_scales.radius
+
+    @property
+    def grid(self) -> Grid:
+        """The cells of the velocity map."""
+        return self._map[0]
+
+    @property
+    def velocity_map(self) -> Float64Array:
+        """Speeds in [saturation, 1] over `grid`, from the raw experience: Algorithm 1's F."""
+        return self._map[1]
+
+    def map_with(self, obstacles: Sequence[Shape]) -> Float64Array:
+        """The velocity map with obstacles in it; to plan, "map" adds ways round those in a tube.
+
+        Args:
+            obstacles: shapes in the demonstrations' frame.
+
+        Raises:
+            InvalidInput: if one is no shape.
+        """
+        grid, speed = self._map
+        return hindered(speed, grid, check_shapes(obstacles), self._map_scales)
+
+    def kappa(self, path: ArrayLike) -> float:
+        """Mean of the velocity map along a path: 1 deep in the experience.
+
+        It is taken evenly over the path's length, so that pauses do not count, and never lies below
+        the saturation, which holds outside the map.
+
+        Args:
+            path: (n, d), n >= 1.
+
+        Raises:
+            InvalidInput: if the path is empty or has another number of columns.
+
+        Source: Prados et al. 2023, eq. 6.
+        """
+        given = check.array(path, "path", shape=("n", self._dimensions()))
+        if len(given) == 0:
+            raise InvalidInput("path: expected at least one point, got none")
+        return mean_speed(given, self.grid, self.velocity_map, self.model.saturation)
+
+    def with_experience(
+        self, path: ArrayLike, *, duration: float | None = None
+    ) -> FastMarchingSkill[MotionT_co]:
+        """A new skill that has also learned a path; its timing is the demonstrations'.
+
+        Args:
+            path: (n, d), at least two different points.
+            duration: s, > 0; by default the demonstrations', adapted to the path's length.
+
+        Raises:
+            InvalidInput: if the path does not move, or an argument is of another shape or range.
+        """
+        points = check.frozen(path, "path", shape=("n", self._dimensions()))
+        if len(points) < 2 or not np.ptp(points, axis=0).any():
+            raise InvalidInput(
+                "path: expected at least two different points, got a path that does not move"
+            )
+        if duration is not None:
+            check.number(duration, "duration", above=0.0)
+        return replace(self, learned=(*self.learned, added(points, self._all, duration=duration)))
+
+    def auto_learn(
+        self, motion: Trajectory | PoseTrajectory, *, threshold: float = 0.6
+    ) -> FastMarchingSkill[MotionT_co]:
+        """The skill with a motion's path added, if its kappa is below the threshold.
+
+        Otherwise the skill itself: the motion shows nothing new.
+
+        Args:
+            motion: such as one that the skill has generated.
+            threshold: of `kappa`.
+
+        Raises:
+            InvalidInput: if the motion is of another type, or does not move.
+        """
+        check.number(threshold, "threshold")
+        if not isinstance(motion, Trajectory | PoseTrajectory):
+            got = type(motion).__name__
+            raise InvalidInput(f"motion: expected a Trajectory or a PoseTrajectory, got {got}")
+        if self.kappa(motion.positions) >= threshold:
+            return self
+        return self.with_experience(motion.positions, duration=motion.duration)
+
+    @judged
+    def generate(
+        self,
+        *,
+        start: Place | None = None,
+        goal: Place | None = None,
+        duration: float | None = None,
+        dt: float = 0.01,
+        obstacles: Sequence[Shape] = (),
+    ) -> MotionT_co:
+        """A motion of the type that was shown, around obstacles; it starts and ends at rest.
+
+        Args:
+            start: (d,), by default the centroid of the demonstrations' starts; for poses also
+                (position (3,), orientation (4,)), by default turned as demonstrated.
+            goal: as start, by default the centroid of the demonstrations' goals.
+            duration: s, > 0; by default the demonstrations', adapted to the path's length.
+            dt: s, > 0, upper bound of the sampling step.
+            obstacles: shapes in the demonstrations' frame; a drawing of two dimensions lies in the
+                plane z = 0.
+
+        Raises:
+            InvalidInput: if an argument is of another shape or range.
+            NoPath: where start or goal lies in an obstacle, or obstacles separate them.
+        """
+        found = self.plan(start=start, goal=goal, obstacles=obstacles)
+        return self.in_time(found, start=start, goal=goal, duration=duration, dt=dt)
+
+    def in_time(
+        self,
+        found: Route,
+        *,
+        start: Place | None = None,
+        goal: Place | None = None,
+        duration: float | None = None,
+        dt: float = 0.01,
+    ) -> MotionT_co:
+        """The motion along a route, as by `generate`.
+
+        Args:
+            found: the route, from `plan` or a live map.
+            start: the query's; only its orientation counts here.
+            goal: the query's; only its orientation counts here.
+            duration: s, > 0; by default the demonstrations', adapted to the path's length.
+            dt: s, > 0, upper bound of the sampling step.
+
+        Raises:
+            InvalidInput: if an argument is of another shape or range.
+        """
+        check.number(dt, "dt", above=0.0)
+        wanted = None if duration is None else check.number(duration, "duration", above=0.0)
+        ends = {
+            name: split(self.demonstrated, value, name)[1]
+            for name, value in (("start", start), ("goal", goal))
+        }
+        motion, covered = timed(found, timing=self.model.timing, duration=wanted, dt=dt)
+        made: Trajectory | PoseTrajectory = motion
+        if self._has_orientations:
+            turned = orientation.along(
+                found.used, found.weights, path=found.path, fractions=covered, **ends
+            )
+            shown = motion.events, motion.joints
+            made = PoseTrajectory(motion.times, motion.positions, turned, *shown)
+        return cast(MotionT_co, made)  # poses where poses were shown
+
+    def plan(
+        self,
+        *,
+        start: Place | None = None,
+        goal: Place | None = None,
+        obstacles: Sequence[Shape] = (),
+    ) -> Route:
+        """The path of `generate`, without a time law, and how it was found.
+
+        Args:
+            start: as in `generate`.
+            goal: as in `generate`.
+            obstacles: as in `generate`.
+
+        Raises:
+            InvalidInput: as `generate`.
+            NoPath: as `generate`.
+        """
+        query = self.query(start=start, goal=goal, obstacles=obstacles)
+        if start is None and goal is None and not query.obstacles:
+            return self._usual_route
+        usual = (lambda: self._usual_route) if self.demonstrated else None
+        return planned(
+            self.model.method, self._all, query, partial(self._scales, query=query), usual=usual
+        )
+
+    def query(
+        self,
+        *,
+        start: Place | None = None,
+        goal: Place | None = None,
+        obstacles: Sequence[Shape] = (),
+    ) -> Query:
+        """Positions and obstacles as `plan` takes them, with what is left out.
+
+        Args:
+            start: as in `generate`.
+            goal: as in `generate`.
+            obstacles: as in `generate`.
+
+        Raises:
+            InvalidInput: as `generate`.
+        """
+        return query_of(self.demonstrated, start, goal, check_shapes(obstacles))
+
+    def live_map(self, workspace: ArrayLike, *, cells: int = 1_000_000) -> LiveMap:
+        """Routes to goals and around obstacles that keep moving, in tens of milliseconds each.
+
+        The routes lead through the map of the method "map"; `in_time` makes motions of them.
+
+        Args:
+            workspace: (lower, upper) corners (d,) each, around the demonstrations and all that
+                moves.
+            cells: into about how many it is divided, at least 1000.
+
+        Raises:
+            InvalidInput: if the corners leave a demonstration outside, or an argument is of another
+                shape or range.
+        """
+        model = live_model(self.model, workspace, cells, self._dimensions())
+        return LiveMap(self._all, replace(self, model=model)._map_scales)
+
+    def preview(self) -> Preview[MotionT_co]:
+        """Quick answers while goal and obstacles are dragged: plans, but for the method "map"."""
+        return Preview(self)
+
+    def policy(self, position: ArrayLike) -> Float64Array:
+        """The velocity that leads from a position to the demonstrations' goal, without planning.
+
+        After a push the tool joins the demonstrated way anew.
+
+        Args:
+            position: (d,).
+
+        Returns:
+            Velocity (d,), in the unit of the data per second.
+
+        Raises:
+            InvalidInput: if the position is of another shape.
+            NoPath: far outside the demonstrations.
+        """
+        return self._policy(position)
+
+    def policy_to(
+        self, goal: ArrayLike | None = None, *, obstacles: Sequence[Shape] = ()
+    ) -> Policy:
+        """A policy for a goal, among obstacles; what it needs is computed here, once.
+
+        It goes by the map of all demonstrations, at the speed that they teach at each place. Where
+        they cross themselves it takes the short cut: a place does not tell how far the task is. A
+        motion that returns to its start goes round and ends four cells before it. While obstacles
+        move, `policy.around(obstacles)` repairs the field.
+
+        Args:
+            goal: (d,), by default the centroid of the demonstrations' goals.
+            obstacles: as in `generate`.
+
+        Raises:
+            InvalidInput: if the goal is of another shape, or outside a workspace that was set.
+            NoPath: for a goal in an obstacle.
+        """
+        self._dimensions()
+        asked = self.query(goal=goal, obstacles=obstacles)
+        return policy_to(self._all, asked.goal, asked.obstacles, self._map_scales)
+
+    def parameters(
+        self,
+        demonstrations: Demonstrations[Motion] = (),  # noqa: ARG002 (no fit is needed)
+    ) -> Sequence[Parameter[MotionT_co]]:
+        """Its saturation and, where there is a map, the radius of its tubes.
+
+        Args:
+            demonstrations: not needed, as nothing is fitted again.
+        """
+        return parameters_of(self)
+
+    def to_archive(self) -> tuple[dict[str, Any], Arrays]:
+        """Settings and arrays that `from_archive` of `model` puts together again."""
+        settings = {
+            **asdict(self.model),
+            "shown": len(self.demonstrated),
+            "learned": len(self.learned),
+            "events": [events.to_plain(each.events) for each in self._all],
+        }
+        if any(each.posture for each in self._all):
+            settings["joint_names"] = [e.posture and list(e.posture.names) for e in self._all]
+        arrays = {
+            f"{name}_{i}": value
+            for i, each in enumerate(self._all)
+            for name, value in each.arrays().items()
+        }
+        return settings, arrays
+
+    @property
+    def _all(self) -> tuple[Experience, ...]:
+        return self.demonstrated + self.learned
+
+    @cached_property
+    def _usual_route(self) -> Route:
+        scales = partial(self._scales, query=None)
+        return planned(self.model.method, self._all, self.query(), scales)
+
+    @cached_property
+    def _policy(self) -> Policy:
+        return self.policy_to()
+
+    @cached_property
+    def _map(self) -> tuple[Grid, Float64Array]:
+        self._dimensions()
+        ways = [each.way for each in self._all]
+        grid, scales = grid_over(ways, (), self._map_scales)
+        speed = experience_map(
+            grid, ways, area_of_influence=scales.radius, saturation=scales.saturation
+        )
+        speed.setflags(write=False)
+        return grid, speed
+
+    @property
+    def _map_scales(self) -> Scales:
+        self._dimensions()
+        return self._scales(MAP_RADIUS, None)
+
+    def _scales(self, fraction: float, query: Query | None) -> Scales:
+        lengths = [each.length for each in self.demonstrated]
+        if not lengths and query is not None:
+            lengths = [float(np.linalg.norm(query.goal - query.start)) or 1.0]
+        return scales_of(self.model, lengths, fraction)
+
+    def _dimensions(self) -> int:
+        if not self._all:
+            raise InvalidInput(
+                "skill: has no demonstration and no map; fit it to at least one demonstration"
+            )
+        return int(self._all[0].path.shape[1])
+
+    @property
+    def _has_orientations(self) -> bool:
+        return bool(self._all) and self._all[0].orientations is not None
+
 
 METHODS = ("auto", "map", "start", "mean_path")
 
@@ -112,3 +494,120 @@ def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> FastMarchi
     )
     model = FastMarching(**settings)  # JSON keeps no tuples; the model makes them again
     return FastMarchingSkill(model, everything[: counts[0]], everything[counts[0] :])
+
+
+# Cells of a map that is kept.
+_KEPT_CELLS = 1_000_000
+# Room around demonstrations, goal and obstacles, as a fraction of their extent, in which things may
+# be dragged before a map that is kept has to be made anew.
+_ROOM_TO_DRAG = 0.5
+
+
+class Preview(Generic[MotionT_co]):
+    """Answers of a skill while its query is dragged; made by `FastMarchingSkill.preview`."""
+
+    def __init__(self, skill: FastMarchingSkill[MotionT_co]) -> None:
+        self._skill = skill
+        self._map: LiveMap | None = None
+
+    @property
+    def live_map(self) -> LiveMap | None:
+        """The map that is kept; None before the first answer and with another method than "map"."""
+        return self._map
+
+    def generate(
+        self,
+        *,
+        start: Place | None = None,
+        goal: Place | None = None,
+        duration: float | None = None,
+        dt: float = 0.04,
+        obstacles: Sequence[Shape] = (),
+    ) -> MotionT_co:
+        """A motion as by `FastMarchingSkill.generate`, which documents arguments and errors."""
+        skill = self._skill
+        if skill.model.method != "map":
+            return skill.generate(
+                start=start, goal=goal, duration=duration, dt=dt, obstacles=obstacles
+            )
+        ends = skill.query(start=start, goal=goal).ends
+        found = self._map_around(ends, obstacles).route(ends[0], ends[1], obstacles)
+        return skill.in_time(found, start=start, goal=goal, duration=duration, dt=dt)
+
+    def _map_around(self, ends: Float64Array, obstacles: Sequence[Shape]) -> LiveMap:
+        if self._map is None or not self._map.grid.contains(ends).all():
+            space = self._workspace(ends, obstacles)
+            self._map = self._skill.live_map(space, cells=_KEPT_CELLS)
+        return self._map
+
+    def _workspace(
+        self, ends: Float64Array, obstacles: Sequence[Shape]
+    ) -> tuple[Float64Array, Float64Array]:
+        """Corners (d,) around demonstrations, ends (2, d) and the middles of obstacles."""
+        middles = [shape.position[None, : ends.shape[1]] for shape in obstacles]
+        points = np.concatenate([*self._skill.experience, *middles, ends])
+        lower, upper = points.min(axis=0), points.max(axis=0)
+        margin = _ROOM_TO_DRAG * float((upper - lower).max())
+        return lower - margin, upper + margin
+
+
+_SATURATIONS, _STEP = (0.005, 0.5), 0.005
+# The radii worth trying, in multiples of the present one, and the steps between them.
+_RADII, _STEPS = (0.4, 4.0), 100
+
+
+def parameters_of(skill: FastMarchingSkill[MotionT]) -> list[Parameter[MotionT]]:
+    """The saturation and, where there is a map, the radius of its tubes."""
+    saturation = skill.model.saturation
+    found = [
+        Parameter("saturation", saturation, *_SATURATIONS, _STEP, _changing(skill, "saturation"))
+    ]
+    if skill.experience:
+        radius = skill.area_of_influence
+        least, most = (factor * radius for factor in _RADII)
+        apply = _changing(skill, "area_of_influence")
+        step = (most - least) / _STEPS
+        found.append(Parameter("area of influence, m", radius, least, most, step, apply))
+    return found
+
+
+def _changing(
+    skill: FastMarchingSkill[MotionT], setting: str
+) -> Callable[[float], FastMarchingSkill[MotionT]]:
+    """Takes a value of a setting of the model and returns the skill with it."""
+
+    def changed(value: float) -> FastMarchingSkill[MotionT]:
+        settings: dict[str, Any] = {setting: value}
+        return replace(skill, model=replace(skill.model, **settings))
+
+    return changed
+
+
+# Points at which the map is looked up, at the most; two per cell otherwise.
+_MOST_STEPS = 100_000
+
+
+def mean_speed(path: Float64Array, grid: Grid, speed: Float64Array, outside: float) -> float:
+    """The mean of a speed map along a path, evenly over its length (Prados et al. 2023, eq. 6)."""
+    steps = 2.0 * float(arc_length(path)[-1]) / float(grid.spacing.min())
+    points = by_arc_length(path, int(min(np.ceil(steps), _MOST_STEPS)) + 2)
+    inside = grid.contains(points)
+    speeds = np.full(len(points), outside)
+    speeds[inside] = speed[tuple(grid.cells_of(points[inside]).T)]
+    return float(speeds.mean())
+
+
+def added(path: Float64Array, known: Sequence[Experience], *, duration: float | None) -> Experience:
+    """A path as experience, with the timing, turning, events and joints of what is known."""
+    weights = np.ones(len(known))
+    progress = np.mean([each.progress for each in known], axis=0)
+    covered = arc_length(path)
+    length, turned = float(covered[-1]), None
+    if known[0].orientations is not None:
+        turned = orientation.along(
+            known, weights, path=path, start=None, goal=None, fractions=covered / length
+        )
+    own = duration or usual_duration(known, weights, length)
+    happened = events.agreed([each.events for each in known])
+    joints = agreed([each.posture for each in known])
+    return Experience(path, own, progress, turned, happened, joints)

@@ -62,7 +62,7 @@ def along(
 
 
 def _agreed(used: Sequence[Experience], weights: Float64Array, path: Float64Array) -> Float64Array:
-    """Mean orientations (n, 4) of demonstrations, or of the group with the one nearest a path."""
+    """Mean orientations (n, 4) of the demonstrations, or of the group nearest to a path."""
     phases = np.linspace(0.0, 1.0, _NODES)
     layers = [_at(each, phases) for each in used]
     try:

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,20 +16,19 @@ from numpy.typing import ArrayLike, NDArray
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath
+from leadthrough.models import phase
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.marching.extent import grid_over
-from leadthrough.models.marching.gate import Gate, gate_at
-from leadthrough.models.marching.hindrance import passable
-from leadthrough.models.marching.paces import Paces
-from leadthrough.models.marching.scales import Scales
-from leadthrough.planning.arrival import arrival_times
-from leadthrough.planning.arrival_field import ArrivalField
+from leadthrough.models.marching.maps import Scales, grid_over, passable
+from leadthrough.planning.arrival import ArrivalField, FloatArray, arrival_times
 from leadthrough.planning.descent import direction
 from leadthrough.planning.grid import Grid
-from leadthrough.planning.march_input import FloatArray
 from leadthrough.planning.speed_map import experience_map
+from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape, check_shapes
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 # Room for a policy around its goal, as a fraction of the demonstrations' extent.
 _PUSHED = 1.25
@@ -164,3 +165,107 @@ def _cells_in(gate: Gate, grid: Grid) -> tuple[np.ndarray, ...]:
     cells = cells.reshape(-1, grid.dimensions)
     inside = gate.holds(grid.points_at(cells.astype(np.float64)))
     return tuple(cells[inside].T)
+
+
+# Ends closer than this fraction of the length are one place.
+_RETURNS = 0.05
+_SAMPLES = 1000
+_TANGENT = 30  # samples from the start and to the end that tell the direction
+# Ways out and in that turn back by more than 120 degrees lie in one tube: no gate parts them.
+_LEAST_NORMAL = 1.0
+# From the start back to the gate and to the goal, in cells' edges.
+_TO_GATE, _TO_GOAL = 2.0, 4.0
+# Half width: in radii, so that it closes the tube, and as a fraction of length times saturation,
+# so that the way past it takes longer than the way round; at most a part of the extent.
+_RADII, _LENGTHS, _EXTENT = 2.5, 0.75, 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class Gate:
+    """A disc across the way."""
+
+    middle: Float64Array  # (d,)
+    normal: Float64Array  # unit vector (d,) along the way
+    width: float  # half of the disc's
+    thickness: float  # half of it
+    goal: Float64Array  # (d,) the place before the gate where the motion ends
+
+    def holds(self, points: Float64Array) -> NDArray[np.bool_]:
+        """Whether points (..., d) lie in it, (...)."""
+        along, across = self._parts(points)
+        return np.asarray((np.abs(along) <= self.thickness) & (across <= self.width))
+
+    def is_passed(self, point: Float64Array) -> bool:
+        """Whether a point (d,) lies beyond the gate, where the motion starts, or beside it."""
+        along, across = self._parts(point)
+        return bool((along > -self.thickness) | (across > self.width))
+
+    def _parts(self, points: Float64Array) -> tuple[Float64Array, Float64Array]:
+        away = points - self.middle
+        along = away @ self.normal
+        return along, np.linalg.norm(away - along[..., None] * self.normal, axis=-1)
+
+
+def gate_at(
+    known: Sequence[Experience], goal: Float64Array, grid: Grid, scales: Scales
+) -> Gate | None:
+    """The gate before a goal (d,) where all demonstrations start and end, or None elsewhere."""
+    for each in known:
+        ends = each.way[[0, -1]]
+        if np.linalg.norm(ends - goal, axis=1).max() > _RETURNS * each.length:
+            return None
+    mean = np.mean([by_arc_length(each.way, _SAMPLES) for each in known], axis=0)
+    out, back = mean[_TANGENT] - mean[0], mean[-1] - mean[-1 - _TANGENT]
+    normal = out / np.linalg.norm(out) + back / np.linalg.norm(back)
+    if np.linalg.norm(normal) < _LEAST_NORMAL:
+        return None
+    normal = normal / np.linalg.norm(normal)
+    cell = float(grid.spacing.max())
+    length = float(np.mean([each.length for each in known]))
+    width = max(_RADII * scales.radius, _LENGTHS * scales.saturation * length)
+    return Gate(
+        middle=goal - _TO_GATE * cell * normal,
+        normal=normal,
+        width=min(width, _EXTENT * float(np.ptp(mean, axis=0).max())),
+        # Half a diagonal: no step between neighbouring cells leads through.
+        thickness=0.5 * float(np.linalg.norm(grid.spacing)),
+        goal=goal - _TO_GOAL * cell * normal,
+    )
+
+
+_NEIGHBOURS = 8
+_STEP = 5  # every fifth of the samples of a demonstration's progress
+# People start and end at rest; a tool that only knows where it is has to leave that place.
+_LEAST = 0.1  # of the mean speed
+
+
+class Paces:
+    """Speeds along demonstrations, looked up by place."""
+
+    def __init__(self, known: Sequence[Experience]) -> None:
+        places, speeds = zip(*(_along(each) for each in known), strict=True)
+        self.mean = float(np.mean([each.length / each.duration for each in known]))
+        self._places = np.concatenate(places)
+        self._speeds = np.maximum(np.concatenate(speeds), _LEAST * self.mean)
+        self._count = min(_NEIGHBOURS, len(self._places))
+
+    def at(self, point: Float64Array, *, blur: float) -> float:
+        """The speed at a point (d,), in its unit per second."""
+        distances, nearest = self._tree.query(point, self._count)
+        weights = 1.0 / (np.atleast_1d(distances) + blur)
+        return float(weights @ self._speeds[np.atleast_1d(nearest)] / weights.sum())
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        from scipy.spatial import cKDTree
+
+        return cKDTree(self._places)
+
+
+def _along(known: Experience) -> tuple[Float64Array, Float64Array]:
+    """Places (n, d) along a demonstration and the speeds (n,) there."""
+    covered = arc_length(known.way)
+    wanted = known.progress[::_STEP] * covered[-1]
+    places = np.column_stack([np.interp(wanted, covered, x) for x in known.way.T])
+    rate = phase.speed_of(known.progress)[::_STEP] * (phase.SAMPLES - 1) / known.duration
+    return places, rate * covered[-1]

@@ -7,30 +7,48 @@ demonstrations count by how near they start. The module `along_mean` has the thi
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
+from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.errors import NoPath
+from leadthrough.errors import InvalidInput, NoPath
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.marching.extent import MOST_CELLS_FROM_AFAR, covered_ends, grid_over
-from leadthrough.models.marching.hindrance import hindered_field, passable_field
-from leadthrough.models.marching.outside import clear_outside, smooth_between_walls
-from leadthrough.models.marching.query import Query
-from leadthrough.models.marching.scales import Scales
-from leadthrough.planning.band import quickest
+from leadthrough.models.marching.maps import (
+    MOST_CELLS_FROM_AFAR,
+    Scales,
+    covered_ends,
+    grid_over,
+    hindered,
+    hindered_field,
+    passable,
+    passable_field,
+)
+from leadthrough.models.place import Place
+from leadthrough.planning.arrival import arrival_times
+from leadthrough.planning.descent import descend
 from leadthrough.planning.grid import Grid
-from leadthrough.planning.speed_field import (
+from leadthrough.planning.speed_map import (
     ExperienceField,
     FreeField,
+    MapField,
     SpeedField,
     TubeField,
+    experience_map,
+    quickest,
     speeds_at,
 )
 from leadthrough.preprocess.resample import arc_length
+from leadthrough.preprocess.smooth_path import smooth_path
 from leadthrough.repr import ShortRepr
+from leadthrough.shapes import Shape, check_shapes
+
+if TYPE_CHECKING:
+    from leadthrough.models.marching.model import FastMarching
 
 # Grid noise is shorter than this many cells; the shapes of demonstrations are not.
 CELLS_PER_KNOT = 8.0
@@ -167,3 +185,183 @@ def _nearness(starts: Float64Array, start: Float64Array) -> Float64Array:
     squared = ((starts - start) ** 2).sum(axis=1)
     width = _START_WIDTH * float(pairs.mean())
     return np.asarray(np.exp(-(squared - squared.min()) / (2.0 * width**2)))
+
+
+# The way outside that is smoothed with the path inside, in knots: its corner at the map's border
+# then vanishes.
+_KNOTS = 6.0
+# Points outside are farther apart by this factor: the way is straight there.
+_SPARSER = 3.0
+
+
+def clear_outside(
+    path: Float64Array, grid: Grid, obstacles: Sequence[Shape], clearance: float
+) -> bool:
+    """Whether a path (n, d) keeps a clearance from obstacles on its ways outside a grid."""
+    inside = grid.contains(path[[0, -1]])
+    ways = [(path[0], path[1])] * (not inside[0]) + [(path[-1], path[-2])] * (not inside[1])
+    return all(_is_clear(*way, obstacles, clearance) for way in ways)
+
+
+def _is_clear(
+    start: Float64Array, end: Float64Array, obstacles: Sequence[Shape], clearance: float
+) -> bool:
+    """Whether a segment keeps its distance; it is walked along by as much as is free."""
+    length = float(np.linalg.norm(end - start))
+    at = 0.0
+    while obstacles and at < length:
+        point = np.zeros((1, 3))
+        point[0, : len(start)] = start + (at / length) * (end - start)
+        free = min(float(each.distance(point)[0]) for each in obstacles)
+        if free < clearance:
+            return False
+        at += max(free - 0.5 * clearance, 0.5 * clearance)
+    return True
+
+
+def smooth_between_walls(
+    path: Float64Array, field: SpeedField, knot_spacing: float
+) -> Float64Array:
+    """A path (n, d) made smooth as far as no wall is touched."""
+    grid = field.grid
+    inside = grid.contains(path[[0, -1]])
+    if not inside[1]:
+        return smooth_between_walls(path[::-1], field, knot_spacing)[::-1]
+
+    def is_free(points: Float64Array) -> bool:
+        cells = grid.cells_of(points[grid.contains(points)])
+        return bool(speeds_at(field, cells).all())
+
+    if inside[0]:
+        return smooth_path(path, knot_spacing=knot_spacing, accept=is_free)
+    way = path[1] - path[0]
+    straight = max(1.0 - _KNOTS * knot_spacing / float(np.linalg.norm(way)), 0.0)
+    turn = path[0] + straight * way
+    rest = smooth_path(
+        np.concatenate([turn[None], path[1:]]), knot_spacing=knot_spacing, accept=is_free
+    )
+    step = float(arc_length(rest)[-1]) / (len(rest) - 1)
+    count = int(np.ceil(float(np.linalg.norm(turn - path[0])) / (_SPARSER * step)))
+    ahead = path[0] + np.linspace(0.0, 1.0, count, endpoint=False)[:, None] * (turn - path[0])
+    return np.concatenate([ahead, rest])
+
+
+@dataclass(frozen=True, eq=False)
+class Query:
+    """Where a path leads, and around what."""
+
+    start: Float64Array  # (d,)
+    goal: Float64Array  # (d,)
+    obstacles: tuple[Shape, ...] = ()  # shapes in the same frame
+
+    @property
+    def ends(self) -> Float64Array:
+        """Start and goal, (2, d)."""
+        return np.stack([self.start, self.goal])
+
+
+def query_of(
+    demonstrated: Sequence[Experience],
+    start: Place | None,
+    goal: Place | None,
+    obstacles: tuple[Shape, ...] = (),
+) -> Query:
+    """The query of a user; what is left out is the mean of the demonstrations' ends."""
+    first = _end(demonstrated, split(demonstrated, start, "start")[0], "start", 0)
+    last = _end(demonstrated, split(demonstrated, goal, "goal")[0], "goal", -1)
+    if len(first) != len(last):
+        raise InvalidInput(f"goal: expected shape {first.shape}, got {last.shape}")
+    return Query(first, last, obstacles)
+
+
+def split(
+    demonstrated: Sequence[Experience], value: Any, name: str
+) -> tuple[Any, Float64Array | None]:
+    """A query's position, not checked yet, and its orientation (4,) if it has one."""
+    of_poses = bool(demonstrated) and demonstrated[0].orientations is not None
+    if not of_poses or not isinstance(value, tuple | list) or len(value) != 2:
+        return value, None
+    return value[0], check.quaternions(value[1], name, shape=(4,))
+
+
+def _end(
+    demonstrated: Sequence[Experience], value: ArrayLike | None, name: str, index: int
+) -> Float64Array:
+    """A start or goal (d,), by default the mean of the demonstrations' points at an index."""
+    if demonstrated:
+        if value is None:
+            return np.asarray(np.mean([each.path[index] for each in demonstrated], axis=0))
+        return check.array(value, name, shape=(demonstrated[0].path.shape[1],))
+    if value is None:
+        raise InvalidInput(
+            f"{name}: expected a point, as there is no demonstration to take it from"
+        )
+    point = check.array(value, name, shape=("d",))
+    if len(point) not in (2, 3):
+        raise InvalidInput(f"{name}: expected 2 or 3 coordinates, got {len(point)}")
+    return point
+
+
+class LiveMap:
+    """The map of all demonstrations over a workspace; made by `FastMarchingSkill.live_map`."""
+
+    def __init__(self, known: Sequence[Experience], scales: Scales) -> None:
+        paths = [each.way for each in known]
+        self._known = tuple(known)
+        self._grid, self._scales = grid_over(paths, (), scales)
+        speed = experience_map(
+            self._grid,
+            paths,
+            area_of_influence=self._scales.radius,
+            saturation=self._scales.saturation,
+        )
+        self._free = speed.astype(np.float32)
+
+    @property
+    def grid(self) -> Grid:
+        """The cells of the map."""
+        return self._grid
+
+    def route(self, start: Float64Array, goal: Float64Array, obstacles: Sequence[Shape]) -> Route:
+        """The quickest path between two points around obstacles, in the map of the method "map"."""
+        ends = [
+            check.array(value, name, shape=(self._grid.dimensions,))
+            for value, name in ((start, "start"), (goal, "goal"))
+        ]
+        for end, name in zip(ends, ("start", "goal"), strict=True):
+            if not self._grid.contains(end[None])[0]:
+                raise InvalidInput(f"{name}: expected a point inside the workspace, got {end}")
+        shapes = check_shapes(obstacles)
+        around = passable(self._free, self._grid, shapes, self._scales)
+        path = _quickest(self._grid, around, *ends)
+        speed = MapField(self._grid, hindered(self._free, self._grid, shapes, self._scales))
+        used = tuple(each.facing(ends[0], ends[1]) for each in self._known)
+        return route_along(path, speed, used=used, weights=np.ones(len(used)), method="map")
+
+
+def _quickest(
+    grid: Grid, speed: NDArray[np.float32], start: Float64Array, goal: Float64Array
+) -> Float64Array:
+    """The path (n, d) of least time in a map of speeds, at first order."""
+    start_cell, goal_cell = grid.cells_of(np.stack([start, goal]))
+    for name, point, cell in (("start", start, start_cell), ("goal", goal, goal_cell)):
+        if speed[tuple(cell)] == 0.0:
+            raise NoPath(f"{name}: {point} lies in an obstacle", reason=f"{name}_in_wall")
+    arrival = arrival_times(
+        speed, goal_cell, spacing=grid.spacing, order=1, dtype=np.float32, stop=start_cell
+    )
+    if np.isinf(arrival[tuple(start_cell)]):
+        raise NoPath("goal: obstacles separate it from the start", reason="goal_enclosed")
+    return descend(arrival, grid, start, goal)
+
+
+def live_model(
+    model: FastMarching, workspace: ArrayLike, cells: int, dimensions: int
+) -> FastMarching:
+    """The settings of a live map, from those of a skill and the arguments of its `live_map`."""
+    corners = check.array(workspace, "workspace", shape=(2, dimensions))
+    count = check.integer(cells, "cells", at_least=1000)
+    lengths = np.maximum(corners[1] - corners[0], 0.0)
+    edge = float((lengths.prod() / count) ** (1.0 / dimensions))
+    space = (tuple(corners[0]), tuple(corners[1]))
+    return replace(model, method="map", workspace=space, resolution=edge)

@@ -10,28 +10,40 @@ Source: Calinon 2016, "A tutorial on task-parameterized movement learning and re
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import asdict, dataclass, replace
+from typing import Any, ClassVar, Generic
 
 import numpy as np
 
-from leadthrough import check
+from leadthrough import check, rotations
 from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput, NoContinuousLogarithm, UnsupportedQuery
 from leadthrough.models import archive
+from leadthrough.models.archive import Archived, Arrays
+from leadthrough.models.bounded import MOST_GAIN, fraction_inside
 from leadthrough.models.chart import Chart, chart_of
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.frame import Frame
 from leadthrough.models.gaussians.em import Blocks
 from leadthrough.models.gaussians.mixture import Mixture
+from leadthrough.models.judged import judged
 from leadthrough.models.mean_turning import middle_orientations
-from leadthrough.models.mixtures.phases import phase_blocks
-from leadthrough.models.mixtures.samples import SAMPLES, sampled, timed_columns
-from leadthrough.models.mixtures.shrinkage import shrunk
-from leadthrough.models.mixtures.task_frames import checked_frames
-from leadthrough.models.mixtures.task_gmr_skill import TaskGMRSkill
+from leadthrough.models.mixtures.gmr import GMR, MOST_COMPONENTS, GMRSkill, wanted_ends
+from leadthrough.models.mixtures.phases import SAMPLES, phase_blocks, sampled, timed_columns
+from leadthrough.models.mixtures.task_product import (
+    checked_frames,
+    common_chart,
+    multiplied,
+    placed,
+    shrunk,
+)
+from leadthrough.models.parameters import Parameter, fitted_again
+from leadthrough.models.place import Place
 from leadthrough.models.unfitted import Unfitted
-from leadthrough.motion import MotionT
+from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, normalised_times
+from leadthrough.preprocess.resample import arc_length
+from leadthrough.shapes import Shape
 
 # A deviation of 5 % of a column's: frames are not weighed by finer agreement than that, which few
 # demonstrations show by chance.
@@ -151,3 +163,219 @@ def _fitted(
     )
     rounder = tuple(shrunk(each, demonstrations, poses=poses) for each in found.covariances)
     return replace(found, covariances=rounder)
+
+
+@dataclass(frozen=True, eq=False)
+class TaskGMRSkill(Archived, Generic[MotionT_co]):
+    """Components seen from the frames of a task; made by `TaskGMR.fit`.
+
+    Attributes:
+        model: the settings that it was fitted with.
+        chart: what the d columns are in the base frame.
+        charts: what they are in each frame.
+        components: components of the time, s, and the columns in each frame.
+        duration: duration of the motion, s.
+        ends: mean start and goal (2, d) of the demonstrations, in the columns of `chart`.
+        at_ends: whether the frames are two, at the start and at the goal.
+    """
+
+    model: TaskGMR
+    chart: Chart[MotionT_co]
+    charts: tuple[Chart, ...]
+    components: Blocks
+    duration: float
+    ends: Float64Array
+    at_ends: bool
+
+    kind: ClassVar[str] = "task_gmr"
+
+    @property
+    def supports(self) -> frozenset[str]:
+        """Parts of a query that it honours; with frames of its own, use `at` instead."""
+        return frozenset({"start", "goal", "duration"} if self.at_ends else {"duration"})
+
+    def at(self, frames: Sequence[Frame]) -> GMRSkill[MotionT_co]:
+        """The skill in a situation.
+
+        Args:
+            frames: the frames of the situation, in the order of those that it was fitted with.
+
+        Raises:
+            InvalidInput: if their number or dimensions differ from those that it was fitted with.
+        """
+        (given,) = checked_frames([frames], 1, self.chart)
+        if len(given) != len(self.components.means):
+            raise InvalidInput(
+                f"frames: expected {len(self.components.means)} frames, got {len(given)}"
+            )
+        chart = common_chart(self.chart, self.charts, given)
+        seen = [
+            placed(frame, own, chart, means, self.duration)
+            for frame, own, means in zip(given, self.charts, self.components.means, strict=True)
+        ]
+        mixture = multiplied(self.components, seen, poses=chart.kind == "poses")
+        ends, _ = mixture.regress([[0.0], [self.duration]], inputs=[0])
+        model = GMR(self.model.components, self.model.seed, self.model.starts)
+        return GMRSkill(model, chart, mixture, self.duration, ends, 1)
+
+    @judged
+    def generate(
+        self,
+        *,
+        start: Place | None = None,
+        goal: Place | None = None,
+        duration: float | None = None,
+        dt: float = 0.01,
+        obstacles: Sequence[Shape] = (),
+    ) -> MotionT_co:
+        """The mean motion from a start to a goal.
+
+        The frames carry it as far as the demonstrations support that, and no phase farther than
+        1.45 times the way of the ends; a turned end counts as the way of the motion's farthest
+        point about it.
+
+        Args:
+            start: where the frame at the start is now: columns (d,); for poses (position (3,),
+                orientation (4,) as w, x, y, z), or the position alone to keep the mean
+                orientation. By default the demonstrations' mean.
+            goal: where the frame at the goal is now, likewise.
+            duration: duration, s, > 0; by default the skill's own.
+            dt: largest time between samples, s, > 0.
+            obstacles: must be empty.
+
+        Returns:
+            A motion of the type that was demonstrated.
+
+        Raises:
+            InvalidInput: if an argument is wrong.
+            UnsupportedQuery: for obstacles, or if the skill was fitted with frames of its own.
+        """
+        if not self.at_ends:
+            raise UnsupportedQuery(
+                "frames: this skill was fitted with frames of its own and needs those of the "
+                "situation, in Python skill.at(frames).generate()"
+            )
+        usual = self._between(self.ends, duration, dt, obstacles)
+        if start is None and goal is None:
+            return usual
+        ends = wanted_ends(self.chart, self.ends, start, goal)
+        return bounded(self._between(ends, duration, dt, obstacles), usual)
+
+    def _between(
+        self, ends: Float64Array, duration: float | None, dt: float, obstacles: Sequence[Shape]
+    ) -> MotionT_co:
+        """What the frames make of a start and a goal (2, d), in the columns of `chart`."""
+        placed_at = self.chart.motion(np.array([0.0, 1.0]), np.array([0.0, 1.0]), ends)
+        frames = [Frame.of_sample(placed_at, row) for row in (0, -1)]
+        return self.at(frames).generate(
+            start=_place(placed_at, 0),
+            goal=_place(placed_at, -1),
+            duration=duration,
+            dt=dt,
+            obstacles=obstacles,
+        )
+
+    def parameters(
+        self, demonstrations: Demonstrations[Motion] = ()
+    ) -> Sequence[Parameter[MotionT_co]]:
+        """The number of components, if there are demonstrations to fit again.
+
+        None for a skill with frames of its own: the demonstrations do not tell where these were.
+
+        Args:
+            demonstrations: the demonstrations that the skill was fitted to.
+        """
+        if not self.at_ends:
+            return []
+        return fitted_again(self, "components", demonstrations, least=1, most=MOST_COMPONENTS)
+
+    # Any: settings are whatever JSON holds.
+    def to_archive(self) -> tuple[dict[str, Any], Arrays]:
+        """Settings and arrays that `task_gmr.from_archive` turns into the skill again."""
+        settings = {
+            "model": asdict(self.model),
+            "duration": self.duration,
+            "at_ends": self.at_ends,
+            "frames": len(self.components.means),
+            **self.chart.settings(),
+        }
+        arrays = {
+            "weights": self.components.weights,
+            "ends": self.ends,
+            **self.chart.arrays(),
+        }
+        for i, means in enumerate(self.components.means):
+            arrays[f"means_{i}"] = means
+            arrays[f"covariances_{i}"] = self.components.covariances[i]
+            reference = self.charts[i].reference
+            if reference is not None:
+                arrays[f"reference_{i}"] = reference
+        return settings, arrays
+
+
+def _place(motion: Motion, row: int) -> Place:
+    """A sample of a motion, as a skill is asked for it."""
+    position: Float64Array = motion.positions[row]
+    return (position, motion.orientations[row]) if isinstance(motion, PoseTrajectory) else position
+
+
+def bounded(carried: MotionT, usual: MotionT) -> MotionT:
+    """A motion between moved ends, no farther from the usual one than the bound."""
+    way = _way(carried, usual)
+    limits = _limits(way, usual.positions)
+    offsets = _within(way.offsets, way.fractions, limits[0])
+    positions = usual.positions + offsets
+    if not isinstance(carried, PoseTrajectory) or not isinstance(usual, PoseTrajectory):
+        return replace(carried, positions=positions)
+    turns = rotations.exp(_within(way.turns, way.fractions, limits[1]))
+    turned = rotations.align_signs(rotations.compose(usual.orientations, turns))
+    return replace(carried, positions=positions, orientations=turned)
+
+
+@dataclass(frozen=True, eq=False)
+class _Way:
+    """How far a motion is from the usual one."""
+
+    offsets: Float64Array  # (n, d) of the positions
+    turns: Float64Array
+    fractions: Float64Array  # (n,) of the usual path covered
+
+
+def _way(carried: MotionT, usual: MotionT) -> _Way:
+    covered = arc_length(usual.positions)
+    total = float(covered[-1])
+    fractions = covered / total if total > 0.0 else normalised_times(usual.times)
+    offsets = carried.positions - usual.positions
+    turns = np.zeros((len(offsets), 3))
+    if isinstance(carried, PoseTrajectory) and isinstance(usual, PoseTrajectory):
+        turns = _turns(usual.orientations, carried.orientations, fractions)
+    return _Way(offsets, turns, fractions)
+
+
+def _turns(usual: Float64Array, carried: Float64Array, fractions: Float64Array) -> Float64Array:
+    """Rotation vectors (n, 3) from usual orientations (n, 4) to carried ones."""
+    between = rotations.compose(rotations.inverse(usual), carried)
+    try:
+        return rotations.lift(between)
+    except NoContinuousLogarithm:
+        ends = rotations.log(between[[0, -1]])
+        return np.outer(1.0 - fractions, ends[0]) + np.outer(fractions, ends[1])
+
+
+def _limits(way: _Way, positions: Float64Array) -> tuple[float, float]:
+    """The largest distance and the largest turn, rad, from the usual motion."""
+    ends = [0, -1]
+    levers = [float(np.linalg.norm(positions - positions[i], axis=1).max()) for i in ends]
+    moved = [float(np.linalg.norm(way.offsets[i])) for i in ends]
+    turned = [float(np.linalg.norm(way.turns[i])) for i in ends]
+    pairs = list(zip(moved, turned, levers, strict=True))
+    distance = max(m + t * lever for m, t, lever in pairs)
+    angle = max(t + (m / lever if lever > 0.0 else 0.0) for m, t, lever in pairs)
+    return MOST_GAIN * distance, MOST_GAIN * angle
+
+
+def _within(changes: Float64Array, fractions: Float64Array, limit: float) -> Float64Array:
+    """Changes (n, d) with those of the ends, drawn to their fade as far as the limit asks."""
+    fade = np.outer(1.0 - fractions, changes[0]) + np.outer(fractions, changes[-1])
+    more = changes - fade
+    return np.asarray(fade + fraction_inside(fade, more, limit) * more)

@@ -1,25 +1,156 @@
-"""The components of a task-parameterised mixture where the frames of a situation stand.
+"""Frames that move with a task, and motions and distributions seen from them.
 
-A product of Gaussians that are thin in nearly the same direction lies where they cross, which may
-be far from all of them: with few demonstrations a frame turned by a milliradian moved the mean by
-metres. So the weights of the frames' means come from covariances that are mixed with round ones,
-as much as it takes to keep the mean near the frames' means.
+Seen from a frame, points and joints are shifted and rotated. Orientations of poses are rotated too,
+and written as rotation vectors in the tangent spaces along the frame's own reference. For the
+frames of a new situation these references are averaged, and each frame's Gaussians are carried into
+the tangent spaces of the mean reference to first order.
 
-Source: Calinon 2016, "A tutorial on task-parameterized movement learning and retrieval", sections
-2 to 4; here the time counts once and not once per frame.
+Source: Zeestraten et al. 2017, "An approach for imitation learning on Riemannian manifolds",
+section III-C.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from leadthrough import rotations
 from leadthrough.check import Float64Array
+from leadthrough.errors import FitError, InvalidInput, NoContinuousLogarithm
+from leadthrough.models.chart import NODES, Chart, carried
+from leadthrough.models.frame import Frame
 from leadthrough.models.gaussians.em import Blocks
 from leadthrough.models.gaussians.mixture import Mixture
-from leadthrough.models.mixtures.shrinkage import conditional, round_ones
-from leadthrough.models.mixtures.task_frames import Placed
+from leadthrough.models.mean_turning import mean_orientations
+from leadthrough.motion import MotionT
+
+# Half the span of phases over which a drift is measured by finite differences.
+_AROUND = 2.5e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """A frame's k Gaussians, in the common columns of a situation.
+
+    Attributes:
+        means: means (k, w).
+        maps: matrices (k, w, w) that carry deviations from the frame's own columns.
+        drift: rates (k, w) at which the means change because the reference moves on, per second.
+    """
+
+    means: Float64Array
+    maps: Float64Array
+    drift: Float64Array
+
+
+def common_chart(
+    chart: Chart[MotionT], own: Sequence[Chart], frames: Sequence[Frame]
+) -> Chart[MotionT]:
+    """A chart whose reference is the mean of the frames' own, seen from the base frame."""
+    if chart.kind != "poses":
+        return chart
+    predicted = [_predicted(each, frame, NODES) for each, frame in zip(own, frames, strict=True)]
+    try:
+        return replace(chart, reference=mean_orientations(predicted))
+    except FitError:  # frames turned against each other, which a situation may ask for
+        return replace(chart, reference=_between(predicted))
+
+
+def placed(frame: Frame, own: Chart, common: Chart, means: Float64Array, duration: float) -> Placed:
+    """A frame's Gaussians, carried from its own columns into the common ones."""
+    size, count = own.size, len(means)
+    means, phases = means[:, 1:], np.clip(means[:, 0] / duration, 0.0, 1.0)
+    moved = means[:, :size] @ frame.axes.T + frame.origin
+    if own.kind != "poses":
+        maps = np.broadcast_to(frame.axes, (count, size, size))
+        return Placed(moved, maps, np.zeros_like(moved))
+
+    def tangent(at: Float64Array) -> Float64Array:
+        turned = rotations.compose(_predicted(own, frame, at), rotations.exp(means[:, 3:]))
+        return common.tangent(turned, at)
+
+    here = tangent(phases)
+    before, after = np.maximum(phases - _AROUND, 0.0), np.minimum(phases + _AROUND, 1.0)
+    drift = (tangent(after) - tangent(before)) / (duration * (after - before))[:, None]
+    maps = np.zeros((count, 6, 6))
+    maps[:, :3, :3] = frame.axes
+    maps[:, 3:, 3:] = carried(means[:, 3:], here)
+    return Placed(np.hstack([moved, here]), maps, np.hstack([np.zeros((count, 3)), drift]))
+
+
+def checked_frames(
+    frames: Sequence[Sequence[Frame]], count: int, chart: Chart
+) -> list[tuple[Frame, ...]]:
+    """The frames of each of several demonstrations."""
+    if not isinstance(frames, Sequence) or len(frames) != count:
+        got = len(frames) if isinstance(frames, Sequence) else type(frames).__name__
+        raise InvalidInput(
+            f"frames: expected one sequence of frames per demonstration, {count}, got {got}"
+        )
+    given = [tuple(each) for each in frames]
+    for frame in (frame for each in given for frame in each):
+        if not isinstance(frame, Frame) or len(frame.origin) != chart.size:
+            got = len(frame.origin) if isinstance(frame, Frame) else type(frame).__name__
+            raise InvalidInput(f"frames: expected frames of {chart.size} dimensions, got {got}")
+        if chart.kind == "poses" and np.linalg.det(frame.axes) < 0.0:
+            raise InvalidInput("frames: expected right-handed axes for poses")
+    if len({len(each) for each in given}) != 1 or not given[0]:
+        numbers = sorted({len(each) for each in given})
+        raise InvalidInput(
+            "frames: expected the same number of frames for every demonstration, at least one, "
+            f"got {', '.join(map(str, numbers))}"
+        )
+    return given
+
+
+def _between(predicted: Sequence[Float64Array]) -> Float64Array:
+    """Orientations (n, 4) between several rows of them, without a jump where they are far apart."""
+    back = rotations.inverse(predicted[0])
+    try:
+        turns = [rotations.lift(rotations.compose(back, each)) for each in predicted]
+    except NoContinuousLogarithm:
+        return rotations.align_signs(predicted[0])
+    middle = rotations.exp(np.mean(turns, axis=0))
+    return rotations.align_signs(rotations.compose(predicted[0], middle))
+
+
+def _predicted(own: Chart, frame: Frame, phases: Float64Array) -> Float64Array:
+    """A frame's reference orientation (n, 4) in the base frame."""
+    return rotations.compose(frame.orientations(len(phases)), own.reference_at(phases))
+
+
+# What a round covariance counts for, in demonstrations: as little as any.
+_ROUND_COUNTS = 1.0
+
+
+def shrunk(covariances: Float64Array, demonstrations: int, *, poses: bool) -> Float64Array:
+    """Covariances of the time and the columns, those of the columns given the time made rounder."""
+    fraction = _ROUND_COUNTS / (demonstrations - 1.0 + _ROUND_COUNTS)
+    given_time = conditional(covariances)
+    result = covariances.copy()
+    result[:, 1:, 1:] += fraction * (round_ones(given_time, poses=poses) - given_time)
+    return result
+
+
+def conditional(covariances: Float64Array) -> Float64Array:
+    """Covariances (k, d, d) of the columns, given the time."""
+    rates = covariances[:, 0, 1:] / covariances[:, :1, 0]
+    return np.asarray(covariances[:, 1:, 1:] - rates[:, :, None] * covariances[:, :1, 1:])
+
+
+def round_ones(covariances: Float64Array, *, poses: bool) -> Float64Array:
+    """Covariances (k, d, d) of the same variances in all directions."""
+    size = covariances.shape[1]
+    even = np.zeros_like(covariances)
+    split = size - _ROTATION if poses else size
+    for group in (np.arange(split), np.arange(split, size)):
+        if len(group) > 0:
+            variances = covariances[:, group, group].mean(axis=1)
+            even[:, group, group] = variances[:, None]
+    return even
+
 
 # A frame that moves takes the mean along by no more than this many times its own way.
 _MOST_GAIN = 1.2

@@ -10,7 +10,7 @@ from leadthrough.models import Mixture, choose_components, fit_mixture, trace_mi
 from leadthrough.models.gaussians.em import LEAST_VARIANCE, Steps
 from leadthrough.models.gaussians.fitting import bic
 from leadthrough.models.gaussians.kmeans import clustered, seeds
-from leadthrough.models.mixtures.samples import sampled
+from leadthrough.models.mixtures.phases import sampled
 
 
 def random_mixture(count=3, size=4, seed=0):

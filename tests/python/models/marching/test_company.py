@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.marching.facing import faced
-from leadthrough.models.marching.gate import gate_at
-from leadthrough.models.marching.query import Query
-from leadthrough.models.marching.scales import Scales
-from leadthrough.models.marching.trust import in_company
+from leadthrough.models.marching.maps import Scales
+from leadthrough.models.marching.planner import faced, in_company
+from leadthrough.models.marching.policy import gate_at
+from leadthrough.models.marching.route import Query
 from leadthrough.planning import Grid
 
 ANGLE = np.linspace(0.0, 2.0 * np.pi, 200)

@@ -3,7 +3,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.errors import NoPath
-from leadthrough.models.marching import extent
+from leadthrough.models.marching import maps
 from leadthrough.preprocess.curve_distance import frechet_distance
 from leadthrough.preprocess.resample import by_arc_length
 
@@ -28,7 +28,7 @@ def away(angle, distance):
 
 def planned_in_one_map(skill, monkeypatch, **query):
     with monkeypatch.context() as patch:
-        patch.setattr(extent, "_FAR", np.inf)
+        patch.setattr(maps, "_FAR", np.inf)
         return skill.plan(**query)
 
 

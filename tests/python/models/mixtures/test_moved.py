@@ -8,7 +8,7 @@ import pytest
 import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.models import Frame, TaskGMR, fit_mixture
-from leadthrough.models.mixtures.samples import sampled
+from leadthrough.models.mixtures.phases import sampled
 
 U = np.linspace(0.0, 1.0, 100)
 KINDS = ("points", "joints", "poses")

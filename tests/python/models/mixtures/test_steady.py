@@ -9,9 +9,8 @@ from models.mixtures.test_moved import MODELS, family, farthest
 
 import leadthrough as lt
 from leadthrough.models import TaskGMR
-from leadthrough.models.mixtures.phases import fit_phases
-from leadthrough.models.mixtures.samples import sampled
-from leadthrough.models.mixtures.shrinkage import shrunk
+from leadthrough.models.mixtures.phases import fit_phases, sampled
+from leadthrough.models.mixtures.task_product import shrunk
 
 # Families of which another maximum of the likelihood moved motions by up to 303 mm (rad / 1000).
 FAMILIES = [("points", 2, 0), ("points", 3, 1), ("joints", 2, 1), ("joints", 5, 0), ("poses", 3, 1)]
