@@ -19,13 +19,10 @@ from .gaussians.kmeans import Clusters, kmeans
 from .gaussians.mixture import Mixture
 from .library import OutsideTargets, SkillLibrary
 from .many import generate_all
-from .marching.model import FastMarching
-from .marching.skill import FastMarchingSkill
-from .mixtures.gmr import GMR
-from .mixtures.gmr_skill import GMRSkill
+from .marching.model import FastMarching, FastMarchingSkill
+from .mixtures.gmr import GMR, GMRSkill
 from .mixtures.stiffness import stiffness_profile
-from .mixtures.task_gmr import TaskGMR
-from .mixtures.task_gmr_skill import TaskGMRSkill
+from .mixtures.task_gmr import TaskGMR, TaskGMRSkill
 from .out_of_step import OutOfStep
 from .parameters import Parameter
 from .promp.combination import blend, combine
