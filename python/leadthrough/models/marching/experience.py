@@ -15,7 +15,7 @@ from leadthrough.errors import FitError, InvalidInput
 from leadthrough.events import Event
 from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.phase import SAMPLES, progress_of
-from leadthrough.models.posture import Posture, shown_posture
+from leadthrough.models.posture import Posture, agreed, shown_posture
 from leadthrough.motion import MotionT, PoseTrajectory, Trajectory
 from leadthrough.preprocess.noise import is_random_walk, without_noise
 from leadthrough.preprocess.resample import arc_length
@@ -24,6 +24,8 @@ from leadthrough.repr import ShortRepr
 # A demonstration is reversed where that brings its ends nearer to start and goal, in sum, by half
 # and by a fraction of its length: those that return to their start go round as they were shown.
 _CLEARLY, _AT_LEAST = 0.5, 0.1
+# Found on human handwriting: between isochrony (0) and constant speed (1).
+_DURATION_EXPONENT = 0.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +63,11 @@ class Experience(ShortRepr):
         clearly = min(_CLEARLY * gaps[0], gaps[0] - _AT_LEAST * self.length)
         return self._reversed if gaps[1] < clearly else self
 
+    @property
+    def plain_events(self) -> Any:
+        """Its events as JSON has them."""
+        return events.to_plain(self.events)
+
     def arrays(self) -> dict[str, Float64Array]:
         """Its arrays by name, for a file."""
         parts = {
@@ -79,7 +86,7 @@ class Experience(ShortRepr):
         arrays: Mapping[str, Any],
         index: int,
         *,
-        happening: tuple[Event, ...],
+        happening: Sequence[Any],
         joint_names: Sequence[str] | None = None,
     ) -> Experience:
         """The one of which a file has the `arrays` under <name>_<index>."""
@@ -94,7 +101,7 @@ class Experience(ShortRepr):
             check.number(arrays[f"duration_{index}"], "duration", above=0.0),
             check.frozen(arrays[f"progress_{index}"], "progress", shape=(SAMPLES,)),
             None if turned is None else check.quaternions(turned, "path", shape=(len(path), 4)),
-            happening,
+            events.from_plain(happening),
             joints,
         )
 
@@ -134,3 +141,32 @@ def _experience(motion: Trajectory | PoseTrajectory) -> Experience:
         events.moved(motion.events, motion.times, covered / covered[-1]),
         shown_posture([motion], [covered / covered[-1]]),
     )
+
+
+def nominal_duration(used: Sequence[Experience], weights: Float64Array, length: float) -> float:
+    """The weighted median of the demonstrations' durations, s, each adapted to a path's length."""
+    adapted = np.array([each.duration * _adapted(length / each.length) for each in used])
+    order = np.argsort(adapted, kind="stable")
+    fraction = weights[order] / weights.sum()
+    return float(np.interp(0.5, np.cumsum(fraction) - 0.5 * fraction, adapted[order]))
+
+
+def _adapted(ratio: float) -> float:
+    """The factor on a duration where the path has another length; 1 for standing still."""
+    return float(ratio**_DURATION_EXPONENT) if ratio > 0.0 else 1.0
+
+
+def experience_like(
+    known: Sequence[Experience],
+    path: Float64Array,
+    orientations: Float64Array | None,
+    *,
+    duration: float | None,
+) -> Experience:
+    """A path (n, d) as experience, with the timing, events and joints of known ones."""
+    progress = np.mean([each.progress for each in known], axis=0)
+    length = float(arc_length(path)[-1])
+    own = duration or nominal_duration(known, np.ones(len(known)), length)
+    happened = events.agreed([each.events for each in known])
+    joints = agreed([each.posture for each in known])
+    return Experience(path, own, progress, orientations, happened, joints)

@@ -1,12 +1,12 @@
-"""The grid that a map of demonstrations is made on, and the scales made definite for it."""
+"""Speed maps of demonstrations: their lengths, their grid, and how obstacles enter them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leadthrough import check
 from leadthrough.check import Float64Array
@@ -20,27 +20,89 @@ from leadthrough.planning.speed_map import (
     SaturatedField,
     SpeedField,
     Speeds,
+    TubeField,
     add_obstacles,
     add_passable_obstacles,
     add_saturated_obstacles,
+    experience_map,
 )
+from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.shapes import Shape
 
-if TYPE_CHECKING:
-    from leadthrough.models.marching.model import FastMarching
+OBSTACLE_MAPS = ("product", "minimum")
+# Radii in fractions of the demonstrations' mean length, so that the unit of the data does not
+# matter. Tubes overlap in the map of all demonstrations; a tube around one path is thinner.
+MAP_RADIUS = 0.02
+TUBE_RADIUS = 0.01
+# In three dimensions thin tubes need more cells than they are worth.
+GROWTH = 3.0
+# Maximum number of cells of a map for an end far away: the path to it may pass anywhere.
+MAX_CELLS_FROM_AFAR = 500_000
 
 _CELLS_PER_RADIUS = 5.0
 # A tube of a thinner radius is not a tube.
-_LEAST_CELLS_PER_RADIUS = 2.0
+_MIN_CELLS_PER_RADIUS = 2.0
 # Beyond this many cells a default resolution gets coarser: 160 cubed, half a second to march.
-_MOST_DEFAULT_CELLS = 4_000_000
-# And of a map that a way from far away leads into: it may lead anywhere, and is looked for widely.
-MOST_CELLS_FROM_AFAR = 500_000
+_MAX_DEFAULT_CELLS = 4_000_000
 # Room around everything, in radii, and around obstacles, as a fraction of the extent.
 _MARGIN = 4.0
 _ROOM = 0.25
 # An end is far away at this distance from the demonstrations, in their extent.
 _FAR = 1.0
+# Width of the band in which the product slows the wave down, as a fraction of the clearance. A path
+# that has to pass through a wider one beside its tube would rather leave the tube for a short cut.
+_BAND = 0.5
+# Reach of detours around an obstacle in a tube, in clearances: the tube continues beside small
+# boxes, but not along a whole table that it touches.
+_REACH = 2.0
+# Maximum number of points at which the map is looked up; two per cell otherwise.
+_MAX_LOOKUPS = 100_000
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Lengths and speeds of a map; lengths in the demonstrations' unit."""
+
+    radius: float  # of the tubes
+    clearance: float  # distance from obstacles below which they slow the wave down
+    saturation: float  # speed outside the tubes, in (0, 1]
+    resolution: float | None
+    growth: float = 1.0  # factor by which the tubes may become wider than the radius
+    workspace: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+    obstacle_map: str = "product"  # how obstacles enter the map, "product" or "minimum"
+
+
+def map_of(paths: Sequence[Float64Array], scales: Scales) -> tuple[Grid, Float64Array, Scales]:
+    """A grid around paths, the speed map of the paths on it, and the scales made definite."""
+    grid, scales = grid_over(paths, (), scales)
+    return grid, speeds_along(paths, grid, scales), scales
+
+
+def speeds_along(paths: Sequence[Float64Array], grid: Grid, scales: Scales) -> Float64Array:
+    """Speeds of a grid: 1 deepest in the tube around paths, the saturation outside it."""
+    return experience_map(
+        grid, paths, area_of_influence=scales.radius, saturation=scales.saturation
+    )
+
+
+def grid_over(
+    points: Sequence[Float64Array],
+    obstacles: Sequence[Shape],
+    scales: Scales,
+    *,
+    max_cells: int = _MAX_DEFAULT_CELLS,
+) -> tuple[Grid, Scales]:
+    """A grid around points, and the scales made definite for it."""
+    corners, margin = _bounds(np.concatenate(points), obstacles, scales)
+    resolution = scales.resolution
+    if resolution is None:
+        sides = np.ptp(corners, axis=0) + 2.0 * margin
+        coarsest = float((sides.prod() / max_cells) ** (1.0 / len(sides)))
+        widest = scales.growth * scales.radius / _MIN_CELLS_PER_RADIUS
+        resolution = min(max(scales.radius / _CELLS_PER_RADIUS, coarsest), widest)
+    radius = max(scales.radius, _MIN_CELLS_PER_RADIUS * resolution)
+    grid = Grid.covering(corners, margin=margin, spacing=resolution)
+    return grid, replace(scales, radius=radius, resolution=resolution)
 
 
 def covered_ends(
@@ -57,24 +119,87 @@ def covered_ends(
     yield ends
 
 
-def grid_over(
-    points: Sequence[Float64Array],
-    obstacles: Sequence[Shape],
-    scales: Scales,
-    *,
-    most_cells: int = _MOST_DEFAULT_CELLS,
-) -> tuple[Grid, Scales]:
-    """A grid around points, and the scales made definite for it."""
-    corners, margin = _bounds(np.concatenate(points), obstacles, scales)
-    resolution = scales.resolution
-    if resolution is None:
-        sides = np.ptp(corners, axis=0) + 2.0 * margin
-        coarsest = float((sides.prod() / most_cells) ** (1.0 / len(sides)))
-        widest = scales.growth * scales.radius / _LEAST_CELLS_PER_RADIUS
-        resolution = min(max(scales.radius / _CELLS_PER_RADIUS, coarsest), widest)
-    radius = max(scales.radius, _LEAST_CELLS_PER_RADIUS * resolution)
-    grid = Grid.covering(corners, margin=margin, spacing=resolution)
-    return grid, replace(scales, radius=radius, resolution=resolution)
+def hindered(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scales) -> Speeds:
+    """A map of tubes with obstacles, as `FastMarching.obstacle_map` says."""
+    if scales.obstacle_map == "minimum":
+        return add_saturated_obstacles(
+            speed,
+            grid,
+            obstacles,
+            area_of_influence=scales.clearance,
+            saturation=scales.saturation,
+        )
+    return add_obstacles(speed, grid, obstacles, area_of_influence=_BAND * scales.clearance)
+
+
+def passable(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scales) -> Speeds:
+    """The map of `hindered` that paths are planned in: the product has ways round obstacles."""
+    if scales.obstacle_map == "minimum":
+        return hindered(speed, grid, obstacles, scales)
+    return add_passable_obstacles(
+        speed,
+        grid,
+        obstacles,
+        band=_BAND * scales.clearance,
+        saturation=scales.saturation,
+        reach=_REACH * scales.clearance,
+    )
+
+
+def hindered_field(
+    free: SpeedField, obstacles: Sequence[Shape], scales: Scales, *, band: float = _BAND
+) -> SpeedField:
+    """The speeds of `hindered`, where they are asked for."""
+    if not obstacles:
+        return free
+    walls = Walls(free.grid, obstacles)
+    if scales.obstacle_map == "minimum":
+        return SaturatedField(
+            free, walls, area_of_influence=scales.clearance, saturation=scales.saturation
+        )
+    return HinderedField(free, walls, area_of_influence=band * scales.clearance)
+
+
+def passable_field(free: FreeField, obstacles: Sequence[Shape], scales: Scales) -> SpeedField:
+    """The speeds of `passable`, where they are asked for."""
+    if not obstacles or scales.obstacle_map == "minimum":
+        return hindered_field(free, obstacles, scales)
+    return PassableField(
+        free,
+        Walls(free.grid, obstacles),
+        band=_BAND * scales.clearance,
+        reach=_REACH * scales.clearance,
+    )
+
+
+def tube_field(
+    path: Float64Array, grid: Grid, obstacles: Sequence[Shape], scales: Scales
+) -> SpeedField:
+    """Speeds in a tube, and a whole clearance about obstacles: their product, or eq. 7."""
+    free = TubeField(
+        grid, [path], [1.0], area_of_influence=scales.radius, saturation=scales.saturation
+    )
+    return hindered_field(free, obstacles, scales, band=1.0)
+
+
+def slowed_at(
+    path: Float64Array, grid: Grid, obstacles: Sequence[Shape], scales: Scales
+) -> NDArray[np.bool_]:
+    """Whether obstacles slow the wave down at the points (n, d) of a path, (n,)."""
+    limit = scales.saturation if scales.obstacle_map == "minimum" else 1.0
+    cells, of = np.unique(grid.numbers_of(grid.cells_of(path)), return_inverse=True)
+    beside = Walls(grid, obstacles).distances(cells, scales.clearance) / scales.clearance
+    return np.asarray(beside[of] < limit)
+
+
+def mean_speed(path: Float64Array, grid: Grid, speed: Float64Array, outside: float) -> float:
+    """The mean of a speed map along a path, evenly over its length (Prados et al. 2023, eq. 6)."""
+    steps = 2.0 * float(arc_length(path)[-1]) / float(grid.spacing.min())
+    points = by_arc_length(path, int(min(np.ceil(steps), _MAX_LOOKUPS)) + 2)
+    inside = grid.contains(points)
+    speeds = np.full(len(points), outside)
+    speeds[inside] = speed[tuple(grid.cells_of(points[inside]).T)]
+    return float(speeds.mean())
 
 
 def _bounds(
@@ -108,102 +233,3 @@ def _obstacle_corners(
             corners.append(np.maximum(centre - reach, lower - extent))
             corners.append(np.minimum(centre + reach, upper + extent))
     return corners
-
-
-# Radii in fractions of the demonstrations' mean length, so that the unit of the data does not
-# matter. The map of all demonstrations wants tubes that overlap, a tube around one path a thin one.
-MAP_RADIUS = 0.02
-TUBE_RADIUS = 0.01
-# In three dimensions thin tubes need more cells than they are worth.
-_GROWTH = 3.0
-
-
-@dataclass(frozen=True)
-class Scales:
-    """Lengths and speeds of a map; lengths in the demonstrations' unit."""
-
-    radius: float  # of the tubes
-    clearance: float  # distance from obstacles below which they slow the wave down
-    saturation: float  # speed outside the tubes, in (0, 1]
-    resolution: float | None
-    growth: float = 1.0  # how much wider than the radius the tubes may become there
-    workspace: tuple[tuple[float, ...], tuple[float, ...]] | None = None
-    obstacle_map: str = "product"  # how obstacles enter the map, "product" or "minimum"
-
-
-def scales_of(model: FastMarching, lengths: Sequence[float], fraction: float) -> Scales:
-    """The scales of a model's map."""
-    given = model.area_of_influence
-    length = float(np.mean(lengths))
-    return Scales(
-        radius=given or fraction * length,
-        clearance=given or MAP_RADIUS * length,
-        saturation=model.saturation,
-        resolution=model.resolution,
-        growth=1.0 if given else _GROWTH,
-        workspace=model.workspace,
-        obstacle_map=model.obstacle_map,
-    )
-
-
-OBSTACLE_MAPS = ("product", "minimum")
-
-# Width of the band in which the product slows the wave down, as a fraction of the clearance. A path
-# that has to pass through a wider one beside its tube would rather leave the tube for a short cut.
-BAND = 0.5
-# How far ways round an obstacle reach from where it stands in a tube, in clearances: the tube goes
-# on beside small boxes, and not along a whole table that it touches.
-REACH = 2.0
-
-
-def hindered(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scales) -> Speeds:
-    """A map of tubes with obstacles, as `FastMarching.obstacle_map` says."""
-    if scales.obstacle_map == "minimum":
-        return add_saturated_obstacles(
-            speed,
-            grid,
-            obstacles,
-            area_of_influence=scales.clearance,
-            saturation=scales.saturation,
-        )
-    return add_obstacles(speed, grid, obstacles, area_of_influence=BAND * scales.clearance)
-
-
-def passable(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scales) -> Speeds:
-    """The map of `hindered` that paths are planned in: the product has ways round obstacles."""
-    if scales.obstacle_map == "minimum":
-        return hindered(speed, grid, obstacles, scales)
-    return add_passable_obstacles(
-        speed,
-        grid,
-        obstacles,
-        band=BAND * scales.clearance,
-        saturation=scales.saturation,
-        reach=REACH * scales.clearance,
-    )
-
-
-def hindered_field(
-    free: SpeedField, obstacles: Sequence[Shape], scales: Scales, *, band: float = BAND
-) -> SpeedField:
-    """The speeds of `hindered`, where they are asked for."""
-    if not obstacles:
-        return free
-    walls = Walls(free.grid, obstacles)
-    if scales.obstacle_map == "minimum":
-        return SaturatedField(
-            free, walls, area_of_influence=scales.clearance, saturation=scales.saturation
-        )
-    return HinderedField(free, walls, area_of_influence=band * scales.clearance)
-
-
-def passable_field(free: FreeField, obstacles: Sequence[Shape], scales: Scales) -> SpeedField:
-    """The speeds of `passable`, where they are asked for."""
-    if not obstacles or scales.obstacle_map == "minimum":
-        return hindered_field(free, obstacles, scales)
-    return PassableField(
-        free,
-        Walls(free.grid, obstacles),
-        band=BAND * scales.clearance,
-        reach=REACH * scales.clearance,
-    )

@@ -1,8 +1,13 @@
-"""The path that demonstrations predict between a new start and a new goal.
+"""The path that demonstrations predict between a new start and a new goal, and routes along it.
 
-Each demonstration is carried to the new ends in two ways, shifted and turned, and those that do
-the task in the way of the nearest one are averaged over the arc length. The constants were found
-on human handwriting.
+Each demonstration is adapted to the new ends by shifting and by rotating it; those of the branch
+whose start is nearest are averaged over the arc length. The constants were found on human
+handwriting.
+
+If no obstacle slows the wave down, the quickest path in a thin tube is its middle: the mean path is
+followed as it is, without short cuts where it meets itself. Around obstacles the wave plans in a
+tube as wide as the detour may become. If obstacles block this branch, another demonstrated branch
+is preferred to undemonstrated ground.
 """
 
 from __future__ import annotations
@@ -19,13 +24,11 @@ from leadthrough import _core
 from leadthrough.check import Float64Array
 from leadthrough.errors import NoPath
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.marching.maps import Scales, grid_over, hindered_field
+from leadthrough.models.marching.maps import Scales, grid_over, slowed_at, tube_field
 from leadthrough.models.marching.route import CELLS_PER_KNOT, Query, Route, route_along
 from leadthrough.planning.grid import Grid
-from leadthrough.planning.obstacles import Walls
-from leadthrough.planning.speed_map import SpeedField, TubeField, quickest
+from leadthrough.planning.speed_map import quickest
 from leadthrough.preprocess.resample import arc_length, by_arc_length
-from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape
 
 _SAMPLES = 1000
@@ -42,10 +45,22 @@ _SAME_WAY = 0.1
 MOST_DEVIATION = 1.45
 # Nor does it leave the demonstrations by more than that; less than 1 leaves room for rounding.
 _ROOM = 0.999
+# Details of a predicted path that are shorter than this many radii are tremor, not shape.
+_KNOTS = 1.6
+
+
+def along_mean(faced: Sequence[Experience], query: Query, scales: Scales) -> Route:
+    """The demonstrations' mean path, with the quickest detours around obstacles."""
+    blocked: list[MeanPath] = []
+    for mean in ways(faced, query.start, query.goal):
+        if not _hits(mean.path, query.obstacles):
+            return _through(mean, faced, query, scales)
+        blocked.append(mean)
+    return _quickest_of([_attempt(mean, faced, query, scales) for mean in blocked])
 
 
 @dataclass(frozen=True, eq=False)
-class MeanPath(ShortRepr):
+class MeanPath:
     """A predicted path."""
 
     path: Float64Array  # (n, d), the mean of demonstrations that are evenly spaced in arc length
@@ -212,20 +227,6 @@ def _weights(starts: Float64Array, start: Float64Array, chosen: NDArray[np.bool_
     return np.asarray(weights / weights.sum())
 
 
-# Details of a predicted way that are shorter than this many radii are tremor, not shape.
-_KNOTS = 1.6
-
-
-def along_mean(faced: Sequence[Experience], query: Query, scales: Scales) -> Route:
-    """The demonstrations' mean path, with the quickest detours around obstacles."""
-    blocked: list[MeanPath] = []
-    for mean in ways(faced, query.start, query.goal):
-        if not _hits(mean.path, query.obstacles):
-            return _through(mean, faced, query, scales)
-        blocked.append(mean)
-    return _quickest_of([_attempt(mean, faced, query, scales) for mean in blocked])
-
-
 def _quickest_of(attempts: Sequence[Route | NoPath]) -> Route:
     """The route of least travel time."""
     found = [each for each in attempts if isinstance(each, Route)]
@@ -259,7 +260,7 @@ def _through(mean: MeanPath, faced: Sequence[Experience], query: Query, scales: 
         way[[0, -1]] = query.ends
     knot_spacing = _KNOTS * scales.radius
     grid, scales = grid_over([way], query.obstacles, scales)
-    path = _along_tube(way, grid, query.obstacles, scales)
+    path = _alongtube_field(way, grid, query.obstacles, scales)
     if path is not way:
         knot_spacing = CELLS_PER_KNOT * float(grid.spacing.max())
     chosen = mean.weights > 0.0
@@ -267,7 +268,7 @@ def _through(mean: MeanPath, faced: Sequence[Experience], query: Query, scales: 
     weights = np.ones(len(used))  # whose start is nearest says nothing about the pace
     return route_along(
         path,
-        _tube(way, grid, query.obstacles, scales),
+        tube_field(way, grid, query.obstacles, scales),
         knot_spacing=knot_spacing,
         used=used,
         weights=weights,
@@ -276,16 +277,13 @@ def _through(mean: MeanPath, faced: Sequence[Experience], query: Query, scales: 
     )
 
 
-def _along_tube(
+def _alongtube_field(
     mean: Float64Array, grid: Grid, obstacles: Sequence[Shape], scales: Scales
 ) -> Float64Array:
     """A mean path with detours through its tube; itself where there is none."""
     if not obstacles:
         return mean
-    most = scales.saturation if scales.obstacle_map == "minimum" else 1.0
-    passed, of = np.unique(grid.numbers_of(grid.cells_of(mean)), return_inverse=True)
-    beside = Walls(grid, obstacles).distances(passed, scales.clearance) / scales.clearance
-    influenced = beside[of] < most
+    influenced = slowed_at(mean, grid, obstacles, scales)
     if not influenced.any():
         return mean
     try:
@@ -295,7 +293,7 @@ def _along_tube(
         ]
     except NoPath:
         # An end of a detour may be enclosed although start and goal are not.
-        parts = [quickest(_tube(mean, grid, obstacles, scales), mean[0], mean[-1])]
+        parts = [quickest(tube_field(mean, grid, obstacles, scales), mean[0], mean[-1])]
     return np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
 
 
@@ -305,15 +303,7 @@ def _detour(
     """The quickest path from end to end of a stretch."""
     # As wide a tube as the detour may become: it leaves and rejoins the path gently.
     wide = replace(scales, radius=0.5 * float(arc_length(stretch)[-1]))
-    return quickest(_tube(stretch, grid, obstacles, wide), stretch[0], stretch[-1])
-
-
-def _tube(path: Float64Array, grid: Grid, obstacles: Sequence[Shape], scales: Scales) -> SpeedField:
-    """Speeds in a tube, and a whole clearance about obstacles: their product, or eq. 7."""
-    free = TubeField(
-        grid, [path], [1.0], area_of_influence=scales.radius, saturation=scales.saturation
-    )
-    return hindered_field(free, obstacles, scales, band=1.0)
+    return quickest(tube_field(stretch, grid, obstacles, wide), stretch[0], stretch[-1])
 
 
 def _stretches(

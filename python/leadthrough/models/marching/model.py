@@ -5,7 +5,7 @@ Source: Prados et al. 2023, Appl. Sci. 13:2028, eqs. 6 and 7.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property, partial
 from typing import Any, ClassVar, Generic, Literal, cast
@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Generic, Literal, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check, events
+from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models import archive
@@ -21,29 +21,112 @@ from leadthrough.models.archive import Archived, Arrays
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.judged import judged
 from leadthrough.models.marching import orientation
-from leadthrough.models.marching.experience import Experience, experience_of
+from leadthrough.models.marching.experience import Experience, experience_like, experience_of
 from leadthrough.models.marching.maps import (
+    GROWTH,
     MAP_RADIUS,
     OBSTACLE_MAPS,
     Scales,
-    grid_over,
     hindered,
-    scales_of,
+    map_of,
+    mean_speed,
 )
-from leadthrough.models.marching.orientation import refuse_opposed
 from leadthrough.models.marching.planner import planned
 from leadthrough.models.marching.policy import Policy, policy_to
-from leadthrough.models.marching.route import LiveMap, Query, Route, live_model, query_of, split
-from leadthrough.models.marching.time_law import TIMINGS, timed, usual_duration
+from leadthrough.models.marching.route import LiveMap, Query, Route, query_of, split
+from leadthrough.models.marching.time_law import TIMINGS, timed
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.place import Place
-from leadthrough.models.posture import agreed
 from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, Trajectory
 from leadthrough.planning.grid import Grid
-from leadthrough.planning.speed_map import experience_map
-from leadthrough.preprocess.resample import arc_length, by_arc_length
+from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Shape, check_shapes
+
+METHODS = ("auto", "map", "start", "mean_path")
+# Cells of a map that is kept.
+_KEPT_CELLS = 1_000_000
+# Room around demonstrations, goal and obstacles, as a fraction of their extent, in which things may
+# be dragged before a map that is kept has to be made anew.
+_ROOM_TO_DRAG = 0.5
+_SATURATIONS, _SATURATION_STEP = (0.005, 0.5), 0.005
+# The radii worth trying, in multiples of the present one, and the steps between them.
+_RADII, _RADIUS_STEPS = (0.4, 4.0), 100
+
+
+@dataclass(frozen=True)
+class FastMarching(Unfitted):
+    """Fast Marching Learning of point-to-point motions in two or three dimensions.
+
+    Lengths are in the demonstrations' unit.
+
+    Attributes:
+        area_of_influence: radius of the tubes around paths, > 0; None: 0.02 of the demonstrations'
+            mean length for "map", 0.01 of it otherwise.
+        saturation: speed outside the tubes, in (0, 1]. With "map" and "start" small values follow
+            the demonstrations closely and large ones cut corners; "mean_path" follows the middle of
+            its tube, and needs it for detours around obstacles only.
+        resolution: edge of a cell, > 0; None: a fifth of the radius.
+        method: "map", all demonstrations in one map (Algorithm 1); "start", those that start near;
+            "mean_path", a tube around the path that they predict; "auto", "mean_path" where start
+            and goal lie near a demonstration's ends, otherwise "map" with those demonstrations that
+            lead there; one random walk alone shows no way, a smooth one cannot be told from a
+            motion that was meant. All keep the usual way where start or goal is moved a little,
+            or `Route.leaves_usual_way` says that they leave it.
+        timing: "demonstrations", their mean progress along the path; "speed_map", speed
+            proportional to the map's; "constant". Motions start and end at rest in all of them.
+        workspace: (lower, upper) corners (d,) each, which no path leaves and the map fills; None:
+            as much room as is needed.
+        obstacle_map: "product", the speed grows from 0 at an obstacle to its own value half an area
+            of influence away ("mean_path": a whole one, as its detours have room); "minimum",
+            eq. 7 of the paper, slows the wave down only below the saturation, so that paths come
+            nearer to obstacles.
+
+    Raises:
+        InvalidInput: if a setting is outside its range.
+    """
+
+    area_of_influence: float | None = None
+    saturation: float = 0.02
+    resolution: float | None = None
+    method: str = "auto"
+    timing: str = "demonstrations"
+    workspace: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+    obstacle_map: Literal["product", "minimum"] = "product"
+
+    def __post_init__(self) -> None:
+        check.number(self.saturation, "saturation", above=0.0, at_most=1.0)
+        for name in ("area_of_influence", "resolution"):
+            if getattr(self, name) is not None:
+                check.number(getattr(self, name), name, above=0.0)
+        check.choice(self.method, "method", METHODS)
+        check.choice(self.timing, "timing", TIMINGS)
+        check.choice(self.obstacle_map, "obstacle_map", OBSTACLE_MAPS)
+        if self.workspace is not None:
+            corners = check.array(self.workspace, "workspace", shape=(2, "d"))
+            if not (corners[0] < corners[1]).all():
+                raise InvalidInput(
+                    f"workspace: expected corners (lower, upper) with lower < upper, got {corners}"
+                )
+            plain = tuple(tuple(float(x) for x in corner) for corner in corners)
+            object.__setattr__(self, "workspace", plain)
+
+    def fit(self, demonstrations: Demonstrations[MotionT]) -> FastMarchingSkill[MotionT]:
+        """A skill from demonstrations.
+
+        Args:
+            demonstrations: all of points in two or three dimensions, or all of poses. Without any,
+                the skill goes the shortest way.
+
+        Raises:
+            InvalidInput: for other motions.
+            FitError: for a demonstration of a single sample, or whose position does not move, and
+                for demonstrations of one path whose orientations along it have no mean.
+        """
+        shown = experience_of(demonstrations)
+        if len(shown) > 1:
+            orientation.refuse_opposed(shown)
+        return FastMarchingSkill(self, shown)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +216,19 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
             )
         if duration is not None:
             check.number(duration, "duration", above=0.0)
-        return replace(self, learned=(*self.learned, added(points, self._all, duration=duration)))
+        turned = None
+        if self._has_orientations:
+            covered, weights = arc_length(points), np.ones(len(self._all))
+            turned = orientation.along(
+                self._all,
+                weights,
+                path=points,
+                start=None,
+                goal=None,
+                fractions=covered / covered[-1],
+            )
+        new = experience_like(self._all, points, turned, duration=duration)
+        return replace(self, learned=(*self.learned, new))
 
     def auto_learn(
         self, motion: Trajectory | PoseTrajectory, *, threshold: float = 0.6
@@ -281,7 +376,12 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
             InvalidInput: if the corners leave a demonstration outside, or an argument is of another
                 shape or range.
         """
-        model = live_model(self.model, workspace, cells, self._dimensions())
+        corners = check.array(workspace, "workspace", shape=(2, self._dimensions()))
+        count = check.integer(cells, "cells", at_least=1000)
+        sides = np.maximum(corners[1] - corners[0], 0.0)
+        edge = float((sides.prod() / count) ** (1.0 / len(sides)))
+        space = (tuple(corners[0]), tuple(corners[1]))
+        model = replace(self.model, method="map", workspace=space, resolution=edge)
         return LiveMap(self._all, replace(self, model=model)._map_scales)
 
     def preview(self) -> Preview[MotionT_co]:
@@ -336,7 +436,32 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
         Args:
             demonstrations: not needed, as nothing is fitted again.
         """
-        return parameters_of(self)
+        found = [self._parameter("saturation", "saturation", *_SATURATIONS, _SATURATION_STEP)]
+        if self.experience:
+            least, most = (factor * self.area_of_influence for factor in _RADII)
+            step = (most - least) / _RADIUS_STEPS
+            found.append(
+                self._parameter(
+                    "area_of_influence",
+                    "area of influence, m",
+                    least,
+                    most,
+                    step,
+                )
+            )
+        return found
+
+    def _parameter(
+        self, setting: str, label: str, least: float, most: float, step: float
+    ) -> Parameter[MotionT_co]:
+        """A setting of the model that a person may drag."""
+
+        def changed(value: float) -> FastMarchingSkill[MotionT_co]:
+            settings: dict[str, Any] = {setting: value}
+            return replace(self, model=replace(self.model, **settings))
+
+        value = self.area_of_influence if setting == "area_of_influence" else self.model.saturation
+        return Parameter(label, value, least, most, step, changed)
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         """Settings and arrays that `from_archive` of `model` puts together again."""
@@ -344,7 +469,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
             **asdict(self.model),
             "shown": len(self.demonstrated),
             "learned": len(self.learned),
-            "events": [events.to_plain(each.events) for each in self._all],
+            "events": [each.plain_events for each in self._all],
         }
         if any(each.posture for each in self._all):
             settings["joint_names"] = [e.posture and list(e.posture.names) for e in self._all]
@@ -371,11 +496,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
     @cached_property
     def _map(self) -> tuple[Grid, Float64Array]:
         self._dimensions()
-        ways = [each.way for each in self._all]
-        grid, scales = grid_over(ways, (), self._map_scales)
-        speed = experience_map(
-            grid, ways, area_of_influence=scales.radius, saturation=scales.saturation
-        )
+        grid, speed, _ = map_of([each.way for each in self._all], self._map_scales)
         speed.setflags(write=False)
         return grid, speed
 
@@ -388,7 +509,16 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
         lengths = [each.length for each in self.demonstrated]
         if not lengths and query is not None:
             lengths = [float(np.linalg.norm(query.goal - query.start)) or 1.0]
-        return scales_of(self.model, lengths, fraction)
+        given, length = self.model.area_of_influence, float(np.mean(lengths))
+        return Scales(
+            radius=given or fraction * length,
+            clearance=given or MAP_RADIUS * length,
+            saturation=self.model.saturation,
+            resolution=self.model.resolution,
+            growth=1.0 if given else GROWTH,
+            workspace=self.model.workspace,
+            obstacle_map=self.model.obstacle_map,
+        )
 
     def _dimensions(self) -> int:
         if not self._all:
@@ -400,107 +530,6 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
     @property
     def _has_orientations(self) -> bool:
         return bool(self._all) and self._all[0].orientations is not None
-
-
-METHODS = ("auto", "map", "start", "mean_path")
-
-
-@dataclass(frozen=True)
-class FastMarching(Unfitted):
-    """Fast Marching Learning of point-to-point motions in two or three dimensions.
-
-    Lengths are in the demonstrations' unit.
-
-    Attributes:
-        area_of_influence: radius of the tubes around paths, > 0; None: 0.02 of the demonstrations'
-            mean length for "map", 0.01 of it otherwise.
-        saturation: speed outside the tubes, in (0, 1]. With "map" and "start" small values follow
-            the demonstrations closely and large ones cut corners; "mean_path" follows the middle of
-            its tube, and needs it for detours around obstacles only.
-        resolution: edge of a cell, > 0; None: a fifth of the radius.
-        method: "map", all demonstrations in one map (Algorithm 1); "start", those that start near;
-            "mean_path", a tube around the path that they predict; "auto", "mean_path" where start
-            and goal lie near a demonstration's ends, otherwise "map" with those demonstrations that
-            lead there; one random walk alone shows no way, a smooth one cannot be told from a
-            motion that was meant. All keep the usual way where start or goal is moved a little,
-            or `Route.leaves_usual_way` says that they leave it.
-        timing: "demonstrations", their mean progress along the path; "speed_map", speed
-            proportional to the map's; "constant". Motions start and end at rest in all of them.
-        workspace: (lower, upper) corners (d,) each, which no path leaves and the map fills; None:
-            as much room as is needed.
-        obstacle_map: "product", the speed grows from 0 at an obstacle to its own value half an area
-            of influence away ("mean_path": a whole one, as its detours have room); "minimum",
-            eq. 7 of the paper, slows the wave down only below the saturation, so that paths come
-            nearer to obstacles.
-
-    Raises:
-        InvalidInput: if a setting is outside its range.
-    """
-
-    area_of_influence: float | None = None
-    saturation: float = 0.02
-    resolution: float | None = None
-    method: str = "auto"
-    timing: str = "demonstrations"
-    workspace: tuple[tuple[float, ...], tuple[float, ...]] | None = None
-    obstacle_map: Literal["product", "minimum"] = "product"
-
-    def __post_init__(self) -> None:
-        check.number(self.saturation, "saturation", above=0.0, at_most=1.0)
-        for name in ("area_of_influence", "resolution"):
-            if getattr(self, name) is not None:
-                check.number(getattr(self, name), name, above=0.0)
-        check.choice(self.method, "method", METHODS)
-        check.choice(self.timing, "timing", TIMINGS)
-        check.choice(self.obstacle_map, "obstacle_map", OBSTACLE_MAPS)
-        if self.workspace is not None:
-            corners = check.array(self.workspace, "workspace", shape=(2, "d"))
-            if not (corners[0] < corners[1]).all():
-                raise InvalidInput(
-                    f"workspace: expected corners (lower, upper) with lower < upper, got {corners}"
-                )
-            plain = tuple(tuple(float(x) for x in corner) for corner in corners)
-            object.__setattr__(self, "workspace", plain)
-
-    def fit(self, demonstrations: Demonstrations[MotionT]) -> FastMarchingSkill[MotionT]:
-        """A skill from demonstrations.
-
-        Args:
-            demonstrations: all of points in two or three dimensions, or all of poses. Without any,
-                the skill goes the shortest way.
-
-        Raises:
-            InvalidInput: for other motions.
-            FitError: for a demonstration of a single sample, or whose position does not move, and
-                for demonstrations of one path whose orientations along it have no mean.
-        """
-        shown = experience_of(demonstrations)
-        if len(shown) > 1:
-            refuse_opposed(shown)
-        return FastMarchingSkill(self, shown)
-
-
-def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> FastMarchingSkill:
-    """The skill that `FastMarchingSkill.to_archive` took apart."""
-    counts = [int(settings.pop(name)) for name in ("shown", "learned")]
-    total = sum(counts)
-    happened = settings.pop("events", [()] * total)
-    names = settings.pop("joint_names", [None] * total)
-    everything = tuple(
-        Experience.from_arrays(
-            arrays, i, happening=events.from_plain(happened[i]), joint_names=names[i]
-        )
-        for i in range(total)
-    )
-    model = FastMarching(**settings)  # JSON keeps no tuples; the model makes them again
-    return FastMarchingSkill(model, everything[: counts[0]], everything[counts[0] :])
-
-
-# Cells of a map that is kept.
-_KEPT_CELLS = 1_000_000
-# Room around demonstrations, goal and obstacles, as a fraction of their extent, in which things may
-# be dragged before a map that is kept has to be made anew.
-_ROOM_TO_DRAG = 0.5
 
 
 class Preview(Generic[MotionT_co]):
@@ -551,63 +580,15 @@ class Preview(Generic[MotionT_co]):
         return lower - margin, upper + margin
 
 
-_SATURATIONS, _STEP = (0.005, 0.5), 0.005
-# The radii worth trying, in multiples of the present one, and the steps between them.
-_RADII, _STEPS = (0.4, 4.0), 100
-
-
-def parameters_of(skill: FastMarchingSkill[MotionT]) -> list[Parameter[MotionT]]:
-    """The saturation and, where there is a map, the radius of its tubes."""
-    saturation = skill.model.saturation
-    found = [
-        Parameter("saturation", saturation, *_SATURATIONS, _STEP, _changing(skill, "saturation"))
-    ]
-    if skill.experience:
-        radius = skill.area_of_influence
-        least, most = (factor * radius for factor in _RADII)
-        apply = _changing(skill, "area_of_influence")
-        step = (most - least) / _STEPS
-        found.append(Parameter("area of influence, m", radius, least, most, step, apply))
-    return found
-
-
-def _changing(
-    skill: FastMarchingSkill[MotionT], setting: str
-) -> Callable[[float], FastMarchingSkill[MotionT]]:
-    """Takes a value of a setting of the model and returns the skill with it."""
-
-    def changed(value: float) -> FastMarchingSkill[MotionT]:
-        settings: dict[str, Any] = {setting: value}
-        return replace(skill, model=replace(skill.model, **settings))
-
-    return changed
-
-
-# Points at which the map is looked up, at the most; two per cell otherwise.
-_MOST_STEPS = 100_000
-
-
-def mean_speed(path: Float64Array, grid: Grid, speed: Float64Array, outside: float) -> float:
-    """The mean of a speed map along a path, evenly over its length (Prados et al. 2023, eq. 6)."""
-    steps = 2.0 * float(arc_length(path)[-1]) / float(grid.spacing.min())
-    points = by_arc_length(path, int(min(np.ceil(steps), _MOST_STEPS)) + 2)
-    inside = grid.contains(points)
-    speeds = np.full(len(points), outside)
-    speeds[inside] = speed[tuple(grid.cells_of(points[inside]).T)]
-    return float(speeds.mean())
-
-
-def added(path: Float64Array, known: Sequence[Experience], *, duration: float | None) -> Experience:
-    """A path as experience, with the timing, turning, events and joints of what is known."""
-    weights = np.ones(len(known))
-    progress = np.mean([each.progress for each in known], axis=0)
-    covered = arc_length(path)
-    length, turned = float(covered[-1]), None
-    if known[0].orientations is not None:
-        turned = orientation.along(
-            known, weights, path=path, start=None, goal=None, fractions=covered / length
-        )
-    own = duration or usual_duration(known, weights, length)
-    happened = events.agreed([each.events for each in known])
-    joints = agreed([each.posture for each in known])
-    return Experience(path, own, progress, turned, happened, joints)
+def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> FastMarchingSkill:
+    """The skill that `FastMarchingSkill.to_archive` took apart."""
+    counts = [int(settings.pop(name)) for name in ("shown", "learned")]
+    total = sum(counts)
+    happened = settings.pop("events", [()] * total)
+    names = settings.pop("joint_names", [None] * total)
+    everything = tuple(
+        Experience.from_arrays(arrays, i, happening=happened[i], joint_names=names[i])
+        for i in range(total)
+    )
+    model = FastMarching(**settings)  # JSON keeps no tuples; the model makes them again
+    return FastMarchingSkill(model, everything[: counts[0]], everything[counts[0] :])

@@ -18,11 +18,10 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath
 from leadthrough.models import phase
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.marching.maps import Scales, grid_over, passable
+from leadthrough.models.marching.maps import Scales, grid_over, passable, speeds_along
 from leadthrough.planning.arrival import ArrivalField, FloatArray, arrival_times
 from leadthrough.planning.descent import direction
 from leadthrough.planning.grid import Grid
-from leadthrough.planning.speed_map import experience_map
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape, check_shapes
@@ -143,9 +142,7 @@ def policy_to(
     if scales.workspace is not None:
         around = np.concatenate([goal[None], *paths])
     grid, scales = grid_over([around], obstacles, scales)
-    speed = experience_map(
-        grid, paths, area_of_influence=scales.radius, saturation=scales.saturation
-    )
+    speed = speeds_along(paths, grid, scales)
     gate = gate_at(known, goal, grid, scales)
     if gate is not None:
         goal = gate.goal

@@ -7,7 +7,7 @@ demonstrations count by how near they start. The module `along_mean` has the thi
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -19,12 +19,13 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.maps import (
-    MOST_CELLS_FROM_AFAR,
+    MAX_CELLS_FROM_AFAR,
     Scales,
     covered_ends,
     grid_over,
     hindered,
     hindered_field,
+    map_of,
     passable,
     passable_field,
 )
@@ -38,7 +39,6 @@ from leadthrough.planning.speed_map import (
     MapField,
     SpeedField,
     TubeField,
-    experience_map,
     quickest,
     speeds_at,
 )
@@ -48,7 +48,7 @@ from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape, check_shapes
 
 if TYPE_CHECKING:
-    from leadthrough.models.marching.model import FastMarching
+    pass
 
 # Grid noise is shorter than this many cells; the shapes of demonstrations are not.
 CELLS_PER_KNOT = 8.0
@@ -125,7 +125,7 @@ def _through(
     *near, everything = covered_ends(paths, query.ends, scales)
     for ends in near:
         grid, own = grid_over(
-            [*paths, ends], query.obstacles, scales, most_cells=MOST_CELLS_FROM_AFAR
+            [*paths, ends], query.obstacles, scales, max_cells=MAX_CELLS_FROM_AFAR
         )
         field = free(grid, own)
         try:
@@ -308,13 +308,7 @@ class LiveMap:
     def __init__(self, known: Sequence[Experience], scales: Scales) -> None:
         paths = [each.way for each in known]
         self._known = tuple(known)
-        self._grid, self._scales = grid_over(paths, (), scales)
-        speed = experience_map(
-            self._grid,
-            paths,
-            area_of_influence=self._scales.radius,
-            saturation=self._scales.saturation,
-        )
+        self._grid, speed, self._scales = map_of(paths, scales)
         self._free = speed.astype(np.float32)
 
     @property
@@ -353,15 +347,3 @@ def _quickest(
     if np.isinf(arrival[tuple(start_cell)]):
         raise NoPath("goal: obstacles separate it from the start", reason="goal_enclosed")
     return descend(arrival, grid, start, goal)
-
-
-def live_model(
-    model: FastMarching, workspace: ArrayLike, cells: int, dimensions: int
-) -> FastMarching:
-    """The settings of a live map, from those of a skill and the arguments of its `live_map`."""
-    corners = check.array(workspace, "workspace", shape=(2, dimensions))
-    count = check.integer(cells, "cells", at_least=1000)
-    lengths = np.maximum(corners[1] - corners[0], 0.0)
-    edge = float((lengths.prod() / count) ** (1.0 / dimensions))
-    space = (tuple(corners[0]), tuple(corners[1]))
-    return replace(model, method="map", workspace=space, resolution=edge)

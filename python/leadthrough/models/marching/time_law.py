@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -13,7 +12,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models import phase
 from leadthrough.models.even_times import even_times
-from leadthrough.models.marching.experience import Experience
+from leadthrough.models.marching.experience import Experience, nominal_duration
 from leadthrough.models.marching.route import Route
 from leadthrough.models.posture import agreed
 from leadthrough.motion import Trajectory
@@ -23,9 +22,6 @@ if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
 TIMINGS = ("demonstrations", "speed_map", "constant")
-
-# Found on human handwriting: between isochrony (0) and constant speed (1).
-_DURATION_EXPONENT = 0.25
 
 
 def timed(
@@ -39,7 +35,7 @@ def timed(
         raise InvalidInput(
             "duration: expected a number of seconds, as there is no demonstration to take it from"
         )
-    total = duration or usual_duration(route.used, route.weights, length)
+    total = duration or nominal_duration(route.used, route.weights, length)
     times = even_times(total, dt)
     happening = events.agreed([each.events for each in route.used], route.weights)
     posture = agreed([each.posture for each in route.used], route.weights)
@@ -52,19 +48,6 @@ def timed(
         points = CubicSpline(np.linspace(0.0, 1.0, len(even)), even)(covered)
     joints = None if posture is None else posture.along(times, covered)
     return Trajectory(times, points, events.moved(happening, covered, times), joints), covered
-
-
-def usual_duration(used: Sequence[Experience], weights: Float64Array, length: float) -> float:
-    """The weighted median of the demonstrations' durations, s, each adapted to a path's length."""
-    adapted = np.array([each.duration * _adapted(length / each.length) for each in used])
-    order = np.argsort(adapted, kind="stable")
-    fraction = weights[order] / weights.sum()
-    return float(np.interp(0.5, np.cumsum(fraction) - 0.5 * fraction, adapted[order]))
-
-
-def _adapted(ratio: float) -> float:
-    """The factor on a duration where the path has another length; 1 for standing still."""
-    return float(ratio**_DURATION_EXPONENT) if ratio > 0.0 else 1.0
 
 
 def _spline(route: Route, timing: str) -> CubicSpline:
