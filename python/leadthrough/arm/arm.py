@@ -20,7 +20,7 @@ from leadthrough.arm.inverse_kinematics import ArmInverseKinematics
 from leadthrough.arm.kinematics import ArmKinematics
 from leadthrough.arm.limits import JointLimits
 from leadthrough.errors import InvalidInput
-from leadthrough.shapes.inertia import Solid
+from leadthrough.shapes import Solid
 
 _NOTHING_HELD: Mapping[str, float] = MappingProxyType({})
 _UNTURNED = (1.0, 0.0, 0.0, 0.0)

@@ -11,8 +11,7 @@ from leadthrough import _core, check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.repr import ShortRepr, numbers_text
-from leadthrough.shapes import Shape, Sphere
-from leadthrough.shapes.inertia import Solid, unit_solid
+from leadthrough.shapes import Shape, Solid, names_of
 
 # The error that a measured or printed tensor may have, as a fraction of its largest moment.
 _INERTIA_TOLERANCE = 1e-6
@@ -79,13 +78,10 @@ class Attachment(ShortRepr):
     def with_shape(self, shape: Solid, mass: float) -> Attachment:
         """The attachment with an object of uniform density, given in the frame of the tip."""
         if not isinstance(shape, Solid):
-            raise InvalidInput(
-                f"shape: expected a Box, Sphere, Capsule, Cylinder or Mesh, got {shape!r}"
-            )
+            raise InvalidInput(f"shape: expected a {names_of(Solid)}, got {shape!r}")
         weight = check.number(mass, "mass", at_least=0.0)
         carried = self if weight == 0.0 else self.with_load(_solid(shape, weight))
-        turned = None if isinstance(shape, Sphere) else self._turned(shape.orientation)
-        held = shape.at(self._in_link(shape.position), turned)
+        held = shape.at(self._in_link(shape.position), self._turned(shape.orientation))
         return replace(carried, shapes=(*self.shapes, held))
 
     def applied_to(self, chain: _core.Chain) -> _core.Chain:
@@ -124,5 +120,5 @@ def _inertia(value: ArrayLike) -> Float64Array:
 
 
 def _solid(shape: Solid, mass: float) -> Load:
-    center, inertia = unit_solid(shape)
+    center, inertia = shape.unit_inertia()
     return Load(mass, center, mass * inertia)

@@ -14,15 +14,12 @@ from leadthrough.models.certificate import Scattered
 from leadthrough.models.place import Place
 from leadthrough.models.places import Places
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
-from leadthrough.shapes import Box, Capsule, Cylinder, Shape, Sphere
+from leadthrough.shapes import SHAPES, Primitive, Shape
 
-_SHAPES = {"box": 3, "sphere": 1, "capsule": 2, "cylinder": 2}
-# What --obstacle takes.
+_PRIMITIVES = {shape.__name__.lower(): shape for shape in SHAPES if issubclass(shape, Primitive)}
+# The forms of --obstacle.
 FORMS = (
-    "box:SX,SY,SZ@X,Y,Z",
-    "sphere:R@X,Y,Z",
-    "capsule:R,L@X,Y,Z",
-    "cylinder:R,L@X,Y,Z",
+    *(f"{kind}:{shape.size_names}@X,Y,Z" for kind, shape in _PRIMITIVES.items()),
     "mesh:FILE[,SCALE][@X,Y,Z]",
     "cloud:FILE,R[@X,Y,Z]",
 )
@@ -52,21 +49,15 @@ def _shape(text: str) -> Shape:
     if kind in ("mesh", "cloud"):
         return _from_file(kind, rest)
     size_text, _, where = rest.partition("@")
-    if kind not in _SHAPES or not size_text or not where:
+    if kind not in _PRIMITIVES or not size_text or not where:
         raise InvalidInput(f"expected {', '.join(FORMS[:-1])} or {FORMS[-1]}")
-    size = numbers(size_text, "size")
-    if len(size) != _SHAPES[kind]:
-        raise InvalidInput(f"expected {_SHAPES[kind]} sizes for a {kind}, got {len(size)}")
-    position, turned = _place(where, "place")
-    turn = () if turned is None else (turned,)
-    if kind == "box":
-        return Box(size.tolist(), position, *turn)
-    if kind in ("capsule", "cylinder"):
-        round_shape = Capsule if kind == "capsule" else Cylinder
-        return round_shape(float(size[0]), float(size[1]), position, *turn)
-    if turned is not None:
-        raise InvalidInput("a sphere takes no quaternion")
-    return Sphere(float(size[0]), position)
+    shape, sizes = _PRIMITIVES[kind], numbers(size_text, "size")
+    expected = shape.size_names.count(",") + 1
+    if len(sizes) != expected:
+        raise InvalidInput(f"expected {expected} sizes for a {kind}, got {len(sizes)}")
+    position, orientation = _place(where, "place")
+    pose = (position,) if orientation is None else (position, orientation)
+    return shape.from_sizes(sizes, *pose)
 
 
 def _from_file(kind: str, text: str) -> Shape:

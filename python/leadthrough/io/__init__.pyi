@@ -1,5 +1,6 @@
 from . import formats, franka, headers, joint_trajectory, lasa, rosbag_writer, urscript
-from .obstacle_files import read_mesh, read_point_cloud
+from .mesh import read_mesh
+from .points import read_point_cloud
 from .reading import read_demonstrations, read_motion, read_recordings
 from .recording import Recording
 from .streaming import Episode, stream_recordings

@@ -9,17 +9,44 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import optional
+from leadthrough import check, optional
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io import apart, bounds
+from leadthrough.io.atomic import StrPath
+from leadthrough.shapes import Mesh
 
-Mesh = tuple[Float64Array, NDArray[np.int64]]
+_Triangles = tuple[Float64Array, NDArray[np.int64]]
 
 _STL_HEADER = 84  # bytes, the last four the number of triangles
 _STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+def read_mesh(
+    path: StrPath,
+    *,
+    scale: float = 1.0,
+    position: ArrayLike = (0.0, 0.0, 0.0),
+    orientation: ArrayLike = (1.0, 0.0, 0.0, 0.0),
+) -> Mesh:
+    """The mesh of a file as an obstacle: the convex hull of each connected part.
+
+    Args:
+        path: an STL or OBJ file; others, as COLLADA, with the extra `mesh`.
+        scale: m per unit of the file, > 0: 0.001 for millimetres.
+        position: of the mesh's own frame in the base frame, (3,), m.
+        orientation: w, x, y, z of the mesh's own frame in the base frame, (4,).
+
+    Raises:
+        InvalidInput: if the file cannot be read or has no triangles, there are more than a thousand
+            parts, or an argument is out of its range.
+        MissingDependency: if its format needs the extra `mesh`.
+    """
+    unit = check.number(scale, "scale", above=0.0)
+    vertices, faces = read_triangles(Path(path))
+    return Mesh(unit * vertices, faces, position, orientation)
 
 
 def read_vertices(path: Path) -> Float64Array:
@@ -27,7 +54,7 @@ def read_vertices(path: Path) -> Float64Array:
     return _read(path)[0]
 
 
-def read_triangles(path: Path) -> tuple[Float64Array, NDArray[np.int64]]:
+def read_triangles(path: Path) -> _Triangles:
     """Vertices (n, 3) of a mesh, in the file's unit, and vertex indices (m, 3) of its triangles."""
     vertices, faces = _read(path)
     if len(faces) == 0 or faces.min() < 0 or faces.max() >= len(vertices):
@@ -35,7 +62,7 @@ def read_triangles(path: Path) -> tuple[Float64Array, NDArray[np.int64]]:
     return vertices, faces
 
 
-def _read(path: Path) -> Mesh:
+def _read(path: Path) -> _Triangles:
     gate = bounds.Gate()
     try:
         with bounds.reading("mesh", damage=(OSError, ValueError, OverflowError, RuntimeError)):
@@ -54,7 +81,7 @@ def _read(path: Path) -> Mesh:
     return mesh
 
 
-def _stl(content: bytes, gate: bounds.Gate) -> Mesh:
+def _stl(content: bytes, gate: bounds.Gate) -> _Triangles:
     # A binary file may begin with "solid" like a text; its length tells which it is.
     triangles = int.from_bytes(content[_STL_HEADER - 4 : _STL_HEADER], "little")
     if len(content) != _STL_HEADER + triangles * _STL_TRIANGLE.itemsize:
@@ -67,7 +94,7 @@ def _stl(content: bytes, gate: bounds.Gate) -> Mesh:
     return vertices, np.arange(whole).reshape(-1, 3)
 
 
-def _obj(content: bytes, gate: bounds.Gate) -> Mesh:
+def _obj(content: bytes, gate: bounds.Gate) -> _Triangles:
     vertices = _after_word(content, b"v", gate)
     faces = array("q")
     for line in _lines(content):
@@ -98,7 +125,7 @@ def _lines(content: bytes) -> Iterator[bytes]:
     return iter(BytesIO(content.replace(b"\r", b"\n")))
 
 
-def through_coal(path: Path) -> Mesh:
+def through_coal(path: Path) -> _Triangles:
     """Vertices (n, 3) and triangles (m, 3) of a mesh that coal reads."""
     coal = optional.load("coal", extra="mesh")
     gate = bounds.Gate()

@@ -14,16 +14,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io import bounds, npz
+from leadthrough.io.atomic import StrPath
+from leadthrough.shapes import PointCloud
 
 SUFFIXES = (".pcd", ".ply", ".npy", ".csv", ".txt", ".xyz")
 
 _XYZ = ("x", "y", "z")
-_LONGEST_HEADER = 2**16  # bytes
+_MAX_HEADER = 2**16  # bytes
 _DAMAGE = (*npz.DAMAGE, IndexError)
 
 # Types of numbers by the words of PLY, and by the letters and sizes of PCD.
@@ -38,6 +41,32 @@ _PLY = {
     **dict.fromkeys(("double", "float64"), "f8"),
 }
 _PCD = {"F": "f", "I": "i", "U": "u"}
+
+
+def read_point_cloud(
+    path: StrPath,
+    radius: float,
+    *,
+    scale: float = 1.0,
+    position: ArrayLike = (0.0, 0.0, 0.0),
+    orientation: ArrayLike = (1.0, 0.0, 0.0, 0.0),
+) -> PointCloud:
+    """The points of a file as an obstacle: a ball around each.
+
+    Args:
+        path: a file .pcd, .ply, .npy, .csv, .txt or .xyz, with columns x, y and z; points that
+            were not seen (NaN) are left out.
+        radius: of the balls, m, > 0.
+        scale: m per unit of the file, > 0: 0.001 for millimetres.
+        position: of the camera's or the cloud's own frame in the base frame, (3,), m.
+        orientation: w, x, y, z of that frame in the base frame, (4,).
+
+    Raises:
+        InvalidInput: if the file cannot be read or has no points or too many, or an argument is
+            out of its range.
+    """
+    unit = check.number(scale, "scale", above=0.0)
+    return PointCloud(unit * read_points(Path(path)), radius, position, orientation)
 
 
 def read_points(path: Path) -> Float64Array:
@@ -81,7 +110,7 @@ def _array(content: bytes, gate: bounds.Gate) -> Float64Array:
 
 
 def _table(content: bytes, gate: bounds.Gate) -> Float64Array:
-    head = next((line for line in content[:_LONGEST_HEADER].splitlines() if line.strip()), b"")
+    head = next((line for line in content[:_MAX_HEADER].splitlines() if line.strip()), b"")
     separator = next((mark for mark in ",;\t" if mark.encode() in head), None)
     words = [word.strip() for word in head.decode("utf-8-sig").lower().split(separator)]
     named = not re.match(rb"\s*([-+.\d]|nan)", head.removeprefix(b"\xef\xbb\xbf").lower())
@@ -148,7 +177,7 @@ def _pcd(content: bytes, gate: bounds.Gate) -> NDArray[Any]:
 
 def _parted(content: bytes, end: bytes, word: str) -> tuple[list[str], bytes]:
     """The lines of a header, up to and with its last one, and what follows."""
-    found = re.search(end, content[:_LONGEST_HEADER])
+    found = re.search(end, content[:_MAX_HEADER])
     if found is None:
         raise InvalidInput(f"expected a header that ends with {word}")
     return content[: found.end()].decode("ascii").splitlines(), content[found.end() :]

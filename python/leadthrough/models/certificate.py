@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any
@@ -14,8 +13,6 @@ from leadthrough.models.place import Place
 from leadthrough.models.places import Places
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape
-
-_PLACED = ("position", "orientation")
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,15 +50,15 @@ class ValidatedObstacle:
         if isinstance(obstacle, Scattered):
             region = obstacle.region
             corners = region.lower.tolist(), region.upper.tolist()
-            return ValidatedObstacle(form_of(obstacle.shape), *map(tuple, corners))
+            return ValidatedObstacle(obstacle.shape.form(), *map(tuple, corners))
         here = tuple(obstacle.position.tolist())
-        return ValidatedObstacle(form_of(obstacle), here, here)
+        return ValidatedObstacle(obstacle.form(), here, here)
 
     def covers(self, shape: Shape) -> bool:
         """Whether a shape is this obstacle at one of its positions."""
         here = shape.position
         inside = (here >= np.subtract(self.lower, 1e-9)) & (here <= np.add(self.upper, 1e-9))
-        return bool(inside.all()) and form_of(shape) == self.form
+        return bool(inside.all()) and shape.form() == self.form
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,16 +173,6 @@ class Certificate(ShortRepr):
             f"{self.successes} of {self.runs} queries succeed, {self.fraction:.2%}; with "
             f"{self.confidence:.0%} confidence {low:.2%} to {high:.2%}"
         )
-
-
-def form_of(shape: Shape) -> str:
-    """A text that only shapes of this kind, size and orientation have."""
-    total = hashlib.sha256()
-    for name, value in sorted(shape.__getstate__().items()):
-        if name != _PLACED[0]:
-            array = np.round(np.asarray(value, dtype=np.float64), 9) + 0.0
-            total.update(f"{name}{array.shape}".encode() + array.tobytes())
-    return f"{type(shape).__name__} {total.hexdigest()[:12]}"
 
 
 def _matched(shapes: list[Shape], known: list[ValidatedObstacle]) -> bool:

@@ -14,7 +14,7 @@ from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.frame import Frame
 from leadthrough.models.place import Place
 from leadthrough.motion import MotionT
-from leadthrough.shapes import Shape, Sphere
+from leadthrough.shapes import Shape
 
 Via = Sequence[tuple[float, ArrayLike]]
 
@@ -63,8 +63,6 @@ def shape_seen(frame: Frame, shape: Shape) -> Shape:
     origin, axes = np.zeros(3), np.eye(3)
     origin[:size], axes[:size, :size] = frame.origin, frame.axes
     position = (np.asarray(shape.position) - origin) @ axes
-    if isinstance(shape, Sphere):
-        return shape.at(position)
     back = rotations.inverse(rotations.from_matrix(axes[None]))
     return shape.at(position, rotations.compose(back, shape.orientation[None])[0])
 

@@ -1,37 +1,37 @@
-"""Obstacles, each with a signed distance: negative inside, zero on the surface."""
+"""Obstacles and carried objects, each with a signed distance: negative inside."""
 
-from leadthrough.shapes.box import Box
 from leadthrough.shapes.cloud import PointCloud
-from leadthrough.shapes.hull import Hull
+from leadthrough.shapes.kinds import SHAPES, check_shapes, compiled, names_of
 from leadthrough.shapes.mesh import Mesh
-from leadthrough.shapes.round import Capsule, Cylinder, Sphere
+from leadthrough.shapes.primitives import Box, Capsule, Cylinder, Sphere
 from leadthrough.shapes.scene import (
     MovingObstacle,
     Obstacle,
     RandomObstacle,
     Scene,
     SceneLike,
-    Shape,
     as_scene,
-    check_shapes,
-    compiled,
 )
+from leadthrough.shapes.shape import Primitive, Shape, Solid
 
 __all__ = [
+    "SHAPES",
     "Box",
     "Capsule",
     "Cylinder",
-    "Hull",
     "Mesh",
     "MovingObstacle",
     "Obstacle",
     "PointCloud",
+    "Primitive",
     "RandomObstacle",
     "Scene",
     "SceneLike",
     "Shape",
+    "Solid",
     "Sphere",
     "as_scene",
     "check_shapes",
     "compiled",
+    "names_of",
 ]

@@ -1,7 +1,8 @@
-"""Clouds of points, as depth cameras and scanners see what stands around."""
+"""Point clouds, as depth cameras and scanners record them."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,13 +11,15 @@ from numpy.typing import ArrayLike
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.shapes.placed import UNTURNED, Bounded, places, pose
+from leadthrough.shapes import surface
+from leadthrough.shapes.shape import IDENTITY, ConvexPart, PointBased, checked_points, pose
+from leadthrough.shapes.surface import Surface
 
-MOST_POINTS = 1_000_000  # their tree takes 100 MB
+MAX_POINTS = 1_000_000  # their tree takes 100 MB
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class PointCloud(Bounded):
+class PointCloud(PointBased):
     """Balls of one radius around points.
 
     The balls stand for what lies between the points too: a radius of half the points' spacing, with
@@ -45,12 +48,12 @@ class PointCloud(Bounded):
         points: ArrayLike,
         radius: float,
         position: ArrayLike = (0.0, 0.0, 0.0),
-        orientation: ArrayLike = UNTURNED,
+        orientation: ArrayLike = IDENTITY,
     ) -> None:
-        seen = places(points, "points")
-        if not 0 < len(seen) <= MOST_POINTS:
+        seen = checked_points(points, "points")
+        if not 0 < len(seen) <= MAX_POINTS:
             raise InvalidInput(
-                f"points: expected 1 to {MOST_POINTS:,} points, got {len(seen):,}"
+                f"points: expected 1 to {MAX_POINTS:,} points, got {len(seen):,}"
                 + ("; keep one point per cube of the radius" if len(seen) else "")
             )
         vars(self).update(
@@ -59,8 +62,15 @@ class PointCloud(Bounded):
             **pose(position, orientation),
         )
 
+    def surface(self) -> Surface:
+        return surface.dots(self.points, self.radius)
+
+    def convex_parts(self) -> Iterator[ConvexPart]:
+        for point in self._outline():
+            yield ConvexPart("sphere", (self.radius,), point, np.array(IDENTITY))
+
     def _outline(self) -> Float64Array:
-        return np.asarray(self.points @ self._matrix.T + self.position)
+        return np.asarray(self.points @ self._rotation.T + self.position)
 
     @property
     def _rounding(self) -> float:

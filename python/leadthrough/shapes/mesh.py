@@ -1,7 +1,8 @@
-"""Meshes, each connected part of which counts as its convex hull."""
+"""Meshes, each connected part of which is replaced by its convex hull."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,12 +11,23 @@ from numpy.typing import ArrayLike, NDArray
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.shapes.hull import Hull, hulls_of_parts
-from leadthrough.shapes.placed import UNTURNED, Bounded, places, pose
+from leadthrough.shapes.shape import (
+    IDENTITY,
+    ConvexPart,
+    PointBased,
+    Solid,
+    checked_points,
+    pose,
+)
+from leadthrough.shapes.surface import Surface, merged
+
+MAX_PARTS = 1000  # each is checked against every link
+# A part that is thinner, m, is given the thickness of a sheet: without any it has no inside.
+_THIN, _SHEET = 1e-4, 1e-3
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Mesh(Bounded):
+class Mesh(PointBased, Solid):
     """A surface of triangles, of which each connected part counts as its convex hull.
 
     The hulls contain the surface, so that no collision is missed, and the free space inside a
@@ -38,27 +50,49 @@ class Mesh(Bounded):
     faces: NDArray[np.int64]
     position: Float64Array
     orientation: Float64Array
-    parts: tuple[Hull, ...]
+    parts: tuple[Surface, ...]
 
     def __init__(
         self,
         vertices: ArrayLike,
         faces: ArrayLike,
         position: ArrayLike = (0.0, 0.0, 0.0),
-        orientation: ArrayLike = UNTURNED,
+        orientation: ArrayLike = IDENTITY,
     ) -> None:
-        corners = places(vertices, "vertices")
+        corners = checked_points(vertices, "vertices")
         triangles = _triangles(faces, len(corners))
         vars(self).update(
             vertices=corners,
             faces=triangles,
             **pose(position, orientation),
-            parts=hulls_of_parts(corners, triangles),
+            parts=_hulls_of_parts(corners, triangles),
         )
+
+    def surface(self) -> Surface:
+        return merged(self.parts)
+
+    def convex_parts(self) -> Iterator[ConvexPart]:
+        for part in self.parts:
+            yield ConvexPart("mesh", (), self.position, self.orientation, part.vertices)
+
+    def unit_inertia(self) -> tuple[Float64Array, Float64Array]:
+        centre, spread = self._moments()
+        inertia = np.trace(spread) * np.eye(3) - spread
+        return self.position + self._rotation @ centre, self._rotation @ inertia @ self._rotation.T
+
+    def _moments(self) -> tuple[Float64Array, Float64Array]:
+        """Mean (3,) and covariance (3, 3) of the points in its hulls, in its own frame."""
+        corners = np.concatenate([part.vertices[part.faces] for part in self.parts])
+        six_volumes = np.linalg.det(corners)
+        sums = corners.sum(axis=1)
+        mean = six_volumes @ sums / (4.0 * six_volumes.sum())
+        squares = np.einsum("n,ni,nj->ij", six_volumes, sums, sums)
+        squares += np.einsum("n,nki,nkj->ij", six_volumes, corners, corners)
+        return mean, squares / (20.0 * six_volumes.sum()) - np.outer(mean, mean)
 
     def _outline(self) -> Float64Array:
         corners = np.concatenate([part.vertices for part in self.parts])
-        return np.asarray(corners @ self._matrix.T + self.position)
+        return np.asarray(corners @ self._rotation.T + self.position)
 
     def _compile(self) -> _core.Shape:
         hulls = [part.vertices for part in self.parts]
@@ -77,3 +111,61 @@ def _triangles(faces: ArrayLike, vertices: int) -> NDArray[np.int64]:
         )
     whole.setflags(write=False)
     return whole
+
+
+def _hulls_of_parts(vertices: Float64Array, faces: NDArray[np.int64]) -> tuple[Surface, ...]:
+    """The convex hull of each connected part of a mesh, in the order of their first vertices."""
+    return tuple(_hull(part) for part in _parts(vertices, faces))
+
+
+def _parts(vertices: Float64Array, faces: NDArray[np.int64]) -> list[Float64Array]:
+    """Vertices (k, 3) of each part."""
+    # Only meshes need it, and it takes long to load.
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    unique, own = np.unique(vertices, axis=0, return_inverse=True)
+    corners = own.ravel()[faces]
+    edges = np.concatenate([corners[:, :2], corners[:, 1:]]).T
+    links = coo_array((np.ones(edges.shape[1], np.int8), tuple(edges)), shape=(len(unique),) * 2)
+    _, labels = connected_components(links, directed=False)
+    used = np.unique(corners)
+    order = used[np.argsort(labels[used], kind="stable")]
+    starts = np.flatnonzero(np.diff(labels[order])) + 1
+    if len(starts) >= MAX_PARTS:
+        raise InvalidInput(
+            f"faces: expected at most {MAX_PARTS:,} connected parts, got {len(starts) + 1:,}; "
+            "leave small parts out, or give the vertices as a PointCloud"
+        )
+    return np.split(unique[order], starts)
+
+
+def _hull(points: Float64Array) -> Surface:
+    from scipy.spatial import ConvexHull, QhullError
+
+    solid = _with_thickness(points)
+    try:
+        hull = ConvexHull(solid)
+    except QhullError:
+        size = float(np.ptp(points, axis=0).max())
+        raise InvalidInput(
+            f"vertices: a part of {size:.3g} m is too thin for its size; leave it out or thicken it"
+        ) from None
+    corners = hull.vertices
+    number = np.zeros(len(solid), dtype=np.int64)
+    number[corners] = np.arange(len(corners))
+    a, b, c = (solid[hull.simplices[:, k]] for k in range(3))
+    outwards = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) > 0.0
+    faces = np.where(outwards[:, None], hull.simplices, hull.simplices[:, ::-1])
+    return Surface(solid[corners], number[faces])
+
+
+def _with_thickness(points: Float64Array) -> Float64Array:
+    """The points, and where they are flat, those of a sheet around them."""
+    middle = points.mean(axis=0)
+    _, axes = np.linalg.eigh((points - middle).T @ (points - middle))
+    for axis, extent in zip(axes.T, np.ptp((points - middle) @ axes, axis=0), strict=True):
+        if extent < _THIN:
+            aside = 0.5 * _SHEET * axis
+            points = np.concatenate([points - aside, points + aside])
+    return points

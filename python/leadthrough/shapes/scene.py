@@ -7,24 +7,20 @@ and the time law replaces the samples by nearby ones.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.repr import ShortRepr
-from leadthrough.shapes.box import Box
-from leadthrough.shapes.cloud import PointCloud
-from leadthrough.shapes.mesh import Mesh
-from leadthrough.shapes.round import Capsule, Cylinder, Sphere
+from leadthrough.shapes.kinds import check_shapes
+from leadthrough.shapes.shape import Shape
 
 PLANNING_TOLERANCE = 1e-3  # m beyond the margins
-
-Shape = Box | Sphere | Capsule | Cylinder | Mesh | PointCloud
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,25 +165,6 @@ SceneLike = Scene | Iterable[Obstacle]
 def as_scene(scene: SceneLike) -> Scene:
     """The scene itself, or one of the given obstacles with the default margins."""
     return scene if isinstance(scene, Scene) else Scene(scene)
-
-
-def check_shapes(obstacles: Iterable[Shape]) -> tuple[Shape, ...]:
-    """The obstacles, if all are shapes."""
-    if not isinstance(obstacles, Iterable):
-        raise InvalidInput(f"obstacles: expected a sequence, got {type(obstacles).__name__}")
-    shapes = tuple(obstacles)
-    for shape in shapes:
-        if not isinstance(shape, Shape):
-            raise InvalidInput(
-                "obstacles: expected Box, Sphere, Capsule, Cylinder, Mesh or PointCloud, "
-                f"got {type(shape).__name__}"
-            )
-    return shapes
-
-
-def compiled(shapes: Sequence[Shape]) -> list[_core.Shape]:
-    """The shapes as the compiled core takes them."""
-    return [shape._compiled for shape in shapes]
 
 
 def _shape(obstacle: Obstacle) -> Shape:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
-from leadthrough.show.solids import Mesh
+from leadthrough.shapes.surface import Surface
 
 # Faces that meet at a smaller angle belong to one curved surface.
 _CREASE = np.radians(35.0)
@@ -14,7 +14,7 @@ _CREASE = np.radians(35.0)
 _WELD = 1e-6
 
 
-def creased(mesh: Mesh) -> tuple[Mesh, Float64Array]:
+def creased(mesh: Surface) -> tuple[Surface, Float64Array]:
     """The mesh with separate vertices on both sides of creases, and unit normals (n, 3)."""
     corners = mesh.vertices[mesh.faces]
     areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -26,10 +26,10 @@ def creased(mesh: Mesh) -> tuple[Mesh, Float64Array]:
     keys = np.column_stack([points, np.round(normals * 1e3).astype(np.int64)])
     _, first, faces = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     vertices = mesh.vertices[mesh.faces.ravel()[first]]
-    return Mesh(vertices, faces.reshape(-1, 3)), normals[first]
+    return Surface(vertices, faces.reshape(-1, 3)), normals[first]
 
 
-def _welded(mesh: Mesh) -> NDArray[np.int64]:
+def _welded(mesh: Surface) -> NDArray[np.int64]:
     """A number (n,) for each vertex, the same for vertices at the same place."""
     grain = _WELD * max(float(np.ptp(mesh.vertices, axis=0).max()), 1e-9)
     cells = np.round(mesh.vertices / grain).astype(np.int64)

@@ -23,8 +23,8 @@ from leadthrough.models.protocol import Distributed, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape, check_shapes
-from leadthrough.show import solids
-from leadthrough.show.solids import Mesh
+from leadthrough.shapes.surface import Surface, merged, sphere
+from leadthrough.show import tubes
 from leadthrough.show.urdf_geometry import Part, parts_by_link
 
 ARM, DEMONSTRATIONS, PATH, SPREAD, OBSTACLES, GOAL = (
@@ -54,7 +54,7 @@ class Item(ShortRepr):
 
     name: str  # unique in its layer
     layer: str  # one of the layers above
-    mesh: Mesh  # in the frame of its link, or of the arm's base
+    mesh: Surface  # in the frame of its link, or of the arm's base
     colour: Colour  # red, green, blue in [0, 1]
     opacity: float = 1.0  # in [0, 1]
     link: int | None = None  # index of the link that carries it; None if it stands still
@@ -172,14 +172,14 @@ def arm_items(
     parts = parts or _rods(arm)
     colours = cycle((palette.rgb(palette.SHELL), palette.rgb(palette.JOINT)))
     for (link, own), usual in zip(parts.items(), colours, strict=False):
-        by_colour: dict[Colour, list[Mesh]] = {}
+        by_colour: dict[Colour, list[Surface]] = {}
         for part in own:
             by_colour.setdefault(part.colour or usual, []).append(part.mesh)
         for i, (colour, meshes) in enumerate(by_colour.items()):
             name = f"{link} {i}" if i else link
-            yield Item(name, ARM, solids.merged(meshes), colour, link=links.index(link))
+            yield Item(name, ARM, merged(meshes), colour, link=links.index(link))
     for i, shape in enumerate(arm.attached):
-        mesh = solids.of_shape(shape)
+        mesh = shape.placed_surface()
         yield Item(f"attached {i}", ARM, mesh, palette.rgb(palette.TOOL), link=links.index(arm.tip))
 
 
@@ -189,15 +189,15 @@ def demonstration_items(arm: Arm, demonstrations: Iterable[Demonstration]) -> It
         if not isinstance(demonstration, Demonstration):
             got = type(demonstration).__name__
             raise InvalidInput(f"demonstrations[{i}]: expected a Demonstration, got {got}")
-        points = solids.thinned(tip_path(arm, demonstration.motion), _DEMONSTRATION_POINTS)
-        mesh = solids.tube(points, _DEMONSTRATION_FRACTION * _radius(points), sides=6)
+        points = tubes.thinned(tip_path(arm, demonstration.motion), _DEMONSTRATION_POINTS)
+        mesh = tubes.tube(points, _DEMONSTRATION_FRACTION * _radius(points), sides=6)
         name = demonstration.name or f"demonstration {i + 1}"
         yield Item(name, DEMONSTRATIONS, mesh, palette.rgb(palette.DEMONSTRATION))
 
 
 def path_item(path: Float64Array) -> Item:
     """The planned path (n, 3)."""
-    mesh = solids.tube(solids.thinned(path, _PATH_POINTS), _radius(path))
+    mesh = tubes.tube(tubes.thinned(path, _PATH_POINTS), _radius(path))
     return Item("path", PATH, mesh, palette.rgb(palette.PATH))
 
 
@@ -205,7 +205,7 @@ def spread_items(arm: Arm, skill: Skill | None) -> Iterator[Item]:
     """The tube of two standard deviations about a skill's mean path, if it has one."""
     distribution = distribution_of(arm, skill)
     if distribution is not None:
-        mesh = solids.uncertainty_tube(*distribution)
+        mesh = tubes.uncertainty_tube(*distribution)
         yield Item("two standard deviations", SPREAD, mesh, palette.rgb(palette.SKY), opacity=0.35)
 
 
@@ -224,12 +224,12 @@ def distribution_of(arm: Arm, skill: Skill | None) -> tuple[Float64Array, Float6
 def obstacle_item(shape: Shape, index: int) -> Item:
     """An obstacle at its own pose."""
     colour = palette.rgb(palette.OBSTACLE)
-    return Item(f"obstacle {index}", OBSTACLES, solids.of_shape(shape), colour, opacity=0.85)
+    return Item(f"obstacle {index}", OBSTACLES, shape.placed_surface(), colour, opacity=0.85)
 
 
 def goal_item(goal: Float64Array) -> Item:
     """A ball at the goal (3,)."""
-    mesh = solids.sphere(_GOAL_RADIUS).moved(goal)
+    mesh = sphere(_GOAL_RADIUS).moved(goal)
     return Item("goal", GOAL, mesh, palette.rgb(palette.GOAL))
 
 
@@ -257,8 +257,8 @@ def _rods(arm: Arm) -> dict[str, list[Part]]:
     rods: dict[str, list[Part]] = {}
     for joint in arm.robot.tree:
         length = float(np.linalg.norm(joint.position))
-        mesh = solids.sphere(1.5 * _ROD_RADIUS)
+        mesh = sphere(1.5 * _ROD_RADIUS)
         if length > 0.0:
-            mesh = solids.tube(np.linspace(0.0, 1.0, 2)[:, None] * joint.position, _ROD_RADIUS)
+            mesh = tubes.tube(np.linspace(0.0, 1.0, 2)[:, None] * joint.position, _ROD_RADIUS)
         rods.setdefault(arm.robot.links[joint.parent], []).append(Part(mesh))
     return rods

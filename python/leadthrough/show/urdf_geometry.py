@@ -14,15 +14,15 @@ from leadthrough.check import Float64Array
 from leadthrough.drawing.palette import Colour
 from leadthrough.errors import InvalidInput, MissingDependency
 from leadthrough.io.mesh import read_triangles
-from leadthrough.show import solids
-from leadthrough.show.solids import Mesh
+from leadthrough.shapes import surface
+from leadthrough.shapes.surface import Surface
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
     """A surface of a link, in the link's frame; without a colour if the URDF gives it none."""
 
-    mesh: Mesh
+    mesh: Surface
     colour: Colour | None = None
 
 
@@ -82,29 +82,29 @@ def _read(
         yield Part(_surface(element.find("geometry"), mesh_folders).moved(position, turned), colour)
 
 
-def _surface(geometry: ElementTree.Element | None, mesh_folders: Sequence[str]) -> Mesh:
+def _surface(geometry: ElementTree.Element | None, mesh_folders: Sequence[str]) -> Surface:
     for shape in geometry if geometry is not None else ():
         radius, length = (float(shape.get(name, "0")) for name in ("radius", "length"))
         match shape.tag:
             case "box":
-                return solids.box(_numbers(shape, "size", (0.0, 0.0, 0.0)))
+                return surface.box(_numbers(shape, "size", (0.0, 0.0, 0.0)))
             case "cylinder":
-                return solids.cylinder(radius, length)
+                return surface.cylinder(radius, length)
             case "capsule":
-                return solids.capsule(radius, length)
+                return surface.capsule(radius, length)
             case "sphere":
-                return solids.sphere(radius)
+                return surface.sphere(radius)
             case "mesh":
                 return _mesh(shape, mesh_folders)
     raise InvalidInput("geometry: expected a box, cylinder, capsule, sphere or mesh")
 
 
-def _mesh(element: ElementTree.Element, mesh_folders: Sequence[str]) -> Mesh:
+def _mesh(element: ElementTree.Element, mesh_folders: Sequence[str]) -> Surface:
     path = find_mesh(element.get("filename", ""), mesh_folders)
     if path is None:
         raise InvalidInput(f"mesh: {element.get('filename')} is not found")
     vertices, faces = read_triangles(path)
-    return Mesh(vertices * _numbers(element, "scale", (1.0, 1.0, 1.0)), faces)
+    return Surface(vertices * _numbers(element, "scale", (1.0, 1.0, 1.0)), faces)
 
 
 def _material(element: ElementTree.Element) -> tuple[str, Colour | None]:

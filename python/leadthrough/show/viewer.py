@@ -15,7 +15,7 @@ from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import LeadthroughError
 from leadthrough.models.parameters import Parameter
-from leadthrough.show import scene, solids
+from leadthrough.show import scene
 from leadthrough.show.private_server import PrivateServer
 from leadthrough.show.replanner import Answer, Replanner
 from leadthrough.show.scene import Scene
@@ -148,7 +148,7 @@ class LiveView:
             name = f"obstacle {i}"
             turned = getattr(shape, "orientation", None)
             self._handle(name, shape.position, turned, partial(planner.move_obstacle, i))
-            item = replace(scene.obstacle_item(shape, i), mesh=solids.unplaced(shape))
+            item = replace(scene.obstacle_item(shape, i), mesh=shape.surface())
             self._stage.draw(item, under=f"/{name}")
 
     def _handle(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain
 from typing import Any
 from xml.etree import ElementTree
 
@@ -18,7 +17,7 @@ from leadthrough.arm.link_poses import link_poses
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidRobot
 from leadthrough.shapes import Shape
-from leadthrough.simulation.geometry import link_solids, solids_of
+from leadthrough.simulation.geometry import add_part, link_solids
 from leadthrough.simulation.inertias import link_inertias
 
 ATTACHED = "attached"  # as collision reports call it
@@ -144,7 +143,8 @@ def _add_links(mujoco: Any, spec: Any, arm: Arm, bodies: Mapping[str, Load]) -> 
         _add_solids(spec, body, solids.get(name, ()))
         if name == arm.tip and arm.attached:
             held = body.add_body(name=ATTACHED)
-            _add_solids(spec, held, chain.from_iterable(map(solids_of, arm.attached)))
+            for shape in arm.attached:
+                _add_solids(spec, held, shape.convex_parts())
 
 
 def _at_rest(arm: Arm, joint: _core.Joint, driven: set[str]) -> tuple[Float64Array, Float64Array]:
@@ -174,12 +174,12 @@ def _set_inertia(body: Any, load: Load | None, driven: bool) -> None:
 
 def _add_solids(spec: Any, body: Any, solids: Any) -> None:
     for solid in solids:
-        solid.add_to(spec, body)
+        add_part(solid, spec, body)
 
 
 def _add_obstacles(spec: Any, obstacles: Sequence[Shape]) -> None:
     for i, shape in enumerate(obstacles):
-        _add_solids(spec, spec.worldbody.add_body(name=f"obstacle {i}"), solids_of(shape))
+        _add_solids(spec, spec.worldbody.add_body(name=f"obstacle {i}"), shape.convex_parts())
 
 
 def _add_joints(

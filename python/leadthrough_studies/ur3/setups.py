@@ -19,7 +19,7 @@ following is assumed here, all in the workspace frame of the paper, x, y and z u
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -73,7 +73,7 @@ class Setup:
     def around_the_arm(self) -> list[Shape]:
         """The same in the frame of the arm's base."""
         base = np.array(self.base)
-        return [replace(each, position=each.position - base) for each in self.obstacles()]
+        return [each.at(each.position - base) for each in self.obstacles()]
 
 
 _BASE_BY_THE_TABLE: Point = (0.05, 1.04, 0.85)

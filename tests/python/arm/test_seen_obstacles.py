@@ -9,7 +9,7 @@ import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.arm.task_stack import TaskStack
 from leadthrough.errors import InvalidInput
-from leadthrough.show import solids
+from leadthrough.shapes import surface
 from leadthrough_studies.coal_arm import CoalArm
 
 TURN = rotations.exp([[0.3, -0.7, 1.1]])[0]
@@ -86,8 +86,8 @@ def test_clear_is_what_distances_say(arm):
 
 
 def shelf(place):
-    boards = [solids.box(np.array([0.3, 0.4, 0.02])).moved(np.array([0, 0, z])) for z in (0, 0.3)]
-    whole = solids.merged(boards)
+    boards = [surface.box(np.array([0.3, 0.4, 0.02])).moved(np.array([0, 0, z])) for z in (0, 0.3)]
+    whole = surface.merged(boards)
     return lt.Mesh(whole.vertices, whole.faces, place)
 
 
@@ -116,7 +116,7 @@ def test_the_elbow_goes_around_a_cloud_and_a_mesh_while_the_tip_keeps_its_path(p
     motion = lt.PoseTrajectory(3.0 * u, line, [(0.0, 1.0, 0.0, 0.0)] * 101)
     seed = [0.6, -0.5, 0.0, -2.4, 0.0, 2.0, 1.4]
     blind = panda.follow(motion, seed=seed)
-    box = solids.box(np.array([0.1, 0.4, 0.2])).moved(np.array([-0.15, 0.0, 0.65]))
+    box = surface.box(np.array([0.1, 0.4, 0.2])).moved(np.array([-0.15, 0.0, 0.65]))
     steps = np.linspace(-0.5, 0.5, 21)
     grid = np.stack(np.meshgrid(steps, steps, steps), axis=-1).reshape(-1, 3) * (0.1, 0.4, 0.2)
     for there in (
@@ -136,7 +136,7 @@ def test_planners_keep_clear_of_clouds_and_meshes():
         [0.4 * lt.trajectories.minimum_jerk_time_scaling(t / 2), 0 * t, 0 * t + 0.2]
     )
     shown = [lt.Demonstration(lt.Trajectory(t, line + off * Y)) for off in (-0.01, 0.0, 0.01)]
-    ball = solids.sphere(0.05).moved(np.array([0.2, 0.01, 0.2]))
+    ball = surface.sphere(0.05).moved(np.array([0.2, 0.01, 0.2]))
     mesh = lt.Mesh(ball.vertices, ball.faces)
     cloud = lt.PointCloud(ball.vertices, 0.01)
     for model in (lt.FastMarching(resolution=0.02), lt.DMP()):
@@ -156,8 +156,8 @@ def test_a_task_keeps_a_point_away_from_a_cloud(panda):
 
 def test_a_held_mesh_counts_and_weighs_as_its_hull(panda):
     size = np.array([0.1, 0.25, 0.4])
-    box, surface = lt.Box(size, (0.02, 0.03, 0.3), TURN), solids.box(size)
-    mesh = lt.Mesh(surface.vertices, surface.faces, box.position, TURN)
+    box, outside = lt.Box(size, (0.02, 0.03, 0.3), TURN), surface.box(size)
+    mesh = lt.Mesh(outside.vertices, outside.faces, box.position, TURN)
     ours, theirs = (panda.with_attached(each, 2.0) for each in (mesh, box))
     np.testing.assert_allclose(
         ours.attachment.loads[0].inertia, theirs.attachment.loads[0].inertia, atol=1e-12

@@ -9,7 +9,7 @@ import pytest
 import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.errors import InvalidInput
-from leadthrough.show import solids
+from leadthrough.shapes import surface
 
 TURN = rotations.exp([[0.3, -0.7, 1.1]])[0]
 PLACE = np.array([0.4, -0.2, 0.9])
@@ -17,13 +17,13 @@ QUERIES = PLACE + np.random.default_rng(2).uniform(-1, 1, (400, 3))
 
 
 def mesh_of(*surfaces, place=PLACE, turn=TURN):
-    whole = solids.merged(surfaces)
+    whole = surface.merged(surfaces)
     return lt.Mesh(whole.vertices, whole.faces, place, turn)
 
 
 def test_a_mesh_of_a_box_is_as_far_as_the_box():
     size = np.array([0.4, 0.6, 1.0])
-    box, mesh = lt.Box(size, PLACE, TURN), mesh_of(solids.box(size))
+    box, mesh = lt.Box(size, PLACE, TURN), mesh_of(surface.box(size))
     np.testing.assert_allclose(mesh.distance(QUERIES), box.distance(QUERIES), atol=1e-7)
     np.testing.assert_allclose(mesh.middle, box.middle, atol=1e-12)
     np.testing.assert_allclose(mesh.half_extents, box.half_extents, atol=1e-12)
@@ -46,19 +46,19 @@ def test_distance_of_a_hull_is_that_of_coal():
 
 
 def test_room_between_parts_stays_free_and_inside_a_part_does_not():
-    boards = [solids.box(np.array([0.5, 0.5, 0.02])).moved(np.array([0, 0, z])) for z in (0, 0.4)]
+    boards = [surface.box(np.array([0.5, 0.5, 0.02])).moved(np.array([0, 0, z])) for z in (0, 0.4)]
     shelf = mesh_of(*boards, place=np.zeros(3), turn=(1, 0, 0, 0))
     assert len(shelf.parts) == 2
     np.testing.assert_allclose(shelf.distance([[0, 0, 0.2], [0, 0, 0.4]]), [0.19, -0.01], atol=1e-7)
-    bracket = [solids.box(np.array([0.5, 0.02, 0.02])), solids.box(np.array([0.02, 0.5, 0.02]))]
-    joined = solids.merged(bracket)
+    bracket = [surface.box(np.array([0.5, 0.02, 0.02])), surface.box(np.array([0.02, 0.5, 0.02]))]
+    joined = surface.merged(bracket)
     faces = np.concatenate([joined.faces, [[0, 8, 9]]])
     (part,) = lt.Mesh(joined.vertices, faces).parts
     assert lt.Mesh(part.vertices, part.faces).distance([[0.1, 0.1, 0.0]])[0] < 0.0
 
 
 def test_vertices_at_one_place_are_one_as_in_stl_files():
-    box = solids.box(np.array([0.4, 0.6, 1.0]))
+    box = surface.box(np.array([0.4, 0.6, 1.0]))
     triangles = box.vertices[box.faces].reshape(-1, 3)
     mesh = lt.Mesh(triangles, np.arange(len(triangles)).reshape(-1, 3), PLACE, TURN)
     assert len(mesh.parts) == 1
@@ -90,7 +90,7 @@ def test_hulls_face_outwards_and_contain_their_part():
 
 
 def test_a_mesh_stands_elsewhere_and_is_sent_elsewhere():
-    mesh = mesh_of(solids.sphere(0.3))
+    mesh = mesh_of(surface.sphere(0.3))
     before = mesh.distance(QUERIES)
     there = mesh.at(PLACE + 0.25)
     np.testing.assert_allclose(there.distance(QUERIES + 0.25), before, atol=1e-8)
@@ -109,7 +109,7 @@ CORNERS = np.eye(4, 3)
         (lambda: lt.Mesh(CORNERS, [[0, 1, 1.5]]), "faces: expected whole numbers"),
         (lambda: lt.Mesh(CORNERS, np.zeros((0, 3))), "faces: "),
         (lambda: lt.Mesh(CORNERS, [[0, 1]]), "faces: "),
-        (lambda: lt.Mesh(CORNERS * 2e6, [[0, 1, 2]]), "vertices: expected places within 1e"),
+        (lambda: lt.Mesh(CORNERS * 2e6, [[0, 1, 2]]), "vertices: expected coordinates within 1e"),
         (lambda: lt.Mesh([[0, 0, np.nan]], [[0, 0, 0]]), "vertices: "),
         (lambda: lt.Mesh(CORNERS, [[0, 1, 2]], (0, 0)), "position: "),
         (

@@ -11,7 +11,6 @@ from hypothesis.extra.numpy import arrays
 import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.errors import InvalidInput
-from leadthrough.shapes.inertia import unit_solid
 
 TURN = rotations.exp([[0.3, -0.7, 1.1]])[0]
 PLACE = np.array([0.4, -0.2, 0.9])
@@ -173,7 +172,7 @@ def test_the_inertia_of_a_solid_is_that_of_the_points_inside(shape):
     steps = np.linspace(-0.8, 0.8, 49)
     cells = PLACE + np.stack(np.meshgrid(steps, steps, steps), axis=-1).reshape(-1, 3)
     inside = cells[shape.distance(cells) <= 0.0]
-    centre, inertia = unit_solid(shape)
+    centre, inertia = shape.unit_inertia()
     np.testing.assert_allclose(centre, inside.mean(axis=0), atol=1e-3)
     away = inside - centre
     expected = (away**2).sum() * np.eye(3) - away.T @ away

@@ -1,0 +1,103 @@
+"""Tubes around paths, as surfaces."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from leadthrough.check import Float64Array
+from leadthrough.preprocess.resample import arc_length
+from leadthrough.shapes.surface import Surface, circle, joined_rings, sphere
+
+_SIDES = 12
+
+
+def tube(path: Float64Array, radius: float, *, sides: int = _SIDES) -> Surface:
+    """A round tube around a path (n, 3), closed at both ends; lengths in m."""
+    points = without_repeats(path)
+    if len(points) < 2:
+        return sphere(radius).moved(points[0])
+    across = radius * circle(sides)
+    return _swept(points, np.einsum("ki,nij->nkj", across, cross_sections(points)))
+
+
+def uncertainty_tube(
+    means: Float64Array, covariances: Float64Array, *, deviations: float = 2.0
+) -> Surface:
+    """The tube whose cross-sections are the ellipses of a distribution about its mean path."""
+    frames = cross_sections(means)
+    across = np.einsum("nik,nkl,njl->nij", frames, covariances, frames)
+    values, axes = np.linalg.eigh(across)
+    spread = axes * np.sqrt(np.maximum(values, 0.0))[:, None, :] @ axes.transpose(0, 2, 1)
+    rings = np.einsum("kj,nij->nki", deviations * circle(2 * _SIDES), spread)
+    return _swept(means, np.einsum("nki,nij->nkj", rings, frames))
+
+
+def without_repeats(path: Float64Array) -> Float64Array:
+    """The path (n, 3) without points equal to the one before."""
+    moves = np.linalg.norm(np.diff(path, axis=0), axis=1) > 1e-9
+    return np.asarray(path[np.concatenate([[True], moves])])
+
+
+def thinned(path: Float64Array, count: int) -> Float64Array:
+    """At most `count` points of a path (n, d), evenly spaced along it, with both ends."""
+    if len(path) <= count:
+        return path
+    along = arc_length(path)
+    wanted = np.linspace(0.0, along[-1], count)
+    return np.column_stack([np.interp(wanted, along, column) for column in path.T])
+
+
+def cross_sections(path: Float64Array) -> Float64Array:
+    """Two unit vectors (n, 2, 3) across the path (n, 3) at each point, with the least twist.
+
+    Source: Wang et al. 2008, "Computation of rotation minimizing frames", table I.
+    """
+    tangents = np.gradient(path, axis=0)
+    lengths = np.linalg.norm(tangents, axis=1, keepdims=True)
+    tangents = np.divide(tangents, lengths, out=np.tile([0.0, 0.0, 1.0], (len(path), 1)),
+                         where=lengths > 0.0)  # fmt: skip
+    least = np.eye(3)[int(np.argmin(np.abs(tangents[0])))]
+    across, pairs = np.cross(tangents[0], least), []
+    for tangent, turn in zip(tangents, _least_turns(path, tangents), strict=True):
+        across = turn @ across
+        across = across - (across @ tangent) * tangent
+        across = across / math.sqrt(across @ across)
+        pairs.append(across)
+    first = np.array(pairs)
+    return np.stack([first, np.cross(tangents, first)], axis=1)
+
+
+def _least_turns(path: Float64Array, tangents: Float64Array) -> Float64Array:
+    """Matrices (n, 3, 3), each of which reflects twice: from the point before to this one."""
+    turns = np.tile(np.eye(3), (len(path), 1, 1))
+    steps = np.diff(path, axis=0)
+    back = _reflections(steps)
+    left = tangents[1:] - np.einsum("nij,nj->ni", back, tangents[:-1])
+    moved = steps.any(axis=1)
+    turns[1:][moved] = (_reflections(left) @ back)[moved]
+    return turns
+
+
+def _reflections(normals: Float64Array) -> Float64Array:
+    """Reflections (n, 3, 3) in the planes across vectors (n, 3); of 0, nothing moves."""
+    squared = np.einsum("ni,ni->n", normals, normals)[:, None, None]
+    factors = np.divide(2.0, squared, out=np.zeros_like(squared), where=squared > 0.0)
+    return np.asarray(np.eye(3) - factors * normals[:, :, None] * normals[:, None])
+
+
+def _swept(path: Float64Array, rings: Float64Array) -> Surface:
+    """The closed surface through rings (n, k, 3), given relative to the points of a path (n, 3)."""
+    count, sides = rings.shape[:2]
+    vertices = (path[:, None] + rings).reshape(-1, 3)
+    ends = np.arange(sides)
+    after = np.roll(ends, -1)
+    first, last = len(vertices), len(vertices) + 1
+    caps = [
+        np.column_stack([after, ends, np.full(sides, first)]),
+        np.column_stack([ends, after, np.full(sides, 0)]) + (count - 1) * sides,
+    ]
+    caps[1][:, 2] = last
+    faces = np.concatenate([joined_rings(count, sides), *caps])
+    return Surface(np.concatenate([vertices, path[[0, -1]]]), faces)
