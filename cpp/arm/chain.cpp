@@ -55,7 +55,7 @@ Joints moving_joints(const Joints& joints) {
   return moving;
 }
 
-// Which joint sets `joint`: itself, or the one that it mimics.
+// The joint that drives `joint`: itself, or the one that it mimics.
 const std::string& driver(const Joint& joint) {
   return joint.mimic ? joint.mimic->joint : joint.name;
 }

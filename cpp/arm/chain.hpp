@@ -23,7 +23,7 @@ struct Pose {
   Eigen::Vector3d position;
 };
 
-// What sets a moving joint: its value is multiplier * q[joint] + offset.
+// Drive of a moving joint: its value is multiplier * q[joint] + offset.
 struct Drive {
   int joint = 0;
   double multiplier = 1.0;

@@ -26,7 +26,8 @@ struct BodyMotion {
   Eigen::Vector3d acceleration, angular_acceleration;  // without the joints' own
 };
 
-// What each moving joint carries; its axis is the third column of its rotation.
+// Motions of the bodies that moving joints carry; a joint's axis is the third column of its
+// rotation.
 using BodyMotions = std::array<BodyMotion, kMaxJoints>;
 void body_motions(const Chain& chain, const double* q, const double* qd, BodyMotions& bodies);
 

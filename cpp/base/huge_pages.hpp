@@ -16,9 +16,9 @@ namespace leadthrough {
 inline void ask_for_huge_pages([[maybe_unused]] const void* memory,
                                [[maybe_unused]] std::size_t bytes) {
 #ifdef __linux__
-  constexpr std::size_t kLeast = std::size_t{4} << 20;  // has a huge page wherever it begins
-  constexpr std::uintptr_t kPage = 4096;                // of most processors; others refuse
-  if (bytes < kLeast) return;
+  constexpr std::size_t kMin = std::size_t{4} << 20;  // has a huge page wherever it begins
+  constexpr std::uintptr_t kPage = 4096;              // of most processors; others refuse
+  if (bytes < kMin) return;
   const auto begin = reinterpret_cast<std::uintptr_t>(memory);
   const std::uintptr_t first = (begin + kPage - 1) / kPage * kPage;
   madvise(reinterpret_cast<void*>(first), begin + bytes - first, MADV_HUGEPAGE);

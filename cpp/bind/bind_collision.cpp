@@ -21,7 +21,7 @@ using Pairs = Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor>;
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;
 
 // Between two samples of a motion; more would take minutes.
-constexpr double kMostSteps = 1e6;
+constexpr double kMaxSteps = 1e6;
 
 CollisionModel make_model(const urdf::Robot& robot, const Chain& chain, const std::string& base,
                           const std::string& tip, const std::vector<Rows3>& meshes,
@@ -96,7 +96,7 @@ py::tuple to_tuple(const Approach& approach) {
 py::tuple check(const CollisionScene& scene, const Eigen::Ref<const Rows>& q, double margin,
                 double tolerance, int threads) {
   require(q.cols() == scene.chain.joints() && q.rows() > 0);
-  require(std::isfinite(margin) && longest_step(scene, q) <= kMostSteps * tolerance);
+  require(std::isfinite(margin) && longest_step(scene, q) <= kMaxSteps * tolerance);
   MotionReport report;
   Eigen::VectorXd distances(q.rows());
   {

@@ -35,7 +35,7 @@ Coordinates with_leading_zero(const std::vector<double>& coordinates, std::size_
   return result;
 }
 
-// What is no speed would lead the march out of its queue.
+// A negative or non-finite speed would lead the march out of its queue.
 template <typename Real>
 void require_speeds(const CArray<Real>& speed) {
   const auto is_speed = [](Real each) { return std::isfinite(each) && each >= 0; };

@@ -19,9 +19,9 @@ using VectorMap = Eigen::Map<const Eigen::VectorXd>;
 using RowsMap = Eigen::Map<const Rows>;
 
 // More via points are left to the checks in Python.
-constexpr py::ssize_t kMostVias = 100;
+constexpr py::ssize_t kMaxVias = 100;
 
-// What the checks in Python would accept as it is; null for any other object.
+// Data of an array that the checks in Python accept unchanged; null for any other object.
 const double* finite_rows(const py::handle& object, py::ssize_t rows, py::ssize_t columns) {
   if (!py::isinstance<Numbers>(object)) return nullptr;
   const auto array = py::reinterpret_borrow<Numbers>(object);
@@ -38,7 +38,7 @@ Eigen::VectorXd phases_of(const py::handle& time, double duration, bool periodic
   } else {
     const bool several = py::isinstance<Numbers>(time);
     const auto size = several ? py::reinterpret_borrow<Numbers>(time).size() : 0;
-    const double* times = size > 0 && size <= kMostVias ? finite_vector(time, size) : nullptr;
+    const double* times = size > 0 && size <= kMaxVias ? finite_vector(time, size) : nullptr;
     if (times) phases = VectorMap(times, size) / duration;
   }
   const auto inside = [&](double u) { return periodic ? std::isfinite(u) : u >= 0.0 && u <= 1.0; };

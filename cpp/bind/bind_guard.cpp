@@ -23,7 +23,7 @@ using guard::RowsRef;
 using guard::StepLimits;
 using guard::Surroundings;
 
-constexpr Index kLeastRows = 3;
+constexpr Index kMinRows = 3;
 
 StepLimits make_limits(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
                        const Eigen::VectorXd& step, const Eigen::VectorXd& bend,
@@ -66,7 +66,7 @@ auto bridge(const Find& find) {
   return [find](const StepLimits& limits, const RowsRef& history, const RowsRef& target,
                 Index most_steps) -> std::optional<std::pair<Rows, Index>> {
     require_history(limits, history);
-    require_rows(limits, target, kLeastRows);
+    require_rows(limits, target, kMinRows);
     require(most_steps > 0);
     const py::gil_scoped_release release;
     auto found = find(limits, history, target, most_steps);
@@ -83,7 +83,7 @@ PacedRows pair_of(std::optional<guard::Paced> paced) {
 }
 
 PacedRows slowed(const StepLimits& limits, const RowsRef& path, Index most_samples) {
-  require_rows(limits, path, kLeastRows);
+  require_rows(limits, path, kMinRows);
   require(most_samples > 0);
   const py::gil_scoped_release release;
   return pair_of(guard::slowed(limits, path, most_samples));

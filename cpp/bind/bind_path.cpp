@@ -21,7 +21,7 @@ py::tuple clear_path(const Chain& chain, const CollisionModel* own_shapes,
                      const std::optional<Eigen::VectorXd>& start, double margin, double self_margin,
                      const IkTolerance& tolerance, const Eigen::Ref<const Rows>& tube,
                      int searches) {
-  require(searches >= 1 && searches <= path::kMostSearches);
+  require(searches >= 1 && searches <= path::kMaxSearches);
   require(positions.rows() > 0 && orientations_fit(positions.rows(), orientations.rows()) &&
           postures.rows() == positions.rows() && postures.cols() == chain.joints() &&
           (!start || start->size() == chain.joints()) && tube.cols() == 6 &&
@@ -68,7 +68,7 @@ void bind_path(py::module_& module) {
              py::arg("positions").noconvert(), py::arg("orientations").noconvert(), py::arg("axes"),
              py::arg("postures").noconvert(), py::arg("start"), py::arg("margin"),
              py::arg("self_margin"), py::arg("tolerance"), py::arg("tube").noconvert() = Rows(0, 6),
-             py::arg("searches") = path::kMostSearches);
+             py::arg("searches") = path::kMaxSearches);
 }
 
 }  // namespace leadthrough

@@ -112,8 +112,8 @@ py::tuple step(const TaskStack& stack, const Vector& q, const Vector& qd, double
 // A control loop's arrays come without a check of their own: what the solver cannot take is refused
 // here, and the Python layer says why.
 bool usable(const Vector& values, Eigen::Index size) {
-  constexpr double kLargest = 1e6;  // that of the Python layer
-  return values.size() == size && (values.array().abs() <= kLargest).all();
+  constexpr double kMax = 1e6;  // that of the Python layer
+  return values.size() == size && (values.array().abs() <= kMax).all();
 }
 
 bool is_rotation(const Vector& orientation) {

@@ -8,8 +8,8 @@ namespace {
 // glibc returns freed memory to the system where it is more than twice the largest block freed so
 // far, and to get it anew takes as long as to compute in it: a tenth of a plan's time.
 void keep_freed_memory() {
-  constexpr std::size_t kLargest = std::size_t{1} << 22;
-  void* volatile block = std::malloc(kLargest);
+  constexpr std::size_t kMax = std::size_t{1} << 22;
+  void* volatile block = std::malloc(kMax);
   std::free(block);
 }
 

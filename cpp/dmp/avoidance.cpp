@@ -18,7 +18,7 @@ constexpr double kGain = 1000.0;
 constexpr double kNarrowing = 20.0 / kPi;
 // A motion that heads for the middle is steered as one that passes at the angle of most effect;
 // the literature's term vanishes there.
-constexpr double kLeastAngle = 1.0 / kNarrowing;
+constexpr double kMinAngle = 1.0 / kNarrowing;
 // Sine of the angle below which a rule chooses the side.
 constexpr double kHeadOn = 1e-6;
 
@@ -28,7 +28,7 @@ constexpr double kBarrierRate = 60.0;  // per unit of phase, several times the s
 constexpr double kSliding = 1.5;       // of what a barrier holds back, along the surface
 constexpr double kInsistence = 4.0;    // of it, against what leads the other way
 constexpr int kSweeps = 4;             // over barriers that may act against each other
-constexpr double kLongestStep = 1e-3;  // of phase, far below the barrier's time
+constexpr double kMaxStep = 1e-3;      // of phase, far below the barrier's time
 // Steering weaker than this share of a barrier's push at the margin does not count as one.
 constexpr double kNegligible = 1e-3;
 
@@ -54,7 +54,7 @@ Vector3d steering(const Obstacle& obstacle, double reach, double distance,
   const double ahead = velocity.dot(to_middle);
   if (speed == 0.0 || ahead <= 0.0) return Vector3d::Zero();
   const double angle = std::atan2(velocity.cross(to_middle).norm(), ahead);
-  const double effective = std::max(angle, kLeastAngle);
+  const double effective = std::max(angle, kMinAngle);
   const double nearness = std::exp(-std::max(distance - obstacle.margin, 0.0) / reach);
   const double strength = kGain * effective * std::exp(-kNarrowing * effective) * nearness;
   return strength * speed * sideways(velocity / speed, to_middle);
@@ -151,8 +151,8 @@ class Guard {
     return matters;
   }
 
-  // What presses on a surface is led along it, always the same way round, so that neither a flat
-  // one nor a corner holds the motion up.
+  // Motion that presses on a surface is led along it, always in the same direction, so that neither
+  // a flat surface nor a corner stops it.
   void slide(const State& state, Vector& push) {
     for (const Near& near : near_) {
       const double pressure = missing(near, state);
@@ -215,7 +215,7 @@ class Guard {
 
 bool advance_guarded(const Forces& forces, const Course& course, Guard& guard, const Vector& push,
                      double span, Vector& total, State& state) {
-  const auto steps = static_cast<int>(std::ceil(std::min(span, 1.0) / kLongestStep));
+  const auto steps = static_cast<int>(std::ceil(std::min(span, 1.0) / kMaxStep));
   bool pushed = false;
   const double beyond = std::max(span - 1.0, 0.0);
   for (int i = 0; i < steps; ++i) {

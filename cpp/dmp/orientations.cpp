@@ -20,7 +20,7 @@ using so3::Vector3;
 constexpr Index kLanes = 4;
 using Lanes = Eigen::Array<double, kLanes, 1>;
 
-// Where the numbers of each lane begin.
+// First number of each lane.
 using Places = std::array<const double*, kLanes>;
 
 // The k-th numbers of all lanes. They are put together in registers: what was stored one by one
@@ -57,7 +57,7 @@ Quaternions4 compose(const Quaternions4& a, const Quaternions4& b) {
           a.w * b.z + b.w * a.z + (a.x * b.y - a.y * b.x)};
 }
 
-// What four orientations are the product of.
+// Factors whose product is four orientations.
 struct Factors {
   Quaternions4 base;              // the first control, turned by the offset if there is one
   std::array<Vectors4, 3> steps;  // each times its share

@@ -19,8 +19,8 @@ void move_on(Piece& piece, double by) {
       piece.row(power) += by * piece.row(power + 1);
 }
 
-// What the path is from one break to the next, about the first of them. The piece is looked up in
-// the middle: breaks of two paths may lie apart by rounding.
+// The path's polynomial from one break to the next, about the first. It is looked up at the middle,
+// because breaks of two paths may differ by rounding.
 Piece taken_between(const Path& path, double from, double to) {
   const double middle = 0.5 * (from + to);
   if (middle >= path.end()) {

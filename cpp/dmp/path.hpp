@@ -45,8 +45,8 @@ Vector end_of(const Path& path);
 Path shifted(Path path, const Eigen::Ref<const Rows>& c, const Eigen::Ref<const Vector>& start,
              const Eigen::Ref<const Vector>& goal);
 
-// What is to be added to a path from a phase on: at first a value and a slope, at the end and from
-// there on a shift. Between them the jerk is least.
+// Minimum-jerk addition to a path from a phase on: it begins with a value and a slope, and ends in
+// a shift that stays.
 struct Correction {
   double phase, until;         // phase < until
   Vector value, slope, shift;  // (channels)

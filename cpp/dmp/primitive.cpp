@@ -45,8 +45,8 @@ void add_reference(Channels channels, Walk& reference, double phase, double sign
   }
 }
 
-// What a stretch of phase over which the force is a straight line makes of an error, linearly: of
-// its value and slope, and of the force and its slope at the beginning.
+// Linear map of an error over an interval of phase in which the force is a straight line: from its
+// value and slope, and from the force and its slope, at the beginning.
 struct Stretch {
   Stretch(double rate, double length) {
     const double x = rate * length;

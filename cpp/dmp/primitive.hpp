@@ -17,7 +17,7 @@ namespace leadthrough::dmp {
 
 enum class Canonical { kDiscrete, kRhythmic };  // beyond phase 1 there is no force, or it repeats
 
-// What was learned. At least one interval.
+// The learned forces. At least one interval.
 struct Forces {
   Rows nodes;   // (intervals + 1, channels), at even phases from 0 to 1
   Vector fade;  // (intervals + 1), what `Course::drive` multiplies
@@ -25,7 +25,7 @@ struct Forces {
   Canonical canonical;
 };
 
-// What a query makes of it.
+// The primitive for one query.
 struct Course {
   Path reference;  // r, from phase 0, or from where it was changed last
   Vector gain;     // (channels), multiplies the learned force

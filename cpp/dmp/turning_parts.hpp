@@ -1,6 +1,6 @@
 #pragma once
 
-// What single orientations of a pose primitive and many of them at once are made of.
+// Parts shared by single orientations of a pose primitive and by batches of them.
 
 #include "base/polynomial.hpp"
 #include "dmp/turning.hpp"

@@ -25,7 +25,7 @@ template <typename Real>
 constexpr Real kTolerance = std::is_same_v<Real, float> ? Real(4e-7) : Real(1e-10);
 
 // Above this share of invalid cells a full march is cheaper than the repair.
-constexpr Index kMostInvalid = 4;  // one in four
+constexpr Index kMaxInvalid = 4;  // one in four
 
 template <typename Real, int D>
 class RepairedField final : public ArrivalField<Real> {
@@ -95,8 +95,8 @@ class RepairedField final : public ArrivalField<Real> {
 template <typename Real, int D>
 void RepairedField<Real, D>::rescale(Real fastest) {
   if (fastest <= fastest_) return;
-  constexpr int kMost = std::numeric_limits<Real>::max_exponent - 1;
-  const int exponent = std::min(std::ilogb(fastest) - std::ilogb(fastest_) + 1, kMost);
+  constexpr int kMax = std::numeric_limits<Real>::max_exponent - 1;
+  const int exponent = std::min(std::ilogb(fastest) - std::ilogb(fastest_) + 1, kMax);
   const Real factor = std::ldexp(Real(1), exponent);
   fastest_ *= factor;
   field_.unit /= static_cast<double>(factor);
@@ -158,7 +158,7 @@ bool RepairedField<Real, D>::stands(Cell cell, Real time) const {
 template <typename Real, int D>
 bool RepairedField<Real, D>::invalidate() {
   const auto most =
-      static_cast<std::size_t>(field_.shape[0] * field_.shape[1] * field_.shape[2] / kMostInvalid);
+      static_cast<std::size_t>(field_.shape[0] * field_.shape[1] * field_.shape[2] / kMaxInvalid);
   invalid_.clear();
   std::vector<Real>& time = field_.time;
   for (std::size_t n = 0; n < suspects_.size(); ++n) {

@@ -62,7 +62,7 @@ struct Run {  // cells of one row along the last axis
   Index last;
 };
 
-// What a ball about a cell holds of a row beside it.
+// Cells of a neighbouring row inside a ball about a cell.
 struct Chord {
   Index x;
   Index y;

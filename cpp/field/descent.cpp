@@ -13,7 +13,7 @@ namespace {
 constexpr double kNearGoal = 1.5;  // cells, along any axis
 
 // A step must gain this part of what the gradient promises, so that none are too small to end.
-constexpr double kLeastGain = 0.1;
+constexpr double kMinGain = 0.1;
 
 using CellIndex = std::array<Index, 3>;
 
@@ -160,12 +160,12 @@ double Field<Times>::interpolate(const Coordinates& p, Coordinates& gradient) co
 // cells' borders, and the end.
 template <typename Times>
 bool Field<Times>::is_free(const Coordinates& from, const Coordinates& to) const {
-  constexpr int kMostCrossings = 16;  // ample: a segment crosses two borders at most along an axis
-  std::array<double, kMostCrossings> crossings{0.0, 1.0};
+  constexpr int kMaxCrossings = 16;  // ample: a segment crosses two borders at most along an axis
+  std::array<double, kMaxCrossings> crossings{0.0, 1.0};
   int count = 2;
   for (int axis = 0; axis < 3; ++axis) {
     const double low = std::min(from[axis], to[axis]), high = std::max(from[axis], to[axis]);
-    for (double border = std::floor(low + 0.5) + 0.5; border < high && count < kMostCrossings;
+    for (double border = std::floor(low + 0.5) + 0.5; border < high && count < kMaxCrossings;
          ++border)
       crossings[count++] = (border - from[axis]) / (to[axis] - from[axis]);
   }
@@ -216,7 +216,7 @@ bool step_down(const Field<Times>& field, double length, Coordinates& p, double&
     const Coordinates next = moved(field.grid(), p, turned, length);
     Coordinates unused{};
     const double reached = field.interpolate(next, unused);
-    if (!(reached < arrival - kLeastGain * slope * length) || !field.is_free(p, next)) continue;
+    if (!(reached < arrival - kMinGain * slope * length) || !field.is_free(p, next)) continue;
     p = next;
     arrival = reached;
     return true;

@@ -49,7 +49,7 @@ struct Direction {
   Coordinates unit;      // vector in space; 0 at a source's centre
 };
 
-// Where a descent through a point goes next. A step of half a cell or less that way meets no wall.
+// Direction of descent at a point. A step of half a cell or less along it meets no wall.
 template <typename Real>
 Direction direction(const Grid& grid, const Real* arrival, const Coordinates& p);
 

@@ -12,7 +12,7 @@ namespace {
 constexpr std::int32_t kNone = -1;
 constexpr std::int32_t kUnknown = -2;
 
-// What a cell got from the two sources it got most from; together 1.
+// A cell's fractions from the two sources that contribute most; they sum to 1.
 //
 // A label handed from the earliest neighbour would run along an axis where the front ran aslant.
 // The upwind equation, differentiated, hands on shares instead: a cell takes a weighted mean of its

@@ -1,6 +1,6 @@
 #pragma once
 
-// Which of several sources the front came from.
+// The source, of several, from which the front reached each cell.
 
 #include <cstdint>
 #include <vector>

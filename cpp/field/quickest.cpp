@@ -18,7 +18,7 @@ namespace leadthrough {
 namespace {
 
 // Maps of fewer blocks are marched as a whole.
-constexpr Index kMostBlocks = 2000;
+constexpr Index kMaxBlocks = 2000;
 // A limit exceeds what blocks let hope for by this fraction, times two for every level: the smaller
 // they are, the more there is in the way.
 constexpr double kHope = 0.0175;
@@ -70,7 +70,7 @@ class Search {
   std::vector<Point> path();
 
  private:
-  // What waves through blocks tell.
+  // Waves through blocks, and the blocks.
   struct Seen {
     std::vector<Index> numbers;  // of the blocks
     Waves waves;
@@ -105,7 +105,7 @@ Search::Search(const SpeedMap& map, const Point& start, const Point& goal)
       goal_{goal, map.cells().find(goal)},
       asked_(map.cells().grid, {}) {
   int top = 0;
-  while (blocks_of(map.cells(), top).grid.size() > kMostBlocks) ++top;
+  while (blocks_of(map.cells(), top).grid.size() > kMaxBlocks) ++top;
   for (int level = top; level >= 0; --level) levels_.push_back(blocks_of(map.cells(), level));
 }
 
@@ -147,7 +147,7 @@ std::optional<std::vector<Index>> Search::find_band() {
   return numbers;
 }
 
-// What waves from both ends through given blocks tell.
+// Waves from both ends through given blocks.
 const Search::Seen& Search::look(const Blocks& blocks, const std::vector<Index>& numbers) {
   const auto known = seen_.find(blocks.level);
   // With a higher limit the blocks may still be the same ones.
@@ -220,8 +220,8 @@ std::vector<Point> Search::follow(const std::vector<double>& times, const Point&
   return path;
 }
 
-// Where the wave of an end enters given blocks: at the block that holds it, or at those on the
-// border that face a place outside.
+// Blocks where the wave of an end enters: the block that contains the end, or those on the border
+// that face an end outside.
 WayEnd Search::enter(const End& end, const Blocks& blocks,
                      const std::vector<Index>& numbers) const {
   if (end.cell) return {{{block_around(blocks, map_.cells(), *end.cell)}}, false};

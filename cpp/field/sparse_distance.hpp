@@ -7,7 +7,7 @@
 
 namespace leadthrough {
 
-// What the cells of the grid are that a set does not hold.
+// Meaning of the grid's cells outside a set.
 enum class Outside { kUnknown, kTarget };
 
 // Distance from every cell of a set to the nearest target, centre to centre, infinite if there is

@@ -10,7 +10,7 @@
 
 namespace leadthrough {
 
-// Where a wave enters blocks, at the earliest, at the end of a way.
+// Entry through which an outside wave first reaches an endpoint of a path.
 struct WayEnd {
   std::vector<Source> entries;
   bool is_outside;  // beyond the blocks; else there is one entry

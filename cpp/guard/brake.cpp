@@ -11,7 +11,7 @@ namespace {
 using Eigen::Index;
 
 // Steps to rest; a joint that needs more is stopped in no time that an arm has.
-constexpr Index kMostSteps = Index{1} << 24;
+constexpr Index kMaxSteps = Index{1} << 24;
 // An acceleration this much above a multiple of the jerk limit, relative to it, is at it.
 constexpr double kSame = 1e-9;
 
@@ -52,7 +52,7 @@ Index steps_to_release(const Joint& joint) {
 // The fewest steps, above `few`, whose lowest sum is at most `sum`.
 Index steps_for(const Joint& joint, double sum, Index few) {
   Index enough = few + 1;
-  while (lowest_sum(joint, enough) > sum && enough < kMostSteps) {
+  while (lowest_sum(joint, enough) > sum && enough < kMaxSteps) {
     few = enough;
     enough *= 2;
   }

@@ -18,11 +18,11 @@ using Eigen::Index;
 // Distances this much below the margin pass between samples, m.
 constexpr double kTolerance = 1e-4;
 // Kept where no margin is asked for, m: distances are exact to less, and nothing may touch.
-constexpr double kLeastMargin = 2.0 * kTouching;
+constexpr double kMinMargin = 2.0 * kTouching;
 // The work of placing all shapes, in pairs that are looked at.
 constexpr long kPlacing = 16;
 // Between two samples, halves of halves that are looked at before a pair counts as too near.
-constexpr int kMostHalvings = 14;
+constexpr int kMaxHalvings = 14;
 
 std::size_t index(Index i) { return static_cast<std::size_t>(i); }
 
@@ -68,9 +68,9 @@ class Certifier {
     return drive.multiplier * q + drive.offset;
   }
 
-  // What a pair has to keep by then, with what an obstacle may have moved.
+  // Margin of a pair at that time, grown by the obstacle's largest possible motion.
   double margin(std::size_t p, double sample) const {
-    return std::max(around_.arm.margins[p] + around_.growth[p] * (age_ + sample), kLeastMargin);
+    return std::max(around_.arm.margins[p] + around_.growth[p] * (age_ + sample), kMinMargin);
   }
 
   void move_to(double sample) {
@@ -107,7 +107,7 @@ class Certifier {
 
   // Looks at the samples after `low` up to `high`, for the pairs in open_[first, end).
   void between(Index low, Index high, std::size_t first, std::size_t end) {
-    if (high - low == 1) return within(low, 0.0, 1.0, first, end, kMostHalvings);
+    if (high - low == 1) return within(low, 0.0, 1.0, first, end, kMaxHalvings);
     if (!work(low, end - first)) return;
     const Index middle = low + (high - low) / 2;
     move_to(static_cast<double>(middle));

@@ -21,8 +21,8 @@ struct Surroundings {
 Surroundings surroundings(const CollisionModel& model, const PlacedShapes& obstacles,
                           const std::vector<double>& growth, double margin, double self_margin);
 
-// Where two bodies first come nearer than their margin: before a sample, by a fraction of the way
-// from the one before. Without bodies, where the work ended that was allowed.
+// First time at which two bodies come nearer than their margin, as a sample's number with a
+// fraction. Without bodies: the sample at which the permitted effort ended.
 struct Contact {
   double sample = 0.0;
   int a = -1, b = -1;

@@ -27,7 +27,7 @@ struct StepLimits {
 // The samples that the next differences reach back to, oldest first.
 constexpr Eigen::Index kHistory = 3;
 
-// Where a limit is exceeded first; order 0 is the position.
+// First sample that exceeds a limit; order 0 is the position.
 struct Excess {
   int order = 0;
   Eigen::Index sample = 0, joint = 0;

@@ -56,8 +56,8 @@ double distance_from(const Eigen::Vector3d& point, const AxisTarget<M>& target) 
   return std::sqrt(squared);
 }
 
-// What remains to be turned, in the target's frame, and its rate: a tip that turns at w, also in
-// the target's frame, changes `error` by -rate w. Rows of free axes hold nothing of use.
+// Orientation error in the target's frame, and its rate: an angular velocity w of the tip, in the
+// same frame, changes `error` by -rate w. Rows of free axes are unused.
 struct Turn {
   Eigen::Vector3d error = Eigen::Vector3d::Zero();
   Eigen::Matrix3d rate = Eigen::Matrix3d::Zero();
@@ -83,7 +83,7 @@ inline Turn swing(const Eigen::Matrix3d& turned, int k) {
   const double sine = std::hypot(x, y);
   const double angle = std::atan2(sine, cosine);
   Turn turn;
-  // Where the axes point against each other every direction is as short, and the rate unbounded.
+  // For opposite axes every direction is equally short, and the rate is unbounded.
   constexpr double kNoDirection = 1e-12;
   constexpr double kSteepest = -10.0;
   const bool straight = sine < kNoDirection;

@@ -1,7 +1,7 @@
 #pragma once
 
-// What joints may do in the next sampling interval, so that their position, velocity and
-// acceleration limits can hold in every interval after it as well.
+// Bounds of the joints' motion in the next sampling interval, such that their position, velocity
+// and acceleration limits can hold in every later interval as well.
 // After Flacco, De Luca and Khatib 2015, "Control of redundant robots under hard joint constraints:
 // saturation in the null space", eq. (4), with the braking distance of a sampled motion.
 

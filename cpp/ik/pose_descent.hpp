@@ -49,8 +49,8 @@ class PoseDescent {
         status = IkStatus::kUnreachable;
         break;
       }
-      constexpr double kLeastProgress = 1e-3;  // less in a step is none
-      const bool slow = now_->squared() > (1.0 - kLeastProgress) * before;
+      constexpr double kMinProgress = 1e-3;  // less in a step is none
+      const bool slow = now_->squared() > (1.0 - kMinProgress) * before;
       if (slow) status = IkStatus::kUnreachable;
     } while (status == IkStatus::kBudget && !now_->within(tolerance) && iterations_ < last);
     if (now_->within(tolerance)) status = IkStatus::kConverged;
@@ -60,8 +60,8 @@ class PoseDescent {
  private:
   // Takes a step that lowers the error, damping it more and more; false where none does.
   bool improve(const IkTolerance& tolerance) {
-    constexpr double kMostCaution = 1e6;
-    for (double caution = 1.0; caution <= kMostCaution; caution *= 10.0) {
+    constexpr double kMaxCaution = 1e6;
+    for (double caution = 1.0; caution <= kMaxCaution; caution *= 10.0) {
       propose({}, caution);
       if (next_->squared() < now_->squared() || next_->within(tolerance)) {
         take();

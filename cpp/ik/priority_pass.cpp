@@ -12,9 +12,9 @@ namespace {
 constexpr double kRankTolerance = 1e-12;
 // The same for single rows, of which a bound is made: a lower level moves them by no more.
 constexpr double kLeftover = 1e-11;
-// Where damping sets in at the latest, m or rad (weighted) a rad.
+// Singular value below which damping is always on, m or rad (weighted) per rad.
 constexpr double kNearSingular = 0.02;
-// How dear motion is that a level has no opinion on, against a miss of 1 m/s at 1 rad/s.
+// Cost of motion that a level does not constrain, relative to a residual of 1 m/s at 1 rad/s.
 constexpr double kIdleWeight = 1e-8;
 
 // Chiaverini 1997, eq. (22), squared once more so that the damping is smooth where it sets in: the
@@ -173,7 +173,7 @@ bool PriorityPass::move(const Step& step) {
   for (Eigen::Index i = 0; i < n; ++i)
     if (rows.row(i).norm() <= kLeftover) rows.row(i).setZero();
   rows.bottomRows(count - n) = rows_.lazyProduct(step.basis);
-  // What a unilateral level has left of its row may be nothing but rounding.
+  // The remainder of a unilateral level's row may be rounding alone.
   for (Eigen::Index i = n; i < count; ++i)
     if (rows.row(i).norm() <= kLeftover * rows_.row(i - n).norm()) rows.row(i).setZero();
   lower.head(n) = (box_.lower - motion_).cwiseMin(0.0);

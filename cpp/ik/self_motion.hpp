@@ -6,7 +6,7 @@
 
 namespace leadthrough {
 
-// Where self-motion goes; joints that are not pulled follow as the task wants.
+// Goal of self-motion; joints that are not pulled follow the task.
 struct SelfMotionGoal {
   JointArray q{};
   std::array<bool, kMaxJoints> pulled{};
@@ -48,7 +48,7 @@ class SelfMotion {
   // `share` of the way is tried first.
   void run(const SelfMotionGoal& goal, double share, int max_iterations) {
     constexpr int kSteps = 40;
-    constexpr double kLeastGain = 1e-5;        // of the distance, in a full step
+    constexpr double kMinGain = 1e-5;          // of the distance, in a full step
     constexpr double kWellConditioned = 1e-9;  // pivots of J J^T: next to a singularity stay
     if (!hold(q_, kHoldSteps)) return;
     const double first = share;
@@ -67,7 +67,7 @@ class SelfMotion {
         continue;
       }
       q_ = trial;
-      const bool settled = distance - nearer < kLeastGain * share * distance;
+      const bool settled = distance - nearer < kMinGain * share * distance;
       distance = nearer;
       share = std::min(2.0 * share, first);
       if (settled) break;

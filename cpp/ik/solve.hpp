@@ -33,8 +33,8 @@ struct IkTolerance {
   double orientation = 1e-6;  // rad
 };
 
-// What is asked of each axis of the target's frame: along x, y, z, then about them. Without a
-// rotation in the target the frame is the base's, and the last three are of no account.
+// Requirements on each axis of the target's frame: along x, y, z, then about them. Without a
+// rotation in the target the frame is the base's, and the last three are ignored.
 struct IkAxes {
   std::array<bool, 6> free{};
   Vector6 tolerance = Vector6::Constant(kInfinity);  // m, rad

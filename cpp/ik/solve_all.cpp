@@ -6,14 +6,14 @@ namespace leadthrough {
 namespace {
 
 // More postures than any arm's finite number (16, of a general 6R chain: Primrose 1986).
-constexpr std::size_t kMostPostures = 64;
+constexpr std::size_t kMaxPostures = 64;
 
 // Distinct solutions, nearest to the reference first.
 class Postures {
  public:
   Postures(const Chain& chain, const JointVector& reference, double separation)
       : chain_(chain), reference_(reference), separation_(separation) {
-    found_.reserve(kMostPostures + 1);
+    found_.reserve(kMaxPostures + 1);
   }
 
   // Keeps the nearer one of two that are alike.
@@ -28,7 +28,7 @@ class Postures {
       found_.erase(std::remove_if(twin, found_.end(), alike), found_.end());
     }
     found_.insert(std::upper_bound(found_.begin(), found_.end(), result, nearer), result);
-    if (found_.size() > kMostPostures) found_.pop_back();
+    if (found_.size() > kMaxPostures) found_.pop_back();
   }
 
   std::vector<IkResult> take(int count) && {

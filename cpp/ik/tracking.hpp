@@ -9,7 +9,7 @@
 namespace leadthrough {
 
 struct TrackOptions {
-  // What counts as reached; most samples come far closer.
+  // Tolerance of a solved sample; most samples come far closer.
   IkTolerance tolerance{1e-5, 1e-5};
   int max_iterations = 60;     // a sample
   double max_step = 0.5;       // the most a joint moves between two samples, rad or m
@@ -25,8 +25,8 @@ struct Track {
   void keep(Eigen::Index samples);
 };
 
-// Where a redundant arm goes in the null space, one row a sample. postures: joints without a wish
-// are not finite. shares: of the way there, taken from the sample before.
+// Null-space targets of a redundant arm, one row a sample. postures: joints without a preference
+// are not finite. shares: fractions of the distance to the posture, from the previous sample.
 struct Pull {
   Eigen::Ref<const Rows> postures;
   Eigen::Ref<const Eigen::VectorXd> shares;

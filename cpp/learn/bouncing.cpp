@@ -9,7 +9,7 @@ namespace leadthrough {
 namespace {
 
 // In a corner a particle could bounce for ever; where it is then, it is inside.
-constexpr int kMostBounces = 1000;
+constexpr int kMaxBounces = 1000;
 
 // The time at which a cos t + b sin t next rises to `limit`, or `horizon` if it does not before.
 double reached(double a, double b, double limit, double horizon) {
@@ -52,7 +52,7 @@ struct Particle {
 void travel(Particle& particle, const Eigen::Ref<const Rows>& walls,
             const Eigen::Ref<const Eigen::VectorXd>& limits, const Eigen::VectorXd& lengths) {
   double left = 0.5 * kPi;
-  for (int bounce = 0; bounce < kMostBounces; ++bounce) {
+  for (int bounce = 0; bounce < kMaxBounces; ++bounce) {
     double time = left;
     Eigen::Index hit = -1;
     for (Eigen::Index i = 0; i < walls.rows(); ++i) {

@@ -10,16 +10,16 @@ namespace leadthrough::path {
 
 namespace {
 
-constexpr int kMostKnots = 160;
+constexpr int kMaxKnots = 160;
 constexpr int kRounds = 8;
-constexpr double kLeastRoom = 0.001;  // m beyond the margins that the refinement looks for
-constexpr double kWide = 0.004;       // m beyond the margins, of a way that is not narrow
-constexpr double kMoreRoom = 5e-4;    // m beyond what a round missed
+constexpr double kMinRoom = 0.001;  // m beyond the margins that the refinement looks for
+constexpr double kWide = 0.004;     // m beyond the margins, of a way that is not narrow
+constexpr double kMoreRoom = 5e-4;  // m beyond what a round missed
 // Of the certificate, m: in most rounds, and in the last ones, where little is missing.
 constexpr double kExactness = 2e-4, kGreatExactness = 2e-5;
 constexpr int kLastRounds = 2;
-constexpr Eigen::Index kMostParts = 32;  // that a sample's interval is checked in
-constexpr double kAstray = 0.3;          // rad or m that a sample may be away from the curve
+constexpr Eigen::Index kMaxParts = 32;  // that a sample's interval is checked in
+constexpr double kAstray = 0.3;         // rad or m that a sample may be away from the curve
 
 class Search {
  public:
@@ -38,15 +38,15 @@ class Search {
   ClearPath run(const std::optional<JointArray>& start, int searches) {
     ClearPath result;
     bool was_narrow = false;
-    // Where a search fails, the next looks more closely, and at all families of postures. A way
-    // that cannot be made clear is narrow: the next has more room, if there is one.
+    // After a failed search the next is finer and covers all branches. A path that cannot be
+    // refined collision-free is narrow: the next has more room, if there is one.
     struct Effort {
       std::size_t width;
       double cell;
       double layers;  // apart, beside what is usual
       bool of_every_family;
     };
-    constexpr std::array<Effort, kMostSearches> kEfforts{
+    constexpr std::array<Effort, kMaxSearches> kEfforts{
         {{64, 0.1, 1.0, false}, {128, 0.06, 0.5, true}, {256, 0.04, 0.5, true}}};
     for (int n = 0; n < searches; ++n) {
       const Effort& effort = kEfforts[static_cast<std::size_t>(n)];
@@ -88,7 +88,7 @@ class Search {
 
   void make_knots(const Climb& found) {
     const Eigen::Index rows = path_.positions.rows();
-    const Eigen::Index count = std::min<Eigen::Index>(rows, kMostKnots);
+    const Eigen::Index count = std::min<Eigen::Index>(rows, kMaxKnots);
     knots_.clear();
     curve_.clear();
     samples_.clear();
@@ -98,7 +98,7 @@ class Search {
                                             static_cast<double>(count - 1)
                                       : 0.0;
       while (layer + 2 < found.samples.size() && found.samples[layer + 1] < sample) ++layer;
-      knots_.push_back({TipTask(chain_, path_, sample), posture(sample), kLeastRoom});
+      knots_.push_back({TipTask(chain_, path_, sample), posture(sample), kMinRoom});
       curve_.push_back(between(found, layer, sample));
       samples_.push_back(sample);
     }
@@ -172,12 +172,11 @@ class Search {
     std::vector<double> more(knots_.size(), 0.0);
     for (std::size_t scene = 0; scene < scenes_.size(); ++scene) {
       const CollisionScene& around = scenes_[scene];
-      // What the check may miss is kept besides.
+      // The check's own inexactness is added.
       const double least = (scene == 0 ? margins_.obstacles : margins_.itself) + exactness;
       const double bulging = bulge(around, q);
       const auto parts = std::clamp<Eigen::Index>(
-          static_cast<Eigen::Index>(std::ceil(std::sqrt(4.0 * bulging / exactness))), 1,
-          kMostParts);
+          static_cast<Eigen::Index>(std::ceil(std::sqrt(4.0 * bulging / exactness))), 1, kMaxParts);
       if (parts > 1) {
         const Rows curve = denser(q, parts);
         look_at(around, curve, parts, {least + bulge(around, curve), exactness, 1}, touch, more);
@@ -189,7 +188,7 @@ class Search {
     return touch;
   }
 
-  // Where rows, `parts` of them a sample, come too near; and how much room that asks for.
+  // Rows, `parts` of them a sample, that come too near, and the clearance that they lack.
   void look_at(const CollisionScene& scene, const Rows& rows, Eigen::Index parts,
                const MotionOptions& options, std::optional<Approach>& touch,
                std::vector<double>& more) const {

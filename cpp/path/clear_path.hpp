@@ -18,17 +18,17 @@ struct ClearPath {
   Rows q;                          // a row a sample; none where there is no way
   std::optional<JointArray> last;  // the configuration at the last layer reached
   DeadEnd dead_end;
-  // Where q is not certified although a way was found: the nearest approach.
+  // The closest pair, if a path was found but is not certified.
   std::optional<Approach> touch;
 };
 
-// Where a search fails, the next looks more closely and takes three times as long.
-constexpr int kMostSearches = 3;
+// After a failed search the next is finer and takes three times as long.
+constexpr int kMaxSearches = 3;
 
 // Bodies are numbered as in `against(model, obstacles)`. searches: at most so many.
 ClearPath find_clear_path(const CollisionModel& model, const PlacedShapes& obstacles,
                           const TipPath& path, const Eigen::Ref<const Rows>& postures,
                           const std::optional<JointArray>& start, const Margins& margins,
-                          const IkTolerance& tolerance, int searches = kMostSearches);
+                          const IkTolerance& tolerance, int searches = kMaxSearches);
 
 }  // namespace leadthrough::path

@@ -31,7 +31,7 @@ constexpr std::size_t kFew = 12;    // configurations of a layer
 constexpr double kFinestCell = 0.01;  // rad or m
 constexpr int kRestarts = 100;        // of inverse kinematics at the first layer
 constexpr int kRestartSteps = 40;
-constexpr int kMostRepairs = 400;  // of ways whose configurations do not connect
+constexpr int kMaxRepairs = 400;  // of ways whose configurations do not connect
 
 struct Node {
   JointArray q;
@@ -143,7 +143,7 @@ class Ladder {
       if (layer.task.settle_at({}, around(q), options_.tolerance, q) && offer(k, q))
         open_.push_back(q);
     }
-    // Where little room is left it is looked at more closely.
+    // Narrow places are examined in finer cells.
     fill(k);
     while (layer.nodes.size() < kFew && cell_ > kFinestCell) {
       cell_ *= 0.5;
@@ -288,7 +288,7 @@ class Ladder {
   // Sees that the cheapest way holds between its layers too, or takes the next. The layer up to
   // which one does; all of them if that is none.
   std::size_t connect() {
-    for (int repair = 0; repair < kMostRepairs; ++repair) {
+    for (int repair = 0; repair < kMaxRepairs; ++repair) {
       const std::vector<int> chosen = chosen_nodes(layers_.size() - 1);
       std::size_t k = 1;
       while (k < layers_.size() && holds(k, chosen[k - 1], chosen[k])) ++k;

@@ -2,7 +2,7 @@
 
 // A search over all that the task leaves free: the path of the tip is cut into layers, each layer
 // holds configurations that meet it and are clear, and the cheapest way leads from layer to layer.
-// What cannot be reached from the layer before is never looked at.
+// Configurations that cannot be reached from the previous layer are never examined.
 
 #include <map>
 #include <vector>
@@ -20,11 +20,11 @@ struct LadderOptions {
   double room = 0.0;       // m that configurations are farther away than their margins
   double longest = 0.5;    // that a joint moves from layer to layer, rad or m
   std::size_t width = 64;  // the most configurations that a layer hands on
-  // Where there are more: the cheapest of every family of postures, not of all.
+  // If there are more: the cheapest of every branch, not of all.
   bool of_every_family = false;
 };
 
-// Where no configuration is left. pairs: of shapes that were in the way, with how often.
+// Sample at which no configuration is left. pairs: colliding pairs of shapes, with their counts.
 struct DeadEnd {
   double sample = 0.0;
   std::map<std::size_t, int> pairs;

@@ -7,7 +7,7 @@ namespace leadthrough::path {
 
 namespace {
 
-constexpr double kMost = 1e4;  // layers
+constexpr double kMax = 1e4;  // layers
 
 // How far the tip moves between two rows, in layers.
 double steps_between(const TipPath& path, Eigen::Index row, double spacing, double turning) {
@@ -28,7 +28,7 @@ std::vector<double> layers(const TipPath& path, double spacing, double turning) 
   for (std::size_t i = 1; i < along.size(); ++i)
     along[i] =
         along[i - 1] + steps_between(path, static_cast<Eigen::Index>(i) - 1, spacing, turning);
-  const double steps = along.back() > 1.0 ? std::min(along.back(), kMost) : 1.0;
+  const double steps = along.back() > 1.0 ? std::min(along.back(), kMax) : 1.0;
   const auto parts = static_cast<std::size_t>(std::ceil(steps));
   std::vector<double> samples{0.0};
   std::size_t row = 0;

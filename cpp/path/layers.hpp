@@ -1,7 +1,7 @@
 #pragma once
 
-// Where a path is looked at first: samples, between two rows too, that lie evenly along the way
-// that the tip goes and turns.
+// Samples at which a path is examined first, also between two rows: evenly spaced along the tip's
+// translation and rotation.
 
 #include <vector>
 

@@ -10,18 +10,18 @@ namespace leadthrough::path {
 namespace {
 
 // Weights beside a squared second difference, rad^2.
-constexpr double kTip = 1e6;          // a squared m, or 0.3 m a rad
-constexpr double kOnSurface = 0.03;   // on the surface of a tube,
-constexpr double kOutside = 100.0;    // a square of what is beyond
-constexpr double kInside = 0.94;      // of it, and
-constexpr double kBend = 20.0;        // a squared second difference of places in it
-constexpr double kClearance = 1e4;    // a squared m
-constexpr double kSpeed = 1e-2;       // a squared first difference
-constexpr double kPosture = 1e-4;     // a squared rad
-constexpr double kBand = 0.01;        // m beyond its margin and room from which a pair counts
-constexpr double kLongestStep = 0.3;  // of a joint, rad or m
+constexpr double kTip = 1e6;         // a squared m, or 0.3 m a rad
+constexpr double kOnSurface = 0.03;  // on the surface of a tube,
+constexpr double kOutside = 100.0;   // a square of what is beyond
+constexpr double kInside = 0.94;     // of it, and
+constexpr double kBend = 20.0;       // a squared second difference of places in it
+constexpr double kClearance = 1e4;   // a squared m
+constexpr double kSpeed = 1e-2;      // a squared first difference
+constexpr double kPosture = 1e-4;    // a squared rad
+constexpr double kBand = 0.01;       // m beyond its margin and room from which a pair counts
+constexpr double kMaxStep = 0.3;     // of a joint, rad or m
 constexpr int kIterations = 40;
-constexpr double kLeastGain = 1e-3;  // of the cost, in an iteration
+constexpr double kMinGain = 1e-3;  // of the cost, in an iteration
 
 // The cost at a curve and its quadratic model.
 struct Model {
@@ -30,7 +30,7 @@ struct Model {
   Eigen::VectorXd descent;  // the negative gradient
 };
 
-// Where a knot's tip is in the tube, and how each joint moves it.
+// Position of a knot's tip in the tube, and its change with each joint.
 struct Place {
   TubePlace place;
   std::array<TubePlace, kMaxJoints> moves;
@@ -63,7 +63,7 @@ class Refinement {
       q = std::move(trial);
       model = std::move(next);
       damping = std::max(0.2 * damping, 1e-9);
-      if (gain < kLeastGain * model.cost) break;
+      if (gain < kMinGain * model.cost) break;
     }
   }
 
@@ -223,7 +223,7 @@ class Refinement {
     }
     if (!hessian.solve(change)) return false;
     const double longest = change.cwiseAbs().maxCoeff();
-    if (longest > kLongestStep) change *= kLongestStep / longest;
+    if (longest > kMaxStep) change *= kMaxStep / longest;
     for (int row = 0; row < size() * n_; ++row) {
       const int i = row % n_;
       double& value = q[static_cast<std::size_t>(row / n_)][static_cast<std::size_t>(i)];

@@ -8,8 +8,8 @@ namespace leadthrough::path {
 
 namespace {
 
-constexpr double kEdge = 0.98;        // of a tube, to which the tip is brought from outside
-constexpr double kLeastWidth = 1e-3;  // m or rad: an axis with less room stays on the path
+constexpr double kEdge = 0.98;      // of a tube, to which the tip is brought from outside
+constexpr double kMinWidth = 1e-3;  // m or rad: an axis with less room stays on the path
 
 // The path's pose at a sample: straight, and about one axis, between two rows.
 IkTarget target_at(const TipPath& path, double sample) {
@@ -46,7 +46,7 @@ std::optional<Tube> tube_at(const TipPath& path, double sample) {
   for (int k = 0; k < (path.orientations.rows() > 0 ? 6 : 3); ++k) {
     if (path.axes->free[static_cast<std::size_t>(k)]) continue;
     tube.scale[asked] = path.axes->weight[k] * (k < 3 ? 1.0 : kOrientationWeight);
-    if (spread(k, k) > kLeastWidth * kLeastWidth) {
+    if (spread(k, k) > kMinWidth * kMinWidth) {
       tube.rows[static_cast<std::size_t>(count)] = asked;
       tube.axes[static_cast<std::size_t>(count++)] = k;
     }
@@ -150,7 +150,7 @@ FreeDirections TipTask::free_directions(const JointArray& q) const {
   }
   FreeDirections found;
   while (count < n) {
-    // What the axes keep of themselves: 1 less the squares already taken.
+    // Remainder of each axis: 1 less the squares already taken.
     Eigen::Index widest = 0;
     const JointVector kept =
         JointVector::Ones(n) - taken.topLeftCorner(n, count).rowwise().squaredNorm();

@@ -1,7 +1,6 @@
 #pragma once
 
-// What the path asks of the tip at one sample, for searches that need not know how many axes that
-// are.
+// The tip's task at one sample of a path, independent of the number of constrained axes.
 
 #include <optional>
 
@@ -38,7 +37,7 @@ struct Tube {
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6> factor, inverse;
 
   int dimension() const { return static_cast<int>(factor.rows()); }
-  // Where an error is, and how a joint moves it there.
+  // Position of an error in the tube, and its change with a joint.
   TubePlace place(const Vector6& error) const;
 };
 
@@ -58,7 +57,7 @@ class TipTask {
   void evaluate(const JointArray& q, TipError& error) const;
 
   const std::optional<Tube>& tube() const { return tube_; }
-  // Where q has the tip in the tube; empty without one.
+  // Position of q's tip in the tube; empty without one.
   TubePlace place(const JointArray& q) const;
 
  private:

@@ -17,7 +17,7 @@ constexpr double kWholeTurn = 1e-11;  // sine of half the angle
 // (angle / 2) / sin(angle / 2) at most. Past this factor it says little about the motion.
 constexpr double kMaxGain = 10.0;
 
-// What rounding may turn the axis by, next to kWholeTurn.
+// Largest change of the axis by rounding, near kWholeTurn.
 constexpr double kAxisNoise = 1e-4;  // rad
 
 // Two rotations this close to half a turn apart have no shortest turn between them.
@@ -87,12 +87,12 @@ constexpr double kSinc[] = {1.0,
                             -1.0 / 1307674368000.0};
 
 // Arc given to equal quaternions: the great circle is a straight line there to 1e-13.
-constexpr double kLeastArc = 1e-6;  // rad
+constexpr double kMinArc = 1e-6;  // rad
 
 // A great circle between two quaternions of one hemisphere, seen from its middle.
 struct GreatCircle {
   GreatCircle(const Quaternion& a, const Quaternion& b)
-      : arc(std::max(2.0 * std::atan2((b - a).norm(), (b + a).norm()), kLeastArc)),
+      : arc(std::max(2.0 * std::atan2((b - a).norm(), (b + a).norm()), kMinArc)),
         middle((a + b) / (2.0 * std::cos(0.5 * arc))),
         tangent((b - a) / (2.0 * std::sin(0.5 * arc))) {}
 
