@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import leadthrough as lt
-from leadthrough.io import rosbag_writer
+from leadthrough.io import rosbag
 
 plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
@@ -27,7 +27,7 @@ q[[150, 151], 2] += 1.5
 kept = np.delete(np.arange(len(times)), np.arange(600, 620))
 grasp = (lt.Event(3.0, "close gripper"),)
 guided = lt.JointTrajectory(times[kept], q[kept], joint_names=arm.joint_names, events=grasp)
-rosbag_writer.write_joint_states(guided, folder / "guided.mcap")
+rosbag.write_joint_states(guided, folder / "guided.mcap")
 
 (recording,) = lt.io.read_recordings(folder / "guided.mcap")
 shown, report = lt.preprocess.clean(recording, longest_pause=0.1, rate=100, smoothing=0.4)

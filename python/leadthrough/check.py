@@ -23,7 +23,7 @@ Text = TypeVar("Text", bound=str)
 
 # Rounding in a file format moves a recorded quaternion off length 1; more is not a rotation.
 UNIT_LENGTH_TOLERANCE = 1e-2
-MOST_NUMBERS = 10**8  # that one call makes, 0.75 GiB
+MAX_NUMBERS = 10**8  # that one call makes, 0.75 GiB
 
 _FLOAT64 = np.dtype(np.float64)
 
@@ -137,11 +137,11 @@ def integer(value: object, name: str, *, at_least: int, at_most: int | None = No
 
 
 def affordable_count(value: object, name: str, *, each: int) -> int:
-    """`value` as a count >= 1 of things that together take no more than `MOST_NUMBERS` numbers."""
+    """`value` as a count >= 1 of things that together take no more than `MAX_NUMBERS` numbers."""
     count = integer(value, name, at_least=1)
-    if count * each > MOST_NUMBERS:
+    if count * each > MAX_NUMBERS:
         raise InvalidInput(
-            f"{name}: expected at most {MOST_NUMBERS // each:,}, got {count:,}, which would take "
+            f"{name}: expected at most {MAX_NUMBERS // each:,}, got {count:,}, which would take "
             f"{count * each * 8 / 2**30:,.1f} GiB"
         )
     return count

@@ -57,7 +57,7 @@ def info(
 
     from leadthrough.cli import parse, reading
     from leadthrough.cli import robot as robots
-    from leadthrough.io import request
+    from leadthrough.io.table import as_request
     from leadthrough.show.info import describe
 
     found = reading.listed(files, also=_URDF)
@@ -67,7 +67,7 @@ def info(
         )
     if write_limits is not None:
         limits = _write_limits(ctx, found, write_limits)
-    asked = request.checked(
+    asked = as_request(
         columns=parse.columns(column or []),
         rate=rate,
         angles=angles,

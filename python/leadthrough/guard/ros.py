@@ -10,12 +10,12 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.guard.admission import Admission
 from leadthrough.guard.guard import Guard
-from leadthrough.io import stamps
+from leadthrough.io.joint_trajectory import NANOSECONDS, stamp_nanoseconds, to_stamp
 from leadthrough.io.rosbag import humble_types
 from leadthrough.motion import JointTrajectory
 
 _MESSAGE = "trajectory_msgs/msg/JointTrajectory"
-_NANOSECONDS = stamps.NANOSECONDS
+_NANOSECONDS = NANOSECONDS
 
 
 # Any: messages are of rosbags' types, which are made when it loads, or of rclpy's with the same
@@ -53,7 +53,7 @@ def trajectory_of(message: Any) -> JointTrajectory:
     if not points:
         raise InvalidInput("message: expected at least one point, got none")
     due = [point.time_from_start for point in points]
-    times = [stamps.nanoseconds(each.sec, each.nanosec) / _NANOSECONDS for each in due]
+    times = [stamp_nanoseconds(each.sec, each.nanosec) / _NANOSECONDS for each in due]
     return JointTrajectory(
         times,
         np.array([point.positions for point in points], dtype=np.float64),
@@ -78,7 +78,7 @@ def message_of(trajectory: JointTrajectory, *, header: Any = None) -> Any:
         raise InvalidInput("trajectory: expected the names of its joints, got none")
     types = humble_types().types
     if header is None:
-        stamp = types["builtin_interfaces/msg/Time"](**stamps.stamp(0))
+        stamp = types["builtin_interfaces/msg/Time"](**to_stamp(0))
         header = types["std_msgs/msg/Header"](stamp=stamp, frame_id="")
     none = np.empty(0)
     rows = [
@@ -92,7 +92,7 @@ def message_of(trajectory: JointTrajectory, *, header: Any = None) -> Any:
             accelerations=qdd,
             effort=none,
             time_from_start=types["builtin_interfaces/msg/Duration"](
-                **stamps.stamp(round(time * _NANOSECONDS))
+                **to_stamp(round(time * _NANOSECONDS))
             ),
         )
         for time, q, qd, qdd in zip(

@@ -1,16 +1,14 @@
-from . import formats, franka, headers, joint_trajectory, lasa, rosbag_writer, urscript
+from . import formats, headers, joint_trajectory, lasa, robot_programs, rosbag
+from .formats import write_motion
 from .mesh import read_mesh
 from .points import read_point_cloud
-from .reading import read_demonstrations, read_motion, read_recordings
+from .reading import Episode, read_demonstrations, read_motion, read_recordings, stream_recordings
 from .recording import Recording
-from .streaming import Episode, stream_recordings
-from .writing import write_motion
 
 __all__ = [
     "Episode",
     "Recording",
     "formats",
-    "franka",
     "headers",
     "joint_trajectory",
     "lasa",
@@ -19,8 +17,8 @@ __all__ = [
     "read_motion",
     "read_point_cloud",
     "read_recordings",
-    "rosbag_writer",
+    "robot_programs",
+    "rosbag",
     "stream_recordings",
-    "urscript",
     "write_motion",
 ]

@@ -1,26 +1,44 @@
-"""Chooses the columns of a table and makes them a recording: the same for every format."""
+"""Chooses the columns of a table and makes them a recording, alike for every format.
+
+The unit of joints is stated by the user, the format or a column's name, or is the only one that
+fits. LeRobot's data sets name their joints and not the unit, which is degrees or percent of the
+joint's range: from -100 at its lower limit to 100 at its upper one, or from 0 to 100 for a gripper.
+Only degrees go beyond 100; only percent stop at it.
+
+Columns named `<joint>_shown` are the arm's joints, rad (m), while the tip moved as recorded; an arm
+that follows the motion keeps close to them.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.io import angle_units, headers
+from leadthrough.io import headers
 from leadthrough.io.headers import AngleUnit, Columns
+from leadthrough.io.joint_trajectory import checked_joint_names
 from leadthrough.io.recording import Recording
-from leadthrough.io.request import Request
-from leadthrough.io.shown_columns import shown_joints
-from leadthrough.io.table import Table
+from leadthrough.io.table import Request, Table
+from leadthrough.motion import JointTrajectory, Motion, joints_with
+
+# No arm stays more than two turns from zero for half of a recording; degrees do.
+_MAX_ANGLE = 4.0 * math.pi
+_DEGREE = math.pi / 180.0
+# Joints come this much beyond their limits by the slack of a calibration, rad; percent by rounding.
+_SLACK = 0.1
+_MAX_PERCENT, _END = 100.01, 1e-4
+_SUFFIX = "_shown"
 
 
 def recording(table: Table, request: Request, *, name: str = "") -> Recording:
     """The recording in a table, from the columns asked for or else found by their names."""
     chosen = _chosen(table, request)
     _check_there(table, chosen)
-    angles = angle_units.unit_of(table, chosen.get("joints", ()), request)
+    angles = unit_of(table, chosen.get("joints", ()), request)
     data = {
         role: _stacked(table, names, role, angles, request)
         for role, names in chosen.items()
@@ -28,7 +46,7 @@ def recording(table: Table, request: Request, *, name: str = "") -> Recording:
     }
     times = _times(table, chosen.get("time"), request.rate, len(next(iter(data.values()))))
     if "joints" in data:
-        angle_units.refuse_far(chosen["joints"], data["joints"], angles)
+        refuse_far(chosen["joints"], data["joints"], angles)
         return Recording(
             times,
             data["joints"],
@@ -143,10 +161,10 @@ def _in_si(
 ) -> Float64Array:
     numbers = table.numbers(name)
     if role == "joints":
-        return angle_units.in_radians(name, numbers, angles, request)
+        return in_radians(name, numbers, angles, request)
     if role in ("velocities", "accelerations"):
         unit = None if angles == "percent" else angles
-        return angle_units.in_radians(name, numbers, unit, request)
+        return in_radians(name, numbers, unit, request)
     return _scaled(numbers, headers.unit(name, role)[1] or 1.0)
 
 
@@ -203,3 +221,94 @@ def _choices(found: Sequence[Columns]) -> str:
 
 def _listed(names: Sequence[str], most: int = 40) -> str:
     return (", ".join(names[:most]) or "none") + (", ..." if len(names) > most else "")
+
+
+def unit_of(table: Table, columns: Columns, request: Request) -> AngleUnit | None:
+    """The unit of a table's joints; None for radians, or where each column states its own."""
+    stated = request.angles or table.angles
+    if stated == "percent" and not {headers.joint(name) for name in columns} <= set(request.joints):
+        raise InvalidInput(
+            "angles: percent refer to the limits of an arm's joints, which are not known; name the "
+            "arm (--robot); in Python, set joints"
+        )
+    if stated is not None or all(headers.unit(name, "joints")[1] is not None for name in columns):
+        return stated
+    extents = {name: table.extents[name] for name in columns if name in table.extents}
+    arm = {name: extent for name, extent in extents.items() if not is_gripper(name)}
+    if any(np.abs(extent).max() > _MAX_ANGLE for extent in arm.values()):
+        return _only_fitting(arm, request)
+    return None
+
+
+def in_radians(
+    name: str, numbers: Float64Array, unit: AngleUnit | None, request: Request
+) -> Float64Array:
+    """A joint's numbers in rad; where the column's name states a unit, that one counts."""
+    stated = headers.unit(name, "joints")[1]
+    if stated is not None:
+        return numbers * stated
+    if unit == "percent":
+        lower, upper = request.joints[headers.joint(name)]
+        least = 0.0 if is_gripper(name) else -100.0
+        return np.asarray(lower + (numbers - least) / (100.0 - least) * (upper - lower))
+    return numbers * (_DEGREE if unit == "degrees" else 1.0)
+
+
+def is_gripper(name: str) -> bool:
+    """Whether a column is that of a gripper."""
+    return "gripper" in name.lower()
+
+
+def refuse_far(columns: Columns, positions: Float64Array, unit: AngleUnit | None) -> None:
+    """Refuses joints that stay more than two turns from zero, while no unit is stated."""
+    stated = [headers.unit(name, "joints")[1] is not None for name in columns]
+    if unit is not None or all(stated) or len(positions) == 0:
+        return
+    # NaN is greater than nothing: a joint counts where half of its samples are far away.
+    far = np.count_nonzero(np.abs(positions) > _MAX_ANGLE, axis=0) > 0.5 * len(positions)
+    if far.any():
+        seen = float(np.nanmax(np.abs(positions[:, far])))
+        raise InvalidInput(
+            f"angles: joints reach {seen:.6g}, more than two turns in radians; set "
+            "angles='degrees' or angles='radians'"
+        )
+
+
+def _only_fitting(extents: Mapping[str, tuple[float, float]], request: Request) -> AngleUnit:
+    """Degrees or percent, whichever the extents of joints can be, if not both."""
+    largest = max(float(np.abs(extent).max()) for extent in extents.values())
+    if largest > _MAX_PERCENT:
+        return "degrees"
+    if abs(largest - 100.0) < _END:
+        return "percent"
+    for name, extent in extents.items():
+        lower, upper = request.joints.get(headers.joint(name), (-math.inf, math.inf))
+        if _DEGREE * extent[0] < lower - _SLACK or _DEGREE * extent[1] > upper + _SLACK:
+            return "percent"
+    raise InvalidInput(
+        f"angles: the data set does not say whether its joints, which reach {largest:.6g}, are in "
+        "degrees or in percent of their range, and both fit; set angles='degrees' or "
+        "angles='percent'"
+    )
+
+
+def shown_columns(motion: Motion) -> dict[str, Float64Array]:
+    """A column (n,) for each of the joints; none where there are none, or none with names."""
+    joints = joints_with(motion)
+    if joints is None or not joints.joint_names:
+        return {}
+    names = checked_joint_names(joints)
+    return {f"{name}{_SUFFIX}": joints.positions[:, i] for i, name in enumerate(names)}
+
+
+def shown_joints(table: Table, times: Float64Array) -> JointTrajectory | None:
+    """The joints in a table, None where there are none or not at every time."""
+    names = [name for name in table.names if name.endswith(_SUFFIX) and name != _SUFFIX]
+    if not names:
+        return None
+    try:
+        rows = np.column_stack([table.numbers(name) for name in names])
+        joints = tuple(name.removesuffix(_SUFFIX) for name in names)
+        return JointTrajectory(times, rows, joint_names=joints)
+    except (InvalidInput, ValueError):  # faulty, as times of a recording may be too
+        return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,22 +10,20 @@ from typing import Any
 
 from leadthrough.errors import InvalidInput
 from leadthrough.io import (
-    apart,
     csv,
     joint_trajectory,
     lerobot,
     mat,
     npz,
+    reader_process,
     robomimic,
     rosbag,
-    rosbag_writer,
-    text_table,
-    urscript,
 )
-from leadthrough.io import franka as franka_csv
 from leadthrough.io.atomic import StrPath
-from leadthrough.io.request import Request
-from leadthrough.io.table import ArrayTable, Table
+from leadthrough.io.csv import read_table
+from leadthrough.io.robot_programs import write_franka, write_urscript
+from leadthrough.io.table import ArrayTable, Request, Table
+from leadthrough.motion import Motion, checked_motion
 
 Read = Callable[[Path, Request], Sequence[Table]]
 Write = Callable[[Any, StrPath], None]  # Any: each checks whether it can write the motion
@@ -56,20 +55,20 @@ def _all(read: Callable[[Path], Sequence[Table]]) -> Read:
     return lambda path, _: read(path)
 
 
-def _apart(
+def _in_reader_process(
     read: Callable[..., Sequence[ArrayTable]], module: str, extra: str, *, asked: bool = False
 ) -> Read:
-    """A reader that works apart; `asked` if it also takes the request."""
+    """A reader in the reader process; `asked` if it also takes the request."""
 
     def tables(path: Path, request: Request) -> Sequence[Table]:
-        apart.require(module, extra=extra)
-        return apart.tables(read, path, request if asked else None)
+        reader_process.require(module, extra=extra)
+        return reader_process.tables(read, path, request if asked else None)
 
     return tables
 
 
 FORMATS = (
-    Format("csv", "text table", (".csv", ".tsv", ".txt"), _one(text_table.read), csv.write),
+    Format("csv", "text table", (".csv", ".tsv", ".txt"), _one(read_table), csv.write),
     Format("npz", "NumPy archive", (".npz",), _one(npz.table), npz.write),
     Format("mat", "MATLAB 5 to 7.2", (".mat",), _all(mat.tables)),
     Format(
@@ -90,8 +89,8 @@ FORMATS = (
         "rosbag",
         "ROS bag",
         (".mcap", ".db3", ".bag"),
-        _apart(rosbag.tables, "rosbags.highlevel", "ros", asked=True),
-        rosbag_writer.write,
+        _in_reader_process(rosbag.tables, "rosbags.highlevel", "ros", asked=True),
+        rosbag.write,
         marker="metadata.yaml",
         extra="ros",
     ),
@@ -99,19 +98,19 @@ FORMATS = (
         "robomimic",
         "robomimic HDF5",
         (".hdf5", ".h5"),
-        _apart(robomimic.tables, "h5py", "hdf5"),
+        _in_reader_process(robomimic.tables, "h5py", "hdf5"),
         extra="hdf5",
     ),
     Format(
         "lerobot",
         "LeRobot Parquet",
         (".parquet",),
-        _apart(lerobot.tables, "pyarrow.parquet", "lerobot"),
+        _in_reader_process(lerobot.tables, "pyarrow.parquet", "lerobot"),
         marker="meta/info.json",
         extra="lerobot",
     ),
-    Format("urscript", "URScript program", (".script", ".urscript"), write=urscript.write),
-    Format("franka", "Franka, 1 kHz", (), write=franka_csv.write),
+    Format("urscript", "URScript program", (".script", ".urscript"), write=write_urscript),
+    Format("franka", "Franka, 1 kHz", (), write=write_franka),
 )
 
 
@@ -149,3 +148,30 @@ def to_write(path: StrPath, name: str | None) -> Format:
 def _suffixes(formats: Sequence[Format]) -> str:
     *others, last = (suffix for each in formats for suffix in each.suffixes)
     return f"{', '.join(others)} or {last}"
+
+
+def write_motion(motion: Motion, path: StrPath, *, format: str | None = None) -> None:
+    """Writes a motion to a file, which appears whole or not at all.
+
+    The joints that a motion of the tip carries along (`motion.joints`) are kept by "csv" and "npz".
+
+    The modules of the formats say what each keeps and needs, and have functions with options:
+    `io.joint_trajectory`, `io.rosbag` and `io.robot_programs`.
+
+    Args:
+        motion: points, poses or joints, as far as the format has them.
+        path: file to write.
+        format: "csv", "npz", "json", "yaml", "rosbag", "urscript" or "franka"; by default the one
+            whose suffix the path has: .csv, .npz, .json, .yaml, .mcap, .db3 or .script.
+
+    Raises:
+        InvalidInput: if the format is unknown or cannot hold this motion, or the path cannot be
+            written.
+        MissingDependency: if the format needs an extra.
+    """
+    checked_motion(motion, "motion")
+    if not isinstance(path, str | os.PathLike):
+        raise InvalidInput(f"path: expected a path, got {path!r}")
+    write = to_write(path, format).write
+    assert write is not None
+    write(motion, path)

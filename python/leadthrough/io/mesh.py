@@ -14,8 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from leadthrough import check, optional
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.io import apart, bounds
+from leadthrough.io import reader_process
 from leadthrough.io.atomic import StrPath
+from leadthrough.io.read_limits import ReadLimits, read_bytes, refusing_damage
 from leadthrough.shapes import Mesh
 
 _Triangles = tuple[Float64Array, NDArray[np.int64]]
@@ -63,17 +64,17 @@ def read_triangles(path: Path) -> _Triangles:
 
 
 def _read(path: Path) -> _Triangles:
-    gate = bounds.Gate()
+    limits = ReadLimits()
     try:
-        with bounds.reading("mesh", damage=(OSError, ValueError, OverflowError, RuntimeError)):
+        with refusing_damage("mesh", damage=(OSError, ValueError, OverflowError, RuntimeError)):
             match path.suffix.lower():
                 case ".stl":
-                    mesh = _stl(bounds.content(path, gate), gate)
+                    mesh = _stl(read_bytes(path, limits), limits)
                 case ".obj":
-                    mesh = _obj(bounds.content(path, gate), gate)
+                    mesh = _obj(read_bytes(path, limits), limits)
                 case _:
-                    apart.require("coal", extra="mesh")
-                    mesh = apart.mesh(through_coal, path)
+                    reader_process.require("coal", extra="mesh")
+                    mesh = reader_process.mesh(through_coal, path)
     except InvalidInput as error:
         raise InvalidInput(f"{path}: {error}") from None
     if len(mesh[0]) == 0 or not np.isfinite(mesh[0]).all():
@@ -81,26 +82,26 @@ def _read(path: Path) -> _Triangles:
     return mesh
 
 
-def _stl(content: bytes, gate: bounds.Gate) -> _Triangles:
+def _stl(content: bytes, limits: ReadLimits) -> _Triangles:
     # A binary file may begin with "solid" like a text; its length tells which it is.
     triangles = int.from_bytes(content[_STL_HEADER - 4 : _STL_HEADER], "little")
     if len(content) != _STL_HEADER + triangles * _STL_TRIANGLE.itemsize:
-        vertices = _after_word(content, b"vertex", gate)
+        vertices = _after_word(content, b"vertex", limits)
     else:
-        gate.numbers(9 * triangles, "the triangles")
+        limits.numbers(9 * triangles, "the triangles")
         body = np.frombuffer(content, _STL_TRIANGLE, offset=_STL_HEADER)
         vertices = body["corners"].reshape(-1, 3).astype(np.float64)
     whole = len(vertices) - len(vertices) % 3
     return vertices, np.arange(whole).reshape(-1, 3)
 
 
-def _obj(content: bytes, gate: bounds.Gate) -> _Triangles:
-    vertices = _after_word(content, b"v", gate)
+def _obj(content: bytes, limits: ReadLimits) -> _Triangles:
+    vertices = _after_word(content, b"v", limits)
     faces = array("q")
     for line in _lines(content):
         word, *corners = line.split() or [b""]
         if word == b"f":
-            gate.numbers(3 * len(corners), "the faces")
+            limits.numbers(3 * len(corners), "the faces")
             # Vertex, texture and normal by slashes; negative numbers count from the end.
             numbers = [int(corner.split(b"/")[0]) for corner in corners]
             polygon = [n - 1 if n > 0 else n + len(vertices) for n in numbers]
@@ -109,13 +110,13 @@ def _obj(content: bytes, gate: bounds.Gate) -> _Triangles:
     return vertices, np.array(faces, dtype=np.int64).reshape(-1, 3)
 
 
-def _after_word(content: bytes, word: bytes, gate: bounds.Gate) -> Float64Array:
+def _after_word(content: bytes, word: bytes, limits: ReadLimits) -> Float64Array:
     numbers = array("d")
     for line in _lines(content):
-        gate.items(1, "the lines")
+        limits.items(1, "the lines")
         own, *cells = line.split(None, 4) or [b""]
         if own == word:
-            gate.numbers(3, "the vertices")
+            limits.numbers(3, "the vertices")
             x, y, z = map(float, cells[:3])
             numbers.extend((x, y, z))
     return np.array(numbers, dtype=np.float64).reshape(-1, 3)
@@ -128,10 +129,10 @@ def _lines(content: bytes) -> Iterator[bytes]:
 def through_coal(path: Path) -> _Triangles:
     """Vertices (n, 3) and triangles (m, 3) of a mesh that coal reads."""
     coal = optional.load("coal", extra="mesh")
-    gate = bounds.Gate()
-    gate.bytes(path.stat().st_size, "the file")
-    with bounds.reading("mesh"):
+    limits = ReadLimits()
+    limits.bytes(path.stat().st_size, "the file")
+    with refusing_damage("mesh"):
         mesh = coal.MeshLoader().load(str(path), np.ones(3))
-        gate.numbers(3 * (mesh.num_vertices + mesh.num_tris), "the mesh")
+        limits.numbers(3 * (mesh.num_vertices + mesh.num_tris), "the mesh")
         faces = [[mesh.tri_indices(i)[k] for k in range(3)] for i in range(mesh.num_tris)]
         return np.array(mesh.vertices()), np.array(faces, dtype=np.int64).reshape(-1, 3)

@@ -22,11 +22,11 @@ from numpy.typing import NDArray
 from leadthrough import check
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event, Events
-from leadthrough.io import bounds
 from leadthrough.io.atomic import StrPath, replacing
+from leadthrough.io.columns import shown_columns
 from leadthrough.io.headers import Columns
-from leadthrough.io.joint_columns import joint_columns, quantities
-from leadthrough.io.shown_columns import shown_columns
+from leadthrough.io.joint_trajectory import joint_columns, quantities
+from leadthrough.io.read_limits import ReadLimits, refusing_damage
 from leadthrough.io.table import ArrayTable
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, checked_motion
 
@@ -62,11 +62,11 @@ def table(path: Path) -> ArrayTable:
 def arrays(path: Path) -> dict[str, NDArray[Any]]:  # Any: of whatever type the archive has
     """The arrays of an archive, by name."""
     with (
-        bounds.reading(".npz archive of plain arrays", damage=DAMAGE),
+        refusing_damage(".npz archive of plain arrays", damage=DAMAGE),
         warnings.catch_warnings(),  # NumPy warns of headers as Python 2 wrote them
     ):
         warnings.simplefilter("ignore", UserWarning)
-        _check_claims(path, bounds.Gate())
+        _check_claims(path, ReadLimits())
         # NumPy leaves a file open that it opened itself and could not read.
         with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
@@ -127,18 +127,18 @@ def _events(found: Mapping[str, NDArray[Any]]) -> Events:
     return tuple(Event(time, name) for time, name in zip(times.tolist(), names, strict=True))
 
 
-def _check_claims(path: Path, gate: bounds.Gate) -> None:
+def _check_claims(path: Path, limits: ReadLimits) -> None:
     """Refuses archives whose arrays claim too many numbers, before any memory is taken."""
     with zipfile.ZipFile(path) as archive:
         members = archive.infolist()
-        gate.columns(len(members), "the archive")
-        gate.bytes(sum(member.file_size for member in members), "the archive")
+        limits.columns(len(members), "the archive")
+        limits.bytes(sum(member.file_size for member in members), "the archive")
         for member in members:
             if not member.filename.endswith(".npy"):
                 continue
             with archive.open(member) as file:
                 count, size = claimed(file)
-            gate.numbers(count, member.filename)
+            limits.numbers(count, member.filename)
             if size > member.file_size:  # NumPy would take the memory before it misses the bytes
                 raise InvalidInput(
                     f"{member.filename}: its header claims {size:,} bytes of "

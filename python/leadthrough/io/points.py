@@ -19,8 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.io import bounds, npz
+from leadthrough.io import npz
 from leadthrough.io.atomic import StrPath
+from leadthrough.io.read_limits import ReadLimits, read_bytes, refusing_damage
 from leadthrough.shapes import PointCloud
 
 SUFFIXES = (".pcd", ".ply", ".npy", ".csv", ".txt", ".xyz")
@@ -71,10 +72,10 @@ def read_point_cloud(
 
 def read_points(path: Path) -> Float64Array:
     """The points (n, 3) of a file, in its unit."""
-    gate = bounds.Gate()
+    limits = ReadLimits()
     try:
-        with bounds.reading("file of points", damage=_DAMAGE):
-            found = _read(path, bounds.content(path, gate), gate)
+        with refusing_damage("file of points", damage=_DAMAGE):
+            found = _read(path, read_bytes(path, limits), limits)
             seen = np.ascontiguousarray(found[~np.isnan(found).any(axis=1)], dtype=np.float64)
     except InvalidInput as error:
         raise InvalidInput(f"{path}: {error}") from None
@@ -83,22 +84,22 @@ def read_points(path: Path) -> Float64Array:
     return seen
 
 
-def _read(path: Path, content: bytes, gate: bounds.Gate) -> NDArray[Any]:
+def _read(path: Path, content: bytes, limits: ReadLimits) -> NDArray[Any]:
     match path.suffix.lower():
         case ".pcd":
-            return _pcd(content, gate)
+            return _pcd(content, limits)
         case ".ply":
-            return _ply(content, gate)
+            return _ply(content, limits)
         case ".npy":
-            return _array(content, gate)
+            return _array(content, limits)
         case ".csv" | ".txt" | ".xyz":
-            return _table(content, gate)
+            return _table(content, limits)
     raise InvalidInput(f"expected a file {', '.join(SUFFIXES)}")
 
 
-def _array(content: bytes, gate: bounds.Gate) -> Float64Array:
+def _array(content: bytes, limits: ReadLimits) -> Float64Array:
     count, size = npz.claimed(BytesIO(content))
-    gate.numbers(count, "the points")
+    limits.numbers(count, "the points")
     if size > len(content):
         raise InvalidInput(f"its header claims {size:,} bytes of {len(content):,}")
     with warnings.catch_warnings():  # NumPy warns of headers as Python 2 wrote them
@@ -109,35 +110,35 @@ def _array(content: bytes, gate: bounds.Gate) -> Float64Array:
     return np.asarray(array[:, :3], dtype=np.float64)
 
 
-def _table(content: bytes, gate: bounds.Gate) -> Float64Array:
+def _table(content: bytes, limits: ReadLimits) -> Float64Array:
     head = next((line for line in content[:_MAX_HEADER].splitlines() if line.strip()), b"")
     separator = next((mark for mark in ",;\t" if mark.encode() in head), None)
     words = [word.strip() for word in head.decode("utf-8-sig").lower().split(separator)]
     named = not re.match(rb"\s*([-+.\d]|nan)", head.removeprefix(b"\xef\xbb\xbf").lower())
     columns = [words.index(name) for name in _XYZ] if set(_XYZ) <= set(words) else [0, 1, 2]
     body = content[content.index(head) + len(head) :] if named else content
-    return _numbers(body, columns, gate, separator=separator)
+    return _numbers(body, columns, limits, separator=separator)
 
 
 def _numbers(
     body: bytes,
     columns: Sequence[int],
-    gate: bounds.Gate,
+    limits: ReadLimits,
     *,
     separator: str | None = None,
     rows: int | None = None,
 ) -> Float64Array:
     """Columns of a table of text, at most so many rows of it."""
     lines = body.count(b"\n") + 1
-    gate.items(lines, "the lines")
-    gate.numbers(3 * lines, "the points")
+    limits.items(lines, "the lines")
+    limits.numbers(3 * lines, "the points")
     if not body.strip():
         return np.zeros((0, 3))
     text = BytesIO(body.replace(b"\r\n", b"\n").replace(b"\r", b"\n"))
     return np.loadtxt(text, delimiter=separator, usecols=columns, max_rows=rows, ndmin=2)
 
 
-def _ply(content: bytes, gate: bounds.Gate) -> NDArray[Any]:
+def _ply(content: bytes, limits: ReadLimits) -> NDArray[Any]:
     head, body = _parted(content, rb"end_header *\r?\n", "end_header")
     order, fields, count = "", [], -1
     for words in (line.split() for line in head):
@@ -155,24 +156,24 @@ def _ply(content: bytes, gate: bounds.Gate) -> NDArray[Any]:
             case ["property", *_]:
                 raise InvalidInput("expected vertices without lists")
     signs = {"binary_little_endian": "<", "binary_big_endian": ">"}
-    return _fields(body, fields, max(count, 0), gate, order=signs.get(order, ""))
+    return _fields(body, fields, max(count, 0), limits, order=signs.get(order, ""))
 
 
-def _pcd(content: bytes, gate: bounds.Gate) -> NDArray[Any]:
+def _pcd(content: bytes, limits: ReadLimits) -> NDArray[Any]:
     head, body = _parted(content, rb"(?m)^DATA[^\n]*\n", "DATA")
     lines = {line.split()[0]: line.split()[1:] for line in head if line.strip()}
     sizes = zip(lines["FIELDS"], lines["TYPE"], lines["SIZE"], strict=True)
     repeats = map(int, lines.get("COUNT", ["1"] * len(lines["FIELDS"])))
     fields: list[tuple[str, str]] = []
     for (name, kind, size), repeat in zip(sizes, repeats, strict=True):
-        gate.columns(len(fields) + repeat, "the fields")
+        limits.columns(len(fields) + repeat, "the fields")
         numbered = [name] if repeat == 1 else [f"{name} {i}" for i in range(repeat)]
         fields += [(each, _PCD[kind] + size) for each in numbered]
     (data,) = lines["DATA"]
     if data not in ("ascii", "binary"):
         raise InvalidInput(f"expected ascii or binary data, got {data}; save it uncompressed")
     order = "<" if data == "binary" else ""
-    return _fields(body, fields, int(lines["POINTS"][0]), gate, order=order)
+    return _fields(body, fields, int(lines["POINTS"][0]), limits, order=order)
 
 
 def _parted(content: bytes, end: bytes, word: str) -> tuple[list[str], bytes]:
@@ -184,15 +185,15 @@ def _parted(content: bytes, end: bytes, word: str) -> tuple[list[str], bytes]:
 
 
 def _fields(
-    body: bytes, fields: list[tuple[str, str]], count: int, gate: bounds.Gate, *, order: str
+    body: bytes, fields: list[tuple[str, str]], count: int, limits: ReadLimits, *, order: str
 ) -> NDArray[Any]:
     """x, y and z (n, 3) of rows of fields; order: of their bytes, "" for text."""
     names = [name for name, _ in fields]
     if not set(_XYZ) <= set(names):
         raise InvalidInput(f"expected fields x, y and z, got {', '.join(names) or 'none'}")
-    gate.numbers(3 * count, "the points")
+    limits.numbers(3 * count, "the points")
     if not order:
-        return _numbers(body, [names.index(name) for name in _XYZ], gate, rows=count)[:count]
+        return _numbers(body, [names.index(name) for name in _XYZ], limits, rows=count)[:count]
     # Other fields may have one name; only these three are looked at.
     unique = [
         (name if name in _XYZ else f"{i}", order + kind) for i, (name, kind) in enumerate(fields)

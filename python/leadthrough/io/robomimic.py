@@ -16,9 +16,8 @@ import numpy as np
 
 from leadthrough import optional
 from leadthrough.errors import InvalidInput
-from leadthrough.io import bounds
-from leadthrough.io.request import Request
-from leadthrough.io.table import ArrayTable
+from leadthrough.io.read_limits import MAX_WIDTH, ReadLimits, refusing_damage
+from leadthrough.io.table import ArrayTable, Request
 
 _ROLES = {
     "joints": "robot0_joint_pos",
@@ -30,14 +29,14 @@ _ROLES = {
 def labels(path: Path) -> list[str]:
     """The names of the demonstrations, in the order of their numbers."""
     h5py = optional.load("h5py", extra="hdf5")
-    with bounds.reading("robomimic HDF5 file"), h5py.File(path, "r") as file:
+    with refusing_damage("robomimic HDF5 file"), h5py.File(path, "r") as file:
         return _labels(file)
 
 
 def tables(path: Path, request: Request | None = None) -> list[ArrayTable]:
     """One table per demonstration, in the order of their numbers."""
     h5py = optional.load("h5py", extra="hdf5")
-    with bounds.reading("robomimic HDF5 file"), h5py.File(path, "r") as file:
+    with refusing_damage("robomimic HDF5 file"), h5py.File(path, "r") as file:
         return _tables(file, request.part if request else None)
 
 
@@ -53,14 +52,14 @@ def _tables(file: Any, part: tuple[int, int] | None) -> list[ArrayTable]:
     names = _labels(file)
     data = file["data"]
     rate = _control_rate(data.attrs.get("env_args"))
-    gate = bounds.Gate()
+    limits = ReadLimits()
     found = []
     for name in names if part is None else names[part[0] : part[1]]:
         sets = _sets(data[name].get("obs", {}))
-        gate.columns(len(sets), f"{name}/obs")
-        gate.numbers(sum(each.size for each in sets.values()), f"{name}/obs")
+        limits.columns(len(sets), f"{name}/obs")
+        limits.numbers(sum(each.size for each in sets.values()), f"{name}/obs")
         for each in sets.values():  # a chunk is inflated as a whole
-            bounds.Gate().numbers(math.prod(each.chunks or ()), f"{name}/obs: a chunk")
+            ReadLimits().numbers(math.prod(each.chunks or ()), f"{name}/obs: a chunk")
         arrays = {own: np.asarray(each[()]) for own, each in sets.items()}
         roles = {role: (own,) for role, own in _ROLES.items() if own in arrays}
         found.append(
@@ -79,7 +78,7 @@ def _sets(group: Any) -> dict[str, Any]:
         and hasattr(each, "dtype")
         and each.dtype.kind in "fiu"
         and not (each.external or each.is_virtual)  # numbers from anywhere on the disk
-        and (each.ndim == 1 or (each.ndim == 2 and each.shape[1] <= bounds.WIDEST))
+        and (each.ndim == 1 or (each.ndim == 2 and each.shape[1] <= MAX_WIDTH))
     }
 
 

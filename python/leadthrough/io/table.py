@@ -1,17 +1,23 @@
-"""A recording as named columns: what every reader returns."""
+"""A recording as named columns, as every reader returns it, and the request for one."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import get_args
 
 import numpy as np
 
 from leadthrough import check
 from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
 from leadthrough.events import Events
 from leadthrough.io.headers import AngleUnit, Columns, QuaternionOrder
+
+ROLES = ("time", "positions", "orientations", "joints")
+ORDERS: tuple[QuaternionOrder, ...] = get_args(QuaternionOrder)
+ANGLES: tuple[AngleUnit, ...] = get_args(AngleUnit)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -57,3 +63,93 @@ class ArrayTable(Table):
 
     def place(self, row: int) -> str:
         return f"sample {row}"
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """The arguments of `leadthrough.io.read_recordings`, which documents them."""
+
+    columns: Mapping[str, Columns] = field(default_factory=dict)
+    rate: float | None = None
+    angles: AngleUnit | None = None
+    quaternions: QuaternionOrder | None = None
+    topic: str | None = None
+    frames: tuple[str, str] | None = None
+    joints: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    part: tuple[int, int] | None = None
+
+
+def as_request(
+    columns: object = None,
+    rate: object = None,
+    angles: object = None,
+    quaternions: object = None,
+    topic: object = None,
+    *,
+    frames: object = None,
+    joints: object = None,
+) -> Request:
+    """The request that the arguments of `leadthrough.io.read_recordings` make."""
+    if topic is not None and not isinstance(topic, str):
+        raise InvalidInput(f"topic: expected a topic's name, got {topic!r}")
+    return Request(
+        _columns(columns),
+        None if rate is None else check.number(rate, "rate", above=0.0),
+        None if angles is None else check.choice(angles, "angles", ANGLES),
+        None if quaternions is None else check.choice(quaternions, "quaternions", ORDERS),
+        topic,
+        _frames(frames),
+        _joints(joints),
+    )
+
+
+def _columns(columns: object) -> dict[str, Columns]:
+    if columns is None:
+        return {}
+    if not isinstance(columns, Mapping):
+        raise InvalidInput(f"columns: expected a mapping, got {type(columns).__name__}")
+    for role in columns:
+        check.choice(role, "columns", ROLES)
+    named = {role: _names(columns[role], f"columns[{role!r}]") for role in columns}
+    if "joints" in named and ("positions" in named or "orientations" in named):
+        raise InvalidInput("columns: expected either poses or joints, got both")
+    if len(named.get("time", ("t",))) != 1:
+        raise InvalidInput(f"columns['time']: expected one name, got {len(named['time'])}")
+    return named
+
+
+def _names(value: object, name: str) -> Columns:
+    names = (value,) if isinstance(value, str) else value
+    if not isinstance(names, Sequence) or not all(isinstance(item, str) for item in names):
+        raise InvalidInput(f"{name}: expected names of columns, got {value!r}")
+    if not names or len(set(names)) != len(names):
+        raise InvalidInput(f"{name}: expected at least one name, each only once, got {value!r}")
+    return tuple(names)
+
+
+def _joints(value: object) -> dict[str, tuple[float, float]]:
+    if value is None:
+        return {}
+    if not isinstance(value, Mapping) or not all(isinstance(name, str) for name in value):
+        raise InvalidInput(f"joints: expected a mapping of names to limits, got {value!r}")
+    pairs = {name: np.asarray(limits, dtype=float) for name, limits in value.items()}
+    for name, limits in pairs.items():
+        if limits.shape != (2,) or not limits[0] <= limits[1]:
+            raise InvalidInput(
+                f"joints[{name!r}]: expected (lower, upper) with lower <= upper, got {value[name]}"
+            )
+    return {name: (float(lower), float(upper)) for name, (lower, upper) in pairs.items()}
+
+
+def _frames(value: object) -> tuple[str, str] | None:
+    if value is None:
+        return None
+    if (
+        isinstance(value, Sequence)
+        and not isinstance(value, str)
+        and len(value) == 2
+        and all(isinstance(name, str) for name in value)
+    ):
+        parent, child = value
+        return parent, child
+    raise InvalidInput(f"frames: expected the names of a frame and its child frame, got {value!r}")

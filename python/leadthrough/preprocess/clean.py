@@ -23,8 +23,8 @@ from leadthrough.preprocess.spikes import spikes
 from leadthrough.rest import rests, standstill, trim
 
 _GAP = 5.0  # median steps without a sample
-_LARGEST = 1e100  # no recorder measures more; squares of more overflow
-_SHORTEST_QUATERNION = 0.5  # anything shorter, or longer than its inverse, was never a rotation
+_MAX_NUMBER = 1e100  # no recorder measures more; squares of more overflow
+_MIN_LENGTH = 0.5  # anything shorter, or longer than its inverse, was never a rotation
 
 
 @overload
@@ -221,10 +221,10 @@ def _without_faults(recording: Recording, factor: float | None) -> tuple[Recordi
 
 def _valid(recording: Recording) -> NDArray[np.bool_]:
     numbers = np.column_stack([recording.times, *rows_of(recording).values()])
-    valid = np.asarray((np.abs(numbers) < _LARGEST).all(axis=1))  # false for NaN
+    valid = np.asarray((np.abs(numbers) < _MAX_NUMBER).all(axis=1))  # false for NaN
     if recording.orientations is not None:
         lengths = np.linalg.norm(np.where(valid[:, None], recording.orientations, 0.0), axis=1)
-        valid &= (lengths > _SHORTEST_QUATERNION) & (lengths < 1.0 / _SHORTEST_QUATERNION)
+        valid &= (lengths > _MIN_LENGTH) & (lengths < 1.0 / _MIN_LENGTH)
     return valid
 
 

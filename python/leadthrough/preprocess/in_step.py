@@ -27,11 +27,11 @@ _CLEARLY = 0.3
 # A gain in predicting left-out demonstrations counts from this many standard errors on, of at least
 # so many demonstrations. Fewer samples are enough to tell.
 _SURELY = 2.0
-_LEAST_COUNT = 4
-_FEW_SAMPLES, _LEAST_SAMPLES = 200, 100
+_MIN_COUNT = 4
+_FEW_SAMPLES, _MIN_SAMPLES = 200, 100
 # Demonstrations this fraction of the duration ahead or behind are told, and as many are compared.
 _LATE = 0.15
-_MOST_COMPARED = 12
+_MAX_COMPARED = 12
 # A glance at fewer samples, warped once, leaves at least this fraction of the spread of motions in
 # step: twice of what those clearly out of step keep after closer looks.
 _GLANCED_SAMPLES, _GLANCED = 40, 2.0 * _CLEARLY
@@ -55,23 +55,23 @@ def lateness(motions: Sequence[Motion]) -> Float64Array:
     result = np.zeros(len(motions))
     if len(motions) < 2:
         return result
-    some = np.linspace(0, len(motions) - 1, min(len(motions), _MOST_COMPARED)).round().astype(int)
+    some = np.linspace(0, len(motions) - 1, min(len(motions), _MAX_COMPARED)).round().astype(int)
     compared = [motions[i] for i in some]
     glanced = features(compared, _GLANCED_SAMPLES)
     warps = mean_timing(glanced, glanced[0], rigidity=FREE, rounds=1)
     if spread(warped(glanced, warps)) > _GLANCED * spread(glanced):
         return result
-    curves = features(compared, _LEAST_SAMPLES)
+    curves = features(compared, _MIN_SAMPLES)
     warps = mean_timing(curves, curves[0], rigidity=FREE)
     if spread(warped(curves, warps)) < _CLEARLY * spread(curves):
-        late = np.abs(np.array(warps) - np.linspace(0.0, 1.0, _LEAST_SAMPLES)).max(axis=1)
+        late = np.abs(np.array(warps) - np.linspace(0.0, 1.0, _MIN_SAMPLES)).max(axis=1)
         result[some] = np.where(late.max() > _LATE, late, 0.0)
     return result
 
 
 def _predicts_better(motions: Sequence[Motion]) -> bool:
     """Whether means of rigidly warped motions predict left-out ones better than those of others."""
-    if len(motions) < _LEAST_COUNT:
+    if len(motions) < _MIN_COUNT:
         return False
     curves = features(motions, _FEW_SAMPLES)
     size = motions[0].positions.shape[1]

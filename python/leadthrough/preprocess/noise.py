@@ -14,23 +14,23 @@ from leadthrough.check import Float64Array
 # Noise s gives neighbouring second differences the covariance -4 s^2.
 _COVARIANCE = -4.0
 # A path of fewer samples is a polygon: its corners are meant, also where they alternate.
-_LEAST_SAMPLES = 20
+_MIN_SAMPLES = 20
 _ROUNDING = 1e-9  # of the path's extent
 _ORDER = 3  # of the differences that smoothing penalises: parabolas stay as they are
 # log10 of the penalty: from too weak to change anything to as strong as rounding allows, which
 # smooths over 200 samples; a path of many more is averaged over neighbours first.
 _WEAKEST, _STRONGEST, _TOLERANCE = -3.0, 12.0, 1e-3
-_MOST_SAMPLES = 2000
+_MAX_SAMPLES = 2000
 # The steps of a random walk are unrelated to those before: all their correlations are near 0. Those
 # of a motion with white noise are not: noise makes neighbouring steps turn back, the motion keeps
 # steps farther apart alike. With fewer steps chance decides.
-_LEAST_STEPS, _LAGS = 50, 6
+_MIN_STEPS, _LAGS = 50, 6
 _NEIGHBOURS_UNRELATED, _OTHERS_UNRELATED = 0.25, 0.1
 
 
 def noise_of(path: Float64Array) -> float:
     """Standard deviation of the white noise in each coordinate of a path; 0 for a smooth one."""
-    if len(path) < _LEAST_SAMPLES:
+    if len(path) < _MIN_SAMPLES:
         return 0.0
     bends = np.diff(path, 2, axis=0)
     alternating = float((bends[1:] * bends[:-1]).mean())
@@ -42,7 +42,7 @@ def is_random_walk(path: Float64Array) -> bool:
     """Whether the steps of a path (n, d), evenly sampled in time, are unrelated to each other."""
     steps = np.diff(path, axis=0)
     total = float((steps**2).sum())
-    if len(steps) < _LEAST_STEPS or total == 0.0:
+    if len(steps) < _MIN_STEPS or total == 0.0:
         return False
     first, *others = (
         float((steps[lag:] * steps[:-lag]).sum()) / total for lag in range(1, _LAGS + 1)
@@ -59,7 +59,7 @@ def without_noise(path: Float64Array) -> Float64Array:
     """
     if noise_of(path) == 0.0:
         return path
-    together = -(-len(path) // _MOST_SAMPLES)
+    together = -(-len(path) // _MAX_SAMPLES)
     if together == 1:
         return _without(path, noise_of(path))
     index = np.arange(len(path), dtype=np.float64)

@@ -12,7 +12,7 @@ from leadthrough.errors import InvalidInput
 from leadthrough.motion import Demonstration, MotionT, PoseTrajectory, fields_of, rows_of
 from leadthrough.preprocess.rows import several_samples
 
-_MOST = 10_000_000  # samples
+_MAX_SAMPLES = 10_000_000  # samples
 
 
 def sample_evenly(
@@ -35,9 +35,10 @@ def sample_evenly(
 
     shown = several_samples(demonstration)
     motion, hertz = shown.motion, check.number(rate, "rate", above=0.0)
-    if motion.duration * hertz > _MOST:
+    if motion.duration * hertz > _MAX_SAMPLES:
         raise InvalidInput(
-            f"rate: expected at most {_MOST:,} samples in {motion.duration:.6g} s, got {rate} Hz"
+            f"rate: expected at most {_MAX_SAMPLES:,} samples in {motion.duration:.6g} s, "
+            f"got {rate} Hz"
         )
     count = int(np.floor(motion.duration * hertz + 1e-9)) + 1
     times = np.minimum(motion.times[0] + np.arange(count) / hertz, motion.times[-1])

@@ -18,7 +18,7 @@ from leadthrough.repr import ShortRepr
 _ANY_GAP = 1e300  # s
 _FASTEST = 1e5  # Hz; no arm is recorded so fast
 _SLOWEST = 0.5  # Hz; times in ms or ns that are read as s look slower
-_FARTHEST = 20.0  # m from an arm's base
+_MAX_REACH = 20.0  # m from an arm's base
 _UNITS = {"joints": "rad (m)", "poses": "m", "points": "m"}
 _WRAPPED: dict[str, Any] = {"width": 78, "subsequent_indent": "    ", "break_long_words": False}
 
@@ -99,7 +99,7 @@ def _remarks(summary: RecordingSummary) -> tuple[str, ...]:
     if summary.rate and not _SLOWEST <= summary.rate <= _FASTEST:
         remarks.append(f"{summary.rate:.3g} Hz: are the times in s?")
     farthest = max(map(abs, (*summary.lower, *summary.upper)))
-    if summary.kind == "poses" and farthest > _FARTHEST:
+    if summary.kind == "poses" and farthest > _MAX_REACH:
         remarks.append(f"positions up to {farthest:.4g} m: are they in m?")
     if summary.lower == summary.upper:
         remarks.append("nothing moves")

@@ -22,7 +22,7 @@ COMPARED = 1000
 _ROUNDS = 3
 _SMOOTHED = 0.021  # fraction of a warp that is averaged
 # A smaller turn counts as if it were this large: what is left of it is mostly noise.
-_LEAST_TURN = 0.1  # rad
+_MIN_TURN = 0.1  # rad
 # The Frobenius distance of two rotation matrices is this times their angle, if that is small.
 _CHORD = np.sqrt(2.0)
 
@@ -49,7 +49,7 @@ def features(motions: Sequence[Motion], samples: int = COMPARED) -> list[Float64
     reach = np.mean(
         [rotations.distance(each, each[:1].repeat(samples, 0)).max() for each in turned]
     )
-    unit = _CHORD * max(float(reach), _LEAST_TURN)
+    unit = _CHORD * max(float(reach), _MIN_TURN)
     return [
         np.hstack([own, rotations.to_matrix(each).reshape(-1, 9) / unit])
         for own, each in zip(scaled, turned, strict=True)

@@ -11,11 +11,11 @@ from typing import Any
 
 from leadthrough.arm import Arm
 from leadthrough.errors import InvalidInput
-from leadthrough.io import apart, formats, rosbag
+from leadthrough.io import formats, reader_process, rosbag
 from leadthrough.io.atomic import StrPath
 from leadthrough.io.columns import recording
 from leadthrough.io.reading import blaming, names_of
-from leadthrough.io.request import Request
+from leadthrough.io.table import Request
 from leadthrough.models import archive
 from leadthrough.preprocess.summary import RecordingSummary, summarize
 from leadthrough.repr import ShortRepr
@@ -104,11 +104,11 @@ def _recordings(path: Path, found: formats.Format, request: Request) -> FileInfo
 
 
 def _bag(path: Path, title: str, request: Request) -> FileInfo:
-    topics = apart.plain(rosbag.topics, path)
+    topics = reader_process.plain(rosbag.topics, path)
     summaries = []
     for topic in rosbag.motions(topics):
         asked = Request(**{**vars(request), "topic": topic})
-        for table in apart.tables(rosbag.tables, path, asked):
+        for table in reader_process.tables(rosbag.tables, path, asked):
             summaries.append(summarize(recording(table, asked, name=topic)))
     facts = {"topics": [f"{name} ({kind})" for name, kind in topics.items()]}
     return FileInfo(str(path), title, "recordings", facts, tuple(summaries))

@@ -21,7 +21,7 @@ from leadthrough.tasks.task import Job, Report
 
 # A process that ends by itself, or is ended by the machine for want of memory, is not to blame the
 # first time.
-MOST_ATTEMPTS = 3
+MAX_ATTEMPTS = 3
 _START = 120.0  # s, to start a process and load a task's code
 _CODE = "from leadthrough.tasks.process import serve; serve({number})"
 # One thread for linear algebra, for equal bits and honest processor times.
@@ -39,7 +39,7 @@ class Process:
     def do(self, job: Job, files: Mapping[str, str]) -> Report:
         """The report on a job, whatever becomes of the process."""
         attempts, began, ended = 0, time.perf_counter(), ""
-        while attempts < MOST_ATTEMPTS and not self._closed:
+        while attempts < MAX_ATTEMPTS and not self._closed:
             attempts += 1
             line = self._started()
             with suppress(EOFError, OSError):

@@ -13,7 +13,7 @@ import pyarrow as pa
 from pyarrow import parquet
 
 import leadthrough as lt
-from leadthrough.io import rosbag_writer
+from leadthrough.io import rosbag
 
 MIB = 2**20
 
@@ -252,7 +252,7 @@ def mcap_of_zeros(path):
 
 def mcap_that_says_so(path):
     """A chunk that claims ten gigabytes."""
-    rosbag_writer.write_joint_states(_motion(), path)
+    rosbag.write_joint_states(_motion(), path)
     content = bytearray(path.read_bytes())
     at, kind = 8, 0
     while kind != 6:  # records: a kind, a length, and of a chunk two times and its size
@@ -264,7 +264,7 @@ def mcap_that_says_so(path):
 
 def db3_without_end(path):
     """Messages that the data base makes up without end."""
-    rosbag_writer.write_joint_states(_motion(), path)
+    rosbag.write_joint_states(_motion(), path)
     with sqlite3.connect(path) as base:
         base.execute("ALTER TABLE messages RENAME TO old")
         base.execute(
@@ -276,7 +276,7 @@ def db3_without_end(path):
 
 def db3_of_vast_messages(path):
     """Messages of 900 megabytes that the data base makes up."""
-    rosbag_writer.write_joint_states(_motion(), path)
+    rosbag.write_joint_states(_motion(), path)
     with sqlite3.connect(path) as base:
         base.execute("ALTER TABLE messages RENAME TO old")
         base.execute(

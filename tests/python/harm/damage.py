@@ -22,8 +22,9 @@ from scipy.io import savemat
 
 import leadthrough as lt
 from leadthrough.errors import LeadthroughError
-from leadthrough.io import apart_worker, rosbag_writer
-from leadthrough.io.request import checked
+from leadthrough.io import rosbag
+from leadthrough.io.reader_process import answered, bound_memory, bound_time
+from leadthrough.io.table import as_request
 
 RECORDINGS = ("csv", "npz", "mat", "json", "yaml", "mcap", "db3", "bag", "hdf5", "parquet")
 OTHERS = ("urdf", "toml", "skill", "stl", "obj", "dae", "pcd", "ply", "npy", "xyz")
@@ -40,7 +41,7 @@ def write_all(folder, motion):
     for suffix in ("csv", "npz", "json", "yaml"):
         lt.write_motion(motion, folder / f"whole.{suffix}")
     for suffix in ("mcap", "db3"):
-        rosbag_writer.write_joint_states(motion, folder / f"whole.{suffix}")
+        rosbag.write_joint_states(motion, folder / f"whole.{suffix}")
     _write_bag(folder / "whole.bag", motion)
     savemat(folder / "whole.mat", {"t": motion.times, "pos": motion.positions[:, :3]})
     with h5py.File(folder / "whole.hdf5", "w") as file:
@@ -105,11 +106,11 @@ def read_here(path):
     """Reads a file as `read`, but what works apart in this process, where a crash shows."""
     suffix = path.suffix[1:]
     if suffix == "dae":
-        found, _ = apart_worker.answered(_question("mesh", "through_coal", path, None))
+        found, _ = answered(_question("mesh", "through_coal", path, None))
     elif suffix in APART:
-        request = vars(checked(**OPTIONS.get(suffix, {})))
+        request = vars(as_request(**OPTIONS.get(suffix, {})))
         asked = request if APART[suffix] == "rosbag" else None
-        found, _ = apart_worker.answered(_question(APART[suffix], "tables", path, asked))
+        found, _ = answered(_question(APART[suffix], "tables", path, asked))
     else:
         return read(path)
     if "error" in found:
@@ -192,11 +193,11 @@ def _one_format(folder, suffix, first, rounds):
     content = (folder / f"whole.{suffix}").read_bytes()
     path = folder / f"damaged.{suffix}"
     if suffix in (*APART, "dae"):
-        apart_worker.bound_memory()
+        bound_memory()
     for seed in range(first, rounds):
         path.write_bytes(damaged(content, np.random.default_rng(seed)))
         print(json.dumps(seed), flush=True)
-        apart_worker.bound_time()  # what would never end counts as a crash
+        bound_time()  # what would never end counts as a crash
         start = time.monotonic()
         try:
             read_here(path)

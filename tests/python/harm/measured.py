@@ -1,7 +1,7 @@
 """Reads files in a process of its own and tells what came, how long it took and how much memory.
 
-Time and memory are those of this process and that of `leadthrough.io.apart` together: processor
-time for all files, and the sum of what each took at most.
+Time and memory are those of this process and its reader process together: processor time for all
+files, and the sum of what each took at most.
 """
 
 import json
@@ -13,7 +13,7 @@ import json, resource, sys
 from pathlib import Path
 import leadthrough as lt
 from leadthrough.errors import LeadthroughError
-from leadthrough.io import apart, mesh
+from leadthrough.io import reader_process, mesh
 
 told = []
 for name in sys.argv[1:]:
@@ -27,7 +27,7 @@ for name in sys.argv[1:]:
     except LeadthroughError as error:
         answer = str(error)
     told.append(answer)
-apart.end()
+reader_process.end()
 used = [resource.getrusage(kind) for kind in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
 seconds = sum(each.ru_utime + each.ru_stime for each in used)
 print(json.dumps([told, seconds, sum(each.ru_maxrss for each in used) * 1024]))

@@ -88,7 +88,7 @@ import json, resource, signal, sys
 from pathlib import Path
 import numpy as np
 import leadthrough as lt
-from leadthrough.io import rosbag_writer
+from leadthrough.io import rosbag
 folder, suffixes = Path(sys.argv[1]), sys.argv[2:]
 times = np.linspace(0.0, 1.0, 2001)
 shape = 10 * times**3 - 15 * times**4 + 6 * times**5
@@ -106,7 +106,7 @@ for suffix in suffixes:
         if suffix == "skill":
             skill.save(folder / "motion.skill")
         elif suffix == "db3":
-            rosbag_writer.write_joint_states(motion, folder / "motion.db3")
+            rosbag.write_joint_states(motion, folder / "motion.db3")
         else:
             lt.write_motion(motion, folder / f"motion.{suffix}")
         told[suffix] = "written"
@@ -138,7 +138,7 @@ import itertools, sys
 from pathlib import Path
 import numpy as np
 import leadthrough as lt
-from leadthrough.io import rosbag_writer
+from leadthrough.io import rosbag
 folder = Path(sys.argv[1])
 times = np.linspace(0.0, 1.0, 301)
 for i in itertools.count(1):
@@ -146,8 +146,8 @@ for i in itertools.count(1):
     motion = lt.JointTrajectory(times, np.full((301, 2), float(i)), joint_names=names)
     lt.write_motion(motion, folder / "motion.csv")
     lt.write_motion(motion, folder / "motion.npz")
-    rosbag_writer.write_joint_states(motion, folder / "motion.mcap")
-    rosbag_writer.write_joint_states(motion, folder / "motion.db3")
+    rosbag.write_joint_states(motion, folder / "motion.mcap")
+    rosbag.write_joint_states(motion, folder / "motion.db3")
     print(i, flush=True)
 """
 

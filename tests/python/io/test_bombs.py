@@ -3,8 +3,8 @@
 import pytest
 from harm import bombs, measured
 
-MOST_MEMORY = 1.5 * 2**30  # bytes
-MOST_SECONDS = 20.0  # of processor time, for all of a format
+MAX_MEMORY = 1.5 * 2**30  # bytes
+MAX_SECONDS = 20.0  # of processor time, for all of a format
 ALL = [(suffix, makers) for suffix, makers in {**bombs.RECORDINGS, **bombs.MESHES}.items()]
 
 
@@ -16,5 +16,5 @@ def test_bombs_are_refused_within_the_bounds(tmp_path, suffix, makers):
     told, seconds, memory = measured.read(*paths)
     for path, answer in zip(paths, told, strict=True):
         assert path.name in answer
-    assert seconds < MOST_SECONDS
-    assert memory < MOST_MEMORY
+    assert seconds < MAX_SECONDS
+    assert memory < MAX_MEMORY

@@ -7,7 +7,7 @@ from scipy.sparse import csr_array
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
-from leadthrough.io import mat5
+from leadthrough.io.mat import variables
 
 TIMES = np.linspace(0.0, 1.0, 5)
 POINTS = np.vstack([TIMES, TIMES**2, TIMES**3])
@@ -92,7 +92,7 @@ def test_numbers_of_every_kind_keep_their_order_and_shape(tmp_path, compressed, 
     values = (np.arange(24).reshape(2, 3, 4) % 100).astype(kind)
     path = tmp_path / "numbers.mat"
     savemat(path, {"a": values, "b": {"deep": cells({"c": values[0]})}}, do_compression=compressed)
-    found = mat5.variables(path.read_bytes())
+    found = variables(path.read_bytes())
     assert np.array_equal(found["a"], values)
     assert np.array_equal(found["b"][0]["deep"][0][0]["c"], values[0])
 
@@ -100,7 +100,7 @@ def test_numbers_of_every_kind_keep_their_order_and_shape(tmp_path, compressed, 
 def test_what_is_no_number_is_left_out(tmp_path):
     path = tmp_path / "others.mat"
     savemat(path, {"text": "by hand", "complex": 1j, "sparse": csr_array(np.eye(3)), "empty": []})
-    found = mat5.variables(path.read_bytes())
+    found = variables(path.read_bytes())
     assert found["text"] is found["complex"] is found["sparse"] is None
     assert found["empty"].size == 0
 

@@ -6,7 +6,7 @@ from rosbags.typesys import Stores, get_typestore
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
-from leadthrough.io import rosbag_writer
+from leadthrough.io import rosbag
 
 TYPES = get_typestore(Stores.ROS2_HUMBLE)
 TYPES_OF_ROS_1 = get_typestore(Stores.ROS1_NOETIC)
@@ -177,14 +177,14 @@ def test_bags_of_ros_1_are_read(tmp_path):
 @pytest.mark.parametrize("name", ["motion", "motion.mcap", "motion.db3"])
 def test_what_is_written_is_read_back(tmp_path, ur_motion, poses, name):
     path = tmp_path / name
-    rosbag_writer.write_joint_states(ur_motion, path)
+    rosbag.write_joint_states(ur_motion, path)
     back = read(path)
     assert np.array_equal(back.times, np.round(ur_motion.times, 9))
     assert np.array_equal(back.positions, ur_motion.positions)
     assert np.array_equal(back.velocities, ur_motion.velocities)
     assert back.joint_names == ur_motion.joint_names
     assert back.events == ur_motion.events
-    rosbag_writer.write_poses(poses, tmp_path / f"poses_{name}", topic="/tool", frame="map")
+    rosbag.write_poses(poses, tmp_path / f"poses_{name}", topic="/tool", frame="map")
     back = read(tmp_path / f"poses_{name}", topic="/tool")
     assert np.array_equal(back.times, np.round(poses.times, 9))
     np.testing.assert_allclose(back.orientations, poses.orientations, atol=1e-15)
@@ -209,12 +209,12 @@ def test_a_bag_is_whole_or_not_there(tmp_path, ur_motion, poses):
     standing.mkdir()
     (standing / "precious").touch()
     with pytest.raises(InvalidInput, match="cannot be written"):
-        rosbag_writer.write_joint_states(ur_motion, standing)
+        rosbag.write_joint_states(ur_motion, standing)
     with pytest.raises(InvalidInput, match=r"got .bag, which is ROS 1"):
-        rosbag_writer.write_poses(poses, tmp_path / "old.bag")
+        rosbag.write_poses(poses, tmp_path / "old.bag")
     with pytest.raises(InvalidInput, match="expected joints or poses"):
         lt.write_motion(lt.Trajectory([0, 1], [[0, 0], [1, 1]]), tmp_path / "points.mcap")
     with pytest.raises(InvalidInput, match="no such folder"):
-        rosbag_writer.write_poses(poses, tmp_path / "missing" / "bag")
+        rosbag.write_poses(poses, tmp_path / "missing" / "bag")
     assert list(tmp_path.iterdir()) == [standing]
     assert [path.name for path in standing.iterdir()] == ["precious"]

@@ -11,7 +11,7 @@ from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
-from leadthrough.io import franka, urscript
+from leadthrough.io.robot_programs import write_franka, write_urscript
 
 NUMBER = r"-?\d+\.\d+"
 
@@ -124,7 +124,7 @@ def test_a_ur_program_has_a_step_for_each_cycle(tmp_path, ur_motion):
         joint_names=[f"left_{ur_motion.joint_names[i]}" for i in shuffled],
         events=ur_motion.events,
     )
-    urscript.write(other, tmp_path / "arm.script", rate=500, lookahead=0.05, gain=400)
+    write_urscript(other, tmp_path / "arm.script", rate=500, lookahead=0.05, gain=400)
     lines = (tmp_path / "arm.script").read_text().splitlines()
     assert (lines[0], lines[-2:]) == ("def leadthrough():", ["  stopj(1.0)", "end"])
     moves = [line for line in lines if "servoj" in line]
@@ -143,7 +143,7 @@ def test_a_ur_program_has_a_step_for_each_cycle(tmp_path, ur_motion):
 
 
 def test_a_franka_table_has_a_row_for_each_millisecond(tmp_path, panda_motion):
-    franka.write(panda_motion, tmp_path / "arm.csv")
+    write_franka(panda_motion, tmp_path / "arm.csv")
     back = read(tmp_path / "arm.csv")
     assert np.array_equal(back.times, np.arange(1001) / 1000)
     np.testing.assert_allclose(back.positions[::10], panda_motion.positions, atol=1e-12)
@@ -153,7 +153,7 @@ def test_a_franka_table_has_a_row_for_each_millisecond(tmp_path, panda_motion):
 
 
 def test_between_samples_a_controller_gets_the_smooth_motion(tmp_path, panda_motion):
-    franka.write(panda_motion, tmp_path / "arm.csv")
+    write_franka(panda_motion, tmp_path / "arm.csv")
     s = np.arange(1001) / 1000
     shape = minimum_jerk(s)
     way = panda_motion.positions[-1] - panda_motion.positions[0]
@@ -163,13 +163,13 @@ def test_between_samples_a_controller_gets_the_smooth_motion(tmp_path, panda_mot
 
 def test_samples_at_the_rate_already_stay_as_they_are(tmp_path, panda_motion, joints_of):
     kilohertz = joints_of(panda_motion.joint_names, count=1001)
-    franka.write(kilohertz, tmp_path / "arm.csv")
+    write_franka(kilohertz, tmp_path / "arm.csv")
     assert np.array_equal(read(tmp_path / "arm.csv").positions, kilohertz.positions)
 
 
 def test_a_motion_that_ends_between_cycles_is_held(tmp_path, panda_motion):
     times = panda_motion.times * 0.9997
-    franka.write(replace(panda_motion, times=times, events=()), tmp_path / "arm.csv")
+    write_franka(replace(panda_motion, times=times, events=()), tmp_path / "arm.csv")
     back = read(tmp_path / "arm.csv")
     assert back.times[-1] == 1.0
     assert np.array_equal(back.positions[-1], panda_motion.positions[-1])
@@ -194,7 +194,7 @@ def test_only_the_right_arm_gets_a_program(tmp_path, ur_motion, panda_motion):
 )
 def test_impossible_options_of_a_program_are_refused(tmp_path, ur_motion, options):
     with pytest.raises(InvalidInput, match=next(iter(options))):
-        urscript.write(ur_motion, tmp_path / "arm.script", **options)
+        write_urscript(ur_motion, tmp_path / "arm.script", **options)
 
 
 @pytest.mark.parametrize(

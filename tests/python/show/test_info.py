@@ -9,8 +9,8 @@ from typer.testing import CliRunner
 import leadthrough as lt
 from leadthrough import cli
 from leadthrough.errors import InvalidInput
-from leadthrough.io import rosbag_writer
-from leadthrough.io.request import Request
+from leadthrough.io import rosbag
+from leadthrough.io.table import Request
 from leadthrough.show.info import describe
 
 TIMES = np.arange(51) / 50.0
@@ -38,7 +38,7 @@ def test_every_format_of_a_motion_is_told(tmp_path):
 
 def test_a_bag_tells_all_its_topics(tmp_path):
     poses = lt.PoseTrajectory(TIMES, np.zeros((51, 3)), [(1, 0, 0, 0)] * 51, (lt.Event(0, "go"),))
-    rosbag_writer.write_poses(poses, tmp_path / "bag", topic="/tool")
+    rosbag.write_poses(poses, tmp_path / "bag", topic="/tool")
     found = describe(tmp_path / "bag")
     assert found.facts["topics"] == [
         "/events (std_msgs/msg/String)",

@@ -1,0 +1,163 @@
+"""Limits of memory and time for reading one file, and one error for all damage.
+
+Each reader makes a `ReadLimits` and asks it before it takes memory: the size of the inflated data
+counts, not that on the disk. With these limits reading one file takes at most 1.5 GiB of memory and
+20 s. Libraries that inflate without asking run in `leadthrough.io.reader_process`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from itertools import accumulate
+from pathlib import Path
+from typing import Any
+
+from leadthrough.errors import InvalidInput, LeadthroughError
+
+MAX_BYTES = 2**28  # of a file, once all of it is inflated
+MAX_NUMBERS = 2**25  # eleven hours of seven joints at 100 Hz; several copies are made of them
+MAX_ITEMS = 2**23  # lines, lists or fields: each becomes an object of some hundred bytes
+MAX_COLUMNS = 10_000
+MAX_LINE = 2**20  # characters in a line of a table
+MAX_DEPTH = 32  # levels of nesting; no recording nests so deep
+MAX_WIDTH = 256  # numbers per sample; more is a picture
+
+_CURE = "cut the recording into shorter files"
+_MAX_YAML_DEPTH = 16  # levels of nesting; PyYAML's compiled loader crashes on deep ones
+_MAX_YAML_BYTES = 2**25  # bytes
+# The loader takes up to 450 bytes and 15 microseconds for each mark that begins a value.
+_MAX_MARKS = 2**20
+_MARKS = ("[", "{", ",", ":", "\n", "- ", "? ")
+# YAML 1.1 reads 1:59:59 in base 60, which takes for ever where it goes on for a million parts.
+_LONG_BASE_60 = re.compile(r"\d(:\d{1,2}){8}")
+_DEEP_BLOCK = re.compile(r"^[ ?:-]{64}", re.MULTILINE)
+# A list that mentions itself a few times over can stand for billions of numbers.
+_ANCHOR_AND_ALIAS = [
+    re.compile(rf"(?:^|[\s\[{{,:-]){mark}\S", re.MULTILINE) for mark in ("&", r"\*")
+]
+
+
+class ReadLimits:
+    """Remaining allowance of one file; each method counts further claims or refuses them."""
+
+    def __init__(self) -> None:
+        self._taken = {"bytes": 0, "numbers": 0, "items": 0}
+
+    def bytes(self, count: int, what: str) -> None:
+        """Counts bytes that are read or inflated."""
+        self._take("bytes", count, MAX_BYTES, what)
+
+    def numbers(self, count: int, what: str) -> None:
+        """Counts numbers, of whatever size they are in the file: here each takes eight bytes."""
+        self._take("numbers", count, MAX_NUMBERS, what)
+
+    def items(self, count: int, what: str) -> None:
+        """Counts lines, lists, fields and other parts that become an object each."""
+        self._take("items", count, MAX_ITEMS, what)
+
+    def columns(self, count: int, what: str) -> None:
+        """Checks the number of columns."""
+        _refuse_more("columns", count, MAX_COLUMNS, what)
+
+    def depth(self, levels: int, what: str) -> None:
+        """Checks how deep a part is nested."""
+        _refuse_more("levels of nesting", levels, MAX_DEPTH, what)
+
+    def _take(self, unit: str, count: int, bound: int, what: str) -> None:
+        if count < 0:
+            raise InvalidInput(f"{what}: expected a number of {unit} >= 0, it claims {count:,}")
+        self._taken[unit] += count
+        _refuse_more(unit, self._taken[unit], bound, what)
+
+
+def read_bytes(path: Path, limits: ReadLimits) -> bytes:
+    """All bytes of a file."""
+    limits.bytes(path.stat().st_size, "the file")
+    with path.open("rb") as file:
+        found = file.read(MAX_BYTES + 1)  # a file may grow
+    _refuse_more("bytes", len(found), MAX_BYTES, "the file")
+    return found
+
+
+def read_text(path: Path, limits: ReadLimits, *, most: int = MAX_BYTES // 2) -> str:
+    """The text of a file, without a byte order mark."""
+    found = read_bytes(path, limits)
+    _refuse_more("bytes of text", len(found), most if found.isascii() else most // 4, "the file")
+    try:
+        return found.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
+    except UnicodeDecodeError:
+        raise not_text() from None
+
+
+def not_text() -> InvalidInput:
+    """The error for a file that should be text and is none."""
+    return InvalidInput("expected UTF-8 text, got other bytes")
+
+
+@contextmanager
+def refusing_damage(
+    what: str, *, damage: type[Exception] | tuple[type[Exception], ...] = Exception
+) -> Iterator[None]:
+    """Turns the errors that a damaged file leads to into InvalidInput."""
+    try:
+        yield
+    except LeadthroughError:
+        raise
+    except MemoryError:
+        raise InvalidInput(f"expected a {what} that fits into memory; {_CURE}") from None
+    except damage as error:
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
+        raise InvalidInput(f"not a readable {what} ({reason})") from None
+
+
+def _refuse_more(unit: str, count: int, bound: int, what: str) -> None:
+    if count > bound:
+        raise InvalidInput(
+            f"{what}: expected at most {bound:,} {unit} in one file, it claims {count:,}; {_CURE}"
+        )
+
+
+def load_yaml(path: Path) -> object:
+    """The plain values in a YAML file."""
+    import yaml
+
+    text = read_text(path, ReadLimits(), most=_MAX_YAML_BYTES)
+    _check_harmless(text)
+    try:
+        return yaml.load(text, Loader=_loader())
+    except yaml.YAMLError as error:
+        raise ValueError(str(error)) from None
+
+
+@cache
+def _loader() -> Any:  # Any: the type of a class that depends on how PyYAML was built
+    """PyYAML's safe loader, for mappings whose keys are text: others can be chosen to collide."""
+    import yaml
+
+    class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
+        def construct_mapping(self, node: Any, deep: bool = False) -> Any:
+            for key, _ in node.value:
+                if key.tag != "tag:yaml.org,2002:str":
+                    raise InvalidInput(f"expected keys of text, got {str(key.value)[:60]!r}")
+            return super().construct_mapping(node, deep=deep)
+
+    return Loader
+
+
+def _check_harmless(text: str) -> None:
+    if all(mark.search(text) for mark in _ANCHOR_AND_ALIAS):
+        raise InvalidInput("expected YAML without aliases; write the values out")
+    marks = sum(map(text.count, _MARKS))
+    if marks > _MAX_MARKS:
+        raise InvalidInput(
+            f"expected YAML of at most {_MAX_MARKS:,} values, got some {marks:,}; "
+            "write it as JSON or .npz"
+        )
+    if _LONG_BASE_60.search(text):
+        raise InvalidInput("expected plain numbers, got one in base 60")
+    steps = [1 if bracket[0] in "[{" else -1 for bracket in re.finditer(r"[\[\]{}]", text)]
+    if _DEEP_BLOCK.search(text) or max(accumulate(steps), default=0) > _MAX_YAML_DEPTH:
+        raise InvalidInput(f"expected YAML that nests at most {_MAX_YAML_DEPTH} deep")
