@@ -26,7 +26,7 @@ def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
     """Rows for fit, rollout, single steps and the planning of a subtask."""
     repeats = 3 if quick else 10
     shown = _pose_motion(1.0)
-    skill = lt.PoseDMP(weights=WEIGHTS).fit([lt.Demonstration(shown)])
+    skill = lt.DMP(weights=WEIGHTS).fit([lt.Demonstration(shown)])
     peer = _peer(shown)
     yield _fit(repeats)
     yield Benchmark(
@@ -80,7 +80,7 @@ def _fit(repeats: int) -> Benchmark:
 
 def _subtask(repeats: int) -> Benchmark:
     shown = _pose_motion(10.0)
-    skill = lt.PoseDMP(weights=WEIGHTS).fit([lt.Demonstration(shown)])
+    skill = lt.DMP(weights=WEIGHTS).fit([lt.Demonstration(shown)])
     peer = _peer(shown)
     goal = _rows(shown)[-1] + np.array([0.02, 0.0, 0.02, 0.0, 0.0, 0.0, 0.0])
     peer.configure(goal_y=goal)

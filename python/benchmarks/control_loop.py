@@ -78,7 +78,7 @@ def loops() -> Iterator[tuple[str, Step]]:
     """The loops by name: functions that make step number i."""
     arm = lt.Arm.load("panda")
     yield "`DMP.step`, 7 joints", _motion(lt.DMP().fit([_joints()]))
-    yield "`PoseDMP.step`, reading the pose", _motion(lt.PoseDMP().fit([_poses(arm)]), "pose")
+    yield "`DMP.step`, reading the pose", _motion(lt.DMP().fit([_poses(arm)]), "pose")
     yield "`DifferentialIk.step`, Panda", _differential(arm)
     yield "`JerkFilter.step`, 7 joints", _filtered(arm)
     yield "`FastMarchingSkill.policy`, 3-D", _policy()

@@ -51,7 +51,7 @@ def of_a_scene(loads: int, frames: int) -> tuple[list[float], list[float]]:
 def _write(page: Path) -> None:
     arm, shown = lt.Arm.load("panda"), demonstrations()
     joints = lt.scale_to_limits(
-        lt.differentiate(arm.follow(lt.PoseDMP().fit(shown).generate())), arm.limits
+        lt.differentiate(arm.follow(lt.DMP().fit(shown).generate())), arm.limits
     )
     view(arm, joints, demonstrations=shown, obstacles=[BOX], html=page)
 

@@ -270,7 +270,7 @@ def _rolled_out() -> Callable[..., Any]:
     times = np.linspace(0.0, 10.0, 1001)
     s = lt.trajectories.minimum_jerk_time_scaling(times / 10.0)[:, None]
     turned = lt.rotations.exp(s * [0.3, 0.2, 1.5])
-    skill = lt.PoseDMP().fit([lt.PoseTrajectory(times, s * [0.3, 0.2, 0.1], turned)])
+    skill = lt.DMP().fit([lt.PoseTrajectory(times, s * [0.3, 0.2, 0.1], turned)])
     moved = np.random.default_rng(3).uniform(-0.05, 0.05, (50, 3))
     end = skill.generate().positions[-1]
     return _generated(skill, [{"goal": end + each, "dt": 1e-3} for each in moved])

@@ -27,7 +27,7 @@ swung = lt.rotations.exp(np.outer(carried, [0.0, 0.0, 1.2]))
 orientations = lt.rotations.compose(swung, lt.rotations.exp(np.outer(tipped, [0.0, 1.0, 0.0])))
 shown = lt.PoseTrajectory(times, positions, orientations)
 
-skill = lt.PoseDMP().fit([lt.Demonstration(shown, name="pour")])
+skill = lt.DMP().fit([lt.Demonstration(shown, name="pour")])
 again = skill.generate(dt=0.01)
 off = np.degrees(lt.rotations.distance(again.orientations, shown.orientations))
 print(f"replayed within {off.max():.4f} degrees")

@@ -23,7 +23,7 @@ positions = np.column_stack([x, y, 0.2 + 0.005 * np.cos(w)]) + rng.normal(0.0, 5
 lean = 0.4 * np.column_stack([-np.sin(w), np.cos(w), 0.0 * w]) + rng.normal(0.0, 2e-3, (601, 3))
 shown = lt.PoseTrajectory(times, positions, lt.rotations.exp(lean))
 
-skill = lt.RhythmicPoseDMP(period=1.5).fit([lt.Demonstration(shown, name="stir")])
+skill = lt.RhythmicDMP(period=1.5).fit([lt.Demonstration(shown, name="stir")])
 skill.save(folder / "stir.npz")
 skill = lt.load_skill(folder / "stir.npz")
 

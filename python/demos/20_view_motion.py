@@ -30,7 +30,7 @@ for _ in range(6):
 
 box = lt.Box((0.10, 0.10, 0.38), (0.54, -0.02, 0.19))
 with_room = lt.Box(box.size + 0.16, box.position)  # room for the hand: only the tip is planned
-skill = lt.PoseDMP().fit(demonstrations)
+skill = lt.DMP().fit(demonstrations)
 if "--live" in sys.argv:
     view(arm, demonstrations=demonstrations, skill=skill, obstacles=[box])
     sys.exit()

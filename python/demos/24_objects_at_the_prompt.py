@@ -42,7 +42,7 @@ lift = motion[: len(motion) // 2]
 print(f"the first half: {lift.duration:.2f} s, up to z = {lift.positions[-1, 2]:.2f} m")
 
 try:
-    lt.PoseDMP().generate()
+    lt.DMP().generate()
 except lt.errors.NotFitted as error:
     print(error)
 

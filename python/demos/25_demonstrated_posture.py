@@ -28,7 +28,7 @@ for _ in range(3):
     joints = first + rng.normal(0.0, 0.01, 7) + np.outer(rise, way)
     joints += rng.normal(0.0, 5e-4, joints.shape)  # encoders
     shown.append(arm.poses(lt.JointTrajectory(times, joints, joint_names=arm.joint_names)))
-skill = lt.PoseDMP().fit(shown)
+skill = lt.DMP().fit(shown)
 skill.save(folder / "elbow_out.npz")  # with the joints
 skill = lt.load_skill(folder / "elbow_out.npz")
 

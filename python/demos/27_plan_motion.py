@@ -20,7 +20,7 @@ u = np.linspace(0.0, 1.0, 101)
 rise = lt.trajectories.minimum_jerk_time_scaling(u)
 line = np.column_stack([0.3 + 0.04 * np.sin(np.pi * u), 0.5 * rise - 0.25, np.full(101, 0.2)])
 shown = lt.PoseTrajectory(2.5 * u, line, np.tile([0.0, 1.0, 0.0, 0.0], (101, 1)))
-skill = lt.PoseDMP().fit([shown])
+skill = lt.DMP().fit([shown])
 
 post = lt.Box((0.06, 0.06, 0.3), (0.25, 0.0, 0.15))  # beside the way of the tool, on the wrist's
 straight = arm.follow(skill.generate(obstacles=[post]))

@@ -17,7 +17,7 @@ phase = np.linspace(0.0, 1.0, 51)[:, None]
 home = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])
 rows = home + phase**3 * (10 - 15 * phase + 6 * phase**2) * [0.6, 0.4, 0, 0.3, 0, 0.1, 0.2]
 shown = lt.JointTrajectory(3.0 * phase[:, 0], rows, joint_names=arm.joint_names)
-skill = lt.PoseDMP(weights=20).fit([arm.poses(shown)])
+skill = lt.DMP(weights=20).fit([arm.poses(shown)])
 
 goal = skill.generate().positions[-1]
 ball = lt.Sphere(0.04, (0.5, 0.1, 0.8))

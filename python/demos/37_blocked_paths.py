@@ -21,7 +21,7 @@ u = np.linspace(0.0, 1.0, 61)
 rise, bow = lt.trajectories.minimum_jerk_time_scaling(u), np.sin(np.pi * u)
 way = np.column_stack([0.45 + 0.05 * bow, 0.6 * rise - 0.3, 0.25 + 0.1 * bow])
 shown = lt.PoseTrajectory(2.0 * u, way, np.tile([0.0, 1.0, 0.0, 0.0], (61, 1)))
-skill = lt.PoseDMP().fit([shown])
+skill = lt.DMP().fit([shown])
 box = lt.Box((0.08, 0.06, 0.1), (0.42, 0.0, 0.44))
 
 ways = {

@@ -11,9 +11,6 @@ import motions
 
 from leadthrough import models, rotations
 
-# The class of a family's models where poses have one of their own.
-_OF_POSES = {"DMP": "PoseDMP", "RhythmicDMP": "RhythmicPoseDMP"}
-
 
 @dataclass(frozen=True)
 class Kind:
@@ -24,8 +21,7 @@ class Kind:
     settings: dict[str, Any] = field(default_factory=dict, hash=False)
 
     def build(self) -> Any:
-        name = _OF_POSES.get(self.family, self.family) if self.motion == "poses" else self.family
-        return getattr(models, name)(**self.settings)
+        return getattr(models, self.family)(**self.settings)
 
     @property
     def rhythmic(self) -> bool:

@@ -142,11 +142,11 @@ def test_an_object_of_which_a_part_was_meant_is_told_the_part(tmp_path):
         InvalidInput, match=r"expected numbers, got Demonstration.* give its motion"
     ):
         arm.check(lt.Demonstration(joints))
-    skill = lt.PoseDMP(weights=5).fit([arm.poses(joints)])
+    skill = lt.DMP(weights=5).fit([arm.poses(joints)])
     planned = lt.plan_motion(skill, arm)
     with pytest.raises(InvalidInput, match="got PlannedMotion; give its joints"):
         lt.write_motion(planned, tmp_path / "a.json")
     with pytest.raises(InvalidInput, match=r"arm.poses\(motion\) makes poses of joints"):
-        lt.PoseDMP().fit([joints])
+        lt.FastMarching().fit([joints])
     with pytest.raises(InvalidInput, match=r"path: no such file: none\.npz"):
         lt.load_skill("none.npz")

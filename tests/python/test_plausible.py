@@ -28,7 +28,7 @@ def reach(goal=GOAL, orientation=DOWN):
 
 @pytest.fixture(scope="module", params=["dmp", "promp", "gmr", "marching"])
 def skill(request):
-    models = {"dmp": lt.PoseDMP(), "promp": lt.ProMP(), "gmr": lt.GMR(components=3)}
+    models = {"dmp": lt.DMP(), "promp": lt.ProMP(), "gmr": lt.GMR(components=3)}
     return models.get(request.param, lt.FastMarching()).fit([reach(), reach(GOAL + 0.01)])
 
 
@@ -40,7 +40,7 @@ def test_a_place_in_millimetres_is_refused(skill, name):
 
 
 def test_an_obstacle_in_millimetres_is_warned_of():
-    skill = lt.PoseDMP().fit([reach()])
+    skill = lt.DMP().fit([reach()])
     with pytest.warns(Suspicious, match=r"obstacles\[1\]: lies at .* \(m, not mm\)") as told:
         skill.generate(obstacles=[table(), lt.Sphere(80.0, (0.0, 0.0, 400.0))])
     assert told[0].filename == __file__
@@ -81,7 +81,7 @@ def test_times_in_milliseconds_are_warned_of():
     shown = reach()
     in_ms = lt.PoseTrajectory(20.0 * np.arange(len(T)), shown.positions, shown.orientations)
     with pytest.warns(Suspicious, match=r"demonstrations\[0\]: one sample in 20 s"):
-        lt.PoseDMP().fit([in_ms])
+        lt.DMP().fit([in_ms])
 
 
 @pytest.mark.parametrize("beyond", [0.1, 0.5])
@@ -119,6 +119,6 @@ def test_another_arm_than_the_one_shown_is_warned_of(panda):
     longer = panda.with_tool((0.0, 0.0, 0.2))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        warn_of_another_arm(panda._chain, lt.PoseDMP().fit([shown]).generate())
+        warn_of_another_arm(panda._chain, lt.DMP().fit([shown]).generate())
     with pytest.warns(Suspicious, match="robot: .* tip is up to 0.2 m from where it was shown"):
         warn_of_another_arm(longer._chain, shown)

@@ -24,7 +24,7 @@ def results():
     poses = arm.poses(joints)
     shown = [lt.Demonstration(poses, "one"), lt.Demonstration(poses[:90], "two")]
     box = lt.Box((0.1, 0.1, 0.1), (0.5, 0.5, 0.5))
-    dmp, promp = lt.PoseDMP().fit(shown), lt.ProMP().fit(shown)
+    dmp, promp = lt.DMP().fit(shown), lt.ProMP().fit(shown)
     grid = lt.Grid((0.0, 0.0), 0.1, (20, 20))
     plan = planning.plan(np.ones((20, 20)), grid, (0.2, 0.2), (1.5, 1.5))
     position, orientation = arm.forward_kinematics(HOME)

@@ -17,12 +17,10 @@ from leadthrough.errors import LeadthroughError
 
 MODELS = (
     "dmp",
-    "pose-dmp",
     "promp",
     "gmr",
     "fast-marching",
     "rhythmic-dmp",
-    "rhythmic-pose-dmp",
     "seds",
     "lpv-ds",
     "clf-dm",
@@ -121,7 +119,7 @@ def parameters(ctx: typer.Context, incomplete: str) -> list[str]:
 
     from leadthrough.cli.learn import MODELS, model_class
 
-    name = ctx.params.get("model") or "pose-dmp"
+    name = ctx.params.get("model") or "dmp"
     known = fields(model_class(name)) if name in MODELS else ()
     return _beginning((f"{field.name}={field.default}" for field in known), incomplete)
 

@@ -23,18 +23,14 @@ if TYPE_CHECKING:
     from leadthrough.models.protocol import Model
     from leadthrough.motion import Demonstration
 
-# By the type of motion, where the model is not named.
-_USUAL = {"PoseTrajectory": "pose-dmp", "Trajectory": "dmp", "JointTrajectory": "dmp"}
 _NAMES = {"PoseTrajectory": "poses", "Trajectory": "points", "JointTrajectory": "joints"}
 # The classes of the models, by their names on the command line.
 MODELS = {
     "dmp": "DMP",
-    "pose-dmp": "PoseDMP",
     "promp": "ProMP",
     "gmr": "GMR",
     "fast-marching": "FastMarching",
     "rhythmic-dmp": "RhythmicDMP",
-    "rhythmic-pose-dmp": "RhythmicPoseDMP",
     "seds": "SEDS",
     "lpv-ds": "LPVDS",
     "clf-dm": "CLFDM",
@@ -43,12 +39,7 @@ MODELS = {
     "modified-ds": "ModifiedDS",
 }
 # The types of motion of models that do not learn all, and what to use for others.
-_POINTS, _POSES = ("Trajectory", "JointTrajectory"), ("PoseTrajectory",)
 _ONLY = {
-    "dmp": (_POINTS, "pose-dmp"),
-    "rhythmic-dmp": (_POINTS, "rhythmic-pose-dmp"),
-    "pose-dmp": (_POSES, "dmp"),
-    "rhythmic-pose-dmp": (_POSES, "rhythmic-dmp"),
     "fast-marching": (("Trajectory", "PoseTrajectory"), "promp, or --robot to learn poses"),
 }
 
@@ -68,9 +59,8 @@ def learn(
     model: Annotated[
         str | None,
         typer.Option(
-            help="Model to fit: dmp, pose-dmp, promp, gmr, fast-marching, rhythmic-dmp, "
-            "rhythmic-pose-dmp, or a dynamical system: seds, lpv-ds, clf-dm, fsm-dm, umic or "
-            "modified-ds; by default pose-dmp for poses, otherwise dmp.",
+            help="Model to fit: dmp (the default), promp, gmr, fast-marching, rhythmic-dmp, "
+            "or a dynamical system: seds, lpv-ds, clf-dm, fsm-dm, umic or modified-ds.",
             autocompletion=completion.one_of(*completion.MODELS),
         ),
     ] = None,
@@ -168,7 +158,7 @@ def learn(
     )
     if arm is not None:
         demonstrations = [_of_the_arm(arm, shown, as_joints=as_joints) for shown in demonstrations]
-    kind = model or _USUAL[type(demonstrations[0].motion).__name__]
+    kind = model or "dmp"
     chosen = model_of(kind, parse.parameters(parameter or []))
     _refuse_other_kinds(kind, demonstrations)
     words = options.of_model(chosen) | _as_names(demonstrations)

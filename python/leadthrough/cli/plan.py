@@ -274,9 +274,9 @@ def _certified(learned: Skill, asked: dict[str, Any], arm: Arm | None) -> str:
 
 def _lengthened(learned: Skill, asked: dict[str, Any]) -> str | None:
     """Why a primitive takes longer than demonstrated, if it does."""
-    from leadthrough.models.dmp.primitive import Primitive
+    from leadthrough.models.dmp.skill import DMPSkill
 
-    if not isinstance(learned, Primitive) or "duration" in asked:
+    if not isinstance(learned, DMPSkill) or "duration" in asked:
         return None
     ends = {name: asked[name] for name in ("start", "goal") if name in asked}
     needed = learned.default_duration(**ends)

@@ -1,8 +1,6 @@
-from .dmp.discrete import DMP, DMPSkill
-from .dmp.pose import PoseDMP
-from .dmp.pose_skill import PoseDMPSkill
+from .dmp.discrete import DMP
 from .dmp.rhythmic import RhythmicDMP, RhythmicDMPSkill
-from .dmp.rhythmic_pose import RhythmicPoseDMP, RhythmicPoseDMPSkill
+from .dmp.skill import DMPSkill
 from .dynamical.clf_dm import CLFDM
 from .dynamical.fsm_dm import FSMDM
 from .dynamical.lpv_ds import LPVDS
@@ -57,15 +55,11 @@ __all__ = [
     "OutOfStep",
     "OutsideTargets",
     "Parameter",
-    "PoseDMP",
-    "PoseDMPSkill",
     "ProMP",
     "ProMPSkill",
     "Region",
     "RhythmicDMP",
     "RhythmicDMPSkill",
-    "RhythmicPoseDMP",
-    "RhythmicPoseDMPSkill",
     "Skill",
     "SkillLibrary",
     "StabilityReport",

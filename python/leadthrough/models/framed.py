@@ -45,7 +45,7 @@ class Framed(Unfitted):
     """A model that learns in the frame of the task.
 
     Attributes:
-        model: any model, such as `PoseDMP()`.
+        model: any model, such as `DMP()`.
     """
 
     model: Model
@@ -319,7 +319,7 @@ class FramedSkill(Archived, Generic[MotionT_co]):
         if not isinstance(self.skill, Stepped) or "via" not in self.skill.supports:
             raise UnsupportedQuery(
                 f"step: a skill of kind {self.skill.kind!r} does not go on step by step from start "
-                "to goal; in Python, fit Framed(DMP()) or Framed(PoseDMP())"
+                "to goal; in Python, fit Framed(DMP())"
             )
         return self.skill
 

@@ -155,7 +155,7 @@ class SkillLibrary(ShortRepr):
 
         Raises:
             InvalidInput: if there is no skill for the subtask, or the target is of another shape.
-            UnsupportedQuery: for other skills than of `DMP` and `PoseDMP`, and for orientations too
+            UnsupportedQuery: for other skills than of `DMP`, and for orientations too
                 far apart for a mean.
         """
         known, point = self._asked(task, subtask, target)
@@ -169,14 +169,14 @@ class SkillLibrary(ShortRepr):
             return nearest
         if not isinstance(nearest, Relearned):
             raise UnsupportedQuery(
-                f"subtask: expected skills of DMP or PoseDMP, got one of kind {nearest.kind!r}; "
+                f"subtask: expected skills of DMP, got one of kind {nearest.kind!r}; "
                 "ask for the nearest"
             )
-        if len({type(skill) for skill in used}) > 1:
-            raise UnsupportedQuery(
-                f"subtask: expected skills of one kind, got {sorted({each.kind for each in used})}"
-            )
         motions = [skill.replay(_SAMPLES) for skill in used if isinstance(skill, Relearned)]
+        kinds = sorted({type(motion).__name__ for motion in motions})
+        if len(motions) < len(used) or len(kinds) > 1:
+            got = kinds if len(kinds) > 1 else sorted({each.kind for each in used})
+            raise UnsupportedQuery(f"subtask: expected skills of one kind, got {got}")
         return nearest.relearned(_mean(motions, weights[weights > 0.0]))
 
     def save(self, path: StrPath) -> None:

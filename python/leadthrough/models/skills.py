@@ -18,10 +18,10 @@ _KINDS = {
     "fast_marching": "marching.model",
     "framed": "framed",
     "gmr": "mixtures.gmr",
-    "pose_dmp": "dmp.pose",
+    "pose_dmp": "dmp.discrete",
     "promp": "promp.model",
     "rhythmic_dmp": "dmp.rhythmic",
-    "rhythmic_pose_dmp": "dmp.rhythmic_pose",
+    "rhythmic_pose_dmp": "dmp.rhythmic",
     "task_gmr": "mixtures.task_gmr",
 }
 

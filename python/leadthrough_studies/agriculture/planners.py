@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from leadthrough.models import PoseDMP
+from leadthrough.models import DMP
 
 PLANNERS = {
-    "euler": PoseDMP(orientation="euler"),
-    "log": PoseDMP(orientation="log"),
-    "lifted": PoseDMP(orientation="lifted"),
-    "lauretti": PoseDMP.lauretti(),
-    "anchored": PoseDMP(),
+    "euler": DMP(orientation="euler"),
+    "log": DMP(orientation="log"),
+    "lifted": DMP(orientation="lifted"),
+    "lauretti": DMP.lauretti(),
+    "anchored": DMP(),
 }
 
 
-def planner_of(name: str, *, weights: int | None = 50) -> PoseDMP:
+def planner_of(name: str, *, weights: int | None = 50) -> DMP:
     """The planner of a name in PLANNERS, with a number of kernels per channel."""
     return replace(PLANNERS[name], weights=weights)

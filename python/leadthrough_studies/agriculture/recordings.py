@@ -12,8 +12,8 @@ from pathlib import Path
 
 from leadthrough.errors import FitError, InvalidInput
 from leadthrough.io import read_demonstrations
-from leadthrough.models import PoseDMP
-from leadthrough.motion import Demonstration, PoseTrajectory
+from leadthrough.models import DMP
+from leadthrough.motion import Motion, PoseTrajectory
 from leadthrough.preprocess import segment
 from leadthrough_studies.agriculture.measures import judged
 from leadthrough_studies.agriculture.planners import planner_of
@@ -52,16 +52,15 @@ def replay(*, file: str, planner: str, weights: str = "by duration") -> list[Row
     labels |= {"weights": weights}
     model = planner_of(planner, weights=WEIGHTS[weights])
     return [
-        {**labels, "motion": number} | _replayed(motion, model)
+        {**labels, "motion": number} | _replayed(motion.motion, model)
         for number, motion in enumerate(segment(recording), start=1)
     ]
 
 
-def _replayed(motion: Demonstration, model: PoseDMP) -> Row:
-    recorded = motion.motion
+def _replayed(recorded: Motion, model: DMP) -> Row:
     assert isinstance(recorded, PoseTrajectory)
     try:
-        skill = model.fit([motion])
+        skill = model.fit([recorded])
         made = skill.generate(dt=1.0 / _RATE)
     except (FitError, InvalidInput) as error:
         return {"succeeded": 0, "refused": str(error)}

@@ -18,7 +18,7 @@ from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
 from leadthrough.events import Event
-from leadthrough.models import DMP, PoseDMP, PoseDMPSkill, SkillLibrary
+from leadthrough.models import DMP, DMPSkill, SkillLibrary
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory
 from leadthrough.preprocess import join
 from leadthrough_studies.agriculture.tasks import TASKS, Subtask, postures, targets
@@ -52,7 +52,7 @@ class Learned:
     """
 
     task: str
-    model: PoseDMP
+    model: DMP
     targets: Mapping[int, Float64Array]
     shown: Mapping[tuple[str, int], Shown]
     library: SkillLibrary
@@ -60,7 +60,7 @@ class Learned:
 
     def skill(
         self, subtask: Subtask, target: Float64Array, *, lookup: str = "nearest"
-    ) -> PoseDMPSkill:
+    ) -> DMPSkill[PoseTrajectory]:
         """The skill of the tool for a target.
 
         Args:
@@ -72,8 +72,9 @@ class Learned:
             InvalidInput: if the library has no skill of the subtask.
             FitError: if no skill can be interpolated between the neighbours.
         """
-        found = getattr(self.library, lookup)(self.task, subtask.number, target)
-        assert isinstance(found, PoseDMPSkill)
+        found: DMPSkill[PoseTrajectory] = getattr(self.library, lookup)(
+            self.task, subtask.number, target
+        )
         return found
 
     def posture(self, subtask: Subtask, target: Float64Array, *, lookup: str = "nearest") -> Any:
@@ -121,7 +122,7 @@ def show(
     return Shown(joints, PoseTrajectory(joints.times, *tool, joints.events))
 
 
-def learn(arm: Arm, task: str, model: PoseDMP, repetitions: Sequence[int], *, seed: int) -> Learned:
+def learn(arm: Arm, task: str, model: DMP, repetitions: Sequence[int], *, seed: int) -> Learned:
     """The skills of all subtasks of a task, for targets given by number."""
     at = {i: targets(task)[i] for i in repetitions}
     library, refused, shown = SkillLibrary(), {}, {}

@@ -24,7 +24,6 @@ from leadthrough.models import (
     UMIC,
     FastMarching,
     ModifiedDS,
-    PoseDMP,
     ProMP,
 )
 from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
@@ -189,7 +188,7 @@ COURSES: dict[str, tuple[Model, ...]] = {
 # For poses. UMIC is left out: its constraint at samples says little in six dimensions.
 POSES: dict[str, tuple[Model, ...]] = {
     "FastMarching": (FastMarching(),),
-    "PoseDMP": (PoseDMP(),),
+    "DMP": (DMP(),),
     "ProMP": (ProMP(),),
     "GMR": (GMR(),),
     **{name: models for name, models in SYSTEMS.items() if name not in {"UMIC", "FSM-DM"}},

@@ -5,7 +5,7 @@ The task and its simulated person are those of the agriculture study.
 
 from __future__ import annotations
 
-from leadthrough.models import PoseDMP
+from leadthrough.models import DMP
 from leadthrough.motion import Demonstration
 from leadthrough.shapes import Box
 from leadthrough.timing import check_limits, retime
@@ -26,7 +26,7 @@ def run(seed: int = 0) -> Performed:
         seed: of the simulated person.
     """
     arm = load_arm()
-    learned = learn(arm, _TASK, PoseDMP(), _CELL, seed=seed)
+    learned = learn(arm, _TASK, DMP(), _CELL, seed=seed)
     fruit = amid(_TASK, CORNERS[0])
     whole = chain(learned, fruit, lookup="interpolated")
     around = [floor(), _CRATE]
@@ -35,7 +35,7 @@ def run(seed: int = 0) -> Performed:
     return Performed(
         name="Harvesting",
         told="A TIAGo reaches for a fruit, twists it off, puts it into a crate and goes home.",
-        model="PoseDMP",
+        model="DMP",
         learned_from=f"{len(learned.shown)} demonstrations by a simulated person: "
         f"{len(TASKS[_TASK])} steps for {len(_CELL)} fruits",
         asked="a fruit between those that were shown",

@@ -10,7 +10,7 @@ import numpy as np
 
 from leadthrough import rotations
 from leadthrough.check import Float64Array
-from leadthrough.models import GMR, FastMarching, PoseDMP, ProMP, TaskGMR
+from leadthrough.models import DMP, GMR, FastMarching, ProMP, TaskGMR
 from leadthrough.motion import Demonstration, PoseTrajectory
 from leadthrough.preprocess.resample import arc_length
 
@@ -89,12 +89,12 @@ def peer_primitive(demonstrations: Shown, start: Pose, goal: Pose) -> PoseTrajec
 
 
 METHODS: dict[str, Method] = {
-    "PoseDMP": generated_by(PoseDMP()),
+    "DMP": generated_by(DMP()),
     "ProMP": generated_by(ProMP()),
     "GMR": generated_by(GMR()),
     "TaskGMR": generated_by(TaskGMR()),
     "FastMarching": generated_by(FastMarching()),
-    "Lauretti et al.": generated_by(PoseDMP.lauretti()),
+    "Lauretti et al.": generated_by(DMP.lauretti()),
     "nearest demonstration, shifted": nearest_shifted,
 }
 if find_spec("movement_primitives"):

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from leadthrough_studies.study import Report, Row, mean, selected
 
 ERRORS = ("mean_mm", "DTW_mm", "mean_deg", "largest_deg", "end_mm")
-_DRAWN = ("PoseDMP", "FastMarching", "nearest demonstration, shifted")
+_DRAWN = ("DMP", "FastMarching", "nearest demonstration, shifted")
 
 
 def report(config: Any, rows: list[Row]) -> Report:

@@ -118,7 +118,7 @@ def test_where_the_shown_posture_ends_early_another_one_is_taken():
 
 
 def test_a_goal_that_moves_changes_the_joints_continuously():
-    skill = lt.PoseDMP().fit([ARM.poses(lt.JointTrajectory(TIMES, Q, joint_names=ARM.joint_names))])
+    skill = lt.DMP().fit([ARM.poses(lt.JointTrajectory(TIMES, Q, joint_names=ARM.joint_names))])
     plain = skill.generate(dt=0.05)
     before = None
     for step in np.linspace(-0.06, 0.06, 25):

@@ -156,7 +156,7 @@ def test_primitives_end_at_their_goals(poses):
         lt.DMP(weights=10).fit(shown[:1]).generate(obstacles=[lt.Sphere(0.05, (0.5, 0.9, 0.0))])
     )
     np.testing.assert_allclose(steered.positions[-1], shown[0].positions[-1], atol=1e-6)
-    skill = lt.PoseDMP(weights=10).fit([poses])
+    skill = lt.DMP(weights=10).fit([poses])
     turn = rotations.exp([[0.0, 0.0, 0.2]])
     goal = poses.positions[-1] + 0.05, rotations.compose(turn, poses.orientations[-1:])[0]
     made = skill.generate(goal=goal)

@@ -47,7 +47,7 @@ def test_urdf_and_joint_recordings_become_a_checked_motion(shown):
     robot = ("--robot", UR5, "--tip", "tool0", "--limits", "ur5.toml")
     csvs = [f"shown{number}.csv" for number in range(3)]
     learned = facts("learn", *csvs, *robot, "-o", "reach.npz")
-    assert learned["model"] == "pose-dmp"
+    assert learned["model"] == "dmp"
     assert learned["demonstrations"] == ["shown0", "shown1", "shown2"]
 
     plain = lt.load_skill("reach.npz").generate()
@@ -223,7 +223,7 @@ def test_both_a_goal_and_an_offset_are_refused(shown):
     assert "--move-goal, got both" in run(*words, code=2).stderr
 
 
-@pytest.mark.parametrize(("model", "within"), [("pose-dmp", 1e-4), ("fast-marching", 1e-3)])
+@pytest.mark.parametrize(("model", "within"), [("dmp", 1e-4), ("fast-marching", 1e-3)])
 def test_a_real_recording_is_replayed_to_a_moved_goal(
     recordings, tmp_path, monkeypatch, model, within
 ):

@@ -63,7 +63,7 @@ def offered(line):
     [
         ("leadthrough le", ["learn"]),
         ("leadthrough learn shown --mod", ["--model"]),
-        ("leadthrough learn shown --model p", ["pose-dmp", "promp"]),
+        ("leadthrough learn shown --model p", ["promp"]),
         ("leadthrough learn shown --angles ", ["radians", "degrees", "percent"]),
         ("leadthrough learn shown --model promp --set w", ["weights=20", "width=1.0"]),
         ("leadthrough learn sh", [f"shown/reach{i}.csv" for i in (1, 2, 3)]),
@@ -96,7 +96,7 @@ def test_other_shells_are_answered_in_their_own_form(inside, shell):
         _TYPER_COMPLETE_ARGS=words,
         _TYPER_COMPLETE_FISH_ACTION="get-args",
     )
-    assert {"pose-dmp", "promp"} <= set(" ".join(said).replace('"', " ").split())
+    assert {"promp"} <= set(" ".join(said).replace('"', " ").split())
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])

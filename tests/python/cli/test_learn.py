@@ -1,8 +1,9 @@
 """`leadthrough learn`: its errors and warnings name the recordings."""
 
 import numpy as np
-import pytest
 from cli.command_line import run
+
+import leadthrough as lt
 
 
 def written(folder, name, rows, header="t,x,y,z"):
@@ -18,12 +19,15 @@ def reach(at=0.5):
     return np.column_stack([t, u, np.sin(6.0 * u), 0.1 * u])
 
 
-@pytest.mark.parametrize("model", ["pose-dmp", "rhythmic-pose-dmp"])
-def test_points_for_a_model_of_poses_are_named_with_what_learns_them(tmp_path, model):
-    shown = written(tmp_path, "bump", reach())
-    said = run("learn", shown, "--model", model, "-o", tmp_path / "s.npz", code=2).stderr
-    other = model.replace("pose-", "")
-    assert f"--model: {model} learns poses, and bump has points; use {other}" in said
+def test_joints_for_a_model_of_points_and_poses_are_named_with_what_learns_them(tmp_path):
+    shown = tmp_path / "bump.json"
+    t, *columns = reach().T
+    lt.write_motion(
+        lt.JointTrajectory(t, np.column_stack(columns), joint_names=tuple("abc")), shown
+    )
+    words = ("learn", shown, "--model", "fast-marching", "-o", tmp_path / "s.npz")
+    said = run(*words, code=2).stderr
+    assert "--model: fast-marching learns points or poses, and bump has joints; use promp" in said
 
 
 def test_a_recording_that_cannot_be_learned_is_named(tmp_path):

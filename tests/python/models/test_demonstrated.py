@@ -83,8 +83,6 @@ def test_different_joints_are_refused(family):
 
 
 def test_a_type_that_the_model_does_not_learn_is_refused_by_name():
-    with pytest.raises(InvalidInput, match="a Demonstration of a PoseTrajectory, got Trajectory"):
-        kind("DMP", "poses").build().fit([POINTS])
     with pytest.raises(InvalidInput, match="Trajectory or PoseTrajectory, got JointTrajectory"):
         lt.FastMarching().fit([JOINTS])
 

@@ -23,9 +23,13 @@ STILL = np.repeat(TURNS[:1], len(T), axis=0)
 
 # Models none of whose settings is the default one, what they learn from, and what may be dragged.
 LEARNERS = {
-    "DMP": (kind("DMP", weights=30, form="hoffmann", regression="ridge"), ARCHES, {"weights"}),
+    "DMP": (
+        kind("DMP", weights=30, form="hoffmann", regression="ridge", orientation="log"),
+        ARCHES,
+        {"weights"},
+    ),
     "DMP of poses": (
-        kind("DMP", "poses", weights=30, orientation="log", regression="ridge"),
+        kind("DMP", "poses", weights=30, form="hoffmann", regression="ridge", orientation="log"),
         POSES,
         {"weights"},
     ),

@@ -101,7 +101,7 @@ def test_the_command_writes_a_map_and_a_picture(poses, tmp_path):
     assert found["places"] == 9 and found["reached"] > 5
     assert out.with_suffix(".png").read_bytes().startswith(b"\x89PNG")
     skill = tmp_path / "skill.npz"
-    lt.PoseDMP(weights=10).fit([poses]).save(skill)
+    lt.DMP(weights=10).fit([poses]).save(skill)
     words = ("--skill", skill, "--area", "0,0,0:0,0,0", "--yaws", 1, "-o", tmp_path / "stand.npz")
     assert facts("reach", "--robot", "panda", *words)["best_base"] == [0.0, 0.0, 0.0]
     far = ("--skill", skill, "--area", "3,0,0:3,0,0", "-o", tmp_path / "stand.npz")

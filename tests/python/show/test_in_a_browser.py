@@ -66,7 +66,7 @@ def opened(browser):
 
 @pytest.fixture(scope="module")
 def moving(panda, shown):
-    motion = lt.PoseDMP().fit(shown).generate(dt=0.05)
+    motion = lt.DMP().fit(shown).generate(dt=0.05)
     return scene.arm_scene(
         panda,
         panda.follow(motion),
@@ -276,7 +276,7 @@ def test_layer_is_hidden_by_its_box(html):
 
 @pytest.fixture(scope="module")
 def live(panda, shown):
-    view = open_view(panda, demonstrations=shown, skill=lt.PoseDMP().fit(shown), obstacles=[BOX])
+    view = open_view(panda, demonstrations=shown, skill=lt.DMP().fit(shown), obstacles=[BOX])
     yield view
     view.close()
 

@@ -29,7 +29,7 @@ def recording(panda, tmp_path):
 
 
 def test_command_writes_a_page(recording, shown, tmp_path):
-    lt.PoseDMP().fit(shown).save(tmp_path / "skill.npz")
+    lt.DMP().fit(shown).save(tmp_path / "skill.npz")
     out = tmp_path / "out.html"
     result = runner.invoke(
         cli.app,
@@ -81,7 +81,7 @@ def test_scene_of_a_notebook_has_a_height(panda):
 
 
 def test_skill_without_a_motion_shows_its_own(panda, shown, tmp_path):
-    view(panda, skill=lt.PoseDMP().fit(shown), html=tmp_path / "a.html")
+    view(panda, skill=lt.DMP().fit(shown), html=tmp_path / "a.html")
 
 
 def test_motion_of_the_tip_is_followed(panda, shown, tmp_path):
@@ -90,7 +90,7 @@ def test_motion_of_the_tip_is_followed(panda, shown, tmp_path):
 
 def test_skill_that_the_arm_cannot_follow_is_refused(panda, shown, tmp_path):
     with pytest.raises(InvalidInput, match="no motion that the arm can follow"):
-        view(panda, skill=lt.PoseDMP().fit(shown), goal=(3, 0, 0), html=tmp_path / "a.html")
+        view(panda, skill=lt.DMP().fit(shown), goal=(3, 0, 0), html=tmp_path / "a.html")
     assert not list(tmp_path.iterdir())
 
 
@@ -106,7 +106,7 @@ def test_live_view_is_served_until_it_is_closed(panda, capfd):
 
 
 def test_live_view_opens_with_a_goal_out_of_reach_tells_it_and_goes_on(panda, shown):
-    skill = lt.PoseDMP().fit(shown)
+    skill = lt.DMP().fit(shown)
     opened = open_view(panda, skill=skill, goal=(1.4, 0.3, 0.3))
     try:
         assert until(lambda: opened.answer is not None)

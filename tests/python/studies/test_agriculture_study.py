@@ -8,7 +8,7 @@ import pytest
 from motions import minimum_jerk
 
 from leadthrough import rotations
-from leadthrough.models import PoseDMP, SkillLibrary
+from leadthrough.models import DMP, SkillLibrary
 from leadthrough.motion import PoseTrajectory
 from leadthrough_studies.agriculture.measures import judged
 from leadthrough_studies.agriculture.planners import PLANNERS
@@ -220,7 +220,7 @@ def test_subtasks_begin_where_the_last_one_ended(task):
 
 
 def test_a_task_for_a_target_between_others_grasps_at_it(tmp_path):
-    learned = learn(ARM, "harvesting", PoseDMP(), (0, 1), seed=0)
+    learned = learn(ARM, "harvesting", DMP(), (0, 1), seed=0)
     grid = targets("harvesting")
     between = 0.6 * grid[0] + 0.4 * grid[1]
     motion = chain(learned, between).poses
@@ -240,7 +240,7 @@ def test_a_task_for_a_target_between_others_grasps_at_it(tmp_path):
 
 @pytest.fixture(scope="module")
 def digging():
-    return learn(ARM, "digging", PoseDMP(), (0, 1, 3, 4), seed=0)
+    return learn(ARM, "digging", DMP(), (0, 1, 3, 4), seed=0)
 
 
 def test_digging_succeeds_in_the_demonstrated_posture_and_by_looking_ahead(digging):

@@ -15,7 +15,7 @@ HANDWRITING = {
 }
 # DTW distance per sample, mm, and mean error of the orientation, degrees.
 TASKS = [
-    ("bottle2shelf", "PoseDMP", 12.0, 4.3),
+    ("bottle2shelf", "DMP", 12.0, 4.3),
     ("pouring", "FastMarching", 15.6, 5.5),
     ("bottle2shelf", "GMR", 12.0, 4.4),
     ("pouring", "GMR", 16.3, 5.8),

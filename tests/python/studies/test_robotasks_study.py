@@ -52,7 +52,7 @@ def test_a_left_out_shift_is_predicted_by_every_method(folder):
         springs = row["method"].startswith(("Lauretti", "movement_primitives"))
         near = 2.0 if springs else 1e-6  # these only come near
         assert row["end_mm"] < near, row["method"]
-        if row["method"] in ("PoseDMP", "FastMarching", "ProMP"):
+        if row["method"] in ("DMP", "FastMarching", "ProMP"):
             assert row["DTW_mm"] < 2.0, row["method"]
             assert row["mean_deg"] < 0.5, row["method"]
     assert outcome.report.summary["places_by_DTW"]["bow"]

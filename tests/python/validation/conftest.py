@@ -20,4 +20,4 @@ def reach(panda):
     eased = minimum_jerk(phase)
     rows = HOME + eased * [0.6, 0.4, 0.0, 0.3, 0.0, 0.1, 0.2]
     shown = lt.JointTrajectory(3.0 * phase[:, 0], rows, joint_names=panda.joint_names)
-    return lt.PoseDMP(weights=20).fit([panda.poses(shown)])
+    return lt.DMP(weights=20).fit([panda.poses(shown)])

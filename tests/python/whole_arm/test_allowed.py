@@ -64,7 +64,7 @@ def test_where_that_is_not_enough_another_path_is_made(panda, skill, post):
 
 def test_a_skill_without_a_covariance_is_refused(panda, skill):
     shown = lt.Demonstration(skill.generate(dt=0.05))
-    for other in (lt.PoseDMP().fit([shown]), lt.ProMP().fit([panda.follow(shown.motion)])):
+    for other in (lt.DMP().fit([shown]), lt.ProMP().fit([panda.follow(shown.motion)])):
         with pytest.raises(InvalidInput, match="standard_deviations: this skill has no covariance"):
             lt.plan_motion(other, panda, standard_deviations=2.0)
     with pytest.raises(InvalidInput, match="standard_deviations"):

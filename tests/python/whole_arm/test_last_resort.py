@@ -30,7 +30,7 @@ def box():
 @pytest.fixture(scope="module")
 def planned(panda, shown, box):
     pytest.importorskip("ompl")
-    skill = lt.PoseDMP().fit([shown])
+    skill = lt.DMP().fit([shown])
     return lt.plan_motion(
         skill, panda, obstacles=[box], dt=0.02, rounds=1, last_resort="joint_space"
     )
@@ -50,7 +50,7 @@ def test_the_dead_part_is_connected_and_certified(panda, shown, box, planned):
 
 
 def test_the_rest_of_the_path_stays_as_learned(panda, shown, box, planned):
-    alone = lt.PoseDMP().fit([shown]).generate(obstacles=[box], dt=0.02)
+    alone = lt.DMP().fit([shown]).generate(obstacles=[box], dt=0.02)
     times = planned.joints.times
     before = np.flatnonzero(times <= planned.connected[0])
     after = np.flatnonzero(times >= planned.connected[1])
@@ -65,7 +65,7 @@ def test_events_are_kept(planned):
 
 
 def test_the_answer_has_the_same_bits_each_time(panda, shown, box, planned):
-    skill = lt.PoseDMP().fit([shown])
+    skill = lt.DMP().fit([shown])
     again = lt.plan_motion(
         skill, panda, obstacles=[box], dt=0.02, rounds=1, last_resort="joint_space"
     )
@@ -73,7 +73,7 @@ def test_the_answer_has_the_same_bits_each_time(panda, shown, box, planned):
 
 
 def test_it_is_not_needed_where_the_tip_can_give_way(panda, shown, box):
-    skill = lt.PoseDMP().fit([shown])
+    skill = lt.DMP().fit([shown])
     usual = lt.plan_motion(skill, panda, obstacles=[box], dt=0.02)
     allowed = lt.plan_motion(skill, panda, obstacles=[box], dt=0.02, last_resort="joint_space")
     assert allowed.connected is usual.connected is None
@@ -81,7 +81,7 @@ def test_it_is_not_needed_where_the_tip_can_give_way(panda, shown, box):
 
 
 def test_it_is_off_by_default_and_helps_at_no_end(panda, shown, box):
-    skill = lt.PoseDMP().fit([shown])
+    skill = lt.DMP().fit([shown])
     with pytest.raises(IkFailure, match="blocked"):
         lt.plan_motion(skill, panda, obstacles=[box], dt=0.02, rounds=1)
     with pytest.raises(InvalidInput, match="last_resort"):
@@ -96,7 +96,7 @@ def test_without_ompl_the_extra_is_named(panda, shown, box, monkeypatch):
         raise MissingDependency("ompl", extra=extra)
 
     monkeypatch.setattr(connection.optional, "load", missing)
-    skill = lt.PoseDMP().fit([shown])
+    skill = lt.DMP().fit([shown])
     with pytest.raises(MissingDependency, match=r"leadthrough\[ompl\]"):
         lt.plan_motion(skill, panda, obstacles=[box], dt=0.02, rounds=1, last_resort="joint_space")
 

@@ -87,7 +87,7 @@ def test_what_is_closed_is_one_shape_a_round(panda, shown):
 
 
 def test_nothing_changes_where_the_arm_can_follow(panda, shown):
-    skill = lt.PoseDMP().fit(shown)
+    skill = lt.DMP().fit(shown)
     aside = lt.Sphere(0.1, [-0.6, 0.0, 0.5])
     for obstacles in ([], [aside]):
         alone = panda.follow(skill.generate(obstacles=obstacles, dt=0.02))
@@ -107,20 +107,20 @@ def test_a_skill_of_joints_goes_around_in_the_shown_posture(panda, shown, box):
 
 
 def test_the_answer_has_the_same_bits_each_time(panda, shown, box):
-    skill = lt.PoseDMP().fit(shown)
+    skill = lt.DMP().fit(shown)
     once, again = (lt.plan_motion(skill, panda, obstacles=[box], dt=0.02) for _ in range(2))
     np.testing.assert_array_equal(once.joints.positions, again.joints.positions)
 
 
 def test_where_the_arm_cannot_stand_at_an_end_it_says_so(panda, shown):
-    skill = lt.PoseDMP().fit(shown)
+    skill = lt.DMP().fit(shown)
     roof = lt.Box([0.3, 0.1, 0.1], [0.45, 0.3, 0.4])  # where the hand is at the goal
     with pytest.raises(IkFailure, match=r"obstacle 0 and .*cannot stand clear at the goal"):
         lt.plan_motion(skill, panda, obstacles=[roof], dt=0.02)
 
 
 def test_the_rounds_are_the_callers(panda, shown, box):
-    skill = lt.PoseDMP().fit(shown)
+    skill = lt.DMP().fit(shown)
     with pytest.raises(IkFailure, match="blocked") as failure:
         lt.plan_motion(skill, panda, obstacles=[box], dt=0.02, rounds=1)
     assert failure.value.status == "blocked"
@@ -135,7 +135,7 @@ def test_an_arm_of_five_joints_stands_where_it_has_to_turn_its_tool(panda, shown
     arm = panda.hold({"panda_joint3": 0.0, "panda_joint5": 0.0})
     tilted = lt.rotations.compose(DOWN[None], lt.rotations.exp([[0.0, 0.2, 0.0]]))
     motion = lt.PoseTrajectory(shown[1].times, shown[1].positions, np.tile(tilted, (61, 1)))
-    skill = lt.PoseDMP().fit([motion])
+    skill = lt.DMP().fit([motion])
     aside = lt.plan_motion(skill, arm, obstacles=[lt.Sphere(0.05, [0.6, 0.0, 0.42])], dt=0.02)
     report = arm.path_report(aside.joints, aside.tip)
     assert report.position_error.max() < 1e-5
@@ -179,4 +179,4 @@ def test_a_part_where_the_tip_still_stands_is_not_moved_aside(panda, shown):
 
 def test_an_arm_must_be_given(shown):
     with pytest.raises(InvalidInput, match=r"arm: expected an Arm, got None"):
-        lt.plan_motion(lt.PoseDMP().fit(shown), None)
+        lt.plan_motion(lt.DMP().fit(shown), None)

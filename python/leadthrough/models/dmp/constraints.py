@@ -52,7 +52,7 @@ def check_constraints(
     limits: tuple[ArrayLike, ArrayLike] | None,
     *,
     dimensions: int | None,
-    channels: int,
+    channels: int | None,
 ) -> Constraints:
     """The obstacles and limits of a query."""
     shapes = check_shapes(obstacles)
@@ -62,6 +62,8 @@ def check_constraints(
         )
     if limits is None:
         return Constraints(shapes, np.zeros(0), np.zeros(0))
+    if channels is None:
+        raise UnsupportedQuery("limits: expected none for poses; give walls as obstacles")
     if not isinstance(limits, Sequence) or len(limits) != 2:
         raise InvalidInput(f"limits: expected a pair (lower, upper), got {limits!r}")
     lower, upper = (check.array(side, "limits", shape=(channels,)) for side in limits)

@@ -17,14 +17,12 @@ _SLACK = 0.02
 _LEAST_SAMPLES = 4  # of a period
 
 
-def mean_cycle(
-    demonstrations: Demonstrations[Motion], kinds: tuple[type[Motion], ...], period: float | None
-) -> MeanMotion:
+def mean_cycle(demonstrations: Demonstrations[Motion], period: float | None) -> MeanMotion:
     """The mean over all whole periods in the demonstrations, closed: it ends where it began."""
-    cycles = motions_of(demonstrations, kinds=kinds)
+    cycles = motions_of(demonstrations)
     if period is not None:
         cycles = [part for motion in cycles for part in _periods(motion, period)]
-    mean = mean_motion(cycles, kinds)
+    mean = mean_motion(cycles)
     gap = mean.positions[-1] - mean.positions[0]
     positions = mean.positions - np.outer(mean.phases, gap)
     turned = mean.orientations

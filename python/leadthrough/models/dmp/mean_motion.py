@@ -36,10 +36,10 @@ class MeanMotion:
 
 
 def mean_motion(
-    demonstrations: Demonstrations[Motion], kinds: tuple[type[Motion], ...]
+    demonstrations: Demonstrations[Motion],
 ) -> MeanMotion:
     """The mean of demonstrations over normalised time."""
-    motions = motions_of(demonstrations, kinds=kinds)
+    motions = motions_of(demonstrations)
     first = motions[0]
     names = first.joint_names if isinstance(first, JointTrajectory) else None
     happened = events.agreed(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -65,28 +66,44 @@ def pose_acceleration(coupling: ArrayLike) -> Float64Array:
     return np.append(check_channels(given, "coupling", len(given)), np.zeros(6 - len(given)))
 
 
-def ends_of(
-    learned: Ends,
-    *,
-    start: Place | None = None,
-    goal: Place | None = None,
-    start_velocity: ArrayLike | None = None,
-    final_velocity: ArrayLike | None = None,
-    duration: float = 1.0,
-) -> Ends:
-    """The ends that a query asks for; what is None is as learned."""
+@dataclass(frozen=True, eq=False)
+class Query:
+    """Ends and via points that a discrete primitive is asked for; None is as demonstrated."""
 
-    def channels(value: Any, name: str, usual: Float64Array, scale: float = 1.0) -> Float64Array:
-        if value is None:
-            return usual
-        return check_channels(value, name, len(usual)) * min(scale, LARGEST)
+    start: Place | None = None
+    goal: Place | None = None
+    via: Via = ()
+    start_velocity: ArrayLike | None = None
+    final_velocity: ArrayLike | None = None
 
-    return Ends(
-        channels(start, "start", learned.start),
-        channels(goal, "goal", learned.goal),
-        channels(start_velocity, "start_velocity", learned.start_slope, duration),
-        channels(final_velocity, "final_velocity", learned.goal_slope, duration),
-    )
+    @property
+    def as_demonstrated_velocities(self) -> bool:
+        """Whether the velocities at both ends are those of the demonstration."""
+        return self.start_velocity is None and self.final_velocity is None
+
+    def ends(self, learned: Ends, start: Place | None, goal: Place | None, duration: float) -> Ends:
+        """Ends with another start and goal, and the velocities of a motion of a duration, s."""
+
+        def slope(value: ArrayLike | None, name: str, usual: Float64Array) -> Float64Array:
+            if value is None:
+                return usual
+            return check_channels(value, name, len(usual)) * min(duration, LARGEST)
+
+        return Ends(
+            _or(start, "start", learned.start),
+            _or(goal, "goal", learned.goal),
+            slope(self.start_velocity, "start_velocity", learned.start_slope),
+            slope(self.final_velocity, "final_velocity", learned.goal_slope),
+        )
+
+
+def moved_ends(learned: Ends, start: Place | None, goal: Place | None) -> Ends:
+    """Ends with another start and goal."""
+    return learned.moved(_or(start, "start", learned.start), _or(goal, "goal", learned.goal))
+
+
+def _or(value: Place | None, name: str, usual: Float64Array) -> Float64Array:
+    return usual if value is None else check_channels(value, name, len(usual))
 
 
 def course_through(

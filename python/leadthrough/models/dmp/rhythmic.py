@@ -1,44 +1,62 @@
-"""Rhythmic movement primitives of points and of joints.
+"""Rhythmic movement primitives of points, joints and poses.
 
+The force is made of von Mises kernels of a phase that counts periods, and the springs pull to the
+centre of the motion. The orientation of poses is anchored on a curve that closes: the tool may
+come back to its orientation, or rotate by whole turns in a period.
 Source: Ijspeert et al. 2013, section 2.1.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar, Generic, cast
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core
+from leadthrough import _core, check, events
 from leadthrough.check import Float64Array
-from leadthrough.models import archive
+from leadthrough.errors import InvalidInput, UnsupportedQuery
+from leadthrough.events import Event
+from leadthrough.models.archive import Archived, Arrays
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.dmp import springs
 from leadthrough.models.dmp.cycle import mean_cycle
-from leadthrough.models.dmp.query import check_channels
-from leadthrough.models.dmp.refit import weights_of
-from leadthrough.models.dmp.regression import fit_rhythm
-from leadthrough.models.dmp.rhythm import (
-    Rhythm,
-    Settings,
-    check_cycle,
-    cycle_ends,
-    refuse_obstacles,
-    take_settings,
+from leadthrough.models.dmp.kernels import MOST_WEIGHTS
+from leadthrough.models.dmp.query import (
+    as_pose,
+    check_channels,
+    check_duration,
+    check_step,
+    moved_ends,
+    pose_acceleration,
 )
-from leadthrough.models.dmp.springs import RHYTHMIC
+from leadthrough.models.dmp.regression import fit_rhythm
+from leadthrough.models.dmp.springs import RHYTHMIC, Ends, Springs
+from leadthrough.models.dmp.turning import Turning, learn_closed
+from leadthrough.models.even_times import even_times
 from leadthrough.models.judged import judged
-from leadthrough.models.parameters import Parameter
+from leadthrough.models.parameters import Parameter, fitted_again
 from leadthrough.models.place import Place
-from leadthrough.motion import JointTrajectory, Motion, MotionT, MotionT_co, Trajectory
-from leadthrough.shapes import Shape
+from leadthrough.models.posture import Posture, arrays_of, settings_of
+from leadthrough.models.unfitted import Unfitted
+from leadthrough.motion import (
+    JointTrajectory,
+    Motion,
+    MotionT,
+    MotionT_co,
+    PoseTrajectory,
+    Trajectory,
+)
+from leadthrough.shapes import Shape, check_shapes
+
+_MAX_PERIODS = 10_000  # in one query; more come from a wrong unit
 
 
 @dataclass(frozen=True)
-class RhythmicDMP(Settings):
-    """Rhythmic primitives of points in any number of dimensions, or of joints.
+class RhythmicDMP(Unfitted):
+    """Rhythmic primitives of points in any number of dimensions, of joints, or of poses.
 
     Attributes:
         weights: number of kernels per channel, 3 to 1000.
@@ -48,38 +66,69 @@ class RhythmicDMP(Settings):
         InvalidInput: if a setting is outside its range.
     """
 
+    weights: int = 25
+    period: float | None = None
+
+    def __post_init__(self) -> None:
+        check.integer(self.weights, "weights", at_least=3, at_most=MOST_WEIGHTS)
+        if self.period is not None:
+            check.number(self.period, "period", above=0.0)
+
     def fit(self, demonstrations: Demonstrations[MotionT]) -> RhythmicDMPSkill[MotionT]:
         """A skill from demonstrations; all whole periods in them are averaged.
 
         Args:
-            demonstrations: all of points or all of joints.
+            demonstrations: all of points, all of joints or all of poses.
 
         Raises:
             InvalidInput: for other motions.
             FitError: for one that does not move or is shorter than a period.
         """
-        mean = mean_cycle(demonstrations, (Trajectory, JointTrajectory), self.period)
-        learned = fit_rhythm(mean.phases, mean.positions, weights=self.weights)
-        known = (mean.duration, mean.events, mean.joint_names)
-        return RhythmicDMPSkill(self, learned, *known, posture=mean.posture)
+        mean = mean_cycle(demonstrations, self.period)
+        turned, values = None, mean.positions
+        if mean.orientations is not None:
+            turned, coordinates = learn_closed(mean.phases, mean.orientations)
+            values = np.hstack([values, coordinates])
+        learned = fit_rhythm(mean.phases, values, weights=self.weights)
+        if turned is not None:
+            first = turned.orientations(np.zeros(1), learned.ends.start[None, 3:].copy())[0]
+            turned = replace(turned, start=first, goal=first)
+        return RhythmicDMPSkill(
+            model=self,
+            springs=learned,
+            period=mean.duration,
+            events=mean.events,
+            joint_names=mean.joint_names,
+            turning=turned,
+            posture=mean.posture,
+        )
 
 
-@dataclass(frozen=True, eq=False)
-class RhythmicDMPSkill(Rhythm[RhythmicDMP, _core.PointState], Generic[MotionT_co]):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RhythmicDMPSkill(Archived, Generic[MotionT_co]):
     """A learned rhythm; made by `RhythmicDMP.fit`.
 
     Attributes:
         model: the settings that it was fitted with.
-        springs: what was learned.
+        springs: the learned transformation system; of poses with three channels of the position
+            and three of the orientation.
         period: s, as demonstrated.
         events: at fractions of the period, 0 to 1, in every period.
-        joint_names: None where points were shown.
-        posture: the arm's joints at fractions of the period, where they were shown beside points.
+        joint_names: of joints; None for points and poses.
+        turning: coordinates of the orientation; None for points and joints.
+        posture: the arm's joints at fractions of the period, if demonstrated beside the motion.
     """
 
-    joint_names: tuple[str, ...] | None
+    model: RhythmicDMP
+    springs: Springs
+    period: float
+    events: tuple[Event, ...] = ()
+    joint_names: tuple[str, ...] | None = None
+    turning: Turning | None = None
+    posture: Posture | None = None
 
     kind: ClassVar[str] = "rhythmic_dmp"
+    supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration"})
 
     @judged
     def generate(
@@ -93,26 +142,37 @@ class RhythmicDMPSkill(Rhythm[RhythmicDMP, _core.PointState], Generic[MotionT_co
         period: float | None = None,
         amplitude: float = 1.0,
     ) -> MotionT_co:
-        """A Trajectory, or a JointTrajectory where joints were shown.
+        """A motion of the demonstrated type that repeats.
 
         Args:
-            start: (d,), by default on the cycle; from elsewhere the motion swings in.
-            goal: (d,), the centre of the motion, by default as demonstrated.
+            start: (d,), or of poses a position (3,) or (position (3,), orientation (4,)), by
+                default on the cycle; from elsewhere the motion swings in, and the orientation joins
+                the cycle's during the first period.
+            goal: as start: the centre of the positions, and the orientation at which a period
+                begins, by default as demonstrated.
             duration: s, > 0, by default one period.
             dt: s, > 0, upper bound of the sampling step.
-            obstacles: expected none; a rhythm keeps clear of none.
+            obstacles: expected none; rhythmic DMPs do not avoid obstacles.
             period: s, > 0, by default as demonstrated.
-            amplitude: >= 0, multiplies the distance from the centre.
+            amplitude: >= 0, multiplies the positions' distance from the centre.
 
         Raises:
             InvalidInput: if an argument is of another shape or range.
             UnsupportedQuery: for obstacles.
         """
-        refuse_obstacles(obstacles)
+        if check_shapes(obstacles):
+            raise UnsupportedQuery(
+                "obstacles: rhythmic DMPs do not avoid obstacles; pass a coupling term to step()"
+            )
         state = self.begin(start=start, goal=goal, period=period, amplitude=amplitude)
-        times, positions, slopes = self._rolled(state, duration, dt)
-        made = self._motion(times, positions, slopes / state.duration, state.duration)
-        return cast(MotionT_co, made)  # joints where joints were shown
+        step = check.number(dt, "dt", above=0.0)
+        total = check_duration(duration, state.duration)
+        if not total / state.duration <= _MAX_PERIODS:
+            raise InvalidInput(
+                f"period: expected at most {_MAX_PERIODS} periods in {total:.6g} s, "
+                f"got a period of {state.duration:.6g} s; check the units"
+            )
+        return cast(MotionT_co, self._motion(state, even_times(total, step)))
 
     def begin(
         self,
@@ -121,33 +181,57 @@ class RhythmicDMPSkill(Rhythm[RhythmicDMP, _core.PointState], Generic[MotionT_co
         goal: Place | None = None,
         period: float | None = None,
         amplitude: float = 1.0,
-    ) -> _core.PointState:
+    ) -> Any:
         """The state at phase 0, for `step`; arguments and errors as in `generate`."""
-        total, scale = check_cycle(self.period, period, amplitude)
-        ends = cycle_ends(self.springs.ends, start, goal, scale)
-        course = springs.course(RHYTHMIC, ends, amplitude=scale)
-        return _core.PointState(course, ends.start, ends.start_slope, 0.0, total)
+        total = check_duration(period, self.period, "period")
+        scale = check.number(amplitude, "amplitude", at_least=0.0)
+        learned, turning = self.springs.ends, self.turning
+        if turning is None:
+            ends = _cycle_ends(learned, start, goal, scale)
+            course = springs.course(RHYTHMIC, ends, amplitude=scale)
+            return _core.PointState(course, ends.start, ends.start_slope, 0.0, total)
+        first, first_turned = as_pose(start, "start")
+        centre, centre_turned = as_pose(goal, "goal")
+        position = _cycle_ends(learned.part(slice(3)), first, centre, scale)
+        ends = position.joined(learned.part(slice(3, 6)))
+        course = springs.scaled_by(springs.course(RHYTHMIC, ends), slice(3), np.full(3, scale))
+        turned = turning.goal if centre_turned is None else centre_turned
+        offsets = turning.offsets(turned if first_turned is None else first_turned, turned)
+        offset = _core.DmpPath(np.array([0.0, 1.0]), springs.between(*offsets))
+        return _core.PoseState(
+            course, ends.start, ends.start_slope, 0.0, total, turning.curve, offset
+        )
 
     def step(
         self,
-        state: _core.PointState,
+        state: Any,
         dt: float,
         *,
         goal: ArrayLike | None = None,
         coupling: ArrayLike | None = None,
-    ) -> _core.PointState:
+    ) -> Any:
         """The state dt s later; its phase counts the periods.
 
         Args:
             state: from `begin` or the last step.
             dt: s, > 0.
-            goal: (d,), moves the centre.
-            coupling: (d,), acceleration, unit per s^2, that acts during the step.
+            goal: (d,), of poses (3,), moves the centre.
+            coupling: as in `DMPSkill.step`.
 
         Raises:
             InvalidInput: if an argument is of another shape or range.
         """
-        return self._advanced(state, dt, goal=goal, coupling=coupling)
+        span = check_step(dt, 0.0, state.duration)
+        if goal is not None:
+            state = self._redirected(state, goal)
+        if coupling is None:
+            return state.coast(self.springs.forces, span)
+        push = (
+            check_channels(coupling, "coupling", len(self.springs.ends.goal))
+            if self.turning is None
+            else pose_acceleration(coupling)
+        )
+        return state.pushed(self.springs.forces, span, push)
 
     def parameters(
         self, demonstrations: Demonstrations[Motion] = ()
@@ -157,33 +241,71 @@ class RhythmicDMPSkill(Rhythm[RhythmicDMP, _core.PointState], Generic[MotionT_co
         Args:
             demonstrations: those that it was fitted to.
         """
-        return weights_of(self, demonstrations)
+        return fitted_again(self, "weights", demonstrations, least=5, most=100)
 
-    def to_archive(self) -> tuple[dict[str, Any], archive.Arrays]:
+    def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         """Settings and arrays that `from_archive` puts together again."""
-        names = None if self.joint_names is None else list(self.joint_names)
-        return {**self._settings(), "joint_names": names}, self._arrays()
+        settings = {
+            "model": asdict(self.model),
+            "period": self.period,
+            "events": events.to_plain(self.events),
+            "joint_names": None if self.joint_names is None else list(self.joint_names),
+            **settings_of(self.posture),
+        }
+        orientation = {} if self.turning is None else self.turning.arrays()
+        return settings, {**self.springs.arrays(), **arrays_of(self.posture), **orientation}
 
     def _motion(
-        self, times: Float64Array, positions: Float64Array, velocities: Float64Array, period: float
-    ) -> Trajectory | JointTrajectory:
-        happening = self._events(times, period)
+        self, state: Any, times: Float64Array
+    ) -> Trajectory | PoseTrajectory | JointTrajectory:
+        """The motion from a state on, at times (n,), with the events of every period."""
+        phases = times / state.duration
+        values, slopes = _core.dmp_rollout(
+            self.springs.forces, state.course, state.value, state.slope, phases
+        )
+        rounds = events.every_round(self.events, float(times[-1]) / state.duration)
+        happening = events.moved(rounds, phases, times)
+        joints = None if self.posture is None else self.posture.every_round(times, phases)
+        if self.turning is not None:
+            turned = self.turning.orientations(phases, values, state.offset)
+            return PoseTrajectory(times, values[:, :3], turned, happening, joints)
         if self.joint_names is None:
-            return Trajectory(times, positions, happening, self._joints(times, period))
-        return JointTrajectory(times, positions, velocities, None, self.joint_names, happening)
+            return Trajectory(times, values, happening, joints)
+        velocities = slopes / state.duration
+        return JointTrajectory(times, values, velocities, None, self.joint_names, happening)
 
-    def _redirected(self, state: _core.PointState, goal: ArrayLike) -> _core.PointState:
-        centre = check_channels(goal, "goal", len(self.springs.ends.goal))
-        course = springs.redirected(RHYTHMIC, state.course, centre)
-        return _core.PointState(course, state.value, state.slope, state.phase, state.duration)
+    def _redirected(self, state: Any, goal: ArrayLike) -> Any:
+        """The state on its way to another centre."""
+        if self.turning is None:
+            centre = check_channels(goal, "goal", len(self.springs.ends.goal))
+            course = springs.redirected(RHYTHMIC, state.course, centre)
+            return _core.PointState(course, state.value, state.slope, state.phase, state.duration)
+        centre = np.append(check_channels(goal, "goal", 3), self.springs.ends.goal[3:])
+        return _core.PoseState(
+            springs.redirected(RHYTHMIC, state.course, centre),
+            *(state.value, state.slope, state.phase, state.duration),
+            *(state.curve, state.offset),
+        )
 
-    def _acceleration(self, coupling: ArrayLike) -> Float64Array:
-        return check_channels(coupling, "coupling", len(self.springs.ends.goal))
 
-
-def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> RhythmicDMPSkill:
+def from_archive(settings: dict[str, Any], arrays: Arrays) -> RhythmicDMPSkill:
     """The skill that `RhythmicDMPSkill.to_archive` took apart."""
-    learned, period, happening, posture = take_settings(settings, arrays)
-    names, model = settings["joint_names"], RhythmicDMP(**settings["model"])
-    joints = None if names is None else tuple(names)
-    return RhythmicDMPSkill(model, learned, period, happening, joints, posture=posture)
+    model, names = RhythmicDMP(**settings["model"]), settings.get("joint_names")
+    poses = "controls" in arrays
+    return RhythmicDMPSkill(
+        model=model,
+        springs=Springs.from_arrays(RHYTHMIC, model.weights, arrays),
+        period=check.number(settings["period"], "period", above=0.0),
+        events=events.from_plain(settings.get("events", ())),
+        joint_names=None if names is None else tuple(names),
+        turning=Turning.from_arrays("anchored", arrays, rhythmic=True) if poses else None,
+        posture=Posture.from_archive(settings, arrays),
+    )
+
+
+def _cycle_ends(learned: Ends, start: Place | None, centre: Place | None, amplitude: float) -> Ends:
+    """Start and centre that a query asks for; left out, the start lies on the cycle."""
+    asked = moved_ends(learned, start, centre)
+    on_cycle: Float64Array = asked.goal + amplitude * (learned.start - learned.goal)
+    first = on_cycle if start is None else asked.start
+    return replace(asked, start=first, start_slope=amplitude * learned.start_slope)

@@ -19,6 +19,12 @@ _SPIN = np.radians(20.0)
 _SAMPLES = 1000
 
 
+def refuses_spins(springs: Springs, turning: Turning) -> bool:
+    """Whether queries on whose way the tool would spin are refused."""
+    # The form "ijspeert" scales the rotation itself.
+    return turning.representation == "lifted" and springs.form != "ijspeert"
+
+
 def refuse_spin(springs: Springs, turning: Turning, state: _core.PoseState) -> None:
     """Refuses a state from which the tool would spin on its way to the end."""
     if state.phase >= 1.0:

@@ -1,4 +1,4 @@
-"""Orientations as three coordinates that springs can move: what `PoseDMP(orientation=...)` chooses.
+"""Orientations as three coordinates that springs can move: what `DMP(orientation=...)` chooses.
 
 The orientation of a pose primitive is exp(offset(u)) G(u) E(e), where springs move the coordinates
 e.

@@ -110,7 +110,7 @@ def _about_goal(motion: Motion) -> Float64Array:
     if np.linalg.norm(turned, axis=1).max() >= 2.0 * np.pi:
         raise FitError(
             "demonstrations: expected orientations within a full turn of the goal's, got more; "
-            "use PoseDMP for motions that turn further"
+            "use DMP for motions that turn further"
         )
     return np.asarray(np.hstack([offsets, turned]))
 

@@ -126,7 +126,7 @@ def experience_of(demonstrations: Demonstrations[MotionT]) -> tuple[Experience, 
         if arc_length(motion.positions)[-1] == 0.0:
             raise FitError(
                 f"demonstrations[{i}]: turns but does not move, and a path needs positions that "
-                "differ; use PoseDMP, ProMP or GMR"
+                "differ; use DMP, ProMP or GMR"
             )
     return tuple(_experience(motion) for motion in motions)
 

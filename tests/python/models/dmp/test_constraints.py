@@ -92,7 +92,7 @@ def test_ends_in_an_obstacle_are_named():
 
 def test_tool_turns_as_shown_while_its_position_passes_an_obstacle():
     turned = lt.rotations.exp(np.outer(S, [0.0, 0.0, 2.0]))
-    skill = lt.PoseDMP().fit([lt.Demonstration(lt.PoseTrajectory(TIMES, BOW, turned))])
+    skill = lt.DMP().fit([lt.Demonstration(lt.PoseTrajectory(TIMES, BOW, turned))])
     made = skill.generate(obstacles=[WALL], dt=0.005)
     assert WALL.distance(made.positions).min() > 0.004
     plain = skill.generate(dt=0.005)

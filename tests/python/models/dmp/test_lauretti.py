@@ -20,7 +20,7 @@ from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
 from leadthrough.models.dmp.kernels import DECAY
 from leadthrough.models.dmp.springs import RATE
 
-PLANNER = lt.PoseDMP.lauretti()
+PLANNER = lt.DMP.lauretti()
 
 
 def tipped(angle):
@@ -73,7 +73,7 @@ def test_motions_past_half_a_turn_are_replayed_as_well_as_the_paper_claims(angle
 
 def test_the_plain_logarithm_of_the_same_planner_spins_past_half_a_turn():
     u, q = tipped(200)
-    plain = lt.PoseDMP(orientation="log", regression="lwr", form="ijspeert")
+    plain = lt.DMP(orientation="log", regression="lwr", form="ijspeert")
     made = plain.fit([demonstration(u, q)]).generate(dt=DURATION / (len(u) - 1))
     assert angle_turned(made.orientations) > 1.5 * angle_turned(q)
 
@@ -82,7 +82,7 @@ def test_the_plain_logarithm_of_the_same_planner_spins_past_half_a_turn():
 @pytest.mark.parametrize("form", ["ijspeert", "hoffmann"])
 def test_forms_of_the_literature_reach_a_goal_near_the_shown_one(form, orientation):
     u, q = tipped(60)
-    skill = lt.PoseDMP(form=form, orientation=orientation).fit([demonstration(u, q)])
+    skill = lt.DMP(form=form, orientation=orientation).fit([demonstration(u, q)])
     goal = turned_by(q[-1], 10, (0.0, 0.0, 1.0))
     made = skill.generate(goal=(positions(u)[-1] + (0.02, 0.01, 0.01), goal))
     assert made.duration == pytest.approx(DURATION)
@@ -118,7 +118,7 @@ def test_a_channel_that_ends_where_it_began_is_refused():
     poured = rotations.exp(np.outer(np.sin(np.pi * minimum_jerk(u)), [0.0, 1.5, 0.0]))
     with pytest.raises(FitError, match="channel 4 ends where it began"):
         PLANNER.fit([demonstration(u, poured)])
-    assert lt.PoseDMP().fit([demonstration(u, poured)]).generate().duration == DURATION
+    assert lt.DMP().fit([demonstration(u, poured)]).generate().duration == DURATION
 
 
 def test_a_goal_moved_beside_a_small_scale_throws_the_motion():
@@ -126,7 +126,7 @@ def test_a_goal_moved_beside_a_small_scale_throws_the_motion():
     shown = returning(np.linspace(0.0, 1.0, 401), lift=0.005)
     last = shown.motion.positions[-1] + (0.0, 0.01, 0.0)
     moved = {}
-    for name, model in (("lauretti", PLANNER), ("default", lt.PoseDMP())):
+    for name, model in (("lauretti", PLANNER), ("default", lt.DMP())):
         skill = model.fit([shown])
         plain, made = skill.generate(), skill.generate(goal=last, duration=DURATION)
         moved[name] = np.abs(made.positions - plain.positions).max() / 0.01
@@ -178,6 +178,6 @@ def test_what_the_forms_cannot_do_is_refused_by_name():
     with pytest.raises(UnsupportedQuery, match="final_velocity"):
         PLANNER.fit([demonstration(u, q)]).generate(final_velocity=(0.1, 0.0, 0.0))
     with pytest.raises(InvalidInput, match="orientation"):
-        lt.PoseDMP(form="ijspeert")
+        lt.DMP(form="ijspeert").fit([demonstration(u, q)])
     with pytest.raises(InvalidInput, match="form"):
-        lt.PoseDMP(form="lauretti")
+        lt.DMP(form="lauretti")

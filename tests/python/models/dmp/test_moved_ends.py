@@ -62,7 +62,7 @@ def test_moved_start_is_left_as_the_demonstration_leaves_its_own(kind):
 
 @pytest.mark.parametrize("goal", [23.0, 92.0])
 def test_turned_goal_is_neither_passed_nor_approached_during_the_hold(goal):
-    skill = fitted(pose_reach(), lt.PoseDMP())
+    skill = fitted(pose_reach(), lt.DMP())
     made = skill.generate(goal=((0.2, 0.0, 0.0), about_z(goal)), duration=4.0)
     turned = yaw(made.orientations)
     assert turned.max() <= goal + 0.1
@@ -73,10 +73,10 @@ def test_turned_goal_is_neither_passed_nor_approached_during_the_hold(goal):
 def test_tool_that_hardly_turns_takes_a_turned_goal_with_its_way():
     shown = pose_reach()
     stiff = lt.PoseTrajectory(TIMES, shown.positions, np.repeat([[1.0, 0, 0, 0]], 401, axis=0))
-    made = fitted(stiff, lt.PoseDMP()).generate(goal=((0.4, 0, 0), about_z(40.0)), duration=4.0)
+    made = fitted(stiff, lt.DMP()).generate(goal=((0.4, 0, 0), about_z(40.0)), duration=4.0)
     assert np.ptp(yaw(made.orientations)[HELD]) <= 0.1
     turning = lt.PoseTrajectory(TIMES, np.zeros((401, 3)), shown.orientations)
-    made = fitted(turning, lt.PoseDMP()).generate(goal=((0.1, 0, 0), about_z(46.0)), duration=4.0)
+    made = fitted(turning, lt.DMP()).generate(goal=((0.1, 0, 0), about_z(46.0)), duration=4.0)
     assert np.ptp(made.positions[HELD], axis=0).max() <= 1e-3
 
 
@@ -104,7 +104,7 @@ def test_goal_turned_on_the_way_is_reached_in_time(phase, orientation):
     s = minimum_jerk_time_scaling(TIMES / 4.0)
     turned = rotations.exp(np.outer(s, [0.3, 0.8, 0.5]))
     shown = lt.PoseTrajectory(TIMES, hook().positions, turned)
-    skill = fitted(shown, lt.PoseDMP(orientation=orientation))
+    skill = fitted(shown, lt.DMP(orientation=orientation))
     goal = rotations.compose(about_z(20.0)[None], turned[-1:])[0]
     state = skill.step(skill.begin(), 4.0 * phase)
     state = skill.step(state, 4.0 * (1.0 - phase), goal=(shown.positions[-1] + 0.05, goal))
@@ -114,7 +114,7 @@ def test_goal_turned_on_the_way_is_reached_in_time(phase, orientation):
 
 
 def test_goal_moved_early_is_reached_with_the_motion_and_held():
-    skill = fitted(pose_reach(), lt.PoseDMP())
+    skill = fitted(pose_reach(), lt.DMP())
     goal = ((0.3, 0.1, 0.0), about_z(80.0))
     state, rows = skill.step(skill.begin(), 0.2), []
     for _ in range(380):
@@ -125,7 +125,7 @@ def test_goal_moved_early_is_reached_with_the_motion_and_held():
 
 
 def test_goal_of_the_first_step_is_that_of_the_query():
-    skill = fitted(pose_reach(), lt.PoseDMP())
+    skill = fitted(pose_reach(), lt.DMP())
     goal = ((0.3, 0.1, 0.0), about_z(80.0))
     stepped = skill.step(skill.begin(duration=4.0), 0.5, goal=goal)
     asked = skill.step(skill.begin(goal=goal, duration=4.0), 0.5)
@@ -134,7 +134,7 @@ def test_goal_of_the_first_step_is_that_of_the_query():
 
 def test_goal_that_moves_all_the_time_is_followed_without_jumps():
     """Also past the end. Accelerations stay those of a smooth motion, and it arrives."""
-    skill, dt = fitted(pose_reach(), lt.PoseDMP()), 0.002
+    skill, dt = fitted(pose_reach(), lt.DMP()), 0.002
     state, velocities, spins = skill.begin(), [], []
     for i in range(3300):
         moved = 0.05 * np.sin(0.004 * min(i, 2600))
@@ -180,7 +180,7 @@ def test_goal_turned_along_the_way_is_not_reached_faster_than_a_person_showed():
     turned = rotations.exp(
         np.outer(minimum_jerk_time_scaling(TIMES / 4.0), [0.0, 0.0, np.pi / 2.0])
     )
-    skill = fitted(lt.PoseTrajectory(TIMES, hook().positions, turned), lt.PoseDMP())
+    skill = fitted(lt.PoseTrajectory(TIMES, hook().positions, turned), lt.DMP())
     plain, made = (
         skill.generate(**query, dt=0.002)
         for query in ({}, {"goal": (hook().positions[-1], about_z(179.9))})
@@ -207,5 +207,5 @@ def test_slow_motions_and_tools_that_were_shown_still_are_not_held_back():
     slow = lt.Trajectory(TIMES, 0.05 * hook().positions)
     assert fitted(slow).generate(goal=0.1 * hook().positions[-1]).duration == 4.0
     still = lt.PoseTrajectory(TIMES, hook().positions, np.repeat([[1.0, 0, 0, 0]], 401, axis=0))
-    skill = fitted(still, lt.PoseDMP())
+    skill = fitted(still, lt.DMP())
     assert skill.generate(goal=(hook().positions[-1], about_z(90.0))).duration == 4.0

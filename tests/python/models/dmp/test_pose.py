@@ -22,7 +22,7 @@ from models.dmp.turns import (
 
 import leadthrough as lt
 from leadthrough import rotations
-from leadthrough.errors import FitError, InvalidInput
+from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
 from leadthrough.preprocess import segment
 
 
@@ -79,11 +79,11 @@ def test_small_rotations_are_replayed_by_every_representation(orientation):
 def test_tool_that_only_turns_or_only_moves_is_learned():
     u, q = turn(120, 100)
     still = lt.PoseTrajectory(u, np.zeros((len(u), 3)), q)
-    made = lt.PoseDMP().fit([lt.Demonstration(still)]).generate()
+    made = lt.DMP().fit([lt.Demonstration(still)]).generate()
     np.testing.assert_allclose(made.positions, 0.0, atol=1e-12)
     assert rotations.distance(made.orientations[-1:], q[-1:])[0] < 1e-7
     stiff = lt.PoseTrajectory(u, positions(u), np.repeat(q[:1], len(u), axis=0))
-    made = lt.PoseDMP().fit([lt.Demonstration(stiff)]).generate()
+    made = lt.DMP().fit([lt.Demonstration(stiff)]).generate()
     assert angle_turned(made.orientations) < 1e-6
 
 
@@ -94,11 +94,11 @@ def test_several_demonstrations_give_their_mean():
         demonstration(u, rotations.compose(np.repeat(each[None], len(q), axis=0), q))
         for each in spin
     ]
-    made = lt.PoseDMP().fit(shown).generate(dt=DURATION / (len(u) - 1))
+    made = lt.DMP().fit(shown).generate(dt=DURATION / (len(u) - 1))
     assert np.degrees(rotations.distance(made.orientations, q)).max() < 0.01
     turned = rotations.compose(q, np.repeat([[0.0, 1.0, 0.0, 0.0]], len(q), axis=0))
     with pytest.raises(FitError, match="mean orientation"):
-        lt.PoseDMP().fit([shown[0], demonstration(u, turned)])
+        lt.DMP().fit([shown[0], demonstration(u, turned)])
 
 
 @pytest.mark.parametrize("orientation", ["anchored", "lifted", "log", "euler"])
@@ -133,12 +133,12 @@ def test_bad_query_is_refused_by_name(query):
 
 def test_bad_settings_and_demonstrations_are_refused():
     with pytest.raises(InvalidInput, match="orientation"):
-        lt.PoseDMP(orientation="quaternion")
-    with pytest.raises(InvalidInput, match="PoseTrajectory"):
-        lt.PoseDMP().fit([lt.Demonstration(lt.Trajectory([0, 1], [[0, 0], [1, 1]]))])
+        lt.DMP(orientation="quaternion")
+    with pytest.raises(UnsupportedQuery, match="limits"):
+        WAVE.generate(limits=(-np.ones(3), np.ones(3)))
     still = lt.PoseTrajectory([0, 1], np.zeros((2, 3)), [(1, 0, 0, 0), (-1, 0, 0, 0)])
     with pytest.raises(FitError, match="does not move"):
-        lt.PoseDMP().fit([lt.Demonstration(still)])
+        lt.DMP().fit([lt.Demonstration(still)])
 
 
 @pytest.mark.parametrize("trial", ["trial1.csv", "trial2.csv"])
@@ -154,7 +154,7 @@ def test_motions_of_a_real_robot_are_replayed(recordings, trial):
     for shown in motions:
         motion = shown.motion
         # Two motions of 20 s have more to them than 50 kernels can say.
-        skill = lt.PoseDMP(weights=max(50, int(4 * motion.duration))).fit([shown])
+        skill = lt.DMP(weights=max(50, int(4 * motion.duration))).fit([shown])
         made = skill.generate(dt=motion.duration / (len(motion.times) - 1))
         gaps = np.linalg.norm(made.positions - motion.positions, axis=1)
         assert np.sqrt(np.mean(gaps**2)) <= 1e-3
@@ -169,6 +169,6 @@ def test_a_long_motion_of_much_detail_is_replayed_with_as_many_kernels_as_it_ask
     shown = lt.PoseTrajectory(times, 0.05 * waves, turned)
     away = []
     for weights in (50, None):
-        made = lt.PoseDMP(weights).fit([lt.Demonstration(shown)]).generate(dt=0.05)
+        made = lt.DMP(weights).fit([lt.Demonstration(shown)]).generate(dt=0.05)
         away.append(np.linalg.norm(made.positions - shown.positions, axis=1).max())
     assert away[1] < 0.2 * away[0]

@@ -91,7 +91,7 @@ def test_steps_lead_where_generate_does_and_the_centre_can_move():
 @pytest.mark.parametrize("whole_turns", [False, True])
 def test_tool_sways_or_turns_on_and_on(whole_turns):
     shown = stirring(whole_turns=whole_turns)
-    skill = lt.RhythmicPoseDMP().fit([lt.Demonstration(shown)])
+    skill = lt.RhythmicDMP().fit([lt.Demonstration(shown)])
     made = skill.generate(duration=3 * PERIOD, dt=PERIOD / 300)
     for i in range(3):
         rows = slice(300 * i, 300 * i + 301)
@@ -103,7 +103,7 @@ def test_tool_sways_or_turns_on_and_on(whole_turns):
 
 
 def test_pose_rhythm_starts_anywhere_and_turns_about_a_new_centre():
-    skill = lt.RhythmicPoseDMP().fit([lt.Demonstration(SHOWN)])
+    skill = lt.RhythmicDMP().fit([lt.Demonstration(SHOWN)])
     centre = rotations.exp(np.array([[0.0, 0.5, 0.0]]))[0]
     start = rotations.exp(np.array([[0.0, 0.0, 1.0]]))[0]
     made = skill.generate(
@@ -126,7 +126,7 @@ def test_joints_keep_their_names():
 
 
 def test_rhythms_survive_pickling_and_saving(tmp_path):
-    for skill in (SKILL, lt.RhythmicPoseDMP(period=PERIOD).fit([lt.Demonstration(SHOWN)])):
+    for skill in (SKILL, lt.RhythmicDMP(period=PERIOD).fit([lt.Demonstration(SHOWN)])):
         skill.save(tmp_path / "skill.npz")
         for again in (pickle.loads(pickle.dumps(skill)), lt.load_skill(tmp_path / "skill.npz")):
             assert type(again) is type(skill)
@@ -136,9 +136,8 @@ def test_rhythms_survive_pickling_and_saving(tmp_path):
 
 def test_bad_input_is_refused():
     for settings in ({"weights": 2}, {"period": 0.0}, {"period": "1"}):
-        for model in (lt.RhythmicDMP, lt.RhythmicPoseDMP):
-            with pytest.raises(InvalidInput, match=next(iter(settings))):
-                model(**settings)
+        with pytest.raises(InvalidInput, match=next(iter(settings))):
+            lt.RhythmicDMP(**settings)
     with pytest.raises(FitError, match="period"):
         lt.RhythmicDMP(period=2.0).fit([lt.Demonstration(points_of(SHOWN))])
     with pytest.raises(FitError, match="samples"):

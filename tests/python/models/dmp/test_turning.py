@@ -129,7 +129,7 @@ def test_signs_of_quaternions_do_not_matter():
     u, q = about_turning_axis(720, 100)
     flips = np.where(np.random.default_rng(2).random(len(q)) < 0.5, -1.0, 1.0)[:, None]
     raw = demonstration(u, flips * q)
-    made = lt.PoseDMP().fit([raw]).generate(goal=((0.3, 0.1, 0.2), -q[-1]))
+    made = lt.DMP().fit([raw]).generate(goal=((0.3, 0.1, 0.2), -q[-1]))
     expected = fitted(u, q).generate(goal=((0.3, 0.1, 0.2), q[-1]))
     assert rotations.distance(made.orientations, expected.orientations).max() < 1e-12
 

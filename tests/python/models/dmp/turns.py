@@ -68,7 +68,7 @@ def demonstration(u, q):
 
 
 def fitted(u, q, **settings):
-    return lt.PoseDMP(**settings).fit([demonstration(u, q)])
+    return lt.DMP(**settings).fit([demonstration(u, q)])
 
 
 def errors_of(skill, u, q):

@@ -1,0 +1,228 @@
+"""Points and joints as channels of a transformation system, and the courses of any channels."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Generic, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leadthrough import _core
+from leadthrough.check import Float64Array
+from leadthrough.events import Events
+from leadthrough.models.dmp import springs
+from leadthrough.models.dmp.constraints import Constraints, roll
+from leadthrough.models.dmp.pace import COARSE_PHASES, JOINTS, MOVING, PHASES, Part
+from leadthrough.models.dmp.progress import Progress, corrected_until, progress_of, speeds_of
+from leadthrough.models.dmp.query import Query, check_channels, course_through
+from leadthrough.models.dmp.springs import Ends, Springs
+from leadthrough.models.place import Place
+from leadthrough.motion import JointTrajectory, Motion, Trajectory, computed
+
+# A goal nearer than this fraction of the motion's size to the one before is the same.
+_SAME_GOAL = 1e-13
+
+StateT = TypeVar("StateT", _core.PointState, _core.PoseState)
+
+
+@dataclass(frozen=True, eq=False)
+class Channels(Generic[StateT]):
+    """The channels of a discrete primitive: reads queries into them, and motions out of them."""
+
+    springs: Springs
+    size: float  # diagonal of the box around the demonstrated positions
+
+    @property
+    @abstractmethod
+    def dimensions(self) -> int | None:
+        """Dimensions of the space in which obstacles can be avoided, if there is one."""
+
+    @property
+    @abstractmethod
+    def progress(self) -> Progress:
+        """Fraction of its way that each channel has covered at each phase, in replay."""
+
+    @abstractmethod
+    def as_demonstrated(self, duration: float) -> StateT:
+        """The state at the start of the demonstrated motion."""
+
+    @abstractmethod
+    def begin(self, query: Query, duration: float) -> StateT:
+        """The state at the start of a motion of a duration, s."""
+
+    @abstractmethod
+    def lasting(self, state: StateT, duration: float) -> StateT:
+        """The same state in a motion of another duration, s."""
+
+    @abstractmethod
+    def lengthening(self, state: StateT, duration: float) -> float:
+        """Factor >= 1 by which a motion from its start on must last longer than demonstrated."""
+
+    @abstractmethod
+    def redirected(self, state: StateT, goal: Place) -> StateT:
+        """The state on its way to another goal."""
+
+    @abstractmethod
+    def moved(self, state: StateT, measured: Place) -> StateT:
+        """The state at another position, or pose."""
+
+    @abstractmethod
+    def acceleration(self, coupling: ArrayLike) -> Float64Array:
+        """A coupling as an acceleration (channels,)."""
+
+    @abstractmethod
+    def motion(
+        self,
+        state: StateT,
+        phases: Float64Array,
+        *,
+        constraints: Constraints,
+        events: Events,
+        joints: JointTrajectory | None,
+    ) -> Motion:
+        """The motion from a state on, at phases (n,), with its events and the arm's joints."""
+
+    def ahead(self, state: StateT, phases: Float64Array) -> tuple[Float64Array, Float64Array]:
+        """Values and slopes (n, channels) from a state on, at phases (n,)."""
+        return _core.dmp_rollout(
+            self.springs.forces, state.course, state.value, state.slope, phases
+        )
+
+    def course(self, ends: Ends, query: Query, *, count: int) -> _core.DmpCourse:
+        """The course between ends, through the query's via points of the first channels."""
+        learned = self.springs
+        if ends.equal(learned.ends):
+            direct = learned.shown_course
+        elif learned.form != "blended":
+            direct = springs.course(learned.form, ends)
+        else:
+            direct = self._moved_course(ends)
+        return course_through(learned, direct, ends, query.via, count=count)
+
+    def course_to(
+        self,
+        state: StateT,
+        goal: Float64Array,
+        value: Float64Array | None = None,
+        slope: Float64Array | None = None,
+    ) -> _core.DmpCourse:
+        """The course to another goal (channels,), after a jump in value and slope, if any."""
+        before, form = state.course, self.springs.form
+        if form != "blended":
+            return springs.redirected(form, before, goal)
+        shift = goal - springs.end_of(before)
+        if value is None or slope is None:
+            if np.abs(shift).max() <= _SAME_GOAL * max(self.size, float(np.abs(goal).max())):
+                return before
+            if state.phase == 0.0:
+                return springs.shifted(before, self.progress, shift)
+            value = slope = np.zeros(len(shift))
+        until = corrected_until(state.phase, self.progress.end)
+        return before.superposed(state.phase, until, value, slope, shift)
+
+    def replayed(self) -> tuple[Float64Array, Float64Array]:
+        """Values and slopes (n, channels) at PHASES, as demonstrated."""
+        learned, ends = self.springs, self.springs.ends
+        course = learned.shown_course
+        return _core.dmp_rollout(learned.forces, course, ends.start, ends.start_slope, PHASES)
+
+    def _moved_course(self, ends: Ends) -> _core.DmpCourse:
+        """The course of the form "blended" between other ends than demonstrated."""
+        known = self.springs.ends
+        if ends.start_slope is known.start_slope and ends.goal_slope is known.goal_slope:
+            plain = self._demonstrated_reference
+        else:
+            jerk = springs.minimum_jerk(ends.moved(known.start, known.goal))
+            plain = self.progress.expanded(jerk)
+        start, goal = ends.start - known.start, ends.goal - known.goal
+        return springs.moved_course(plain, self.progress, start=start, goal=goal)
+
+    @cached_property
+    def _demonstrated_reference(self) -> Float64Array:
+        """The minimum-jerk motion between the demonstrated ends, about each progress break."""
+        return self.progress.expanded(springs.minimum_jerk(self.springs.ends))
+
+
+@dataclass(frozen=True, eq=False)
+class PointChannels(Channels[_core.PointState]):
+    """Channels that are the coordinates of a point, or joints."""
+
+    joint_names: tuple[str, ...] | None  # None for points
+
+    @property
+    def dimensions(self) -> int | None:
+        """Two or three for points in the plane or in space; None otherwise."""
+        count = len(self.springs.ends.start)
+        return count if self.joint_names is None and count in (2, 3) else None
+
+    @cached_property
+    def progress(self) -> Progress:
+        """The same for all channels."""
+        speeds = speeds_of(self._replay.velocities)
+        return progress_of(np.repeat(speeds[:, None], len(self.springs.ends.start), axis=1))
+
+    @cached_property
+    def _replay(self) -> Part:
+        values, slopes = self.replayed()
+        extent = float(np.linalg.norm(values - values[0], axis=1).max())
+        return Part(MOVING if self.joint_names is None else JOINTS, slopes, extent)
+
+    def as_demonstrated(self, duration: float) -> _core.PointState:
+        """The state at the start of the demonstrated motion."""
+        ends = self.springs.ends
+        course = self.springs.shown_course
+        return _core.PointState(course, ends.start, ends.start_slope, 0.0, duration)
+
+    def begin(self, query: Query, duration: float) -> _core.PointState:
+        """The state at the start of a motion of a duration, s."""
+        ends = query.ends(self.springs.ends, query.start, query.goal, duration)
+        course = self.course(ends, query, count=len(ends.start))
+        return _core.PointState(course, ends.start, ends.start_slope, 0.0, duration)
+
+    def lasting(self, state: _core.PointState, duration: float) -> _core.PointState:
+        """The same state in a motion of another duration, s."""
+        return _core.PointState(state.course, state.value, state.slope, state.phase, duration)
+
+    def lengthening(self, state: _core.PointState, duration: float) -> float:
+        """Factor >= 1 by which the motion must last longer to be slow enough."""
+        _, slopes = self.ahead(state, COARSE_PHASES)
+        return self._replay.lengthening(self._replay.measure.peak(slopes), duration)
+
+    def redirected(self, state: _core.PointState, goal: Place) -> _core.PointState:
+        """The state on its way to another goal (d,)."""
+        wanted = check_channels(goal, "goal", len(self.springs.ends.goal))
+        course = self.course_to(state, wanted)
+        return _core.PointState(course, state.value, state.slope, state.phase, state.duration)
+
+    def moved(self, state: _core.PointState, measured: Place) -> _core.PointState:
+        """The state at another position (d,)."""
+        value = check_channels(measured, "measured", len(self.springs.ends.goal))
+        return _core.PointState(state.course, value, state.slope, state.phase, state.duration)
+
+    def acceleration(self, coupling: ArrayLike) -> Float64Array:
+        """A coupling (d,) as it is."""
+        return check_channels(coupling, "coupling", len(self.springs.ends.goal))
+
+    def motion(
+        self,
+        state: _core.PointState,
+        phases: Float64Array,
+        *,
+        constraints: Constraints,
+        events: Events,
+        joints: JointTrajectory | None,
+    ) -> Trajectory | JointTrajectory:
+        """A motion of points or of joints."""
+        positions, slopes = roll(
+            self.springs, state, phases, constraints=constraints, size=self.size
+        )
+        times = state.duration * phases
+        if self.joint_names is None:
+            return computed(
+                Trajectory, times=times, positions=positions, events=events, joints=joints
+            )
+        velocities = slopes / state.duration
+        return JointTrajectory(times, positions, velocities, None, self.joint_names, events)

@@ -1,0 +1,230 @@
+"""Poses as channels of a transformation system: three of the position, three of the orientation.
+
+Source: Lauretti et al. 2023, "Robot learning by demonstration with dynamic parameterization of the
+orientation", Robotics 12:166, for the representations and the planner that ours is compared with.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leadthrough import _core, rotations
+from leadthrough.check import Float64Array
+from leadthrough.events import Events
+from leadthrough.models.dmp.channels import Channels
+from leadthrough.models.dmp.constraints import Constraints, roll
+from leadthrough.models.dmp.pace import (
+    COARSE_PHASES,
+    MOVING,
+    PHASES,
+    TURNING,
+    Part,
+    pose_progress,
+    spins_of,
+)
+from leadthrough.models.dmp.progress import Progress, corrected_until
+from leadthrough.models.dmp.query import Query, as_pose, check_channels, pose_acceleration
+from leadthrough.models.dmp.spin import refuse_spin, refuses_spins
+from leadthrough.models.dmp.springs import Ends, end_of, scaled_by
+from leadthrough.models.dmp.turning import Turning
+from leadthrough.models.place import Place
+from leadthrough.motion import JointTrajectory, PoseTrajectory, computed
+
+_POSITION, _ORIENTATION = slice(3), slice(3, 6)
+_NOTHING = np.zeros(3)
+_SAME_TURN = 1e-12  # rad; a goal rotated by less than this is the one before
+
+
+@dataclass(frozen=True, eq=False)
+class PoseChannels(Channels[_core.PoseState]):
+    """Channels of the position, and of the orientation in its coordinates."""
+
+    turning: Turning
+
+    @property
+    def dimensions(self) -> int:
+        """Three: the position keeps clear of obstacles."""
+        return 3
+
+    @cached_property
+    def progress(self) -> Progress:
+        """One for the position and one for the orientation."""
+        return pose_progress(*self._replay)
+
+    @cached_property
+    def _replay(self) -> tuple[Part, Part]:
+        """Position and orientation, as replayed."""
+        values, slopes = self.replayed()
+        q = self.turning.orientations(PHASES, values)
+        moved = float(np.linalg.norm(values[:, :3] - values[0, :3], axis=1).max())
+        turned = float(rotations.distance(q, np.repeat(q[:1], len(q), axis=0)).max())
+        return Part(MOVING, slopes[:, :3], moved), Part(TURNING, spins_of(q), turned)
+
+    def as_demonstrated(self, duration: float) -> _core.PoseState:
+        """The state at the start of the demonstrated motion."""
+        ends, curve = self.springs.ends, self.turning.curve
+        course = self.springs.shown_course
+        return _core.PoseState(
+            course, ends.start, ends.start_slope, 0.0, duration, curve, _core.DmpPath()
+        )
+
+    def begin(self, query: Query, duration: float) -> _core.PoseState:
+        """The state at the start of a motion of a duration, s."""
+        first, first_turned = as_pose(query.start, "start")
+        last, last_turned = as_pose(query.goal, "goal")
+        positions = query.ends(self.springs.ends.part(_POSITION), first, last, duration)
+        turned, offset = self._turned_ends(first_turned, last_turned)
+        if query.as_demonstrated_velocities:
+            ends = self.springs.ends.moved(
+                np.concatenate((positions.start, turned.start)),
+                np.concatenate((positions.goal, turned.goal)),
+            )
+        else:
+            ends = positions.joined(turned)
+        course = self.course(ends, query, count=3)
+        state = _core.PoseState(
+            course, ends.start, ends.start_slope, 0.0, duration, self.turning.curve, offset
+        )
+        as_demonstrated = first_turned is None and last_turned is None
+        return state if as_demonstrated else self._without_spin(state)
+
+    def lasting(self, state: _core.PoseState, duration: float) -> _core.PoseState:
+        """The same state in a motion of another duration, s."""
+        return _core.PoseState(
+            state.course, state.value, state.slope, state.phase, duration, state.curve, state.offset
+        )
+
+    def lengthening(self, state: _core.PoseState, duration: float) -> float:
+        """Factor >= 1 by which the motion must last longer to move and rotate slowly enough."""
+        linear, angular = _core.dmp_peak_speeds(self.springs.forces, state, COARSE_PHASES)
+        moving, turning = self._replay
+        return max(moving.lengthening(linear, duration), turning.lengthening(angular, duration))
+
+    def motion(
+        self,
+        state: _core.PoseState,
+        phases: Float64Array,
+        *,
+        constraints: Constraints,
+        events: Events,
+        joints: JointTrajectory | None,
+    ) -> PoseTrajectory:
+        """A motion of poses."""
+        if constraints.are_none:
+            positions, turned = _core.dmp_poses(self.springs.forces, state, phases)
+        else:
+            values, _ = roll(self.springs, state, phases, constraints=constraints, size=self.size)
+            positions = values[:, :3].copy()
+            turned = self.turning.orientations(phases, values, state.offset)
+        return computed(
+            PoseTrajectory,
+            times=state.duration * phases,
+            positions=positions,
+            orientations=turned,
+            events=events,
+            joints=joints,
+        )
+
+    def acceleration(self, coupling: ArrayLike) -> Float64Array:
+        """A coupling (3,) or (6,) as linear and angular acceleration (6,)."""
+        return pose_acceleration(coupling)
+
+    def _turned_ends(
+        self, start: Float64Array | None, goal: Float64Array | None
+    ) -> tuple[Ends, _core.DmpPath]:
+        """Ends of the orientation's coordinates, and the offset of the curve."""
+        learned, known = self.springs.ends.part(_ORIENTATION), self.turning
+        if start is None and goal is None:
+            return learned, _core.DmpPath()
+        first = known.start if start is None else start
+        last = known.goal if goal is None else goal
+        offset = self._offset(*known.offsets(first, last))
+        if known.representation == "anchored":
+            return learned, offset
+        at_start, _ = known.coordinates(first, phase=0.0, offset=offset, near=learned.start)
+        at_goal, _ = known.coordinates(last, phase=1.0, offset=offset, near=learned.goal)
+        return replace(learned, start=at_start, goal=at_goal), offset
+
+    def _offset(self, first: Float64Array, last: Float64Array) -> _core.DmpPath:
+        """The path between offsets (3,) of the curve, by the orientation's own progress."""
+        if not (first.any() or last.any()):
+            return _core.DmpPath()
+        turning = self.progress.part(_ORIENTATION)
+        return _core.DmpPath(turning.breaks, turning.shift(first, last))
+
+    def redirected(self, state: _core.PoseState, goal: Place) -> _core.PoseState:
+        """The state on its way to another position, and orientation if there is one."""
+        position, turned = as_pose(goal, "goal")
+        wanted = np.concatenate([check_channels(position, "goal", 3), self.springs.ends.goal[3:]])
+        known, before = self.turning, state.offset.end
+        if turned is None:
+            return self._with(state, self.course_to(state, wanted), state.value, state.slope)
+        _, last = known.offsets(known.start, turned, near=before)
+        if known.representation == "anchored":
+            course = self.course_to(state, wanted)
+            offset = self._offset_to(state, last - before)
+            return self._with(state, course, state.value, state.slope, offset)
+        offset = self._offset(last, last)
+        wanted[3:], _ = known.coordinates(turned, phase=1.0, offset=offset, near=wanted[3:])
+        value, slope = self._coordinates_of(state, state.orientation, offset)
+        jumps = value - state.value, slope - state.slope
+        course = self.course_to(state, wanted, *jumps)
+        if self.springs.form == "ijspeert":
+            course = scaled_by(course, _ORIENTATION, wanted[3:] - self._started(state, offset))
+        return self._without_spin(self._with(state, course, value, slope, offset))
+
+    def _started(self, state: _core.PoseState, offset: _core.DmpPath) -> Float64Array:
+        """Coordinates (3,) under another offset of where a state of the form "ijspeert" began."""
+        known, began = self.turning, end_of(state.course)[3:] - state.course.gain[3:]
+        first = known.orientations(np.zeros(1), began[None], state.offset)[0]
+        return known.coordinates(first, phase=0.0, offset=offset, near=began)[0]
+
+    def _offset_to(self, state: _core.PoseState, shift: Float64Array) -> _core.DmpPath:
+        if np.abs(shift).max() <= _SAME_TURN:
+            return state.offset
+        if state.phase == 0.0:
+            return self._offset(state.offset.start, state.offset.end + shift)
+        until = corrected_until(state.phase, self.progress.end)
+        return state.offset.superposed(state.phase, until, _NOTHING, _NOTHING, shift)
+
+    def moved(self, state: _core.PoseState, measured: Place) -> _core.PoseState:
+        """The state at another position, and orientation if there is one."""
+        position, turned = as_pose(measured, "measured")
+        q = state.orientation if turned is None else turned
+        value, slope = self._coordinates_of(state, q, state.offset)
+        value[:3] = check_channels(position, "measured", 3)
+        return self._without_spin(self._with(state, state.course, value, slope))
+
+    def _coordinates_of(
+        self, state: _core.PoseState, orientation: Float64Array, offset: _core.DmpPath
+    ) -> tuple[Float64Array, Float64Array]:
+        """Value and slope (6,) of the state, with another orientation or under another offset."""
+        e, e_slope = self.turning.coordinates(
+            orientation,
+            phase=state.phase,
+            offset=offset,
+            near=state.value[3:],
+            velocity=state.angular_velocity * state.duration,
+        )
+        return np.append(state.value[:3], e), np.append(state.slope[:3], e_slope)
+
+    def _with(
+        self,
+        state: _core.PoseState,
+        course: _core.DmpCourse,
+        value: Float64Array,
+        slope: Float64Array,
+        offset: _core.DmpPath | None = None,
+    ) -> _core.PoseState:
+        by = state.offset if offset is None else offset
+        return _core.PoseState(course, value, slope, state.phase, state.duration, state.curve, by)
+
+    def _without_spin(self, state: _core.PoseState) -> _core.PoseState:
+        """The same state, unless the tool would spin from it to the end."""
+        if refuses_spins(self.springs, self.turning):
+            refuse_spin(self.springs, self.turning, state)
+        return state

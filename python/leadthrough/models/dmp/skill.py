@@ -1,0 +1,310 @@
+"""A skill of movement primitives: asked for motions, and stepped through them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leadthrough import check, events
+from leadthrough.events import Event
+from leadthrough.models.archive import Archived, Arrays
+from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.dmp.channels import Channels, PointChannels
+from leadthrough.models.dmp.constraints import Constraints, check_constraints, step_within
+from leadthrough.models.dmp.poses import PoseChannels
+from leadthrough.models.dmp.query import (
+    Query,
+    Via,
+    check_duration,
+    check_final_velocity,
+    check_step,
+)
+from leadthrough.models.dmp.springs import Springs
+from leadthrough.models.dmp.turning import Turning
+from leadthrough.models.even_times import even_phases
+from leadthrough.models.judged import judged
+from leadthrough.models.parameters import Parameter, fitted_again
+from leadthrough.models.place import Place
+from leadthrough.models.posture import Posture, arrays_of, settings_of
+from leadthrough.models.protocol import Skill
+from leadthrough.motion import Motion, MotionT_co
+from leadthrough.shapes import Shape
+
+if TYPE_CHECKING:
+    from leadthrough.models.dmp.discrete import DMP
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DMPSkill(Archived, Generic[MotionT_co]):
+    """A learned primitive; made by `DMP.fit`.
+
+    Attributes:
+        model: the settings that it was fitted with, with the number of weights that was used.
+        springs: the learned transformation system; of poses with three channels of the position
+            and three of the orientation.
+        duration: s, as demonstrated.
+        size: diagonal of the box around the demonstrated positions, m.
+        events: at fractions of the duration, 0 to 1.
+        joint_names: of joints; None for points and poses.
+        turning: coordinates of the orientation; None for points and joints.
+        posture: the arm's joints at fractions of the duration, if demonstrated beside the motion.
+    """
+
+    model: DMP
+    springs: Springs
+    duration: float
+    size: float
+    events: tuple[Event, ...] = ()
+    joint_names: tuple[str, ...] | None = None
+    turning: Turning | None = None
+    posture: Posture | None = None
+
+    kind: ClassVar[str] = "dmp"
+
+    @property
+    def supports(self) -> frozenset[str]:
+        """Parts of a query that it honours.
+
+        Obstacles for poses and for points in two or three dimensions, limits for points and joints,
+        a final velocity with the form "blended".
+        """
+        known = {"start", "goal", "duration", "via", "start_velocity"}
+        optional = {
+            "final_velocity": self.springs.form == "blended",
+            "obstacles": self._channels.dimensions is not None,
+            "limits": self.turning is None,
+        }
+        return frozenset(known | {name for name, honoured in optional.items() if honoured})
+
+    @judged
+    def generate(
+        self,
+        *,
+        start: Place | None = None,
+        goal: Place | None = None,
+        duration: float | None = None,
+        dt: float = 0.01,
+        obstacles: Sequence[Shape] = (),
+        via: Via = (),
+        start_velocity: ArrayLike | None = None,
+        final_velocity: ArrayLike | None = None,
+        limits: tuple[ArrayLike, ArrayLike] | None = None,
+    ) -> MotionT_co:
+        """A motion of the demonstrated type.
+
+        Args:
+            start: (d,), or of poses a position (3,) or (position (3,), orientation (4,)); parts
+                that are left out are as demonstrated.
+            goal: as start.
+            duration: s, > 0, by default `default_duration`: the demonstrations', or longer where a
+                moved start or goal would make the motion more than 1.3 times as fast.
+            dt: s, > 0, upper bound of the sampling step; the motion does not depend on it.
+            obstacles: in the demonstrations' frame; a drawing of two dimensions lies in the plane
+                z = 0. Of poses the position keeps clear of them, whatever the orientation.
+            via: (fraction of the duration in (0, 1), position (d,)), in order.
+            start_velocity: (d,) per second, by default as demonstrated, at that duration; of poses
+                (3,) m/s.
+            final_velocity: as start_velocity; only with the form "blended".
+            limits: (lower (d,), upper (d,)), which the motion does not leave; not of poses.
+
+        Raises:
+            InvalidInput: if an argument is of another shape or range.
+            UnsupportedQuery: for a part that is not among `supports`, and where the orientation
+                "lifted" would spin.
+            NoPath: where steering does not clear the obstacles.
+        """
+        step = check.number(dt, "dt", above=0.0)
+        constraints = self._constraints(obstacles, limits)
+        state = self.begin(
+            start=start,
+            goal=goal,
+            duration=duration,
+            via=via,
+            start_velocity=start_velocity,
+            final_velocity=final_velocity,
+        )
+        phases = even_phases(state.duration, step)
+        posture, times = self.posture, state.duration * phases
+        made = self._channels.motion(
+            state,
+            phases,
+            constraints=constraints,
+            events=events.moved(self.events, (0.0, 1.0), (0.0, state.duration)),
+            joints=None if posture is None else posture.along(times, phases),
+        )
+        return cast(MotionT_co, made)  # of the demonstrated type
+
+    def begin(
+        self,
+        *,
+        start: Place | None = None,
+        goal: Place | None = None,
+        duration: float | None = None,
+        via: Via = (),
+        start_velocity: ArrayLike | None = None,
+        final_velocity: ArrayLike | None = None,
+    ) -> Any:
+        """The state at the start, for `step`; arguments and errors as in `generate`."""
+        check_final_velocity(final_velocity, self.springs.form)
+        query = Query(start, goal, via, start_velocity, final_velocity)
+        if duration is None and query.as_demonstrated_velocities and via == ():
+            return self._begin_at_own_pace(query)
+        if duration is None:
+            total = self.default_duration(start=start, goal=goal)
+        else:
+            total = check_duration(duration, self.duration)
+        return self._channels.begin(query, total)
+
+    def _begin_at_own_pace(self, query: Query) -> Any:
+        """The state of a motion of the default duration, which follows from the state itself."""
+        if query.start is None and query.goal is None:
+            return self._channels.as_demonstrated(self.duration)
+        state = self._channels.begin(query, self.duration)
+        if self.springs.form != "blended":
+            return state
+        longer = self._channels.lengthening(state, self.duration)
+        return self._channels.lasting(state, self.duration * longer)
+
+    def step(
+        self,
+        state: Any,
+        dt: float,
+        *,
+        goal: Place | None = None,
+        coupling: ArrayLike | None = None,
+        lag: float = 0.0,
+        measured: Place | None = None,
+        obstacles: Sequence[Shape] = (),
+        limits: tuple[ArrayLike, ArrayLike] | None = None,
+    ) -> Any:
+        """The state dt s later; exact for any dt.
+
+        Args:
+            state: from `begin` or the last step.
+            dt: s, > 0.
+            goal: as in `generate`, moves the goal.
+            coupling: (d,), an acceleration, unit per s^2, that acts during the step; of poses
+                (3,) m/s^2, or (6,) with an angular one, rad/s^2 in the base frame.
+            lag: >= 0; in this step the motion, phase and springs alike, runs 1 / (1 + lag) as fast,
+                as with a larger tau. For phase stopping, take a gain times the squared distance
+                between the arm and the state: while the arm is held, the motion waits; once it
+                follows, the motion goes on as fast as before. (An arm that always trails behind
+                slows it always: choose the gain small for its normal error.)
+            measured: like goal; where the motion goes on from instead of the state's position, or
+                pose.
+            obstacles: as in `generate`, of this step.
+            limits: as in `generate`, of this step.
+
+        Returns:
+            A state with .position (d,), .velocity (d,) and .phase; of poses also .orientation (4,),
+            .angular_velocity (3,) rad/s in the base frame, and .pose (7,), which is position and
+            orientation in a row.
+
+        Raises:
+            InvalidInput: if an argument is of another shape or range.
+            UnsupportedQuery: for obstacles or limits that are not among `supports`, and where the
+                orientation "lifted" would spin on the way to a new goal, or from a new pose.
+        """
+        changed = goal is not None or measured is not None or coupling is not None
+        constrained = bool(obstacles) or limits is not None
+        if not (changed or constrained) and type(dt) is float and lag == 0.0:
+            # The quick path: control loops step a thousand times a second.
+            after = state.tick(self.springs.forces, dt)
+            if after is not None:
+                return after
+        span = check_step(dt, lag, state.duration)
+        if goal is not None:
+            state = self._channels.redirected(state, goal)
+        if measured is not None:
+            state = self._channels.moved(state, measured)
+        if coupling is None and not constrained:
+            return state.coast(self.springs.forces, span)
+        still = np.zeros(len(state.value))
+        push = still if coupling is None else self._channels.acceleration(coupling)
+        constraints = self._constraints(obstacles, limits)
+        return step_within(self.springs, state, span, push, constraints=constraints, size=self.size)
+
+    def default_duration(self, *, start: Place | None = None, goal: Place | None = None) -> float:
+        """Default duration of a motion, s: as demonstrated, or longer.
+
+        A start or goal that is moved along the motion's own direction makes the motion quicker. It
+        then lasts longer, until the highest linear, angular or joint speed is within 1.3 times the
+        demonstrated one. Speeds up to 0.05 m/s and 0.25 rad/s are never held back; a tool that was
+        demonstrated to move by less than 2 mm, or to rotate by less than 0.05 rad, sets no pace
+        for that. The forms of the literature keep the demonstrated duration.
+
+        Args:
+            start: as in `generate`.
+            goal: as in `generate`.
+
+        Raises:
+            InvalidInput: if one is of another shape or range.
+        """
+        if (start is None and goal is None) or self.springs.form != "blended":
+            return self.duration
+        state = self._channels.begin(Query(start, goal), self.duration)
+        return self.duration * self._channels.lengthening(state, self.duration)
+
+    def replay(self, samples: int) -> MotionT_co:
+        """The demonstrated motion, evenly sampled.
+
+        Args:
+            samples: their number, 2 or more.
+        """
+        return self.generate(dt=self.duration / (samples - 1))
+
+    def relearned(self, motion: Motion) -> Skill:
+        """The skill of another motion, learned with the same settings.
+
+        Args:
+            motion: of the demonstrated type.
+
+        Raises:
+            InvalidInput: for a motion of another type.
+            FitError: for one that does not move.
+        """
+        return self.model.fit([motion])
+
+    def parameters(
+        self, demonstrations: Demonstrations[Motion] = ()
+    ) -> Sequence[Parameter[MotionT_co]]:
+        """Its number of weights, where there are demonstrations to fit again.
+
+        Args:
+            demonstrations: those that it was fitted to.
+        """
+        return fitted_again(self, "weights", demonstrations, least=5, most=100)
+
+    def to_archive(self) -> tuple[dict[str, Any], Arrays]:
+        """Settings and arrays that `from_archive` puts together again."""
+        settings = {
+            **asdict(self.model),
+            "duration": self.duration,
+            "size": self.size,
+            "events": events.to_plain(self.events),
+            "joint_names": None if self.joint_names is None else list(self.joint_names),
+            **settings_of(self.posture),
+        }
+        orientation = {} if self.turning is None else self.turning.arrays()
+        return settings, {**self.springs.arrays(), **arrays_of(self.posture), **orientation}
+
+    @cached_property
+    def _channels(self) -> Channels[Any]:  # Any: of states of points, or of poses
+        if self.turning is None:
+            return PointChannels(self.springs, self.size, self.joint_names)
+        return PoseChannels(self.springs, self.size, self.turning)
+
+    def _constraints(
+        self, obstacles: Sequence[Shape], limits: tuple[ArrayLike, ArrayLike] | None
+    ) -> Constraints:
+        return check_constraints(
+            obstacles,
+            limits,
+            dimensions=self._channels.dimensions,
+            channels=None if self.turning is not None else len(self.springs.ends.start),
+        )
