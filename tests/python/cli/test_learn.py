@@ -3,8 +3,6 @@
 import numpy as np
 from cli.command_line import run
 
-import leadthrough as lt
-
 
 def written(folder, name, rows, header="t,x,y,z"):
     path = folder / f"{name}.csv"
@@ -20,13 +18,9 @@ def reach(at=0.5):
 
 
 def test_joints_for_a_model_of_points_and_poses_are_named_with_what_learns_them(tmp_path):
-    shown = tmp_path / "bump.json"
-    t, *columns = reach().T
-    lt.write_motion(
-        lt.JointTrajectory(t, np.column_stack(columns), joint_names=tuple("abc")), shown
-    )
-    words = ("learn", shown, "--model", "fast-marching", "-o", tmp_path / "s.npz")
-    said = run(*words, code=2).stderr
+    shown = written(tmp_path, "bump", reach(), header="t,a,b,c")
+    words = ("learn", shown, "--column", "joints=a,b,c", "--model", "fast-marching")
+    said = run(*words, "-o", tmp_path / "s.npz", code=2).stderr
     assert "--model: fast-marching learns points or poses, and bump has joints; use promp" in said
 
 
