@@ -1,4 +1,4 @@
-"""What Fast Marching Learning keeps of a demonstration: its path, its timing and its turning."""
+"""Demonstrations as Fast Marching Learning keeps them: paths, timing, orientations."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from leadthrough.preprocess.resample import arc_length
 from leadthrough.repr import ShortRepr
 
 # A demonstration is reversed where that brings its ends nearer to start and goal, in sum, by half
-# and by a fraction of its length: those that return to their start go round as they were shown.
+# and by a fraction of its length: those that return to their start keep their direction.
 _CLEARLY, _AT_LEAST = 0.5, 0.1
 # Found on human handwriting: between isochrony (0) and constant speed (1).
 _DURATION_EXPONENT = 0.25
@@ -40,21 +40,21 @@ class Experience(ShortRepr):
     posture: Posture | None = None  # the arm's joints at fractions of the path, or None
 
     @cached_property
-    def way(self) -> Float64Array:
+    def denoised(self) -> Float64Array:
         """The path (n, d) without white noise; a smooth one is the path itself."""
         return without_noise(self.path)
 
     @cached_property
-    def wanders(self) -> bool:
-        """Whether it is a random walk, which shows no way at all."""
+    def is_random_walk(self) -> bool:
+        """Whether it is a random walk, which shows no path at all."""
         return is_random_walk(self.path)
 
     @cached_property
     def length(self) -> float:
-        """Arc length of the way, in its unit: noise does not add to it."""
-        return float(arc_length(self.way)[-1])
+        """Arc length of the denoised path, in its unit."""
+        return float(arc_length(self.denoised)[-1])
 
-    def facing(self, start: Float64Array, goal: Float64Array) -> Experience:
+    def towards(self, start: Float64Array, goal: Float64Array) -> Experience:
         """Itself, or reversed where that brings its ends clearly nearer to start and goal, (d,)."""
         gaps = [
             np.linalg.norm(first - start) + np.linalg.norm(last - goal)
@@ -91,7 +91,7 @@ class Experience(ShortRepr):
     ) -> Experience:
         """The one of which a file has the `arrays` under <name>_<index>."""
         path = check.frozen(arrays[f"path_{index}"], "path", shape=("n", "d"))
-        turned = arrays.get(f"orientations_{index}")
+        orientations = arrays.get(f"orientations_{index}")
         joints = None
         if joint_names is not None:
             stood = {"posture": arrays[f"posture_{index}"]}
@@ -100,22 +100,26 @@ class Experience(ShortRepr):
             path,
             check.number(arrays[f"duration_{index}"], "duration", above=0.0),
             check.frozen(arrays[f"progress_{index}"], "progress", shape=(SAMPLES,)),
-            None if turned is None else check.quaternions(turned, "path", shape=(len(path), 4)),
+            orientations
+            if orientations is None
+            else check.quaternions(orientations, "path", shape=(len(path), 4)),
             events.from_plain(happening),
             joints,
         )
 
     @cached_property
     def _reversed(self) -> Experience:
-        turned = None if self.orientations is None else self.orientations[::-1].copy()
+        orientations = None if self.orientations is None else self.orientations[::-1].copy()
         happened = tuple(Event(1.0 - each.time, each.name) for each in reversed(self.events))
         progress = 1.0 - self.progress[::-1]
         joints = None if self.posture is None else self.posture.reversed()
-        return Experience(self.path[::-1].copy(), self.duration, progress, turned, happened, joints)
+        return Experience(
+            self.path[::-1].copy(), self.duration, progress, orientations, happened, joints
+        )
 
 
 def experience_of(demonstrations: Demonstrations[MotionT]) -> tuple[Experience, ...]:
-    """What to keep of demonstrations: all of points in two or three dimensions, or all of poses."""
+    """Experience of demonstrations: all of points in two or three dimensions, or all of poses."""
     motions: list[Any] = motions_of(demonstrations, kinds=(Trajectory, PoseTrajectory), at_least=0)
     for i, motion in enumerate(motions):
         width = motion.positions.shape[1]

@@ -108,7 +108,7 @@ def grid_over(
 def covered_ends(
     paths: Sequence[Float64Array], ends: Float64Array, scales: Scales
 ) -> Iterator[Float64Array]:
-    """Which ends (k, d) a grid has to cover, beside paths: first without one far away, then all."""
+    """Ends (k, d) that a grid has to cover beside paths: first without one far away, then all."""
     if paths and scales.workspace is None:
         points = np.concatenate(paths)
         lower, upper = points.min(axis=0), points.max(axis=0)
@@ -119,7 +119,7 @@ def covered_ends(
     yield ends
 
 
-def hindered(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scales) -> Speeds:
+def with_obstacles(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scales) -> Speeds:
     """A map of tubes with obstacles, as `FastMarching.obstacle_map` says."""
     if scales.obstacle_map == "minimum":
         return add_saturated_obstacles(
@@ -132,10 +132,10 @@ def hindered(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scal
     return add_obstacles(speed, grid, obstacles, area_of_influence=_BAND * scales.clearance)
 
 
-def passable(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scales) -> Speeds:
-    """The map of `hindered` that paths are planned in: the product has ways round obstacles."""
+def with_detours(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scales) -> Speeds:
+    """The map of `with_obstacles` to plan in: the product has detours around obstacles."""
     if scales.obstacle_map == "minimum":
-        return hindered(speed, grid, obstacles, scales)
+        return with_obstacles(speed, grid, obstacles, scales)
     return add_passable_obstacles(
         speed,
         grid,
@@ -146,10 +146,10 @@ def passable(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scal
     )
 
 
-def hindered_field(
+def obstacle_field(
     free: SpeedField, obstacles: Sequence[Shape], scales: Scales, *, band: float = _BAND
 ) -> SpeedField:
-    """The speeds of `hindered`, where they are asked for."""
+    """The speeds of `with_obstacles`, computed on demand."""
     if not obstacles:
         return free
     walls = Walls(free.grid, obstacles)
@@ -160,10 +160,10 @@ def hindered_field(
     return HinderedField(free, walls, area_of_influence=band * scales.clearance)
 
 
-def passable_field(free: FreeField, obstacles: Sequence[Shape], scales: Scales) -> SpeedField:
-    """The speeds of `passable`, where they are asked for."""
+def detour_field(free: FreeField, obstacles: Sequence[Shape], scales: Scales) -> SpeedField:
+    """The speeds of `with_detours`, computed on demand."""
     if not obstacles or scales.obstacle_map == "minimum":
-        return hindered_field(free, obstacles, scales)
+        return obstacle_field(free, obstacles, scales)
     return PassableField(
         free,
         Walls(free.grid, obstacles),
@@ -179,7 +179,7 @@ def tube_field(
     free = TubeField(
         grid, [path], [1.0], area_of_influence=scales.radius, saturation=scales.saturation
     )
-    return hindered_field(free, obstacles, scales, band=1.0)
+    return obstacle_field(free, obstacles, scales, band=1.0)
 
 
 def slowed_at(
@@ -190,6 +190,13 @@ def slowed_at(
     cells, of = np.unique(grid.numbers_of(grid.cells_of(path)), return_inverse=True)
     beside = Walls(grid, obstacles).distances(cells, scales.clearance) / scales.clearance
     return np.asarray(beside[of] < limit)
+
+
+def min_distance(path: Float64Array, obstacles: Sequence[Shape]) -> float:
+    """Smallest distance between the points of a path (n, d) and obstacles; inf without any."""
+    points = np.zeros((len(path), 3))
+    points[:, : path.shape[1]] = path
+    return min((float(each.distance(points).min()) for each in obstacles), default=np.inf)
 
 
 def mean_speed(path: Float64Array, grid: Grid, speed: Float64Array, outside: float) -> float:

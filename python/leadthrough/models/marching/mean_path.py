@@ -23,8 +23,9 @@ from numpy.typing import NDArray
 from leadthrough import _core
 from leadthrough.check import Float64Array
 from leadthrough.errors import NoPath
+from leadthrough.models.bounded import MOST_GAIN, fraction_inside
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.marching.maps import Scales, grid_over, slowed_at, tube_field
+from leadthrough.models.marching.maps import Scales, grid_over, min_distance, slowed_at, tube_field
 from leadthrough.models.marching.route import CELLS_PER_KNOT, Query, Route, route_along
 from leadthrough.planning.grid import Grid
 from leadthrough.planning.speed_map import quickest
@@ -32,31 +33,31 @@ from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.shapes import Shape
 
 _SAMPLES = 1000
-_TURNED_FRACTION = 1.0 / 3.0
-# Between these ratios of a demonstration's chord to its length, turning fades in: a motion that
-# returns to its start has no direction to turn from.
+_ROTATED_FRACTION = 1.0 / 3.0
+# Between these ratios of a demonstration's chord to its length, rotation fades in: a motion that
+# returns to its start has no direction to rotate from.
 _RETURNING = (0.05, 0.1)
-# Turning by more than 154 degrees or scaling by more than 5 says little about the new motion.
-_LEAST_COSINE = -0.9
+# Rotation by more than 154 degrees or scaling by more than 5 says little about the new motion.
+_MIN_COSINE = -0.9
 _SCALES = (0.2, 5.0)
-# Demonstrations farther apart than this fraction of their length do the task in different ways.
-_SAME_WAY = 0.1
-# A path is moved at most so much farther than its ends.
-MOST_DEVIATION = 1.45
-# Nor does it leave the demonstrations by more than that; less than 1 leaves room for rounding.
+# Demonstrations farther apart than this fraction of their length are different branches.
+_SAME_BRANCH = 0.1
+# A path deviates from the nominal one by at most this many times the move of its ends,
+MAX_DEVIATION = MOST_GAIN
+# and leaves the demonstrations by at most the move of its ends; below 1 to allow for rounding.
 _ROOM = 0.999
 # Details of a predicted path that are shorter than this many radii are tremor, not shape.
 _KNOTS = 1.6
 
 
-def along_mean(faced: Sequence[Experience], query: Query, scales: Scales) -> Route:
+def along_mean(demonstrations: Sequence[Experience], query: Query, scales: Scales) -> Route:
     """The demonstrations' mean path, with the quickest detours around obstacles."""
     blocked: list[MeanPath] = []
-    for mean in ways(faced, query.start, query.goal):
-        if not _hits(mean.path, query.obstacles):
-            return _through(mean, faced, query, scales)
+    for mean in branches(demonstrations, query.start, query.goal):
+        if min_distance(mean.path, query.obstacles) > 0.0:
+            return _through(mean, demonstrations, query, scales)
         blocked.append(mean)
-    return _quickest_of([_attempt(mean, faced, query, scales) for mean in blocked])
+    return _quickest_of([_attempt(mean, demonstrations, query, scales) for mean in blocked])
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,24 +65,24 @@ class MeanPath:
     """A predicted path."""
 
     path: Float64Array  # (n, d), the mean of demonstrations that are evenly spaced in arc length
-    weights: Float64Array  # (k,) of the demonstrations; 0 for those that do the task in another way
+    weights: Float64Array  # (k,) of the demonstrations; 0 for those of other branches
     region: tuple[Float64Array, Float64Array]
 
 
-def ways(
-    shown: Sequence[Experience], start: Float64Array, goal: Float64Array
+def branches(
+    demonstrated: Sequence[Experience], start: Float64Array, goal: Float64Array
 ) -> Iterator[MeanPath]:
-    """The ways to do the task that were shown, that of the nearest start first."""
-    curves = _curves_of(tuple(shown))
+    """The mean paths of the demonstrated branches, that of the nearest start first."""
+    curves = _curves_of(tuple(demonstrated))
     shifted = with_ends(curves.points, start, goal)
-    carried = curves.carried(shifted, start, goal)
-    moved = float(np.linalg.norm(np.stack([start, goal]) - curves.usual_ends, axis=1).max())
+    adapted = curves.adapted(shifted, start, goal)
+    moved = float(np.linalg.norm(np.stack([start, goal]) - curves.nominal_ends, axis=1).max())
     region = curves.region(start, goal, _ROOM * moved)
-    for chosen in _same_ways(shifted, curves.starts, start, curves.usual_length):
+    for chosen in _branches_near(shifted, curves.starts, start, curves.nominal_length):
         weights = _weights(curves.starts, start, chosen)
-        path = np.einsum("j,jnd->nd", weights, carried)
+        path = np.einsum("j,jnd->nd", weights, adapted)
         if moved > 0.0:
-            path = _bounded(path, curves.usual_way(chosen), start, goal)
+            path = _bounded(path, curves.nominal_mean(chosen), start, goal)
             path = np.clip(path, *region)
         yield MeanPath(path, weights, region)
 
@@ -89,24 +90,24 @@ def ways(
 class _Curves:
     """Demonstrations, evenly spaced in arc length, with what is the same for every query."""
 
-    def __init__(self, shown: Sequence[Experience]) -> None:
-        self.points = np.stack([by_arc_length(each.way, _SAMPLES) for each in shown])
+    def __init__(self, demonstrated: Sequence[Experience]) -> None:
+        self.points = np.stack([by_arc_length(each.denoised, _SAMPLES) for each in demonstrated])
         self.starts = self.points[:, 0]
-        self.usual_ends = self.points[:, [0, -1]].mean(axis=0)
-        self.usual_length = float(np.mean([each.length for each in shown]))
+        self.nominal_ends = self.points[:, [0, -1]].mean(axis=0)
+        self.nominal_length = float(np.mean([each.length for each in demonstrated]))
         self._corners = self.points.min(axis=(0, 1)), self.points.max(axis=(0, 1))
         self._chords = [_chord_of(curve) for curve in self.points]
-        self._usual_ways: dict[bytes, Float64Array] = {}
+        self._nominal_means: dict[bytes, Float64Array] = {}
 
-    def carried(
+    def adapted(
         self, shifted: Float64Array, start: Float64Array, goal: Float64Array
     ) -> Float64Array:
-        """The demonstrations (k, n, d), part shifted and part turned to a new start and goal."""
+        """The demonstrations (k, n, d), part shifted and part rotated to a new start and goal."""
         result = shifted.copy()
         for j, chord in enumerate(self._chords):
-            turned = _turned(chord, start, goal)
-            if turned is not None:
-                result[j] = (1.0 - chord.turning) * shifted[j] + chord.turning * turned
+            rotated = _rotated(chord, start, goal)
+            if rotated is not None:
+                result[j] = (1.0 - chord.rotation) * shifted[j] + chord.rotation * rotated
         return result
 
     def region(
@@ -119,34 +120,34 @@ class _Curves:
             upper + room, ends.max(axis=0)
         )
 
-    def usual_way(self, chosen: NDArray[np.bool_]) -> Float64Array:
-        """The mean (n, d) of those chosen (k,) where the ends are usual."""
+    def nominal_mean(self, chosen: NDArray[np.bool_]) -> Float64Array:
+        """The mean (n, d) of those chosen (k,) between the nominal ends."""
         key = chosen.tobytes()
-        if key not in self._usual_ways:
-            start, goal = self.usual_ends
-            carried = self.carried(with_ends(self.points, start, goal), start, goal)
+        if key not in self._nominal_means:
+            start, goal = self.nominal_ends
+            adapted = self.adapted(with_ends(self.points, start, goal), start, goal)
             weights = _weights(self.starts, start, chosen)
-            way = np.asarray(np.einsum("j,jnd->nd", weights, carried))
-            way.setflags(write=False)
-            self._usual_ways[key] = way
-        return self._usual_ways[key]
+            mean = np.asarray(np.einsum("j,jnd->nd", weights, adapted))
+            mean.setflags(write=False)
+            self._nominal_means[key] = mean
+        return self._nominal_means[key]
 
 
-# A skill's demonstrations, facing one way or the other, for as many skills as are in use at a time.
+# The demonstrations of a skill in one direction or the other, for the skills in use at a time.
 @lru_cache(maxsize=16)
-def _curves_of(shown: tuple[Experience, ...]) -> _Curves:
-    return _Curves(shown)
+def _curves_of(demonstrated: tuple[Experience, ...]) -> _Curves:
+    return _Curves(demonstrated)
 
 
 @dataclass(frozen=True, eq=False)
 class _Chord:
-    """How a curve (n, d) lies about its end."""
+    """A curve (n, d) relative to its end."""
 
     points: Float64Array  # (n, d), from the curve's end
     length: float  # between its ends
     direction: Float64Array | None
     along: Float64Array  # of the points, (n,), in that direction
-    turning: float  # how much of the turned curve there is in the carried one
+    rotation: float  # fraction of the rotated curve in the adapted one
 
 
 def _chord_of(curve: Float64Array) -> _Chord:
@@ -155,27 +156,23 @@ def _chord_of(curve: Float64Array) -> _Chord:
     if length == 0.0:
         return _Chord(points, 0.0, None, np.zeros(len(curve)), 0.0)
     directed = length / float(arc_length(curve)[-1]) - _RETURNING[0]
-    turning = _TURNED_FRACTION * min(max(directed / (_RETURNING[1] - _RETURNING[0]), 0.0), 1.0)
+    rotation = _ROTATED_FRACTION * min(max(directed / (_RETURNING[1] - _RETURNING[0]), 0.0), 1.0)
     direction = old / length
-    return _Chord(points, length, direction, points @ direction, turning)
+    return _Chord(points, length, direction, points @ direction, rotation)
 
 
 def _bounded(
-    path: Float64Array, usual: Float64Array, start: Float64Array, goal: Float64Array
+    path: Float64Array, nominal: Float64Array, start: Float64Array, goal: Float64Array
 ) -> Float64Array:
-    """The path, drawn to the shifted usual one until it is no farther from that than its ends."""
-    shifted = with_ends(usual, start, goal)
-    moved = max(float(np.linalg.norm(start - usual[0])), float(np.linalg.norm(goal - usual[-1])))
-    bound = MOST_DEVIATION * moved
-    off, change = shifted - usual, path - shifted
-    if np.linalg.norm(off + change, axis=1).max() <= bound:
+    """The path, drawn to the shifted nominal one until it is no farther from that than its ends."""
+    shifted = with_ends(nominal, start, goal)
+    moved = max(
+        float(np.linalg.norm(start - nominal[0])), float(np.linalg.norm(goal - nominal[-1]))
+    )
+    off, change = shifted - nominal, path - shifted
+    if np.linalg.norm(off + change, axis=1).max() <= MAX_DEVIATION * moved:
         return path
-    # The largest fraction of the change with |off + fraction * change| <= bound everywhere.
-    a, b = (change**2).sum(axis=1), (off * change).sum(axis=1)
-    c = np.minimum((off**2).sum(axis=1) - bound**2, 0.0)
-    inside = a > 0.0
-    roots = (-b[inside] + np.sqrt(b[inside] ** 2 - a[inside] * c[inside])) / a[inside]
-    return np.asarray(shifted + min(float(roots.min()), 1.0) * change)
+    return np.asarray(shifted + fraction_inside(off, change, MAX_DEVIATION * moved) * change)
 
 
 def with_ends(curve: Float64Array, start: Float64Array, goal: Float64Array) -> Float64Array:
@@ -185,26 +182,26 @@ def with_ends(curve: Float64Array, start: Float64Array, goal: Float64Array) -> F
     return np.asarray(curve + (1 - u) * (start - first) + u * (goal - last))
 
 
-def _turned(chord: _Chord, start: Float64Array, goal: Float64Array) -> Float64Array | None:
-    """The curve turned about the goal and scaled so that it begins at the start, or None."""
+def _rotated(chord: _Chord, start: Float64Array, goal: Float64Array) -> Float64Array | None:
+    """The curve rotated about the goal and scaled so that it begins at the start, or None."""
     new = start - goal
     length, a = float(np.linalg.norm(new)), chord.direction
     if a is None or length == 0.0 or not _SCALES[0] < length / chord.length < _SCALES[1]:
         return None
     b = new / length
     cosine = float(a @ b)
-    if cosine < _LEAST_COSINE:
+    if cosine < _MIN_COSINE:
         return None
     y, bisector = chord.points, a + b
     rotated = y - np.outer(y @ bisector, bisector) / (1 + cosine) + 2 * np.outer(chord.along, b)
     return np.asarray(goal + length / chord.length * rotated)
 
 
-def _same_ways(
+def _branches_near(
     shifted: Float64Array, starts: Float64Array, start: Float64Array, length: float
 ) -> Iterator[NDArray[np.bool_]]:
-    """Which demonstrations are connected by small steps, those with the nearest start first."""
-    neighbours = _core.rms_apart(shifted) < _SAME_WAY * length
+    """Groups of demonstrations connected by small steps, that with the nearest start first."""
+    neighbours = _core.rms_apart(shifted) < _SAME_BRANCH * length
     distance = np.linalg.norm(starts - start, axis=1)
     left = np.ones(len(shifted), dtype=bool)
     while left.any():
@@ -228,56 +225,52 @@ def _weights(starts: Float64Array, start: Float64Array, chosen: NDArray[np.bool_
 
 
 def _quickest_of(attempts: Sequence[Route | NoPath]) -> Route:
-    """The route of least travel time."""
-    found = [each for each in attempts if isinstance(each, Route)]
-    if not found:
-        (first, *_) = (each for each in attempts if isinstance(each, NoPath))
-        raise first
-    return min(found, key=lambda route: route.travel_time)
+    """The route of least travel time; raises the first NoPath if there is no route."""
+    routes = [each for each in attempts if isinstance(each, Route)]
+    if not routes:
+        raise next(each for each in attempts if isinstance(each, NoPath))
+    return min(routes, key=lambda route: route.travel_time)
 
 
 def _attempt(
-    mean: MeanPath, faced: Sequence[Experience], query: Query, scales: Scales
+    mean: MeanPath, demonstrations: Sequence[Experience], query: Query, scales: Scales
 ) -> Route | NoPath:
     try:
-        return _through(mean, faced, query, scales)
+        return _through(mean, demonstrations, query, scales)
     except NoPath as error:
         return error
 
 
-def _hits(path: Float64Array, obstacles: Sequence[Shape]) -> bool:
-    """Whether a path (n, d) runs into an obstacle between its ends, which cannot be moved."""
-    points = np.zeros((len(path), 3))
-    points[:, : path.shape[1]] = path
-    return any(bool((obstacle.distance(points) <= 0.0).any()) for obstacle in obstacles)
-
-
-def _through(mean: MeanPath, faced: Sequence[Experience], query: Query, scales: Scales) -> Route:
-    """The route along one way, around obstacles."""
-    way = mean.path
+def _through(
+    mean: MeanPath, demonstrations: Sequence[Experience], query: Query, scales: Scales
+) -> Route:
+    """The route along one mean path, around obstacles."""
+    nominal = mean.path
     if scales.workspace is not None:
-        way = np.clip(way, *scales.workspace)  # start and goal decide whether that is an error
-        way[[0, -1]] = query.ends
+        nominal = np.clip(
+            nominal, *scales.workspace
+        )  # start and goal decide whether that is an error
+        nominal[[0, -1]] = query.ends
     knot_spacing = _KNOTS * scales.radius
-    grid, scales = grid_over([way], query.obstacles, scales)
-    path = _alongtube_field(way, grid, query.obstacles, scales)
-    if path is not way:
+    grid, scales = grid_over([nominal], query.obstacles, scales)
+    path = _with_detours(nominal, grid, query.obstacles, scales)
+    if path is not nominal:
         knot_spacing = CELLS_PER_KNOT * float(grid.spacing.max())
     chosen = mean.weights > 0.0
-    used = tuple(each for each, wanted in zip(faced, chosen, strict=True) if wanted)
+    used = tuple(each for each, wanted in zip(demonstrations, chosen, strict=True) if wanted)
     weights = np.ones(len(used))  # whose start is nearest says nothing about the pace
     return route_along(
         path,
-        tube_field(way, grid, query.obstacles, scales),
+        tube_field(nominal, grid, query.obstacles, scales),
         knot_spacing=knot_spacing,
         used=used,
         weights=weights,
         method="mean_path",
-        region=mean.region if path is way else None,  # a detour needs its room
+        region=mean.region if path is nominal else None,  # a detour needs its room
     )
 
 
-def _alongtube_field(
+def _with_detours(
     mean: Float64Array, grid: Grid, obstacles: Sequence[Shape], scales: Scales
 ) -> Float64Array:
     """A mean path with detours through its tube; itself where there is none."""

@@ -1,6 +1,6 @@
-"""A skill of Fast Marching Learning: asked for paths and motions, and taught further ones.
+"""Fast Marching Learning: demonstrations become a speed map, a wave in it gives the path.
 
-Source: Prados et al. 2023, Appl. Sci. 13:2028, eqs. 6 and 7.
+Source: Prados et al. 2023, Appl. Sci. 13:2028, Algorithm 1 and eqs. 6 and 7.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from leadthrough.models.marching.maps import (
     MAP_RADIUS,
     OBSTACLE_MAPS,
     Scales,
-    hindered,
     map_of,
     mean_speed,
+    with_obstacles,
 )
 from leadthrough.models.marching.planner import planned
 from leadthrough.models.marching.policy import Policy, policy_to
@@ -44,10 +44,10 @@ from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Shape, check_shapes
 
 METHODS = ("auto", "map", "start", "mean_path")
-# Cells of a map that is kept.
-_KEPT_CELLS = 1_000_000
+# Cells of a preview's map.
+_PREVIEW_CELLS = 1_000_000
 # Room around demonstrations, goal and obstacles, as a fraction of their extent, in which things may
-# be dragged before a map that is kept has to be made anew.
+# be dragged before a preview's map has to be made anew.
 _ROOM_TO_DRAG = 0.5
 _SATURATIONS, _SATURATION_STEP = (0.005, 0.5), 0.005
 # The radii worth trying, in multiples of the present one, and the steps between them.
@@ -70,9 +70,8 @@ class FastMarching(Unfitted):
         method: "map", all demonstrations in one map (Algorithm 1); "start", those that start near;
             "mean_path", a tube around the path that they predict; "auto", "mean_path" where start
             and goal lie near a demonstration's ends, otherwise "map" with those demonstrations that
-            lead there; one random walk alone shows no way, a smooth one cannot be told from a
-            motion that was meant. All keep the usual way where start or goal is moved a little,
-            or `Route.leaves_usual_way` says that they leave it.
+            lead there; a single random walk predicts no path, unless it is smooth. For slightly
+            moved ends all keep to the nominal route, or set `Route.leaves_nominal_route`.
         timing: "demonstrations", their mean progress along the path; "speed_map", speed
             proportional to the map's; "constant". Motions start and end at rest in all of them.
         workspace: (lower, upper) corners (d,) each, which no path leaves and the map fills; None:
@@ -116,22 +115,22 @@ class FastMarching(Unfitted):
 
         Args:
             demonstrations: all of points in two or three dimensions, or all of poses. Without any,
-                the skill goes the shortest way.
+                the skill takes the shortest path.
 
         Raises:
             InvalidInput: for other motions.
             FitError: for a demonstration of a single sample, or whose position does not move, and
                 for demonstrations of one path whose orientations along it have no mean.
         """
-        shown = experience_of(demonstrations)
-        if len(shown) > 1:
-            orientation.refuse_opposed(shown)
-        return FastMarchingSkill(self, shown)
+        demonstrated = experience_of(demonstrations)
+        if len(demonstrated) > 1:
+            orientation.refuse_opposed(demonstrated)
+        return FastMarchingSkill(self, demonstrated)
 
 
 @dataclass(frozen=True, eq=False)
 class FastMarchingSkill(Archived, Generic[MotionT_co]):
-    """What was learned; made by `FastMarching.fit`.
+    """A fitted Fast Marching model; made by `FastMarching.fit`.
 
     Attributes:
         model: the settings that it was fitted with.
@@ -167,7 +166,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
         return self._map[1]
 
     def map_with(self, obstacles: Sequence[Shape]) -> Float64Array:
-        """The velocity map with obstacles in it; to plan, "map" adds ways round those in a tube.
+        """The velocity map with obstacles; to plan, "map" adds detours around those in a tube.
 
         Args:
             obstacles: shapes in the demonstrations' frame.
@@ -176,7 +175,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
             InvalidInput: if one is no shape.
         """
         grid, speed = self._map
-        return hindered(speed, grid, check_shapes(obstacles), self._map_scales)
+        return with_obstacles(speed, grid, check_shapes(obstacles), self._map_scales)
 
     def kappa(self, path: ArrayLike) -> float:
         """Mean of the velocity map along a path: 1 deep in the experience.
@@ -216,10 +215,10 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
             )
         if duration is not None:
             check.number(duration, "duration", above=0.0)
-        turned = None
+        orientations = None
         if self._has_orientations:
             covered, weights = arc_length(points), np.ones(len(self._all))
-            turned = orientation.along(
+            orientations = orientation.along(
                 self._all,
                 weights,
                 path=points,
@@ -227,7 +226,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
                 goal=None,
                 fractions=covered / covered[-1],
             )
-        new = experience_like(self._all, points, turned, duration=duration)
+        new = experience_like(self._all, points, orientations, duration=duration)
         return replace(self, learned=(*self.learned, new))
 
     def auto_learn(
@@ -262,11 +261,11 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
     ) -> MotionT_co:
-        """A motion of the type that was shown, around obstacles; it starts and ends at rest.
+        """A motion of the type that was demonstrated, around obstacles; it starts and ends at rest.
 
         Args:
             start: (d,), by default the centroid of the demonstrations' starts; for poses also
-                (position (3,), orientation (4,)), by default turned as demonstrated.
+                (position (3,), orientation (4,)), by default the demonstrated one.
             goal: as start, by default the centroid of the demonstrations' goals.
             duration: s, > 0; by default the demonstrations', adapted to the path's length.
             dt: s, > 0, upper bound of the sampling step.
@@ -277,12 +276,12 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
             InvalidInput: if an argument is of another shape or range.
             NoPath: where start or goal lies in an obstacle, or obstacles separate them.
         """
-        found = self.plan(start=start, goal=goal, obstacles=obstacles)
-        return self.in_time(found, start=start, goal=goal, duration=duration, dt=dt)
+        route = self.plan(start=start, goal=goal, obstacles=obstacles)
+        return self.in_time(route, start=start, goal=goal, duration=duration, dt=dt)
 
     def in_time(
         self,
-        found: Route,
+        route: Route,
         *,
         start: Place | None = None,
         goal: Place | None = None,
@@ -292,7 +291,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
         """The motion along a route, as by `generate`.
 
         Args:
-            found: the route, from `plan` or a live map.
+            route: from `plan` or a live map.
             start: the query's; only its orientation counts here.
             goal: the query's; only its orientation counts here.
             duration: s, > 0; by default the demonstrations', adapted to the path's length.
@@ -307,15 +306,16 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
             name: split(self.demonstrated, value, name)[1]
             for name, value in (("start", start), ("goal", goal))
         }
-        motion, covered = timed(found, timing=self.model.timing, duration=wanted, dt=dt)
+        motion, covered = timed(route, timing=self.model.timing, duration=wanted, dt=dt)
         made: Trajectory | PoseTrajectory = motion
         if self._has_orientations:
-            turned = orientation.along(
-                found.used, found.weights, path=found.path, fractions=covered, **ends
+            orientations = orientation.along(
+                route.used, route.weights, path=route.path, fractions=covered, **ends
             )
-            shown = motion.events, motion.joints
-            made = PoseTrajectory(motion.times, motion.positions, turned, *shown)
-        return cast(MotionT_co, made)  # poses where poses were shown
+            made = PoseTrajectory(
+                motion.times, motion.positions, orientations, motion.events, motion.joints
+            )
+        return cast(MotionT_co, made)  # poses if poses were demonstrated
 
     def plan(
         self,
@@ -324,7 +324,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
         goal: Place | None = None,
         obstacles: Sequence[Shape] = (),
     ) -> Route:
-        """The path of `generate`, without a time law, and how it was found.
+        """The path of `generate`, without a time law, and how it was planned.
 
         Args:
             start: as in `generate`.
@@ -337,10 +337,10 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
         """
         query = self.query(start=start, goal=goal, obstacles=obstacles)
         if start is None and goal is None and not query.obstacles:
-            return self._usual_route
-        usual = (lambda: self._usual_route) if self.demonstrated else None
+            return self._nominal_route
+        nominal = (lambda: self._nominal_route) if self.demonstrated else None
         return planned(
-            self.model.method, self._all, query, partial(self._scales, query=query), usual=usual
+            self.model.method, self._all, query, partial(self._scales, query=query), nominal=nominal
         )
 
     def query(
@@ -391,7 +391,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
     def policy(self, position: ArrayLike) -> Float64Array:
         """The velocity that leads from a position to the demonstrations' goal, without planning.
 
-        After a push the tool joins the demonstrated way anew.
+        After a push the tool rejoins the demonstrated path.
 
         Args:
             position: (d,).
@@ -410,8 +410,8 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
     ) -> Policy:
         """A policy for a goal, among obstacles; what it needs is computed here, once.
 
-        It goes by the map of all demonstrations, at the speed that they teach at each place. Where
-        they cross themselves it takes the short cut: a place does not tell how far the task is. A
+        It goes by the map of all demonstrations, at the speed that they teach at each position.
+        Where they cross themselves it takes the short cut: a position does not tell the phase. A
         motion that returns to its start goes round and ends four cells before it. While obstacles
         move, `policy.around(obstacles)` repairs the field.
 
@@ -436,11 +436,11 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
         Args:
             demonstrations: not needed, as nothing is fitted again.
         """
-        found = [self._parameter("saturation", "saturation", *_SATURATIONS, _SATURATION_STEP)]
+        result = [self._parameter("saturation", "saturation", *_SATURATIONS, _SATURATION_STEP)]
         if self.experience:
             least, most = (factor * self.area_of_influence for factor in _RADII)
             step = (most - least) / _RADIUS_STEPS
-            found.append(
+            result.append(
                 self._parameter(
                     "area_of_influence",
                     "area of influence, m",
@@ -449,7 +449,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
                     step,
                 )
             )
-        return found
+        return result
 
     def _parameter(
         self, setting: str, label: str, least: float, most: float, step: float
@@ -485,7 +485,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
         return self.demonstrated + self.learned
 
     @cached_property
-    def _usual_route(self) -> Route:
+    def _nominal_route(self) -> Route:
         scales = partial(self._scales, query=None)
         return planned(self.model.method, self._all, self.query(), scales)
 
@@ -496,7 +496,7 @@ class FastMarchingSkill(Archived, Generic[MotionT_co]):
     @cached_property
     def _map(self) -> tuple[Grid, Float64Array]:
         self._dimensions()
-        grid, speed, _ = map_of([each.way for each in self._all], self._map_scales)
+        grid, speed, _ = map_of([each.denoised for each in self._all], self._map_scales)
         speed.setflags(write=False)
         return grid, speed
 
@@ -541,7 +541,7 @@ class Preview(Generic[MotionT_co]):
 
     @property
     def live_map(self) -> LiveMap | None:
-        """The map that is kept; None before the first answer and with another method than "map"."""
+        """The preview's map; None before the first answer and with another method than "map"."""
         return self._map
 
     def generate(
@@ -560,13 +560,13 @@ class Preview(Generic[MotionT_co]):
                 start=start, goal=goal, duration=duration, dt=dt, obstacles=obstacles
             )
         ends = skill.query(start=start, goal=goal).ends
-        found = self._map_around(ends, obstacles).route(ends[0], ends[1], obstacles)
-        return skill.in_time(found, start=start, goal=goal, duration=duration, dt=dt)
+        route = self._map_around(ends, obstacles).route(ends[0], ends[1], obstacles)
+        return skill.in_time(route, start=start, goal=goal, duration=duration, dt=dt)
 
     def _map_around(self, ends: Float64Array, obstacles: Sequence[Shape]) -> LiveMap:
         if self._map is None or not self._map.grid.contains(ends).all():
             space = self._workspace(ends, obstacles)
-            self._map = self._skill.live_map(space, cells=_KEPT_CELLS)
+            self._map = self._skill.live_map(space, cells=_PREVIEW_CELLS)
         return self._map
 
     def _workspace(

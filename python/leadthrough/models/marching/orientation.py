@@ -16,23 +16,25 @@ from leadthrough.trajectories import minimum_jerk_time_scaling
 
 _NODES = 101  # of the mean orientation along the path
 # Paths nearer to each other than this fraction of their length are followed together.
-_SAME_WAY = 0.1
+_SAME_BRANCH = 0.1
 
 
-def refuse_opposed(shown: Sequence[Experience]) -> None:
+def refuse_opposed(known: Sequence[Experience]) -> None:
     """Checks that demonstrations of the same path have a mean orientation along it."""
-    faced = [each.facing(shown[0].path[0], shown[0].path[-1]) for each in shown]
-    if any(each.orientations is None for each in faced):
+    directed = [each.towards(known[0].path[0], known[0].path[-1]) for each in known]
+    if any(each.orientations is None for each in directed):
         return
     phases = np.linspace(0.0, 1.0, _NODES)
-    layers = [_at(each, phases) for each in faced]
+    layers = [_at(each, phases) for each in directed]
     try:
         mean_orientations(layers)
     except FitError:
         near, far, *_ = groups_of(layers)
-        lengths = [each.length for each in faced]
+        lengths = [each.length for each in directed]
         for i, j in ((i, j) for i in near for j in far):
-            if _gap(faced[i].path, faced[j].path) < _SAME_WAY * max(lengths[i], lengths[j]):
+            if _gap(directed[i].path, directed[j].path) < _SAME_BRANCH * max(
+                lengths[i], lengths[j]
+            ):
                 raise
 
 
@@ -47,8 +49,8 @@ def along(
 ) -> Float64Array:
     """Orientations along a path that follows demonstrations of poses."""
     phases = np.linspace(0.0, 1.0, _NODES)
-    kept = [i for i, weight in enumerate(weights) if weight > 0.0]
-    nodes = _agreed([used[i] for i in kept], weights[kept], path)
+    chosen = [i for i, weight in enumerate(weights) if weight > 0.0]
+    nodes = _agreed([used[i] for i in chosen], weights[chosen], path)
     mean = rotations.squad(phases, nodes, fractions)
     offsets = [
         np.zeros((1, 3))
@@ -70,8 +72,8 @@ def _agreed(used: Sequence[Experience], weights: Float64Array, path: Float64Arra
     except FitError:
         groups = groups_of(layers)[:2]
         nearest = int(np.argmin([_gap(each.path, path) for each in used]))
-        kept = groups[0] if nearest in groups[0] else groups[1]
-        return _agreed([used[i] for i in kept], weights[kept], path)
+        chosen = groups[0] if nearest in groups[0] else groups[1]
+        return _agreed([used[i] for i in chosen], weights[chosen], path)
 
 
 def _gap(one: Float64Array, other: Float64Array) -> float:
@@ -83,7 +85,7 @@ def _gap(one: Float64Array, other: Float64Array) -> float:
 def _at(known: Experience, phases: Float64Array) -> Float64Array:
     """Orientations at fractions of the demonstration's own path; where it rests, the last one."""
     assert known.orientations is not None
-    covered = arc_length(known.way)
+    covered = arc_length(known.denoised)
     moving = np.concatenate([np.diff(covered) > 0.0, [True]])
     fraction = covered[moving] / covered[-1]
     fraction[0] = 0.0

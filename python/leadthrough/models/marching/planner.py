@@ -1,4 +1,17 @@
-"""Which of the three ways to plan a query is for."""
+"""Plans the route of a query: its method, its demonstrations, and its distance to the nominal one.
+
+A demonstration predicts the path if its ends lie near start and goal. Where they lie only nearly
+so, it has to resemble another one: an outlier may have its ends there by accident. Otherwise the
+map holds the demonstrations that are relevant to the query: those that lead somewhere, and whose
+stretch past start and goal approaches the goal about as fast as the demonstration itself proceeds.
+A wandering demonstration does neither, and the wave in a map of it would make detours that nobody
+demonstrated. It may still pass both ends nearly in a straight line; the planned route then decides
+whether it is used.
+
+The quickest path jumps where two branches take nearly the same time. A route that leaves the
+nominal one by more than its ends were moved is therefore replaced by the nominal one, adapted to
+the new ends.
+"""
 
 from __future__ import annotations
 
@@ -10,65 +23,15 @@ from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.marching.maps import MAP_RADIUS, TUBE_RADIUS, Scales
-from leadthrough.models.marching.mean_path import MOST_DEVIATION, along_mean, ways, with_ends
+from leadthrough.models.marching.maps import MAP_RADIUS, TUBE_RADIUS, Scales, min_distance
+from leadthrough.models.marching.mean_path import MAX_DEVIATION, along_mean, branches, with_ends
 from leadthrough.models.marching.route import Query, Route, from_start, through_map
 from leadthrough.preprocess.curve_distance import frechet_distance
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 
-
-def planned(
-    method: str,
-    known: Sequence[Experience],
-    query: Query,
-    scales: Callable[[float], Scales],
-    *,
-    usual: Callable[[], Route] | None = None,
-) -> Route:
-    """The route that a method finds for a query."""
-    found = _planned_anew(method, known, query, scales)
-    # A mean path of all demonstrations is no farther from the usual one than its ends are moved.
-    one_way = found.method == "mean_path" and len(found.used) == len(known)
-    if usual is None or (one_way and not query.obstacles):
-        return found
-    return kept(found, usual(), known, query, scales(MAP_RADIUS))
-
-
-def _planned_anew(
-    method: str, known: Sequence[Experience], query: Query, scales: Callable[[float], Scales]
-) -> Route:
-    if not known or method == "map":
-        return through_map(known, query, scales(MAP_RADIUS))
-    facing = faced(known, query)
-    # A prediction would lead a reach away from its start and back again.
-    stands_still = bool((query.start == query.goal).all())
-    trusted = not shows_nothing(known) and is_trusted(
-        [each.way for each in facing], query.start, query.goal
-    )
-    if (method == "auto" or stands_still) and not trusted:
-        return _through_useful(known, query, scales(MAP_RADIUS))
-    if method == "start":
-        return from_start(known, query, scales(TUBE_RADIUS))
-    return along_mean(facing, query, scales(TUBE_RADIUS))
-
-
-def _through_useful(known: Sequence[Experience], query: Query, scales: Scales) -> Route:
-    """The route in the map of useful demonstrations; wandering ones may not make it longer."""
-    found = useful(known, query)
-    plain = through_map(known, query, scales, useful=_chosen(known, found.certain))
-    if not found.passing.any():
-        return plain
-    route = through_map(known, query, scales, useful=_chosen(known, found.certain | found.passing))
-    return route if route.length <= NO_DETOUR * plain.length else plain
-
-
-def _chosen(known: Sequence[Experience], wanted: NDArray[np.bool_]) -> list[Experience]:
-    return [each for each, is_wanted in zip(known, wanted, strict=True) if is_wanted]
-
-
-# A mean path is trusted where a demonstration's ends are nearer to start and goal than this
+# A mean path is predicted where a demonstration's ends are nearer to start and goal than this
 # fraction of the distance between these, or, for motions that return, of its own length. Farther
-# off the demonstrations say little about the way, and bending them to it gives detours.
+# off the demonstrations say little about the path, and adapting them to it gives detours.
 _NEAR_OF_DISTANCE = 0.5
 _NEAR_OF_LENGTH = 0.1
 _NEAR_OF_EXTENT = 0.5
@@ -80,28 +43,63 @@ _AT_ITS_ENDS = 0.03  # of its extent
 # Demonstrations resemble each other where the root mean square distance between them, their ends
 # laid on each other, is below this fraction of the length, or of three extents, of either; and, if
 # one of them is curved, below this fraction of the distance of either from its own chord.
-_COMPANY, _USUAL = 0.05, 3.0
+_RESEMBLANCE, _EXTENTS = 0.05, 3.0
 _ALIKE = 0.5
-STRAIGHT = 0.5  # least chord, over the length, of a demonstration that is not curved
+_STRAIGHT = 0.5  # least chord, over the length, of a demonstration that is not curved
 _SAMPLES = 100
+# A detour up to this ratio to the straight line does no harm.
+_MAX_DETOUR = 1.1
+# Progress towards the goal per length of path, as a fraction of the demonstration's own.
+_AS_FAST = 0.5
+# Ends demonstrated in one direction are nearer to their mean by this factor than reversed.
+_ONE_DIRECTION = 0.5
+# A query whose ends are nearer to a demonstration's than this fraction of its distance from the
+# nominal ends asks for that demonstration.
+_ASKED_FOR = 0.5
+_FRECHET_SAMPLES = 200
 
 
-def is_trusted(paths: Sequence[Float64Array], start: Float64Array, goal: Float64Array) -> bool:
-    """Whether a demonstration's ends lie near enough to start and goal to predict the way."""
-    near, nearly = _nearness(paths, start, goal)
-    return bool(near.any() or (nearly.any() and (nearly & in_company(paths)).any()))
+def planned(
+    method: str,
+    known: Sequence[Experience],
+    query: Query,
+    scales: Callable[[float], Scales],
+    *,
+    nominal: Callable[[], Route] | None = None,
+) -> Route:
+    """The route that a method plans for a query."""
+    route = _planned_anew(method, known, query, scales)
+    # A mean path of all demonstrations is no farther from the nominal one than its ends are moved.
+    bounded = route.method == "mean_path" and len(route.used) == len(known)
+    if nominal is None or (bounded and not query.obstacles):
+        return route
+    return _near_nominal(route, nominal(), known, query, scales(MAP_RADIUS))
 
 
-def trusted(
-    paths: Sequence[Float64Array], start: Float64Array, goal: Float64Array
-) -> NDArray[np.bool_]:
-    """Which demonstrations' ends lie near enough to start and goal, (k,), as by `is_trusted`."""
-    near, nearly = _nearness(paths, start, goal)
-    return near | (nearly & in_company(paths))
+def directed(known: Sequence[Experience], query: Query) -> list[Experience]:
+    """The demonstrations in the direction in which each is traversed for a query.
+
+    A motion demonstrated in one direction, such as a stroke that ends beside its start, is reversed
+    only if the reversed one stays within the bound for moved ends: a small move of the ends must
+    not turn the motion around.
+    """
+    towards = [each.towards(query.start, query.goal) for each in known]
+    if all(one is other for one, other in zip(towards, known, strict=True)):
+        return towards
+    starts, goals = (np.stack([each.path[index] for each in known]) for index in (0, -1))
+    nominal = starts.mean(axis=0), goals.mean(axis=0)
+    if not _in_one_direction(starts, goals, *nominal):
+        return towards
+    moved = max(
+        float(np.linalg.norm(asked - own)) for asked, own in zip(query.ends, nominal, strict=True)
+    )
+    change = _mean(towards, query.start, query.goal) - _mean(known, *nominal)
+    within = np.linalg.norm(change, axis=1).max() <= MAX_DEVIATION * moved
+    return towards if within else list(known)
 
 
-def in_company(paths: Sequence[Float64Array]) -> NDArray[np.bool_]:
-    """Which demonstrations (k,) go the way of another, so that it is no accident, or are alone."""
+def resemble_another(paths: Sequence[Float64Array]) -> NDArray[np.bool_]:
+    """Whether each demonstration (k,) resembles another one, or is the only one."""
     if len(paths) == 1:
         return np.ones(1, dtype=bool)
     curves = np.stack([by_arc_length(path, _SAMPLES) for path in paths])
@@ -111,11 +109,65 @@ def in_company(paths: Sequence[Float64Array]) -> NDArray[np.bool_]:
     bent = curves - (1.0 - u) * curves[:, :1] - u * curves[:, -1:]
     apart = _rms(bent[:, None] - bent[None])
     chords = np.linalg.norm(curves[:, -1] - curves[:, 0], axis=1)
-    straight = chords >= STRAIGHT * lengths
-    alike = apart < _COMPANY * _of_either(np.minimum(lengths, _USUAL * extents))
+    straight = chords >= _STRAIGHT * lengths
+    alike = apart < _RESEMBLANCE * _of_either(np.minimum(lengths, _EXTENTS * extents))
     alike &= (straight[:, None] & straight[None]) | (apart < _ALIKE * _of_either(_rms(bent)))
     np.fill_diagonal(alike, val=False)
     return np.asarray(alike.any(axis=1))
+
+
+def _planned_anew(
+    method: str, known: Sequence[Experience], query: Query, scales: Callable[[float], Scales]
+) -> Route:
+    """The route of a method, regardless of the nominal one."""
+    if not known or method == "map":
+        return through_map(known, query, scales(MAP_RADIUS))
+    demonstrations = directed(known, query)
+    # A prediction would lead a reach away from its start and back again.
+    stands_still = bool((query.start == query.goal).all())
+    predicted = (
+        not _is_random_walk(known)
+        and _predicts([each.denoised for each in demonstrations], query).any()
+    )
+    if (method == "auto" or stands_still) and not predicted:
+        return _through_relevant(known, query, scales(MAP_RADIUS))
+    if method == "start":
+        return from_start(known, query, scales(TUBE_RADIUS))
+    return along_mean(demonstrations, query, scales(TUBE_RADIUS))
+
+
+def _through_relevant(known: Sequence[Experience], query: Query, scales: Scales) -> Route:
+    """The route in the map of relevant demonstrations; wandering ones may not make it longer."""
+    relevant = _relevant_to(known, query)
+    plain = through_map(known, query, scales, mapped=_chosen(known, relevant.certain))
+    if not relevant.passing.any():
+        return plain
+    both = _chosen(known, relevant.certain | relevant.passing)
+    route = through_map(known, query, scales, mapped=both)
+    return route if route.length <= _MAX_DETOUR * plain.length else plain
+
+
+def _chosen(known: Sequence[Experience], wanted: NDArray[np.bool_]) -> list[Experience]:
+    return [each for each, is_wanted in zip(known, wanted, strict=True) if is_wanted]
+
+
+def _is_random_walk(known: Sequence[Experience]) -> bool:
+    """Whether there is a single demonstration and it is a random walk, which shows no path."""
+    return len(known) == 1 and known[0].is_random_walk
+
+
+def _predicts(paths: Sequence[Float64Array], query: Query) -> NDArray[np.bool_]:
+    """Whether each demonstration's ends (k,) lie near enough to start and goal to predict."""
+    distance = float(np.linalg.norm(query.goal - query.start))
+    gaps = np.array([np.linalg.norm(path[[0, -1]] - query.ends, axis=1).max() for path in paths])
+    lengths = np.array([arc_length(path)[-1] for path in paths])
+    extents = np.array([np.linalg.norm(np.ptp(path, axis=0)) for path in paths])
+    close = np.minimum(_NEAR_OF_LENGTH * lengths, _NEAR_OF_EXTENT * extents)
+    closer = np.maximum(_NEAR_OF_DISTANCE * distance, _VERY_NEAR * close)
+    straying = (lengths > _STRAYING * extents) & (len(paths) > 1)
+    near = gaps <= np.where(straying, _AT_ITS_ENDS * extents, closer)
+    nearly = (gaps <= np.maximum(_NEAR_OF_DISTANCE * distance, close)) & ~near
+    return near | (nearly & resemble_another(paths)) if nearly.any() else near
 
 
 def _rms(offsets: Float64Array) -> Float64Array:
@@ -128,109 +180,60 @@ def _of_either(sizes: Float64Array) -> Float64Array:
     return np.minimum(sizes[:, None], sizes[None])
 
 
-def _nearness(
-    paths: Sequence[Float64Array], start: Float64Array, goal: Float64Array
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which paths' ends are near to start and goal, and which are if the path is no accident."""
-    distance = float(np.linalg.norm(goal - start))
-    ends = np.stack([start, goal])
-    gaps = np.array([np.linalg.norm(path[[0, -1]] - ends, axis=1).max() for path in paths])
-    lengths = np.array([arc_length(path)[-1] for path in paths])
-    extents = np.array([np.linalg.norm(np.ptp(path, axis=0)) for path in paths])
-    close = np.minimum(_NEAR_OF_LENGTH * lengths, _NEAR_OF_EXTENT * extents)
-    closer = np.maximum(_NEAR_OF_DISTANCE * distance, _VERY_NEAR * close)
-    straying = (lengths > _STRAYING * extents) & (len(paths) > 1)
-    near = gaps <= np.where(straying, _AT_ITS_ENDS * extents, closer)
-    return near, gaps <= np.maximum(_NEAR_OF_DISTANCE * distance, close)
-
-
-# A detour up to this ratio to the straight line does no harm.
-NO_DETOUR = 1.1
-# Progress towards the goal for each length of way, as a fraction of the demonstration's own.
-_AS_FAST = 0.5
-
-
 @dataclass(frozen=True)
-class Useful:
-    """Which demonstrations (k,) of a skill are useful for a query."""
+class _Relevant:
+    """Demonstrations (k,) of a skill that are relevant to a query."""
 
     certain: NDArray[np.bool_]  # those that lead from start to goal
     passing: NDArray[np.bool_]  # wandering ones that pass by both, nearly in a straight line
 
 
-def useful(known: Sequence[Experience], query: Query) -> Useful:
-    """Which demonstrations the map for a query is made of."""
-    faced = [each.facing(query.start, query.goal) for each in known]
-    ways = [each.way for each in faced]
-    near = trusted(ways, query.start, query.goal)
-    alike = in_company(ways)
-    if shows_nothing(known):
+def _relevant_to(known: Sequence[Experience], query: Query) -> _Relevant:
+    """The demonstrations that the map for a query is made of."""
+    demonstrations = [each.towards(query.start, query.goal) for each in known]
+    paths = [each.denoised for each in demonstrations]
+    near, alike = _predicts(paths, query), resemble_another(paths)
+    if _is_random_walk(known):
         near, alike = np.zeros_like(near), np.zeros_like(alike)
-    least = np.where(alike, 0.0, STRAIGHT)
-    leading = [_leads(*each, query) for each in zip(faced, least, strict=True)]
+    least = np.where(alike, 0.0, _STRAIGHT)
+    leading = [_leads(*each, query) for each in zip(demonstrations, least, strict=True)]
     certain = near | np.array(leading)
-    passing = np.array([_passes_by(each, query) for each in faced])
-    return Useful(certain | (passing & alike), passing & ~certain & ~alike)
-
-
-def shows_nothing(known: Sequence[Experience]) -> bool:
-    """Whether all that is known is one random walk."""
-    return len(known) == 1 and known[0].wanders
+    passing = np.array([_passes_by(each, query) for each in demonstrations])
+    return _Relevant(certain | (passing & alike), passing & ~certain & ~alike)
 
 
 def _leads(one: Experience, straight: float, query: Query) -> bool:
     """Whether a stretch of a demonstration, at least so straight, leads from start to goal."""
-    first, last, _, stretch = _stretch(one.way, query)
-    own = float(np.linalg.norm(one.way[-1] - one.way[0])) / one.length
+    first, last, _, stretch = _stretch(one.denoised, query)
+    own = float(np.linalg.norm(one.denoised[-1] - one.denoised[0])) / one.length
     return own >= straight and _progress(first, last, query) >= _AS_FAST * own * stretch > 0.0
 
 
 def _passes_by(one: Experience, query: Query) -> bool:
-    """Whether the way past the demonstration's stretch is nearly as short as the straight one."""
+    """Whether the path along the demonstration's stretch is nearly as short as the straight one."""
     distance = float(np.linalg.norm(query.goal - query.start))
-    _, _, gap, stretch = _stretch(one.way, query)
-    return gap + stretch <= NO_DETOUR * distance
+    _, _, gap, stretch = _stretch(one.denoised, query)
+    return gap + stretch <= _MAX_DETOUR * distance
 
 
-def _stretch(way: Float64Array, query: Query) -> tuple[Float64Array, Float64Array, float, float]:
-    """The points nearest to start and goal, the sum of their gaps, and the way between them."""
-    gaps = [np.linalg.norm(way - end, axis=1) for end in query.ends]
+def _stretch(path: Float64Array, query: Query) -> tuple[Float64Array, Float64Array, float, float]:
+    """The points nearest to start and goal, the sum of their gaps, the length between them."""
+    gaps = [np.linalg.norm(path - end, axis=1) for end in query.ends]
     nearest = [int(np.argmin(gap)) for gap in gaps]
-    covered = arc_length(way)
+    covered = arc_length(path)
     apart = abs(float(covered[nearest[1]] - covered[nearest[0]]))
-    return way[nearest[0]], way[nearest[1]], float(gaps[0].min() + gaps[1].min()), apart
+    return path[nearest[0]], path[nearest[1]], float(gaps[0].min() + gaps[1].min()), apart
 
 
 def _progress(first: Float64Array, last: Float64Array, query: Query) -> float:
-    """By how much it is nearer to the goal and farther from the start at the stretch's end."""
+    """Mean decrease of the distance to the goal and increase of that to the start."""
     to_goal, from_start = (
         np.linalg.norm(np.stack([first, last]) - end, axis=1) for end in (query.goal, query.start)
     )
     return float(0.5 * (to_goal[0] - to_goal[1] + from_start[1] - from_start[0]))
 
 
-# Ends shown in one direction are nearer to their mean by this factor than reversed.
-_ONE_WAY = 0.5
-
-
-def faced(known: Sequence[Experience], query: Query) -> list[Experience]:
-    """The demonstrations, facing the way from start to goal as a whole."""
-    turned = [each.facing(query.start, query.goal) for each in known]
-    if all(one is other for one, other in zip(turned, known, strict=True)):
-        return turned
-    starts, goals = (np.stack([each.path[index] for each in known]) for index in (0, -1))
-    usual = starts.mean(axis=0), goals.mean(axis=0)
-    if not _shown_one_way(starts, goals, *usual):
-        return turned
-    moved = max(
-        float(np.linalg.norm(asked - shown)) for asked, shown in zip(query.ends, usual, strict=True)
-    )
-    change = _way(turned, query.start, query.goal) - _way(known, *usual)
-    within = np.linalg.norm(change, axis=1).max() <= MOST_DEVIATION * moved
-    return turned if within else list(known)
-
-
-def _shown_one_way(
+def _in_one_direction(
     starts: Float64Array, goals: Float64Array, start: Float64Array, goal: Float64Array
 ) -> bool:
     """Whether no demonstration is as near to the mean ends when it is reversed."""
@@ -238,33 +241,28 @@ def _shown_one_way(
         np.linalg.norm(first - start, axis=1) + np.linalg.norm(last - goal, axis=1)
         for first, last in ((starts, goals), (goals, starts))
     )
-    return bool((ahead <= _ONE_WAY * back).all())
+    return bool((ahead <= _ONE_DIRECTION * back).all())
 
 
-def _way(shown: Sequence[Experience], start: Float64Array, goal: Float64Array) -> Float64Array:
-    return next(ways(shown, start, goal)).path
+def _mean(known: Sequence[Experience], start: Float64Array, goal: Float64Array) -> Float64Array:
+    return next(branches(known, start, goal)).path
 
 
-# A query whose ends are nearer to a demonstration's than this fraction of its distance from the
-# usual ends asks for that demonstration.
-_ASKED_FOR = 0.5
-_FRECHET_SAMPLES = 200
-
-
-def kept(
-    found: Route, usual: Route, known: Sequence[Experience], query: Query, scales: Scales
+def _near_nominal(
+    route: Route, nominal: Route, known: Sequence[Experience], query: Query, scales: Scales
 ) -> Route:
-    """The route found or, if it leaves the nominal route too far, the nominal one carried."""
-    moved = float(np.linalg.norm(query.ends - usual.path[[0, -1]], axis=1).max())
-    bound = MOST_DEVIATION * moved + scales.radius
-    if found.method != usual.method or _apart(found.path, usual.path) <= bound:
-        return found
-    way = with_ends(usual.path, query.start, query.goal)
+    """The route or, if it leaves the nominal route too far, the nominal one adapted."""
+    moved = float(np.linalg.norm(query.ends - nominal.path[[0, -1]], axis=1).max())
+    bound = MAX_DEVIATION * moved + scales.radius
+    if route.method != nominal.method or _apart(route.path, nominal.path) <= bound:
+        return route
+    path = with_ends(nominal.path, query.start, query.goal)
     if scales.workspace is not None:
-        way = np.clip(way, *scales.workspace)
-    if _blocked(way, query, scales) or _asks_for_one(known, query, moved, scales):
-        return replace(found, leaves_usual_way=True)
-    return replace(usual, path=way)
+        path = np.clip(path, *scales.workspace)
+    blocked = min_distance(path, query.obstacles) < scales.clearance
+    if blocked or _asks_for_one(known, query, moved, scales):
+        return replace(route, leaves_nominal_route=True)
+    return replace(nominal, path=path)
 
 
 def _apart(one: Float64Array, other: Float64Array) -> float:
@@ -273,15 +271,8 @@ def _apart(one: Float64Array, other: Float64Array) -> float:
     )
 
 
-def _blocked(way: Float64Array, query: Query, scales: Scales) -> bool:
-    """Whether an obstacle would slow the wave down on a way (n, d)."""
-    points = np.zeros((len(way), 3))
-    points[:, : way.shape[1]] = way
-    return any((each.distance(points) < scales.clearance).any() for each in query.obstacles)
-
-
 def _asks_for_one(known: Sequence[Experience], query: Query, moved: float, scales: Scales) -> bool:
-    """Whether start and goal are clearly a demonstration's, and not the usual ones."""
-    faced = [each.facing(query.start, query.goal).path[[0, -1]] for each in known]
-    gaps = [np.linalg.norm(ends - query.ends, axis=1).max() for ends in faced]
+    """Whether start and goal are clearly a demonstration's, and not the nominal ones."""
+    ends = [each.towards(query.start, query.goal).path[[0, -1]] for each in known]
+    gaps = [np.linalg.norm(each - query.ends, axis=1).max() for each in ends]
     return moved > scales.radius and min(gaps) <= _ASKED_FOR * moved

@@ -1,4 +1,4 @@
-"""A policy from a field of arrival times: where to go from any place, without planning again.
+"""A policy from a field of arrival times: velocities at any position, without planning again.
 
 Source: Prados et al. 2023, section 3.7: the field is the control policy of the task.
 """
@@ -18,7 +18,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath
 from leadthrough.models import phase
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.marching.maps import Scales, grid_over, passable, speeds_along
+from leadthrough.models.marching.maps import Scales, grid_over, speeds_along, with_detours
 from leadthrough.planning.arrival import ArrivalField, FloatArray, arrival_times
 from leadthrough.planning.descent import direction
 from leadthrough.planning.grid import Grid
@@ -31,12 +31,97 @@ if TYPE_CHECKING:
 
 # Room for a policy around its goal, as a fraction of the demonstrations' extent.
 _PUSHED = 1.25
-# From any point in a gate into free cells beyond it, in the gate's half thickness.
-_PAST_GATE = 4.0
+# From any point in a barrier into free cells beyond it, in the barrier's half thickness.
+_PAST_BARRIER = 4.0
+# Ends closer than this fraction of the length count as one position.
+_RETURNS = 0.05
+_SAMPLES = 1000
+_TANGENT = 30  # samples from the start and to the end that give the direction
+# Departure and arrival that turn back by more than 120 degrees lie in one tube: no barrier
+# separates them.
+_MIN_NORMAL = 1.0
+# From the start back to the barrier and to the goal, in cells' edges.
+_TO_BARRIER, _TO_GOAL = 2.0, 4.0
+# Half width: in radii, so that it closes the tube, and as a fraction of length times saturation,
+# so that the path past it takes longer than the motion; at most a part of the extent.
+_RADII, _LENGTHS, _EXTENT = 2.5, 0.75, 0.25
+_NEIGHBOURS = 8
+_STEP = 5  # every fifth of the samples of a demonstration's progress
+# People start and end at rest; a policy of the position alone must leave the start.
+_MIN_SPEED = 0.1  # of the mean speed
 
 
-class Surroundings:
-    """The map of a policy without obstacles, and the field that is repaired while they move."""
+@dataclass(frozen=True, eq=False)
+class Policy(ShortRepr):
+    """Velocities that lead to a goal from wherever the tool was pushed."""
+
+    grid: Grid  # cells of the field
+    arrival: FloatArray  # times in each cell, marched from the goal
+    goal: Float64Array  # (d,) where the tool comes to rest
+    speeds: DemonstratedSpeeds  # speeds that the demonstrations teach
+    slowing: float
+    barrier: StartBarrier | None  # across the start of a motion that returns to it, or None
+    _map: _PolicyMap = field(repr=False)
+
+    def __call__(self, position: ArrayLike) -> Float64Array:
+        """The velocity (d,) at a position, in the unit of the grid per second; zero at the goal."""
+        point = check.array(position, "position", shape=(self.grid.dimensions,))
+        cell = float(self.grid.spacing.max())
+        speed = self.speeds.at(point, blur=cell)
+        if self.barrier is not None and self.barrier.is_passed(point):
+            if self._is_at(self.barrier, point):
+                return np.asarray(speed * self.barrier.normal)
+            return np.asarray(direction(self.arrival, self.grid, point[None])[0] * speed)
+        ahead = self.goal - point
+        left = float(np.linalg.norm(ahead))
+        rate = self.speeds.mean / self.slowing
+        if left <= cell:  # the field means nothing within the goal's cell
+            return np.asarray(ahead * min(rate, speed / cell))
+        return np.asarray(
+            direction(self.arrival, self.grid, point[None])[0] * min(speed, rate * left)
+        )
+
+    def around(self, obstacles: Sequence[Shape], *, position: ArrayLike | None = None) -> Policy:
+        """The policy for the same goal among other obstacles, which may have moved."""
+        shapes = check_shapes(obstacles)
+        if position is None:
+            return replace(self, arrival=self._map.repaired(shapes))
+        point = check.array(position, "position", shape=(self.grid.dimensions,))
+        if not self.grid.contains(point[None])[0]:
+            raise InvalidInput(f"position: expected a point inside the grid, got {point}")
+        if self.barrier is not None and self._is_at(self.barrier, point):
+            point = point + _PAST_BARRIER * self.barrier.thickness * self.barrier.normal
+        return replace(self, arrival=self._map.until(shapes, point))
+
+    def _is_at(self, barrier: StartBarrier, point: Float64Array) -> bool:
+        """Whether a point's cell, or one that its gradient needs, belongs to the barrier."""
+        return bool(
+            barrier.contains(point - np.outer([0.0, 1.0], self.grid.spacing * barrier.normal)).any()
+        )
+
+
+def policy_to(
+    known: Sequence[Experience], goal: Float64Array, obstacles: Sequence[Shape], scales: Scales
+) -> Policy:
+    """The policy to a goal in the map of all demonstrations."""
+    paths = [each.denoised for each in known]
+    room = _PUSHED * float(np.ptp(np.concatenate(paths), axis=0).max())
+    corners = np.concatenate([goal[None] - room, goal[None] + room, *paths])
+    if scales.workspace is not None:
+        corners = np.concatenate([goal[None], *paths])
+    grid, scales = grid_over([corners], obstacles, scales)
+    speed = speeds_along(paths, grid, scales)
+    barrier = start_barrier(known, goal, grid, scales)
+    if barrier is not None:
+        goal = barrier.goal
+        speed[barrier.cells(grid)] = 0.0
+    repaired = _PolicyMap(grid, speed, goal, scales)
+    arrival = repaired.arrival(obstacles)
+    return Policy(grid, arrival, goal, DemonstratedSpeeds(known), scales.radius, barrier, repaired)
+
+
+class _PolicyMap:
+    """The map of a policy without obstacles, and its arrival times while obstacles move."""
 
     def __init__(self, grid: Grid, speed: Float64Array, goal: Float64Array, scales: Scales) -> None:
         self._grid, self._speed, self._goal, self._scales = grid, speed, goal, scales
@@ -45,7 +130,7 @@ class Surroundings:
 
     def arrival(self, obstacles: Sequence[Shape]) -> FloatArray:
         """Arrival times of second order, marched anew."""
-        speed = passable(self._speed, self._grid, obstacles, self._scales)
+        speed = with_detours(self._speed, self._grid, obstacles, self._scales)
         self._check_goal(speed)
         source = self._grid.cells_of(self._goal[None])
         return arrival_times(speed, source, spacing=self._grid.spacing)
@@ -59,7 +144,7 @@ class Surroundings:
         )
         if np.isinf(times[tuple(stop)]):
             raise NoPath(
-                f"position: {position} lies in an obstacle, or obstacles part it from the goal",
+                f"position: {position} lies in an obstacle, or obstacles separate it from the goal",
                 reason="goal_enclosed",
             )
         return times
@@ -76,7 +161,7 @@ class Surroundings:
     def _around(self, obstacles: Sequence[Shape]) -> NDArray[np.float32]:
         if self._free is None:
             self._free = self._speed.astype(np.float32)
-        speed = passable(self._free, self._grid, obstacles, self._scales)
+        speed = with_detours(self._free, self._grid, obstacles, self._scales)
         self._check_goal(speed)
         return speed
 
@@ -86,116 +171,38 @@ class Surroundings:
 
 
 @dataclass(frozen=True, eq=False)
-class Policy(ShortRepr):
-    """Velocities that lead to a goal from wherever the tool was pushed."""
+class StartBarrier:
+    """A disc across the path, just before the start of a motion that returns to it.
 
-    grid: Grid  # cells of the field
-    arrival: FloatArray  # times in each cell, marched from the goal
-    goal: Float64Array  # (d,) where the tool comes to rest
-    paces: Paces  # speeds that the demonstrations teach
-    slowing: float
-    gate: Gate | None  # across the start of a motion that returns to it, or None
-    _surroundings: Surroundings = field(repr=False)
-
-    def __call__(self, position: ArrayLike) -> Float64Array:
-        """The velocity (d,) at a position, in the unit of the grid per second; zero at the goal."""
-        point = check.array(position, "position", shape=(self.grid.dimensions,))
-        cell = float(self.grid.spacing.max())
-        speed = self.paces.at(point, blur=cell)
-        if self.gate is not None and self.gate.is_passed(point):
-            if self._is_at(self.gate, point):
-                return np.asarray(speed * self.gate.normal)
-            return np.asarray(direction(self.arrival, self.grid, point[None])[0] * speed)
-        ahead = self.goal - point
-        left = float(np.linalg.norm(ahead))
-        rate = self.paces.mean / self.slowing
-        if left <= cell:  # the field means nothing within the goal's cell
-            return np.asarray(ahead * min(rate, speed / cell))
-        return np.asarray(
-            direction(self.arrival, self.grid, point[None])[0] * min(speed, rate * left)
-        )
-
-    def around(self, obstacles: Sequence[Shape], *, position: ArrayLike | None = None) -> Policy:
-        """The policy for the same goal among other obstacles, which may have moved."""
-        shapes = check_shapes(obstacles)
-        if position is None:
-            return replace(self, arrival=self._surroundings.repaired(shapes))
-        point = check.array(position, "position", shape=(self.grid.dimensions,))
-        if not self.grid.contains(point[None])[0]:
-            raise InvalidInput(f"position: expected a point inside the grid, got {point}")
-        if self.gate is not None and self._is_at(self.gate, point):
-            point = point + _PAST_GATE * self.gate.thickness * self.gate.normal
-        return replace(self, arrival=self._surroundings.until(shapes, point))
-
-    def _is_at(self, gate: Gate, point: Float64Array) -> bool:
-        """Whether a point's cell, or one that a look at the field needs, belongs to the gate."""
-        return bool(gate.holds(point - np.outer([0.0, 1.0], self.grid.spacing * gate.normal)).any())
-
-
-def policy_to(
-    known: Sequence[Experience], goal: Float64Array, obstacles: Sequence[Shape], scales: Scales
-) -> Policy:
-    """The policy to a goal in the map of all demonstrations."""
-    paths = [each.way for each in known]
-    room = _PUSHED * float(np.ptp(np.concatenate(paths), axis=0).max())
-    around = np.concatenate([goal[None] - room, goal[None] + room, *paths])
-    if scales.workspace is not None:
-        around = np.concatenate([goal[None], *paths])
-    grid, scales = grid_over([around], obstacles, scales)
-    speed = speeds_along(paths, grid, scales)
-    gate = gate_at(known, goal, grid, scales)
-    if gate is not None:
-        goal = gate.goal
-        speed[_cells_in(gate, grid)] = 0.0
-    surroundings = Surroundings(grid, speed, goal, scales)
-    arrival = surroundings.arrival(obstacles)
-    return Policy(grid, arrival, goal, Paces(known), scales.radius, gate, surroundings)
-
-
-def _cells_in(gate: Gate, grid: Grid) -> tuple[np.ndarray, ...]:
-    """Indices of the cells whose centres lie in a gate."""
-    reach = gate.width + gate.thickness
-    corners = grid.coordinates(np.stack([gate.middle - reach, gate.middle + reach]))
-    low = np.maximum(np.floor(corners[0]).astype(int), 0)
-    high = np.minimum(np.ceil(corners[1]).astype(int) + 1, grid.shape)
-    cells = np.stack(np.meshgrid(*map(np.arange, low, high), indexing="ij"), axis=-1)
-    cells = cells.reshape(-1, grid.dimensions)
-    inside = gate.holds(grid.points_at(cells.astype(np.float64)))
-    return tuple(cells[inside].T)
-
-
-# Ends closer than this fraction of the length are one place.
-_RETURNS = 0.05
-_SAMPLES = 1000
-_TANGENT = 30  # samples from the start and to the end that tell the direction
-# Ways out and in that turn back by more than 120 degrees lie in one tube: no gate parts them.
-_LEAST_NORMAL = 1.0
-# From the start back to the gate and to the goal, in cells' edges.
-_TO_GATE, _TO_GOAL = 2.0, 4.0
-# Half width: in radii, so that it closes the tube, and as a fraction of length times saturation,
-# so that the way past it takes longer than the way round; at most a part of the extent.
-_RADII, _LENGTHS, _EXTENT = 2.5, 0.75, 0.25
-
-
-@dataclass(frozen=True, eq=False)
-class Gate:
-    """A disc across the way."""
+    A position does not tell whether the tool is about to start or has come back. The barrier lets
+    the wave from the goal reach the start only along the whole motion.
+    """
 
     middle: Float64Array  # (d,)
-    normal: Float64Array  # unit vector (d,) along the way
+    normal: Float64Array  # unit vector (d,) along the path
     width: float  # half of the disc's
     thickness: float  # half of it
-    goal: Float64Array  # (d,) the place before the gate where the motion ends
+    goal: Float64Array  # (d,) before the barrier, where the motion ends
 
-    def holds(self, points: Float64Array) -> NDArray[np.bool_]:
+    def contains(self, points: Float64Array) -> NDArray[np.bool_]:
         """Whether points (..., d) lie in it, (...)."""
         along, across = self._parts(points)
         return np.asarray((np.abs(along) <= self.thickness) & (across <= self.width))
 
     def is_passed(self, point: Float64Array) -> bool:
-        """Whether a point (d,) lies beyond the gate, where the motion starts, or beside it."""
+        """Whether a point (d,) lies beyond the barrier, where the motion starts, or beside it."""
         along, across = self._parts(point)
         return bool((along > -self.thickness) | (across > self.width))
+
+    def cells(self, grid: Grid) -> tuple[NDArray[np.int64], ...]:
+        """Indices of the cells whose centres lie in it."""
+        reach = self.width + self.thickness
+        corners = grid.coordinates(np.stack([self.middle - reach, self.middle + reach]))
+        low = np.maximum(np.floor(corners[0]).astype(int), 0)
+        high = np.minimum(np.ceil(corners[1]).astype(int) + 1, grid.shape)
+        box = np.meshgrid(*map(np.arange, low, high), indexing="ij")
+        cells = np.stack(box, axis=-1).reshape(-1, grid.dimensions)
+        return tuple(cells[self.contains(grid.points_at(cells.astype(np.float64)))].T)
 
     def _parts(self, points: Float64Array) -> tuple[Float64Array, Float64Array]:
         away = points - self.middle
@@ -203,25 +210,25 @@ class Gate:
         return along, np.linalg.norm(away - along[..., None] * self.normal, axis=-1)
 
 
-def gate_at(
+def start_barrier(
     known: Sequence[Experience], goal: Float64Array, grid: Grid, scales: Scales
-) -> Gate | None:
-    """The gate before a goal (d,) where all demonstrations start and end, or None elsewhere."""
+) -> StartBarrier | None:
+    """The barrier before a goal (d,) at which all demonstrations start and end; None elsewhere."""
     for each in known:
-        ends = each.way[[0, -1]]
+        ends = each.denoised[[0, -1]]
         if np.linalg.norm(ends - goal, axis=1).max() > _RETURNS * each.length:
             return None
-    mean = np.mean([by_arc_length(each.way, _SAMPLES) for each in known], axis=0)
+    mean = np.mean([by_arc_length(each.denoised, _SAMPLES) for each in known], axis=0)
     out, back = mean[_TANGENT] - mean[0], mean[-1] - mean[-1 - _TANGENT]
     normal = out / np.linalg.norm(out) + back / np.linalg.norm(back)
-    if np.linalg.norm(normal) < _LEAST_NORMAL:
+    if np.linalg.norm(normal) < _MIN_NORMAL:
         return None
     normal = normal / np.linalg.norm(normal)
     cell = float(grid.spacing.max())
     length = float(np.mean([each.length for each in known]))
     width = max(_RADII * scales.radius, _LENGTHS * scales.saturation * length)
-    return Gate(
-        middle=goal - _TO_GATE * cell * normal,
+    return StartBarrier(
+        middle=goal - _TO_BARRIER * cell * normal,
         normal=normal,
         width=min(width, _EXTENT * float(np.ptp(mean, axis=0).max())),
         # Half a diagonal: no step between neighbouring cells leads through.
@@ -230,21 +237,15 @@ def gate_at(
     )
 
 
-_NEIGHBOURS = 8
-_STEP = 5  # every fifth of the samples of a demonstration's progress
-# People start and end at rest; a tool that only knows where it is has to leave that place.
-_LEAST = 0.1  # of the mean speed
-
-
-class Paces:
-    """Speeds along demonstrations, looked up by place."""
+class DemonstratedSpeeds:
+    """Speeds along demonstrations, by position."""
 
     def __init__(self, known: Sequence[Experience]) -> None:
-        places, speeds = zip(*(_along(each) for each in known), strict=True)
+        positions, speeds = zip(*(_along(each) for each in known), strict=True)
         self.mean = float(np.mean([each.length / each.duration for each in known]))
-        self._places = np.concatenate(places)
-        self._speeds = np.maximum(np.concatenate(speeds), _LEAST * self.mean)
-        self._count = min(_NEIGHBOURS, len(self._places))
+        self._positions = np.concatenate(positions)
+        self._speeds = np.maximum(np.concatenate(speeds), _MIN_SPEED * self.mean)
+        self._count = min(_NEIGHBOURS, len(self._positions))
 
     def at(self, point: Float64Array, *, blur: float) -> float:
         """The speed at a point (d,), in its unit per second."""
@@ -256,13 +257,13 @@ class Paces:
     def _tree(self) -> cKDTree:
         from scipy.spatial import cKDTree
 
-        return cKDTree(self._places)
+        return cKDTree(self._positions)
 
 
 def _along(known: Experience) -> tuple[Float64Array, Float64Array]:
-    """Places (n, d) along a demonstration and the speeds (n,) there."""
-    covered = arc_length(known.way)
+    """Positions (n, d) along a demonstration and the speeds (n,) there."""
+    covered = arc_length(known.denoised)
     wanted = known.progress[::_STEP] * covered[-1]
-    places = np.column_stack([np.interp(wanted, covered, x) for x in known.way.T])
+    positions = np.column_stack([np.interp(wanted, covered, x) for x in known.denoised.T])
     rate = phase.speed_of(known.progress)[::_STEP] * (phase.SAMPLES - 1) / known.duration
-    return places, rate * covered[-1]
+    return positions, rate * covered[-1]

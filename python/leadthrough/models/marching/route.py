@@ -1,7 +1,10 @@
-"""Paths between two points that follow demonstrations, planned in a speed map of them.
+"""Routes between two points that follow demonstrations, planned in a speed map of them.
 
 `through_map`: Algorithm 1 of Prados et al. 2023, all demonstrations in one map. `from_start`: the
-demonstrations count by how near they start. The module `along_mean` has the third way.
+demonstrations count by how near they start. The module `mean_path` has the third kind. `LiveMap`
+keeps one map for goals and obstacles that move: a query adds its obstacles and marches no farther
+than to the start, which is soon reached along the tubes. In such maps that is quicker than to
+update a whole field of arrival times: a box on the path changes all times behind it.
 """
 
 from __future__ import annotations
@@ -22,12 +25,12 @@ from leadthrough.models.marching.maps import (
     MAX_CELLS_FROM_AFAR,
     Scales,
     covered_ends,
+    detour_field,
     grid_over,
-    hindered,
-    hindered_field,
     map_of,
-    passable,
-    passable_field,
+    obstacle_field,
+    with_detours,
+    with_obstacles,
 )
 from leadthrough.models.place import Place
 from leadthrough.planning.arrival import arrival_times
@@ -52,20 +55,40 @@ if TYPE_CHECKING:
 
 # Grid noise is shorter than this many cells; the shapes of demonstrations are not.
 CELLS_PER_KNOT = 8.0
+
 # Width of the weights over the demonstrations' starts, in their mean distance from each other.
 _START_WIDTH = 0.25
+# Length of the segment outside the map that is smoothed with the path inside, in knots: its corner
+# at the map's border then vanishes.
+_KNOTS = 6.0
+# Points outside are farther apart by this factor: the path is straight there.
+_SPARSER = 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class Query:
+    """Start, goal and obstacles of a path."""
+
+    start: Float64Array  # (d,)
+    goal: Float64Array  # (d,)
+    obstacles: tuple[Shape, ...] = ()  # shapes in the same frame
+
+    @property
+    def ends(self) -> Float64Array:
+        """Start and goal, (2, d)."""
+        return np.stack([self.start, self.goal])
 
 
 @dataclass(frozen=True, eq=False)
 class Route(ShortRepr):
-    """A path and how it was found."""
+    """A path and how it was planned."""
 
     path: Float64Array  # (n, d), dense and smooth
     speed: Float64Array  # (n,) the map's speed along it, in (0, 1]
-    used: tuple[Experience, ...]  # the demonstrations that it follows, facing its way
+    used: tuple[Experience, ...]  # the demonstrations that it follows, in its direction
     weights: Float64Array  # (k,) how much each one's timing counts
     method: str
-    leaves_usual_way: bool = False
+    leaves_nominal_route: bool = False
 
     @property
     def length(self) -> float:
@@ -79,194 +102,13 @@ class Route(ShortRepr):
         return float((steps * 0.5 * (1.0 / self.speed[1:] + 1.0 / self.speed[:-1])).sum())
 
 
-def through_map(
-    known: Sequence[Experience],
-    query: Query,
-    scales: Scales,
-    *,
-    useful: Sequence[Experience] | None = None,
-) -> Route:
-    """The quickest path in the map of demonstrations."""
-    mapped = known if useful is None else useful
-    paths = [each.way for each in mapped]
-
-    def free(grid: Grid, scales: Scales) -> FreeField:
-        return ExperienceField(
-            grid, paths, area_of_influence=scales.radius, saturation=scales.saturation
-        )
-
-    used = tuple(each.facing(query.start, query.goal) for each in mapped or known)
-    path, around = _through(free, paths, query, scales)
-    return route_along(path, around, used=used, weights=np.ones(len(used)), method="map")
-
-
-def from_start(known: Sequence[Experience], query: Query, scales: Scales) -> Route:
-    """The quickest path in a map where demonstrations count by how near they start."""
-    used = tuple(each.facing(query.start, query.goal) for each in known)
-    weights = _nearness(np.stack([each.path[0] for each in used]), query.start)
-    paths = [each.way for each in used]
-
-    def free(grid: Grid, scales: Scales) -> FreeField:
-        return TubeField(
-            grid, paths, weights, area_of_influence=scales.radius, saturation=scales.saturation
-        )
-
-    path, around = _through(free, paths, query, scales)
-    return route_along(path, around, used=used, weights=weights, method="start")
-
-
-def _through(
-    free: Callable[[Grid, Scales], FreeField],
-    paths: Sequence[Float64Array],
-    query: Query,
-    scales: Scales,
-) -> tuple[Float64Array, SpeedField]:
-    """The quickest path (n, d) of a query, and the map with its obstacles."""
-    *near, everything = covered_ends(paths, query.ends, scales)
-    for ends in near:
-        grid, own = grid_over(
-            [*paths, ends], query.obstacles, scales, max_cells=MAX_CELLS_FROM_AFAR
-        )
-        field = free(grid, own)
-        try:
-            path = quickest(passable_field(field, query.obstacles, own), query.start, query.goal)
-        except NoPath:  # beyond the grid there may be a way
-            break
-        if clear_outside(path, grid, query.obstacles, own.clearance):
-            return path, hindered_field(field, query.obstacles, own)
-    grid, own = grid_over([*paths, everything], query.obstacles, scales)
-    field = free(grid, own)
-    path = quickest(passable_field(field, query.obstacles, own), query.start, query.goal)
-    return path, hindered_field(field, query.obstacles, own)
-
-
-def route_along(
-    path: Float64Array,
-    field: SpeedField,
-    *,
-    used: tuple[Experience, ...],
-    weights: Float64Array,
-    method: str,
-    knot_spacing: float | None = None,
-    region: tuple[Float64Array, Float64Array] | None = None,
-) -> Route:
-    """A path made smooth where obstacles allow, with the map's speed along it."""
-    spacing = knot_spacing or CELLS_PER_KNOT * float(field.grid.spacing.max())
-    smoothed = smooth_between_walls(path, field, spacing)
-    if region is not None:
-        smoothed = np.clip(smoothed, *region)
-    return Route(smoothed, _between_cells(field, smoothed), used, weights, method)
-
-
-def _between_cells(field: SpeedField, points: Float64Array) -> Float64Array:
-    """Speeds (n,) at points (n, d), multilinear between the centres of cells."""
-    inside = field.grid.contains(points)
-    if not inside.all():
-        result = np.full(len(points), field.outside)
-        result[inside] = _between_cells(field, points[inside])
-        return result
-    last = np.array(field.grid.shape) - 1
-    places = np.clip(field.grid.coordinates(points), 0.0, last)
-    low = np.floor(places).astype(np.int64)
-    corners = np.array(list(product((0, 1), repeat=len(last))))
-    parts = np.where(corners[:, None], places - low, 1.0 - (places - low))
-    cells = np.minimum(low + corners[:, None], last)
-    speeds = speeds_at(field, cells.reshape(-1, len(last))).reshape(cells.shape[:2])
-    along = (parts.prod(axis=2) * speeds).sum(axis=0)
-    return np.asarray(np.maximum(along, speeds[speeds > 0.0].min()))
-
-
-def _nearness(starts: Float64Array, start: Float64Array) -> Float64Array:
-    """Weights (k,), 1 for the nearest start: far from all of them it still counts in full."""
-    apart = np.linalg.norm(starts[:, None] - starts[None], axis=2)
-    pairs = apart[np.triu_indices(len(starts), 1)]
-    if len(starts) == 1 or pairs.mean() == 0.0:
-        return np.ones(len(starts))
-    squared = ((starts - start) ** 2).sum(axis=1)
-    width = _START_WIDTH * float(pairs.mean())
-    return np.asarray(np.exp(-(squared - squared.min()) / (2.0 * width**2)))
-
-
-# The way outside that is smoothed with the path inside, in knots: its corner at the map's border
-# then vanishes.
-_KNOTS = 6.0
-# Points outside are farther apart by this factor: the way is straight there.
-_SPARSER = 3.0
-
-
-def clear_outside(
-    path: Float64Array, grid: Grid, obstacles: Sequence[Shape], clearance: float
-) -> bool:
-    """Whether a path (n, d) keeps a clearance from obstacles on its ways outside a grid."""
-    inside = grid.contains(path[[0, -1]])
-    ways = [(path[0], path[1])] * (not inside[0]) + [(path[-1], path[-2])] * (not inside[1])
-    return all(_is_clear(*way, obstacles, clearance) for way in ways)
-
-
-def _is_clear(
-    start: Float64Array, end: Float64Array, obstacles: Sequence[Shape], clearance: float
-) -> bool:
-    """Whether a segment keeps its distance; it is walked along by as much as is free."""
-    length = float(np.linalg.norm(end - start))
-    at = 0.0
-    while obstacles and at < length:
-        point = np.zeros((1, 3))
-        point[0, : len(start)] = start + (at / length) * (end - start)
-        free = min(float(each.distance(point)[0]) for each in obstacles)
-        if free < clearance:
-            return False
-        at += max(free - 0.5 * clearance, 0.5 * clearance)
-    return True
-
-
-def smooth_between_walls(
-    path: Float64Array, field: SpeedField, knot_spacing: float
-) -> Float64Array:
-    """A path (n, d) made smooth as far as no wall is touched."""
-    grid = field.grid
-    inside = grid.contains(path[[0, -1]])
-    if not inside[1]:
-        return smooth_between_walls(path[::-1], field, knot_spacing)[::-1]
-
-    def is_free(points: Float64Array) -> bool:
-        cells = grid.cells_of(points[grid.contains(points)])
-        return bool(speeds_at(field, cells).all())
-
-    if inside[0]:
-        return smooth_path(path, knot_spacing=knot_spacing, accept=is_free)
-    way = path[1] - path[0]
-    straight = max(1.0 - _KNOTS * knot_spacing / float(np.linalg.norm(way)), 0.0)
-    turn = path[0] + straight * way
-    rest = smooth_path(
-        np.concatenate([turn[None], path[1:]]), knot_spacing=knot_spacing, accept=is_free
-    )
-    step = float(arc_length(rest)[-1]) / (len(rest) - 1)
-    count = int(np.ceil(float(np.linalg.norm(turn - path[0])) / (_SPARSER * step)))
-    ahead = path[0] + np.linspace(0.0, 1.0, count, endpoint=False)[:, None] * (turn - path[0])
-    return np.concatenate([ahead, rest])
-
-
-@dataclass(frozen=True, eq=False)
-class Query:
-    """Where a path leads, and around what."""
-
-    start: Float64Array  # (d,)
-    goal: Float64Array  # (d,)
-    obstacles: tuple[Shape, ...] = ()  # shapes in the same frame
-
-    @property
-    def ends(self) -> Float64Array:
-        """Start and goal, (2, d)."""
-        return np.stack([self.start, self.goal])
-
-
 def query_of(
     demonstrated: Sequence[Experience],
     start: Place | None,
     goal: Place | None,
     obstacles: tuple[Shape, ...] = (),
 ) -> Query:
-    """The query of a user; what is left out is the mean of the demonstrations' ends."""
+    """The query of a user, completed by the means of the demonstrations' ends."""
     first = _end(demonstrated, split(demonstrated, start, "start")[0], "start", 0)
     last = _end(demonstrated, split(demonstrated, goal, "goal")[0], "goal", -1)
     if len(first) != len(last):
@@ -284,29 +126,65 @@ def split(
     return value[0], check.quaternions(value[1], name, shape=(4,))
 
 
-def _end(
-    demonstrated: Sequence[Experience], value: ArrayLike | None, name: str, index: int
-) -> Float64Array:
-    """A start or goal (d,), by default the mean of the demonstrations' points at an index."""
-    if demonstrated:
-        if value is None:
-            return np.asarray(np.mean([each.path[index] for each in demonstrated], axis=0))
-        return check.array(value, name, shape=(demonstrated[0].path.shape[1],))
-    if value is None:
-        raise InvalidInput(
-            f"{name}: expected a point, as there is no demonstration to take it from"
+def through_map(
+    known: Sequence[Experience],
+    query: Query,
+    scales: Scales,
+    *,
+    mapped: Sequence[Experience] | None = None,
+) -> Route:
+    """The quickest path in the map of demonstrations."""
+    mapped = known if mapped is None else mapped
+    paths = [each.denoised for each in mapped]
+
+    def free(grid: Grid, scales: Scales) -> FreeField:
+        return ExperienceField(
+            grid, paths, area_of_influence=scales.radius, saturation=scales.saturation
         )
-    point = check.array(value, name, shape=("d",))
-    if len(point) not in (2, 3):
-        raise InvalidInput(f"{name}: expected 2 or 3 coordinates, got {len(point)}")
-    return point
+
+    used = tuple(each.towards(query.start, query.goal) for each in mapped or known)
+    path, around = _through(free, paths, query, scales)
+    return route_along(path, around, used=used, weights=np.ones(len(used)), method="map")
+
+
+def from_start(known: Sequence[Experience], query: Query, scales: Scales) -> Route:
+    """The quickest path in a map where demonstrations count by how near they start."""
+    used = tuple(each.towards(query.start, query.goal) for each in known)
+    weights = _nearness(np.stack([each.path[0] for each in used]), query.start)
+    paths = [each.denoised for each in used]
+
+    def free(grid: Grid, scales: Scales) -> FreeField:
+        return TubeField(
+            grid, paths, weights, area_of_influence=scales.radius, saturation=scales.saturation
+        )
+
+    path, around = _through(free, paths, query, scales)
+    return route_along(path, around, used=used, weights=weights, method="start")
+
+
+def route_along(
+    path: Float64Array,
+    field: SpeedField,
+    *,
+    used: tuple[Experience, ...],
+    weights: Float64Array,
+    method: str,
+    knot_spacing: float | None = None,
+    region: tuple[Float64Array, Float64Array] | None = None,
+) -> Route:
+    """A path made smooth where obstacles allow, with the map's speed along it."""
+    spacing = knot_spacing or CELLS_PER_KNOT * float(field.grid.spacing.max())
+    smoothed = _smooth_between_walls(path, field, spacing)
+    if region is not None:
+        smoothed = np.clip(smoothed, *region)
+    return Route(smoothed, _between_cells(field, smoothed), used, weights, method)
 
 
 class LiveMap:
     """The map of all demonstrations over a workspace; made by `FastMarchingSkill.live_map`."""
 
     def __init__(self, known: Sequence[Experience], scales: Scales) -> None:
-        paths = [each.way for each in known]
+        paths = [each.denoised for each in known]
         self._known = tuple(known)
         self._grid, speed, self._scales = map_of(paths, scales)
         self._free = speed.astype(np.float32)
@@ -326,11 +204,121 @@ class LiveMap:
             if not self._grid.contains(end[None])[0]:
                 raise InvalidInput(f"{name}: expected a point inside the workspace, got {end}")
         shapes = check_shapes(obstacles)
-        around = passable(self._free, self._grid, shapes, self._scales)
+        around = with_detours(self._free, self._grid, shapes, self._scales)
         path = _quickest(self._grid, around, *ends)
-        speed = MapField(self._grid, hindered(self._free, self._grid, shapes, self._scales))
-        used = tuple(each.facing(ends[0], ends[1]) for each in self._known)
+        speed = MapField(self._grid, with_obstacles(self._free, self._grid, shapes, self._scales))
+        used = tuple(each.towards(ends[0], ends[1]) for each in self._known)
         return route_along(path, speed, used=used, weights=np.ones(len(used)), method="map")
+
+
+def _through(
+    free: Callable[[Grid, Scales], FreeField],
+    paths: Sequence[Float64Array],
+    query: Query,
+    scales: Scales,
+) -> tuple[Float64Array, SpeedField]:
+    """The quickest path (n, d) of a query, and the map with its obstacles."""
+    *near, everything = covered_ends(paths, query.ends, scales)
+    for ends in near:
+        grid, own = grid_over(
+            [*paths, ends], query.obstacles, scales, max_cells=MAX_CELLS_FROM_AFAR
+        )
+        try:
+            path, field = _quickest_on(free(grid, own), query, own)
+        except NoPath:  # beyond the grid there may be a path
+            break
+        if _clear_outside(path, grid, query.obstacles, own.clearance):
+            return path, field
+    grid, own = grid_over([*paths, everything], query.obstacles, scales)
+    return _quickest_on(free(grid, own), query, own)
+
+
+def _quickest_on(free: FreeField, query: Query, scales: Scales) -> tuple[Float64Array, SpeedField]:
+    """The quickest path (n, d) in a map with detours around obstacles, and that without them."""
+    passable = detour_field(free, query.obstacles, scales)
+    path = quickest(passable, query.start, query.goal)
+    return path, obstacle_field(free, query.obstacles, scales)
+
+
+def _between_cells(field: SpeedField, points: Float64Array) -> Float64Array:
+    """Speeds (n,) at points (n, d), multilinear between the centres of cells."""
+    inside = field.grid.contains(points)
+    if not inside.all():
+        result = np.full(len(points), field.outside)
+        result[inside] = _between_cells(field, points[inside])
+        return result
+    last = np.array(field.grid.shape) - 1
+    at = np.clip(field.grid.coordinates(points), 0.0, last)
+    low = np.floor(at).astype(np.int64)
+    corners = np.array(list(product((0, 1), repeat=len(last))))
+    parts = np.where(corners[:, None], at - low, 1.0 - (at - low))
+    cells = np.minimum(low + corners[:, None], last)
+    speeds = speeds_at(field, cells.reshape(-1, len(last))).reshape(cells.shape[:2])
+    along = (parts.prod(axis=2) * speeds).sum(axis=0)
+    return np.asarray(np.maximum(along, speeds[speeds > 0.0].min()))
+
+
+def _nearness(starts: Float64Array, start: Float64Array) -> Float64Array:
+    """Weights (k,), 1 for the nearest start: far from all of them it still counts in full."""
+    apart = np.linalg.norm(starts[:, None] - starts[None], axis=2)
+    pairs = apart[np.triu_indices(len(starts), 1)]
+    if len(starts) == 1 or pairs.mean() == 0.0:
+        return np.ones(len(starts))
+    squared = ((starts - start) ** 2).sum(axis=1)
+    width = _START_WIDTH * float(pairs.mean())
+    return np.asarray(np.exp(-(squared - squared.min()) / (2.0 * width**2)))
+
+
+def _clear_outside(
+    path: Float64Array, grid: Grid, obstacles: Sequence[Shape], clearance: float
+) -> bool:
+    """Whether a path (n, d) keeps a clearance from obstacles outside a grid."""
+    inside = grid.contains(path[[0, -1]])
+    segments = [(path[0], path[1])] * (not inside[0]) + [(path[-1], path[-2])] * (not inside[1])
+    return all(_is_clear(*each, obstacles, clearance) for each in segments)
+
+
+def _is_clear(
+    start: Float64Array, end: Float64Array, obstacles: Sequence[Shape], clearance: float
+) -> bool:
+    """Whether a segment keeps the clearance, in steps as long as the free distance."""
+    length = float(np.linalg.norm(end - start))
+    at = 0.0
+    while obstacles and at < length:
+        point = np.zeros((1, 3))
+        point[0, : len(start)] = start + (at / length) * (end - start)
+        free = min(float(each.distance(point)[0]) for each in obstacles)
+        if free < clearance:
+            return False
+        at += max(free - 0.5 * clearance, 0.5 * clearance)
+    return True
+
+
+def _smooth_between_walls(
+    path: Float64Array, field: SpeedField, knot_spacing: float
+) -> Float64Array:
+    """A path (n, d) made smooth as far as no wall is touched."""
+    grid = field.grid
+    inside = grid.contains(path[[0, -1]])
+    if not inside[1]:
+        return _smooth_between_walls(path[::-1], field, knot_spacing)[::-1]
+
+    def is_free(points: Float64Array) -> bool:
+        cells = grid.cells_of(points[grid.contains(points)])
+        return bool(speeds_at(field, cells).all())
+
+    if inside[0]:
+        return smooth_path(path, knot_spacing=knot_spacing, accept=is_free)
+    ahead = path[1] - path[0]
+    straight = max(1.0 - _KNOTS * knot_spacing / float(np.linalg.norm(ahead)), 0.0)
+    turn = path[0] + straight * ahead
+    rest = smooth_path(
+        np.concatenate([turn[None], path[1:]]), knot_spacing=knot_spacing, accept=is_free
+    )
+    step = float(arc_length(rest)[-1]) / (len(rest) - 1)
+    count = int(np.ceil(float(np.linalg.norm(turn - path[0])) / (_SPARSER * step)))
+    outside = path[0] + np.linspace(0.0, 1.0, count, endpoint=False)[:, None] * (turn - path[0])
+    return np.concatenate([outside, rest])
 
 
 def _quickest(
@@ -347,3 +335,21 @@ def _quickest(
     if np.isinf(arrival[tuple(start_cell)]):
         raise NoPath("goal: obstacles separate it from the start", reason="goal_enclosed")
     return descend(arrival, grid, start, goal)
+
+
+def _end(
+    demonstrated: Sequence[Experience], value: ArrayLike | None, name: str, index: int
+) -> Float64Array:
+    """A start or goal (d,), by default the mean of the demonstrations' points at an index."""
+    if demonstrated:
+        if value is None:
+            return np.asarray(np.mean([each.path[index] for each in demonstrated], axis=0))
+        return check.array(value, name, shape=(demonstrated[0].path.shape[1],))
+    if value is None:
+        raise InvalidInput(
+            f"{name}: expected a point, as there is no demonstration to take it from"
+        )
+    point = check.array(value, name, shape=("d",))
+    if len(point) not in (2, 3):
+        raise InvalidInput(f"{name}: expected 2 or 3 coordinates, got {len(point)}")
+    return point

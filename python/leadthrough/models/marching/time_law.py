@@ -55,12 +55,12 @@ def _spline(route: Route, timing: str) -> CubicSpline:
     if timing == "speed_map":
         return phase.spline_of(phase.rest_to_rest(phase.progress_by_speed(route.path, route.speed)))
     timed_by = () if timing == "constant" else route.used
-    return _shown_spline(timed_by, tuple(route.weights.tolist()))
+    return _mean_spline(timed_by, tuple(route.weights.tolist()))
 
 
 # The same for all queries of a skill that follow the same demonstrations.
 @lru_cache(maxsize=16)
-def _shown_spline(used: tuple[Experience, ...], weights: tuple[float, ...]) -> CubicSpline:
+def _mean_spline(used: tuple[Experience, ...], weights: tuple[float, ...]) -> CubicSpline:
     progress = phase.uniform_progress()
     if used:
         progress = np.average([each.progress for each in used], axis=0, weights=weights)

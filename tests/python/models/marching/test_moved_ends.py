@@ -114,4 +114,4 @@ def test_one_sample_off_by_a_millimetre_changes_the_path_by_little_more(sample):
 def _way(skill):
     """The predicted path between the usual ends."""
     query = skill.query()
-    return next(mean_path.ways(skill.demonstrated, query.start, query.goal)).path
+    return next(mean_path.branches(skill.demonstrated, query.start, query.goal)).path

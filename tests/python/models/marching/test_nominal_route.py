@@ -49,20 +49,20 @@ def test_of_several_ways_a_moved_query_keeps_the_usual_one(name, method):
     usual, query = skill.plan(), skill.query()
     for offset, start, goal in moves(size_of(skill)):
         found = skill.plan(start=query.start + start, goal=query.goal + goal)
-        assert not found.leaves_usual_way
+        assert not found.leaves_nominal_route
         if found.method == usual.method:
             assert apart(usual, found) <= 1.5 * offset + skill.area_of_influence
 
 
 @pytest.mark.parametrize("name", ["Line", "BendedLine", "Leaf_1"])
-def test_in_the_papers_map_a_moved_query_keeps_the_usual_way(name):
+def test_in_the_papers_map_a_moved_query_keeps_to_the_nominal_route(name):
     """Short cuts through the map of one way deviated by up to 14.6 times the offset."""
     shown = lt.io.lasa.load(name)
     skill = lt.FastMarching(method="map").fit([shown[i] for i in (0, 2, 6)])
     usual, query = skill.plan(), skill.query()
     for offset, start, goal in moves(size_of(skill)):
         found = skill.plan(start=query.start + start, goal=query.goal + goal)
-        if not found.leaves_usual_way:
+        if not found.leaves_nominal_route:
             assert apart(usual, found) <= 1.5 * offset + skill.area_of_influence
 
 
@@ -86,23 +86,23 @@ def test_the_way_of_a_demonstration_is_taken_from_its_own_ends_and_the_route_say
         found = skill.plan(start=each.positions[0], goal=each.positions[-1])
         middle = np.sign(each.positions[75, 1])
         assert np.sign(by_arc_length(found.path, 200)[100, 1]) == middle
-        changed.append(found.leaves_usual_way)
+        changed.append(found.leaves_nominal_route)
         bound = 1.5 * np.linalg.norm(found.path[0] - usual.path[0]) + skill.area_of_influence
-        assert found.leaves_usual_way or apart(usual, found) <= bound
+        assert found.leaves_nominal_route or apart(usual, found) <= bound
     assert sum(changed) == 3
 
 
-def test_an_obstacle_on_the_usual_way_leads_to_another_one_and_the_route_says_so():
+def test_an_obstacle_on_the_nominal_route_leads_to_another_one_and_the_route_says_so():
     skill = lt.FastMarching().fit(arcs([0.2, -0.2]))
     usual, query = skill.plan(), skill.query()
     side = np.sign(usual.path[len(usual.path) // 2, 1])
     box = lt.Box((0.06, 0.12, 0.1), (0.25, 0.2 * side, 0.0))
     around = skill.plan(start=query.start + 0.01, obstacles=[box])
-    assert around.leaves_usual_way
+    assert around.leaves_nominal_route
     assert np.sign(around.path[len(around.path) // 2, 1]) == -side
     aside = lt.Box((0.02, 0.02, 0.1), (0.25, -0.2 * side, 0.0))
     kept = skill.plan(start=query.start + 0.01, obstacles=[aside])
-    assert not kept.leaves_usual_way
+    assert not kept.leaves_nominal_route
     assert np.sign(kept.path[len(kept.path) // 2, 1]) == side
 
 

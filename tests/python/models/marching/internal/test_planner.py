@@ -1,4 +1,4 @@
-"""Which demonstrations go the same way, and the gate of those that come back to their start."""
+"""Resemblance and direction of demonstrations, and the barrier of those that return."""
 
 from itertools import pairwise
 
@@ -7,15 +7,15 @@ import pytest
 
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.maps import Scales
-from leadthrough.models.marching.planner import faced, in_company
-from leadthrough.models.marching.policy import gate_at
+from leadthrough.models.marching.planner import directed, resemble_another
+from leadthrough.models.marching.policy import start_barrier
 from leadthrough.models.marching.route import Query
 from leadthrough.planning import Grid
 
 ANGLE = np.linspace(0.0, 2.0 * np.pi, 200)
 
 
-def shown(path):
+def experience(path):
     return Experience(path, duration=2.0, progress=np.linspace(0.0, 1.0, 1001))
 
 
@@ -23,35 +23,37 @@ def arc(height):
     return np.column_stack([0.5 - 0.5 * np.cos(ANGLE / 2.0), height * np.sin(ANGLE / 2.0)])
 
 
-def test_two_arcs_of_one_way_keep_each_other_company_and_a_third_has_none():
+def test_two_arcs_of_one_branch_resemble_each_other_and_a_third_none():
     paths = [arc(0.5), arc(-0.45), arc(0.52)]
-    np.testing.assert_array_equal(in_company(paths), [True, False, True])
+    np.testing.assert_array_equal(resemble_another(paths), [True, False, True])
     for scale in (1e-3, 1e3):  # whatever the unit
-        np.testing.assert_array_equal(in_company([scale * p for p in paths]), [True, False, True])
+        np.testing.assert_array_equal(
+            resemble_another([scale * p for p in paths]), [True, False, True]
+        )
 
 
-@pytest.mark.parametrize("place", [(0.0, 0.0), (3.0, -2.0), (0.0, 40.0)])
-def test_a_ring_has_a_gate_square_to_its_way_wherever_it_lies(place):
-    goal = np.array(place)
+@pytest.mark.parametrize("position", [(0.0, 0.0), (3.0, -2.0), (0.0, 40.0)])
+def test_a_ring_has_a_barrier_square_to_its_path_at_every_position(position):
+    goal = np.array(position)
     ring = goal + 0.2 * np.column_stack([1.0 - np.cos(ANGLE), np.sin(ANGLE)])
     grid = Grid.covering(ring, margin=0.1, spacing=0.005)
     scales = Scales(radius=0.02, clearance=0.02, saturation=0.1, resolution=0.005)
-    gate = gate_at([shown(ring)], goal, grid, scales)
-    np.testing.assert_allclose(gate.normal, (0.0, 1.0), atol=1e-3)
-    np.testing.assert_allclose(gate.middle - goal, (0.0, -0.01), atol=1e-4)
-    np.testing.assert_allclose(gate.goal - goal, (0.0, -0.02), atol=1e-4)
-    assert gate_at([shown(ring)], ring[60], grid, scales) is None
+    barrier = start_barrier([experience(ring)], goal, grid, scales)
+    np.testing.assert_allclose(barrier.normal, (0.0, 1.0), atol=1e-3)
+    np.testing.assert_allclose(barrier.middle - goal, (0.0, -0.01), atol=1e-4)
+    np.testing.assert_allclose(barrier.goal - goal, (0.0, -0.02), atol=1e-4)
+    assert start_barrier([experience(ring)], ring[60], grid, scales) is None
 
 
 @pytest.mark.parametrize(("gap", "kept"), [(0.3, True), (0.5, False)])
 def test_a_stroke_that_ends_beside_its_start_is_not_turned_around_by_a_small_move(gap, kept):
     corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.6], [0.0, gap]])
     stroke = np.concatenate([np.linspace(*ends, 60) for ends in pairwise(corners)])
-    known = [shown(stroke), shown(np.add(stroke, (0.002, 0.001)))]
+    known = [experience(stroke), experience(np.add(stroke, (0.002, 0.001)))]
     backwards = Query(stroke[-1], stroke[0])
-    assert not any(each.facing(*backwards.ends) is each for each in known)
+    assert not any(each.towards(*backwards.ends) is each for each in known)
     assert all(
-        (one is other) == kept for one, other in zip(faced(known, backwards), known, strict=True)
+        (one is other) == kept for one, other in zip(directed(known, backwards), known, strict=True)
     )
 
 
@@ -59,5 +61,5 @@ def test_a_stroke_that_ends_beside_its_start_is_not_turned_around_by_a_small_mov
 def test_a_motion_that_nearly_returns_is_turned_round_only_for_ends_clearly_apart(apart, turned):
     angle = np.linspace(0.0, 1.0, 400) * (2.0 * np.pi - 2.0 * np.arcsin(np.pi * apart))
     ring = np.column_stack([np.cos(angle), np.sin(angle)]) / (2.0 * np.pi)  # about 1 round
-    found = shown(ring).facing(ring[-1], ring[0])
+    found = experience(ring).towards(ring[-1], ring[0])
     assert np.array_equal(found.path[0], ring[-1 if turned else 0])
