@@ -40,7 +40,7 @@ def latencies(moves: int) -> list[float]:
     """Times from the mouse to the scene, ms, of so many moves of a dragged box."""
     shown = demonstrations()
     skill = lt.FastMarching().fit(shown)
-    view = open_view(lt.Arm.load("panda"), demonstrations=shown, skill=skill, obstacles=[BOX])
+    view = open_view(lt.Arm.load("panda"), scene=[BOX], demonstrations=shown, skill=skill)
     try:
         with sync_playwright() as playwright:
             browser = playwright.chromium.launch(

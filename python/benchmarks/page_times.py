@@ -53,7 +53,7 @@ def _write(page: Path) -> None:
     joints = lt.scale_to_limits(
         lt.differentiate(arm.follow(lt.DMP().fit(shown).generate())), arm.limits
     )
-    view(arm, joints, demonstrations=shown, obstacles=[BOX], html=page)
+    view(arm, joints, scene=[BOX], demonstrations=shown, html=page)
 
 
 def _paint(browser: Browser, page: Path) -> float:

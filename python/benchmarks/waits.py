@@ -290,7 +290,7 @@ def _first_previews() -> Row:
     skill = lt.FastMarching().fit(live_drag.demonstrations())
     taken, wrong = [], ""
     for place in product((0.25, 0.35), (-0.15, 0.0, 0.15), np.linspace(0.4, 0.7, 4)):
-        planner = Replanner(lt.Arm.load("panda"), skill, obstacles=[live_drag.BOX])
+        planner = Replanner(lt.Arm.load("panda"), skill, scene=[live_drag.BOX])
         planner.plan()
         planner.move_obstacle(0, place)
         begin = time.process_time()

@@ -32,7 +32,7 @@ box = lt.Box((0.10, 0.10, 0.38), (0.54, -0.02, 0.19))
 with_room = lt.Box(box.size + 0.16, box.position)  # room for the hand: only the tip is planned
 skill = lt.DMP().fit(demonstrations)
 if "--live" in sys.argv:
-    view(arm, demonstrations=demonstrations, skill=skill, obstacles=[box])
+    view(arm, scene=[box], demonstrations=demonstrations, skill=skill)
     sys.exit()
 
 planned = skill.generate(obstacles=[with_room])
@@ -42,10 +42,10 @@ print(f"{joints.duration:.2f} s; {arm.check(joints, [box])}")
 view(
     arm,
     joints,
+    scene=[box],
     demonstrations=demonstrations,
     skill=lt.ProMP().fit(demonstrations),  # shows how far the six differ
     goal=planned.positions[-1],
-    obstacles=[box],
     html=folder / "motion.html",
     title="Around a box",
 )

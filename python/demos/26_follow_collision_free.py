@@ -24,12 +24,12 @@ seed = [0.6, -0.5, 0.0, -2.4, 0.0, 2.0, 1.4]
 
 shelf = lt.Box((0.1, 0.4, 0.2), (-0.15, 0.0, 0.65))  # behind the elbow
 straight = arm.follow(asked, seed=seed)
-around = arm.follow(asked, seed=seed, obstacles=[shelf], margin=0.01)
+around = arm.follow(asked, scene=lt.Scene([shelf], 0.01), seed=seed)
 
 figure = plt.figure(figsize=(7, 3.5), layout="constrained")
 axes = figure.subplots()
 for name, joints in (("without the shelf", straight), ("around the shelf", around)):
-    report = arm.check(joints, [shelf], margin=0.01)
+    report = arm.check(joints, lt.Scene([shelf], 0.01))
     error = arm.path_report(joints, asked).position_error.max()
     nearest = report.obstacles.minimum_distance
     print(

@@ -24,7 +24,7 @@ skill = lt.DMP().fit([shown])
 
 post = lt.Box((0.06, 0.06, 0.3), (0.25, 0.0, 0.15))  # beside the way of the tool, on the wrist's
 straight = arm.follow(skill.generate(obstacles=[post]))
-planned = lt.plan_motion(skill, arm, obstacles=[post])
+planned = lt.plan_motion(skill, arm, [post])
 timed = lt.retime(planned.joints, arm.limits)
 
 figure = plt.figure(figsize=(7, 3.5), layout="constrained")
@@ -40,7 +40,7 @@ gap.axhline(0.0, color="C7", linewidth=0.8)
 gap.set(xlabel="time in s", ylabel="whole arm to post in mm")
 gap.legend(loc="lower left")
 figure.savefig(folder / "planned.png", dpi=120)
-lt.show.view(arm, timed, obstacles=[post], html=folder / "planned.html")
+lt.show.view(arm, timed, scene=[post], html=folder / "planned.html")
 print(*planned.reasons, sep="\n")
 off, room = 1e3 * planned.deviation, 1e3 * planned.clearance
 print(f"tool {off:.0f} mm off its path, arm {room:.0f} mm clear")

@@ -45,12 +45,12 @@ path = np.column_stack(
     [np.full(201, 0.45), 0.02 * np.sin(turn), 0.33 - 0.06 * (1.0 - np.cos(turn))]
 )
 asked = lt.PoseTrajectory(times, path, np.tile([0.0, 1.0, 0.0, 0.0], (201, 1)))
-joints = arm.follow(asked, seed=[0.0, -0.5, 0.0, -2.4, 0.0, 2.0, 0.8], obstacles=around)
-print(arm.check(joints, around, margin=0.005))
+joints = arm.follow(asked, scene=around, seed=[0.0, -0.5, 0.0, -2.4, 0.0, 2.0, 0.8])
+print(arm.check(joints, lt.Scene(around, 0.005)))
 
 begin = process_time()
 clear = arm.is_clear(joints.positions, around)
 each = 1e6 * (process_time() - begin) / len(clear)
 print(f"clear of {len(shelf.points):,} points, walls and drum: {clear.all()}, {each:.0f} us each")
-lt.show.view(arm, joints, obstacles=around, html=folder / "obstacles.html")
+lt.show.view(arm, joints, scene=around, html=folder / "obstacles.html")
 print(f"wrote {folder / 'obstacles.html'}")

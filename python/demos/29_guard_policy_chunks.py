@@ -44,12 +44,12 @@ for name, chunk in chunks.items():
         commanded.append(guard.next().q)  # what a controller is sent, every period
 # A person steps in while the arm moves.
 guard.admit(guard.state.q + wave(0.6))
-person = lt.guard.Moving(lt.Capsule(0.25, 1.2, (0.2, 0.7, 0.6)), speed=0.8)
-print(f"a person: {guard.world([table, post, person])}")
+person = lt.shapes.MovingObstacle(lt.Capsule(0.25, 1.2, (0.2, 0.7, 0.6)), speed=0.8)
+print(f"a person: {guard.update_obstacles([table, post, person])}")
 while guard.remaining:
     commanded.append(guard.next().q)
 clock = np.arange(len(commanded)) / RATE
-sent = lt.connect(q, lt.JointTrajectory(clock, commanded), arm, obstacles=[table, post])
+sent = lt.connect(q, lt.JointTrajectory(clock, commanded), arm, [table, post])
 kept, clear = lt.check_limits(sent, arm.limits).ok, arm.check(sent, [table, post]).ok
 lt.write_motion(sent, folder / "commanded.json")
 axes.plot(clock, np.array(commanded)[:, 0], "C0")

@@ -33,7 +33,7 @@ print("\nand what is found:")
 weak = {**vars(arm.limits), "effort": 0.4 * arm.limits.effort}
 faults = {
     "the payload is three times as heavy": lt.simulate(arm, motion, payload=3.0),
-    "a post that was not planned for": lt.simulate(arm, motion, obstacles=[post]),
+    "a post that was not planned for": lt.simulate(arm, motion, [post]),
     "twice as fast": lt.simulate(arm, lt.JointTrajectory(0.5 * motion.times, motion.positions)),
     "less than half the torque": lt.simulate(
         lt.Arm.load("panda", limits=lt.arm.JointLimits(**weak)), motion

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 import leadthrough as lt
-from leadthrough.validation import Places, Scattered
+from leadthrough.validation import Places
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("panda")
@@ -24,8 +24,8 @@ ball = lt.Sphere(0.04, (0.5, 0.1, 0.8))
 found = lt.validate(
     skill,
     arm,
+    [lt.shapes.RandomObstacle(ball, (0.05, 0.2, 0.05))],
     goals=Places.around(goal, (0.15, 0.15, 0.1)),
-    obstacles=[Scattered(ball, Places.around(ball.position, (0.05, 0.2, 0.05)))],
     runs=20,  # or width=0.05: as many as the interval needs
     required=0.4,
 )

@@ -27,7 +27,7 @@ motion = lt.retime(home + np.outer(way, np.full(len(home), 0.9)), limits)
 
 robot = connect(kind, host, arm, np.array(home) - 0.1, [table])
 guard = lt.Guard(arm, [table], rate=robot.rate)
-whole = lt.connect(robot.q, motion, lt.Arm.load(arm.robot.name, limits=limits), obstacles=[table])
+whole = lt.connect(robot.q, motion, lt.Arm.load(arm.robot.name, limits=limits), [table])
 play = lt.guard.Playback(whole, arm.limits, rate=robot.rate)
 sent, stopped = [robot.q], False
 answer = guard.admit(robot.q[None], state=robot.q)

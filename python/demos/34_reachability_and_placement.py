@@ -15,7 +15,7 @@ from leadthrough.validation import Places
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 ur3 = lt.Arm.load("ur3")
 table = lt.Box((1.5, 1.5, 0.05), (0.0, 0.0, -0.05))
-found = lt.reaching.reach_map(ur3, spacing=0.2, orientations=8, obstacles=[table])
+found = lt.reaching.reach_map(ur3, [table], spacing=0.2, orientations=8)
 print(f"reached above the table: {found.volume:.2f} m^3, {found.fraction.max():.0%} of all turns")
 found.save(folder / "reach.npz")
 lt.show.reach_figure(found).savefig(folder / "reach.png")

@@ -26,11 +26,11 @@ box = lt.Box((0.08, 0.06, 0.1), (0.42, 0.0, 0.44))
 
 ways = {
     "up to 8 cm beside the path": lt.plan_motion(
-        skill, arm, obstacles=[box], dt=0.02, deviation=(0.08, 0.0)
+        skill, arm, [box], lt.Query(dt=0.02), deviation=(0.08, 0.0)
     ),
-    "another path of the tip": lt.plan_motion(skill, arm, obstacles=[box], dt=0.02),
+    "another path of the tip": lt.plan_motion(skill, arm, [box], lt.Query(dt=0.02)),
     "through joint space": lt.plan_motion(
-        skill, arm, obstacles=[box], dt=0.02, rounds=1, last_resort="joint_space"
+        skill, arm, [box], lt.Query(dt=0.02), rounds=1, last_resort="joint_space"
     ),
 }
 
@@ -55,5 +55,5 @@ figure.savefig(folder / "detours.png", dpi=120)
 last = ways["through joint space"]
 print("joint space, {:.2f} to {:.2f} s:".format(*last.connected), *last.reasons, sep="\n")
 timed = lt.retime(last.joints, arm.limits)
-lt.show.view(arm, timed, obstacles=[box], html=folder / "blocked.html")
+lt.show.view(arm, timed, scene=[box], html=folder / "blocked.html")
 print(f"wrote {folder / 'detours.png'} and {folder / 'blocked.html'}")

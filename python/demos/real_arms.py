@@ -17,7 +17,7 @@ class Simulated:
     def __init__(self, arm, q, obstacles=()):
         from leadthrough.simulation import SimulatedArm
 
-        self._arm = SimulatedArm(arm, q, obstacles=obstacles, friction=0.02, rate=self.rate)
+        self._arm = SimulatedArm(arm, q, obstacles, friction=0.02, rate=self.rate)
         self.largest_error = 0.0
 
     @property

@@ -9,6 +9,7 @@ from . import (
     preprocess,
     reaching,
     rotations,
+    shapes,
     show,
     simulation,
     tasks,
@@ -43,7 +44,7 @@ from .shapes import Box, Capsule, Cylinder, Mesh, PointCloud, Scene, Sphere
 from .simulation import SimulationReport, simulate
 from .timing import check_limits, differentiate, retime, scale_to_limits
 from .validation import validate
-from .whole_arm import PlannedMotion, plan_motion
+from .whole_arm import PlannedMotion, Query, plan_motion
 
 __version__: str
 
@@ -67,6 +68,7 @@ __all__ = [
     "PointCloud",
     "PoseTrajectory",
     "ProMP",
+    "Query",
     "RhythmicDMP",
     "Scene",
     "SimulationReport",
@@ -96,6 +98,7 @@ __all__ = [
     "retime",
     "rotations",
     "scale_to_limits",
+    "shapes",
     "show",
     "simulate",
     "simulation",

@@ -29,7 +29,7 @@ def with_physics(
         obstacles: shapes in its base frame.
     """
     try:
-        found = simulate(arm, joints, obstacles=obstacles)
+        found = simulate(arm, joints, obstacles)
     except MissingDependency as error:
         report.summary[PAGE] = str(error)
         return report

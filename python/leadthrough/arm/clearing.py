@@ -18,9 +18,12 @@ from leadthrough.arm.options import all_axes, free_axes
 from leadthrough.arm.tracks import TipPath
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
+from leadthrough.shapes import Scene, compiled
+from leadthrough.shapes.scene import PLANNING_TOLERANCE
 
-# A hit between samples that is deeper than this isn't missed, m.
-_TOLERANCE = 1e-3
+# A hit between samples that is deeper than this isn't missed, m. The other half of the planning
+# tolerance is left for the time law.
+_TOLERANCE = 0.5 * PLANNING_TOLERANCE
 # Bodies nearer by this than their margin are too near by any measure, m.
 _TOUCHING = 2e-6
 # m: with this margin, no two parts of an arm count as too near.
@@ -32,42 +35,45 @@ _NAMED = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Surroundings:
-    """What an arm is to keep clear of."""
+class CollisionTest:
+    """Whether an arm keeps the margins of a scene, at configurations and along motions."""
 
     model: _core.CollisionModel  # the arm's own shapes
-    obstacles: list[_core.Shape]  # as the core takes them
-    margin: float  # distance to keep from obstacles in m
-    self_margin: float  # distance to keep between parts of the arm in m
+    scene: Scene  # with the margins to keep
     searches: int = _MOST_SEARCHES
 
     def clear_along(self, q: Float64Array) -> bool:
         """Whether straight motions from row to row of q (n, joints) keep the margins."""
         # Most motions that come too near to an obstacle do so at a row: that is quick to see.
-        surely = self.margin - _TOUCHING
-        at_rows = _core.clear_batch(self.model, self.obstacles, q, surely, _ANY_OVERLAP)
+        surely = self.scene.margin - _TOUCHING
+        at_rows = _core.clear_batch(self.model, self.shapes, q, surely, _ANY_OVERLAP)
         return all(at_rows) and all(
-            _core.check_motion(scene, q, margin, _TOLERANCE, 1)[2] is None
-            for scene, margin in self._scenes
+            _core.check_motion(pairs, q, margin, _TOLERANCE, 1)[2] is None
+            for pairs, margin in self._pairs
         )
 
     def clear_at(self, q: Float64Array) -> bool:
         """Whether the arm keeps the margins at every row of q (n, joints); quick to say no."""
-        margins = self.margin, self.self_margin
-        return all(_core.clear_batch(self.model, self.obstacles, q, *margins))
+        margins = self.scene.margin, self.scene.self_collision_margin
+        return all(_core.clear_batch(self.model, self.shapes, q, *margins))
 
     @cached_property
-    def _scenes(self) -> tuple[tuple[_core.CollisionScene, float], ...]:
+    def shapes(self) -> list[_core.Shape]:
+        """The obstacles as the core takes them."""
+        return compiled(self.scene.shapes)
+
+    @cached_property
+    def _pairs(self) -> tuple[tuple[_core.CollisionScene, float], ...]:
         return (
-            (_core.against(self.model, self.obstacles), self.margin),
-            (_core.itself(self.model), self.self_margin),
+            (_core.against(self.model, self.shapes), self.scene.margin),
+            (_core.itself(self.model), self.scene.self_collision_margin),
         )
 
 
 def clear_path(
     chain: _core.Chain,
     path: TipPath,
-    around: Surroundings | None,
+    around: CollisionTest | None,
     *,
     start: Float64Array | None,
     tolerance: _core.IkTolerance,
@@ -85,26 +91,22 @@ def clear_path(
 def _clear_path(
     chain: _core.Chain,
     path: TipPath,
-    around: Surroundings | None,
+    around: CollisionTest | None,
     start: Float64Array | None,
     tolerance: _core.IkTolerance,
 ) -> Float64Array:
-    model, obstacles, margin, self_margin = (
-        (None, [], 0.0, 0.0)
-        if around is None
-        else (around.model, around.obstacles, around.margin, around.self_margin)
-    )
+    scene = Scene(margin=0.0) if around is None else around.scene
     q, last, sample, pairs, touch = _core.clear_path(
         chain,
-        model,
-        obstacles,
+        None if around is None else around.model,
+        compiled(scene.shapes),
         path.positions,
         path.orientations,
         all_axes(path.free) if len(path.tube) else free_axes(path.free),
         path.postures,
         start,
-        margin,
-        self_margin,
+        scene.margin,
+        scene.self_collision_margin,
         tolerance,
         path.tube,
         _MOST_SEARCHES if around is None else around.searches,

@@ -23,7 +23,7 @@ from leadthrough.arm.reachable import look_at_obstacles
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, InvalidRobot
 from leadthrough.motion import JointTrajectory
-from leadthrough.shapes import Shape, check_shapes, compiled
+from leadthrough.shapes import SceneLike, Shape, as_scene, compiled
 
 _FINEST_TOLERANCE = 1e-6  # m; distances are exact to 1e-7
 # Steps of a check between two samples: more would take minutes.
@@ -37,39 +37,35 @@ class ArmCollision(ArmDefinition):
     """The methods of an `Arm` that tell what it touches."""
 
     @overload
-    def distance(
-        self, q: Sequence[float], obstacles: Iterable[Shape], *, threads: int = 1
-    ) -> float: ...
+    def distance(self, q: Sequence[float], scene: SceneLike, *, threads: int = 1) -> float: ...
     @overload
     def distance(
-        self, q: Sequence[Sequence[float]], obstacles: Iterable[Shape], *, threads: int = 1
+        self, q: Sequence[Sequence[float]], scene: SceneLike, *, threads: int = 1
     ) -> Float64Array: ...
     @overload
     def distance(
-        self, q: ArrayLike, obstacles: Iterable[Shape], *, threads: int = 1
+        self, q: ArrayLike, scene: SceneLike, *, threads: int = 1
     ) -> float | Float64Array: ...
-    def distance(
-        self, q: ArrayLike, obstacles: Iterable[Shape], *, threads: int = 1
-    ) -> float | Float64Array:
-        """Smallest distance in m between obstacles and what moves of the arm.
+    def distance(self, q: ArrayLike, scene: SceneLike, *, threads: int = 1) -> float | Float64Array:
+        """Minimum distance, m, between obstacles and the arm's moving links.
 
         Where they overlap it is the depth of the overlap, negative; without obstacles it is
         infinite.
 
         Args:
             q: configuration (joints,) or a batch (m, joints).
-            obstacles: shapes in the base frame.
+            scene: the obstacles, as a `Scene` or a list of shapes; the margins are not used.
             threads: number of threads, 1 to 256; does not change the answer.
 
         Returns:
             A number, or (m,) for a batch.
 
         Raises:
-            InvalidInput: if q has another shape or is not finite, or an obstacle is no shape.
+            InvalidInput: if q has another shape or is not finite, or an obstacle is not a shape.
             InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
             MissingDependency: if a mesh's format needs a package that is not installed.
         """
-        return self._nearest(q, self._against(obstacles), threads)
+        return self._nearest(q, self._against(as_scene(scene).shapes), threads)
 
     @overload
     def self_distance(self, q: Sequence[float], *, threads: int = 1) -> float: ...
@@ -97,80 +93,51 @@ class ArmCollision(ArmDefinition):
         return self._nearest(q, _core.itself(self._collision), threads)
 
     @overload
-    def is_clear(
-        self,
-        q: Sequence[float],
-        obstacles: Iterable[Shape] = ...,
-        *,
-        margin: float = ...,
-        self_margin: float = ...,
-    ) -> bool: ...
+    def is_clear(self, q: Sequence[float], scene: SceneLike = ...) -> bool: ...
     @overload
-    def is_clear(
-        self,
-        q: ArrayLike,
-        obstacles: Iterable[Shape] = ...,
-        *,
-        margin: float = ...,
-        self_margin: float = ...,
-    ) -> bool | NDArray[np.bool_]: ...
-    def is_clear(
-        self,
-        q: ArrayLike,
-        obstacles: Iterable[Shape] = (),
-        *,
-        margin: float = 0.0,
-        self_margin: float = 0.0,
-    ) -> bool | NDArray[np.bool_]:
-        """Whether the whole arm keeps clear of obstacles and of itself; quicker than distances.
+    def is_clear(self, q: ArrayLike, scene: SceneLike = ...) -> bool | NDArray[np.bool_]: ...
+    def is_clear(self, q: ArrayLike, scene: SceneLike = ()) -> bool | NDArray[np.bool_]:
+        """Whether the whole arm keeps the margins of a scene; quicker than distances.
 
         Args:
             q: configuration (joints,) or a batch (m, joints).
-            obstacles: shapes in the base frame.
-            margin: distance to keep from obstacles in m, >= 0.
-            self_margin: distance to keep between parts of the arm in m, >= 0.
+            scene: the obstacles and margins; a list of shapes has the default margins.
 
         Returns:
             One answer, or (m,) for a batch.
 
         Raises:
-            InvalidInput: if q has another shape or is not finite, an obstacle is no shape, or a
-                margin is negative.
+            InvalidInput: if q has another shape or is not finite, or the scene is malformed.
             InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
             MissingDependency: if a mesh's format needs a package that is not installed.
         """
         batch, (rows,) = joint_rows(self._chain, q=q)
-        shapes = compiled(check_shapes(obstacles))
-        least = check.number(margin, "margin", at_least=0.0)
-        least_itself = check.number(self_margin, "self_margin", at_least=0.0)
-        clear = _core.clear_batch(self._collision, shapes, rows, least, least_itself)
+        around = as_scene(scene)
+        margins = around.margin, around.self_collision_margin
+        clear = _core.clear_batch(self._collision, compiled(around.shapes), rows, *margins)
         return np.array(clear) if batch else clear[0]
 
     def check(
         self,
         trajectory: JointTrajectory | ArrayLike,
-        obstacles: Iterable[Shape] = (),
+        scene: SceneLike = (),
         *,
-        margin: float = 0.0,
-        self_margin: float = 0.0,
         tolerance: float = 1e-3,
         threads: int = 1,
     ) -> CollisionReport:
-        """Whether the whole arm keeps clear of obstacles and of itself, between samples as well.
+        """Whether the whole arm keeps the margins of a scene, between samples as well.
 
         Between samples the joints move straight, all in proportion. A hit is reported, never
         raised.
 
         Args:
             trajectory: joints, or configurations (m, joints), m > 0.
-            obstacles: shapes in the base frame.
-            margin: distance to keep from obstacles in m, >= 0.
-            self_margin: distance to keep between parts of the arm in m, >= 0.
+            scene: the obstacles and margins; a list of shapes has the default margins.
             tolerance: in m, >= 1e-6; a hit between samples that is deeper than this isn't missed.
             threads: number of threads, 1 to 256; does not change the answer.
 
         Raises:
-            InvalidInput: if the joints are not the arm's, an obstacle is no shape, a number is out
+            InvalidInput: if the joints are not the arm's, the scene is malformed, a number is out
                 of its range, or two samples are too far apart to be checked to the tolerance.
             InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
             MissingDependency: if a mesh's format needs a package that is not installed.
@@ -178,17 +145,15 @@ class ArmCollision(ArmDefinition):
         Source: Mirtich 1996.
         """
         q, times = _configurations(trajectory, self.joint_names)
-        scenes = (self._against(obstacles), _core.itself(self._collision))
+        around = as_scene(scene)
+        pairs = (self._against(around.shapes), _core.itself(self._collision))
         exact = check.number(tolerance, "tolerance", at_least=_FINEST_TOLERANCE)
-        margins = (
-            check.number(margin, "margin", at_least=0.0),
-            check.number(self_margin, "self_margin", at_least=0.0),
-        )
+        margins = (around.margin, around.self_collision_margin)
         count = check.integer(threads, "threads", at_least=1, at_most=256)
-        _require_short_steps(scenes, q, exact)
+        _require_short_steps(pairs, q, exact)
         from_obstacles, from_itself = (
-            _clearance(scene, least, times, _core.check_motion(scene, q, least, exact, count))
-            for scene, least in zip(scenes, margins, strict=True)
+            _clearance(each, margin, times, _core.check_motion(each, q, margin, exact, count))
+            for each, margin in zip(pairs, margins, strict=True)
         )
         return CollisionReport(from_obstacles, from_itself, tolerance=exact)
 
@@ -214,17 +179,16 @@ class ArmCollision(ArmDefinition):
             raise InvalidRobot("robot", "no link has collision geometry, so nothing can be checked")
         return model
 
-    def _against(self, obstacles: Iterable[Shape]) -> _core.CollisionScene:
-        shapes = check_shapes(obstacles)
+    def _against(self, shapes: Sequence[Shape]) -> _core.CollisionScene:
         look_at_obstacles(self, shapes)
         return _core.against(self._collision, compiled(shapes))
 
     def _nearest(
-        self, q: ArrayLike, scene: _core.CollisionScene, threads: int
+        self, q: ArrayLike, pairs: _core.CollisionScene, threads: int
     ) -> float | Float64Array:
         batch, (rows,) = joint_rows(self._chain, q=q)
         count = check.integer(threads, "threads", at_least=1, at_most=256)
-        found = _core.nearest_bodies(scene, rows, count)[0]
+        found = _core.nearest_bodies(pairs, rows, count)[0]
         return found if batch else float(found[0])
 
 
@@ -249,9 +213,9 @@ def _configurations(
 
 
 def _require_short_steps(
-    scenes: Iterable[_core.CollisionScene], q: Float64Array, tolerance: float
+    both: Iterable[_core.CollisionScene], q: Float64Array, tolerance: float
 ) -> None:
-    step = max(_core.longest_step(scene, q) for scene in scenes)
+    step = max(_core.longest_step(pairs, q) for pairs in both)
     if not step <= tolerance * _MOST_STEPS:
         raise InvalidInput(
             f"trajectory: between two samples the arm may move by {step:.3g} m, too far to be "
@@ -260,25 +224,25 @@ def _require_short_steps(
 
 
 def _clearance(
-    scene: _core.CollisionScene,
+    pairs: _core.CollisionScene,
     margin: float,
     times: Float64Array | None,
     found: tuple[Float64Array, _Found | None, _Found | None],
 ) -> Clearance:
     distances, closest, first = found
     return Clearance(
-        first=_approach(scene, times, first),
-        closest=_approach(scene, times, closest),
+        first=_approach(pairs, times, first),
+        closest=_approach(pairs, times, closest),
         distances=distances,
         margin=margin,
     )
 
 
 def _approach(
-    scene: _core.CollisionScene, times: Float64Array | None, found: _Found | None
+    pairs: _core.CollisionScene, times: Float64Array | None, found: _Found | None
 ) -> Approach | None:
     if found is None or np.isinf(found[3]):
         return None
     sample, a, b, gap, on_a, on_b = found
     time = None if times is None else float(np.interp(sample, np.arange(len(times)), times))
-    return Approach(sample, time, (scene.names[a], scene.names[b]), gap, np.stack([on_a, on_b]))
+    return Approach(sample, time, (pairs.names[a], pairs.names[b]), gap, np.stack([on_a, on_b]))

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, events
-from leadthrough.arm.clearing import Surroundings, clear_path
+from leadthrough.arm.clearing import CollisionTest, clear_path
 from leadthrough.arm.first_posture import Start, first_postures, seeded
 from leadthrough.arm.freedom import axes_to_try, least_turned
 from leadthrough.arm.limits import JointLimits, known_acceleration
@@ -62,7 +62,7 @@ def follow(
     free: Sequence[Axis] | None = None,
     position_tolerance: float = 1e-5,
     orientation_tolerance: float = 1e-5,
-    around: Surroundings | None = None,
+    around: CollisionTest | None = None,
 ) -> JointTrajectory:
     """See `Arm.follow`."""
     tip = TipPath.of(motion)
@@ -158,7 +158,7 @@ class _Follower:
         return min(tracks, key=lambda track: _rank(track, deviation))
 
     def searched(
-        self, seed: Float64Array | None, around: Surroundings | None
+        self, seed: Float64Array | None, around: CollisionTest | None
     ) -> Float64Array | None:
         """Joints (n, joints) found by looking ahead; None if there are none."""
         try:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from numpy.typing import ArrayLike
 
-from leadthrough import check
 from leadthrough.arm import follower, reachable, recorded
-from leadthrough.arm.clearing import Surroundings
+from leadthrough.arm.clearing import CollisionTest
 from leadthrough.arm.collision import ArmCollision
 from leadthrough.arm.follower import TooFast
 from leadthrough.arm.options import Axis
@@ -16,7 +15,7 @@ from leadthrough.arm.path_report import PathReport, path_report
 from leadthrough.arm.tracks import TipPath
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
-from leadthrough.shapes import Shape, check_shapes, compiled
+from leadthrough.shapes import SceneLike, as_scene
 
 
 class ArmFollowing(ArmCollision):
@@ -35,9 +34,7 @@ class ArmFollowing(ArmCollision):
         free: Sequence[Axis] | None = None,
         position_tolerance: float = 1e-5,
         orientation_tolerance: float = 1e-5,
-        obstacles: Iterable[Shape] = (),
-        margin: float = 0.005,
-        self_margin: float = 0.0,
+        scene: SceneLike | None = None,
     ) -> JointTrajectory:
         """Joint positions and velocities that take the tip along a motion without a jump.
 
@@ -84,14 +81,11 @@ class ArmFollowing(ArmCollision):
             position_tolerance: error in m that counts as reached, > 0. All samples but those
                 beside a singularity come ten times closer.
             orientation_tolerance: error in rad that counts as reached, > 0; the same holds.
-            obstacles: shapes in the base frame that the whole arm keeps clear of, between samples
-                too, and then of itself as well. The tip stays on its path, but for `deviation`:
-                what the task leaves free, such as the elbow, goes around. Where the arm is clear
-                anyway, the answer is the one without obstacles. Only with "slow" and
-                "exceed_limits".
-            margin: distance to keep from obstacles in m, >= 0.
-            self_margin: distance to keep between parts of the arm in m, >= 0, where there are
-                obstacles.
+            scene: obstacles that the whole arm keeps clear of, between samples too, and then of
+                itself as well, by the scene's margins and 0.2 mm more, so that the answer passes
+                `check` with the same scene. The tip stays on its path, but for `deviation`: what
+                the task leaves free, such as the elbow, goes around. Where the arm is clear anyway,
+                the answer is the one without a scene. Only with "slow" and "exceed_limits".
 
         Raises:
             InvalidInput: if an argument is out of its range, or the motion isn't of poses or
@@ -100,7 +94,7 @@ class ArmFollowing(ArmCollision):
                 status: one of IkResult's; "jump" where the pose can be reached, but not from the
                 sample before; "too_fast"; or "blocked" where there is no room for the arm, with
                 the bodies that leave none.
-            InvalidRobot: if there are obstacles and the robot has no collision geometry, or a mesh
+            InvalidRobot: if there is a scene and the robot has no collision geometry, or a mesh
                 is missing or flat.
             LimitsInfeasible: if a joint has to move whose limits are zero; with "slow" only.
 
@@ -130,24 +124,19 @@ class ArmFollowing(ArmCollision):
             free=free,
             position_tolerance=position_tolerance,
             orientation_tolerance=orientation_tolerance,
-            around=self._surroundings(obstacles, margin, self_margin, too_fast),
+            around=self._collision_test(scene, too_fast),
         )
 
-    def _surroundings(
-        self, obstacles: Iterable[Shape], margin: float, self_margin: float, too_fast: TooFast
-    ) -> Surroundings | None:
-        """What to keep clear of; None without obstacles."""
-        shapes = check_shapes(obstacles)
-        least = check.number(margin, "margin", at_least=0.0)
-        least_itself = check.number(self_margin, "self_margin", at_least=0.0)
-        if not shapes:
+    def _collision_test(self, scene: SceneLike | None, too_fast: TooFast) -> CollisionTest | None:
+        """The test of the planning margins; None without a scene."""
+        if scene is None:
             return None
         if too_fast in ("deviate", "raise"):
             raise InvalidInput(
-                f"obstacles: not used together with too_fast={too_fast!r}; use 'slow' or "
+                f"scene: not used together with too_fast={too_fast!r}; use 'slow' or "
                 "'exceed_limits'"
             )
-        return Surroundings(self._collision, compiled(shapes), least, least_itself)
+        return CollisionTest(self._collision, as_scene(scene).for_planning())
 
     def path_report(
         self,

@@ -24,7 +24,7 @@ def check(
     tip: options.TipLink = None,
     mesh_folder: options.MeshFolder = None,
     obstacle: options.Obstacles = None,
-    margin: options.Margin = 0.0,
+    margin: options.Margin = 0.005,
     physics: Annotated[
         bool,
         typer.Option(
@@ -41,20 +41,21 @@ def check(
     """
     from leadthrough.cli import parse, tables
     from leadthrough.cli import robot as robots
+    from leadthrough.shapes import Scene
     from leadthrough.timing import check_limits
 
     arm = robots.load(robot, limits, base, tip, mesh_folder)
     joints = robots.joints_in(arm, motion)
-    obstacles = [parse.obstacle(text) for text in obstacle or ()]
+    scene = Scene([parse.obstacle(text) for text in obstacle or ()], margin)
     kept = check_limits(joints, arm.limits)
     with tables.busy("checking"):
-        clearance = arm.check(joints, obstacles, margin=margin)
+        clearance = arm.check(joints, scene)
     simulated = None
     if physics:
         from leadthrough.simulation import simulate
 
         with tables.busy("simulating"):
-            simulated = simulate(arm, joints, obstacles=obstacles)
+            simulated = simulate(arm, joints, scene)
     quantities = ("position", "velocity", "acceleration", "jerk")
     found = {
         "ok": kept.ok and clearance.ok and (simulated is None or simulated.ok),
@@ -78,7 +79,7 @@ def check(
 def _hint(ctx: typer.Context, motion: Path, *, limits_kept: bool, clear: bool, fails: bool) -> None:
     arm = chain.arm(ctx)
     if not clear:
-        chain.advise("plan with a larger --obstacle or another --posture, then retime and check")
+        chain.advise("replan with a larger --margin or another --posture, then retime and check")
     elif not limits_kept:
         chain.hint(
             ctx,

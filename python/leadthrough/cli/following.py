@@ -17,8 +17,9 @@ from leadthrough.cli import parse
 from leadthrough.cli import robot as robots
 from leadthrough.models.protocol import Skill
 from leadthrough.motion import JointTrajectory, Motion, joints_with
+from leadthrough.shapes import Scene
 from leadthrough.timing import differentiate
-from leadthrough.whole_arm import plan_motion
+from leadthrough.whole_arm import Query, plan_motion
 
 # m or rad; the tip is this near to a path that is followed without tolerances.
 _AS_PLANNED = 2e-5
@@ -27,7 +28,7 @@ UNITS = {
     "orientation_error": "rad",
     "start_from_shown": "rad (m)",
     "clearance": "m",
-    "tip_left_path": "m",
+    "tip_deviation": "m",
 }
 # A start this far from where the arm was shown, rad or m, is another posture to a person beside it.
 _ELSEWHERE = 0.3
@@ -63,12 +64,15 @@ def kept_clear(
     how: dict[str, Any],
 ) -> Followed:
     """The arm's joints along a skill's motion, the whole arm clear of the obstacles."""
-    asked = query if margin is None else query | {"margin": margin}
-    planned = plan_motion(skill, arm, **asked, **how)
+    asked = {name: value for name, value in query.items() if name != "obstacles"}
+    scene = Scene(query["obstacles"])
+    if margin is not None:
+        scene = Scene(query["obstacles"], margin)
+    planned = plan_motion(skill, arm, scene, Query(**asked), **how)
     facts = _compared(arm, planned.tip, planned.joints, how)
     facts["clearance"] = planned.clearance
     if planned.reasons:
-        facts |= {"tip_left_path": planned.deviation, "because": "; ".join(planned.reasons)}
+        facts |= {"tip_deviation": planned.deviation, "reasons": "; ".join(planned.reasons)}
     return Followed(planned.joints, facts)
 
 

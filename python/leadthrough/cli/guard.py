@@ -50,14 +50,15 @@ def guard(
     from leadthrough.guard import Guard
     from leadthrough.guard.writing import from_state
     from leadthrough.io import write_motion
+    from leadthrough.shapes import Scene
 
     reading.check_output(out, format)
     arm = robots.load(robot, limits, base, tip, mesh_folder)
     joints = robots.joints_in(arm, motion)
-    obstacles = [parse.obstacle(text) for text in obstacle or ()]
+    scene = Scene([parse.obstacle(text) for text in obstacle or ()], margin)
     shown = 1.0 / float(np.diff(joints.times).min(initial=1.0))
     per_second = shown if rate is None else rate
-    admits = Guard(arm, obstacles, rate=per_second, margin=margin)
+    admits = Guard(arm, scene, rate=per_second)
     if start is not None:
         here, chunk = parse.numbers(start, "--start"), joints
     else:

@@ -10,11 +10,10 @@ import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.models.certificate import Scattered
 from leadthrough.models.place import Place
 from leadthrough.models.places import Places
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
-from leadthrough.shapes import SHAPES, Primitive, Shape
+from leadthrough.shapes import SHAPES, Primitive, RandomObstacle, Shape
 
 _PRIMITIVES = {shape.__name__.lower(): shape for shape in SHAPES if issubclass(shape, Primitive)}
 # The forms of --obstacle.
@@ -147,14 +146,14 @@ def corners(text: str, name: str) -> Places:
     return places(text, np.zeros(3), name)
 
 
-def scattered(text: str) -> Scattered:
+def random_obstacle(text: str) -> RandomObstacle:
     """An obstacle at a random position, such as box:0.1,0.1,0.2@0.4,0,0.1~0.1,0.1,0."""
     form, _, reach = text.rpartition("~")
     try:
         shape = _shape(form)
-        return Scattered(shape, Places.around(shape.position, numbers(reach, "distances")))
+        return RandomObstacle(shape, numbers(reach, "distances"))
     except InvalidInput as error:
-        raise InvalidInput(f"--worlds {text}: {error}") from None
+        raise InvalidInput(f"--random-obstacle {text}: {error}") from None
 
 
 def parameters(given: Sequence[str]) -> dict[str, Any]:

@@ -90,7 +90,7 @@ def reach(
         volume=corners,
         spacing=spacing,
         orientations=orientations,
-        obstacles=[parse.obstacle(text) for text in obstacle or ()],
+        scene=[parse.obstacle(text) for text in obstacle or ()],
         seed=seed,
         on=on,
         out=folder,

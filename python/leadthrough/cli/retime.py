@@ -84,7 +84,7 @@ def retime(
     limited = _limited_by(timing.binding_limits(timed, arm.limits))
     if start is not None:
         with errors.naming(state="--start"):
-            timed = connect(parse.numbers(start, "--start"), timed, arm, obstacles=around)
+            timed = connect(parse.numbers(start, "--start"), timed, arm, around)
     with errors.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
         write_motion(timed, out, format=format)
     found = {

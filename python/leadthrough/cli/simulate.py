@@ -101,7 +101,7 @@ def simulate(
         report = run(
             arm,
             joints,
-            obstacles=[parse.obstacle(text) for text in obstacle or ()],
+            [parse.obstacle(text) for text in obstacle or ()],
             controller=made,
             state=None if start is None else parse.numbers(start, "--start"),
             payload=payload,

@@ -32,7 +32,7 @@ def validate(
         str | None, typer.Option(help="Region of the starts, in the form of --goals.")
     ] = None,
     obstacle: options.Obstacles = None,
-    worlds: Annotated[
+    random_obstacle: Annotated[
         list[str] | None,
         typer.Option(
             help="Obstacle at a random position: one as of --obstacle, then ~DX,DY,DZ, how far it "
@@ -42,12 +42,12 @@ def validate(
     runs: Annotated[int, typer.Option(help="Number of random queries.")] = 1000,
     width: Annotated[
         float | None,
-        typer.Option(help="Stop as soon as the interval of the success rate is so narrow."),
+        typer.Option(help="Stop once the success rate's confidence interval is at most this wide."),
     ] = None,
     required: Annotated[
         float | None,
         typer.Option(
-            help="Success rate that is asked for; the exit code is 1 where it is not certain."
+            help="Required success rate; exits with 1 if the lower confidence bound is below it."
         ),
     ] = None,
     physics: Annotated[
@@ -80,6 +80,7 @@ def validate(
     from leadthrough import tasks
     from leadthrough.cli import errors, parse, reading, tables
     from leadthrough.cli import robot as robots
+    from leadthrough.shapes import Scene
     from leadthrough.show.validation_page import write_validation
     from leadthrough.simulation import ComputedTorque
     from leadthrough.validation import validate as validated
@@ -88,18 +89,18 @@ def validate(
         reading.check_skill_output(certify, "--certify")
     learned = reading.saved_skill(skill)
     fixed = [parse.obstacle(text) for text in obstacle or ()]
+    drawn = [parse.random_obstacle(text) for text in random_obstacle or ()]
     folder = out or skill.with_name(f"{skill.stem}-validation")
     with errors.going_on():
         found = validated(
             learned,
             robots.load(robot, limits, base, tip, mesh_folder),
+            Scene([*fixed, *drawn], margin),
             goals=_places(learned, goals, -1, "--goals"),
             starts=_places(learned, starts, 0, "--starts"),
-            obstacles=[*fixed, *(parse.scattered(text) for text in worlds or ())],
             runs=runs,
             width=width,
             required=0.95 if required is None else required,
-            margin=margin,
             controller=ComputedTorque() if physics else None,
             seed=seed,
             on=on,
@@ -130,7 +131,7 @@ def _facts(found: Validation, folder: Path) -> dict[str, object]:
     }
     if found.nearest:
         told["nearest_failure"] = f"goal {found.nearest.goal.round(4).tolist()}"
-        told["because"] = f"{found.nearest.cause}: {found.nearest.detail}"
+        told["reasons"] = f"{found.nearest.cause}: {found.nearest.detail}"
     return {**told, "report": str(folder / "report.html")}
 
 

@@ -98,7 +98,7 @@ def view(
             demonstrations=shown,
             skill=None if skill is None else reading.saved_skill(skill),
             goal=None if goal is None else parse.place(goal, "--goal"),
-            obstacles=[parse.obstacle(text) for text in obstacle or ()],
+            scene=[parse.obstacle(text) for text in obstacle or ()],
             html=html,
             port=port,
         )

@@ -4,6 +4,5 @@ from leadthrough.guard.admission import Admission, CommandedState, Reason
 from leadthrough.guard.connect import connect
 from leadthrough.guard.guard import Guard
 from leadthrough.guard.playback import Playback
-from leadthrough.guard.rules import Moving
 
-__all__ = ["Admission", "CommandedState", "Guard", "Moving", "Playback", "Reason", "connect"]
+__all__ = ["Admission", "CommandedState", "Guard", "Playback", "Reason", "connect"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -14,9 +13,10 @@ from leadthrough.errors import InvalidInput, LimitsInfeasible, NoPath
 from leadthrough.guard.admission import CommandedState
 from leadthrough.guard.chunks import chunk_of
 from leadthrough.guard.joining import LANDING, joined_at_start
-from leadthrough.guard.rules import HISTORY, Contact, Obstacle, Rules, history_of, rules_for
+from leadthrough.guard.rules import HISTORY, Contact, Rules, history_of, rules_for
 from leadthrough.guard.writing import from_state
 from leadthrough.motion import JointTrajectory
+from leadthrough.shapes import SceneLike, as_scene
 
 _TURN = 2.0 * np.pi  # rad
 _SAME_PLACE = 1e-9  # m, of the tip
@@ -26,10 +26,7 @@ def connect(
     state: CommandedState | ArrayLike,
     trajectory: JointTrajectory,
     arm: Arm,
-    *,
-    obstacles: Iterable[Obstacle] = (),
-    margin: float = 0.005,
-    self_margin: float = 0.0,
+    scene: SceneLike = (),
 ) -> JointTrajectory:
     """The motion from the arm's present state on: eased into at its start, and to rest at its end.
 
@@ -45,9 +42,7 @@ def connect(
         trajectory: with the arm's joints. Samples that are not evenly spaced are put on a clock
             with their shortest step.
         arm: the arm; all limits of its joints have to be known.
-        obstacles: shapes in the base frame, `Moving` ones with a bound on their speed.
-        margin: distance to keep from obstacles in m, >= 0.
-        self_margin: distance to keep between parts of the arm in m, >= 0.
+        scene: the obstacles, `MovingObstacle`s with a bound on their speed, and the margins.
 
     Returns:
         The whole motion, with the state as its first sample, at time 0. Its events keep their
@@ -65,7 +60,7 @@ def connect(
     if len(trajectory.times) < 2:
         raise InvalidInput("trajectory: expected at least two samples, got one")
     period = float(np.diff(trajectory.times).min())
-    rules = rules_for(arm, obstacles, period, margin=margin, self_margin=self_margin)
+    rules = rules_for(arm, as_scene(scene), period)
     history = history_of(state, len(arm.joint_names), period)
     chunk = chunk_of(trajectory, arm, period)
     rows = _unwrapped(chunk.rows, history[-1], arm)

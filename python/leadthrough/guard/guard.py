@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
@@ -28,7 +28,6 @@ from leadthrough.guard.rules import (
     ALL_WORK,
     HISTORY,
     Contact,
-    Obstacle,
     Way,
     history_of,
     rules_for,
@@ -37,6 +36,7 @@ from leadthrough.guard.rules import (
 from leadthrough.guard.writing import moved_events, trajectories
 from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr
+from leadthrough.shapes import Obstacle, Scene, SceneLike, as_scene
 
 _SLOWEST, _FASTEST = 1.0, 1e4  # Hz
 # Pairs of shapes that are looked at for each sample of a chunk that has to be changed, and for how
@@ -47,7 +47,7 @@ _WORK, _SHORT = 200, 50
 class Guard(ShortRepr):
     """Admits chunks of joint motion to an arm: as they are, changed, or not at all.
 
-        guard = lt.Guard(arm, obstacles, rate=50.0)
+        guard = lt.Guard(arm, scene, rate=50.0)
         guard.admit(chunk, state=q)                # whenever the policy has a new one
         while running:
             send(guard.next().q)                   # every period
@@ -62,9 +62,7 @@ class Guard(ShortRepr):
 
     Args:
         arm: the arm; all limits of its joints have to be known.
-        obstacles: shapes in the base frame, `Moving` ones with a bound on their speed.
-        margin: distance to keep from obstacles in m, >= 0.
-        self_margin: distance to keep between parts of the arm in m, >= 0.
+        scene: the obstacles, `MovingObstacle`s with a bound on their speed, and the margins.
         rate: commands per second, 1 to 1e4.
 
     Raises:
@@ -75,18 +73,14 @@ class Guard(ShortRepr):
     def __init__(
         self,
         arm: Arm,
-        obstacles: Iterable[Obstacle] = (),
+        scene: SceneLike = (),
         *,
         rate: float,
-        margin: float = 0.005,
-        self_margin: float = 0.0,
     ) -> None:
         self._arm = arm
         self._period = 1.0 / check.number(rate, "rate", at_least=_SLOWEST, at_most=_FASTEST)
-        self._margins = (margin, self_margin)
-        self._rules = rules_for(
-            arm, obstacles, self._period, margin=margin, self_margin=self_margin
-        )
+        self._scene = as_scene(scene)
+        self._rules = rules_for(arm, self._scene, self._period)
         self._age = 0.0  # periods since the obstacles were seen
         self._stream: Float64Array | None = None  # commanded from three rows before `_at` on
         self._at = 0
@@ -178,19 +172,21 @@ class Guard(ShortRepr):
         told += exceeded(self._rules, history, given.rows, times)
         return self._changed(changed(self._rules, history, given.rows), given, told)
 
-    def world(self, obstacles: Iterable[Obstacle]) -> Admission | None:
-        """What may still run now that the obstacles are these; they count as seen just now.
+    def update_obstacles(self, obstacles: Iterable[Obstacle]) -> Admission | None:
+        """Replaces the obstacles, resets their age and re-certifies the remaining commands.
 
         Args:
-            obstacles: all obstacles, as for the guard itself.
+            obstacles: all obstacles, as in the guard's scene, whose margins stay.
 
         Returns:
             None if no state was given yet.
 
         Raises:
-            InvalidInput: if an obstacle is no shape.
+            InvalidInput: if an obstacle is malformed.
         """
-        self._rules = replace(self._rules, around=self._around(obstacles))
+        self._scene = Scene(obstacles, self._scene.margin, self._scene.self_collision_margin)
+        around = surroundings(self._arm, self._scene, self._period)
+        self._rules = replace(self._rules, around=around)
         self._age = 0.0
         if self._stream is None:
             return None
@@ -213,12 +209,6 @@ class Guard(ShortRepr):
             InvalidInput: if no state was given yet.
         """
         return self._braking((), start=self._period)
-
-    def _around(self, obstacles: Iterable[Obstacle]) -> _core.Surroundings:
-        margin, self_margin = self._margins
-        return surroundings(
-            self._arm, obstacles, margin=margin, self_margin=self_margin, period=self._period
-        )
 
     def _start(self, state: CommandedState | ArrayLike) -> None:
         """Makes a state the present one, with nothing known beyond it."""

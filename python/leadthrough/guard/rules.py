@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,36 +14,12 @@ from leadthrough.arm.arm import check_arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.guard.admission import CommandedState
-from leadthrough.repr import ShortRepr
-from leadthrough.shapes import Shape, check_shapes, compiled
+from leadthrough.shapes import Scene, compiled
 
 HISTORY = 3  # commanded positions that the next differences reach back to
 ALL_WORK = sys.maxsize
 _WORK_OF_STOP = 4000  # pairs of shapes that are looked at along a stop
 _RATES = ("velocity", "acceleration", "jerk")
-
-
-@dataclass(frozen=True, eq=False)
-class Moving(ShortRepr):
-    """An obstacle that moves, or of which it is not known whether it will.
-
-    Attributes:
-        shape: the obstacle where it is now, in the base frame.
-        speed: no point of it moves faster than this, m/s, >= 0.
-
-    Raises:
-        InvalidInput: if the shape is none, or the speed is negative or not finite.
-    """
-
-    shape: Shape
-    speed: float
-
-    def __post_init__(self) -> None:
-        check_shapes([self.shape])
-        check.number(self.speed, "speed", at_least=0.0)
-
-
-Obstacle = Shape | Moving
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,16 +131,11 @@ class Rules:
         return Way(stopped[0], kept) if found is None else None
 
 
-def rules_for(
-    arm: Arm, obstacles: Iterable[Obstacle], period: float, *, margin: float, self_margin: float
-) -> Rules:
-    """The rules of an arm among obstacles."""
+def rules_for(arm: Arm, scene: Scene, period: float) -> Rules:
+    """The rules of an arm in a scene."""
     check_arm(arm)
     limits = step_limits(arm.limits, period)
-    margin = check.number(margin, "margin", at_least=0.0)
-    self_margin = check.number(self_margin, "self_margin", at_least=0.0)
-    around = surroundings(arm, obstacles, margin=margin, self_margin=self_margin, period=period)
-    return Rules(arm.limits, period, limits, around)
+    return Rules(arm.limits, period, limits, surroundings(arm, scene, period))
 
 
 def history_of(state: CommandedState | ArrayLike, joints: int, period: float) -> Float64Array:
@@ -199,13 +169,8 @@ def step_limits(limits: JointLimits, period: float) -> _core.StepLimits:
     )
 
 
-def surroundings(
-    arm: Arm, obstacles: Iterable[Obstacle], *, margin: float, self_margin: float, period: float
-) -> _core.Surroundings:
-    """The arm among obstacles."""
-    if not isinstance(obstacles, Iterable):
-        raise InvalidInput(f"obstacles: expected a sequence, got {type(obstacles).__name__}")
-    things: Sequence[Obstacle] = tuple(obstacles)
-    shapes = check_shapes([each.shape if isinstance(each, Moving) else each for each in things])
-    growth = [each.speed * period if isinstance(each, Moving) else 0.0 for each in things]
-    return _core.Surroundings(arm._collision, compiled(shapes), growth, margin, self_margin)
+def surroundings(arm: Arm, scene: Scene, period: float) -> _core.Surroundings:
+    """The arm in a scene, as the core takes them."""
+    growth = [speed * period for speed in scene.speeds]
+    margins = scene.margin, scene.self_collision_margin
+    return _core.Surroundings(arm._collision, compiled(scene.shapes), growth, *margins)

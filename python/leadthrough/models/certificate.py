@@ -12,28 +12,7 @@ from leadthrough.errors import InvalidInput
 from leadthrough.models.place import Place
 from leadthrough.models.places import Places
 from leadthrough.repr import ShortRepr
-from leadthrough.shapes import Shape
-
-
-@dataclass(frozen=True, eq=False)
-class Scattered(ShortRepr):
-    """An obstacle whose position is drawn at random.
-
-    Attributes:
-        shape: the obstacle; its own position does not count.
-        region: of its positions (3,), m in the base frame.
-    """
-
-    shape: Shape
-    region: Places
-
-    def draw(self, rng: np.random.Generator) -> Shape:
-        """The shape at a position at random.
-
-        Args:
-            rng: source of the random numbers.
-        """
-        return self.shape.at(rng.uniform(self.region.lower, self.region.upper))
+from leadthrough.shapes import MovingObstacle, Obstacle, RandomObstacle, Shape
 
 
 @dataclass(frozen=True)
@@ -45,14 +24,14 @@ class ValidatedObstacle:
     upper: tuple[float, ...]  # (3,) largest ones
 
     @staticmethod
-    def of(obstacle: Shape | Scattered) -> ValidatedObstacle:
-        """An obstacle that stands still, or one whose position is drawn."""
-        if isinstance(obstacle, Scattered):
-            region = obstacle.region
-            corners = region.lower.tolist(), region.upper.tolist()
+    def of(obstacle: Obstacle) -> ValidatedObstacle:
+        """An obstacle at its present position, or at those that may be drawn."""
+        if isinstance(obstacle, RandomObstacle):
+            corners = obstacle.lower.tolist(), obstacle.upper.tolist()
             return ValidatedObstacle(obstacle.shape.form(), *map(tuple, corners))
-        here = tuple(obstacle.position.tolist())
-        return ValidatedObstacle(obstacle.form(), here, here)
+        shape = obstacle.shape if isinstance(obstacle, MovingObstacle) else obstacle
+        here = tuple(shape.position.tolist())
+        return ValidatedObstacle(shape.form(), here, here)
 
     def covers(self, shape: Shape) -> bool:
         """Whether a shape is this obstacle at one of its positions."""

@@ -15,6 +15,7 @@ from leadthrough.models.protocol import Skill
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.reaching.solving import reached
 from leadthrough.repr import ShortRepr
+from leadthrough.shapes import Scene
 
 _SAMPLES = 25  # of the motion, that are looked at from each place
 _FOLLOWED = 20  # of the best places, which are tried until one is found from which it is run
@@ -73,7 +74,9 @@ def place_base(
     seen = [_seen_from(base, poses) for base in bases]
     positions = np.concatenate([each.positions[some] for each in seen])
     turned = np.concatenate([each.orientations[some] for each in seen])
-    found, joints = reached(arm, positions, turned, (), check.integer(seed, "seed", at_least=0))
+    found, joints = reached(
+        arm, positions, turned, Scene(), check.integer(seed, "seed", at_least=0)
+    )
     measure = np.zeros(len(found))
     if found.any():
         measure[found] = arm.manipulability(joints[found])

@@ -21,7 +21,7 @@ from leadthrough.models.places import Places
 from leadthrough.reaching.orientations import spread_orientations
 from leadthrough.reaching.solving import Workspace, ranges, reach_rows
 from leadthrough.repr import ShortRepr
-from leadthrough.shapes import Shape, check_shapes
+from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.tasks import Outcome, Store, Task
 
 _POSES = 2000  # of a task: a fraction of a second
@@ -86,11 +86,11 @@ class ReachMap(ShortRepr):
 
 def reach_map(
     arm: Arm,
+    scene: SceneLike = (),
     *,
     volume: Places | None = None,
     spacing: float = 0.1,
     orientations: int = 12,
-    obstacles: Sequence[Shape] = (),
     seed: int = 0,
     on: str | None = None,
     out: Path | None = None,
@@ -100,15 +100,15 @@ def reach_map(
     """Where an arm's tip can be: in how many orientations, and how well it moves there.
 
     Each pose is solved by inverse kinematics; it is reached if a solution inside the joint limits
-    touches neither the arm itself nor an obstacle. The search is random: a pose counted as out of
+    keeps the scene's margins. The search is random: a pose counted as out of
     reach may, rarely, have a solution.
 
     Args:
         arm: with collision shapes.
+        scene: obstacles in the base frame, and the margins.
         volume: corners of the grid, m in the base frame; by default the arm's whole reach.
         spacing: between neighbouring places, m, > 0.
         orientations: number of orientations at each place, spread evenly over all, >= 1.
-        obstacles: shapes in the base frame.
         seed: of the random number generator.
         on: where to compute, as `leadthrough.tasks.run` takes it; None for this process.
         out: folder that keeps what is finished, made if missing; None keeps nothing.
@@ -139,7 +139,7 @@ def reach_map(
         folder = out or Path(stack.enter_context(tempfile.TemporaryDirectory()))
         folder.mkdir(parents=True, exist_ok=True)
         file = folder / "workspace.pickle"
-        common = Workspace(arm, check_shapes(obstacles), turned, places)
+        common = Workspace(arm, as_scene(scene), turned, places)
         with replacing(file) as temporary:
             temporary.write_bytes(pickle.dumps(common, protocol=5))
         each = max(1, _POSES // len(turned))

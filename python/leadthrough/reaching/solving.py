@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
-from leadthrough.shapes import Shape
+from leadthrough.shapes import Scene
 from leadthrough.tasks import Row
 
 # Solutions of a pose that are looked at: where the first touches, another may be clear.
@@ -26,7 +26,7 @@ class Workspace:
     """What all tasks of a map have in common."""
 
     arm: Arm  # that reaches
-    obstacles: tuple[Shape, ...]  # in the base frame
+    scene: Scene  # to be clear of
     orientations: Float64Array  # (k, 4) that are tried at each place
     places: Float64Array  # (n, 3) in m, base frame
 
@@ -41,7 +41,7 @@ def reached(
     arm: Arm,
     positions: Float64Array,
     orientations: Float64Array,
-    obstacles: tuple[Shape, ...],
+    scene: Scene,
     seed: int,
 ) -> tuple[NDArray[np.bool_], Float64Array]:
     """Which poses (m,) the arm reaches clear of everything, and its joints there (m, joints)."""
@@ -66,7 +66,7 @@ def reached(
         )
         good = solved.success.copy()
         if good.any():
-            good[good] = arm.is_clear(solved.q[good], obstacles)
+            good[good] = arm.is_clear(solved.q[good], scene)
         found[left[good]] = True
         joints[left[good]] = solved.q[good]
         left = left[solved.success & ~good]
@@ -83,7 +83,7 @@ def reach_rows(*, first: int, count: int, seed: int, workspace: Path) -> list[Ro
         common.arm,
         places.repeat(each, axis=0),
         np.tile(common.orientations, (len(places), 1)),
-        common.obstacles,
+        common.scene,
         seed + first,
     )
     measure = np.zeros(len(found))

@@ -1,8 +1,8 @@
 """The scene around an arm: obstacles that stand, move or are drawn at random, and the margins.
 
 Checks judge the margins as stated. Planning keeps `PLANNING_TOLERANCE` more, so that a planned
-motion passes a check with the same scene: a check may miss a hit of this depth between samples,
-and the time law replaces the samples by nearby ones.
+motion passes a check with the same scene, also after the time law has replaced its samples by
+nearby ones.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from leadthrough.repr import ShortRepr
 from leadthrough.shapes.kinds import check_shapes
 from leadthrough.shapes.shape import Shape
 
-PLANNING_TOLERANCE = 1e-3  # m beyond the margins
+PLANNING_TOLERANCE = 2e-4  # m beyond the margins
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,30 +46,38 @@ class MovingObstacle(ShortRepr):
         object.__setattr__(self, "speed", check.number(self.speed, "speed", at_least=0.0))
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@dataclass(frozen=True, eq=False)
 class RandomObstacle(ShortRepr):
     """An obstacle whose position is drawn at random for each query of a validation.
 
     Attributes:
-        shape: the obstacle; its own position is not used.
-        lower: smallest coordinates of its position (3,), m in the base frame.
-        upper: largest coordinates (3,), >= lower.
+        shape: the obstacle, at the middle of its positions.
+        reach: largest distance from there along each axis of the base frame, (3,) or one number,
+            m, >= 0.
 
     Raises:
-        InvalidInput: if the shape is not a shape, or a corner is malformed.
+        InvalidInput: if the shape is not a shape, or the reach is malformed or negative.
     """
 
     shape: Shape
-    lower: Float64Array
-    upper: Float64Array
+    reach: ArrayLike
 
-    def __init__(self, shape: Shape, lower: ArrayLike, upper: ArrayLike) -> None:
-        check_shapes([shape])
-        low = check.frozen(lower, "lower", shape=(3,))
-        high = check.frozen(upper, "upper", shape=(3,))
-        if (high < low).any():
-            raise InvalidInput(f"upper: expected at least lower {low}, got {high}")
-        vars(self).update(shape=shape, lower=low, upper=high)
+    def __post_init__(self) -> None:
+        check_shapes([self.shape])
+        reach = check.frozen(np.broadcast_to(np.asarray(self.reach), 3), "reach", shape=(3,))
+        if (reach < 0.0).any():
+            raise InvalidInput(f"reach: expected distances >= 0, got {reach}")
+        object.__setattr__(self, "reach", reach)
+
+    @property
+    def lower(self) -> Float64Array:
+        """Smallest coordinates of its position (3,), m."""
+        return np.asarray(self.shape.position - np.asarray(self.reach))
+
+    @property
+    def upper(self) -> Float64Array:
+        """Largest coordinates of its position (3,), m."""
+        return np.asarray(self.shape.position + np.asarray(self.reach))
 
     def draw(self, rng: np.random.Generator) -> Shape:
         """The shape at a random position.
@@ -108,8 +116,10 @@ class Scene(ShortRepr):
         margin: float = 0.005,
         self_collision_margin: float = 0.0,
     ) -> None:
-        things = tuple(obstacles) if isinstance(obstacles, Iterable) else obstacles
-        check_shapes(map(_shape, things) if isinstance(things, tuple) else things)
+        if not isinstance(obstacles, Iterable):
+            check_shapes(obstacles)
+        things = tuple(obstacles)
+        check_shapes(map(_shape, things))
         vars(self).update(
             obstacles=things,
             margin=check.number(margin, "margin", at_least=0.0),
@@ -151,11 +161,15 @@ class Scene(ShortRepr):
         return replace(self, obstacles=tuple(drawn))
 
     def for_planning(self) -> Scene:
-        """The scene with the planning tolerance added to both margins."""
+        """The scene with the planning tolerance added to the margins.
+
+        A self-collision margin of 0 stays 0: some arms have parts that touch by design.
+        """
+        itself = self.self_collision_margin
         return replace(
             self,
             margin=self.margin + PLANNING_TOLERANCE,
-            self_collision_margin=self.self_collision_margin + PLANNING_TOLERANCE,
+            self_collision_margin=itself + PLANNING_TOLERANCE if itself else 0.0,
         )
 
 

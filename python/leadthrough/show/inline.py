@@ -11,7 +11,7 @@ from leadthrough.arm import Arm
 from leadthrough.models.protocol import Place, Skill
 from leadthrough.motion import Demonstration, Motion
 from leadthrough.repr import ShortRepr
-from leadthrough.shapes import Shape
+from leadthrough.shapes import SceneLike
 from leadthrough.show import page
 from leadthrough.show.viewing import whole_scene
 
@@ -45,7 +45,7 @@ def inline(
     demonstrations: Iterable[Demonstration] = (),
     skill: Skill | None = None,
     goal: Place | None = None,
-    obstacles: Iterable[Shape] = (),
+    scene: SceneLike = (),
     title: str = "",
     height: int = 420,
 ) -> InlineScene:
@@ -58,7 +58,7 @@ def inline(
         demonstrations: recordings to draw.
         skill: its uncertainty is drawn as a tube.
         goal: of the skill, as `view` takes it.
-        obstacles: shapes in the arm's base frame.
+        scene: obstacles in the arm's base frame, and the margins of what is planned.
         title: of the scene, by default the robot's name.
         height: px, >= 100.
 
@@ -68,7 +68,7 @@ def inline(
     """
     tall = check.integer(height, "height", at_least=100)
     made = whole_scene(
-        arm, motion, demonstrations=demonstrations, skill=skill, goal=goal, obstacles=obstacles
+        arm, motion, demonstrations=demonstrations, skill=skill, goal=goal, scene=scene
     )
     name = title or arm.robot.name
     return InlineScene(name, page.document(name, page.scene(made), whole=True), tall)

@@ -19,7 +19,7 @@ from leadthrough.check import Float64Array
 from leadthrough.drawing import palette
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.show.creases import creased
-from leadthrough.show.scene import Scene
+from leadthrough.show.scene import Animation
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -49,7 +49,7 @@ def document(title: str, parts: Sequence[str] | str, *, whole: bool = False) -> 
     )
 
 
-def scene(shown: Scene, caption: str = "") -> str:
+def scene(shown: Animation, caption: str = "") -> str:
     """A scene to look at from all sides and to play, with a caption below."""
     remarks = "".join(f"<div>{html.escape(remark)}</div>" for remark in shown.remarks)
     return _SCENE.format(data=_packed(shown), caption=_caption(caption), remarks=remarks)
@@ -132,7 +132,7 @@ def _resource(name: str) -> str:
     return (files("leadthrough.show") / name).read_text(encoding="utf-8")
 
 
-def _packed(shown: Scene) -> str:
+def _packed(shown: Animation) -> str:
     """The scene as base64 of deflated bytes: the head's length, the head as JSON, arrays."""
     arrays: list[NDArray[np.generic]] = []
 
@@ -185,7 +185,7 @@ def _rounded(values: Float64Array) -> Float64Array:
     return np.asarray(np.round(values * 2.0**18) / 2.0**18)
 
 
-def _extent(shown: Scene) -> dict[str, Any]:
+def _extent(shown: Animation) -> dict[str, Any]:
     """The ball that the camera shows at first, and the height of the floor, m."""
     centre, radius = shown.ball()
     lowest = min(

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypedDict
+from typing import Any, TypedDict
 
 from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.arm import Arm, follower
-from leadthrough.arm.clearing import Surroundings
+from leadthrough.arm.clearing import CollisionTest
 from leadthrough.arm.missed import limits_in_the_way
 from leadthrough.arm.recorded import warn_of_another_arm
 from leadthrough.check import Float64Array
@@ -21,15 +21,13 @@ from leadthrough.models.parameters import Parameter
 from leadthrough.models.protocol import Conditioned, Generator, Place, Previewed, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
 from leadthrough.repr import ShortRepr
-from leadthrough.shapes import Shape, check_shapes, compiled
+from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.show.scene import tip_path
-from leadthrough.whole_arm import plan_motion
+from leadthrough.whole_arm import Query, plan_motion
 
 # Sampling of a preview and of a plan, s.
 _PREVIEW_STEP = 0.04
 _STEP = 0.01
-# What `Arm.follow` keeps by default from obstacles and from the arm itself, m.
-_MARGINS = (0.005, 0.0)
 # A way around obstacles is looked for at this distance first, m: it serves for some more moves.
 _AMPLE = 0.03
 _NOT_SEARCHED = "the arm is in the way of an obstacle; let go, and it looks for another way"
@@ -54,7 +52,6 @@ class _Query(TypedDict, total=False):
     dt: float
     duration: float
     goal: Place
-    obstacles: Sequence[Shape]
 
 
 class Replanner:
@@ -66,11 +63,12 @@ class Replanner:
         skill: Skill,
         *,
         goal: Place | None = None,
-        obstacles: Iterable[Shape] = (),
+        scene: SceneLike = (),
         demonstrations: Sequence[Demonstration] = (),
     ) -> None:
         self.arm = arm
-        self.obstacles = list(check_shapes(obstacles))
+        self._given = as_scene(scene)
+        self.obstacles = list(self._given.shapes)
         self._demonstrations = tuple(demonstrations)
         self.skill: Skill = skill
         self.duration: float | None = None
@@ -92,6 +90,11 @@ class Replanner:
         self._asked = False
         if goal is not None:
             self.move_goal(*parted(goal))
+
+    @property
+    def scene(self) -> Scene:
+        """The obstacles where they were moved to, and the margins."""
+        return replace(self._given, obstacles=tuple(self.obstacles))
 
     @property
     def has_goal(self) -> bool:
@@ -148,7 +151,7 @@ class Replanner:
                 path = tip_path(self.arm, motion)
                 joints = self._followed(motion)
             if not preview:
-                verdict = str(self.arm.check(joints, self.obstacles))
+                verdict = str(self.arm.check(joints, self.scene))
         except LeadthroughError as error:
             trouble = str(error)
             if path is None:
@@ -157,13 +160,13 @@ class Replanner:
 
     def _planned(self, dt: float) -> tuple[Float64Array, JointTrajectory]:
         """The path of the tip and the joints, the whole arm clear of the obstacles."""
-        query: _Query = {**self._query(dt), "obstacles": tuple(self.obstacles)}
+        query = Query(**self._query(dt))
         try:
-            planned = plan_motion(self.skill, self.arm, seed=self._first, **query)
+            planned = plan_motion(self.skill, self.arm, self.scene, query, seed=self._first)
         except IkFailure:
             if self._first is None:
                 raise
-            planned = plan_motion(self.skill, self.arm, **query)
+            planned = plan_motion(self.skill, self.arm, self.scene, query)
         self._first, self._last = planned.joints.positions[0], planned.joints
         self._may_search = True
         return planned.tip.positions, planned.joints
@@ -184,7 +187,7 @@ class Replanner:
         return query
 
     def _motion(self, dt: float, *, preview: bool) -> Motion:
-        query = self._query(dt)
+        query: dict[str, Any] = {**self._query(dt)}
         if "obstacles" in self.skill.supports:
             query["obstacles"] = tuple(self.obstacles)
         return (self._quick if preview else self.skill).generate(**query)
@@ -201,7 +204,7 @@ class Replanner:
         """The arm as if there were no obstacles, or else next to where it went around them last."""
         if self._first is None or not self.obstacles:
             return None
-        around = self._around(_MARGINS[0])
+        around = self._around(self._given.margin)
         for posture, pull in ((None, None), (self._last, _PULL)):
             try:
                 joints = self.arm.follow(motion, seed=self._first, posture=posture, midrange=pull)
@@ -224,23 +227,22 @@ class Replanner:
     def _from_any_posture(self, motion: Trajectory | PoseTrajectory) -> JointTrajectory:
         """As before if possible: an arm that jumps while one drags is hard to look at."""
         try:
-            return self.arm.follow(motion, seed=self._first, obstacles=self.obstacles)
+            return self.arm.follow(motion, seed=self._first, scene=self._required)
         except IkFailure:
             if self._first is None:
                 raise
-        return self.arm.follow(motion, obstacles=self.obstacles)
+        return self.arm.follow(motion, scene=self._required)
 
     def _from_the_same_posture(
         self, motion: Trajectory | PoseTrajectory, first: Float64Array
     ) -> JointTrajectory:
         """A way around from a posture (joints,), found by one short search at each distance."""
-        margin, _ = _MARGINS
         if self._has_ample_room:
             try:
                 return self._quickly_around(motion, first, _AMPLE)
             except IkFailure:
                 self._has_ample_room = False
-        return self._quickly_around(motion, first, margin)
+        return self._quickly_around(motion, first, self._given.margin)
 
     def _quickly_around(
         self, motion: Trajectory | PoseTrajectory, first: Float64Array, margin: float
@@ -249,8 +251,14 @@ class Replanner:
         chain, limits = self.arm._chain, self.arm.limits
         return follower.follow(chain, motion, limits=limits, seed=first, around=around)
 
-    def _around(self, margin: float) -> Surroundings:
-        return Surroundings(self.arm._collision, compiled(self.obstacles), margin, _MARGINS[1])
+    @property
+    def _required(self) -> Scene | None:
+        """The scene, if there are obstacles to keep clear of."""
+        return self.scene if self.obstacles else None
+
+    def _around(self, margin: float) -> CollisionTest:
+        scene = replace(self.scene, margin=margin).for_planning()
+        return CollisionTest(self.arm._collision, scene)
 
     def _usual_goal(self, usual: Motion) -> tuple[Float64Array, Float64Array | None]:
         if self._is_of_joints:

@@ -61,7 +61,7 @@ class Item(ShortRepr):
 
 
 @dataclass(frozen=True, eq=False)
-class Scene(ShortRepr):
+class Animation(ShortRepr):
     """Surfaces and the motion of the links that carry some of them."""
 
     links: tuple[str, ...]  # their names
@@ -71,7 +71,7 @@ class Scene(ShortRepr):
     items: tuple[Item, ...] = field(repr=False)  # the surfaces
     remarks: tuple[str, ...] = ()  # on what cannot be shown, such as a mesh that is not there
 
-    def with_motion(self, arm: Arm, joints: JointTrajectory) -> Scene:
+    def with_motion(self, arm: Arm, joints: JointTrajectory) -> Animation:
         """The same surfaces with another motion of the arm."""
         shown = frames(arm, joints)
         _, positions, orientations = _links(arm, shown.positions)
@@ -117,7 +117,7 @@ def arm_scene(
     skill: Skill | None = None,
     obstacles: Iterable[Shape] = (),
     goal: ArrayLike | None = None,
-) -> Scene:
+) -> Animation:
     """The scene of an arm on a motion of its joints, with what the motion was made from."""
     shown = frames(arm, joints)
     links, positions, orientations = _links(arm, shown.positions)
@@ -132,7 +132,7 @@ def arm_scene(
     if goal is not None:
         items.append(goal_item(check.array(goal, "goal", shape=(3,))))
     times = shown.times - shown.times[0]
-    return Scene(links, times, positions, orientations, tuple(items), remarks)
+    return Animation(links, times, positions, orientations, tuple(items), remarks)
 
 
 def frames(arm: Arm, joints: JointTrajectory | None) -> JointTrajectory:

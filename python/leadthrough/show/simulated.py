@@ -9,7 +9,7 @@ import numpy as np
 from leadthrough.drawing import palette
 from leadthrough.io.atomic import StrPath
 from leadthrough.show import page
-from leadthrough.show.scene import ARM, Scene, arm_scene
+from leadthrough.show.scene import ARM, Animation, arm_scene
 from leadthrough.simulation import SimulationReport
 
 PLANNED = "planned arm"
@@ -63,7 +63,7 @@ def joint_table(report: SimulationReport) -> tuple[list[str], list[list[str]]]:
     ]
 
 
-def simulation_scene(report: SimulationReport) -> Scene:
+def simulation_scene(report: SimulationReport) -> Animation:
     """The simulated arm and the planned one in one scene."""
     tip, _ = report.arm.forward_kinematics(report.planned.positions)
     real = arm_scene(report.arm, report.simulated, path=tip, obstacles=report.obstacles)

@@ -10,7 +10,7 @@ import numpy as np
 from leadthrough.drawing import palette
 from leadthrough.drawing.palette import Colour
 from leadthrough.show.creases import creased
-from leadthrough.show.scene import SMOOTH, Item, Scene
+from leadthrough.show.scene import SMOOTH, Animation, Item
 
 if TYPE_CHECKING:
     import viser
@@ -22,7 +22,7 @@ _GRID_SECTION = (205, 211, 218)
 class Stage:
     """The nodes of a scene on a viser server, by layer."""
 
-    def __init__(self, server: viser.ViserServer, shown: Scene) -> None:
+    def __init__(self, server: viser.ViserServer, shown: Animation) -> None:
         self._server = server
         self._nodes: dict[str, list[viser.MeshHandle]] = {}
         self._hidden: set[str] = set()
@@ -65,14 +65,14 @@ class Stage:
         for node in self._nodes.get(layer, []):
             node.visible = visible
 
-    def pose(self, shown: Scene, time: float) -> None:
+    def pose(self, shown: Animation, time: float) -> None:
         """Moves the links to their poses at a time, s."""
         positions, orientations = shown.poses_at(time)
         with self._server.atomic():
             for frame, position, turned in zip(self._frames, positions, orientations, strict=True):
                 frame.position, frame.wxyz = position, turned
 
-    def _set_up(self, shown: Scene) -> None:
+    def _set_up(self, shown: Animation) -> None:
         server = self._server
         server.gui.configure_theme(
             show_logo=False,

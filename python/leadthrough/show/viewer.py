@@ -18,7 +18,7 @@ from leadthrough.models.parameters import Parameter
 from leadthrough.show import scene
 from leadthrough.show.private_server import PrivateServer
 from leadthrough.show.replanner import Answer, Replanner
-from leadthrough.show.scene import Scene
+from leadthrough.show.scene import Animation
 from leadthrough.show.stage import Stage
 
 if TYPE_CHECKING:
@@ -34,7 +34,9 @@ _MOST_SPEED = 2.0
 class LiveView:
     """A page that shows a scene and, with a replanner, plans anew while things are dragged."""
 
-    def __init__(self, shown: Scene, replanner: Replanner | None = None, *, port: int = 0) -> None:
+    def __init__(
+        self, shown: Animation, replanner: Replanner | None = None, *, port: int = 0
+    ) -> None:
         self._private = PrivateServer(check.integer(port, "port", at_least=0, at_most=65535))
         self._server = self._private.server
         self._shown, self._planner = shown, replanner

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 from leadthrough.arm import Arm
 from leadthrough.arm.arm import check_arm
@@ -11,10 +11,10 @@ from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath
 from leadthrough.models.protocol import Place, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion
-from leadthrough.shapes import Shape, check_shapes
-from leadthrough.show import page, scene
+from leadthrough.shapes import Scene, SceneLike, as_scene
+from leadthrough.show import page
 from leadthrough.show.replanner import Replanner, parted
-from leadthrough.show.scene import Scene
+from leadthrough.show.scene import Animation, arm_scene
 from leadthrough.show.viewer import LiveView
 
 
@@ -25,7 +25,7 @@ def view(
     demonstrations: Iterable[Demonstration] = (),
     skill: Skill | None = None,
     goal: Place | None = None,
-    obstacles: Iterable[Shape] = (),
+    scene: SceneLike = (),
     html: StrPath | None = None,
     title: str = "",
     port: int = 0,
@@ -42,7 +42,7 @@ def view(
             be dragged, and it plans anew.
         goal: of the skill: position (3,), m, or (position (3,), orientation (4,) w, x, y, z); by
             default its own.
-        obstacles: shapes in the arm's base frame.
+        scene: obstacles in the arm's base frame, and the margins of what is planned.
         html: file to write instead of opening a browser; it needs no server and no network.
         title: title of that file, by default the robot's name.
         port: port of the live page; 0 picks a free one.
@@ -54,13 +54,11 @@ def view(
     """
     shown = list(demonstrations)
     if html is not None:
-        made = whole_scene(
-            arm, motion, demonstrations=shown, skill=skill, goal=goal, obstacles=obstacles
-        )
+        made = whole_scene(arm, motion, demonstrations=shown, skill=skill, goal=goal, scene=scene)
         page.write_page(html, title or arm.robot.name, page.scene(made), whole=True)
         return
     live = open_view(
-        arm, motion, demonstrations=shown, skill=skill, goal=goal, obstacles=obstacles, port=port
+        arm, motion, demonstrations=shown, skill=skill, goal=goal, scene=scene, port=port
     )
     print(f"{live.url} shows the motion; Ctrl-C ends it")
     live.open()
@@ -74,7 +72,7 @@ def open_view(
     demonstrations: Iterable[Demonstration] = (),
     skill: Skill | None = None,
     goal: Place | None = None,
-    obstacles: Iterable[Shape] = (),
+    scene: SceneLike = (),
     port: int = 0,
 ) -> LiveView:
     """The live page of `view`, served in the background until it is closed.
@@ -85,7 +83,7 @@ def open_view(
         demonstrations: recordings to draw, and for parameters that need a new fit.
         skill: what plans anew when something is dragged.
         goal: where the skill's motion is to end at first.
-        obstacles: shapes in the arm's base frame, which can be dragged.
+        scene: obstacles in the arm's base frame, which can be dragged, and the margins.
         port: port of the page; 0 picks a free one.
 
     Raises:
@@ -94,16 +92,16 @@ def open_view(
         MissingDependency: if the extra `view` is not installed.
     """
     check_arm(arm)
-    shown, shapes = list(demonstrations), check_shapes(obstacles)
+    shown, around = list(demonstrations), as_scene(scene)
     planner = None
     if skill is not None:
-        planner = Replanner(arm, skill, goal=goal, obstacles=shapes, demonstrations=shown)
+        planner = Replanner(arm, skill, goal=goal, scene=around, demonstrations=shown)
     path = None
     if motion is None and planner is not None:
         # Without a motion the page opens all the same: it tells why, and the goal can be moved.
         answer = planner.plan()
         motion, path = answer.joints, answer.path
-    made = _scene(arm, motion, path, demonstrations=shown, skill=skill, goal=goal, obstacles=shapes)
+    made = _scene(arm, motion, path, demonstrations=shown, skill=skill, goal=goal, scene=around)
     return LiveView(made, planner, port=port)
 
 
@@ -114,18 +112,18 @@ def whole_scene(
     demonstrations: Iterable[Demonstration],
     skill: Skill | None,
     goal: Place | None,
-    obstacles: Iterable[Shape],
-) -> Scene:
+    scene: SceneLike,
+) -> Animation:
     """The scene of `view`, from its arguments."""
     check_arm(arm)
-    shapes = check_shapes(obstacles)
+    around = as_scene(scene)
     if motion is None and skill is not None:
-        answer = Replanner(arm, skill, goal=goal, obstacles=shapes).plan()
+        answer = Replanner(arm, skill, goal=goal, scene=around).plan()
         if answer.joints is None:
             raise InvalidInput(f"skill: no motion that the arm can follow: {answer.trouble}")
         motion = answer.joints
     return _scene(
-        arm, motion, None, demonstrations=demonstrations, skill=skill, goal=goal, obstacles=shapes
+        arm, motion, None, demonstrations=demonstrations, skill=skill, goal=goal, scene=around
     )
 
 
@@ -137,18 +135,18 @@ def _scene(
     demonstrations: Iterable[Demonstration],
     skill: Skill | None,
     goal: Place | None,
-    obstacles: Sequence[Shape],
-) -> Scene:
+    scene: Scene,
+) -> Animation:
     joints = motion if motion is None or isinstance(motion, JointTrajectory) else arm.follow(motion)
     position = None if goal is None else parted(goal)[0]
     if position is None and skill is not None and joints is not None:
         position = arm.forward_kinematics(joints.positions[-1])[0]
-    return scene.arm_scene(
+    return arm_scene(
         arm,
         joints,
         demonstrations=demonstrations,
         path=path,
         skill=skill,
-        obstacles=obstacles,
+        obstacles=scene.shapes,
         goal=position,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,7 +19,7 @@ from leadthrough.events import Event
 from leadthrough.guard import CommandedState, connect
 from leadthrough.guard.chunks import chunk_of
 from leadthrough.motion import JointTrajectory
-from leadthrough.shapes import Shape, check_shapes
+from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation.controllers import Controller
 from leadthrough.simulation.report import SimulationReport
 from leadthrough.simulation.simulated_arm import Push, SimulatedArm
@@ -35,8 +35,8 @@ _BEGUN = "begun"  # event that marks the given motion in one with ways onto it a
 def simulate(
     arm: Arm,
     trajectory: JointTrajectory,
+    scene: SceneLike = (),
     *,
-    obstacles: Iterable[Shape] = (),
     controller: Controller | None = None,
     state: CommandedState | ArrayLike | None = None,
     payload: float = 1.0,
@@ -61,7 +61,7 @@ def simulate(
     Args:
         arm: the arm; with acceleration and jerk limits if ways have to be added.
         trajectory: of the arm's joints, at any rate.
-        obstacles: shapes in the base frame.
+        scene: obstacles in the base frame; the margins are not used.
         controller: a `ComputedTorque`, which is the default, `PositionServo`, `JointImpedance` or
             `CartesianImpedance`.
         state: where the arm is: positions (joints,) at rest, or a `CommandedState`; by default at
@@ -92,12 +92,12 @@ def simulate(
     most = tip_tolerance
     if most is not None:
         most = check.number(most, "tip_tolerance", above=0.0)
-    shapes = check_shapes(obstacles)
+    around = as_scene(scene)
     plan = _plan(arm, trajectory, state, period)
     real = SimulatedArm(
         arm,
         plan.start,
-        obstacles=shapes,
+        around,
         controller=controller,
         payload=payload,
         friction=friction,
@@ -149,7 +149,7 @@ def simulate(
             tip=(tip_errors, most),
             way_found=plan.way_found,
         ),
-        obstacles=shapes,
+        obstacles=around.shapes,
     )
 
 

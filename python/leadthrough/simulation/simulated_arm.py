@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +17,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.guard import CommandedState
 from leadthrough.repr import ShortRepr
-from leadthrough.shapes import Shape, check_shapes
+from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation.controllers import ComputedTorque, Controller, Moment, per_joint
 from leadthrough.simulation.model import LINK, plant
 
@@ -81,7 +81,7 @@ class SimulatedArm(ShortRepr):
     Args:
         arm: the arm.
         state: where it begins: positions (joints,) at rest, or a `CommandedState`.
-        obstacles: shapes in the base frame.
+        scene: obstacles in the base frame; the margins are not used.
         controller: what makes torques of the commands.
         payload: factor by which what the tip carries is heavier than the arm knows, >= 0.
         friction: of the joints, N m (N), >= 0, (joints,) or one number; besides the URDF's.
@@ -104,8 +104,8 @@ class SimulatedArm(ShortRepr):
         self,
         arm: Arm,
         state: CommandedState | ArrayLike,
+        scene: SceneLike = (),
         *,
-        obstacles: Iterable[Shape] = (),
         controller: Controller | None = None,
         payload: float = 1.0,
         friction: ArrayLike = 0.0,
@@ -132,7 +132,7 @@ class SimulatedArm(ShortRepr):
         )
         self.plant = plant(
             arm,
-            check_shapes(obstacles),
+            as_scene(scene).shapes,
             payload=factor,
             friction=per_joint(friction, "friction", arm, at_least=0.0),
             damping=per_joint(damping, "damping", arm, at_least=0.0),

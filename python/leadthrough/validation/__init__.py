@@ -1,6 +1,6 @@
 """How often a skill's motions succeed on an arm, measured on random queries, with its certainty."""
 
-from leadthrough.models.certificate import Certificate, Scattered
+from leadthrough.models.certificate import Certificate
 from leadthrough.models.places import Places
 from leadthrough.validation.statistics import clopper_pearson, confidence_sequence
 from leadthrough.validation.validate import validate
@@ -10,7 +10,6 @@ __all__ = [
     "Certificate",
     "Failing",
     "Places",
-    "Scattered",
     "Validation",
     "clopper_pearson",
     "confidence_sequence",

@@ -14,78 +14,59 @@ from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LimitsInfeasible, NoPath
 from leadthrough.models import load_skill
-from leadthrough.models.certificate import Scattered
 from leadthrough.models.place import Place
 from leadthrough.models.places import Places
 from leadthrough.models.protocol import Skill
 from leadthrough.motion import JointTrajectory, Motion
-from leadthrough.shapes import Shape
+from leadthrough.shapes import Scene
 from leadthrough.simulation import Controller, simulate
 from leadthrough.tasks import Row
 from leadthrough.timing import check_limits, retime
-from leadthrough.whole_arm import plan_motion
+from leadthrough.whole_arm import Query, plan_motion
 
 # rad or m: how far the path that is retimed may lie off the planned samples.
 _PATH = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class Setup:
     """What all queries of a validation have in common."""
 
     arm: Arm  # that is to move
     goals: Places  # of the queries
     starts: Places  # of the queries
-    obstacles: tuple[Shape | Scattered, ...]  # that stand still, and those whose position is drawn
-    margin: float  # distance that the arm keeps from them, m
+    scene: Scene  # with the obstacles whose position is drawn
     rate: float  # of the motion that is checked, Hz
     controller: Controller | None  # of the simulated arm; None for no simulation
 
 
-@dataclass(frozen=True, eq=False)
-class Query:
-    """What a skill is asked for."""
-
-    start: Place
-    goal: Place
-    obstacles: tuple[Shape, ...]
-
-
-def query(scene: Scene, seed: int, number: int) -> Query:
-    """A query of a validation, the same wherever and whenever it is drawn."""
+def draw_query(setup: Setup, seed: int, number: int) -> tuple[Query, Scene]:
+    """A query of a validation and its scene, the same wherever and whenever they are drawn."""
     rng = np.random.default_rng([seed, number])
-    start, goal = scene.starts.draw(rng), scene.goals.draw(rng)
-    shapes = (each.draw(rng) if isinstance(each, Scattered) else each for each in scene.obstacles)
-    return Query(start, goal, tuple(shapes))
+    start, goal = setup.starts.draw(rng), setup.goals.draw(rng)
+    return Query(start, goal), setup.scene.draw(rng)
 
 
-def answers(*, first: int, count: int, seed: int, skill: Path, scene: Path) -> list[Row]:
+def answers(*, first: int, count: int, seed: int, skill: Path, setup: Path) -> list[Row]:
     """A row for each of some queries: where they start and end, and why the motion fails, if so."""
     learned = load_skill(skill)
-    with scene.open("rb") as file:
-        common: Scene = pickle.load(file)
+    with setup.open("rb") as file:
+        common: Setup = pickle.load(file)
     rows = []
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what is unusual of a query shows in its motion
         for number in range(first, first + count):
-            asked = query(common, seed, number)
-            cause, detail = answer(learned, common, asked)
+            asked, scene = draw_query(common, seed, number)
+            cause, detail = answer(learned, common, asked, scene)
             rows.append({**_told(asked), "number": number, "cause": cause, "detail": detail})
     return rows
 
 
-def answer(skill: Skill[Motion], scene: Scene, asked: Query) -> tuple[str, str]:
+def answer(skill: Skill[Motion], setup: Setup, asked: Query, scene: Scene) -> tuple[str, str]:
     """Why the arm cannot run the skill's motion, in a word and in a sentence; empty if it can."""
     try:
-        joints = plan_motion(
-            skill,
-            scene.arm,
-            start=asked.start,
-            goal=asked.goal,
-            obstacles=asked.obstacles,
-            margin=scene.margin,
-        ).joints
-        timed = retime(joints, scene.arm.limits, rate=scene.rate, path_tolerance=_PATH)
+        joints = plan_motion(skill, setup.arm, scene, asked).joints
+        timed = retime(joints, setup.arm.limits, rate=setup.rate, path_tolerance=_PATH)
     except NoPath as error:
         return f"no path: {error.reason}", str(error)
     except IkFailure as error:
@@ -94,26 +75,28 @@ def answer(skill: Skill[Motion], scene: Scene, asked: Query) -> tuple[str, str]:
         return f"limits: {error.joint}", str(error)
     except InvalidInput as error:
         return "refused", str(error)
-    return _judged(scene, timed, asked.obstacles)
+    return _judged(setup, timed, scene)
 
 
-def _judged(scene: Scene, timed: JointTrajectory, obstacles: tuple[Shape, ...]) -> tuple[str, str]:
+def _judged(setup: Setup, timed: JointTrajectory, scene: Scene) -> tuple[str, str]:
     """What is wrong with a motion, in a word and in a sentence."""
-    arm = scene.arm
+    arm = setup.arm
     limits = check_limits(timed, arm.limits)
     if not limits.ok:
         return "limits", str(limits)
-    report = arm.check(timed, obstacles)
+    report = arm.check(timed, scene)
     if not report.ok:
         return "collision", str(report)
-    if scene.controller is not None:
-        seen = simulate(arm, timed, obstacles=obstacles, controller=scene.controller)
+    if setup.controller is not None:
+        seen = simulate(arm, timed, scene, controller=setup.controller)
         if not seen.ok:
             return f"simulation: {seen.findings[0].kind}", str(seen)
     return "", ""
 
 
 def _told(asked: Query) -> dict[str, Any]:
+    assert asked.start is not None
+    assert asked.goal is not None
     return {"start": _numbers(asked.start), "goal": _numbers(asked.goal)}
 
 

@@ -16,14 +16,14 @@ from leadthrough.arm import Arm
 from leadthrough.arm.arm import check_arm
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import replacing
-from leadthrough.models.certificate import Certificate, Scattered, ValidatedObstacle
+from leadthrough.models.certificate import Certificate, ValidatedObstacle
 from leadthrough.models.places import Places
 from leadthrough.models.protocol import Skill
 from leadthrough.motion import Motion, PoseTrajectory
-from leadthrough.shapes import Shape, check_shapes
+from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation import Controller
 from leadthrough.tasks import Outcome, Row, Store, Task
-from leadthrough.validation.answer import Scene, answers
+from leadthrough.validation.answer import Setup, answers
 from leadthrough.validation.findings import ERROR, Findings
 from leadthrough.validation.validation import Validation
 
@@ -35,15 +35,14 @@ _LEAST, _MOST, _TASKS = 20, 200, 2000
 def validate(
     skill: Skill[Motion],
     arm: Arm,
+    scene: SceneLike = (),
     *,
     goals: Places | None = None,
     starts: Places | None = None,
-    obstacles: Sequence[Shape | Scattered] = (),
     runs: int = 1000,
     width: float | None = None,
     required: float = 0.95,
     confidence: float = 0.95,
-    margin: float = 0.005,
     rate: float = 250.0,
     controller: Controller | None = None,
     seed: int = 0,
@@ -60,15 +59,14 @@ def validate(
     Args:
         skill: of poses, of points in 3-D, or of the arm's joints, fitted or loaded.
         arm: that is to move.
+        scene: of every query; the position of each `RandomObstacle` is drawn too.
         goals: where the goals lie; by default the demonstrated goal.
         starts: where the starts lie; by default the demonstrated start.
-        obstacles: of every query: shapes, and `Scattered` ones, whose position is drawn too.
         runs: number of queries, >= 1; with `width`, the most.
         width: stop as soon as the interval is at most this wide, in (0, 1). It then is one of a
             confidence sequence, which is valid for this.
         required: fraction in (0, 1) for the part of the goals that the certificate names.
         confidence: of the interval and of that part, in (0, 1).
-        margin: distance in m that the arm keeps from obstacles, >= 0.
         rate: samples per second of the motions that are checked, > 0.
         controller: if given, each motion is simulated too, run by this controller as by
             `lt.simulate`; needs the extra `simulation`.
@@ -92,32 +90,31 @@ def validate(
     check.number(required, "required", above=0.0, below=1.0)
     narrow = None if width is None else check.number(width, "width", above=0.0, below=1.0)
     first = check.integer(seed, "seed", at_least=0)
-    scene = Scene(
+    setup = Setup(
         arm,
         _places(skill, goals, "goals", -1),
         _places(skill, starts, "starts", 0),
-        _obstacles(obstacles),
-        check.number(margin, "margin", at_least=0.0),
+        as_scene(scene),
         check.number(rate, "rate", above=0.0),
         controller,
     )
     if controller is not None:
         optional.load("mujoco", extra="simulation")
-    findings = Findings(scene.goals, check.number(confidence, "confidence", above=0.0, below=1.0))
+    findings = Findings(setup.goals, check.number(confidence, "confidence", above=0.0, below=1.0))
     with ExitStack() as stack:
         folder = out or Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        todo = _todo(skill, scene, folder, most, first)
+        todo = _todo(skill, setup, folder, most, first)
         store = Store(folder / "cache")
         outcomes = tasks.run(todo, store, on=on, timeout=task_timeout)
         told = tasks.listed(outcomes, folder)
         told = told if shown is None else shown(told, len(todo), "validating")
         _collected(told, todo, store, narrow, findings)
     certificate = Certificate(
-        scene.goals,
-        scene.starts,
-        tuple(ValidatedObstacle.of(each) for each in scene.obstacles),
+        setup.goals,
+        setup.starts,
+        tuple(ValidatedObstacle.of(each) for each in setup.scene.obstacles),
         name_of(arm),
-        scene.margin,
+        setup.scene.margin,
         findings.runs,
         findings.successes,
         dict(findings.causes.most_common()),
@@ -152,20 +149,13 @@ def _places(skill: Skill[Motion], asked: Places | None, name: str, index: int) -
     return Places(region.lower, region.upper, region.turn, turned)
 
 
-def _obstacles(given: Sequence[Shape | Scattered]) -> tuple[Shape | Scattered, ...]:
-    if not isinstance(given, Sequence):
-        raise InvalidInput(f"obstacles: expected a sequence of shapes, got {given!r}")
-    check_shapes([each.shape if isinstance(each, Scattered) else each for each in given])
-    return tuple(given)
-
-
-def _todo(skill: Skill[Motion], scene: Scene, folder: Path, runs: int, seed: int) -> list[Task]:
+def _todo(skill: Skill[Motion], setup: Setup, folder: Path, runs: int, seed: int) -> list[Task]:
     """The tasks, of some queries each, whose files are in the folder."""
     folder.mkdir(parents=True, exist_ok=True)
-    files = {"skill": folder / "skill.npz", "scene": folder / "scene.pickle"}
+    files = {"skill": folder / "skill.npz", "setup": folder / "setup.pickle"}
     skill.certified(None).save(files["skill"])
-    with replacing(files["scene"]) as temporary:
-        temporary.write_bytes(pickle.dumps(scene, protocol=5))
+    with replacing(files["setup"]) as temporary:
+        temporary.write_bytes(pickle.dumps(setup, protocol=5))
     each = min(max(_LEAST, runs // _TASKS), _MOST)
     return [
         Task(answers, {"first": first, "count": min(each, runs - first), "seed": seed}, files)

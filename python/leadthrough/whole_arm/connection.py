@@ -12,7 +12,7 @@ Source: Kuffner and LaValle 2000; Sucan, Moll and Kavraki 2012 (OMPL).
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -22,10 +22,10 @@ from numpy.typing import ArrayLike
 from leadthrough import check, optional
 from leadthrough.arm import Arm
 from leadthrough.arm.arm import check_arm
-from leadthrough.arm.clearing import Surroundings
+from leadthrough.arm.clearing import CollisionTest
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.shapes import Shape, check_shapes, compiled
+from leadthrough.shapes import SceneLike, as_scene
 
 # Between the configurations of an edge that are looked at, over the extent of the joints' space:
 # finer where the way found is not clear between them.
@@ -40,10 +40,8 @@ def way_between(
     arm: Arm,
     start: ArrayLike,
     goals: ArrayLike,
+    scene: SceneLike = (),
     *,
-    obstacles: Iterable[Shape] = (),
-    margin: float = 0.005,
-    self_margin: float = 0.0,
     seed: int = 0,
     steps: int = 200_000,
 ) -> Float64Array | None:
@@ -55,9 +53,7 @@ def way_between(
         arm: the arm.
         start: configuration (joints,).
         goals: configurations (k, joints), or (joints,) for one.
-        obstacles: shapes in the base frame.
-        margin: distance in m to keep from obstacles, >= 0.
-        self_margin: distance in m to keep between parts of the arm, >= 0.
+        scene: to keep clear of by its margins.
         seed: of the random number generator, >= 0.
         steps: how often the trees of all searches may grow, >= 1.
 
@@ -70,12 +66,7 @@ def way_between(
     """
     check_arm(arm)
     joints = len(arm.joint_names)
-    around = Surroundings(
-        arm._collision,
-        compiled(check_shapes(obstacles)),
-        check.number(margin, "margin", at_least=0.0),
-        check.number(self_margin, "self_margin", at_least=0.0),
-    )
+    around = CollisionTest(arm._collision, as_scene(scene))
     begin = check.array(start, "start", shape=(joints,))
     ends = check.array(np.atleast_2d(np.asarray(goals)), "goals", shape=("k", joints))
     for name, q in (("start", begin[None]), ("goals", ends)):
@@ -114,7 +105,7 @@ def _broken_off(steps: int) -> Iterator[int]:
 
 
 def _ways(
-    around: Surroundings,
+    around: CollisionTest,
     limits: tuple[Float64Array, Float64Array],
     start: Float64Array,
     goals: Float64Array,
@@ -155,7 +146,7 @@ def _space(
     base: Any,
     limits: tuple[Float64Array, Float64Array],
     ends: Float64Array,
-    around: Surroundings,
+    around: CollisionTest,
 ) -> Any:  # of OMPL, which declares no types
     """The joints' space, with what is clear in it."""
     lower = np.maximum(limits[0], ends.min(axis=0) - _TURNS)

@@ -85,9 +85,7 @@ def _part(
         room.arm,
         before.positions[-1],
         after.positions[0],
-        obstacles=room.obstacles,
-        margin=room.margin,
-        self_margin=room.self_margin,
+        room.scene.for_planning(),
         steps=_STEPS,
     )
     if way is None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -13,12 +13,13 @@ from leadthrough.arm import Arm
 from leadthrough.arm.arm import check_arm
 from leadthrough.arm.options import Axis
 from leadthrough.errors import IkFailure
-from leadthrough.models.protocol import Place, Skill
+from leadthrough.models.protocol import Skill
 from leadthrough.motion import Motion
-from leadthrough.shapes import Shape, check_shapes
+from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.whole_arm.allowed import Deviation, gone_through, room_beside
 from leadthrough.whole_arm.last_resort import past_the_part
 from leadthrough.whole_arm.planned_motion import PlannedMotion
+from leadthrough.whole_arm.query import Query
 from leadthrough.whole_arm.room import Room
 from leadthrough.whole_arm.tip_paths import TipMotion, TipPaths
 
@@ -32,14 +33,9 @@ _SIX = 6  # joints, with which an arm can have any position and orientation
 def plan_motion(
     skill: Skill[Motion],
     arm: Arm,
+    scene: SceneLike | None = None,
+    query: Query | None = None,
     *,
-    start: Place | None = None,
-    goal: Place | None = None,
-    obstacles: Iterable[Shape] = (),
-    margin: float = 0.005,
-    self_margin: float = 0.0,
-    duration: float | None = None,
-    dt: float = 0.01,
     seed: ArrayLike | None = None,
     posture: Motion | ArrayLike | None = None,
     free: Sequence[Axis] | None = None,
@@ -61,15 +57,10 @@ def plan_motion(
     Args:
         skill: any skill of poses, of points in 3-D, or of the arm's joints.
         arm: that is to move.
-        start: where the motion starts, as `skill.generate` takes it.
-        goal: where it ends, likewise.
-        obstacles: shapes in the base frame. A skill that supports obstacles takes the tip around
-            them.
-        margin: distance in m that the arm keeps from obstacles, >= 0.
-        self_margin: distance in m that parts of the arm keep from each other, >= 0, where there
-            are obstacles.
-        duration: s, > 0, by default the skill's.
-        dt: s, > 0, upper bound of the sampling step.
+        scene: to keep clear of, by its margins and 0.2 mm more, so that the answer passes
+            `arm.check` with the same scene. A skill that supports obstacles takes the tip around
+            them. Without a scene nothing is kept clear of.
+        query: start, goal, duration and sampling step; by default the demonstrated ones.
         seed: configuration (joints,) near to which the motion starts.
         posture: as `Arm.follow` takes it.
         free: axes of the tip's poses left free, as there.
@@ -96,25 +87,21 @@ def plan_motion(
             reason and, where obstacles are in the way, the bodies.
     """
     check_arm(arm)
-    shapes = check_shapes(obstacles)
+    around = None if scene is None else as_scene(scene)
     most = check.integer(rounds, "rounds", at_least=1)
     if last_resort is not None:
         check.choice(last_resort, "last_resort", get_args(LastResort))
     allowed = room_beside(skill, deviation, standard_deviations)
-    query: dict[str, Any] = {"start": start, "goal": goal, "duration": duration, "dt": dt}
-    query = {name: value for name, value in query.items() if value is not None}
     following: dict[str, Any] = {
         "seed": seed,
         "posture": posture,
         "free": free,
         "position_tolerance": position_tolerance,
         "orientation_tolerance": orientation_tolerance,
-        "obstacles": shapes,
-        "margin": margin,
-        "self_margin": self_margin,
+        "scene": around,
     }
-    room = Room(arm, shapes, margin, self_margin, _free_of(arm, free))
-    paths = TipPaths(skill, query, room)
+    room = Room(arm, Scene() if around is None else around, _free_of(arm, free))
+    paths = TipPaths(skill, Query() if query is None else query, room)
     path = learned = paths.first()
     failures: list[IkFailure] = []
     connected = None
@@ -123,7 +110,7 @@ def plan_motion(
             joints = arm.follow(path, **following)
             break
         except IkFailure as failure:
-            if not shapes or failure.status not in _NO_ROOM:
+            if around is None or failure.status not in _NO_ROOM:
                 raise
             failures.append(failure)
         if (beside := allowed(path)) is not None:
@@ -140,7 +127,9 @@ def plan_motion(
                 raise
             joints, path, connected = past_the_part(room, learned, failures[0], following)
             break
-    clearance = arm.check(joints, shapes).obstacles.minimum_distance if shapes else np.inf
+    clearance = np.inf
+    if room.scene.obstacles:
+        clearance = arm.check(joints, room.scene).obstacles.minimum_distance
     reasons = tuple(str(failure) for failure in failures)
     return PlannedMotion(joints, path, _farthest(path, learned), clearance, reasons, connected)
 

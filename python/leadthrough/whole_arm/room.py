@@ -12,7 +12,7 @@ from leadthrough.arm import Arm
 from leadthrough.arm.options import Axis
 from leadthrough.check import Float64Array
 from leadthrough.motion import PoseTrajectory, Trajectory
-from leadthrough.shapes import Shape
+from leadthrough.shapes import Scene
 
 # Configurations that inverse kinematics starts from: few at first, more where those fail.
 _TRIES = (4, 28)
@@ -27,9 +27,7 @@ class Room:
     """The room that obstacles leave to an arm."""
 
     arm: Arm  # the arm
-    obstacles: tuple[Shape, ...]  # in the base frame
-    margin: float  # distance to keep from them in m
-    self_margin: float  # distance to keep between parts of the arm in m
+    scene: Scene  # with the margins to keep
     free: Sequence[Axis]  # axes of the tip's poses left free
 
     def stands(
@@ -62,12 +60,7 @@ class Room:
             reached = np.flatnonzero(batch.success)
             if len(reached) == 0:
                 continue
-            clear = self.arm.is_clear(
-                batch.q[reached],
-                self.obstacles,
-                margin=self.margin,
-                self_margin=self.self_margin,
-            )
+            clear = self.arm.is_clear(batch.q[reached], self.scene.for_planning())
             found[each[reached[clear]]] = True
         return found
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 from leadthrough.errors import IkFailure, NoPath
 from leadthrough.models.protocol import Mapped, Skill
@@ -11,6 +10,7 @@ from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajecto
 from leadthrough.shapes import Shape
 from leadthrough.whole_arm.closing import closed_around
 from leadthrough.whole_arm.detour import paths_beside
+from leadthrough.whole_arm.query import Query
 from leadthrough.whole_arm.room import Narrows, Room, narrows_at
 
 TipMotion = Trajectory | PoseTrajectory
@@ -21,7 +21,7 @@ _PAST = 2
 class TipPaths:
     """The paths for one query."""
 
-    def __init__(self, skill: Skill[Motion], query: dict[str, Any], room: Room) -> None:
+    def __init__(self, skill: Skill[Motion], query: Query, room: Room) -> None:
         self._skill = skill
         self._query = query
         self._room = room
@@ -68,8 +68,8 @@ class TipPaths:
         return narrows
 
     def _generated(self, closed: tuple[Shape, ...]) -> TipMotion:
-        query = dict(self._query)
-        shapes = self._room.obstacles + closed
+        query = self._query.arguments()
+        shapes = self._room.scene.shapes + closed
         if shapes and "obstacles" in self._skill.supports:
             query["obstacles"] = shapes
         motion = self._skill.generate(**query)

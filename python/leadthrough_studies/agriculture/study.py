@@ -28,6 +28,8 @@ from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, IkFailure, InvalidInput, LimitsInfeasible
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory
+from leadthrough.shapes import Scene
+from leadthrough.shapes.scene import PLANNING_TOLERANCE
 from leadthrough.timing import check_limits, scale_to_limits
 from leadthrough_studies.agriculture import recordings
 from leadthrough_studies.agriculture.measures import at_phases, gaps, judged
@@ -238,7 +240,7 @@ def on_the_arm(
     """
     row: Row = {"followed": 0}
     try:
-        joints = arm.follow(motion, posture=posture, too_fast="slow", obstacles=[floor()])
+        joints = arm.follow(motion, posture=posture, too_fast="slow", scene=_scene())
     except IkFailure as error:
         return row | {"arm_failure": f"{error.status} at sample {error.index}"}, None
     row = {"followed": 1}
@@ -253,8 +255,13 @@ def on_the_arm(
     return row | _cleared(arm, joints), joints
 
 
+def _scene() -> Scene:
+    """The floor; planning keeps 5 mm in all."""
+    return Scene([floor()], 0.005 - PLANNING_TOLERANCE)
+
+
 def _cleared(arm: Arm, joints: JointTrajectory) -> Row:
-    found = arm.check(joints, [floor()], tolerance=_CLEARANCE)
+    found = arm.check(joints, _scene(), tolerance=_CLEARANCE)
     hit = {} if found.first is None else {"arm_failure": " and ".join(found.first.bodies)}
     return {"arm_clear": int(found.ok), "arm_distance_m": found.minimum_distance, **hit}
 

@@ -20,7 +20,7 @@ import yaml
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import MissingDependency
-from leadthrough.shapes import Box, Cylinder
+from leadthrough.shapes import Box, Cylinder, Scene
 
 KINDS = (
     "bookshelf_small",
@@ -53,6 +53,11 @@ class Problem:
     obstacles: tuple[Box | Cylinder, ...]
     start: Float64Array
     goal: Float64Array
+
+    @property
+    def scene(self) -> Scene:
+        """The obstacles, which may be touched: some ends grasp a thing."""
+        return Scene(self.obstacles, margin=0.0)
 
 
 @cache

@@ -101,17 +101,17 @@ def connect(*, archive: str, kind: str, numbers: list[int], seed: int) -> list[R
 def _ways(arm: Arm, problem: Problem, seed: int) -> Row:
     ends = np.vstack([problem.start, problem.goal])
     begin = time.process_time()
-    way = way_between(arm, *ends, obstacles=problem.obstacles, margin=0.0, seed=seed)
+    way = way_between(arm, problem.start, problem.goal, problem.scene, seed=seed)
     own = time.process_time() - begin
     begin = time.process_time()
     plain = _plain(arm, problem, seed)
     return {
-        "ends_clear": int(np.all(arm.is_clear(ends, problem.obstacles))),
+        "ends_clear": int(np.all(arm.is_clear(ends, problem.scene))),
         "solved": int(way is not None),
-        "certified": int(way is not None and arm.check(way, problem.obstacles).ok),
+        "certified": int(way is not None and arm.check(way, problem.scene).ok),
         "connect_cpu_s": own,
         "plain_solved": int(plain is not None),
-        "plain_touches": int(plain is not None and not arm.check(plain, problem.obstacles).ok),
+        "plain_touches": int(plain is not None and not arm.check(plain, problem.scene).ok),
         "plain_cpu_s": time.process_time() - begin,
     }
 
@@ -140,7 +140,8 @@ def _plain(arm: Arm, problem: Problem, seed: int) -> Float64Array | None:
             state[i] = float(value)
         return state
 
-    setup.setStateValidityChecker(lambda state: arm.is_clear(values(state), problem.obstacles))
+    scene = problem.scene
+    setup.setStateValidityChecker(lambda state: arm.is_clear(values(state), scene))
     setup.setStartAndGoalStates(state_at(problem.start), state_at(problem.goal))
     setup.setPlanner(geometric.RRTConnect(setup.getSpaceInformation()))
     left = iter(range(_STEPS))
@@ -157,8 +158,8 @@ def _compared(arm: Arm, peer: CoalArm, problem: Problem, rng: np.random.Generato
     solids = [peer.solid(shape) for shape in problem.obstacles]
     links = peer.moving_links()
     differs, verdicts = 0.0, 0
-    distances = np.asarray(arm.distance(rows, problem.obstacles))
-    clear = np.asarray(arm.is_clear(rows, problem.obstacles))
+    distances = np.asarray(arm.distance(rows, problem.scene))
+    clear = np.asarray(arm.is_clear(rows, problem.scene))
     for q, ours, verdict in zip(rows, distances, clear, strict=True):
         peer.place(q)
         theirs = min(peer.distance_to(links, *solid) for solid in solids)

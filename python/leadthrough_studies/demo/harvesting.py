@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from leadthrough.models import DMP
 from leadthrough.motion import Demonstration
-from leadthrough.shapes import Box
+from leadthrough.shapes import Box, Scene
 from leadthrough.timing import check_limits, retime
 from leadthrough_studies.agriculture.skills import chain, learn
 from leadthrough_studies.agriculture.tasks import CORNERS, TASKS, amid, floor, load_arm
@@ -30,7 +30,7 @@ def run(seed: int = 0) -> Performed:
     fruit = amid(_TASK, CORNERS[0])
     whole = chain(learned, fruit, lookup="interpolated")
     around = [floor(), _CRATE]
-    followed = arm.follow(whole.poses, posture=whole.joints, obstacles=around)
+    followed = arm.follow(whole.poses, posture=whole.joints, scene=around)
     joints = retime(followed, arm.limits, rate=_RATE, path_tolerance=1e-3)
     return Performed(
         name="Harvesting",
@@ -43,7 +43,7 @@ def run(seed: int = 0) -> Performed:
         demonstrations=tuple(Demonstration(each.poses) for each in learned.shown.values()),
         joints=joints,
         limits=check_limits(joints, arm.limits),
-        clearance=arm.check(joints, around, tolerance=1e-3),
+        clearance=arm.check(joints, Scene(around, margin=0.0), tolerance=1e-3),
         obstacles=(_CRATE,),
         goal=fruit,
     )

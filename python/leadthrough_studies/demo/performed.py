@@ -54,7 +54,7 @@ class Performed:
         """Whether the motion keeps all limits and the whole arm is clear."""
         return self.limits.ok and self.clearance.ok
 
-    def drawn(self) -> scene.Scene:
+    def drawn(self) -> scene.Animation:
         """The scene to look at."""
         return scene.arm_scene(
             self.arm,

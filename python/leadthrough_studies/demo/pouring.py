@@ -17,10 +17,11 @@ from leadthrough.check import Float64Array
 from leadthrough.models import ProMP
 from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
 from leadthrough.preprocess.resample import by_arc_length
-from leadthrough.shapes import Box, Cylinder
+from leadthrough.shapes import Box, Cylinder, Scene
+from leadthrough.shapes.scene import PLANNING_TOLERANCE
 from leadthrough.timing import check_limits, retime
 from leadthrough.trajectories import minimum_jerk_time_scaling
-from leadthrough.whole_arm import plan_motion
+from leadthrough.whole_arm import Query, plan_motion
 from leadthrough_studies.demo.performed import Performed
 from leadthrough_studies.demonstrator import Teaching, guide
 from leadthrough_studies.robotasks.study import read
@@ -60,8 +61,9 @@ def run(seed: int = 0) -> Performed:
     end = usual.positions[-1] + _MOVED
     halfway = by_arc_length(usual.positions, 101)[50]
     around = (_TABLE, _standing(_GLASS, end[:2] + _BEFORE_THE_GLASS), _standing(_BOTTLE, halfway))
+    scene = Scene(around, _MARGIN - PLANNING_TOLERANCE)  # planning keeps the rest besides
     goal = end, usual.orientations[-1]
-    planned = plan_motion(skill, arm, goal=goal, obstacles=around, margin=_MARGIN)
+    planned = plan_motion(skill, arm, scene, Query(goal=goal))
     path = planned.joints
     joints = retime(path, arm.limits, rate=_RATE, path_tolerance=1e-3, not_before=path.times)
     return Performed(
@@ -74,7 +76,7 @@ def run(seed: int = 0) -> Performed:
         demonstrations=tuple(shown),
         joints=joints,
         limits=check_limits(joints, arm.limits),
-        clearance=arm.check(joints, around),
+        clearance=arm.check(joints, Scene(around, margin=0.0)),
         obstacles=around[1:],  # the scene's floor is the table
         goal=end,
         skill=skill,

@@ -15,9 +15,10 @@ from scipy.spatial import KDTree
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
+from leadthrough.shapes import Scene
 from leadthrough.whole_arm import way_between
 from leadthrough_studies.elbow.reference import searched_for_a_minute
-from leadthrough_studies.elbow.scenes import FREE, MARGIN, Scene, drawn_scene, followed
+from leadthrough_studies.elbow.scenes import FREE, MARGIN, Reach, drawn_scene, followed
 from leadthrough_studies.study import Row
 
 # Configurations that inverse kinematics starts from at either end, and ends that are tried.
@@ -64,7 +65,7 @@ def connected(*, arm: str, motion: str, seed: int, index: int, files: list[str])
     begin = time.process_time()
     way = None
     if len(starts) and len(goals):
-        way = way_between(body, starts[0], goals, obstacles=made.obstacles, margin=MARGIN)
+        way = way_between(body, starts[0], goals, Scene(made.obstacles, MARGIN))
     spent = time.process_time() - begin
     return [
         {
@@ -79,7 +80,7 @@ def connected(*, arm: str, motion: str, seed: int, index: int, files: list[str])
     ]
 
 
-def _standing(arm: Arm, made: Scene, sample: int, free: tuple[Literal["rz"], ...]) -> Float64Array:
+def _standing(arm: Arm, made: Reach, sample: int, free: tuple[Literal["rz"], ...]) -> Float64Array:
     """Clear configurations (k, joints) at a sample, those nearest to the arm's usual one first."""
     rng = np.random.default_rng(0)
     near = made.joints.positions[sample]
@@ -93,11 +94,11 @@ def _standing(arm: Arm, made: Scene, sample: int, free: tuple[Literal["rz"], ...
         max_restarts=0,
     )
     q = found.q[found.success]
-    q = q[np.asarray(arm.is_clear(q, made.obstacles, margin=MARGIN))] if len(q) else q
+    q = q[np.asarray(arm.is_clear(q, Scene(made.obstacles, MARGIN)))] if len(q) else q
     return np.asarray(q[np.argsort(np.abs(q - near).max(axis=1), kind="stable")][:_ENDS])
 
 
-def impossible(arm: Arm, name: str, made: Scene) -> bool:
+def impossible(arm: Arm, name: str, made: Reach) -> bool:
     """Whether the arm cannot stand clear at one of some samples."""
     rng = np.random.default_rng(0)
     low, high = (np.clip(ends, -np.pi, np.pi) for ends in (arm.limits.lower, arm.limits.upper))
@@ -114,12 +115,12 @@ def impossible(arm: Arm, name: str, made: Scene) -> bool:
             max_restarts=0,
         )
         q = found.q[found.success]
-        if not np.any(arm.is_clear(q, made.obstacles, margin=MARGIN)):
+        if not np.any(arm.is_clear(q, Scene(made.obstacles, MARGIN))):
             return True
     return False
 
 
-def _off_path(arm: Arm, made: Scene, way: Float64Array) -> float:
+def _off_path(arm: Arm, made: Reach, way: Float64Array) -> float:
     """How far the tip is from the shown path at the most, m."""
     pieces = [
         a + np.linspace(0.0, 1.0, int(np.ceil(np.abs(b - a).max() / _DENSE)) + 1)[:, None] * (b - a)

@@ -21,7 +21,7 @@ from leadthrough import rotations
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.motion import PoseTrajectory
-from leadthrough.shapes import Shape
+from leadthrough.shapes import Scene, Shape
 
 # Random configurations that inverse kinematics starts from at each sample.
 _SEEDS = 1500
@@ -177,7 +177,7 @@ class Roadmap:
     def _are_clear(self, q: Float64Array) -> NDArray[np.bool_]:
         if not len(q):
             return np.zeros(0, dtype=bool)
-        return np.asarray(self.arm.is_clear(q, self.obstacles, margin=self.margin))
+        return np.asarray(self.arm.is_clear(q, Scene(self.obstacles, self.margin)))
 
     def _connected(
         self, sample: int, before: Float64Array, nodes: Float64Array

@@ -17,7 +17,8 @@ from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
 from leadthrough.motion import JointTrajectory, PoseTrajectory
-from leadthrough.shapes import Box, Cylinder, Shape, Sphere
+from leadthrough.shapes import Box, Cylinder, Scene, Shape, Sphere
+from leadthrough.shapes.scene import PLANNING_TOLERANCE
 from leadthrough.trajectories import minimum_jerk_time_scaling
 from leadthrough_studies.robotasks.study import read
 
@@ -40,7 +41,7 @@ _MOVED, _TURNED = 0.04, 0.6
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class Reach:
     """A reach among obstacles that the arm touches if it does not look at them.
 
     Attributes:
@@ -54,25 +55,26 @@ class Scene:
     obstacles: tuple[Shape, ...]
 
 
-def drawn_scene(arm: Arm, name: str, seed: int, index: int, files: Sequence[str]) -> Scene:
+def drawn_scene(arm: Arm, name: str, seed: int, index: int, files: Sequence[str]) -> Reach:
     """The scene of an index, on demonstrations in files of RoboTasks; on a reach without any."""
     shown = [each.motion for file in files for each in read(file)]
     return scene(arm, name, np.random.default_rng([seed, index]), shown)
 
 
-def followed(arm: Arm, name: str, made: Scene) -> JointTrajectory:
+def followed(arm: Arm, name: str, made: Reach) -> JointTrajectory:
     """The arm along a scene's path with the whole of it clear: what the study judges.
 
     Raises:
         IkFailure: if it finds no way.
     """
     seed = made.joints.positions[0]
-    return arm.follow(made.tip, seed=seed, free=FREE[name], obstacles=made.obstacles, margin=MARGIN)
+    scene = Scene(made.obstacles, MARGIN - PLANNING_TOLERANCE)  # planning keeps the rest besides
+    return arm.follow(made.tip, seed=seed, free=FREE[name], scene=scene)
 
 
 def scene(
     arm: Arm, name: str, rng: np.random.Generator, shown: Sequence[PoseTrajectory] = ()
-) -> Scene:
+) -> Reach:
     """A random motion of the arm, with one to four obstacles in its way.
 
     Args:
@@ -90,7 +92,7 @@ def scene(
             continue
         found = [_in_the_way(arm, tip, joints, rng) for _ in range(rng.integers(1, 5))]
         if obstacles := tuple(each for each in found if each is not None):
-            return Scene(tip, joints, obstacles)
+            return Reach(tip, joints, obstacles)
 
 
 def _reach(name: str, rng: np.random.Generator) -> PoseTrajectory:

@@ -26,6 +26,7 @@ import numpy as np
 
 from leadthrough.arm import Arm
 from leadthrough.errors import IkFailure
+from leadthrough.shapes import Scene
 from leadthrough_studies import coal_arm
 from leadthrough_studies.elbow.peers import connected, impossible, searched
 from leadthrough_studies.elbow.recheck import rechecked
@@ -110,14 +111,14 @@ def trap(*, arm: str, motion: str, seed: int, index: int, files: list[str]) -> l
         "motion": motion,
         "index": index,
         "obstacles": len(made.obstacles),
-        "touches_without": int(not body.check(made.joints, made.obstacles).ok),
+        "touches_without": int(not body.check(made.joints, Scene(made.obstacles, margin=0.0)).ok),
         "solved": int(failure is None),
         "follow_cpu_s": time.process_time() - begin,
         "failure": failure,
         "impossible": 0,
     }
     if failure is None:
-        checked = body.check(joints, made.obstacles, margin=MARGIN)
+        checked = body.check(joints, Scene(made.obstacles, MARGIN))
         row["clear"] = int(checked.ok)
         row["distance_m"] = checked.obstacles.minimum_distance
         row["tip_error_m"] = float(body.path_report(joints, made.tip).position_error.max())

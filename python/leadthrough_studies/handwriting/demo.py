@@ -19,7 +19,8 @@ from leadthrough.io import lasa
 from leadthrough.models import FastMarching, FastMarchingSkill
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
 from leadthrough.preprocess.resample import by_arc_length
-from leadthrough.shapes import Box, Capsule
+from leadthrough.shapes import Box, Capsule, Scene
+from leadthrough.shapes.scene import PLANNING_TOLERANCE
 from leadthrough.timing import LimitsReport, check_limits, differentiate, scale_to_limits
 from leadthrough_studies import metrics
 
@@ -112,12 +113,13 @@ def run(name: str, arm: Arm, config: HandwritingConfig) -> Handwriting:
     detour = skill.generate(start=start, obstacles=[box])
     poses = _hurried(_with_pen(detour, config), config)
     holding, around = arm.with_attached(pen(config)), [_table(), box]
+    # Planning keeps the rest of the margin besides.
+    scene = Scene(around, _OF_THE_LIFT * config.pen_lift - PLANNING_TOLERANCE)
     followed = holding.follow(
         poses,
         seed=config.posture,
         too_fast="exceed_limits",
-        obstacles=around,
-        margin=_OF_THE_LIFT * config.pen_lift,
+        scene=scene,
     )
     asked = differentiate(followed)
     joints = scale_to_limits(asked, arm.limits)
@@ -133,7 +135,7 @@ def run(name: str, arm: Arm, config: HandwritingConfig) -> Handwriting:
         slowing=joints.duration / asked.duration,
         limits=check_limits(joints, arm.limits),
         errors=metrics.reproduction_errors(drawings[-1], placement.on_paper(reproduction)),
-        clearance=holding.check(joints, around),
+        clearance=holding.check(joints, scene),
     )
 
 

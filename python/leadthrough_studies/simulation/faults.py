@@ -44,7 +44,7 @@ def faulty(given: Given) -> Iterator[tuple[str, SimulationReport | None]]:
     yield HALF_NEEDED, simulate(_weaker(arm, np.minimum(0.5 * needed, half)), joints)
     yield PAYLOAD, simulate(arm, joints, payload=3.0)
     obstacle = _missed(given)
-    yield OBSTACLE, None if obstacle is None else simulate(arm, joints, obstacles=[obstacle])
+    yield OBSTACLE, None if obstacle is None else simulate(arm, joints, [obstacle])
     yield LIMITS, _hurried(given)
 
 

@@ -12,6 +12,7 @@ from leadthrough.errors import LeadthroughError, NoPath
 from leadthrough.io import lasa
 from leadthrough.models import ProMP
 from leadthrough.motion import JointTrajectory
+from leadthrough.shapes import Scene
 from leadthrough.timing import retime
 from leadthrough_studies.agriculture.planners import planner_of
 from leadthrough_studies.agriculture.skills import DURATION, STEP, learn
@@ -96,7 +97,7 @@ def _reach(name: str) -> Callable[[int, int], tuple[Arm, JointTrajectory]]:
         for drawn in range(_DRAWN):
             joints = drawn_scene(arm, name, seed, index + _APART * drawn, ()).joints
             # The obstacles are left out, and nothing else keeps the arm off itself.
-            if arm.check(joints, self_margin=_OFF_ITSELF).ok:
+            if arm.check(joints, Scene(self_collision_margin=_OFF_ITSELF)).ok:
                 return arm, joints
         raise NoPath("no reach without a self-collision was drawn", reason="drawn")
 

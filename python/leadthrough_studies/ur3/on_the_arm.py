@@ -11,8 +11,9 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
 from leadthrough.models import FastMarching
 from leadthrough.motion import Demonstration, JointTrajectory, Trajectory
-from leadthrough.shapes import Shape
-from leadthrough.whole_arm import PlannedMotion, plan_motion
+from leadthrough.shapes import Scene, Shape
+from leadthrough.shapes.scene import PLANNING_TOLERANCE
+from leadthrough.whole_arm import PlannedMotion, Query, plan_motion
 from leadthrough_studies.study import Row
 from leadthrough_studies.ur3.setups import SETUPS, Setup
 
@@ -46,7 +47,7 @@ def on_the_arm(
     except IkFailure as failure:
         failed = {"arm_ok": 0, "arm_fails": _named(str(failure))}
         return failed | dict.fromkeys(_MEASURED), None
-    report = arm.check(planned.joints, around, margin=MARGIN)
+    report = arm.check(planned.joints, Scene(around, MARGIN))
     measured = (
         report.obstacles.minimum_distance,
         report.itself.minimum_distance,
@@ -73,7 +74,8 @@ def _planned(
     low, high = (tuple(corner) for corner in np.array(model.workspace) - base)
     skill = replace(model, workspace=(low, high)).fit(here)
     start, goal = np.array(place.start) - base, np.array(place.goal) - base
-    return plan_motion(skill, arm, start=start, goal=goal, obstacles=obstacles, margin=MARGIN)
+    scene = Scene(obstacles, MARGIN - PLANNING_TOLERANCE)  # planning keeps the rest besides
+    return plan_motion(skill, arm, scene, Query(start, goal))
 
 
 def _shifted(motion: Trajectory, offset: Float64Array) -> Trajectory:

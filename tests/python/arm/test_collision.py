@@ -138,7 +138,7 @@ WALL = lt.Box((0.2, 0.001, 0.2), (1.0, 0.0, 0.0))  # across the way, 1 mm thick
 
 
 def test_a_thin_wall_between_two_samples_is_found():
-    report = swing().check([[-1.0], [1.0]], [WALL])
+    report = swing().check([[-1.0], [1.0]], lt.Scene([WALL], margin=0.0))
     assert (report.distances > 0.4).all()
     assert not report.ok
     assert report.first.bodies == ("obstacle 0", "tool")
@@ -161,13 +161,13 @@ def test_the_same_motion_past_the_wall_is_clear():
 def test_a_margin_is_kept_between_samples_as_well():
     beyond = lt.Box((0.2, 0.001, 0.2), (1.2, 0.0, 0.0))  # passed by at 8 cm
     arm = swing()
-    assert arm.check([[-1.0], [1.0]], [beyond], margin=0.075).ok
-    assert not arm.check([[-1.0], [1.0]], [beyond], margin=0.085).ok
+    assert arm.check([[-1.0], [1.0]], lt.Scene([beyond], 0.075)).ok
+    assert not arm.check([[-1.0], [1.0]], lt.Scene([beyond], 0.085)).ok
 
 
 def test_what_touches_is_no_hit():
     table = lt.Box((4.0, 4.0, 1.0), (0.0, 0.0, -0.52))
-    report = swing().check([[-1.0], [1.0]], [table])
+    report = swing().check([[-1.0], [1.0]], lt.Scene([table], margin=0.0))
     assert report.ok
     assert report.minimum_distance == pytest.approx(0.0, abs=1e-7)
 
@@ -188,7 +188,7 @@ def test_nothing_between_samples_is_nearer_than_reported(seed, name):
     ends = configurations(arm, 2, seed)
     ends[1] = ends[0] + 0.4 * (ends[1] - ends[0])
     boxes = [lt.Box(rng.uniform(0.02, 0.2, 3), rng.uniform(-0.6, 0.6, 3), TURN) for _ in range(3)]
-    report = arm.check(ends, boxes, margin=0.02)
+    report = arm.check(ends, lt.Scene(boxes, 0.02))
     between = ends[0] + np.linspace(0.0, 1.0, 400)[:, None] * (ends[1] - ends[0])
     for found, sampled in (
         (report.obstacles, arm.distance(between, boxes)),
@@ -315,7 +315,7 @@ def test_nothing_to_hit_is_infinitely_far():
 
 
 @pytest.mark.parametrize(
-    ("trajectory", "obstacles", "options", "match"),
+    ("trajectory", "scene", "options", "match"),
     [
         (np.zeros((0, 7)), (), {}, "trajectory"),
         (np.zeros((3, 6)), (), {}, r"trajectory: expected shape \(m, 7\)"),
@@ -326,16 +326,13 @@ def test_nothing_to_hit_is_infinitely_far():
         (None, (), {}, "trajectory"),
         (np.zeros((2, 7)), lt.Sphere(1, (0, 0, 0)), {}, "obstacles"),
         (np.zeros((2, 7)), ["box"], {}, "obstacles"),
-        (np.zeros((2, 7)), (), {"margin": -1}, "margin"),
-        (np.zeros((2, 7)), (), {"margin": np.nan}, "margin"),
-        (np.zeros((2, 7)), (), {"self_margin": "far"}, "self_margin"),
         (np.zeros((2, 7)), (), {"tolerance": 0.0}, "tolerance"),
         (np.zeros((2, 7)), (), {"threads": 0}, "threads"),
     ],
 )
-def test_wrong_input_of_a_check_is_refused(panda, trajectory, obstacles, options, match):
+def test_wrong_input_of_a_check_is_refused(panda, trajectory, scene, options, match):
     with pytest.raises(InvalidInput, match=match):
-        panda.check(trajectory, obstacles, **options)
+        panda.check(trajectory, scene, **options)
 
 
 @pytest.mark.parametrize("q", [np.zeros(6), np.zeros((2, 6)), np.nan, "zero", [[np.inf] * 7]])

@@ -38,8 +38,8 @@ def trap(panda, freely):
 
 def test_the_elbow_goes_around_and_the_tip_stays(panda, sweep, freely, trap):
     assert panda.check(freely, [trap]).minimum_distance < -0.05
-    around = panda.follow(sweep, obstacles=[trap])
-    assert panda.check(around, [trap], margin=MARGIN).ok
+    around = panda.follow(sweep, scene=[trap])
+    assert panda.check(around, [trap]).ok
     report = panda.path_report(around, sweep)
     assert report.position_error.max() < 1e-5
     assert report.orientation_error.max() < 1e-5
@@ -48,23 +48,21 @@ def test_the_elbow_goes_around_and_the_tip_stays(panda, sweep, freely, trap):
 
 def test_what_is_clear_anyway_stays_as_it_is(panda, sweep, freely):
     aside = lt.Box([0.1, 0.1, 0.1], [-0.6, 0.0, 0.6])
-    np.testing.assert_array_equal(
-        panda.follow(sweep, obstacles=[aside]).positions, freely.positions
-    )
+    np.testing.assert_array_equal(panda.follow(sweep, scene=[aside]).positions, freely.positions)
 
 
 def test_the_answer_has_the_same_bits_each_time(panda, sweep, trap):
-    once, again = (panda.follow(sweep, obstacles=[trap]) for _ in range(2))
+    once, again = (panda.follow(sweep, scene=[trap]) for _ in range(2))
     np.testing.assert_array_equal(once.positions, again.positions)
 
 
 def test_where_there_is_no_room_the_bodies_are_named(panda, sweep):
     wall = lt.Box([0.05, 0.02, 0.6], [0.45, 0.0, 0.35])  # across the tip's own path
     with pytest.raises(IkFailure, match=r"sample \d+ at .* s: blocked, .*obstacle 0") as failure:
-        panda.follow(sweep, obstacles=[wall])
+        panda.follow(sweep, scene=[wall])
     assert failure.value.status == "blocked"
     assert 10 < failure.value.index < 40  # of 81: the hand is 20 cm wide
-    assert panda.is_clear(failure.value.q, [wall], margin=MARGIN)
+    assert panda.is_clear(failure.value.q, [wall])
 
 
 def test_a_free_axis_of_the_tool_makes_room_for_an_arm_of_six_joints():
@@ -77,8 +75,8 @@ def test_a_free_axis_of_the_tool_makes_room_for_an_arm_of_six_joints():
     there, _ = wrist.forward_kinematics(freely.positions[20, :5])
     ball = lt.Sphere(0.04, there + np.array([0.0, 0.0, 0.03]))
     assert not arm.check(freely, [ball]).ok
-    around = arm.follow(motion, free=("rz",), obstacles=[ball])
-    assert arm.check(around, [ball], margin=MARGIN).ok
+    around = arm.follow(motion, scene=[ball], free=("rz",))
+    assert arm.check(around, [ball]).ok
     reached, _ = arm.forward_kinematics(around.positions)
     np.testing.assert_allclose(reached, way, atol=1e-5)
 
@@ -86,8 +84,8 @@ def test_a_free_axis_of_the_tool_makes_room_for_an_arm_of_six_joints():
 @pytest.mark.parametrize("too_fast", ["deviate", "raise"])
 def test_times_and_obstacles_are_not_both_kept(panda, sweep, trap, too_fast):
     deviation = (0.01, 0.1) if too_fast == "deviate" else None
-    with pytest.raises(InvalidInput, match="obstacles: not used together with too_fast"):
-        panda.follow(sweep, obstacles=[trap], too_fast=too_fast, deviation=deviation)
+    with pytest.raises(InvalidInput, match="scene: not used together with too_fast"):
+        panda.follow(sweep, scene=[trap], too_fast=too_fast, deviation=deviation)
 
 
 def test_is_clear_says_what_distances_say(panda):
@@ -96,9 +94,11 @@ def test_is_clear_says_what_distances_say(panda):
     obstacles = [lt.Box([0.3, 0.3, 0.3], [0.4, 0.2, 0.5]), lt.Sphere(0.2, [0.0, -0.5, 0.7])]
     far = panda.distance(q, obstacles) > 0.02
     apart = panda.self_distance(q) > 0.01
-    clear = panda.is_clear(q, obstacles, margin=0.02, self_margin=0.01)
+    clear = panda.is_clear(q, lt.Scene(obstacles, 0.02, self_collision_margin=0.01))
     np.testing.assert_array_equal(clear, far & apart)
-    assert panda.is_clear(q[0], obstacles, margin=0.02, self_margin=0.01) is bool(clear[0])
+    assert panda.is_clear(q[0], lt.Scene(obstacles, 0.02, self_collision_margin=0.01)) is bool(
+        clear[0]
+    )
     assert 50 < clear.sum() < 450
 
 
@@ -140,8 +140,8 @@ def test_published_paths_among_boxes_are_followed(name, recordings):
     motion = published(recordings, name, offset)
     boxes = [lt.Box(size, centre) for centre in centres]
     arm = lt.Arm.load("panda", tip="panda_hand")
-    around = arm.follow(motion, obstacles=boxes)
-    assert arm.check(around, boxes, margin=MARGIN).ok
+    around = arm.follow(motion, scene=boxes)
+    assert arm.check(around, boxes).ok
     report = arm.path_report(around, motion)
     assert report.position_error.max() < 1e-4
     assert report.orientation_error.max() < np.radians(0.1)
@@ -169,7 +169,7 @@ def test_a_published_path_that_leaves_the_reach_is_refused_there(recordings, obs
         reached.append(bool(found.success.any()))
     assert reached == [True, False, False, False, True]
     with pytest.raises(IkFailure, match=r"limits .*panda_joint5 at its lower limit") as failure:
-        arm.follow(motion, obstacles=obstacles)
+        arm.follow(motion, scene=obstacles)
     assert 153 <= failure.value.index <= 156
     assert failure.value.status == "limits"
     assert "panda_joint5" in failure.value.limiting_joints

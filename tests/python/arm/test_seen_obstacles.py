@@ -80,7 +80,7 @@ def test_clear_is_what_distances_say(arm):
     rows = rows[arm.self_distance(rows) > 1e-6]
     room = [lt.PointCloud(scattered(3000), 0.01), shelf((0.5, 0.1, 0.4))]
     distances = arm.distance(rows, room)
-    clear = arm.is_clear(rows, room, margin=0.02)
+    clear = arm.is_clear(rows, lt.Scene(room, 0.02))
     np.testing.assert_array_equal(clear, distances >= 0.02)
     assert 0 < clear.sum() < len(rows)
 
@@ -124,8 +124,8 @@ def test_the_elbow_goes_around_a_cloud_and_a_mesh_while_the_tip_keeps_its_path(p
         lt.PointCloud(grid, 0.012, (-0.15, 0.0, 0.65)),
     ):
         assert not panda.check(blind, [there]).ok
-        around = panda.follow(motion, seed=seed, obstacles=[there], margin=0.01)
-        assert panda.check(around, [there], margin=0.005).ok
+        around = panda.follow(motion, scene=lt.Scene([there], 0.01), seed=seed)
+        assert panda.check(around, lt.Scene([there], 0.005)).ok
         tip, _ = panda.forward_kinematics(around.positions)
         np.testing.assert_allclose(tip, line, atol=2e-4)
 

@@ -24,12 +24,12 @@ def post():
 
 @pytest.fixture(scope="module")
 def lifted(panda, sweep, post):
-    return panda.follow(sweep, obstacles=[post], deviation=((0.0, 0.0, 0.04), 0.0))
+    return panda.follow(sweep, scene=[post], deviation=((0.0, 0.0, 0.04), 0.0))
 
 
 def test_the_tip_gives_way_by_what_is_needed_and_no_more(panda, sweep, post, lifted):
     with pytest.raises(IkFailure, match="no room between obstacle 0 and panda_hand"):
-        panda.follow(sweep, obstacles=[post])
+        panda.follow(sweep, scene=[post])
     peer = CoalArm(panda)
     peer.place(panda.follow(sweep).positions[40])
     lower = lt.Box(post.size, post.position - [0.0, 0.0, 0.1])
@@ -40,7 +40,7 @@ def test_the_tip_gives_way_by_what_is_needed_and_no_more(panda, sweep, post, lif
     assert np.abs((found - sweep.positions)[:, :2]).max() < 1e-5
     np.testing.assert_allclose(found[[0, -1]], sweep.positions[[0, -1]], atol=1e-5)
     assert np.abs(rise[[1, 2, -3, -2]]).max() < 2e-3
-    assert panda.check(lifted, [post], margin=MARGIN).ok
+    assert panda.check(lifted, [post]).ok
     report = panda.path_report(lifted, sweep)
     assert report.orientation_error.max() < 1e-5
     assert report.position_error.max() == pytest.approx(rise.max(), rel=1e-3)
@@ -59,14 +59,14 @@ def test_coal_finds_the_arm_clear(lifted, panda, post):
 
 def test_matrices_in_the_base_frame_say_the_same(panda, sweep, post, lifted):
     upwards = np.tile(np.diag([0.0, 0.0, 0.04**2]), (81, 1, 1))
-    again = panda.follow(sweep, obstacles=[post], deviation=(upwards, 0.0))
+    again = panda.follow(sweep, scene=[post], deviation=(upwards, 0.0))
     np.testing.assert_array_equal(again.positions, lifted.positions)
 
 
 @pytest.mark.parametrize("room", [(0.03, 0.0), (0.03, 0.1), ((0.05, 0.001, 0.03), (0.2, 0.0, 0.0))])
 def test_all_samples_are_within_the_ellipsoid(panda, sweep, post, room):
-    joints = panda.follow(sweep, obstacles=[post], deviation=room)
-    assert panda.check(joints, [post], margin=MARGIN).ok
+    joints = panda.follow(sweep, scene=[post], deviation=room)
+    assert panda.check(joints, [post]).ok
     positions, orientations = panda.forward_kinematics(joints.positions)
     back = lt.rotations.to_matrix(sweep.orientations).transpose(0, 2, 1)
     along = np.einsum("nij,nj->ni", back, positions - sweep.positions)
@@ -80,7 +80,7 @@ def test_all_samples_are_within_the_ellipsoid(panda, sweep, post, room):
 def test_what_is_not_enough_is_refused(panda, sweep, post):
     higher = lt.Box(post.size, np.add(post.position, [0.0, 0.0, 0.03]))
     with pytest.raises(IkFailure, match=r"blocked, .*obstacle 0") as failure:
-        panda.follow(sweep, obstacles=[higher], deviation=(0.02, 0.0))
+        panda.follow(sweep, scene=[higher], deviation=(0.02, 0.0))
     assert 10 < failure.value.index < 40
 
 
@@ -88,8 +88,8 @@ def test_the_path_is_kept_where_the_arm_can(panda, sweep):
     q = panda.follow(sweep).positions[40]
     elbow, _ = lt.Arm.load("panda", tip="panda_link4").forward_kinematics(q[:4])
     trap = lt.Sphere(0.08, elbow)
-    around = panda.follow(sweep, obstacles=[trap])
-    roomy = panda.follow(sweep, obstacles=[trap], deviation=(0.05, 0.5))
+    around = panda.follow(sweep, scene=[trap])
+    roomy = panda.follow(sweep, scene=[trap], deviation=(0.05, 0.5))
     np.testing.assert_array_equal(roomy.positions, around.positions)
 
 
@@ -100,9 +100,9 @@ def test_an_axis_left_free_stays_free_beside_the_path():
     motion = lt.PoseTrajectory(2.0 * share[:, 0], way, np.tile(DOWN, (41, 1)))
     post = lt.Box([0.04, 0.04, 0.1], [-0.25, 0.0, 0.155])
     with pytest.raises(IkFailure, match="obstacle 0"):
-        arm.follow(motion, free=("rz",), obstacles=[post])
-    joints = arm.follow(motion, free=("rz",), obstacles=[post], deviation=(0.04, 0.0))
-    assert arm.check(joints, [post], margin=MARGIN).ok
+        arm.follow(motion, scene=[post], free=("rz",))
+    joints = arm.follow(motion, scene=[post], free=("rz",), deviation=(0.04, 0.0))
+    assert arm.check(joints, [post]).ok
     positions, orientations = arm.forward_kinematics(joints.positions)
     assert 0.005 < np.linalg.norm(positions - way, axis=1).max() < 0.04
     axis = lt.rotations.to_matrix(orientations)[:, :, 2]
@@ -124,7 +124,7 @@ def test_an_axis_left_free_stays_free_beside_the_path():
 )
 def test_wrong_room_is_refused(panda, sweep, post, deviation, message):
     with pytest.raises(InvalidInput, match=message):
-        panda.follow(sweep, obstacles=[post], deviation=deviation)
+        panda.follow(sweep, scene=[post], deviation=deviation)
 
 
 def test_without_obstacles_it_is_refused(panda, sweep):

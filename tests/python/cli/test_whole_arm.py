@@ -29,8 +29,8 @@ def check(code):
 def test_the_wrist_keeps_clear_of_the_post_and_the_tool_gives_way(folder):
     said = plan()
     assert 0.005 <= said["clearance"] < 0.02
-    assert 0.01 < said["tip_left_path"] < 0.1
-    assert "obstacle 0 and wrist_2_link" in said["because"]
+    assert 0.01 < said["tip_deviation"] < 0.1
+    assert "obstacle 0 and wrist_2_link" in said["reasons"]
     found = check(code=0)
     assert found["clear"]
     assert found["nearest_obstacle"]["distance"] == pytest.approx(said["clearance"], abs=1e-4)

@@ -113,7 +113,7 @@ WRONG = {
     "topic": "/none",
     "volume": "1,2,3",
     "width": "2",
-    "worlds": "sphere:0.1@0,0,0",
+    "random_obstacle": "sphere:0.1@0,0,0",
     "write_limits": "ur3.toml",
     "yaws": "0",
     ("demo", "motion"): "Scribble",

@@ -95,7 +95,7 @@ def run_stream(arm, rng, scene, *, chunks, appear=0.1):
     """
     q = HOMES["panda" if len(arm.joint_names) == 7 else "ur3"]
     world = clear_obstacles(rng, arm, q, 5, 0.05)
-    guard = lt.Guard(arm, world, rate=RATE, margin=MARGIN)
+    guard = lt.Guard(arm, lt.Scene(world, MARGIN), rate=RATE)
     guard.admit(q[None], q)
     commanded, contacts, unsafe, unsafe_hits = [q], 0, 0, 0
     verdicts = {"allowed": 0, "changed": 0, "braking": 0}
@@ -117,7 +117,7 @@ def run_stream(arm, rng, scene, *, chunks, appear=0.1):
             room = 0.03 if rng.random() < 0.9 else -1.0
             world = clear_obstacles(rng, arm, commanded[-1], 5, room)
             judge = scene(world)
-            answer = guard.world(world)
+            answer = guard.update_obstacles(world)
             unsafe += not answer.safe
         kind = KINDS[rng.integers(len(KINDS))]
         rows = chunk(rng, kind, commanded[-1])

@@ -99,7 +99,7 @@ def meeting(arm):
 
 def in_coal(obstacle):
     """A shape and its place."""
-    if isinstance(obstacle, lt.guard.Moving):
+    if isinstance(obstacle, lt.shapes.MovingObstacle):
         obstacle = obstacle.shape
     if isinstance(obstacle, lt.Box):
         shape = coal.Box(*obstacle.size)

@@ -7,9 +7,10 @@ from guard.judge import EXCESS, worst_use
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
-from leadthrough.guard import CommandedState, Moving
+from leadthrough.guard import CommandedState
 from leadthrough.guard.changing import changed
 from leadthrough.guard.rules import rules_for
+from leadthrough.shapes import MovingObstacle
 
 Q = HOMES["panda"]
 PERIOD = 1.0 / RATE
@@ -94,7 +95,7 @@ def test_a_fast_step_beside_one_as_fast_is_no_jump(panda, guard):
 def test_a_bridge_takes_even_steps_from_one_sample_to_the_next(panda):
     rows = wave(0.1)
     rows[20:] += 0.3
-    rules = rules_for(panda, (), PERIOD, margin=0.005, self_margin=0.0)
+    rules = rules_for(panda, lt.Scene(), PERIOD)
     places = changed(rules, np.tile(Q, (3, 1)), rows).places
     bridge = places[(places >= 19.0) & (places <= 20.0)]
     assert len(bridge) > 10
@@ -181,7 +182,7 @@ def test_an_obstacle_that_appears_shortens_what_was_admitted(panda):
     hit = towards_the_wall(panda)
     assert guard.admit(hit, hit.positions[0]).verdict == "allowed"
     before = run(guard, 10)
-    answer = guard.world([WALL])
+    answer = guard.update_obstacles([WALL])
     assert (answer.verdict, answer.safe) == ("changed", True)
     assert answer.reasons[0].bodies[0] == "obstacle 0"
     assert_kept(panda, np.concatenate([hit.positions[:1], before, finished(guard)[1:]]))
@@ -195,7 +196,7 @@ def test_an_obstacle_too_near_to_brake_for_is_reported_and_braked_for(panda):
     before = run(guard, fastest)
     left = guard.remaining
     tip = panda.forward_kinematics(guard.state.q + 0.04 * guard.state.qd)[0]
-    answer = guard.world([lt.Sphere(0.02, tip)])
+    answer = guard.update_obstacles([lt.Sphere(0.02, tip)])
     assert (answer.verdict, answer.safe, guard.safe) == ("braking", False, False)
     assert answer.reasons[-1].kind == "contact"
     assert "NOT SAFE" in str(answer)
@@ -208,20 +209,20 @@ def test_an_obstacle_that_moves_needs_more_room_the_later_it_is_met(panda):
     hit = towards_the_wall(panda)
     kept = []
     for speed in (0.0, 0.05, 0.2):
-        guard = lt.Guard(panda, [Moving(WALL, speed)], rate=RATE)
+        guard = lt.Guard(panda, [MovingObstacle(WALL, speed)], rate=RATE)
         kept.append(len(guard.admit(hit, hit.positions[0]).motion))
     assert kept[0] > kept[1] > kept[2]
 
 
 def test_what_was_seen_long_ago_counts_as_having_moved(panda):
-    guard = lt.Guard(panda, [Moving(WALL, 0.1)], rate=RATE)
+    guard = lt.Guard(panda, [MovingObstacle(WALL, 0.1)], rate=RATE)
     guard.admit(Q[None], Q)
     early = len(guard.admit(towards_the_wall(panda)).motion)
     guard.stop()
     run(guard, 100)
     late = len(guard.admit(towards_the_wall(panda)).motion)
     assert late < early
-    guard.world([Moving(WALL, 0.1)])
+    guard.update_obstacles([MovingObstacle(WALL, 0.1)])
     assert len(guard.admit(towards_the_wall(panda)).motion) == early
 
 
@@ -279,10 +280,10 @@ def test_an_arm_that_rests_where_it_may_not_is_said_to_be_unsafe(panda):
 def test_an_obstacle_that_appears_in_a_resting_arm_is_reported(panda, guard):
     guard.admit(Q[None], Q)
     guard.next()
-    assert guard.world([]).safe
-    answer = guard.world([lt.Sphere(0.1, panda.forward_kinematics(Q)[0])])
+    assert guard.update_obstacles([]).safe
+    answer = guard.update_obstacles([lt.Sphere(0.1, panda.forward_kinematics(Q)[0])])
     assert (answer.safe, guard.safe) == (False, False)
-    assert guard.world([]).safe
+    assert guard.update_obstacles([]).safe
 
 
 def test_equal_calls_have_equal_answers(panda):

@@ -48,7 +48,7 @@ def good_chunks_unchanged(arm, rng, q):
         for each in clear_obstacles(rng, arm, q, 20, 0.3)
         if arm.distance(rows, [each]).min() > 0.2
     ][:5]
-    guard = lt.Guard(arm, world, rate=RATE, margin=MARGIN)
+    guard = lt.Guard(arm, lt.Scene(world, MARGIN), rate=RATE)
     guard.admit(q[None], q)
     passed = 0
     for start in range(0, 14):

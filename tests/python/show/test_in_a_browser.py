@@ -276,7 +276,7 @@ def test_layer_is_hidden_by_its_box(html):
 
 @pytest.fixture(scope="module")
 def live(panda, shown):
-    view = open_view(panda, demonstrations=shown, skill=lt.DMP().fit(shown), obstacles=[BOX])
+    view = open_view(panda, scene=[BOX], demonstrations=shown, skill=lt.DMP().fit(shown))
     yield view
     view.close()
 

@@ -28,7 +28,7 @@ def skills(shown):
 
 @pytest.mark.parametrize("name", MODELS)
 def test_dragged_goal_is_reached_in_preview_and_plan(name, skills, panda):
-    planner = Replanner(panda, skills[name], obstacles=[BOX])
+    planner = Replanner(panda, skills[name], scene=[BOX])
     goal = np.add(planner.goal_position, (0.05, 0.02, 0.05))
     planner.move_goal(goal)
     for answer in (planner.preview(), planner.plan()):
@@ -40,7 +40,7 @@ def test_dragged_goal_is_reached_in_preview_and_plan(name, skills, panda):
 
 @pytest.mark.parametrize("name", ["map", "fast marching", "pose DMP"])
 def test_path_keeps_clear_of_a_dragged_obstacle(name, skills, panda):
-    planner = Replanner(panda, skills[name], obstacles=[BOX])
+    planner = Replanner(panda, skills[name], scene=[BOX])
     planner.move_obstacle(0, (0.5, 0.05, 0.3), lt.rotations.exp(np.array([[0.0, 0.0, 0.5]]))[0])
     (box,) = planner.obstacles
     for answer in (planner.preview(), planner.plan()):
@@ -49,7 +49,7 @@ def test_path_keeps_clear_of_a_dragged_obstacle(name, skills, panda):
 
 @pytest.mark.parametrize("name", MODELS)
 def test_preview_takes_less_than_a_tenth_of_a_second(name, skills, panda):
-    planner = Replanner(panda, skills[name], obstacles=[BOX])
+    planner = Replanner(panda, skills[name], scene=[BOX])
     planner.preview()
     if name == "map":
         assert 0.9e6 < np.prod(planner._quick.live_map.grid.shape) < 1.2e6  # a workspace of 100^3
@@ -64,7 +64,7 @@ def test_preview_takes_less_than_a_tenth_of_a_second(name, skills, panda):
 
 
 def test_arm_does_not_jump_while_one_drags(skills, panda):
-    planner = Replanner(panda, skills["pose DMP"], obstacles=[BOX])
+    planner = Replanner(panda, skills["pose DMP"], scene=[BOX])
     before = planner.preview().joints.positions
     for _ in range(5):
         planner.move_goal(np.add(planner.goal_position, (0.0, 0.004, 0.0)))
@@ -74,7 +74,7 @@ def test_arm_does_not_jump_while_one_drags(skills, panda):
 
 
 def test_plan_keeps_the_whole_arm_clear_or_says_what_is_in_the_way(skills, panda):
-    planner = Replanner(panda, skills["ProMP"], obstacles=[lt.Sphere(0.05, (5.0, 0.0, 0.0))])
+    planner = Replanner(panda, skills["ProMP"], scene=[lt.Sphere(0.05, (5.0, 0.0, 0.0))])
     assert planner.preview().verdict == ""
     alone = planner.plan()
     assert alone.verdict.startswith("clear by")
@@ -83,7 +83,7 @@ def test_plan_keeps_the_whole_arm_clear_or_says_what_is_in_the_way(skills, panda
     assert not panda.check(alone.joints, planner.obstacles).ok
     around = planner.plan()
     assert around.verdict.startswith("clear by")
-    assert panda.check(around.joints, planner.obstacles, margin=0.005).ok
+    assert panda.check(around.joints, lt.Scene(planner.obstacles, 0.005)).ok
     planner.move_obstacle(0, planner.goal_position)
     inside = planner.plan()
     assert inside.joints is None
@@ -101,7 +101,7 @@ def test_goal_out_of_reach_is_trouble_and_the_path_is_still_there(skills, panda)
 
 
 def test_goal_in_an_obstacle_is_trouble(skills, panda):
-    planner = Replanner(panda, skills["map"], obstacles=[BOX])
+    planner = Replanner(panda, skills["map"], scene=[BOX])
     planner.move_obstacle(0, planner.goal_position)
     assert "obstacle" in planner.preview().trouble
 
@@ -118,7 +118,7 @@ def test_goal_dragged_out_of_the_map_makes_a_larger_one(skills, panda):
 
 @pytest.mark.parametrize("name", ["fast marching", "pose DMP", "ProMP", "GMR"])
 def test_parameters_change_the_skill(name, skills, panda, shown):
-    planner = Replanner(panda, skills[name], demonstrations=shown, obstacles=[BOX])
+    planner = Replanner(panda, skills[name], scene=[BOX], demonstrations=shown)
     before = planner.preview()
     for i, parameter in enumerate(planner.parameters):
         assert parameter.lower <= parameter.value <= parameter.upper
@@ -176,13 +176,13 @@ def test_drawing_is_no_motion_of_an_arm(panda):
 
 @pytest.mark.parametrize(("index", "place"), [(1, (0, 0, 0)), (-1, (0, 0, 0)), (0, (0, np.nan, 0))])
 def test_wrong_moves_are_refused(index, place, skills, panda):
-    planner = Replanner(panda, skills["pose DMP"], obstacles=[BOX])
+    planner = Replanner(panda, skills["pose DMP"], scene=[BOX])
     with pytest.raises(InvalidInput):
         planner.move_obstacle(index, place)
 
 
 def test_previews_that_find_no_way_for_the_arm_are_quick_all_the_same(skills, panda):
-    planner = Replanner(panda, skills["fast marching"], obstacles=[BOX])
+    planner = Replanner(panda, skills["fast marching"], scene=[BOX])
     planner.plan()
     taken = []
     for height in np.linspace(0.26, 0.29, 5):  # higher than the hand can pass over, seen on the way
@@ -204,7 +204,7 @@ def test_the_elbow_goes_around_a_dragged_obstacle_in_forty_milliseconds(panda):
     line = rise * [0.0, -0.7, 0.0] + [0.45, 0.35, 0.35]
     shown = lt.PoseTrajectory(times, line, np.tile([0.0, 1.0, 0.0, 0.0], (151, 1)))
     shelf = lt.Box((0.1, 0.4, 0.2), (-0.15, 0.0, 0.65))  # behind the elbow
-    planner = Replanner(panda, kind("DMP", "poses").build().fit([shown]), obstacles=[shelf])
+    planner = Replanner(panda, kind("DMP", "poses").build().fit([shown]), scene=[shelf])
     planner._first = np.array([0.6, -0.5, 0.0, -2.4, 0.0, 2.0, 1.4])  # its elbow near the shelf
     taken = []
     for shift in np.linspace(0.0, 0.03, 7):

@@ -149,7 +149,7 @@ def test_all_shapes_are_obstacles_and_what_is_held_counts():
     way = lt.trajectories.minimum_jerk_time_scaling(np.linspace(0.0, 1.0, 51))
     motion = lt.JointTrajectory(np.linspace(0.0, 0.4, 51), HOME + np.outer(way, deep - HOME))
     for shape in shapes:
-        report = lt.simulate(arm, motion, obstacles=[shape])
+        report = lt.simulate(arm, motion, [shape])
         assert report.contacts[0].bodies == ("attached", "obstacle 0"), shape
         assert report.contacts[0].force > 5.0
         assert report.tip_errors.max() > 0.01

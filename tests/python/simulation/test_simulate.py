@@ -137,7 +137,7 @@ def test_limits_ten_times_too_high_are_found(loaded, swing):
 
 def test_obstacles_and_the_arm_itself_are_hit(loaded, swing):
     middle = loaded.forward_kinematics(0.5 * (HOME + AWAY))[0]
-    report = lt.simulate(loaded, swing, obstacles=[lt.Box((0.05, 0.05, 0.4), middle)])
+    report = lt.simulate(loaded, swing, [lt.Box((0.05, 0.05, 0.4), middle)])
     assert "contact" in kinds(report)
     assert report.contacts[0].bodies[1] == "obstacle 0"
     way = lt.trajectories.minimum_jerk_time_scaling(np.linspace(0.0, 1.0, 51))[:, None]
@@ -227,7 +227,7 @@ def test_a_skills_tight_and_loose_phases_are_felt(loaded):
         ({"tip_tolerance": 0.0}, "tip_tolerance"),
         ({"controller": PositionServo(-1.0)}, "stiffness"),
         ({"gravity": [1.0]}, "gravity"),
-        ({"obstacles": [1.0]}, "obstacles"),
+        ({"scene": [1.0]}, "obstacles"),
     ],
     ids=lambda value: value if isinstance(value, str) else None,
 )

@@ -49,6 +49,6 @@ def test_a_way_that_is_hard_to_find_begins_and_ends_where_asked(recordings, kind
     pytest.importorskip("ompl")
     (problem,) = problems(recordings / ARCHIVE, kind, [number])
     arm, ends = panda(), (problem.start, problem.goal)
-    way = way_between(arm, *ends, obstacles=problem.obstacles, margin=0.0)
+    way = way_between(arm, *ends, problem.scene)
     np.testing.assert_array_equal(way[[0, -1]], ends)
-    assert arm.check(way, problem.obstacles).ok
+    assert arm.check(way, problem.scene).ok

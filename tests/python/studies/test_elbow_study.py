@@ -70,7 +70,7 @@ def test_the_slow_search_finds_a_way_that_is_clear_or_where_it_ends():
     tip, _ = arm.forward_kinematics(way)
     np.testing.assert_allclose(tip, made.tip.positions, atol=1e-5)
     assert np.abs(np.diff(way, axis=0)).max() < 0.5
-    assert arm.check(way, made.obstacles, margin=MARGIN).ok
+    assert arm.check(way, lt.Scene(made.obstacles, MARGIN)).ok
     walled = Roadmap(arm, made.tip, (lt.Sphere(0.04, made.tip.positions[40]),), MARGIN, ())
     assert walled.way() is None
     assert 0 < walled.last < 40
@@ -83,8 +83,8 @@ def test_another_family_of_postures_is_found(index):
     arm = lt.Arm.load("ur3")
     made = drawn_scene(arm, "ur3", 0, index, [])
     first = made.joints.positions[0]
-    joints = arm.follow(made.tip, seed=first, free=FREE["ur3"], obstacles=made.obstacles)
-    assert arm.check(joints, made.obstacles, margin=MARGIN).ok
+    joints = arm.follow(made.tip, scene=made.obstacles, seed=first, free=FREE["ur3"])
+    assert arm.check(joints, lt.Scene(made.obstacles, MARGIN)).ok
     assert np.abs(joints.positions[0] - first).max() > 1.0
 
 
@@ -93,8 +93,8 @@ def test_where_the_nearest_family_is_too_narrow_another_is_taken():
     arm = lt.Arm.load("panda")
     made = drawn_scene(arm, "panda", 0, 123, [])
     first = made.joints.positions[0]
-    joints = arm.follow(made.tip, seed=first, obstacles=made.obstacles)
-    assert arm.check(joints, made.obstacles, margin=MARGIN).ok
+    joints = arm.follow(made.tip, scene=made.obstacles, seed=first)
+    assert arm.check(joints, lt.Scene(made.obstacles, MARGIN)).ok
 
 
 def test_demonstrations_by_hand_are_followed(recordings):
@@ -102,6 +102,6 @@ def test_demonstrations_by_hand_are_followed(recordings):
     arm = lt.Arm.load("panda")
     made = drawn_scene(arm, "panda", 0, 2, files)
     assert not arm.check(made.joints, made.obstacles).ok
-    joints = arm.follow(made.tip, seed=made.joints.positions[0], obstacles=made.obstacles)
-    assert arm.check(joints, made.obstacles, margin=MARGIN).ok
+    joints = arm.follow(made.tip, scene=made.obstacles, seed=made.joints.positions[0])
+    assert arm.check(joints, lt.Scene(made.obstacles, MARGIN)).ok
     assert arm.path_report(joints, made.tip).position_error.max() < 1e-5

@@ -9,10 +9,11 @@ from cli.command_line import facts
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
-from leadthrough.validation import Places, Scattered
+from leadthrough.shapes import RandomObstacle
+from leadthrough.validation import Places
 
 SPHERE = lt.Sphere(0.06, (0.45, 0.15, 0.55))
-WORLD = Scattered(SPHERE, Places.around(SPHERE.position, (0.05, 0.15, 0.05)))
+WORLD = RandomObstacle(SPHERE, (0.05, 0.15, 0.05))
 RUNS = 24
 
 
@@ -23,7 +24,7 @@ def goals(reach):
 
 @pytest.fixture(scope="module")
 def validation(reach, panda, goals):
-    return lt.validate(reach, panda, goals=goals, obstacles=[WORLD], runs=RUNS, seed=3)
+    return lt.validate(reach, panda, [WORLD], goals=goals, runs=RUNS, seed=3)
 
 
 def test_each_query_ends_in_success_or_with_a_cause(validation, goals):
@@ -44,7 +45,7 @@ def test_each_query_ends_in_success_or_with_a_cause(validation, goals):
 def test_processes_find_the_same_and_go_on_where_they_were(
     reach, panda, goals, validation, tmp_path
 ):
-    asked = {"goals": goals, "obstacles": [WORLD], "seed": 3, "out": tmp_path}
+    asked = {"scene": [WORLD], "goals": goals, "seed": 3, "out": tmp_path}
     found = lt.validate(reach, panda, **asked, runs=RUNS, on="local:1")
     assert found.certificate.to_settings() == validation.certificate.to_settings()
     assert (found.goals == validation.goals).all()
@@ -99,7 +100,7 @@ def test_the_command_writes_a_report_and_a_certified_skill(reach, tmp_path):
     skill, out = tmp_path / "reach.npz", tmp_path / "out"
     reach.save(skill)
     words = ("validate", skill, "--robot", "panda", "--goals", "0.02,0.02,0.02", "--runs", 4)
-    found = facts(*words, "--worlds", "sphere:0.03@0.1,0.6,0.6~0.1,0,0.1", "--out", out,
+    found = facts(*words, "--random-obstacle", "sphere:0.03@0.1,0.6,0.6~0.1,0,0.1", "--out", out,
                   "--certify", skill)  # fmt: skip
     assert found["succeeded"] == found["queries"] == 4
     assert "<svg" in (out / "report.html").read_text()
@@ -111,7 +112,7 @@ def test_the_command_writes_a_report_and_a_certified_skill(reach, tmp_path):
     outside = facts(*asked, "--move-goal", "0.05,0,0")["certificate"]
     assert "goal outside" in outside and "other obstacles" in outside
     # What was finished is known; four queries are too few for the rate that is asked for.
-    facts(*words, "--worlds", "sphere:0.03@0.1,0.6,0.6~0.1,0,0.1", "--out", out,
+    facts(*words, "--random-obstacle", "sphere:0.03@0.1,0.6,0.6~0.1,0,0.1", "--out", out,
           "--required", 0.9, code=1)  # fmt: skip
 
 

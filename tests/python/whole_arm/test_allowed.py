@@ -6,7 +6,6 @@ import pytest
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
 
-MARGIN = 0.005
 DOWN = [0.0, 1.0, 0.0, 0.0]
 
 
@@ -32,8 +31,8 @@ def post():
 
 
 def test_the_tip_stays_within_the_skills_own_spread(panda, skill, post):
-    planned = lt.plan_motion(skill, panda, obstacles=[post], standard_deviations=2.5, dt=0.025)
-    assert panda.check(planned.joints, [post], margin=MARGIN).ok
+    planned = lt.plan_motion(skill, panda, [post], lt.Query(dt=0.025), standard_deviations=2.5)
+    assert panda.check(planned.joints, [post]).ok
     assert planned.rounds == 2
     assert "obstacle 0" in planned.reasons[0]
     found, _ = panda.forward_kinematics(planned.joints.positions)
@@ -50,15 +49,15 @@ def test_the_tip_stays_within_the_skills_own_spread(panda, skill, post):
 
 
 def test_the_tip_stays_within_what_is_stated(panda, skill, post):
-    planned = lt.plan_motion(skill, panda, obstacles=[post], deviation=(0.06, 0.0), dt=0.025)
-    assert panda.check(planned.joints, [post], margin=MARGIN).ok
+    planned = lt.plan_motion(skill, panda, [post], lt.Query(dt=0.025), deviation=(0.06, 0.0))
+    assert panda.check(planned.joints, [post]).ok
     assert 0.01 < planned.deviation < 0.06
     assert planned.tip.times[-1] == skill.generate(dt=0.025).times[-1]
 
 
 def test_where_that_is_not_enough_another_path_is_made(panda, skill, post):
-    planned = lt.plan_motion(skill, panda, obstacles=[post], deviation=(0.005, 0.0), dt=0.025)
-    assert panda.check(planned.joints, [post], margin=MARGIN).ok
+    planned = lt.plan_motion(skill, panda, [post], lt.Query(dt=0.025), deviation=(0.005, 0.0))
+    assert panda.check(planned.joints, [post]).ok
     assert planned.deviation > 0.01
 
 

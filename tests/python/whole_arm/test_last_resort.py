@@ -7,7 +7,6 @@ import leadthrough as lt
 from leadthrough.errors import IkFailure, InvalidInput, MissingDependency
 from leadthrough.whole_arm import connection, way_between
 
-MARGIN = 0.005
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 
 
@@ -32,12 +31,12 @@ def planned(panda, shown, box):
     pytest.importorskip("ompl")
     skill = lt.DMP().fit([shown])
     return lt.plan_motion(
-        skill, panda, obstacles=[box], dt=0.02, rounds=1, last_resort="joint_space"
+        skill, panda, [box], lt.Query(dt=0.02), rounds=1, last_resort="joint_space"
     )
 
 
 def test_the_dead_part_is_connected_and_certified(panda, shown, box, planned):
-    report = panda.check(planned.joints, [box], margin=MARGIN)
+    report = panda.check(planned.joints, [box])
     assert report.ok
     assert planned.clearance == report.obstacles.minimum_distance
     assert lt.timing.check_limits(planned.joints, panda.limits).ok
@@ -67,15 +66,15 @@ def test_events_are_kept(planned):
 def test_the_answer_has_the_same_bits_each_time(panda, shown, box, planned):
     skill = lt.DMP().fit([shown])
     again = lt.plan_motion(
-        skill, panda, obstacles=[box], dt=0.02, rounds=1, last_resort="joint_space"
+        skill, panda, [box], lt.Query(dt=0.02), rounds=1, last_resort="joint_space"
     )
     np.testing.assert_array_equal(again.joints.positions, planned.joints.positions)
 
 
 def test_it_is_not_needed_where_the_tip_can_give_way(panda, shown, box):
     skill = lt.DMP().fit([shown])
-    usual = lt.plan_motion(skill, panda, obstacles=[box], dt=0.02)
-    allowed = lt.plan_motion(skill, panda, obstacles=[box], dt=0.02, last_resort="joint_space")
+    usual = lt.plan_motion(skill, panda, [box], lt.Query(dt=0.02))
+    allowed = lt.plan_motion(skill, panda, [box], lt.Query(dt=0.02), last_resort="joint_space")
     assert allowed.connected is usual.connected is None
     np.testing.assert_array_equal(allowed.joints.positions, usual.joints.positions)
 
@@ -83,12 +82,12 @@ def test_it_is_not_needed_where_the_tip_can_give_way(panda, shown, box):
 def test_it_is_off_by_default_and_helps_at_no_end(panda, shown, box):
     skill = lt.DMP().fit([shown])
     with pytest.raises(IkFailure, match="blocked"):
-        lt.plan_motion(skill, panda, obstacles=[box], dt=0.02, rounds=1)
+        lt.plan_motion(skill, panda, [box], lt.Query(dt=0.02), rounds=1)
     with pytest.raises(InvalidInput, match="last_resort"):
         lt.plan_motion(skill, panda, last_resort="prayer")
     roof = lt.Box([0.3, 0.1, 0.1], [0.45, 0.3, 0.4])  # where the hand is at the goal
     with pytest.raises(IkFailure, match="cannot stand clear at the goal"):
-        lt.plan_motion(skill, panda, obstacles=[roof], dt=0.02, last_resort="joint_space")
+        lt.plan_motion(skill, panda, [roof], lt.Query(dt=0.02), last_resort="joint_space")
 
 
 def test_without_ompl_the_extra_is_named(panda, shown, box, monkeypatch):
@@ -98,18 +97,18 @@ def test_without_ompl_the_extra_is_named(panda, shown, box, monkeypatch):
     monkeypatch.setattr(connection.optional, "load", missing)
     skill = lt.DMP().fit([shown])
     with pytest.raises(MissingDependency, match=r"leadthrough\[ompl\]"):
-        lt.plan_motion(skill, panda, obstacles=[box], dt=0.02, rounds=1, last_resort="joint_space")
+        lt.plan_motion(skill, panda, [box], lt.Query(dt=0.02), rounds=1, last_resort="joint_space")
 
 
 def test_a_connection_is_clear_or_not_found_in_the_steps_allowed(panda):
     pytest.importorskip("ompl")
     wall = [lt.Box([0.3, 0.02, 0.6], [0.5, 0.0, 0.3])]
     left, right = (panda.inverse_kinematics([0.5, y, 0.3], DOWN).q for y in (-0.3, 0.3))
-    assert not panda.check([left, right], wall, margin=MARGIN).ok
-    way = way_between(panda, left, right, obstacles=wall)
+    assert not panda.check([left, right], wall).ok
+    way = way_between(panda, left, right, wall)
     np.testing.assert_array_equal(way[[0, -1]], [left, right])
-    assert panda.check(way, wall, margin=MARGIN).ok
-    assert way_between(panda, left, right, obstacles=wall, steps=1) is None
+    assert panda.check(way, wall).ok
+    assert way_between(panda, left, right, wall, steps=1) is None
 
 
 @pytest.mark.parametrize(
@@ -118,7 +117,6 @@ def test_a_connection_is_clear_or_not_found_in_the_steps_allowed(panda):
         ({"arm": None}, "arm: expected an Arm, got None"),
         ({"start": [0.0] * 6}, "start"),
         ({"goals": [[9.0] * 7]}, "goals: expected joints inside the arm's limits"),
-        ({"margin": -0.1}, "margin"),
         ({"seed": -1}, "seed"),
         ({"steps": 0}, "steps"),
     ],

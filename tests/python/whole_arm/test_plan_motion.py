@@ -13,7 +13,6 @@ from leadthrough.errors import IkFailure, InvalidInput
 from leadthrough.whole_arm.detour import paths_beside
 from leadthrough.whole_arm.room import Narrows, Room
 
-MARGIN = 0.005
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 
 
@@ -55,9 +54,9 @@ def test_the_tip_gives_way_where_the_arm_has_no_room(learner, panda, shown, box)
         query["obstacles"] = [box]
     alone = skill.generate(**query)
     assert box.distance(alone.positions).min() > 0.0
-    assert not panda.check(panda.follow(alone), [box], margin=MARGIN).ok
-    planned = lt.plan_motion(skill, panda, obstacles=[box], dt=0.02)
-    report = panda.check(planned.joints, [box], margin=MARGIN)
+    assert not panda.check(panda.follow(alone), [box]).ok
+    planned = lt.plan_motion(skill, panda, [box], lt.Query(dt=0.02))
+    report = panda.check(planned.joints, [box])
     assert report.ok
     assert planned.clearance == report.obstacles.minimum_distance
     assert panda.path_report(planned.joints, planned.tip).position_error.max() < 1e-5
@@ -81,7 +80,7 @@ def test_what_is_closed_is_one_shape_a_round(panda, shown):
         return skill.generate(obstacles=obstacles, **query)
 
     watched = SimpleNamespace(supports=skill.supports, generate=generate, map_with=skill.map_with)
-    planned = lt.plan_motion(watched, panda, obstacles=[tall], dt=0.02)
+    planned = lt.plan_motion(watched, panda, [tall], lt.Query(dt=0.02))
     assert planned.rounds > 1
     assert [len(shapes) for shapes in asked] == list(range(1, planned.rounds + 1))
 
@@ -91,24 +90,24 @@ def test_nothing_changes_where_the_arm_can_follow(panda, shown):
     aside = lt.Sphere(0.1, [-0.6, 0.0, 0.5])
     for obstacles in ([], [aside]):
         alone = panda.follow(skill.generate(obstacles=obstacles, dt=0.02))
-        planned = lt.plan_motion(skill, panda, obstacles=obstacles, dt=0.02)
+        planned = lt.plan_motion(skill, panda, obstacles, lt.Query(dt=0.02))
         np.testing.assert_array_equal(planned.joints.positions, alone.positions)
         assert (planned.deviation, planned.reasons, planned.rounds) == (0.0, (), 1)
-    assert lt.plan_motion(skill, panda, dt=0.02).clearance == np.inf
+    assert lt.plan_motion(skill, panda, query=lt.Query(dt=0.02)).clearance == np.inf
 
 
 def test_a_skill_of_joints_goes_around_in_the_shown_posture(panda, shown, box):
     skill = lt.ProMP().fit([panda.follow(motion) for motion in shown])
     alone = skill.generate(dt=0.04)
-    assert not panda.check(alone, [box], margin=MARGIN).ok
-    planned = lt.plan_motion(skill, panda, obstacles=[box], dt=0.04)
-    assert panda.check(planned.joints, [box], margin=MARGIN).ok
+    assert not panda.check(alone, [box]).ok
+    planned = lt.plan_motion(skill, panda, [box], lt.Query(dt=0.04))
+    assert panda.check(planned.joints, [box]).ok
     assert np.abs(planned.joints.positions[0] - alone.positions[0]).max() < 0.05
 
 
 def test_the_answer_has_the_same_bits_each_time(panda, shown, box):
     skill = lt.DMP().fit(shown)
-    once, again = (lt.plan_motion(skill, panda, obstacles=[box], dt=0.02) for _ in range(2))
+    once, again = (lt.plan_motion(skill, panda, [box], lt.Query(dt=0.02)) for _ in range(2))
     np.testing.assert_array_equal(once.joints.positions, again.joints.positions)
 
 
@@ -116,18 +115,18 @@ def test_where_the_arm_cannot_stand_at_an_end_it_says_so(panda, shown):
     skill = lt.DMP().fit(shown)
     roof = lt.Box([0.3, 0.1, 0.1], [0.45, 0.3, 0.4])  # where the hand is at the goal
     with pytest.raises(IkFailure, match=r"obstacle 0 and .*cannot stand clear at the goal"):
-        lt.plan_motion(skill, panda, obstacles=[roof], dt=0.02)
+        lt.plan_motion(skill, panda, [roof], lt.Query(dt=0.02))
 
 
 def test_the_rounds_are_the_callers(panda, shown, box):
     skill = lt.DMP().fit(shown)
     with pytest.raises(IkFailure, match="blocked") as failure:
-        lt.plan_motion(skill, panda, obstacles=[box], dt=0.02, rounds=1)
+        lt.plan_motion(skill, panda, [box], lt.Query(dt=0.02), rounds=1)
     assert failure.value.status == "blocked"
     with pytest.raises(InvalidInput, match="rounds"):
         lt.plan_motion(skill, panda, rounds=0)
     with pytest.raises(InvalidInput, match="margin"):
-        lt.plan_motion(skill, panda, obstacles=[box], margin=-0.01)
+        lt.plan_motion(skill, panda, lt.Scene([box], -0.01))
 
 
 def test_an_arm_of_five_joints_stands_where_it_has_to_turn_its_tool(panda, shown):
@@ -136,12 +135,12 @@ def test_an_arm_of_five_joints_stands_where_it_has_to_turn_its_tool(panda, shown
     tilted = lt.rotations.compose(DOWN[None], lt.rotations.exp([[0.0, 0.2, 0.0]]))
     motion = lt.PoseTrajectory(shown[1].times, shown[1].positions, np.tile(tilted, (61, 1)))
     skill = lt.DMP().fit([motion])
-    aside = lt.plan_motion(skill, arm, obstacles=[lt.Sphere(0.05, [0.6, 0.0, 0.42])], dt=0.02)
+    aside = lt.plan_motion(skill, arm, [lt.Sphere(0.05, [0.6, 0.0, 0.42])], lt.Query(dt=0.02))
     report = arm.path_report(aside.joints, aside.tip)
     assert report.position_error.max() < 1e-5
     assert 0.1 < report.orientation_error.max() < 0.2
     with pytest.raises(IkFailure, match=r"obstacle 0 and panda_hand$"):
-        lt.plan_motion(skill, arm, obstacles=[lt.Sphere(0.03, [0.5, 0.0, 0.4])], dt=0.02, rounds=3)
+        lt.plan_motion(skill, arm, [lt.Sphere(0.03, [0.5, 0.0, 0.4])], lt.Query(dt=0.02), rounds=3)
 
 
 def test_without_obstacles_the_tip_keeps_its_path_or_it_fails(panda):
@@ -168,7 +167,7 @@ def test_a_part_where_the_tip_still_stands_is_not_moved_aside(panda, shown):
         np.vstack([np.tile(motion.positions[0], (20, 1)), motion.positions[:41]]),
         motion.orientations,
     )
-    room = Room(panda, (), MARGIN, 0.0, ())
+    room = Room(panda, lt.Scene(), ())
     places = np.array([0, 10, 30, 60])
     near = panda.follow(motion).positions[0]
     assert list(paths_beside(room, waiting, Narrows(places, 1, 1), near)) == []
