@@ -68,11 +68,11 @@ class NoContinuousLogarithm(LeadthroughError):
         self.index = index
 
 
-class ClusterLost(LeadthroughError):
+class SchedulerUnreachable(LeadthroughError):
     """The scheduler of a Dask cluster does not answer any more; what was finished is stored."""
 
 
-class OtherCode(InvalidInput):
+class CodeMismatch(InvalidInput):
     """A worker of a Dask cluster has other code than the machine that sends the tasks."""
 
 

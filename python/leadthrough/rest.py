@@ -29,6 +29,8 @@ _TREMOR = 0.02
 _USUAL = 90  # percentile of the speeds while something moves
 _FEWEST = 5  # samples of a window
 _ROUNDING = 1e-12  # of the extent; a slower motion is rounding
+# s: a short window finds the beginning to a tenth of a second; noise may need a longer one.
+_WINDOWS = (0.2, 0.3, 0.5)
 
 
 @dataclass(frozen=True)
@@ -161,10 +163,6 @@ def _windows(times: Float64Array, window: float) -> tuple[NDArray[np.intp], NDAr
     after = np.searchsorted(times, start + (1.0 + 1e-9) * length, side="right")
     first = np.minimum(first, len(times) - 2)
     return first, np.maximum(after, first + 2)
-
-
-# s: a short window finds the beginning to a tenth of a second; noise may need a longer one.
-_WINDOWS = (0.2, 0.3, 0.5)
 
 
 def trim(

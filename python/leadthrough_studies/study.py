@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 
 from leadthrough import tasks
 from leadthrough.drawing import style
-from leadthrough.errors import ClusterLost, OtherCode
+from leadthrough.errors import CodeMismatch, SchedulerUnreachable
 from leadthrough.tasks import Row, Task
 from leadthrough.tasks.code import digest
 from leadthrough_studies import results
@@ -112,7 +112,7 @@ def run(
     Raises:
         InvalidInput: if an argument is wrong, a file cannot be written or a worker has other code.
         MissingDependency: for a Dask cluster, if the extra `dask` is not installed.
-        ClusterLost: if its scheduler does not answer any more.
+        SchedulerUnreachable: if its scheduler does not answer any more.
     """
     todo = study.tasks(config)
     store = tasks.Store(out / _STORE)
@@ -120,10 +120,10 @@ def run(
     stopped: BaseException | None = None
     try:
         outcomes = tasks.run(todo, store, on=on, timeout=task_timeout)
-        for each in tasks.shown(tasks.listed(outcomes, out), len(todo), "tasks"):
+        for each in tasks.with_progress(tasks.with_manifest(outcomes, out), len(todo), "tasks"):
             if each.failure:
                 failures[each.index] = {"task": todo[each.index].arguments, **each.failure}
-    except (KeyboardInterrupt, ClusterLost, OtherCode) as error:
+    except (KeyboardInterrupt, SchedulerUnreachable, CodeMismatch) as error:
         stopped = error
     outcome = _written(study, config, out, todo, [failures[i] for i in sorted(failures)])
     if stopped is not None:

@@ -7,8 +7,8 @@ import pytest
 from leadthrough import errors
 
 EXAMPLES = [
-    errors.ClusterLost("on: no answer"),
-    errors.OtherCode("on: other code"),
+    errors.SchedulerUnreachable("on: no answer"),
+    errors.CodeMismatch("on: other code"),
     errors.InvalidInput("message"),
     errors.UnsupportedQuery("message"),
     errors.FitError("message"),

@@ -16,17 +16,17 @@ from contextlib import contextmanager
 import typer
 
 from leadthrough.errors import (
-    ClusterLost,
     FitError,
     IkFailure,
     LeadthroughError,
     LimitsInfeasible,
     NoContinuousLogarithm,
     NoPath,
+    SchedulerUnreachable,
 )
 
 # The input was right, and there is no such motion.
-_NO = (ClusterLost, FitError, IkFailure, LimitsInfeasible, NoContinuousLogarithm, NoPath)
+_NO = (SchedulerUnreachable, FitError, IkFailure, LimitsInfeasible, NoContinuousLogarithm, NoPath)
 _STOPPED = 130  # as shells have it for Ctrl-C
 # The last words of some messages, for those who program: "; in Python, Arm.joints_of picks ...".
 _IN_PYTHON = re.compile(r"[,;:]?\s+in\s+Python\b.*", re.DOTALL)

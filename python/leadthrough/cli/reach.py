@@ -95,7 +95,7 @@ def reach(
         on=on,
         out=folder,
         task_timeout=task_timeout,
-        shown=tasks.shown,
+        progress=tasks.with_progress,
     )
     found.save(out)
     picture = out.with_suffix(".png")

@@ -106,7 +106,7 @@ def validate(
             on=on,
             out=folder,
             task_timeout=task_timeout,
-            shown=tasks.shown,
+            progress=tasks.with_progress,
         )
     write_validation(folder, found)
     if certify is not None:

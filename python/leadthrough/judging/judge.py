@@ -69,7 +69,7 @@ def judge_demonstrations(
         InvalidInput: if an argument is wrong, or there are fewer than four demonstrations.
         FitError: if a demonstration has a single sample or does not move.
         MissingDependency: for a Dask cluster, if the extra `dask` is not installed.
-        ClusterLost: if its scheduler does not answer any more.
+        SchedulerUnreachable: if its scheduler does not answer any more.
     """
     motions = motions_of(demonstrations)
     if len(motions) < _LEAST:

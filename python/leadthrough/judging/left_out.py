@@ -17,7 +17,7 @@ from leadthrough.models.place import Place
 from leadthrough.models.places import Places
 from leadthrough.models.protocol import Model, Skill
 from leadthrough.motion import Motion, PoseTrajectory
-from leadthrough.preprocess.warps import features
+from leadthrough.preprocess.align import features
 from leadthrough.tasks import Row
 
 _SAMPLES = 200

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from leadthrough import plausible
 from leadthrough.motion import Motion
-from leadthrough.preprocess.in_step import lateness
+from leadthrough.preprocess.align import lateness
 
 # Of the largest time that one is ahead or behind; those below are not named.
 _NAMED = 0.6

@@ -3,10 +3,9 @@
 from leadthrough.preprocess.align import align_by_arc_length, align_by_time_warping
 from leadthrough.preprocess.clean import clean, cut_at_gaps
 from leadthrough.preprocess.curve_distance import dtw_distance, frechet_distance
-from leadthrough.preprocess.join import join
-from leadthrough.preprocess.rate import sample_evenly
 from leadthrough.preprocess.report import CleaningReport
-from leadthrough.preprocess.segment import segment
+from leadthrough.preprocess.resample import sample_evenly
+from leadthrough.preprocess.segment import join, segment
 from leadthrough.preprocess.smooth import smooth_by_spline, smooth_motion
 from leadthrough.rest import trim
 

@@ -1,6 +1,10 @@
 """Demonstrations of different timing, aligned in time.
 
-Time warping brings every demonstration to the mean timing of all (`warps`). Alignment by arc length
+Dynamic time warping (Sakoe and Chiba 1978) brings each demonstration to the mean timing of all,
+around a mean that is warped along with them (Petitjean et al. 2011, "A global averaging method for
+dynamic time warping"). Warping also removes differences that belong to the shapes, and predictions
+get worse. So demonstrations clearly out of step are warped freely; the others rigidly, if the mean
+of the rest then predicts a left-out demonstration better; else not at all. Alignment by arc length
 gives all a constant speed, so that pauses vanish.
 """
 
@@ -11,8 +15,9 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from leadthrough import check, events, rotations
+from leadthrough import _core, check, events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import (
@@ -24,12 +29,37 @@ from leadthrough.motion import (
     as_demonstration,
     normalised_times,
 )
-from leadthrough.preprocess.in_step import FREE, fractions_in_step
-from leadthrough.preprocess.warps import COMPARED, features, positions_at, warp
+from leadthrough.preprocess.curve_distance import dtw_distance
 
 # Steps shorter than this fraction of the motion's extent are trembling of the hand or noise of the
 # sensor: summed over a pause they would count as distance.
 _TREMBLING = 2e-3
+# Samples at which motions are compared; a path of pairs takes a byte for each pair.
+COMPARED = 1000
+_ROUNDS = 3
+_SMOOTHED = 0.021  # fraction of a warp that is averaged
+# A smaller turn counts as if it were this large: what is left of it is mostly noise.
+_MIN_TURN = 0.1  # rad
+# The Frobenius distance of two rotation matrices is this times their angle, if that is small.
+_CHORD = np.sqrt(2.0)
+# Cost of shifting by one duration, as a fraction of the motion's extent.
+FREE = 0.03
+_RIGID = 2.0
+# Out of step: free warping leaves less than this fraction of the spread.
+_OUT_OF_STEP = 0.45
+# Clearly so: of a few motions of random shapes, warping leaves 0.42 and more by chance.
+_CLEARLY = 0.3
+# A gain in predicting left-out demonstrations counts from this many standard errors on, of at least
+# so many demonstrations. Fewer samples are enough to tell.
+_SURELY = 2.0
+_MIN_COUNT = 4
+_FEW_SAMPLES, _MIN_SAMPLES = 200, 100
+_LATE = 0.15  # fraction of the duration ahead or behind that is reported
+_MAX_COMPARED = 12  # demonstrations
+# A glance at fewer samples, warped once, leaves at least this fraction of the spread of motions in
+# step: twice of what those clearly out of step keep after closer looks.
+_GLANCED_SAMPLES, _GLANCED = 40, 2.0 * _CLEARLY
+_ROUNDING = 1e-12  # of the motions' extent
 
 
 def align_by_time_warping(
@@ -37,9 +67,9 @@ def align_by_time_warping(
 ) -> list[Demonstration[MotionT]]:
     """The demonstrations with their mean timing, all at the same times, mostly 1000.
 
-    What happens at some fraction of the duration happens in the demonstrations at that fraction
-    on average. Positions and orientations are compared, each in units of its extent; events
-    follow. Velocities and accelerations of joints are left out, as they no longer fit.
+    A point of the motion comes at the demonstrations' mean fraction of the duration. Positions and
+    orientations are compared, each in units of its extent; events follow. Velocities and
+    accelerations of joints are left out, as they no longer fit.
 
     Differences in timing stay where taking them away gains nothing beyond chance: where warping
     leaves more than half of the spread, and the mean of the others predicts a left-out
@@ -156,3 +186,149 @@ def _distance(motion: Motion, name: str) -> tuple[Float64Array, Float64Array]:
         kept[-1 if len(kept) > 1 else 1 :] = [len(points) - 1]
     covered = np.cumsum(np.linalg.norm(np.diff(points[kept], axis=0), axis=1))
     return normalised_times(motion.times)[kept], np.concatenate([[0.0], covered])
+
+
+def positions_at(motion: Motion, fractions: Float64Array) -> Float64Array:
+    """Positions (n, d) of a motion at fractions (n,) of its duration."""
+    own = normalised_times(motion.times)
+    return np.column_stack([np.interp(fractions, own, column) for column in motion.positions.T])
+
+
+def features(motions: Sequence[Motion], samples: int = COMPARED) -> list[Float64Array]:
+    """Rows to compare, (samples, m) at evenly spaced times, in units of the motions' extent."""
+    even = np.linspace(0.0, 1.0, samples)
+    positions = [positions_at(each, even) for each in motions]
+    extent = float(np.mean([np.linalg.norm(np.ptp(each, axis=0)) for each in positions])) or 1.0
+    scaled = [each / extent for each in positions]
+    turned = [
+        rotations.interpolate(normalised_times(each.times), each.orientations, even)
+        for each in motions
+        if isinstance(each, PoseTrajectory)
+    ]
+    if not turned:
+        return scaled
+    reach = np.mean(
+        [rotations.distance(each, each[:1].repeat(samples, 0)).max() for each in turned]
+    )
+    unit = _CHORD * max(float(reach), _MIN_TURN)
+    return [
+        np.hstack([own, rotations.to_matrix(each).reshape(-1, 9) / unit])
+        for own, each in zip(scaled, turned, strict=True)
+    ]
+
+
+def spread(curves: Sequence[Float64Array]) -> float:
+    """Root mean square distance of curves (n, m) from their mean."""
+    return float(np.sqrt(np.var(curves, axis=0).sum(axis=1).mean()))
+
+
+def mean_timing(
+    curves: Sequence[Float64Array],
+    first: Float64Array,
+    *,
+    rigidity: float,
+    rounds: int = _ROUNDS,
+) -> list[Float64Array]:
+    """For each curve (n, m) its fractions (n,) of the duration at those of the mean timing."""
+    even = np.linspace(0.0, 1.0, len(first))
+    middle = first
+    for _ in range(rounds):
+        warps = [warp(middle, each, rigidity=rigidity) for each in curves]
+        back = np.interp(even, np.mean(warps, axis=0), even)
+        warps = [np.interp(back, even, each) for each in warps]
+        middle = np.mean(warped(curves, warps), axis=0)
+    return warps
+
+
+def warp(middle: Float64Array, curve: Float64Array, *, rigidity: float) -> Float64Array:
+    """Fractions (n,) of a curve's duration that belong to those of another, end to end."""
+    even = np.linspace(0.0, 1.0, len(middle))
+    timed = [np.column_stack([each, rigidity * even]) for each in (middle, curve)]
+    late = _mean_partner(_core.dtw_path(*timed)) / (len(even) - 1.0) - even
+    # Mirrored through both ends, where it is 0, by as much as two averages take away.
+    window = round(_SMOOTHED * len(even)) | 1
+    late = np.concatenate([-late[window - 1 : 0 : -1], late, -late[-2 : -window - 1 : -1]])
+    for _ in range(2):
+        late = np.convolve(late, np.full(window, 1.0 / window), mode="valid")
+    fractions = np.clip(even + late, 0.0, 1.0)
+    fractions[[0, -1]] = 0.0, 1.0
+    return np.asarray(np.maximum.accumulate(fractions))
+
+
+def warped(curves: Sequence[Float64Array], warps: Sequence[Float64Array]) -> list[Float64Array]:
+    """Curves (n, m) at fractions (n,) of their durations."""
+    even = np.linspace(0.0, 1.0, len(curves[0]))
+    return [
+        np.column_stack([np.interp(fractions, even, column) for column in curve.T])
+        for curve, fractions in zip(curves, warps, strict=True)
+    ]
+
+
+def _mean_partner(pairs: NDArray[np.integer[Any]]) -> Float64Array:
+    """For each sample of the first curve the mean index of those paired with it, end to end."""
+    first, second = pairs[:, 0], pairs[:, 1]
+    partners = np.bincount(first, second) / np.bincount(first)
+    partners[[0, -1]] = second[[0, -1]]
+    return np.asarray(partners)
+
+
+def fractions_in_step(motions: Sequence[Motion]) -> list[Float64Array] | None:
+    """Per motion, the fractions (1000,) of its duration that match even ones of the mean."""
+    curves = features(motions)
+    first = int(np.argmin([motion.duration for motion in motions]))
+    free = mean_timing(curves, curves[first], rigidity=FREE)
+    if spread(warped(curves, free)) < _OUT_OF_STEP * spread(curves):
+        return free
+    if _predicts_better(motions):
+        return mean_timing(curves, curves[first], rigidity=_RIGID)
+    return None
+
+
+def lateness(motions: Sequence[Motion]) -> Float64Array:
+    """How far each motion is ahead of or behind the mean timing, at most."""
+    result = np.zeros(len(motions))
+    if len(motions) < 2:
+        return result
+    some = np.linspace(0, len(motions) - 1, min(len(motions), _MAX_COMPARED)).round().astype(int)
+    compared = [motions[i] for i in some]
+    glanced = features(compared, _GLANCED_SAMPLES)
+    warps = mean_timing(glanced, glanced[0], rigidity=FREE, rounds=1)
+    if spread(warped(glanced, warps)) > _GLANCED * spread(glanced):
+        return result
+    curves = features(compared, _MIN_SAMPLES)
+    warps = mean_timing(curves, curves[0], rigidity=FREE)
+    if spread(warped(curves, warps)) < _CLEARLY * spread(curves):
+        late = np.abs(np.array(warps) - np.linspace(0.0, 1.0, _MIN_SAMPLES)).max(axis=1)
+        result[some] = np.where(late.max() > _LATE, late, 0.0)
+    return result
+
+
+def _predicts_better(motions: Sequence[Motion]) -> bool:
+    """Whether means of rigidly warped motions predict left-out ones better than those of others."""
+    if len(motions) < _MIN_COUNT:
+        return False
+    curves = features(motions, _FEW_SAMPLES)
+    size = motions[0].positions.shape[1]
+    gains = []
+    for i, left_out in enumerate(curves):
+        others = [each for j, each in enumerate(curves) if j != i]
+        warps = mean_timing(others, others[0], rigidity=_RIGID)
+        before = _errors(others, left_out, size)
+        gains.append(1.0 - _errors(warped(others, warps), left_out, size) / before)
+    gain, deviation = np.mean(gains, axis=0), np.std(gains, axis=0, ddof=1)
+    error = deviation / np.sqrt(len(gains))
+    return bool(gain[0] > _SURELY * error[0] and (gain > -error).all())
+
+
+def _errors(curves: Sequence[Float64Array], left_out: Float64Array, size: int) -> Float64Array:
+    """Errors of the mean of curves, carried to the ends of the left-out one."""
+    rise = np.linspace(0.0, 1.0, len(left_out))[:, None]
+    carried = [
+        each + (1.0 - rise) * (left_out[0] - each[0]) + rise * (left_out[-1] - each[-1])
+        for each in curves
+    ]
+    missed = np.mean(carried, axis=0) - left_out
+    path, wanted = (missed + left_out)[:, :size], left_out[:, :size]
+    groups = [missed[:, :size], missed[:, size:]][: 1 + (missed.shape[1] > size)]
+    distances = [float(np.linalg.norm(group, axis=1).mean()) for group in groups]
+    return np.array([dtw_distance(path, wanted) / len(wanted), *distances]) + _ROUNDING

@@ -1,7 +1,14 @@
-"""Makes demonstrations of recordings with faults."""
+"""Makes demonstrations of recordings with faults, and summaries of recordings.
+
+A sample is a spike by its distance from the median around it, relative to the usual distances and
+steps there. Of the steps the larger ones count, so that a hand that stops abruptly is no fault.
+Source of the spikes' test: after Hampel 1974, "The influence curve and its role in robust
+estimation".
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -15,16 +22,24 @@ from leadthrough.check import UNIT_LENGTH_TOLERANCE, Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io.recording import Recording, recording_of
 from leadthrough.motion import Demonstration, Motion, MotionT, fields_of, rows_of
-from leadthrough.preprocess.rate import sample_evenly
-from leadthrough.preprocess.report import CleaningReport, Span
-from leadthrough.preprocess.rows import chosen
+from leadthrough.preprocess.report import CleaningReport, RecordingSummary, Span
+from leadthrough.preprocess.resample import sample_evenly
 from leadthrough.preprocess.smooth import smoothed_over
-from leadthrough.preprocess.spikes import spikes
 from leadthrough.rest import rests, standstill, trim
 
 _GAP = 5.0  # median steps without a sample
 _MAX_NUMBER = 1e100  # no recorder measures more; squares of more overflow
 _MIN_LENGTH = 0.5  # anything shorter, or longer than its inverse, was never a rotation
+_SPIKE_WINDOW = 7  # samples of the median: up to three in a row may be wrong
+_USUAL_WINDOW = 51  # samples whose distances and steps are the usual ones
+_LARGER = 80  # percentile of the steps that counts; a few spikes stay above it
+_TO_SIGMA = 1.4826  # standard deviation per median absolute deviation of a normal distribution
+_TOGETHER = 1000  # samples whose windows are in memory at a time
+_FLOOR = 1e-3  # fraction of a column's range; anything smaller is no spike
+_ANY_GAP = 1e300  # s
+_MAX_RATE = 1e5  # Hz; no arm is recorded so fast
+_MIN_RATE = 0.5  # Hz; times in ms or ns that are read as s look slower
+_MAX_REACH = 20.0  # m from an arm's base
 
 
 @overload
@@ -151,8 +166,8 @@ def cut_at_gaps(
     """
     longest = check.number(longest_gap, "longest_gap", above=0.0)
     whole = _as_recording(recording)
-    whole = chosen(whole, np.flatnonzero(np.isfinite(whole.times)))
-    whole = chosen(whole, np.argsort(whole.times, kind="stable"))
+    whole = _chosen(whole, np.flatnonzero(np.isfinite(whole.times)))
+    whole = _chosen(whole, np.argsort(whole.times, kind="stable"))
     if len(whole.times) == 0:
         raise InvalidInput("recording: expected samples with times, got none")
     starts = [end for start, end in _gaps(whole.times) if end - start > longest]
@@ -164,8 +179,50 @@ def cut_at_gaps(
             events=events.within(whole.events, float(piece.times[0]), float(piece.times[-1])),
             name=f"{whole.name} {i}".strip(),
         )
-        for i, piece in enumerate((chosen(whole, rows) for rows in pieces), start=1)
+        for i, piece in enumerate((_chosen(whole, rows) for rows in pieces), start=1)
     ]
+
+
+def summarize(recording: Recording) -> RecordingSummary:
+    """The summary of a recording, whatever its faults."""
+    if not isinstance(recording, Recording):
+        raise InvalidInput(f"recording: expected a Recording, got {type(recording).__name__}")
+    known: dict[str, Any] = {
+        "name": recording.name,
+        "kind": recording.kind,
+        "joints": recording.joint_names or (),
+        "samples": len(recording.times),
+        "events": tuple(event.name for event in recording.events),
+    }
+    try:
+        demonstration, report = clean(recording, longest_gap=_ANY_GAP, rest=math.inf)
+    except InvalidInput as error:
+        nothing: dict[str, Any] = {"duration": 0.0, "rate": 0.0, "lower": (), "upper": ()}
+        return RecordingSummary(**known, **nothing, report=None, remarks=(str(error),))
+    motion = demonstration.motion
+    steps = np.diff(motion.times)
+    summary = RecordingSummary(
+        **known,
+        duration=motion.duration,
+        rate=1.0 / float(np.median(steps)) if len(steps) else 0.0,
+        lower=tuple(motion.positions.min(axis=0).tolist()),
+        upper=tuple(motion.positions.max(axis=0).tolist()),
+        report=report,
+        remarks=(),
+    )
+    return replace(summary, remarks=_remarks(summary))
+
+
+def _remarks(summary: RecordingSummary) -> tuple[str, ...]:
+    remarks = []
+    if summary.rate and not _MIN_RATE <= summary.rate <= _MAX_RATE:
+        remarks.append(f"{summary.rate:.3g} Hz: are the times in s?")
+    farthest = max(map(abs, (*summary.lower, *summary.upper)))
+    if summary.kind == "poses" and farthest > _MAX_REACH:
+        remarks.append(f"positions up to {farthest:.4g} m: are they in m?")
+    if summary.lower == summary.upper:
+        remarks.append("nothing moves")
+    return tuple(remarks)
 
 
 def _as_recording(recording: Recording | Demonstration | Motion) -> Recording:
@@ -201,16 +258,16 @@ def _resampled(
 def _without_faults(recording: Recording, factor: float | None) -> tuple[Recording, dict[str, Any]]:
     """The good samples in order, and the report's fields about the others."""
     valid = _valid(recording)
-    kept = chosen(recording, np.flatnonzero(valid))
+    kept = _chosen(recording, np.flatnonzero(valid))
     if len(kept.times) == 0:
         raise InvalidInput("recording: expected some samples without missing numbers, got none")
     unordered = int(np.count_nonzero(kept.times < np.maximum.accumulate(kept.times)))
-    kept = chosen(kept, np.argsort(kept.times, kind="stable"))
+    kept = _chosen(kept, np.argsort(kept.times, kind="stable"))
     fresh = np.diff(kept.times, prepend=-np.inf) > 0.0
-    kept = chosen(kept, np.flatnonzero(fresh))
+    kept = _chosen(kept, np.flatnonzero(fresh))
     kept, turned = _with_rotations(kept)
     leaps = _leaps(kept, factor)
-    return chosen(kept, np.flatnonzero(~leaps)), {
+    return _chosen(kept, np.flatnonzero(~leaps)), {
         "invalid": tuple(np.flatnonzero(~valid).tolist()),
         "unordered": unordered,
         "repeated": int(np.count_nonzero(~fresh)),
@@ -245,9 +302,9 @@ def _with_rotations(recording: Recording) -> tuple[Recording, dict[str, int]]:
 def _leaps(recording: Recording, factor: float | None) -> NDArray[np.bool_]:
     if factor is None:
         return np.zeros(len(recording.times), dtype=bool)
-    leaps = spikes(recording.positions, factor)
+    leaps = _spikes(recording.positions, factor)
     if recording.orientations is not None:
-        leaps |= spikes(recording.orientations, factor)
+        leaps |= _spikes(recording.orientations, factor)
     return leaps
 
 
@@ -288,3 +345,34 @@ def _shortened(motion: MotionT, pauses: Sequence[Span], longest: float) -> Motio
     parts: dict[str, Any] = {name: values[rows] for name, values in rows_of(motion).items()}
     kept_events = events.clipped(events.moved(motion.events, old, new), times[fresh])
     return replace(motion, times=times[fresh], events=kept_events, **fields_of(motion, parts))
+
+
+def _spikes(values: Float64Array, factor: float) -> NDArray[np.bool_]:
+    """Which rows (n,) of values (n, d) jump away from their neighbours."""
+    if len(values) <= _SPIKE_WINDOW:
+        return np.zeros(len(values), dtype=bool)
+    centre = _ranked(values, _SPIKE_WINDOW, 50)
+    off = np.abs(values - centre)
+    steps = np.abs(np.diff(values, axis=0, append=values[-1:]))
+    noise = _TO_SIGMA * _ranked(off, _USUAL_WINDOW, 50)
+    pace = _ranked(steps, _USUAL_WINDOW, _LARGER)
+    least = _FLOOR * np.ptp(centre, axis=0) + np.spacing(np.abs(centre).max(axis=0)) * _USUAL_WINDOW
+    return np.asarray((off > factor * (noise + pace) + least).any(axis=1))
+
+
+def _ranked(values: Float64Array, size: int, percent: int) -> Float64Array:
+    """A percentile (n, d) of the samples around each, mirrored at the ends."""
+    rank, beside = size * percent // 100, size // 2
+    mirrored = np.pad(values, ((beside, beside), (0, 0)), mode="reflect")
+    windows = np.lib.stride_tricks.sliding_window_view(mirrored, size, axis=0)
+    result = np.empty_like(values)
+    for first in range(0, len(values), _TOGETHER):
+        rows = slice(first, first + _TOGETHER)
+        result[rows] = np.partition(windows[rows], rank)[..., rank]
+    return result
+
+
+def _chosen(recording: Recording, samples: NDArray[np.intp]) -> Recording:
+    """The recording of samples by their indices, with all events."""
+    rows = {name: rows[samples] for name, rows in rows_of(recording).items()}
+    return replace(recording, times=recording.times[samples], **fields_of(recording, rows))

@@ -1,17 +1,21 @@
-"""What `clean` found in a recording and what it changed."""
+"""Reports on recordings: the faults that `clean` removed, and summaries."""
 
 from __future__ import annotations
 
+import textwrap
 from dataclasses import asdict, dataclass
 from typing import Any
 
 from leadthrough.drawing.drawn import Drawn
 from leadthrough.drawing.panels import Panel, spans_over_time
 from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr
 
 Span = tuple[float, float]  # from and to, s
 
 _LISTED = 5
+_UNITS = {"joints": "rad (m)", "poses": "m", "points": "m"}
+_WRAPPED: dict[str, Any] = {"width": 78, "subsequent_indent": "    ", "break_long_words": False}
 
 
 @dataclass(frozen=True)
@@ -116,3 +120,44 @@ def _some(values: tuple[float, ...]) -> str:
 def _spans(spans: tuple[Span, ...]) -> str:
     listed = ", ".join(f"{start:.4g} to {end:.4g} s" for start, end in spans[:_LISTED])
     return listed + (", ..." if len(spans) > _LISTED else "")
+
+
+@dataclass(frozen=True)
+class RecordingSummary(ShortRepr):
+    """The content of a recording, and whatever looks wrong."""
+
+    name: str  # of the recording
+    kind: str  # "joints", "poses" or "points"
+    joints: tuple[str, ...]  # their names
+    samples: int  # their number
+    duration: float  # s
+    rate: float  # Hz, by the median step; 0 for a single sample
+    lower: tuple[float, ...]  # smallest value of each position
+    upper: tuple[float, ...]  # largest value of each position
+    events: tuple[str, ...]  # their names, in order
+    report: CleaningReport | None
+    remarks: tuple[str, ...]  # what looks wrong
+
+    @property
+    def has_faults(self) -> bool:
+        """Whether `clean` would leave samples out or put some right, or something looks wrong."""
+        return bool(self.remarks) or self.report is None or self.report.faults > 0
+
+    def as_dict(self) -> dict[str, Any]:  # Any: numbers, texts and lists of them
+        """The fields, as values that JSON can hold."""
+        return asdict(self)
+
+    def __str__(self) -> str:
+        lines = [f"{self.name}: {self.kind}, {self.samples} samples"]
+        if self.report is not None:
+            spans = zip(self.lower, self.upper, strict=True)
+            lines[0] += f", {self.duration:.4g} s at {self.rate:.4g} Hz"
+            ranges = ", ".join(f"{low:.3g} to {high:.3g}" for low, high in spans)
+            lines.append(f"range in {_UNITS[self.kind]}: {ranges}")
+            lines += str(self.report).splitlines()[1:]
+        if self.joints:
+            lines.append(f"joints {', '.join(self.joints)}")
+        if self.events:
+            lines.append(f"events {', '.join(self.events)}")
+        lines += [f"! {remark}" for remark in self.remarks]
+        return "\n  ".join(textwrap.fill(line, **_WRAPPED) for line in lines)

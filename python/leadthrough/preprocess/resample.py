@@ -1,15 +1,27 @@
-"""Curves sampled by arc length instead of by time."""
+"""Motions sampled evenly in time, curves sampled evenly in arc length."""
 
 from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+from leadthrough import _core, check, events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
+from leadthrough.motion import (
+    Demonstration,
+    MotionT,
+    PoseTrajectory,
+    as_demonstration,
+    fields_of,
+    rows_of,
+)
 
 _ENDLESS = "points: expected a curve of finite length; use a larger unit"
+_MAX_SAMPLES = 10_000_000  # samples
 
 
 def arc_length(points: ArrayLike) -> Float64Array:
@@ -37,3 +49,49 @@ def _curve(points: ArrayLike) -> Float64Array:
     if curve.shape[1] == 0:
         raise InvalidInput("points: expected at least one coordinate, got points without any")
     return curve
+
+
+def sample_evenly(
+    demonstration: Demonstration[MotionT] | MotionT, *, rate: float
+) -> Demonstration[MotionT]:
+    """The demonstration at evenly spaced times, from its first sample on.
+
+    Its last sample comes less than a step before the old one. Positions, velocities and
+    accelerations follow monotone cubics (Fritsch and Carlson 1980), which never leave the range of
+    neighbouring samples; orientations turn at constant velocity between samples.
+
+    Args:
+        demonstration: at least two samples; a motion stands for a demonstration of it.
+        rate: Hz, > 0.
+
+    Raises:
+        InvalidInput: if there is a single sample, or the rate is not positive or too high.
+    """
+    from scipy.interpolate import PchipInterpolator
+
+    shown = several_samples(demonstration)
+    motion, hertz = shown.motion, check.number(rate, "rate", above=0.0)
+    if motion.duration * hertz > _MAX_SAMPLES:
+        raise InvalidInput(
+            f"rate: expected at most {_MAX_SAMPLES:,} samples in {motion.duration:.6g} s, "
+            f"got {rate} Hz"
+        )
+    count = int(np.floor(motion.duration * hertz + 1e-9)) + 1
+    times = np.minimum(motion.times[0] + np.arange(count) / hertz, motion.times[-1])
+    parts: dict[str, Any] = {
+        name: PchipInterpolator(motion.times, values)(times)
+        for name, values in rows_of(motion).items()
+        if name != "orientations"
+    }
+    if isinstance(motion, PoseTrajectory):
+        parts["orientations"] = rotations.interpolate(motion.times, motion.orientations, times)
+    parts["events"] = events.clipped(motion.events, times)
+    return replace(shown, motion=replace(motion, times=times, **fields_of(motion, parts)))
+
+
+def several_samples(demonstration: Demonstration[MotionT] | MotionT) -> Demonstration[MotionT]:
+    """The demonstration, if it has at least two samples."""
+    shown = as_demonstration(demonstration, "demonstration")
+    if len(shown.motion.times) < 2:
+        raise InvalidInput("demonstration: expected at least two samples, got one")
+    return shown

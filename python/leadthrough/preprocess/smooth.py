@@ -1,4 +1,4 @@
-"""Demonstrations without trembling, and the derivatives of joint motions."""
+"""Smooth motions with their derivatives, and smooth paths from grids."""
 
 from __future__ import annotations
 
@@ -20,11 +20,17 @@ from leadthrough.motion import (
     joints_with,
     rows_of,
 )
-from leadthrough.preprocess.rows import several_samples
+from leadthrough.preprocess.resample import arc_length, by_arc_length, several_samples
 
+_SAMPLES_PER_KNOT = 6
+# Weight of both end points, so large that moving the end coefficients onto them changes nothing
+# else.
+_END_WEIGHT = 1e3
+_HALVINGS = 4
 _DEGREE = 3
-_FEWEST = 5  # samples that a cubic is fitted to, one more than it can pass through
+_FITTED = 5  # samples that a cubic is fitted to, one more than it can pass through
 _UNEVEN = 1e-3  # of a step; rounding in a file's times stays below
+
 
 # Values (n, d) of the derivative of order 0, 1 or 2 of columns (n, d).
 _Smoother = Callable[[Float64Array, int], Float64Array]
@@ -65,10 +71,10 @@ def smoothed_over(
             "them, in Python preprocess.sample_evenly"
         )
     length = 2 * round(min(span / step, 2.0 * len(steps)) / 2.0) + 1
-    if not _FEWEST <= length <= len(motion.times):
+    if not _FITTED <= length <= len(motion.times):
         raise InvalidInput(
-            f"{name}: expected {(_FEWEST - 1) * step:.6g} to {motion.duration:.6g} s, at least "
-            f"{_FEWEST} samples and at most all, got {span:.6g} s"
+            f"{name}: expected {(_FITTED - 1) * step:.6g} to {motion.duration:.6g} s, at least "
+            f"{_FITTED} samples and at most all, got {span:.6g} s"
         )
     return _smoothed(shown, _local_cubics(length, step))
 
@@ -91,10 +97,42 @@ def smooth_by_spline(
     """
     shown = several_samples(demonstration)
     times = shown.motion.times
-    if len(times) < _FEWEST:
-        raise InvalidInput(f"demonstration: expected at least {_FEWEST} samples, got {len(times)}")
+    if len(times) < _FITTED:
+        raise InvalidInput(f"demonstration: expected at least {_FITTED} samples, got {len(times)}")
     weight = None if stiffness is None else check.number(stiffness, "stiffness", at_least=0.0)
     return _smoothed(shown, _splines(times - times[0], weight))
+
+
+def smooth_path(
+    path: Float64Array,
+    *,
+    knot_spacing: float,
+    accept: Callable[[Float64Array], bool] = lambda points: True,  # noqa: ARG005
+) -> Float64Array:
+    """Dense samples of a C2 curve close to a path, with the same end points."""
+    length = arc_length(path)[-1]
+    if length == 0.0:
+        return path
+    for halving in range(_HALVINGS + 1):
+        pieces = int(np.ceil(length / knot_spacing)) * 2**halving
+        candidate = _fit(path, max(pieces, 1))
+        if accept(candidate):
+            return candidate
+    return path
+
+
+def _fit(path: Float64Array, pieces: int) -> Float64Array:
+    samples = by_arc_length(path, _SAMPLES_PER_KNOT * pieces + 1)
+    phase = np.linspace(0.0, 1.0, len(samples))
+    inner = np.linspace(0.0, 1.0, pieces + 1)
+    knots = np.concatenate([np.zeros(_DEGREE), inner, np.ones(_DEGREE)])
+    weights = np.ones(len(samples))
+    weights[[0, -1]] = _END_WEIGHT
+    from scipy.interpolate import make_lsq_spline
+
+    spline = make_lsq_spline(phase, samples, knots, k=_DEGREE, w=weights)
+    spline.c[[0, -1]] = samples[[0, -1]]
+    return np.asarray(spline(phase))
 
 
 def _local_cubics(length: int, step: float) -> _Smoother:

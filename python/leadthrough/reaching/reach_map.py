@@ -95,7 +95,7 @@ def reach_map(
     on: str | None = None,
     out: Path | None = None,
     task_timeout: float | None = None,
-    shown: tasks.Shown | None = None,
+    progress: tasks.Progress | None = None,
 ) -> ReachMap:
     """Where an arm's tip can be: in how many orientations, and how well it moves there.
 
@@ -113,13 +113,13 @@ def reach_map(
         on: where to compute, as `leadthrough.tasks.run` takes it; None for this process.
         out: folder that keeps what is finished, made if missing; None keeps nothing.
         task_timeout: the longest that one task may take, s; None for no bound.
-        shown: passes the tasks' outcomes on and shows them, such as `leadthrough.tasks.shown`.
+        progress: shows the tasks' outcomes and passes them on: `leadthrough.tasks.with_progress`.
 
     Raises:
         InvalidInput: if an argument is wrong, or the grid has too many places.
         InvalidRobot: if the robot has no collision geometry.
         MissingDependency: for a Dask cluster, if the extra `dask` is not installed.
-        ClusterLost: if its scheduler does not answer any more.
+        SchedulerUnreachable: if its scheduler does not answer any more.
     """
     check_arm(arm)
     step = check.number(spacing, "spacing", above=0.0)
@@ -152,8 +152,8 @@ def reach_map(
             for first in range(0, len(places), each)
         ]
         store = Store(folder / "cache")
-        outcomes = tasks.listed(tasks.run(todo, store, on=on, timeout=task_timeout), folder)
-        told = outcomes if shown is None else shown(outcomes, len(todo), "reaching")
+        outcomes = tasks.with_manifest(tasks.run(todo, store, on=on, timeout=task_timeout), folder)
+        told = outcomes if progress is None else progress(outcomes, len(todo), "reaching")
         found = _collected(told, todo, store)
     fraction, measure = (column.reshape(counts) for column in found.T)
     return ReachMap(corners.lower, step, turned, fraction / len(turned), measure)

@@ -7,18 +7,18 @@ Source: Sola, Deray and Atchuthan 2018, "A micro Lie theory for state estimation
 """
 
 from leadthrough.rotations.averaging import mean
-from leadthrough.rotations.derivatives import (
+from leadthrough.rotations.conversions import from_euler, from_matrix, to_euler, to_matrix
+from leadthrough.rotations.group import align_signs, compose, distance, exp, inverse, lift, log
+from leadthrough.rotations.interpolation import (
     angular_acceleration,
     angular_velocity,
     integrate,
+    interpolate,
     left_jacobian,
     left_jacobian_inverse,
+    slerp,
+    squad,
 )
-from leadthrough.rotations.euler import from_euler, to_euler
-from leadthrough.rotations.group import align_signs, compose, distance, exp, inverse, log
-from leadthrough.rotations.interpolation import interpolate, slerp, squad
-from leadthrough.rotations.lifting import lift
-from leadthrough.rotations.matrices import from_matrix, to_matrix
 
 __all__ = [
     "align_signs",

@@ -17,7 +17,8 @@ from leadthrough.io.columns import recording
 from leadthrough.io.reading import blaming, names_of
 from leadthrough.io.table import Request
 from leadthrough.models import archive
-from leadthrough.preprocess.summary import RecordingSummary, summarize
+from leadthrough.preprocess.clean import summarize
+from leadthrough.preprocess.report import RecordingSummary
 from leadthrough.repr import ShortRepr
 
 _ROBOTS = (".urdf", ".xml")

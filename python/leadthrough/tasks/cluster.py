@@ -16,7 +16,7 @@ from typing import Any
 from weakref import WeakValueDictionary
 
 from leadthrough import optional
-from leadthrough.errors import ClusterLost, InvalidInput, OtherCode
+from leadthrough.errors import CodeMismatch, InvalidInput, SchedulerUnreachable
 from leadthrough.io.atomic import replacing
 from leadthrough.tasks import code
 from leadthrough.tasks.process import Process
@@ -116,7 +116,7 @@ class Cluster:
         error = future.exception(timeout=_PATIENCE)
         if error is None:
             return future.result(timeout=_PATIENCE)  # type: ignore[no-any-return]
-        if isinstance(error, OtherCode):
+        if isinstance(error, CodeMismatch):
             raise error
         # A worker that was killed again and again, or a report that could not be sent.
         failure = {"error": type(error).__name__, "message": str(error), "traceback": ""}
@@ -140,15 +140,15 @@ class Cluster:
         digests = self._client.run(code.digest, job.module, on_error="return")
         for worker, other in digests.items():
             if other != job.code:
-                raise OtherCode(_other_code(worker, job.module))
+                raise CodeMismatch(_other_code(worker, job.module))
         self._same.add(job.code)
 
     def _check_there(self) -> None:
         if self._client.status != "running":
             raise self._lost()
 
-    def _lost(self) -> ClusterLost:
-        return ClusterLost(
+    def _lost(self) -> SchedulerUnreachable:
+        return SchedulerUnreachable(
             f"on: the Dask scheduler at {self._where} does not answer any more; run the same "
             "command again, with a cluster or without, to do what is missing"
         )
@@ -170,7 +170,7 @@ def _do(job: Job, files: dict[str, bytes]) -> Report:
     """The report on a job, on a worker."""
     worker = optional.load("distributed", extra="dask").get_worker()
     if code.digest(job.module) != job.code:
-        raise OtherCode(_other_code(worker.address, job.module))
+        raise CodeMismatch(_other_code(worker.address, job.module))
     folder = Path(worker.local_directory) / "leadthrough"
     folder.mkdir(exist_ok=True)
     paths = {

@@ -2,18 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import json
+import re
+import threading
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
+from queue import SimpleQueue
+from typing import Protocol
+
+import rich.progress
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 
 from leadthrough import check
-from leadthrough.tasks.place import Place, opened
-from leadthrough.tasks.store import Store
-from leadthrough.tasks.task import Report, Task, job
+from leadthrough.blas_threads import one_blas_thread
+from leadthrough.errors import InvalidInput
+from leadthrough.io.atomic import replacing
+from leadthrough.tasks.process import Process, attempt_with
+from leadthrough.tasks.task import Job, Report, Store, Task, check_importable, job
+
+NAME = "manifest.json"
+_LOCAL = re.compile(r"local:(?P<count>\d+)")
+# A cluster, by its address or the file that its scheduler wrote.
+_CLUSTER = re.compile(r"[a-z]+://.+|.+\.json")
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a task.
+    """Result of a task.
 
     Attributes:
         index: of the task, counted from 0.
@@ -43,8 +60,8 @@ def run(
 ) -> Iterator[Outcome]:
     """Do the tasks that have no rows in the store yet; the outcomes come in any order.
 
-    No more tasks are looked at than the workers have room for, and no rows are kept in memory.
-    Where the caller stops early, what is running is dropped.
+    Tasks are taken from the iterable only as workers have room, and no rows are kept in memory.
+    If the caller stops early, running tasks are dropped.
 
     Args:
         tasks: what to do.
@@ -61,18 +78,18 @@ def run(
         InvalidInput: if an argument is wrong, the store cannot be written, a function cannot be
             imported by its name, or a worker of the cluster has other code.
         MissingDependency: for a cluster, if the extra `dask` is not installed.
-        ClusterLost: if the scheduler does not answer any more.
+        SchedulerUnreachable: if the scheduler does not answer any more.
     """
     bound = None if timeout is None else check.number(timeout, "task_timeout", above=0.0)
-    place = opened(on)
+    workers = _workers(on)
     try:
-        yield from _outcomes(tasks, store, place, bound)
+        yield from _outcomes(tasks, store, workers, bound)
     finally:
-        place.close()
+        workers.close()
 
 
 def _outcomes(
-    tasks: Iterable[Task], store: Store, place: Place, timeout: float | None
+    tasks: Iterable[Task], store: Store, workers: Workers, timeout: float | None
 ) -> Iterator[Outcome]:
     identity = (str(store.folder.resolve()), store.identity())
     waiting: dict[str, list[int]] = {}
@@ -85,16 +102,16 @@ def _outcomes(
             yield _outcome(index, known, known=True)
             continue
         waiting[key] = [index]
-        place.submit(task, job(task, identity, timeout))
-        while len(waiting) >= place.room:
-            yield from _finished(waiting, store, place)
+        workers.submit(task, job(task, identity, timeout))
+        while len(waiting) >= workers.room:
+            yield from _finished(waiting, store, workers)
     while waiting:
-        yield from _finished(waiting, store, place)
+        yield from _finished(waiting, store, workers)
 
 
-def _finished(waiting: dict[str, list[int]], store: Store, place: Place) -> Iterator[Outcome]:
-    """The outcomes of the task that is finished next, in the store before they are told."""
-    report = place.next()
+def _finished(waiting: dict[str, list[int]], store: Store, workers: Workers) -> Iterator[Outcome]:
+    """Outcomes of the next finished task, stored before they are passed on."""
+    report = workers.next()
     if report.failure:
         attempts = report.attempts + store.attempts(report.key)
         report = replace(report, attempts=attempts)
@@ -114,3 +131,152 @@ def _outcome(index: int, report: Report, *, known: bool) -> Outcome:
         round(report.seconds, 6),
         report.failure,
     )
+
+
+Progress = Callable[[Iterable[Outcome], int, str], Iterator[Outcome]]
+"""Shows outcomes and passes them on: of the outcomes, their number and a label."""
+
+
+def with_progress(outcomes: Iterable[Outcome], total: int, label: str) -> Iterator[Outcome]:
+    """The same outcomes, shown on stderr with an estimate of the time that is left.
+
+    Args:
+        outcomes: of a run.
+        total: number of its tasks.
+        label: shown before the bar, such as "validating".
+    """
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+    console = Console(stderr=True)
+    with rich.progress.Progress(*columns, TimeRemainingColumn(), console=console) as progress:
+        bar = progress.add_task(label, total=total)
+        known = failed = 0
+        for each in outcomes:
+            known, failed = known + each.known, failed + (each.failure is not None)
+            # What was known before took no time, so that it says nothing of the rest.
+            progress.update(bar, total=total - known, advance=0 if each.known else 1)
+            progress.update(bar, description=_described(label, known, failed))
+            yield each
+
+
+def _described(label: str, known: int, failed: int) -> str:
+    parts = [f"{known} known"] * bool(known) + [f"{failed} failed"] * bool(failed)
+    return f"{label} ({', '.join(parts)})" if parts else label
+
+
+def with_manifest(outcomes: Iterable[Outcome], folder: Path) -> Iterator[Outcome]:
+    """The same outcomes; manifest.json is written when they end, however they end.
+
+    Args:
+        outcomes: of a run.
+        folder: where to write it, made if missing.
+
+    Raises:
+        InvalidInput: if it cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    stopped: BaseException | None = None
+    with replacing(folder / NAME) as temporary, temporary.open("w", encoding="utf-8") as file:
+        file.write("[")
+        try:
+            for number, each in enumerate(outcomes):
+                file.write(("," if number else "") + "\n" + json.dumps(_entry(each)))
+                yield each
+        except BaseException as error:  # also where the caller stops
+            stopped = error
+        file.write("\n]\n")
+    if stopped is not None:
+        raise stopped
+
+
+def _entry(outcome: Outcome) -> dict[str, object]:
+    return {
+        "key": outcome.key,
+        "state": "failed" if outcome.failure else "known" if outcome.known else "done",
+        "attempts": outcome.attempts,
+        "host": outcome.host,
+        "seconds": outcome.seconds,
+    }
+
+
+class Workers(Protocol):
+    """Jobs in, reports out as they come."""
+
+    @property
+    def room(self) -> int:
+        """The number of jobs that it should have at a time."""
+
+    def submit(self, task: Task, job: Job) -> None:
+        """Takes a task."""
+
+    def next(self) -> Report:
+        """Waits for a report on any of the jobs."""
+
+    def close(self) -> None:
+        """Drops the jobs that are not finished."""
+
+
+def _workers(on: str | None) -> Workers:
+    """The workers that `on` names."""
+    if on is None:
+        return _ThisProcess()
+    if found := _LOCAL.fullmatch(on):
+        return _Processes(check.integer(int(found["count"]), "on", at_least=1))
+    if _CLUSTER.fullmatch(on):
+        from leadthrough.tasks.cluster import Cluster  # noqa: PLC0415  # takes a second to import
+
+        return Cluster(on)
+    raise InvalidInput(
+        f"on: expected local:N, the address of a Dask scheduler (tcp://host:8786) or the .json "
+        f"file that it wrote, got {on!r}"
+    )
+
+
+class _ThisProcess:
+    """This process, one job at a time."""
+
+    room = 1
+
+    def __init__(self) -> None:
+        self._reports: list[Report] = []
+
+    def submit(self, task: Task, job: Job) -> None:
+        self._reports.append(one_blas_thread(attempt_with)(task.function, job, job.files))
+
+    def next(self) -> Report:
+        return self._reports.pop()
+
+    def close(self) -> None:
+        self._reports.clear()
+
+
+class _Processes:
+    """Processes of this machine, each led by a thread."""
+
+    def __init__(self, count: int) -> None:
+        self.room = count
+        self._jobs: SimpleQueue[Job | None] = SimpleQueue()
+        self._reports: SimpleQueue[Report] = SimpleQueue()
+        self._processes = [Process() for _ in range(count)]
+        self._threads = [
+            threading.Thread(target=self._lead, args=(process,), daemon=True)
+            for process in self._processes
+        ]
+        for thread in self._threads:
+            thread.start()
+
+    def submit(self, task: Task, job: Job) -> None:
+        check_importable(task.function)
+        self._jobs.put(job)
+
+    def next(self) -> Report:
+        return self._reports.get()
+
+    def close(self) -> None:
+        for _ in self._threads:
+            self._jobs.put(None)
+        for process in self._processes:
+            process.close()
+
+    def _lead(self, process: Process) -> None:
+        while (job := self._jobs.get()) is not None:
+            self._reports.put(process.do(job, job.files))

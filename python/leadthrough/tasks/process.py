@@ -1,23 +1,30 @@
-"""A process that does one job after another, and may be killed in the midst of one."""
+"""Does jobs in processes that may be killed in the midst of one.
+
+A job that fails or ends its process does not lose the work of the others.
+"""
 
 from __future__ import annotations
 
+import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import Mapping
+import traceback
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from importlib import import_module
 from multiprocessing.connection import Connection, Pipe
 from pathlib import Path
 from queue import SimpleQueue
+from typing import Any
 
-from leadthrough.tasks.attempt import attempt, here
-from leadthrough.tasks.task import Job, Report
+from leadthrough.errors import InvalidInput
+from leadthrough.tasks.task import Job, Report, Row, Store
 
 # A process that ends by itself, or is ended by the machine for want of memory, is not to blame the
 # first time.
@@ -107,7 +114,7 @@ def serve(number: int) -> None:
     threading.Thread(target=_listen, args=(line, waiting), daemon=True).start()
     while True:
         job, files = waiting.get()
-        with suppress(Exception):  # `attempt` tells it
+        with suppress(Exception):  # `attempt` reports it
             import_module(job.module)
         line.send(None)
         line.send(attempt(job, files))
@@ -119,3 +126,53 @@ def _listen(line: Connection, waiting: SimpleQueue[tuple[Job, dict[str, str]]]) 
             waiting.put(line.recv())
     except (EOFError, OSError):
         os._exit(0)  # nobody waits for what the other thread does
+
+
+def attempt(job: Job, files: Mapping[str, str]) -> Report:
+    """The report on a job whose function is imported by its name."""
+
+    def named(**arguments: Any) -> list[Row]:
+        rows: list[Row] = getattr(import_module(job.module), job.function)(**arguments)
+        return rows
+
+    return attempt_with(named, job, files)
+
+
+def attempt_with(function: Callable[..., list[Row]], job: Job, files: Mapping[str, str]) -> Report:
+    """The report on a job; where the store is within reach, the rows are in it."""
+    began = time.perf_counter()
+    failure = rows = None
+    try:
+        found = function(**job.arguments, **{name: Path(path) for name, path in files.items()})
+        rows = json.dumps(found, allow_nan=False)
+    except (Exception, SystemExit) as error:
+        failure = _as_text(error)
+    report = Report(job.key, here(), time.perf_counter() - began, rows=rows, failure=failure)
+    return _stored(report, job)
+
+
+def here() -> str:
+    """This process, as the manifest names it."""
+    return f"{socket.gethostname()}:{os.getpid()}"
+
+
+def _stored(report: Report, job: Job) -> Report:
+    """The report without its rows, which are in the store now, if this process sees the store."""
+    folder, identity = job.store
+    store = Store(Path(folder))
+    if report.rows is None or not store.is_here(identity):
+        return report
+    try:
+        store.write(report)
+    except InvalidInput as error:  # the disk is full
+        return replace(report, rows=None, failure=_as_text(error))
+    return replace(report, rows=None)
+
+
+def _as_text(error: BaseException) -> dict[str, str]:
+    """An error as text."""
+    return {
+        "error": type(error).__name__,
+        "message": str(error),
+        "traceback": "".join(traceback.format_exception(error)),
+    }

@@ -1,4 +1,7 @@
-"""Pieces of work, and the form in which they travel to whoever does them."""
+"""Tasks, the jobs that are sent to workers, and the store of finished ones.
+
+The store is a folder with a file for each task, which is complete or absent.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ import hashlib
 import json
 import marshal
 import sys
+import uuid
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -13,12 +17,15 @@ from pathlib import Path
 from typing import Any
 
 from leadthrough.errors import InvalidInput
+from leadthrough.io.atomic import replacing
 from leadthrough.tasks import code
 
 _PROMPT = "__main__"
 
 Row = dict[str, Any]
 """Values by the names of columns: text and finite numbers."""
+
+_NAME = "store"
 
 
 @dataclass(frozen=True)
@@ -72,7 +79,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Report:
-    """What became of a job."""
+    """Result of a job."""
 
     key: str  # of the task
     host: str  # the process that did it
@@ -130,3 +137,80 @@ def check_importable(function: Callable[..., Any]) -> None:
             f"function: expected one that another process can import by its name, got "
             f"{name}.{function.__qualname__}; put it into a module"
         )
+
+
+@dataclass(frozen=True)
+class Store:
+    """Rows and failures by key, with where and how long they were computed.
+
+    Attributes:
+        folder: made when first written to.
+    """
+
+    folder: Path
+
+    def identity(self) -> str:
+        """A text in a file of the folder, by which others see that they have the same folder."""
+        path = self.folder / _NAME
+        self.folder.mkdir(parents=True, exist_ok=True)
+        if not path.exists():
+            with replacing(path) as temporary:
+                temporary.write_text(uuid.uuid4().hex, encoding="utf-8")
+        return path.read_text(encoding="utf-8")
+
+    def is_here(self, identity: str) -> bool:
+        """Whether this process sees the folder that has this identity."""
+        try:
+            return (self.folder / _NAME).read_text(encoding="utf-8") == identity
+        except OSError:
+            return False
+
+    def report(self, key: str) -> Report | None:
+        """How the rows of a key were computed, or None if there are none."""
+        head, whole = self._parts(self._path(key))
+        return None if not whole else Report(key, **head)
+
+    def rows(self, key: str) -> list[Row] | None:
+        """The rows of a key, or None if there are none or the file is damaged."""
+        _, rows = self._parts(self._path(key))
+        return json.loads(rows) if rows else None
+
+    def attempts(self, key: str) -> int:
+        """How often a task was begun that failed each time."""
+        head, _ = self._parts(self._failed(key))
+        return int(head.get("attempts", 0))
+
+    def write(self, report: Report) -> None:
+        """Keep what a report says; rows replace an earlier failure.
+
+        Args:
+            report: with rows or a failure.
+
+        Raises:
+            InvalidInput: if the file cannot be written.
+        """
+        head = {name: getattr(report, name) for name in ("host", "seconds", "attempts")}
+        failed = report.failure is not None
+        path = (self._failed if failed else self._path)(report.key)
+        body = json.dumps(report.failure) if failed else report.rows
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with replacing(path) as temporary:
+            temporary.write_text(f"{json.dumps(head)}\n{body}\n", encoding="utf-8")
+        if not failed:
+            self._failed(report.key).unlink(missing_ok=True)
+
+    def _path(self, key: str) -> Path:
+        return self.folder / key[:2] / f"{key}.json"
+
+    def _failed(self, key: str) -> Path:
+        return self.folder / key[:2] / f"{key}.failed.json"
+
+    @staticmethod
+    def _parts(path: Path) -> tuple[dict[str, Any], str]:
+        """The first line of a file, and the rest; both empty if it is missing or damaged."""
+        try:
+            first, _, rest = path.read_text(encoding="utf-8").partition("\n")
+            head = json.loads(first)
+        except (OSError, ValueError):
+            return {}, ""
+        return (head, rest) if isinstance(head, dict) and rest.endswith("\n") else ({}, "")

@@ -49,7 +49,7 @@ def validate(
     on: str | None = None,
     out: Path | None = None,
     task_timeout: float | None = None,
-    shown: tasks.Shown | None = None,
+    progress: tasks.Progress | None = None,
 ) -> Validation:
     """How often the arm can run the skill's motion, for queries drawn at random from regions.
 
@@ -76,14 +76,14 @@ def validate(
             keeps nothing.
         task_timeout: the longest that a task may take, of 20 to 200 queries, s; None for no
             bound.
-        shown: passes the tasks' outcomes on and shows them, such as `leadthrough.tasks.shown`.
+        progress: shows the tasks' outcomes and passes them on: `leadthrough.tasks.with_progress`.
 
     Raises:
         InvalidInput: if an argument is wrong or a worker has other code.
         UnsupportedQuery: if the skill takes no start or no goal, and one is asked for.
         MissingDependency: if the extra `dask` is needed for a cluster, or `simulation` for a
             controller, and it is not installed.
-        ClusterLost: if its scheduler does not answer any more.
+        SchedulerUnreachable: if its scheduler does not answer any more.
     """
     check_arm(arm)
     most = check.integer(runs, "runs", at_least=1)
@@ -106,8 +106,8 @@ def validate(
         todo = _todo(skill, setup, folder, most, first)
         store = Store(folder / "cache")
         outcomes = tasks.run(todo, store, on=on, timeout=task_timeout)
-        told = tasks.listed(outcomes, folder)
-        told = told if shown is None else shown(told, len(todo), "validating")
+        told = tasks.with_manifest(outcomes, folder)
+        told = told if progress is None else progress(told, len(todo), "validating")
         _collected(told, todo, store, narrow, findings)
     certificate = Certificate(
         setup.goals,

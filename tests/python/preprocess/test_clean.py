@@ -10,7 +10,7 @@ import leadthrough as lt
 from leadthrough.errors import InvalidInput
 from leadthrough.io import Recording
 from leadthrough.preprocess import clean, cut_at_gaps
-from leadthrough.preprocess.spikes import _ranked
+from leadthrough.preprocess.clean import _ranked
 
 TIMES = np.arange(201) / 100.0
 SWING = np.column_stack([np.sin(2.0 * TIMES), np.cos(3.0 * TIMES)])

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from leadthrough.preprocess.smooth_path import smooth_path
+from leadthrough.preprocess.smooth import smooth_path
 
 
 def circle(count, noise=0.0, seed=0):

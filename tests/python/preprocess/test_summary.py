@@ -6,7 +6,7 @@ import pytest
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
 from leadthrough.io import Recording
-from leadthrough.preprocess.summary import summarize
+from leadthrough.preprocess.clean import summarize
 
 TIMES = np.arange(101) / 50.0
 WAY = np.column_stack([np.sin(TIMES), TIMES])

@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import arrays
 
 from leadthrough import rotations
 from leadthrough.errors import InvalidInput
-from leadthrough.rotations.euler import CONVENTIONS
+from leadthrough.rotations.conversions import CONVENTIONS
 
 angles = arrays(float, (3,), elements=st.floats(-7, 7))
 unit_quaternions = (

@@ -10,7 +10,7 @@ from tasks import of_numbers, running, work
 from typer.testing import CliRunner
 
 from leadthrough import cli, tasks
-from leadthrough.errors import ClusterLost, OtherCode
+from leadthrough.errors import CodeMismatch, SchedulerUnreachable
 from leadthrough.tasks import Store, Task
 from leadthrough_studies import catalogue
 
@@ -129,7 +129,7 @@ def test_a_task_that_ends_its_process_is_one_failure_of_the_study(cluster, tmp_p
 
 def test_a_worker_with_other_code_is_refused(cluster, tmp_path, monkeypatch):
     monkeypatch.setattr("leadthrough.tasks.code.digest", lambda _: "edited")
-    with pytest.raises(OtherCode, match="other code"):
+    with pytest.raises(CodeMismatch, match="other code"):
         run(work.draws_of(2, tmp_path / "log"), Store(tmp_path), cluster)
     assert not (tmp_path / "log").exists()
 
@@ -178,7 +178,7 @@ def test_a_result_that_is_lost_on_its_way_is_a_lost_cluster(cluster, tmp_path, m
         raise CancelledError
 
     monkeypatch.setattr(Future, "result", lost)
-    with pytest.raises(ClusterLost, match="run the same command again"):
+    with pytest.raises(SchedulerUnreachable, match="run the same command again"):
         run(work.draws_of(2, tmp_path / "log"), Store(tmp_path), cluster)
 
 

@@ -46,7 +46,7 @@ from leadthrough.planning.speed_map import (
     speeds_at,
 )
 from leadthrough.preprocess.resample import arc_length
-from leadthrough.preprocess.smooth_path import smooth_path
+from leadthrough.preprocess.smooth import smooth_path
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape, check_shapes
 
