@@ -13,9 +13,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import leadthrough as lt
-from leadthrough.models import CLFDM, FSMDM, LPVDS, SEDS, UMIC, ModifiedDS
+from leadthrough.models import CLFDM, LPVDS, SEDS, ModifiedDS
 from leadthrough.preprocess import frechet_distance
 from leadthrough.preprocess.resample import by_arc_length
+from leadthrough_studies.systems.fsm_dm import FSMDM
+from leadthrough_studies.systems.umic import UMIC
 
 plt.style.use("leadthrough.drawing.figures")
 shown = lt.io.lasa.load("Angle")

@@ -9,7 +9,8 @@ from typing import Any
 
 import motions
 
-from leadthrough import models, rotations
+from leadthrough import rotations
+from leadthrough.models.registry import entry_of_class
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,7 @@ class Kind:
     settings: dict[str, Any] = field(default_factory=dict, hash=False)
 
     def build(self) -> Any:
-        return getattr(models, self.family)(**self.settings)
+        return entry_of_class(self.family).load()(**self.settings)
 
     @property
     def rhythmic(self) -> bool:

@@ -6,16 +6,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from motions import minimum_jerk, motion_of
 
-import leadthrough as lt
 from leadthrough import models
 from leadthrough.errors import InvalidInput
+from leadthrough.models import model_entry, model_names
+from leadthrough.models.registry import entry_of_class
 
 PAGE = Path(__file__).parents[2] / "docs" / "guide" / "which-model.md"
 COLUMNS = ["model", "of", "start", "goal", "obstacles", "via points", "uncertainty", "online"]
 SMALL = {"UMIC": {"kernels": 8}, "SEDS": {"components": 2}}  # the others are quick as they are
 TIMES = np.linspace(0.0, 2.0, 40)
-RISE = lt.trajectories.minimum_jerk_time_scaling(TIMES / 2.0)
+RISE = minimum_jerk(TIMES / 2.0)
 
 
 def rows():
@@ -29,14 +31,11 @@ def rows():
             yield name, dict(zip(COLUMNS[1:], cells[1:], strict=True))
 
 
-def shown(kind, number):
+def demonstrated(kind, number):
     path = np.column_stack([0.4 * RISE, 0.1 * np.sin(np.pi * RISE) + 0.02 * number * RISE])
-    if kind == "joints":
-        return lt.JointTrajectory(TIMES, path, joint_names=("a", "b"))
-    if kind == "points":
-        return lt.Trajectory(TIMES, path)
-    turned = lt.rotations.exp(np.outer(RISE, [0.3 + 0.02 * number, 0.0, 0.5]))
-    return lt.PoseTrajectory(TIMES, np.pad(path, ((0, 0), (0, 1))), turned)
+    if kind == "poses":
+        path = np.pad(path, ((0, 0), (0, 1)))
+    return motion_of(kind, TIMES, path, np.outer(RISE, [0.3 + 0.02 * number, 0.0, 0.5]))
 
 
 def fitted(name, kind):
@@ -44,13 +43,13 @@ def fitted(name, kind):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", models.OutOfStep)
         try:
-            model = getattr(models, name)(**SMALL.get(name, {}))
-            return model.fit([shown(kind, number) for number in range(3)])
+            model = entry_of_class(name).load()(**SMALL.get(name, {}))
+            return model.fit([demonstrated(kind, number) for number in range(3)])
         except InvalidInput:
             return None
 
 
-def told(skill):
+def supported(skill):
     """The columns of the table, by the skill itself."""
     online = [way for way in ("step", "policy") if hasattr(skill, way)]
     return {
@@ -68,9 +67,15 @@ def test_table_says_what_the_skills_of_a_model_support(name, row):
     learned = {kind: skill for kind, skill in skills.items() if skill is not None}
     assert list(learned) == row["of"].split(", ")
     first = next(iter(learned.values()))
-    assert told(first) == {column: row[column] for column in COLUMNS[2:]}
+    assert supported(first) == {column: row[column] for column in COLUMNS[2:]}
 
 
 def test_every_model_is_in_the_table():
+    registered = {model_entry(name).load().__name__ for name in model_names()}
+    assert {name for name, _ in rows()} == registered
+
+
+def test_every_public_model_is_registered():
     fitting = {name for name in models.__all__ if hasattr(getattr(models, name), "fit")}
-    assert {name for name, _ in rows()} == fitting - {"Framed"}
+    registered = {model_entry(name).load().__name__ for name in model_names()}
+    assert fitting - registered == {"Framed"}

@@ -15,19 +15,6 @@ import typer
 from leadthrough.cli import profile
 from leadthrough.errors import LeadthroughError
 
-MODELS = (
-    "dmp",
-    "promp",
-    "gmr",
-    "fast-marching",
-    "rhythmic-dmp",
-    "seds",
-    "lpv-ds",
-    "clf-dm",
-    "fsm-dm",
-    "umic",
-    "modified-ds",
-)
 STUDIES = (
     "agriculture",
     "comparison",
@@ -113,15 +100,23 @@ def links(ctx: typer.Context, incomplete: str) -> list[str]:
     return []
 
 
+def models(incomplete: str) -> list[str]:
+    """Names of the models, those that other packages add included."""
+    from leadthrough.models import model_names
+
+    return _beginning(model_names(), incomplete)
+
+
 def parameters(ctx: typer.Context, incomplete: str) -> list[str]:
     """The parameters of the model that --model names, with their defaults."""
     from dataclasses import fields
 
-    from leadthrough.cli.learn import MODELS, model_class
+    from leadthrough.models import model_entry
 
-    name = ctx.params.get("model") or "dmp"
-    known = fields(model_class(name)) if name in MODELS else ()
-    return _beginning((f"{field.name}={field.default}" for field in known), incomplete)
+    with suppress(LeadthroughError):
+        known = fields(model_entry(ctx.params.get("model") or "dmp").load())
+        return _beginning((f"{field.name}={field.default}" for field in known), incomplete)
+    return []
 
 
 def _beginning(values: Iterable[str], incomplete: str) -> list[str]:

@@ -22,7 +22,7 @@ def judge(
         typer.Option(
             help="Model that is learned with one recording left out after the other, as of "
             "`leadthrough learn`; by default promp.",
-            autocompletion=completion.one_of(*completion.MODELS),
+            autocompletion=completion.models,
         ),
     ] = None,
     parameter: Annotated[

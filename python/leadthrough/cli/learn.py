@@ -17,6 +17,7 @@ import typer
 
 from leadthrough.cli import chain, completion, episodes, options
 from leadthrough.errors import InvalidInput
+from leadthrough.models.registry import MODELS, model_entry, model_names
 
 if TYPE_CHECKING:
     from leadthrough.arm import Arm
@@ -24,24 +25,6 @@ if TYPE_CHECKING:
     from leadthrough.motion import Demonstration
 
 _NAMES = {"PoseTrajectory": "poses", "Trajectory": "points", "JointTrajectory": "joints"}
-# The classes of the models, by their names on the command line.
-MODELS = {
-    "dmp": "DMP",
-    "promp": "ProMP",
-    "gmr": "GMR",
-    "fast-marching": "FastMarching",
-    "rhythmic-dmp": "RhythmicDMP",
-    "seds": "SEDS",
-    "lpv-ds": "LPVDS",
-    "clf-dm": "CLFDM",
-    "fsm-dm": "FSMDM",
-    "umic": "UMIC",
-    "modified-ds": "ModifiedDS",
-}
-# The types of motion of models that do not learn all, and what to use for others.
-_ONLY = {
-    "fast-marching": (("Trajectory", "PoseTrajectory"), "promp, or --robot to learn poses"),
-}
 
 
 def learn(
@@ -59,9 +42,9 @@ def learn(
     model: Annotated[
         str | None,
         typer.Option(
-            help="Model to fit: dmp (the default), promp, gmr, fast-marching, rhythmic-dmp, "
-            "or a dynamical system: seds, lpv-ds, clf-dm, fsm-dm, umic or modified-ds.",
-            autocompletion=completion.one_of(*completion.MODELS),
+            help=f"Model to fit: {', '.join(each.name for each in MODELS)}, or one that another "
+            "package adds; by default dmp.",
+            autocompletion=completion.models,
         ),
     ] = None,
     parameter: Annotated[
@@ -125,7 +108,7 @@ def learn(
 
     reading.check_skill_output(out)
     if model is not None:
-        check.choice(model, "--model", completion.MODELS)
+        check.choice(model, "--model", model_names())
     arm = None if robot is None else robots.load(robot, limits, base, tip, mesh_folder)
     if arm is None:
         only = {"joints": as_joints or None}
@@ -186,18 +169,11 @@ def _streamed(
     ]
 
 
-def model_class(name: str) -> Any:  # Any: the models' settings differ
-    """The class of a model by its name on the command line; no other family is loaded."""
-    from leadthrough import models
-
-    return getattr(models, MODELS[name])
-
-
 def model_of(name: str, parameters: dict[str, Any]) -> Model:
-    """A model by its name on the command line."""
+    """A model by its name on the command line; no other family is loaded."""
     from leadthrough import check
 
-    kind = model_class(check.choice(name, "--model", MODELS))
+    kind = model_entry(check.choice(name, "--model", model_names())).load()
     for key in parameters:
         check.choice(key, "--set", kind.__dataclass_fields__)
     try:
@@ -214,16 +190,14 @@ def _as_names(demonstrations: list[Demonstration]) -> dict[str, str]:
 
 def _refuse_other_kinds(model: str, demonstrations: list[Demonstration]) -> None:
     """Refuses demonstrations that are not of the type of motion that a model learns."""
-    if model not in _ONLY:
-        return
-    learned, instead = _ONLY[model]
+    entry = model_entry(model)
     for each in demonstrations:
-        kind = type(each.motion).__name__
-        if kind not in learned:
-            wanted = " or ".join(_NAMES[name] for name in learned)
+        kind = _NAMES[type(each.motion).__name__]
+        if kind not in entry.motions:
+            instead = f"; use {entry.otherwise}" if entry.otherwise else ""
             raise InvalidInput(
-                f"--model: {model} learns {wanted}, and {each.name} has {_NAMES[kind]}; "
-                f"use {instead}"
+                f"--model: {model} learns {' or '.join(entry.motions)}, and {each.name} has {kind}"
+                f"{instead}"
             )
 
 

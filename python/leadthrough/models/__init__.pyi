@@ -1,14 +1,13 @@
+from .archive import FittedSkill, load_skill
 from .dmp.discrete import DMP
 from .dmp.rhythmic import RhythmicDMP, RhythmicDMPSkill
 from .dmp.skill import DMPSkill
 from .dynamical.clf_dm import CLFDM
-from .dynamical.fsm_dm import FSMDM
 from .dynamical.lpv_ds import LPVDS
 from .dynamical.modified_ds import ModifiedDS
+from .dynamical.rollout import StabilityReport
 from .dynamical.seds import SEDS
 from .dynamical.skill import DynamicalSkill
-from .dynamical.stability import StabilityReport
-from .dynamical.umic import UMIC
 from .frame import Frame
 from .framed import Framed, FramedSkill
 from .framed_state import FramedState
@@ -28,22 +27,21 @@ from .promp.inference import Inference, Region, infer
 from .promp.model import ProMP
 from .promp.skill import ProMPSkill
 from .protocol import Skill
-from .skills import load_skill
+from .registry import ModelEntry, model_entry, model_names
 
 __all__ = [
     "CLFDM",
     "DMP",
-    "FSMDM",
     "GMR",
     "LPVDS",
     "SEDS",
-    "UMIC",
     "Clusters",
     "DMPSkill",
     "DynamicalSkill",
     "FastMarching",
     "FastMarchingSkill",
     "FittedMixture",
+    "FittedSkill",
     "Frame",
     "Framed",
     "FramedSkill",
@@ -51,6 +49,7 @@ __all__ = [
     "GMRSkill",
     "Inference",
     "Mixture",
+    "ModelEntry",
     "ModifiedDS",
     "OutOfStep",
     "OutsideTargets",
@@ -73,6 +72,8 @@ __all__ = [
     "infer",
     "kmeans",
     "load_skill",
+    "model_entry",
+    "model_names",
     "stiffness_profile",
     "trace_mixture",
 ]

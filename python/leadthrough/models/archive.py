@@ -1,4 +1,4 @@
-"""Skills in files: NumPy archives without pickle, versioned, complete or not there at all."""
+"""Fitted skills, and their files: NumPy archives without pickle, versioned, written in one go."""
 
 from __future__ import annotations
 
@@ -7,20 +7,30 @@ import json
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import check
 from leadthrough.check import Float64Array
+from leadthrough.drawing.drawn import Drawn
 from leadthrough.errors import InvalidInput
 from leadthrough.io import npz
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.models.certificate import Certificate
-from leadthrough.models.shown import ShownSkill
+from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.parameters import Parameter
+from leadthrough.models.protocol import Distributed, Skill
+from leadthrough.models.registry import entry_of_skill
+from leadthrough.motion import Motion
+
+if TYPE_CHECKING:
+    from leadthrough.drawing.panels import Panel
+
 
 FORMAT = "leadthrough skill"
 VERSION = 1
@@ -29,26 +39,53 @@ _CERTIFICATE = "certificate"
 Arrays = Mapping[str, NDArray[Any]]
 
 
-class Archived(ShownSkill):
-    """A skill that can be written to a file as settings and arrays."""
+class FittedSkill(Drawn):
+    """Base of fitted skills: saved as settings and arrays, drawn by their own motion.
+
+    A derived frozen dataclass has `model`, its settings, and answers `generate`, `supports` and
+    `to_archive`.
+
+    Attributes:
+        kind: name of this kind of skill in files.
+    """
 
     kind: ClassVar[str]
 
+    @property
+    @abstractmethod
+    def supports(self) -> frozenset[str]:
+        """Parts of a query that it honours."""
+
+    @abstractmethod
+    def generate(self) -> Motion:
+        """Its own motion."""
+
     @abstractmethod
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
-        """Settings, plain values only, and arrays of numbers that make it up."""
+        """Settings, plain values only, and arrays of numbers, for `from_archive` of its model."""
+
+    def parameters(
+        self,
+        demonstrations: Demonstrations[Motion] = (),  # noqa: ARG002 (others fit again)
+    ) -> Sequence[Parameter[Any]]:
+        """The numbers of its model that a person may drag; by default none.
+
+        Args:
+            demonstrations: those that it was fitted to.
+        """
+        return ()
 
     @property
     def certificate(self) -> Certificate | None:
-        """What a validation found of it; None if it was not validated, or changed since."""
-        found: Certificate | None = vars(self).get(_CERTIFICATE)
-        return found
+        """The result of its validation; None before one, and after a change."""
+        certificate: Certificate | None = vars(self).get(_CERTIFICATE)
+        return certificate
 
     def certified(self, certificate: Certificate | None) -> Self:
         """The same skill with a certificate, which its file keeps too.
 
         Args:
-            certificate: of a validation; None takes away what there is.
+            certificate: of a validation; None removes it.
         """
         same = copy.copy(self)
         vars(same)[_CERTIFICATE] = certificate
@@ -64,6 +101,55 @@ class Archived(ShownSkill):
             InvalidInput: if the file cannot be written.
         """
         write(path, self.kind, *self.to_archive(), certificate=self.certificate)
+
+    @cached_property
+    def _own_motion(self) -> Motion | None:
+        """Its own motion, to compare queries with; None without demonstrations."""
+        try:
+            return self.generate()
+        except InvalidInput:  # without demonstrations, a motion needs a start and a goal
+            return None
+
+    def _repr_parts(self) -> list[str]:
+        model, duration = getattr(self, "model", None), getattr(self, "duration", None)
+        parts = [] if model is None else [repr(model)]
+        if duration is not None:
+            parts.append(f"{duration:.4g} s")
+        return [*parts, f"supports {', '.join(sorted(self.supports))}"]
+
+    def _panels(self) -> Sequence[Panel]:
+        motion = self.generate()
+        if not isinstance(self, Distributed):
+            return motion._panels()
+        times = np.minimum(motion.times - motion.times[0], self.duration)
+        _, covariance = self.distribution(times)
+        deviations = np.sqrt(np.einsum("nii->ni", covariance))
+        return motion._panels(deviations[:, : motion.positions.shape[1]])
+
+
+def load_skill(path: StrPath) -> Skill:
+    """The skill in a file that its `save` wrote.
+
+    It generates motions of the demonstrated type; a file does not tell a type checker which.
+
+    Args:
+        path: the file.
+
+    Raises:
+        InvalidInput: if it is no skill, is damaged, or of a newer format version.
+    """
+    kind, settings, arrays, certificate = read_certified(path)
+    skill = restored(path, kind, settings, arrays)
+    return skill if certificate is None else skill.certified(certificate)
+
+
+def restored(path: StrPath, kind: str, settings: dict[str, Any], arrays: Arrays) -> Skill:
+    """The skill that `to_archive` took apart."""
+    entry = entry_of_skill(kind)
+    try:
+        return entry.restored(settings, arrays)
+    except (KeyError, TypeError, ValueError, IndexError) as error:
+        raise InvalidInput(f"path: {path} is damaged ({error})") from None
 
 
 def write(

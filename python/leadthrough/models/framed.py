@@ -7,7 +7,7 @@ start, goal and obstacles, is in the base frame. For several frames at once: `Ta
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Generic, cast
 
@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
-from leadthrough.models.archive import Archived, Arrays
+from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.demonstrated import Demonstrations, motions_of
 from leadthrough.models.frame import Frame
 from leadthrough.models.framed_state import FramedState
@@ -35,6 +35,7 @@ from leadthrough.models.framed_views import (
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.place import Place
 from leadthrough.models.protocol import Conditioned, Guided, Limited, Model, Skill, Stepped
+from leadthrough.models.registry import entry_of_skill
 from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory
 from leadthrough.shapes import Shape, check_shapes
@@ -81,7 +82,7 @@ class Framed(Unfitted):
 
 
 @dataclass(frozen=True, eq=False)
-class FramedSkill(Archived, Generic[MotionT_co]):
+class FramedSkill(FittedSkill, Generic[MotionT_co]):
     """A skill in the frame of its task; made by `Framed.fit`.
 
     Attributes:
@@ -355,8 +356,14 @@ class FramedSkill(Archived, Generic[MotionT_co]):
         return place_seen(self.frame, place, name, poses=self.poses)
 
 
-def from_archive(skill: Skill, settings: Mapping[str, Any], arrays: Arrays) -> FramedSkill:
-    """The skill that `FramedSkill.to_archive` took apart, but for the skill inside."""
+def from_archive(settings: dict[str, Any], arrays: Arrays) -> FramedSkill:
+    """The skill that `FramedSkill.to_archive` took apart."""
+    inside = {
+        name.removeprefix("skill_"): value
+        for name, value in arrays.items()
+        if name.startswith("skill_")
+    }
+    skill = entry_of_skill(settings["kind"]).restored(settings["skill"], inside)
     frame = Frame(arrays["origin"], arrays["axes"])
     return FramedSkill(Framed(skill.model), skill, frame, bool(settings["poses"]))
 

@@ -24,7 +24,6 @@ from leadthrough.models import archive
 from leadthrough.models.mean_turning import mean_orientations
 from leadthrough.models.posture import shown_posture
 from leadthrough.models.protocol import Relearned, Skill
-from leadthrough.models.skills import restored
 from leadthrough.motion import (
     JointTrajectory,
     Motion,
@@ -214,7 +213,7 @@ class SkillLibrary(ShortRepr):
         try:
             for i, head in enumerate(settings["entries"]):
                 own = {n[len(f"{i}.") :]: a for n, a in arrays.items() if n.startswith(f"{i}.")}
-                skill = restored(Path(path), head["kind"], head["settings"], own)
+                skill = archive.restored(Path(path), head["kind"], head["settings"], own)
                 names = {name: head[name] for name in ("task", "subtask", "target")}
                 result = result.with_skill(skill, **names)
         except (KeyError, TypeError) as error:

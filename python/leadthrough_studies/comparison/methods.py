@@ -1,12 +1,12 @@
 """The models that are compared, each with the settings among which inner cross-validation chooses.
 
-A model joins with one line. What is not one of the package's models offers the same `fit` and
+A model joins with one line, by its name in the registry. Peers offer the same `fit` and
 `generate`; libraries that are not installed are left out (`rivals.MISSING`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
@@ -14,18 +14,7 @@ import numpy as np
 
 from leadthrough import rotations
 from leadthrough.errors import LeadthroughError
-from leadthrough.models import (
-    CLFDM,
-    DMP,
-    FSMDM,
-    GMR,
-    LPVDS,
-    SEDS,
-    UMIC,
-    FastMarching,
-    ModifiedDS,
-    ProMP,
-)
+from leadthrough.models import model_entry
 from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
 from leadthrough.preprocess.resample import arc_length
 from leadthrough_studies.comparison.rivals import (
@@ -131,29 +120,43 @@ class PeerPrimitive:
             return Trajectory(made_times, made)
 
 
+def _of(name: str, *settings: Mapping[str, Any]) -> tuple[Model, ...]:
+    """A registered model, with each of several settings; with none, as it is by default."""
+    kind = model_entry(name).load()
+    return tuple(kind(**each) for each in settings or ({},))
+
+
+def _with(setting: str, *values: int, **others: Any) -> tuple[Mapping[str, Any], ...]:
+    """Settings that differ in one value."""
+    return tuple({setting: value, **others} for value in values)
+
+
 # The dynamical systems.
 SYSTEMS: dict[str, tuple[Model, ...]] = {
-    "SEDS, likelihood": (SEDS(components=4), SEDS(components=6), SEDS(components=8)),
-    "SEDS, mean square": tuple(SEDS(components=k, objective="mse") for k in (4, 6, 8)),
-    "LPV-DS": (LPVDS(), LPVDS(components=6), LPVDS(components=9)),
-    "CLF-DM": (CLFDM(components=6), CLFDM(components=8), CLFDM(components=12)),
-    "FSM-DM": (FSMDM(units=15), FSMDM(units=25), FSMDM(units=40)),
-    "UMIC": (UMIC(kernels=30), UMIC(kernels=50)),
-    "Modified DS": (ModifiedDS(units=50), ModifiedDS(units=100), ModifiedDS(units=200)),
+    "SEDS, likelihood": _of("seds", *_with("components", 4, 6, 8)),
+    "SEDS, mean square": _of("seds", *_with("components", 4, 6, 8, objective="mse")),
+    "LPV-DS": _of("lpv-ds", {}, *_with("components", 6, 9)),
+    "CLF-DM": _of("clf-dm", *_with("components", 6, 8, 12)),
+    "FSM-DM": _of("fsm-dm", *_with("units", 15, 25, 40)),
+    "UMIC": _of("umic", *_with("kernels", 30, 50)),
+    "Modified DS": _of("modified-ds", *_with("units", 50, 100, 200)),
 }
 
 # Prados et al. 2023: 25 pixels and one cell a pixel, at 8.3 pixels per mm.
-_PAPER = FastMarching(
-    area_of_influence=25.0 / 8.3, saturation=0.1, resolution=1.0 / 8.3, method="map"
-)
+_PAPER = {
+    "area_of_influence": 25.0 / 8.3,
+    "saturation": 0.1,
+    "resolution": 1.0 / 8.3,
+    "method": "map",
+}
 
 # By name, for points. The package's own models stand at their defaults.
 POINTS: dict[str, tuple[Model, ...]] = {
-    "FastMarching": (FastMarching(),),
-    "FML, paper's setting": (_PAPER,),
-    "DMP": (DMP(),),
-    "ProMP": (ProMP(),),
-    "GMR": (GMR(),),
+    "FastMarching": _of("fast-marching"),
+    "FML, paper's setting": _of("fast-marching", _PAPER),
+    "DMP": _of("dmp"),
+    "ProMP": _of("promp"),
+    "GMR": _of("gmr"),
     **SYSTEMS,
     "nearest demonstration, shifted": (NearestShifted(),),
 }
@@ -180,19 +183,20 @@ POINTS |= _INSTALLED
 # For courses in m: the paper's setting in space has cells of 1 cm.
 COURSES: dict[str, tuple[Model, ...]] = {
     **POINTS,
-    "FML, paper's setting": (
-        FastMarching(area_of_influence=0.05, saturation=0.25, resolution=0.01, method="map"),
+    "FML, paper's setting": _of(
+        "fast-marching",
+        {"area_of_influence": 0.05, "saturation": 0.25, "resolution": 0.01, "method": "map"},
     ),
 }
 
 # For poses. UMIC is left out: its constraint at samples says little in six dimensions.
 POSES: dict[str, tuple[Model, ...]] = {
-    "FastMarching": (FastMarching(),),
-    "DMP": (DMP(),),
-    "ProMP": (ProMP(),),
-    "GMR": (GMR(),),
+    "FastMarching": _of("fast-marching"),
+    "DMP": _of("dmp"),
+    "ProMP": _of("promp"),
+    "GMR": _of("gmr"),
     **{name: models for name, models in SYSTEMS.items() if name not in {"UMIC", "FSM-DM"}},
-    "FSM-DM": (FSMDM(units=8), FSMDM(units=15)),
+    "FSM-DM": _of("fsm-dm", *_with("units", 8, 15)),
     "nearest demonstration, shifted": (NearestShifted(),),
 }
 if "movement-primitives" not in MISSING:

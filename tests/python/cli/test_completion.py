@@ -11,7 +11,6 @@ from cli.command_line import RUNNER, run
 
 from leadthrough import cli
 from leadthrough.cli import completion, parse
-from leadthrough.cli.learn import MODELS
 from leadthrough.io import points
 from leadthrough_studies.catalogue import STUDIES
 
@@ -135,7 +134,6 @@ def test_a_faulty_profile_does_not_disturb(tmp_path, monkeypatch):
 
 
 def test_the_names_are_those_that_there_are():
-    assert set(completion.MODELS) == set(MODELS)
     assert set(completion.STUDIES) == set(STUDIES)
     for shape in completion.SHAPES:
         assert parse.obstacle(shape)

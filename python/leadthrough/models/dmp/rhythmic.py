@@ -19,7 +19,7 @@ from leadthrough import _core, check, events
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.events import Event
-from leadthrough.models.archive import Archived, Arrays
+from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.dmp import springs
 from leadthrough.models.dmp.cycle import mean_cycle
@@ -105,7 +105,7 @@ class RhythmicDMP(Unfitted):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class RhythmicDMPSkill(Archived, Generic[MotionT_co]):
+class RhythmicDMPSkill(FittedSkill, Generic[MotionT_co]):
     """A learned rhythm; made by `RhythmicDMP.fit`.
 
     Attributes:

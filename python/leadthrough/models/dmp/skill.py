@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, events
 from leadthrough.events import Event
-from leadthrough.models.archive import Archived, Arrays
+from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.dmp.channels import Channels, PointChannels
 from leadthrough.models.dmp.constraints import Constraints, check_constraints, step_within
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class DMPSkill(Archived, Generic[MotionT_co]):
+class DMPSkill(FittedSkill, Generic[MotionT_co]):
     """A learned primitive; made by `DMP.fit`.
 
     Attributes:

@@ -17,18 +17,78 @@ deviations and more away from all demonstrations, f gives way to -3 x.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from leadthrough import check
-from leadthrough.models.dynamical import asymmetric_quadratics
-from leadthrough.models.dynamical.corrected import Corrected
-from leadthrough.models.dynamical.lyapunov import Descent
+from leadthrough.check import Float64Array
+from leadthrough.models.dynamical.corrected import Corrected, trusted
+from leadthrough.models.dynamical.field import Field
+from leadthrough.models.dynamical.linear_mixture import GaussianGates
+from leadthrough.models.dynamical.lyapunov import AsymmetricQuadratics, Descent, fitted_quadratics
 from leadthrough.models.dynamical.model import DynamicalModel
-from leadthrough.models.dynamical.regression import mixture_regression
-from leadthrough.models.dynamical.samples import Shown
+from leadthrough.models.dynamical.samples import Samples
+from leadthrough.models.gaussians.fitting import fit_mixture
+from leadthrough.repr import ShortRepr
 
 _NEAR = 0.05  # sizes of the motion
+# Deviation, in sizes of the motion, that samples count for where they agree better.
+_MIN_WIDTH = 0.03
+
+
+@dataclass(frozen=True, eq=False)
+class MixtureRegression(ShortRepr):
+    """Gaussian mixture regression: x' = sum_k h_k(x) (A_k x + b_k)."""
+
+    gates: GaussianGates  # the mixture of positions
+    gains: Float64Array  # A_k, (k, d, d)
+    constants: Float64Array  # b_k, (k, d)
+
+    @property
+    def size(self) -> int:
+        """Number d of columns."""
+        return int(self.constants.shape[1])
+
+    def velocity(self, x: Float64Array) -> Float64Array:
+        """Velocities (n, d) at positions (n, d)."""
+        k, d, _ = self.gains.shape
+        each = (x @ self.gains.reshape(k * d, d).T).reshape(len(x), k, d) + self.constants
+        return np.asarray((self.gates.weights(x)[:, :, None] * each).sum(axis=1))
+
+    def trust(self, x: Float64Array) -> Float64Array:
+        """Trust (n,) at positions (n, d): 1 at demonstrations, falling to 0 away from them."""
+        return trusted(np.exp(-0.5 * self._wide.squared(x)))
+
+    def arrays(self) -> Mapping[str, NDArray[Any]]:
+        """Its arrays, by the names of its attributes."""
+        return {"gains": self.gains, "constants": self.constants, **self.gates.arrays()}
+
+    @staticmethod
+    def from_arrays(arrays: Mapping[str, NDArray[Any]]) -> MixtureRegression:
+        """The regression with these arrays, among others."""
+        gates = GaussianGates.from_arrays(arrays)
+        return MixtureRegression(gates, arrays["gains"], arrays["constants"])
+
+    @cached_property
+    def _wide(self) -> GaussianGates:
+        """The gates, each widened by the least width."""
+        whitening = self.gates.whitening
+        spread = np.linalg.inv(np.einsum("kij,kil->kjl", whitening, whitening))
+        wide = spread + _MIN_WIDTH**2 * np.eye(self.size)
+        return GaussianGates.of(np.exp(self.gates.logits), self.gates.means, wide)
+
+
+@dataclass(frozen=True, eq=False)
+class CorrectedMixture(Corrected):
+    """A mixture's regression, corrected so that asymmetric quadratics fall."""
+
+    regressions: ClassVar[Any] = MixtureRegression
+    energies: ClassVar[Any] = AsymmetricQuadratics
 
 
 @dataclass(frozen=True)
@@ -50,6 +110,7 @@ class CLFDM(DynamicalModel):
     slowest: float = 0.1
     seed: int = 0
 
+    system: ClassVar[type[Field]] = CorrectedMixture
     slider: ClassVar[tuple[str, int, int]] = ("components", 1, 20)
 
     def __post_init__(self) -> None:
@@ -58,8 +119,22 @@ class CLFDM(DynamicalModel):
         check.number(self.slowest, "slowest", above=0.0)
         check.integer(self.seed, "seed", at_least=0)
 
-    def _learned(self, shown: Shown) -> Corrected:
-        x, v = shown.x, shown.v
-        energy = asymmetric_quadratics.fitted(x, v, self.quadratics, seed=self.seed)
+    def learn(self, samples: Samples) -> CorrectedMixture:
+        x, v = samples.x, samples.v
+        energy = fitted_quadratics(x, v, self.quadratics, seed=self.seed)
         regression = mixture_regression(x, v, self.components, seed=self.seed)
-        return Corrected(regression, energy, Descent(self.slowest, _NEAR))
+        return CorrectedMixture(regression, energy, Descent(self.slowest, _NEAR))
+
+
+def mixture_regression(
+    x: Float64Array, v: Float64Array, components: int, *, seed: int
+) -> MixtureRegression:
+    """The regression by the most likely mixture of positions x and velocities v (n, d)."""
+    d = x.shape[1]
+    mixture = fit_mixture(np.hstack([x, v]), components, seed=seed, starts=1).mixture
+    spread, cross = mixture.covariances[:, :d, :d], mixture.covariances[:, d:, :d]
+    transposed = np.linalg.solve(spread, cross.transpose(0, 2, 1))
+    gains = np.asarray(transposed).transpose(0, 2, 1)
+    positions, velocities = mixture.means[:, :d], mixture.means[:, d:]
+    constants = velocities - np.einsum("kij,kj->ki", gains, positions)
+    return MixtureRegression(GaussianGates.of(mixture.weights, positions, spread), gains, constants)

@@ -1,15 +1,16 @@
-"""What the dynamical systems have in common: a velocity everywhere, and an energy that falls.
+"""Dynamical systems: a velocity everywhere, and an energy that falls.
 
-Systems stand in normalised columns: the goal is 0, the demonstrations lie about in the unit ball,
-and the time is in durations of the demonstrations.
+Columns are normalised: the goal is 0, the demonstrations lie about in the unit ball, and the time
+is in durations of the demonstrations.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
+import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
@@ -18,7 +19,7 @@ from leadthrough.check import Float64Array
 class Field(ABC):
     """A system whose trajectories all end at 0: x' = f(x) with a falling energy V(x)."""
 
-    name: ClassVar[str]  # what files call this kind of system
+    name: ClassVar[str]  # of this kind of system in files
 
     @property
     @abstractmethod
@@ -47,4 +48,21 @@ class Field(ABC):
 
     @abstractmethod
     def arrays(self) -> Mapping[str, NDArray[Any]]:
-        """What it is made of, by the names of its attributes."""
+        """Its arrays, by the names of its attributes."""
+
+    @classmethod
+    @abstractmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:
+        """The system with these arrays."""
+
+
+def squared_distances(x: Float64Array, centres: Float64Array) -> Float64Array:
+    """Squared distances (n, k) of positions (n, d) from centres (k, d).
+
+    Args:
+        x: positions (n, d).
+        centres: centres (k, d).
+    """
+    mixed = x @ centres.T
+    squared = (x**2).sum(axis=1)[:, None] - 2.0 * mixed + (centres**2).sum(axis=1)
+    return np.asarray(np.maximum(squared, 0.0))

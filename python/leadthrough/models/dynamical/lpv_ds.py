@@ -22,18 +22,21 @@ import numpy as np
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
-from leadthrough.models.dynamical import asymmetric_quadratics
-from leadthrough.models.dynamical.gates import GaussianGates
-from leadthrough.models.dynamical.linear_mixture import LinearMixture
+from leadthrough.models.dynamical.field import Field
+from leadthrough.models.dynamical.linear_mixture import (
+    GaussianGates,
+    LinearMixture,
+    stable_matrices,
+)
+from leadthrough.models.dynamical.lyapunov import fitted_quadratics
 from leadthrough.models.dynamical.model import DynamicalModel
-from leadthrough.models.dynamical.samples import Shown
-from leadthrough.models.dynamical.semidefinite import stable_matrices
+from leadthrough.models.dynamical.samples import Samples
 from leadthrough.models.gaussians.em import Blocks, fit_blocks
 
 _DECAY, _RIDGE = 0.1, 1e-6
 # The least deviation of a component, of positions and of directions.
-_LEAST = 0.02**2
-_MOST_COMPONENTS = 10
+_MIN_VARIANCE = 0.02**2
+_MAX_COMPONENTS = 10
 _PATIENCE = 3  # numbers of components without improvement after which the search ends
 
 
@@ -53,6 +56,7 @@ class LPVDS(DynamicalModel):
     components: int | None = None
     seed: int = 0
 
+    system: ClassVar[type[Field]] = LinearMixture
     slider: ClassVar[tuple[str, int, int]] = ("components", 1, 15)
 
     def __post_init__(self) -> None:
@@ -60,11 +64,11 @@ class LPVDS(DynamicalModel):
             check.integer(self.components, "components", at_least=1, at_most=50)
         check.integer(self.seed, "seed", at_least=0)
 
-    def _learned(self, shown: Shown) -> LinearMixture:
-        x, v = shown.x, shown.v
-        found = self._mixture(x, v)
-        gates = GaussianGates.of(found.weights, found.means[0], found.covariances[0])
-        metric = asymmetric_quadratics.fitted(x, v, 0, seed=self.seed).symmetric
+    def learn(self, samples: Samples) -> LinearMixture:
+        x, v = samples.x, samples.v
+        blocks = self._mixture(x, v)
+        gates = GaussianGates.of(blocks.weights, blocks.means[0], blocks.covariances[0])
+        metric = fitted_quadratics(x, v, 0, seed=self.seed).symmetric
         metric = metric * len(metric) / np.trace(metric)
         weights = gates.weights(x)
         matrices = stable_matrices(weights, x, v, metric=metric, decay=_DECAY, ridge=_RIDGE)
@@ -77,7 +81,7 @@ class LPVDS(DynamicalModel):
         d = x.shape[1]
         best: tuple[float, Blocks] | None = None
         worse = 0
-        for count in range(1, min(_MOST_COMPONENTS, len(x)) + 1):
+        for count in range(1, min(_MAX_COMPONENTS, len(x)) + 1):
             found, likelihood = self._fitted(x, directions, count)
             free = count * (1 + 2 * d + d * (d + 1)) - 1
             # Neighbouring samples tell little that is new: ten count as one.
@@ -99,6 +103,6 @@ class LPVDS(DynamicalModel):
             raise FitError(f"components: expected at most one per sample, {len(x)}, got {count}")
         both = np.hstack([x, directions])
         blocks, history = fit_blocks(
-            [x, directions], both, count, seed=self.seed, starts=1, least=_LEAST
+            [x, directions], both, count, seed=self.seed, starts=1, least=_MIN_VARIANCE
         )
         return blocks, history[-1]

@@ -1,7 +1,10 @@
 """Energies learned from demonstrations, which fall along them, and the correction of velocities.
 
 Every energy here grows along every ray from the goal, x . grad V(x) > 0, so that its gradient
-vanishes nowhere else: whatever descends it everywhere ends at the goal.
+vanishes nowhere else: a system that descends it everywhere ends at the goal.
+
+Source: Khansari-Zadeh and Billard 2014, "Learning control Lyapunov function to ensure stability of
+dynamical system-based robot reaching motions", Robotics and Autonomous Systems 62, 752-765.
 """
 
 from __future__ import annotations
@@ -15,13 +18,20 @@ from numpy.typing import NDArray
 from scipy.optimize import OptimizeResult, minimize
 
 from leadthrough.check import Float64Array
+from leadthrough.repr import ShortRepr
 
 # Weight of falling faster beside not rising: it decides where nothing rises.
 _EAGERNESS = 1e-2
 # Every start is followed for some iterations, and the best ones to the end.
-_TRIAL_ITERATIONS, _MOST_ITERATIONS, _FOLLOWED = 60, 300, 2
-_SAMPLES = 250  # that are looked at, at most
+_TRIAL_ITERATIONS, _MAX_ITERATIONS, _FOLLOWED = 60, 300, 2
+_SAMPLES = 250  # at most
 _TINY = 1e-12
+# The least eigenvalues of P_0 and of the symmetric parts of P_l, and the largest entries of the
+# roots of P_0 and P_l, of the skew parts and the centres. Without them, valleys of the energy
+# become so narrow that a trajectory follows them in tiny steps only.
+_MIN_EIGENVALUES = (0.05, 0.1)
+_STARTS = 12
+_MAX_ENTRIES = (1.0, 0.7, 0.7, 1.5)
 
 
 class Energy(Protocol):
@@ -34,16 +44,16 @@ class Energy(Protocol):
         """Their gradients (n, d)."""
 
     def arrays(self) -> Mapping[str, NDArray[Any]]:
-        """What it is made of."""
+        """Its arrays, by the names of its attributes."""
 
 
-# From the parameters and positions x (n, d): gradients of the energy (n, d), and what turns a
-# function's slopes (n, d) in these into its slopes in the parameters.
+# From the parameters and positions x (n, d): gradients of the energy (n, d), and the function that
+# turns slopes (n, d) in these into slopes in the parameters.
 Slopes = Callable[[Float64Array], Float64Array]
 Learned = Callable[[Float64Array, Float64Array], tuple[Float64Array, Slopes]]
 
 
-def fitted(
+def fitted_energy(
     gradient: Learned,
     starts: list[Float64Array],
     x: Float64Array,
@@ -77,21 +87,21 @@ def fitted(
         )
 
     begun = sorted((run(each, _TRIAL_ITERATIONS) for each in starts), key=lambda each: each.fun)
-    ended = [run(each.x, _MOST_ITERATIONS) for each in begun[:_FOLLOWED]]
+    ended = [run(each.x, _MAX_ITERATIONS) for each in begun[:_FOLLOWED]]
     return np.asarray(min(ended, key=lambda each: each.fun).x)
 
 
 @dataclass(frozen=True)
 class Descent:
-    """How a velocity is corrected so that an energy falls."""
+    """The correction of a velocity that makes an energy fall."""
 
     slowest: float  # least speed downhill far from the goal, in normalised units, > 0
-    near: float  # distance from the goal, > 0, below which less is asked for
+    near: float  # distance from the goal, > 0, below which it falls to 0
 
     def corrected(
         self, velocity: Float64Array, x: Float64Array, uphill: Float64Array
     ) -> Float64Array:
-        """The velocities (n, d) nearest to those given that descend an energy.
+        """The nearest velocities (n, d) that descend an energy.
 
         Source: Khansari-Zadeh and Billard 2014, whose rho we multiply by |grad V|: it is then a
         speed, and does not depend on the energy's scale.
@@ -102,3 +112,120 @@ class Descent:
         least = self.slowest * -np.expm1(-distance / self.near)
         excess = (velocity * direction).sum(axis=1, keepdims=True) + least
         return np.asarray(velocity - np.maximum(excess, 0.0) * direction)
+
+
+@dataclass(frozen=True, eq=False)
+class AsymmetricQuadratics(ShortRepr):
+    """A weighted sum of asymmetric quadratic functions (WSAQF).
+
+    V(x) = x^T P_0 x + sum_l max(0, q_l)^2, q_l = x^T P_l (x - c_l), all P_l + P_l^T > 0. As
+    x . grad V = 2 x^T P_0 x + sum_l 2 q_l (q_l + x^T P_l x) > 0 where q_l > 0, it grows along rays.
+
+    Source: Khansari-Zadeh and Billard 2014, eqs. 5 and 6.
+    """
+
+    symmetric: Float64Array  # P_0, (d, d)
+    matrices: Float64Array  # P_l, (l, d, d)
+    centres: Float64Array  # c_l, (l, d)
+
+    def value(self, x: Float64Array) -> Float64Array:
+        """Energies (n,) at positions (n, d)."""
+        active = self._terms(x)[0]
+        return np.asarray((x @ self.symmetric * x).sum(axis=1) + (active**2).sum(axis=0))
+
+    def gradient(self, x: Float64Array) -> Float64Array:
+        """Their gradients (n, d)."""
+        active, along = self._terms(x)
+        return np.asarray(2.0 * (x @ self.symmetric + (active[:, :, None] * along).sum(axis=0)))
+
+    def arrays(self) -> Mapping[str, NDArray[Any]]:
+        """Its arrays, by the names of its attributes."""
+        return {name: getattr(self, name) for name in ("symmetric", "matrices", "centres")}
+
+    @staticmethod
+    def from_arrays(arrays: Mapping[str, NDArray[Any]]) -> AsymmetricQuadratics:
+        """The energy with these arrays, among others."""
+        return AsymmetricQuadratics(*(arrays[n] for n in ("symmetric", "matrices", "centres")))
+
+    def _terms(self, x: Float64Array) -> tuple[Float64Array, Float64Array]:
+        """max(0, q_l), (l, n), and the gradients (l, n, d) of q_l."""
+        forward = (x[None] - self.centres[:, None]) @ self.matrices.transpose(0, 2, 1)
+        active = np.maximum((forward * x).sum(axis=2), 0.0)
+        return active, forward + x @ self.matrices
+
+
+def fitted_quadratics(
+    x: Float64Array, v: Float64Array, count: int, *, seed: int
+) -> AsymmetricQuadratics:
+    """The sum of asymmetric quadratic functions that falls best along demonstrations."""
+    size = x.shape[1]
+    moving = np.linalg.norm(v, axis=1) > 0.0
+    rng = np.random.default_rng(seed)
+    starts = [_start(x, count, rng) for _ in range(_STARTS if count else 1)]
+    sizes = [size**2, count * size**2, count * size**2, count * size]
+    bounds = np.repeat(_MAX_ENTRIES, sizes)
+    parameters = fitted_energy(
+        lambda p, at: _gradient(p, at, count), starts, x[moving], v[moving], largest=bounds
+    )
+    return _built(parameters, size, count)
+
+
+def _start(x: Float64Array, count: int, rng: np.random.Generator) -> Float64Array:
+    """Parameters of round functions about samples drawn at random."""
+    size = x.shape[1]
+    centres = x[rng.integers(len(x), size=count)]
+    tilted = np.eye(size) + 0.1 * rng.standard_normal((count, size, size))
+    parts = [np.eye(size), tilted, np.zeros((count, size, size)), centres]
+    return np.concatenate([part.ravel() for part in parts])
+
+
+def _split(packed: Float64Array, d: int, count: int) -> tuple[Float64Array, ...]:
+    """The roots of P_0 (d, d) and of P_l (l, d, d), their skew parts and the centres (l, d)."""
+    sizes = np.cumsum([d * d, count * d * d, count * d * d])
+    root, roots, skew, centres = np.split(packed, sizes)
+    shape = (count, d, d)
+    return root.reshape(d, d), roots.reshape(shape), skew.reshape(shape), centres.reshape(count, d)
+
+
+def _built(packed: Float64Array, d: int, count: int) -> AsymmetricQuadratics:
+    root, roots, skew, centres = _split(packed, d, count)
+    matrices = (
+        roots @ roots.transpose(0, 2, 1)
+        + skew
+        - skew.transpose(0, 2, 1)
+        + _MIN_EIGENVALUES[1] * np.eye(d)
+    )
+    symmetric = root @ root.T + _MIN_EIGENVALUES[0] * np.eye(d)
+    return AsymmetricQuadratics(symmetric, matrices, centres)
+
+
+def _gradient(packed: Float64Array, x: Float64Array, count: int) -> tuple[Float64Array, Slopes]:
+    d = x.shape[1]
+    root, roots, _, _ = _split(packed, d, count)
+    built = _built(packed, d, count)
+    active, along = built._terms(x)
+
+    def back(pull: Float64Array) -> Float64Array:
+        """The slopes in the parameters, of slopes (n, d) in the gradient of the energy."""
+        plain = 2.0 * pull.T @ x
+        counts = active > 0.0
+        on_active = np.where(counts, (along * pull).sum(axis=2), 0.0)[:, :, None]
+        q = active[:, :, None]
+        off = x[None] - built.centres[:, None]
+        # q has the slope x (x - c)^T in P, its gradient's product with the pull p has
+        # p (x - c)^T + x p^T; in c they are -P^T x and -P^T p.
+        at_x = (on_active * x).transpose(0, 2, 1)
+        at_pull = (q * pull).transpose(0, 2, 1)
+        in_matrix = 2.0 * (at_x @ off + at_pull @ off + (q * x).transpose(0, 2, 1) @ pull)
+        moved = (on_active * x + q * pull).sum(axis=1)
+        in_centre = -2.0 * (moved[:, None, :] @ built.matrices)[:, 0]
+        transposed = in_matrix.transpose(0, 2, 1)
+        parts = [
+            (plain + plain.T) @ root,
+            (in_matrix + transposed) @ roots,
+            in_matrix - transposed,
+            in_centre,
+        ]
+        return np.concatenate([part.ravel() for part in parts])
+
+    return built.gradient(x), back

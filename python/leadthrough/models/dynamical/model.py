@@ -1,28 +1,36 @@
-"""From demonstrations to a skill, the same way for all systems."""
+"""Models of dynamical systems: from demonstrations to a skill."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from typing import ClassVar
 
 import numpy as np
 
 from leadthrough.blas_threads import one_blas_thread
 from leadthrough.errors import FitError
 from leadthrough.models.demonstrated import Demonstrations
-from leadthrough.models.dynamical.arrival import LONGEST
 from leadthrough.models.dynamical.field import Field
-from leadthrough.models.dynamical.integration import ends
-from leadthrough.models.dynamical.samples import NEAR_GOAL, Shown, shown_about_goals
+from leadthrough.models.dynamical.rollout import MAX_DURATION, endpoints
+from leadthrough.models.dynamical.samples import NEAR_GOAL, Samples, samples_about_goals
 from leadthrough.models.dynamical.skill import DynamicalSkill
 from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import MotionT
 
 # A system's speed is changed by no more than this: one that is so slow rests somewhere on the way.
-_MOST_PACE = 2.0
+_MAX_PACE = 2.0
 
 
 class DynamicalModel(Unfitted, ABC):
-    """A model that learns a system; derived ones hold its settings and say how it is learned."""
+    """A model that learns a system; a derived frozen dataclass holds its settings.
+
+    Attributes:
+        system: class of the systems that `learn` returns, which files are read with.
+        slider: a setting that a person may drag, with its least and largest value.
+    """
+
+    system: ClassVar[type[Field]]
+    slider: ClassVar[tuple[str, int, int]]
 
     @one_blas_thread
     def fit(self, demonstrations: Demonstrations[MotionT]) -> DynamicalSkill[MotionT]:
@@ -38,32 +46,36 @@ class DynamicalModel(Unfitted, ABC):
                 turn by a full turn or more, or the goal is reached from no start.
             MissingDependency: if the model needs the extra `stable` and it is not installed.
         """
-        shown = shown_about_goals(demonstrations)
-        field = self._learned(shown)
+        samples = samples_about_goals(demonstrations)
+        field = self.learn(samples)
         return DynamicalSkill(
             self,
-            shown.chart,
+            samples.chart,
             field,
-            shown.scale,
-            shown.ends,
-            shown.duration,
-            _pace(field, shown),
-            shown.x,
+            samples.scale,
+            samples.ends,
+            samples.duration,
+            _pace(field, samples),
+            samples.x,
         )
 
     @abstractmethod
-    def _learned(self, shown: Shown) -> Field:
-        """The system of the normalised demonstrations."""
+    def learn(self, samples: Samples) -> Field:
+        """The system of normalised demonstrations.
+
+        Args:
+            samples: their positions and velocities.
+        """
 
 
-def _pace(field: Field, shown: Shown) -> float:
-    """The median over the demonstrations of how much longer the system takes from their starts."""
-    starts = np.array([each[0] for each in shown.positions])
-    found = ends(field, starts, near=NEAR_GOAL, longest=LONGEST)
-    if not found.arrived.any():
+def _pace(field: Field, samples: Samples) -> float:
+    """Median ratio of the system's time from the demonstrations' starts to their own."""
+    starts = np.array([each[0] for each in samples.positions])
+    reached = endpoints(field, starts, near=NEAR_GOAL, longest=MAX_DURATION)
+    if not reached.arrived.any():
         raise FitError(
-            "demonstrations: the system that was learned does not reach the goal from any of their "
+            "demonstrations: the learned system does not reach the goal from any of their "
             "starts; use another model"
         )
-    slower = float(np.median((found.times / shown.approaches)[found.arrived]))
-    return min(max(slower, 1.0 / _MOST_PACE), _MOST_PACE)
+    slower = float(np.median((reached.times / samples.approaches)[reached.arrived]))
+    return min(max(slower, 1.0 / _MAX_PACE), _MAX_PACE)

@@ -1,4 +1,4 @@
-"""Demonstrations as positions and velocities about their goals."""
+"""Samples that a dynamical system is fitted to: positions and velocities about the goals."""
 
 from __future__ import annotations
 
@@ -25,25 +25,26 @@ _EVERY = 2
 # A system is nowhere at rest but at its goal: samples at both ends that are slower than these
 # fractions of the demonstration's largest speed are left out.
 _SLOW_START, _SLOW_END = 0.1, 0.02
-# Digits that are kept: the same motion in another unit is then fitted to the same bits.
+# Digits after rounding: the same motion in another unit is then fitted to the same bits.
 _DIGITS = 9
 NEAR_GOAL = 0.1  # sizes of the motion
-_LEAST_REACH = 1e-3  # of rotations, rad, where the demonstrations do not turn
+_MIN_REACH = 1e-3  # of rotations, rad, where the demonstrations do not turn
 
 
 @dataclass(frozen=True, eq=False)
-class Shown(Generic[MotionT_co]):
+class Samples(Generic[MotionT_co]):
     """Demonstrations about their goals, normalised.
 
     Attributes:
-        chart: what the d columns are; of poses the position and a rotation vector from the goal.
-        scale: what columns (d,) are divided by; the same for all positions, joints or rotations.
+        chart: coordinates of the d columns; of poses the position and a rotation vector from the
+            goal.
+        scale: divisors (d,) of the columns; the same for all positions, joints or rotations.
         duration: median duration of the demonstrations, s, the unit of time.
         ends: mean start and goal (2, d) in the chart's columns.
         positions: positions (n, d) of each demonstration, normalised.
         velocities: velocities (n, d) of each demonstration, normalised.
-        approaches: how long each one took, in durations, from its first kept sample until it was
-            within a tenth of its size of the goal for good.
+        approaches: time of each one, in durations, from its first sample until it is within a
+            tenth of its size of the goal for good.
     """
 
     chart: Chart[MotionT_co]
@@ -65,8 +66,8 @@ class Shown(Generic[MotionT_co]):
         return np.concatenate(self.velocities)
 
 
-def shown_about_goals(demonstrations: Demonstrations[MotionT]) -> Shown[MotionT]:
-    """Demonstrations, each about its own goal."""
+def samples_about_goals(demonstrations: Demonstrations[MotionT]) -> Samples[MotionT]:
+    """Samples of demonstrations, each about its own goal."""
     motions = motions_of(demonstrations)
     phases = [normalised_times(motion.times) for motion in motions]
     chart = chart_of(motions, phases, middle=_goal)
@@ -77,18 +78,18 @@ def shown_about_goals(demonstrations: Demonstrations[MotionT]) -> Shown[MotionT]
     goals = np.mean([motion.positions[-1] for motion in motions], axis=0)
     goal = np.concatenate([goals, np.zeros(chart.width - chart.size)])
     durations = np.array([motion.duration for motion in motions]) / duration
-    kept = [
-        _kept(normalised_times(motion.times), each / scale, float(lasting))
+    parts = [
+        _moving_part(normalised_times(motion.times), each / scale, float(lasting))
         for motion, each, lasting in zip(motions, columns, durations, strict=True)
     ]
-    return Shown(
+    return Samples(
         chart,
         scale,
         duration,
         np.array([goal + starts, goal]),
-        [each[0] for each in kept],
-        [each[1] for each in kept],
-        np.array([each[2] for each in kept]),
+        [each[0] for each in parts],
+        [each[1] for each in parts],
+        np.array([each[2] for each in parts]),
     )
 
 
@@ -104,15 +105,15 @@ def _about_goal(motion: Motion) -> Float64Array:
     if not isinstance(motion, PoseTrajectory):
         return np.asarray(offsets)
     goal = rotations.inverse(np.tile(motion.orientations[-1], (len(offsets), 1)))
-    turned: Float64Array = rotations.lift(
+    vectors: Float64Array = rotations.lift(
         rotations.compose(goal, motion.orientations), anchor="goal"
     )
-    if np.linalg.norm(turned, axis=1).max() >= 2.0 * np.pi:
+    if np.linalg.norm(vectors, axis=1).max() >= 2.0 * np.pi:
         raise FitError(
             "demonstrations: expected orientations within a full turn of the goal's, got more; "
             "use DMP for motions that turn further"
         )
-    return np.asarray(np.hstack([offsets, turned]))
+    return np.asarray(np.hstack([offsets, vectors]))
 
 
 def _reach(columns: Sequence[Float64Array], chart: Chart) -> Float64Array:
@@ -120,11 +121,11 @@ def _reach(columns: Sequence[Float64Array], chart: Chart) -> Float64Array:
     scale = np.empty(chart.width)
     for group in (slice(0, chart.size), slice(chart.size, chart.width)):
         far = [np.linalg.norm(each[:, group], axis=1).max() for each in columns]
-        scale[group] = max(float(np.mean(far)), _LEAST_REACH if group.start else 0.0) or 1.0
+        scale[group] = max(float(np.mean(far)), _MIN_REACH if group.start else 0.0) or 1.0
     return scale
 
 
-def _kept(
+def _moving_part(
     phases: Float64Array, columns: Float64Array, duration: float
 ) -> tuple[Float64Array, Float64Array, float]:
     """Positions and velocities (n, d) of a demonstration where it moves, and its approach."""

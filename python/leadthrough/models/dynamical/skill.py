@@ -1,47 +1,50 @@
-"""A skill that is a dynamical system: generated, asked for its velocity anywhere, checked."""
+"""A skill that is a dynamical system: motions, the velocity anywhere, and its stability."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar, Generic
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check
+from leadthrough import check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
-from leadthrough.models.archive import Archived, Arrays
-from leadthrough.models.chart import Chart
+from leadthrough.models.archive import Arrays, FittedSkill
+from leadthrough.models.chart import NODES, Chart
 from leadthrough.models.demonstrated import Demonstrations
-from leadthrough.models.dynamical.arrival import way
 from leadthrough.models.dynamical.field import Field
-from leadthrough.models.dynamical.situation import Situation, sheets, situation, twist
-from leadthrough.models.dynamical.stability import StabilityReport, examined
+from leadthrough.models.dynamical.rollout import (
+    StabilityReport,
+    goal_trajectory,
+    stability_report,
+)
 from leadthrough.models.even_times import even_times
 from leadthrough.models.judged import judged
 from leadthrough.models.parameters import Parameter, fitted_again
 from leadthrough.models.place import Place
+from leadthrough.models.registry import entry_of_class
 from leadthrough.motion import Motion, MotionT_co, normalised_times
 from leadthrough.shapes import Shape
 
 
 @dataclass(frozen=True, eq=False)
-class DynamicalSkill(Archived, Generic[MotionT_co]):
+class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
     """A system x' = f(x) whose trajectories all end at the goal; made by `fit` of its model.
 
     It has no clock: wherever a tool is pushed to, `policy` leads it on from there.
 
     Attributes:
         model: the settings that it was fitted with.
-        chart: what the d columns are: the coordinates of points, the joints, or for poses the
-            position and a rotation vector from the goal's orientation.
+        chart: coordinates of the d columns: of points, joints, or for poses the position and a
+            rotation vector from the goal's orientation.
         field: the system, in normalised columns about the goal and durations.
-        scale: what columns (d,) are divided by.
+        scale: divisors (d,) of the columns.
         ends: mean start and goal (2, d) of the demonstrations.
-        shown_duration: median duration of the demonstrations, s.
-        pace: by how much the system's own speed is multiplied, so that it takes as long from the
+        demonstrated_duration: median duration of the demonstrations, s.
+        pace: factor of the system's own speed, with which it takes as long from the
             demonstrations' starts as they took.
         positions: normalised positions (n, d) of the demonstrations, about the goal.
     """
@@ -51,7 +54,7 @@ class DynamicalSkill(Archived, Generic[MotionT_co]):
     field: Field
     scale: Float64Array
     ends: Float64Array
-    shown_duration: float
+    demonstrated_duration: float
     pace: float
     positions: Float64Array
 
@@ -64,7 +67,7 @@ class DynamicalSkill(Archived, Generic[MotionT_co]):
         Args:
             position: position or joints (d,), or rows (n, d) of them; for poses (position (3,),
                 orientation (4,) as w, x, y, z).
-            goal: where to; by default the demonstrations' mean goal.
+            goal: its end; by default the demonstrations' mean goal.
 
         Returns:
             Velocity (d,), or (n, d), per second; of a pose (6,): linear and angular, in the base
@@ -75,10 +78,10 @@ class DynamicalSkill(Archived, Generic[MotionT_co]):
         """
         if self.chart.kind == "poses":
             here = self._situation(self._pose(position), goal)
-            x = self._as_shown(here.start)[None]
+            x = self._nearest_to_demonstrations(here.start)[None]
             columns = self._velocities(x)
-            turned = x[:, 3:] * self.scale[3:]
-            return np.concatenate([columns[0, :3], twist(here.chart, turned, columns[:, 3:])[0]])
+            vectors = x[:, 3:] * self.scale[3:]
+            return np.concatenate([columns[0, :3], twist(here.chart, vectors, columns[:, 3:])[0]])
         there = self._situation(None, goal).goal
         size = self.chart.size
         given = check.array_of_rank(position, "position", shapes=((size,), ("n", size)))
@@ -122,29 +125,30 @@ class DynamicalSkill(Archived, Generic[MotionT_co]):
         if duration is not None:
             check.number(duration, "duration", above=0.0)
         here = self._situation(start, goal)
-        found = way(self.field, here.start)
-        total = found.duration * self.shown_duration / self.pace if duration is None else duration
+        path = goal_trajectory(self.field, here.start)
+        total = (
+            path.duration * self.demonstrated_duration / self.pace if duration is None else duration
+        )
         times = even_times(total, dt)
         phases = normalised_times(times)
-        columns = here.columns(found.at(phases))
+        columns = here.columns(path.at(phases))
         return here.chart.motion(times, phases, columns)
 
     @property
     def duration(self) -> float:
         """Duration of its own motion, s."""
-        return way(self.field, self._situation(None, None).start).duration * (
-            self.shown_duration / self.pace
-        )
+        path = goal_trajectory(self.field, self._situation(None, None).start)
+        return self._seconds(path.duration)
 
     def stability(
         self, starts: int = 10_000, *, around: float = 1.0, seed: int = 0
     ) -> StabilityReport:
-        """Whether trajectories from many starts arrive, and the energy falls on the way.
+        """Report of trajectories from many starts: whether they arrive and their energies fall.
 
         Args:
             starts: number of starts, >= 1: half drawn evenly in a box around the demonstrations,
                 half about their samples.
-            around: by how much of the demonstrations' extent the box is larger on each side.
+            around: enlargement of the box on each side, in extents of the demonstrations.
             seed: seed of the random number generator that draws the starts.
 
         Raises:
@@ -153,7 +157,7 @@ class DynamicalSkill(Archived, Generic[MotionT_co]):
         check.affordable_count(starts, "starts", each=8 * self.chart.width)
         check.number(around, "around", at_least=0.0)
         rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
-        return examined(self.field, self.positions, starts, around, rng)
+        return stability_report(self.field, self.positions, starts, around, rng)
 
     def parameters(
         self, demonstrations: Demonstrations[Motion] = ()
@@ -173,7 +177,7 @@ class DynamicalSkill(Archived, Generic[MotionT_co]):
             "name": type(self.model).__name__,
             "model": asdict(self.model),
             "field": self.field.name,
-            "duration": self.shown_duration,
+            "duration": self.demonstrated_duration,
             "pace": self.pace,
             **self.chart.settings(),
         }
@@ -183,12 +187,16 @@ class DynamicalSkill(Archived, Generic[MotionT_co]):
 
     def _velocities(self, x: Float64Array) -> Float64Array:
         """Velocities (n, d) of the columns, per second, at normalised positions (n, d)."""
-        return self.field.velocity(x) * self.scale * (self.pace / self.shown_duration)
+        return self.field.velocity(x) * self.scale * (self.pace / self.demonstrated_duration)
+
+    def _seconds(self, duration: float) -> float:
+        """A duration of the system in s."""
+        return duration * self.demonstrated_duration / self.pace
 
     def _situation(self, start: Place | None, goal: Place | None) -> Situation[MotionT_co]:
         return situation(self.chart, self.ends, self.scale, start, goal)
 
-    def _as_shown(self, x: Float64Array) -> Float64Array:
+    def _nearest_to_demonstrations(self, x: Float64Array) -> Float64Array:
         """The same pose (6,), its rotation vector on the sheet nearest to a demonstration."""
         turns = sheets(x[3:] * self.scale[3:], self.ends[0, 3:])
         places = [np.concatenate([x[:3], turn / self.scale[3:]]) for turn in turns]
@@ -200,3 +208,94 @@ class DynamicalSkill(Archived, Generic[MotionT_co]):
                 "position: expected (position (3,), orientation (4,)) of a skill of poses"
             )
         return place[0], place[1]
+
+
+# Any: settings are whatever JSON holds.
+def from_archive(settings: dict[str, Any], arrays: Arrays) -> DynamicalSkill:
+    """The skill from the settings and arrays that `DynamicalSkill.to_archive` returned."""
+    chart = Chart.from_archive(settings, arrays)
+    kind = entry_of_class(settings["name"]).load()
+    own = {
+        name.removeprefix("field_"): check.frozen(value, name, shape=value.shape)
+        for name, value in arrays.items()
+        if name.startswith("field_")
+    }
+    field = kind.system.from_arrays(own)
+    if field.size != chart.width:
+        raise InvalidInput(f"field: expected {chart.width} columns, got {field.size}")
+    return DynamicalSkill(
+        kind(**settings["model"]),
+        chart,
+        field,
+        check.frozen(arrays["scale"], "scale", shape=(chart.width,)),
+        check.frozen(arrays["ends"], "ends", shape=(2, chart.width)),
+        check.number(settings["duration"], "duration", above=0.0),
+        check.number(settings["pace"], "pace", above=0.0),
+        check.frozen(arrays["positions"], "positions", shape=("n", chart.width)),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Situation(Generic[MotionT_co]):
+    """A goal, and where a motion starts."""
+
+    chart: Chart[MotionT_co]  # of motions to this goal
+    goal: Float64Array  # position or joints (m,) of the goal
+    start: Float64Array  # the start (d,) in normalised columns about the goal
+    scale: Float64Array  # divisors (d,) of the columns
+
+    def columns(self, x: Float64Array) -> Float64Array:
+        """The chart's columns (n, d) of normalised positions (n, d)."""
+        columns = x * self.scale
+        columns[:, : self.chart.size] += self.goal
+        return columns
+
+
+def situation(
+    chart: Chart[MotionT_co],
+    ends: Float64Array,
+    scale: Float64Array,
+    start: Place | None,
+    goal: Place | None,
+) -> Situation[MotionT_co]:
+    """The situation that a query describes; what it leaves open is as demonstrated."""
+    size = chart.size
+    position = ends[1, :size]
+    if goal is not None:
+        target = chart.target(goal, "goal", 1.0)
+        position = target[:size]
+        if len(target) > size:
+            chart = _about(chart, chart.orientations(target[None, size:], np.ones(1))[0])
+    demonstrated = ends[0].copy()
+    if start is not None:
+        given = chart.target(start, "start", 0.0)
+        if len(given) > size:
+            given = np.concatenate(
+                [given[:size], _nearest_sheet(given[size:], demonstrated[size:])]
+            )
+        demonstrated[: len(given)] = given
+    demonstrated[:size] -= position
+    return Situation(chart, position, demonstrated / scale, scale)
+
+
+def _about(chart: Chart[MotionT_co], goal: Float64Array) -> Chart[MotionT_co]:
+    return replace(chart, reference=np.tile(goal, (len(NODES), 1)))
+
+
+def _nearest_sheet(vector: Float64Array, other: Float64Array) -> Float64Array:
+    """The rotation vector (3,) of the same rotation that is nearest to another vector."""
+    return min(sheets(vector, other), key=lambda each: float(np.linalg.norm(each - other)))
+
+
+def sheets(turn: Float64Array, axis: Float64Array) -> list[Float64Array]:
+    """Rotation vectors (3,) of one rotation: the shortest, and with a turn less and a turn more."""
+    angle = float(np.linalg.norm(turn))
+    own = turn / angle if angle > 0.0 else axis / max(float(np.linalg.norm(axis)), 1e-300)
+    return [(angle + 2.0 * np.pi * k) * own for k in (0, -1, 1)]
+
+
+def twist(chart: Chart, vectors: Float64Array, rate: Float64Array) -> Float64Array:
+    """Angular velocities (n, 3) in the base frame of rotation vectors from the goal."""
+    local = (rotations.left_jacobian(vectors) @ rate[:, :, None])[:, :, 0]
+    assert chart.reference is not None
+    return np.asarray(local @ rotations.to_matrix(chart.reference[:1])[0].T)

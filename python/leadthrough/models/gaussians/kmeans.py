@@ -44,7 +44,7 @@ def kmeans(
     points: ArrayLike,
     count: int,
     *,
-    seed: int,
+    seed: int | np.random.Generator,
     seeding: Literal["plus_plus", "random"] = "plus_plus",
 ) -> Clusters:
     """Points divided into clusters, none of them empty.
@@ -54,7 +54,7 @@ def kmeans(
     Args:
         points: points (n, d).
         count: number of clusters, 1 to n.
-        seed: seed of the random number generator.
+        seed: seed of the random number generator, or a generator.
         seeding: "plus_plus", points far from those drawn before are likelier; "random", all points
             are as likely, as in Lloyd's algorithm by itself.
 
@@ -68,7 +68,10 @@ def kmeans(
         raise InvalidInput(
             f"count: expected at most one cluster per point, {len(data)}, got {size}"
         )
-    rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
+    if isinstance(seed, np.random.Generator):
+        rng = seed
+    else:
+        rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
     if check.choice(seeding, "seeding", SEEDINGS) == "random":
         return clustered(data, data[rng.choice(len(data), size, replace=False)])
     return clustered(data, seeds(data, size, rng))

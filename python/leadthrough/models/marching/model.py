@@ -17,7 +17,7 @@ from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models import archive
-from leadthrough.models.archive import Archived, Arrays
+from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.judged import judged
 from leadthrough.models.marching import orientation
@@ -129,7 +129,7 @@ class FastMarching(Unfitted):
 
 
 @dataclass(frozen=True, eq=False)
-class FastMarchingSkill(Archived, Generic[MotionT_co]):
+class FastMarchingSkill(FittedSkill, Generic[MotionT_co]):
     """A fitted Fast Marching model; made by `FastMarching.fit`.
 
     Attributes:

@@ -18,7 +18,7 @@ from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models import archive
-from leadthrough.models.archive import Archived, Arrays
+from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.asked_times import asked_times
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations, motions_of
@@ -115,7 +115,7 @@ MOST_COMPONENTS = 20  # worth trying on a slider
 
 
 @dataclass(frozen=True, eq=False)
-class GMRSkill(Archived, Generic[MotionT_co]):
+class GMRSkill(FittedSkill, Generic[MotionT_co]):
     """A mixture over time and the columns of a motion; made by `GMR.fit`.
 
     Attributes:

@@ -20,7 +20,7 @@ from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoContinuousLogarithm, UnsupportedQuery
 from leadthrough.models import archive
-from leadthrough.models.archive import Archived, Arrays
+from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.bounded import MOST_GAIN, fraction_inside
 from leadthrough.models.chart import Chart, chart_of
 from leadthrough.models.demonstrated import Demonstrations
@@ -166,7 +166,7 @@ def _fitted(
 
 
 @dataclass(frozen=True, eq=False)
-class TaskGMRSkill(Archived, Generic[MotionT_co]):
+class TaskGMRSkill(FittedSkill, Generic[MotionT_co]):
     """Components seen from the frames of a task; made by `TaskGMR.fit`.
 
     Attributes:

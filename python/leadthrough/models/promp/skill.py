@@ -14,7 +14,7 @@ from leadthrough import check
 from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
-from leadthrough.models.archive import Archived, Arrays
+from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrated import Demonstrations
 from leadthrough.models.even_times import even_times
@@ -41,7 +41,7 @@ _LEAST_WEIGHTS, _MOST_WEIGHTS = 5, 40  # the range worth trying on a slider
 
 
 @dataclass(frozen=True, eq=False)
-class ProMPSkill(Archived, Generic[MotionT_co]):
+class ProMPSkill(FittedSkill, Generic[MotionT_co]):
     """A normal distribution of motions; made by `ProMP.fit`.
 
     Attributes:

@@ -6,16 +6,16 @@ from scipy.optimize import approx_fprime
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput, UnsupportedQuery
-from leadthrough.models import CLFDM, LPVDS, SEDS, UMIC
-from leadthrough.models.dynamical import asymmetric_quadratics, stable_gmr, star_network
+from leadthrough.models import CLFDM, LPVDS, SEDS
+from leadthrough.models.dynamical import lyapunov, modified_ds, seds
+from leadthrough.models.dynamical.linear_mixture import stable_matrices
 from leadthrough.models.dynamical.lyapunov import Descent
-from leadthrough.models.dynamical.semidefinite import stable_matrices
 
 RNG = np.random.default_rng(1)
 X, V = RNG.normal(size=(2, 30, 3))
 
 
-@pytest.mark.parametrize("objective", [stable_gmr._unlikelihood, stable_gmr._squared_error])
+@pytest.mark.parametrize("objective", [seds._unlikelihood, seds._squared_error])
 def test_gradients_of_the_objectives_of_seds(objective):
     k, d = 2, 3
     parts = RNG.normal(size=k + k * d + 4 * k * d * d)
@@ -25,7 +25,7 @@ def test_gradients_of_the_objectives_of_seds(objective):
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("objective", [stable_gmr._unlikelihood, stable_gmr._squared_error])
+@pytest.mark.parametrize("objective", [seds._unlikelihood, seds._squared_error])
 @pytest.mark.parametrize("far", [-1e3, 1e3])
 def test_far_steps_of_a_line_search_are_finite(objective, far):
     k, d = 2, 3
@@ -36,10 +36,10 @@ def test_far_steps_of_a_line_search_are_finite(objective, far):
     assert np.isfinite(gradient).all()
 
 
-@pytest.mark.parametrize("energy", [asymmetric_quadratics, star_network])
+@pytest.mark.parametrize("energy", [lyapunov, modified_ds])
 def test_gradients_of_energies_and_of_what_is_learned(energy):
     count = 3
-    size = {asymmetric_quadratics: 9 + count * 21, star_network: count * 5}[energy]
+    size = {lyapunov: 9 + count * 21, modified_ds: count * 5}[energy]
     packed = RNG.normal(size=size)
     gradient, back = energy._gradient(packed, X, count)
     numeric = approx_fprime(packed, lambda p: (energy._gradient(p, X, count)[0] * V).sum(), 1e-7)
@@ -55,7 +55,7 @@ def test_gradients_of_energies_and_of_what_is_learned(energy):
 def test_bound_of_a_units_slope_along_rays_holds_for_every_offset():
     offsets, t = np.linspace(-8.0, 30.0, 200), np.linspace(-60.0, 5.0, 20_001)
     largest = [(-t / np.cosh(t + b) ** 2).max() for b in offsets]
-    assert (np.array(largest) < star_network.slope_bounds(offsets)).all()
+    assert (np.array(largest) < modified_ds.slope_bounds(offsets)).all()
 
 
 def test_correction_is_the_least_one_with_which_the_energy_falls():
@@ -89,7 +89,7 @@ def test_programme_finds_stable_matrices_again_and_makes_others_stable():
 
 
 def test_settings_and_queries_are_refused_by_name():
-    for model, setting in ((SEDS, "components"), (CLFDM, "slowest"), (UMIC, "kernels")):
+    for model, setting in ((SEDS, "components"), (CLFDM, "slowest"), (LPVDS, "components")):
         with pytest.raises(InvalidInput, match=setting):
             model(**{setting: -1})
     with pytest.raises(InvalidInput, match="objective"):

@@ -5,26 +5,26 @@ from functools import cache
 
 import numpy as np
 import pytest
+from kinds import kind
 
 import leadthrough as lt
-from leadthrough.models import CLFDM, FSMDM, LPVDS, SEDS, UMIC, ModifiedDS
 
 # With the number of starts. Corrected systems and masses take smaller steps; the study of the
 # comparison has ten thousand starts for every motion and model.
 SYSTEMS = {
-    "SEDS": (SEDS(), 10_000),
-    "SEDS, least squares": (SEDS(objective="mse"), 1_000),
-    "LPV-DS": (LPVDS(), 10_000),
-    "CLF-DM": (CLFDM(), 500),
-    "FSM-DM": (FSMDM(), 1_000),
-    "UMIC": (UMIC(kernels=30), 500),
-    "modified system": (ModifiedDS(), 1_000),
+    "SEDS": (kind("SEDS"), 10_000),
+    "SEDS, least squares": (kind("SEDS", objective="mse"), 1_000),
+    "LPV-DS": (kind("LPVDS"), 10_000),
+    "CLF-DM": (kind("CLFDM"), 500),
+    "FSM-DM": (kind("FSMDM"), 1_000),
+    "UMIC": (kind("UMIC", kernels=30), 500),
+    "modified system": (kind("ModifiedDS"), 1_000),
 }
 
 
 @cache
 def fitted(name):
-    return SYSTEMS[name][0].fit(lt.io.lasa.load("Angle"))
+    return SYSTEMS[name][0].build().fit(lt.io.lasa.load("Angle"))
 
 
 @pytest.fixture(params=SYSTEMS)
@@ -44,8 +44,8 @@ def test_policy_is_what_a_motion_does_and_its_energy_falls(name):
     speeds = np.gradient(motion.positions, motion.times, axis=0)[5:-5]
     here = motion.positions[5:-5]
     far = np.linalg.norm(here - motion.positions[-1], axis=1) > 0.06 * skill.scale[0]
-    wanted = skill.policy(here[far])
-    apart = np.linalg.norm(wanted - speeds[far], axis=1)
+    expected = skill.policy(here[far])
+    apart = np.linalg.norm(expected - speeds[far], axis=1)
     # A mass lags behind the force; the others move as the policy says.
     tolerance = 0.5 if name == "UMIC" else 0.02
     assert np.median(apart) < tolerance * np.linalg.norm(speeds, axis=1).max()
@@ -65,7 +65,7 @@ def test_energies_and_their_derivatives_agree(name):
     assert (power < 0.0).all()
 
 
-def test_an_unstable_system_is_found_out():
+def test_an_unstable_system_is_reported():
     skill = fitted("LPV-DS")
     field = type(skill.field)(skill.field.gates, -skill.field.matrices, skill.field.metric)
     report = replace(skill, field=field).stability(100)
@@ -76,13 +76,13 @@ def test_an_unstable_system_is_found_out():
 
 def test_corrected_systems_follow_the_demonstrations_more_closely_than_quadratic_ones():
     """As the papers find; on a motion whose distance from the goal grows on the way."""
-    shown = lt.io.lasa.load("GShape")[:3]
-    path = shown[0].motion.positions[::10]
+    demonstrations = lt.io.lasa.load("GShape")[:3]
+    path = demonstrations[0].motion.positions[::10]
 
-    def farthest(model):
-        made = model.fit(shown).generate(start=path[0]).positions
+    def farthest(learner):
+        made = learner.build().fit(demonstrations).generate(start=path[0]).positions
         return np.linalg.norm(path[:, None] - made[None], axis=2).min(axis=1).max()
 
-    near = farthest(CLFDM())
+    near = farthest(kind("CLFDM"))
     assert near < 4.0  # mm, of a letter of 40 mm
-    assert near < 0.7 * farthest(SEDS(components=4))
+    assert near < 0.7 * farthest(kind("SEDS", components=4))

@@ -14,26 +14,28 @@ samples that are added until 4,000 further ones agree.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from functools import cached_property
+from typing import Any, ClassVar, Self
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 from scipy.optimize import nnls
 
 from leadthrough import check, optional
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
-from leadthrough.models.dynamical.gates import squared_distances
-from leadthrough.models.dynamical.kernel_potential import KernelPotential, kernels
+from leadthrough.models import kmeans
+from leadthrough.models.dynamical.field import Field, squared_distances
+from leadthrough.models.dynamical.linear_mixture import solve_cone_programme
 from leadthrough.models.dynamical.model import DynamicalModel
-from leadthrough.models.dynamical.samples import Shown
-from leadthrough.models.dynamical.semidefinite import EXTRA, solved
-from leadthrough.models.gaussians.kmeans import clustered, seeds
+from leadthrough.models.dynamical.samples import Samples
 
 # Mean damping, per duration: a mass then takes a thirtieth of it to follow the force.
 _DAMPING = 30.0
-_LEAST_DAMPING = 6.0
+_MIN_DAMPING = 6.0
 _RIDGE, _RIDGE_OF_DAMPING = 1e-4, 1e-3
 # Width of the kernels, in mean distances of a centre from its nearest.
 _WIDTH = 1.2
@@ -43,6 +45,90 @@ _SLOPE = 0.15
 _WEAK = 0.2
 _SAMPLES, _CHECKED, _ROUNDS = 800, 4_000, 8
 _REACH = 4.0  # sizes of the motion, up to which samples lie
+
+
+@dataclass(frozen=True, eq=False)
+class KernelPotential(Field):
+    """A unit mass in a potential of local bowls, x'' = -grad V(x) - D(x) x'.
+
+    With kernels k_i(x) ~ exp(-|x - c_i|^2 / (2 s^2)) that sum to 1, V(x) = sum_i k_i(x)
+    (a_i + b_i |x - c_i|^2 / 2) - V_0 and D(x) = sum_i k_i(x) d_i > 0. The energy |x'|^2 / 2 + V(x)
+    falls with D |x'|^2.
+    """
+
+    centres: Float64Array  # c_i, (k, d)
+    width: Float64Array  # s of the kernels, (1,)
+    heights: Float64Array  # a_i, (k,)
+    stiffness: Float64Array  # b_i, (k,)
+    damping: Float64Array  # d_i, (k,)
+
+    name: ClassVar[str] = "kernel_potential"
+
+    @property
+    def size(self) -> int:
+        """Number d of columns."""
+        return int(self.centres.shape[1])
+
+    def velocity(self, x: Float64Array) -> Float64Array:
+        """Velocities (n, d) at which the damping balances the potential's force."""
+        weights = self._weights(x)
+        return -self.gradient(x, weights) / (weights @ self.damping)[:, None]
+
+    def states(self, x: Float64Array) -> Float64Array:
+        """The positions (n, d), moving as the policy says."""
+        return np.hstack([x, self.velocity(x)])
+
+    def rate(self, states: Float64Array) -> Float64Array:
+        """Derivatives (n, 2 d) of positions and velocities."""
+        x, v = np.split(states, 2, axis=1)
+        weights = self._weights(x)
+        resisted = (weights @ self.damping)[:, None] * v
+        return np.hstack([v, -self.gradient(x, weights) - resisted])
+
+    def energy(self, states: Float64Array) -> Float64Array:
+        """Kinetic and potential energies (n,) of states (n, 2 d)."""
+        x, v = np.split(states, 2, axis=1)
+        return np.asarray(0.5 * (v**2).sum(axis=1) + self._potential(x) - self._lowest)
+
+    def power(self, states: Float64Array) -> Float64Array:
+        """Derivatives (n,) of the energy of states (n, 2 d)."""
+        x, v = np.split(states, 2, axis=1)
+        return np.asarray(-(self._weights(x) @ self.damping) * (v**2).sum(axis=1))
+
+    def gradient(self, x: Float64Array, weights: Float64Array | None = None) -> Float64Array:
+        """Gradients (n, d) of the potential at positions (n, d)."""
+        weights = self._weights(x) if weights is None else weights
+        bowls = self.heights + 0.5 * self.stiffness * self._squared(x)
+        off = weights * (bowls - (weights * bowls).sum(axis=1, keepdims=True))
+        pulled = weights * self.stiffness
+        plain = x * pulled.sum(axis=1, keepdims=True) - pulled @ self.centres
+        return np.asarray(plain + off @ self.centres / self.width[0] ** 2)
+
+    def arrays(self) -> Mapping[str, NDArray[Any]]:
+        """Its arrays, by the names of its attributes."""
+        names = ("centres", "width", "heights", "stiffness", "damping")
+        return {name: getattr(self, name) for name in names}
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:
+        """The system with these arrays."""
+        names = ("centres", "width", "heights", "stiffness", "damping")
+        return cls(*(arrays[name] for name in names))
+
+    def _potential(self, x: Float64Array) -> Float64Array:
+        bowls = self.heights + 0.5 * self.stiffness * self._squared(x)
+        return np.asarray((self._weights(x) * bowls).sum(axis=1))
+
+    @cached_property
+    def _lowest(self) -> float:
+        """V_0, the potential at the goal."""
+        return float(self._potential(np.zeros((1, self.size)))[0])
+
+    def _squared(self, x: Float64Array) -> Float64Array:
+        return squared_distances(x, self.centres)
+
+    def _weights(self, x: Float64Array) -> Float64Array:
+        return kernels(x, self.centres, float(self.width[0]))
 
 
 @dataclass(frozen=True)
@@ -62,20 +148,22 @@ class UMIC(DynamicalModel):
     kernels: int = 50
     seed: int = 0
 
+    system: ClassVar[type[Field]] = KernelPotential
     slider: ClassVar[tuple[str, int, int]] = ("kernels", 5, 80)
 
     def __post_init__(self) -> None:
         check.integer(self.kernels, "kernels", at_least=2, at_most=200)
         check.integer(self.seed, "seed", at_least=0)
 
-    def _learned(self, shown: Shown) -> KernelPotential:
-        x, v = shown.x, shown.v
+    def learn(self, samples: Samples) -> KernelPotential:
+        """The system of normalised demonstrations."""
+        x, v = samples.x, samples.v
         rng = np.random.default_rng(self.seed)
-        inner = clustered(x, seeds(x, min(self.kernels - 1, len(x)), rng)).centres
+        inner = kmeans(x, min(self.kernels - 1, len(x)), seed=rng).centres
         centres = np.concatenate([np.zeros((1, x.shape[1])), inner])
         between = squared_distances(centres, centres) + 1e9 * np.eye(len(centres))
         width = _WIDTH * float(np.sqrt(between.min(axis=1)).mean())
-        pairs = zip(shown.positions, shown.velocities, strict=True)
+        pairs = zip(samples.positions, samples.velocities, strict=True)
         bent = np.concatenate([_accelerations(*each) for each in pairs])
         heights, stiffness = _potential(centres, width, x, v + bent / _DAMPING, rng)
         undamped = KernelPotential(
@@ -135,7 +223,7 @@ def _programme(
     least: Float64Array,
 ) -> Float64Array:
     """The quadratic programme: rows of the first group are equal to 0, those of the others >=."""
-    clarabel = optional.load("clarabel", extra=EXTRA)
+    clarabel = optional.load("clarabel", extra="stable")
     size = len(normal)
     stiff = np.eye(size)[size // 2 :]
     every = sparse.csc_matrix(np.vstack([at_goal, -rows, -stiff]))
@@ -145,7 +233,7 @@ def _programme(
         clarabel.NonnegativeConeT(len(rows) + len(stiff)),
     ]
     quadratic = sparse.triu(sparse.csc_matrix(normal), format="csc")
-    return solved(quadratic, linear, every, bounds, cones)
+    return solve_cone_programme(quadratic, linear, every, bounds, cones)
 
 
 def _features(centres: Float64Array, width: float, x: Float64Array) -> Float64Array:
@@ -186,8 +274,17 @@ def _damping(
     count = len(undamped.centres)
     weights = kernels(x, undamped.centres, float(undamped.width[0]))
     rows = (weights[:, None, :] * v[:, :, None]).reshape(-1, count)
-    need = (-undamped.gradient(x) - bent).ravel() - rows @ np.full(count, _LEAST_DAMPING)
+    need = (-undamped.gradient(x) - bent).ravel() - rows @ np.full(count, _MIN_DAMPING)
     ridge = np.sqrt(_RIDGE_OF_DAMPING * len(x)) * np.eye(count)
-    usual = ridge @ np.full(count, _DAMPING - _LEAST_DAMPING)
+    usual = ridge @ np.full(count, _DAMPING - _MIN_DAMPING)
     more, _ = nnls(np.vstack([rows, ridge]), np.concatenate([need, usual]))
-    return np.asarray(_LEAST_DAMPING + more)
+    return np.asarray(_MIN_DAMPING + more)
+
+
+def kernels(x: Float64Array, centres: Float64Array, width: float) -> Float64Array:
+    """Normalised kernels (n, k) of positions (n, d)."""
+    raised = -0.5 * squared_distances(x, centres) / width**2
+    raised -= raised.max(axis=1, keepdims=True)
+    np.exp(raised, out=raised)
+    raised /= raised.sum(axis=1, keepdims=True)
+    return raised
