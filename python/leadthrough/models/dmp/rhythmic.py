@@ -162,7 +162,8 @@ class RhythmicDMPSkill(FittedSkill, Generic[MotionT_co]):
         """
         if check_shapes(obstacles):
             raise UnsupportedQuery(
-                "obstacles: rhythmic DMPs do not avoid obstacles; pass a coupling term to step()"
+                "obstacles: rhythmic DMPs do not avoid obstacles; in Python, pass a coupling term "
+                "to step()"
             )
         state = self.begin(start=start, goal=goal, period=period, amplitude=amplitude)
         step = check.number(dt, "dt", above=0.0)
