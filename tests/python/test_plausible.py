@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import leadthrough as lt
-from leadthrough.arm.recorded import warn_of_another_arm
+from leadthrough.arm.recorded_joints import warn_of_another_arm
 from leadthrough.errors import IkFailure, InvalidInput
 from leadthrough.plausible import Suspicious
 

@@ -1,24 +1,24 @@
 """The arm: from a URDF to kinematics, inverse kinematics and joint trajectories along a path."""
 
 from leadthrough.arm.arm import Arm
-from leadthrough.arm.collision_report import Approach, Clearance, CollisionPairs, CollisionReport
-from leadthrough.arm.differential import DifferentialIk, JointState
-from leadthrough.arm.keeping_tasks import JointLimitTask, ObstacleTask
+from leadthrough.arm.collision import Approach, Clearance, CollisionPairs, CollisionReport
+from leadthrough.arm.damped_least_squares import DampedLeastSquares
+from leadthrough.arm.differential_ik import DifferentialIk, JointState
+from leadthrough.arm.following import FollowOptions
+from leadthrough.arm.inverse_kinematics import IkBatch, IkOptions, IkResult
 from leadthrough.arm.limits import JointLimits, read_limits
 from leadthrough.arm.path_report import PathReport
-from leadthrough.arm.priorities import resolve
-from leadthrough.arm.results import IkBatch, IkResult
-from leadthrough.arm.stack_report import StackRun, StackSolution, TaskReport
-from leadthrough.arm.task import ArmTask
-from leadthrough.arm.task_stack import TaskStack
+from leadthrough.arm.task_stack import StackRun, StackSolution, TaskReport, TaskStack, resolve
 from leadthrough.arm.tasks import (
+    ArmTask,
     DirectionTask,
     ElbowTask,
+    JointLimitTask,
+    ObstacleTask,
     PoseTask,
     PositionTask,
     PostureTask,
 )
-from leadthrough.arm.yang import DampedLeastSquares
 
 __all__ = [
     "Approach",
@@ -31,7 +31,9 @@ __all__ = [
     "DifferentialIk",
     "DirectionTask",
     "ElbowTask",
+    "FollowOptions",
     "IkBatch",
+    "IkOptions",
     "IkResult",
     "JointLimitTask",
     "JointLimits",

@@ -1,41 +1,37 @@
-"""A robot arm: the chain of joints from a base link to a tip link of a URDF."""
+"""A robot arm: what its model can be asked, from poses of the tip to collision-free motions."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from os import PathLike
 from types import MappingProxyType
+from typing import TYPE_CHECKING, overload
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import _core, check
-from leadthrough.arm import holding, loading, meshes, robots
-from leadthrough.arm.attachment import Load
-from leadthrough.arm.collision import ArmCollision
-from leadthrough.arm.damped_inverse_kinematics import ArmDampedInverseKinematics
-from leadthrough.arm.dynamics import ArmDynamics
-from leadthrough.arm.following import ArmFollowing
-from leadthrough.arm.inverse_kinematics import ArmInverseKinematics
-from leadthrough.arm.kinematics import ArmKinematics
-from leadthrough.arm.limits import JointLimits
+from leadthrough.arm import collision, following, inverse_kinematics, recorded_joints, robot_files
+from leadthrough.arm.collision import CollisionPairs, CollisionReport
+from leadthrough.arm.following import FollowOptions
+from leadthrough.arm.inverse_kinematics import IkBatch, IkOptions, IkResult
+from leadthrough.arm.limits import JointLimits, checked_values
+from leadthrough.arm.model import ArmModel
+from leadthrough.arm.path_report import PathReport, path_report
+from leadthrough.arm.tracking import OnRateLimit
+from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.shapes import Solid
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
+from leadthrough.shapes import SceneLike
+
+if TYPE_CHECKING:
+    from leadthrough.drawing.panels import Panel
 
 _NOTHING_HELD: Mapping[str, float] = MappingProxyType({})
-_UNTURNED = (1.0, 0.0, 0.0, 0.0)
-_NO_INERTIA = ((0.0, 0.0, 0.0),) * 3
 
 
 @dataclass(frozen=True, eq=False)
-class Arm(
-    ArmKinematics,
-    ArmDynamics,
-    ArmInverseKinematics,
-    ArmDampedInverseKinematics,
-    ArmFollowing,
-    ArmCollision,
-):
+class Arm(ArmModel):
     """An arm in the frame of its base link; make one by `Arm.load` or `Arm.from_urdf`.
 
     Joint values are in rad (m for prismatic joints), in the order of `joint_names`. Poses are
@@ -75,7 +71,7 @@ class Arm(
             InvalidInput: if there is no such robot, or a name does not fit it.
             InvalidRobot: if a robot of another package is not one that can be used.
         """
-        files = robots.find_robot(name)
+        files = robot_files.find_robot(name)
         return Arm.from_urdf(
             files.urdf,
             base=base,
@@ -114,76 +110,11 @@ class Arm(
             InvalidInput: if a file cannot be read, or a name or value does not fit the robot.
             InvalidRobot: if the document is not a URDF of an arm that can be used.
         """
-        held = holding.checked(hold)
-        document = loading.read(path_or_xml)
-        robot = _core.Robot(document)
-        base = robot.links[0] if base is None else check.choice(base, "base", robot.links)
-        tip = loading.only_leaf(robot) if tip is None else check.choice(tip, "tip", robot.links)
-        stated = loading.stated_limits(_core.Chain(robot.hold(list(held.items())), base, tip))
-        folders = meshes.folders(path_or_xml, mesh_folders)
-        complete = loading.complete(limits, stated, robot)
+        held = checked_values(hold)
+        document = robot_files.read(path_or_xml)
+        base, tip, complete = robot_files.ends_and_limits(document, (base, tip), held, limits)
+        folders = robot_files.folders(path_or_xml, mesh_folders)
         return Arm(document, base, tip, complete, held, mesh_folders=folders)
-
-    def hold(self, values: Mapping[str, float]) -> Arm:
-        """The arm with some joints frozen, which leave `joint_names`.
-
-        Other joints of the robot may be frozen as well: what they carry then counts as a load.
-
-        Args:
-            values: in rad (m) by the joints' names, inside the limits.
-
-        Raises:
-            InvalidInput: if a value is outside the limits, a joint is held already, or no joint of
-                the arm would be left.
-        """
-        wanted = holding.checked(values)
-        holding.require_free(wanted, self.held)
-        holding.require_inside(wanted, self.limits)
-        return replace(self, limits=self.limits.without(wanted), held={**self.held, **wanted})
-
-    def with_tool(self, position: ArrayLike, orientation: ArrayLike = _UNTURNED) -> Arm:
-        """The arm with its tip moved to a pose in the frame of its present tip; tools compose.
-
-        Args:
-            position: (3,) in m.
-            orientation: (4,) w, x, y, z.
-
-        Raises:
-            InvalidInput: if one has another shape, or the orientation is no unit quaternion.
-        """
-        return replace(self, attachment=self.attachment.with_tool(position, orientation))
-
-    def with_payload(
-        self,
-        mass: float,
-        center: ArrayLike = (0.0, 0.0, 0.0),
-        inertia: ArrayLike = _NO_INERTIA,
-    ) -> Arm:
-        """The arm carrying a rigid body, given in the frame of its present tip; payloads add up.
-
-        Args:
-            mass: in kg, >= 0.
-            center: centre of mass (3,) in m.
-            inertia: tensor (3, 3) about the centre of mass in kg m^2.
-
-        Raises:
-            InvalidInput: if one has another shape, or no body has such an inertia.
-        """
-        load = Load(mass, center, inertia)
-        return replace(self, attachment=self.attachment.with_load(load))
-
-    def with_attached(self, shape: Solid, mass: float = 0.0) -> Arm:
-        """The arm holding an object, whose pose is given in the frame of its present tip.
-
-        Args:
-            shape: a Box, Sphere, Capsule, Cylinder or Mesh; it joins `attached` and counts in
-                collision checks. Of a mesh the hulls of its parts count, for its mass too.
-            mass: in kg, >= 0, of uniform density; it adds to the payload.
-
-        Raises:
-            InvalidInput: if the shape is something else, or the mass is negative.
-        """
-        return replace(self, attachment=self.attachment.with_shape(shape, mass))
 
     def describe(self) -> str:
         """The robot, its joints with their limits, and what it carries, as text to read."""
@@ -191,8 +122,370 @@ class Arm(
 
         return description.describe(self)
 
+    def _panels(self) -> list[Panel]:
+        from leadthrough.arm import description
+
+        return description.panels(self)
+
+    def inverse_kinematics(
+        self,
+        position: ArrayLike,
+        orientation: ArrayLike | None = None,
+        *,
+        q0: ArrayLike | None = None,
+        seed: int = 0,
+        options: IkOptions | None = None,
+    ) -> IkResult:
+        """A configuration inside the limits that brings the tip to a pose.
+
+        A target that cannot be reached gives `success` False and the closest configuration.
+        The same input gives the same answer. Self-motion is in the exact null space: it moves the
+        tip by less than 1e-6 m.
+
+        Args:
+            position: (3,) in m, base frame.
+            orientation: (4,) w, x, y, z; None leaves it free.
+            q0: configuration (joints,) where the search starts, moved inside the limits; by default
+                the options' `posture`, else the middle of the joints' ranges.
+            seed: seed of the random number generator of the restarts.
+            options: tolerances, free axes, preferred posture and budget.
+
+        Raises:
+            InvalidInput: if an argument is out of its range, or two contradict each other.
+        """
+        return inverse_kinematics.solve_one(
+            self._chain, position, orientation, q0=q0, seed=seed, options=options
+        )
+
+    def inverse_kinematics_batch(
+        self,
+        positions: ArrayLike,
+        orientations: ArrayLike | None = None,
+        *,
+        q0: ArrayLike | None = None,
+        threads: int = 1,
+        seed: int = 0,
+        options: IkOptions | None = None,
+    ) -> IkBatch:
+        """Configurations for many poses at once, each as by `inverse_kinematics`.
+
+        Args:
+            positions: (m, 3) in m, base frame.
+            orientations: (m, 4) w, x, y, z; None leaves them free.
+            q0: configurations (m, joints) where the searches start, or (joints,) for all of them;
+                by default the options' `posture`, else the middle of the joints' ranges.
+            threads: number of threads, 1 to 256; does not change the answer.
+            seed: seed of the random number generator of the restarts.
+            options: tolerances, free axes, preferred posture for all poses, and budget for each.
+
+        Returns:
+            One row per pose.
+
+        Raises:
+            InvalidInput: if an argument is out of its range, or two contradict each other.
+        """
+        return inverse_kinematics.solve_batch(
+            self._chain, positions, orientations, q0=q0, threads=threads, seed=seed, options=options
+        )
+
+    def inverse_kinematics_all(
+        self,
+        position: ArrayLike,
+        orientation: ArrayLike | None = None,
+        *,
+        count: int = 8,
+        separation: float = 0.1,
+        q0: ArrayLike | None = None,
+        seed: int = 0,
+        options: IkOptions | None = None,
+    ) -> IkBatch:
+        """Distinct configurations that reach a pose, the one nearest to the posture first.
+
+        Those of a redundant arm are first moved in the null space as near to the options'
+        `posture`, by default `q0`, as the task lets them. The search uses its whole budget.
+
+        Args:
+            position: (3,) in m, base frame.
+            orientation: (4,) w, x, y, z; None leaves it free.
+            count: number of configurations to return at most, 1 to 64.
+            separation: two configurations are distinct if a joint differs by more than this, in
+                rad (whole turns left out) or m, > 0.
+            q0: configuration (joints,) where the search starts; by default the options' `posture`,
+                else the middle of the joints' ranges.
+            seed: seed of the random number generator of the restarts.
+            options: tolerances, free axes, posture and budget of the whole search; its `mode` does
+                not count.
+
+        Returns:
+            One row per configuration; none where no solution was found.
+
+        Raises:
+            InvalidInput: if an argument is out of its range.
+        """
+        return inverse_kinematics.solve_all(
+            self._chain,
+            position,
+            orientation,
+            count=count,
+            separation=separation,
+            q0=q0,
+            seed=seed,
+            options=options,
+        )
+
+    def follow(
+        self,
+        motion: Trajectory | PoseTrajectory,
+        *,
+        q0: ArrayLike | None = None,
+        on_rate_limit: OnRateLimit = "slow",
+        deviation: tuple[ArrayLike, ArrayLike] | None = None,
+        options: FollowOptions | None = None,
+        scene: SceneLike | None = None,
+    ) -> JointTrajectory:
+        """Joint positions and velocities that take the tip along a motion without a jump.
+
+        There is one sample for each of the motion's, with its events. Velocities are the time
+        differences of the positions (second order). Accelerations are left to the time law.
+
+        Args:
+            motion: poses, or points in 3-D that leave the orientation free.
+            q0: configuration (joints,) where the search for the first sample's posture starts.
+                Without it, and without a posture to stay near to, several postures are followed
+                ahead, and the best one is chosen.
+            on_rate_limit: what to do where the arm's velocity and acceleration limits are too low
+                for the motion's pace, as beside a singularity.
+                "slow": stretch the times just there; the path is kept.
+                "deviate": let the tip fall behind by at most `deviation` and catch up; the times
+                are kept.
+                "raise": raise IkFailure with the status "too_fast".
+                "exceed_limits": keep path and times and exceed the limits, for a time law such as
+                `retime` or `scale_to_limits` to slow the motion down.
+                Except with "exceed_limits" the arm starts and ends at rest, and acceleration
+                limits that are not known don't count. Between samples the joints move straight.
+            deviation: the most that the tip may be away from a sample, (m, rad); required with
+                "deviate". With a scene the tip leaves its path by no more than that, but at its
+                ends not at all, where the arm has no room otherwise. Then each of the two may be
+                0, three numbers along and about the axes of the sample's frame, or matrices
+                (n, 3, 3), in m^2 and the base frame and in rad^2 and the sample's, such as four
+                times covariances for two standard deviations. It is an ellipsoid: of lengths and
+                angles together, the squares of the fractions used add up to 1 at the most.
+                `path_report` reports the tip's errors.
+            options: preferred posture, free axes, tolerances and the largest step of a joint.
+            scene: obstacles that the whole arm keeps clear of, between samples too, and then of
+                itself as well, by the scene's margins and 0.2 mm more, so that the answer passes
+                `check` with the same scene. The tip stays on its path, but for `deviation`: what
+                the task leaves free, such as the elbow, goes around. Where the arm is clear anyway,
+                the answer is the one without a scene. Only with "slow" and "exceed_limits".
+
+        Raises:
+            InvalidInput: if an argument is out of its range, or the motion isn't of poses or
+                points in 3-D.
+            IkFailure: if a sample is not reached. It carries the first such sample's index and a
+                status: one of IkResult's; "jump" where the pose can be reached, but not from the
+                sample before; "too_fast"; or "blocked" where there is no room for the arm, with
+                the bodies that leave none.
+            InvalidRobot: if there is a scene and the robot has no collision geometry, or a mesh
+                is missing or flat.
+            LimitsInfeasible: if a joint has to move whose limits are zero; with "slow" only.
+
+        Source: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for the slowing.
+        """
+        return following.follow_reachable(
+            self,
+            motion,
+            q0=q0,
+            on_rate_limit=on_rate_limit,
+            deviation=deviation,
+            options=options,
+            scene=scene,
+        )
+
+    def path_report(
+        self,
+        trajectory: JointTrajectory,
+        motion: Trajectory | PoseTrajectory,
+        *,
+        position_tolerance: float = 1e-4,
+        orientation_tolerance: float = 1e-3,
+    ) -> PathReport:
+        """How each sample of joints keeps to the motion's sample and to the arm's limits.
+
+        A violation is reported, never raised. The times of the two may differ.
+
+        Args:
+            trajectory: the joints, one sample for each of the motion's.
+            motion: the poses, or points in 3-D, that the tip was to follow.
+            position_tolerance: the largest error in m for the verdict `ok`, > 0.
+            orientation_tolerance: the largest error in rad for the verdict `ok`, > 0.
+
+        Raises:
+            InvalidInput: if an argument has another type or number of samples, or a tolerance is
+                not positive.
+        """
+        return path_report(
+            self._chain,
+            self.limits,
+            trajectory,
+            motion,
+            position_tolerance=position_tolerance,
+            orientation_tolerance=orientation_tolerance,
+        )
+
+    def joints_of(self, trajectory: Motion) -> JointTrajectory:
+        """The arm's own joints of a recording, found by name and in the arm's order.
+
+        Args:
+            trajectory: a JointTrajectory. It may have other joints as well, such as a gripper's.
+                Names may end in ".pos", as LeRobot's do. Without names it has just the arm's
+                joints, in the arm's order. Where a joint
+                without limits leaps by more than half a turn between two samples, as encoders do
+                at a whole turn, it is made continuous.
+
+        Raises:
+            InvalidInput: for another kind of motion, or if one of the arm's joints is missing.
+        """
+        return recorded_joints.joints_of(self._chain, trajectory)
+
+    def poses(self, trajectory: Motion) -> PoseTrajectory:
+        """The poses that the tip goes through, with the recording's times, events and joints.
+
+        `follow` is the way back, in the posture of the joints.
+
+        Args:
+            trajectory: the joints, as `joints_of` takes them.
+
+        Raises:
+            InvalidInput: for another kind of motion, if one of the arm's joints is missing, or if
+                one goes so far beyond its limits that it cannot be in rad.
+        """
+        return recorded_joints.poses(self._chain, trajectory)
+
+    @overload
+    def distance(self, q: Sequence[float], scene: SceneLike, *, threads: int = 1) -> float: ...
+    @overload
+    def distance(
+        self, q: Sequence[Sequence[float]], scene: SceneLike, *, threads: int = 1
+    ) -> Float64Array: ...
+    @overload
+    def distance(
+        self, q: ArrayLike, scene: SceneLike, *, threads: int = 1
+    ) -> float | Float64Array: ...
+    def distance(self, q: ArrayLike, scene: SceneLike, *, threads: int = 1) -> float | Float64Array:
+        """Minimum distance, m, between obstacles and the arm's moving links.
+
+        Where they overlap it is the depth of the overlap, negative; without obstacles it is
+        infinite.
+
+        Args:
+            q: configuration (joints,) or a batch (m, joints).
+            scene: the obstacles, as a `Scene` or a list of shapes; the margins are not used.
+            threads: number of threads, 1 to 256; does not change the answer.
+
+        Returns:
+            A number, or (m,) for a batch.
+
+        Raises:
+            InvalidInput: if q has another shape or is not finite, or an obstacle is not a shape.
+            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
+            MissingDependency: if a mesh's format needs a package that is not installed.
+        """
+        return collision.distance(self._collision, self._chain, q, scene, threads)
+
+    @overload
+    def self_distance(self, q: Sequence[float], *, threads: int = 1) -> float: ...
+    @overload
+    def self_distance(self, q: Sequence[Sequence[float]], *, threads: int = 1) -> Float64Array: ...
+    @overload
+    def self_distance(self, q: ArrayLike, *, threads: int = 1) -> float | Float64Array: ...
+    def self_distance(self, q: ArrayLike, *, threads: int = 1) -> float | Float64Array:
+        """Smallest distance in m between parts of the arm, or of the robot; see `distance`.
+
+        `collision_pairs` tells which parts are compared.
+
+        Args:
+            q: configuration (joints,) or a batch (m, joints).
+            threads: number of threads, 1 to 256; does not change the answer.
+
+        Returns:
+            A number, or (m,) for a batch.
+
+        Raises:
+            InvalidInput: if q has another shape or is not finite.
+            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
+            MissingDependency: if a mesh's format needs a package that is not installed.
+        """
+        return collision.self_distance(self._collision, self._chain, q, threads)
+
+    @overload
+    def is_clear(self, q: Sequence[float], scene: SceneLike = ...) -> bool: ...
+    @overload
+    def is_clear(self, q: ArrayLike, scene: SceneLike = ...) -> bool | NDArray[np.bool_]: ...
+    def is_clear(self, q: ArrayLike, scene: SceneLike = ()) -> bool | NDArray[np.bool_]:
+        """Whether the whole arm keeps the margins of a scene; quicker than distances.
+
+        Args:
+            q: configuration (joints,) or a batch (m, joints).
+            scene: the obstacles and margins; a list of shapes has the default margins.
+
+        Returns:
+            One answer, or (m,) for a batch.
+
+        Raises:
+            InvalidInput: if q has another shape or is not finite, or the scene is malformed.
+            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
+            MissingDependency: if a mesh's format needs a package that is not installed.
+        """
+        return collision.is_clear(self._collision, self._chain, q, scene)
+
+    def check(
+        self,
+        trajectory: JointTrajectory | ArrayLike,
+        scene: SceneLike = (),
+        *,
+        tolerance: float = 1e-3,
+        threads: int = 1,
+    ) -> CollisionReport:
+        """Whether the whole arm keeps the margins of a scene, between samples as well.
+
+        Between samples the joints move straight, all in proportion. A hit is reported, never
+        raised.
+
+        Args:
+            trajectory: joints, or configurations (m, joints), m > 0.
+            scene: the obstacles and margins; a list of shapes has the default margins.
+            tolerance: in m, >= 1e-6; a hit between samples that is deeper than this isn't missed.
+            threads: number of threads, 1 to 256; does not change the answer.
+
+        Raises:
+            InvalidInput: if the joints are not the arm's, the scene is malformed, a number is out
+                of its range, or two samples are too far apart to be checked to the tolerance.
+            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
+            MissingDependency: if a mesh's format needs a package that is not installed.
+
+        Source: Mirtich 1996.
+        """
+        return collision.check_motion(
+            self._collision,
+            self._chain,
+            trajectory,
+            scene,
+            tolerance=tolerance,
+            threads=threads,
+        )
+
+    @property
+    def collision_pairs(self) -> CollisionPairs:
+        """Which bodies are checked against each other, and why others are not.
+
+        Raises:
+            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
+            MissingDependency: if a mesh's format needs a package that is not installed.
+        """
+        return collision.pairs_of(self._collision)
+
 
 def check_arm(arm: object) -> None:
-    """Refuses what is no arm, such as the name of one."""
+    """Raises InvalidInput unless `arm` is an Arm."""
     if not isinstance(arm, Arm):
         raise InvalidInput(f"arm: expected an Arm, got {arm!r}; in Python, lt.Arm.load loads one")

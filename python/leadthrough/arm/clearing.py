@@ -14,8 +14,8 @@ from functools import cached_property
 import numpy as np
 
 from leadthrough import _core
-from leadthrough.arm.options import all_axes, free_axes
-from leadthrough.arm.tracks import TipPath
+from leadthrough.arm.inverse_kinematics import all_axes, free_axes
+from leadthrough.arm.tip_path import TipPath
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
 from leadthrough.shapes import Scene, compiled
@@ -29,7 +29,7 @@ _TOUCHING = 2e-6
 # m: with this margin, no two parts of an arm count as too near.
 _ANY_OVERLAP = -10.0
 # What the compiled core has.
-_MOST_SEARCHES = 3
+_MAX_ATTEMPTS = 3
 # Bodies that are named where there is no room.
 _NAMED = 3
 
@@ -40,7 +40,7 @@ class CollisionTest:
 
     model: _core.CollisionModel  # the arm's own shapes
     scene: Scene  # with the margins to keep
-    searches: int = _MOST_SEARCHES
+    max_attempts: int = _MAX_ATTEMPTS
 
     def clear_along(self, q: Float64Array) -> bool:
         """Whether straight motions from row to row of q (n, joints) keep the margins."""
@@ -109,7 +109,7 @@ def _clear_path(
         scene.self_collision_margin,
         tolerance,
         path.tube,
-        _MOST_SEARCHES if around is None else around.searches,
+        _MAX_ATTEMPTS if around is None else around.max_attempts,
     )
     if len(q):
         return q

@@ -8,188 +8,133 @@ never come near each other or that always touch are left out; see `Arm.collision
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import cached_property
-from typing import overload
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import _core, check
-from leadthrough.arm.collision_report import Approach, Clearance, CollisionPairs, CollisionReport
-from leadthrough.arm.definition import ArmDefinition
-from leadthrough.arm.joint_rows import joint_rows
-from leadthrough.arm.meshes import hull_vertices
-from leadthrough.arm.reachable import look_at_obstacles
+from leadthrough import _core, check, plausible
+from leadthrough.arm.kinematics import joint_rows
+from leadthrough.arm.robot_files import hull_vertices
 from leadthrough.check import Float64Array
+from leadthrough.drawing import palette
+from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing.panels import Line, Panel
 from leadthrough.errors import InvalidInput, InvalidRobot
 from leadthrough.motion import JointTrajectory
-from leadthrough.shapes import SceneLike, Shape, as_scene, compiled
+from leadthrough.repr import ShortRepr
+from leadthrough.shapes import Box, SceneLike, Shape, as_scene, compiled
 
 _FINEST_TOLERANCE = 1e-6  # m; distances are exact to 1e-7
 # Steps of a check between two samples: more would take minutes.
-_MOST_STEPS = 1e6
+_MAX_STEPS = 1e6
+# An obstacle this many reaches away is not meant: it is in mm.
+_IMPLAUSIBLE = 20.0
 
 # Of the core: sample, two bodies, distance, two points.
 _Found = tuple[float, int, int, float, Float64Array, Float64Array]
 
 
-class ArmCollision(ArmDefinition):
-    """The methods of an `Arm` that tell what it touches."""
+def collision_model(
+    robot: _core.Robot,
+    chain: _core.Chain,
+    ends: tuple[str, str],
+    mesh_folders: Sequence[str],
+    attached: Sequence[Shape],
+) -> _core.CollisionModel:
+    """The shapes of the robot and the pairs worth a check; some 10 ms to choose them."""
+    meshes = [hull_vertices(*mesh, mesh_folders) for mesh in robot.meshes]
+    model = _core.CollisionModel(robot, chain, *ends, meshes, compiled(attached))
+    if not model.bodies:
+        raise InvalidRobot("robot", "no link has collision geometry, so nothing can be checked")
+    return model
 
-    @overload
-    def distance(self, q: Sequence[float], scene: SceneLike, *, threads: int = 1) -> float: ...
-    @overload
-    def distance(
-        self, q: Sequence[Sequence[float]], scene: SceneLike, *, threads: int = 1
-    ) -> Float64Array: ...
-    @overload
-    def distance(
-        self, q: ArrayLike, scene: SceneLike, *, threads: int = 1
-    ) -> float | Float64Array: ...
-    def distance(self, q: ArrayLike, scene: SceneLike, *, threads: int = 1) -> float | Float64Array:
-        """Minimum distance, m, between obstacles and the arm's moving links.
 
-        Where they overlap it is the depth of the overlap, negative; without obstacles it is
-        infinite.
+def distance(
+    model: _core.CollisionModel,
+    chain: _core.Chain,
+    q: ArrayLike,
+    scene: SceneLike,
+    threads: int,
+) -> float | Float64Array:
+    """See `Arm.distance`."""
+    return _nearest(chain, q, _against(model, chain, as_scene(scene).shapes), threads)
 
-        Args:
-            q: configuration (joints,) or a batch (m, joints).
-            scene: the obstacles, as a `Scene` or a list of shapes; the margins are not used.
-            threads: number of threads, 1 to 256; does not change the answer.
 
-        Returns:
-            A number, or (m,) for a batch.
+def self_distance(
+    model: _core.CollisionModel, chain: _core.Chain, q: ArrayLike, threads: int
+) -> float | Float64Array:
+    """See `Arm.self_distance`."""
+    return _nearest(chain, q, _core.itself(model), threads)
 
-        Raises:
-            InvalidInput: if q has another shape or is not finite, or an obstacle is not a shape.
-            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
-            MissingDependency: if a mesh's format needs a package that is not installed.
-        """
-        return self._nearest(q, self._against(as_scene(scene).shapes), threads)
 
-    @overload
-    def self_distance(self, q: Sequence[float], *, threads: int = 1) -> float: ...
-    @overload
-    def self_distance(self, q: Sequence[Sequence[float]], *, threads: int = 1) -> Float64Array: ...
-    @overload
-    def self_distance(self, q: ArrayLike, *, threads: int = 1) -> float | Float64Array: ...
-    def self_distance(self, q: ArrayLike, *, threads: int = 1) -> float | Float64Array:
-        """Smallest distance in m between parts of the arm, or of the robot; see `distance`.
+def is_clear(
+    model: _core.CollisionModel, chain: _core.Chain, q: ArrayLike, scene: SceneLike
+) -> bool | NDArray[np.bool_]:
+    """See `Arm.is_clear`."""
+    batch, (rows,) = joint_rows(chain, q=q)
+    around = as_scene(scene)
+    margins = around.margin, around.self_collision_margin
+    clear = _core.clear_batch(model, compiled(around.shapes), rows, *margins)
+    return np.array(clear) if batch else clear[0]
 
-        `collision_pairs` tells which parts are compared.
 
-        Args:
-            q: configuration (joints,) or a batch (m, joints).
-            threads: number of threads, 1 to 256; does not change the answer.
+def check_motion(
+    model: _core.CollisionModel,
+    chain: _core.Chain,
+    trajectory: JointTrajectory | ArrayLike,
+    scene: SceneLike,
+    *,
+    tolerance: float,
+    threads: int,
+) -> CollisionReport:
+    """See `Arm.check`."""
+    q, times = _configurations(trajectory, tuple(chain.joint_names))
+    around = as_scene(scene)
+    pairs = (_against(model, chain, around.shapes), _core.itself(model))
+    margins = (around.margin, around.self_collision_margin)
+    exact = check.number(tolerance, "tolerance", at_least=_FINEST_TOLERANCE)
+    count = check.integer(threads, "threads", at_least=1, at_most=256)
+    _require_short_steps(pairs, q, exact)
+    from_obstacles, from_itself = (
+        _clearance(each, margin, times, _core.check_motion(each, q, margin, exact, count))
+        for each, margin in zip(pairs, margins, strict=True)
+    )
+    return CollisionReport(from_obstacles, from_itself, tolerance=exact)
 
-        Returns:
-            A number, or (m,) for a batch.
 
-        Raises:
-            InvalidInput: if q has another shape or is not finite.
-            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
-            MissingDependency: if a mesh's format needs a package that is not installed.
-        """
-        return self._nearest(q, _core.itself(self._collision), threads)
+def pairs_of(model: _core.CollisionModel) -> CollisionPairs:
+    """See `Arm.collision_pairs`."""
+    return CollisionPairs(tuple(model.pairs), {(a, b): why for a, b, why in model.left_out})
 
-    @overload
-    def is_clear(self, q: Sequence[float], scene: SceneLike = ...) -> bool: ...
-    @overload
-    def is_clear(self, q: ArrayLike, scene: SceneLike = ...) -> bool | NDArray[np.bool_]: ...
-    def is_clear(self, q: ArrayLike, scene: SceneLike = ()) -> bool | NDArray[np.bool_]:
-        """Whether the whole arm keeps the margins of a scene; quicker than distances.
 
-        Args:
-            q: configuration (joints,) or a batch (m, joints).
-            scene: the obstacles and margins; a list of shapes has the default margins.
+def _against(
+    model: _core.CollisionModel, chain: _core.Chain, shapes: Sequence[Shape]
+) -> _core.CollisionScene:
+    _warn_of_far_obstacles(chain.reach, shapes)
+    return _core.against(model, compiled(shapes))
 
-        Returns:
-            One answer, or (m,) for a batch.
 
-        Raises:
-            InvalidInput: if q has another shape or is not finite, or the scene is malformed.
-            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
-            MissingDependency: if a mesh's format needs a package that is not installed.
-        """
-        batch, (rows,) = joint_rows(self._chain, q=q)
-        around = as_scene(scene)
-        margins = around.margin, around.self_collision_margin
-        clear = _core.clear_batch(self._collision, compiled(around.shapes), rows, *margins)
-        return np.array(clear) if batch else clear[0]
+def _warn_of_far_obstacles(reach: float, shapes: Sequence[Shape]) -> None:
+    """Warns of obstacles whose position or size does not go with an arm, as in mm."""
+    for i, shape in enumerate(shapes):
+        away = float(np.abs(shape.middle).max())
+        size = 0.0 if isinstance(shape, Box) else shape.bounding_radius
+        if max(away, size) > _IMPLAUSIBLE * reach > 0.0:
+            what = f"lies {away:.4g} m from the arm's base" if away > size else f"is {size:.4g} m"
+            plausible.warn(
+                f"obstacles[{i}]: {what}, and the arm reaches {reach:.3g} m; give positions and "
+                "sizes in m, not mm, in the arm's base frame"
+            )
 
-    def check(
-        self,
-        trajectory: JointTrajectory | ArrayLike,
-        scene: SceneLike = (),
-        *,
-        tolerance: float = 1e-3,
-        threads: int = 1,
-    ) -> CollisionReport:
-        """Whether the whole arm keeps the margins of a scene, between samples as well.
 
-        Between samples the joints move straight, all in proportion. A hit is reported, never
-        raised.
-
-        Args:
-            trajectory: joints, or configurations (m, joints), m > 0.
-            scene: the obstacles and margins; a list of shapes has the default margins.
-            tolerance: in m, >= 1e-6; a hit between samples that is deeper than this isn't missed.
-            threads: number of threads, 1 to 256; does not change the answer.
-
-        Raises:
-            InvalidInput: if the joints are not the arm's, the scene is malformed, a number is out
-                of its range, or two samples are too far apart to be checked to the tolerance.
-            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
-            MissingDependency: if a mesh's format needs a package that is not installed.
-
-        Source: Mirtich 1996.
-        """
-        q, times = _configurations(trajectory, self.joint_names)
-        around = as_scene(scene)
-        pairs = (self._against(around.shapes), _core.itself(self._collision))
-        exact = check.number(tolerance, "tolerance", at_least=_FINEST_TOLERANCE)
-        margins = (around.margin, around.self_collision_margin)
-        count = check.integer(threads, "threads", at_least=1, at_most=256)
-        _require_short_steps(pairs, q, exact)
-        from_obstacles, from_itself = (
-            _clearance(each, margin, times, _core.check_motion(each, q, margin, exact, count))
-            for each, margin in zip(pairs, margins, strict=True)
-        )
-        return CollisionReport(from_obstacles, from_itself, tolerance=exact)
-
-    @property
-    def collision_pairs(self) -> CollisionPairs:
-        """Which bodies are checked against each other, and why others are not.
-
-        Raises:
-            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
-            MissingDependency: if a mesh's format needs a package that is not installed.
-        """
-        model = self._collision
-        return CollisionPairs(tuple(model.pairs), {(a, b): why for a, b, why in model.left_out})
-
-    @cached_property
-    def _collision(self) -> _core.CollisionModel:
-        """The shapes of the robot and the pairs worth a check; some 10 ms to choose them."""
-        meshes = [hull_vertices(*mesh, self.mesh_folders) for mesh in self._robot.meshes]
-        model = _core.CollisionModel(
-            self._robot, self._chain, self.base, self.tip, meshes, compiled(self.attached)
-        )
-        if not model.bodies:
-            raise InvalidRobot("robot", "no link has collision geometry, so nothing can be checked")
-        return model
-
-    def _against(self, shapes: Sequence[Shape]) -> _core.CollisionScene:
-        look_at_obstacles(self, shapes)
-        return _core.against(self._collision, compiled(shapes))
-
-    def _nearest(
-        self, q: ArrayLike, pairs: _core.CollisionScene, threads: int
-    ) -> float | Float64Array:
-        batch, (rows,) = joint_rows(self._chain, q=q)
-        count = check.integer(threads, "threads", at_least=1, at_most=256)
-        found = _core.nearest_bodies(pairs, rows, count)[0]
-        return found if batch else float(found[0])
+def _nearest(
+    chain: _core.Chain, q: ArrayLike, pairs: _core.CollisionScene, threads: int
+) -> float | Float64Array:
+    batch, (rows,) = joint_rows(chain, q=q)
+    count = check.integer(threads, "threads", at_least=1, at_most=256)
+    distances = _core.nearest_bodies(pairs, rows, count)[0]
+    return distances if batch else float(distances[0])
 
 
 def _configurations(
@@ -216,7 +161,7 @@ def _require_short_steps(
     both: Iterable[_core.CollisionScene], q: Float64Array, tolerance: float
 ) -> None:
     step = max(_core.longest_step(pairs, q) for pairs in both)
-    if not step <= tolerance * _MOST_STEPS:
+    if not step <= tolerance * _MAX_STEPS:
         raise InvalidInput(
             f"trajectory: between two samples the arm may move by {step:.3g} m, too far to be "
             f"checked to {tolerance:g} m; take smaller steps or a larger tolerance"
@@ -246,3 +191,133 @@ def _approach(
     sample, a, b, gap, on_a, on_b = found
     time = None if times is None else float(np.interp(sample, np.arange(len(times)), times))
     return Approach(sample, time, (pairs.names[a], pairs.names[b]), gap, np.stack([on_a, on_b]))
+
+
+@dataclass(frozen=True, eq=False)
+class Approach(ShortRepr):
+    """Two bodies where they are nearest.
+
+    Attributes:
+        sample: index of a sample; with a fraction, between it and the next.
+        time: in s; None where the motion has no times.
+        bodies: links by name, "attached", or "obstacle" with its index.
+        distance: in m; the depth of the overlap, negative, where the bodies overlap.
+        points: (2, 3) in m, one point on each body, in the base frame.
+    """
+
+    sample: float
+    time: float | None
+    bodies: tuple[str, str]
+    distance: float
+    points: Float64Array
+
+    def __str__(self) -> str:
+        a, b = self.bodies
+        when = f"sample {self.sample:g}" if self.time is None else f"{self.time:.3f} s"
+        return f"{1e3 * self.distance:.1f} mm, {a} and {b} at {when}"
+
+
+@dataclass(frozen=True, eq=False)
+class Clearance(ShortRepr):
+    """How near the arm comes to obstacles, or to itself.
+
+    Attributes:
+        first: where something first comes nearer than `margin`; None where nothing does.
+        closest: the nearest approach of the whole motion, between samples as well; None where
+            nothing is checked.
+        distances: (m,) at the samples in m, infinite where nothing is checked.
+        margin: the distance to keep in m.
+    """
+
+    first: Approach | None
+    closest: Approach | None
+    distances: Float64Array
+    margin: float
+
+    @property
+    def minimum_distance(self) -> float:
+        """Distance of the closest approach in m; infinite where nothing is checked."""
+        return np.inf if self.closest is None else self.closest.distance
+
+
+@dataclass(frozen=True, eq=False)
+class CollisionReport(Drawn):
+    """What a check found; a motion that hits something is a finding, not an error.
+
+    The two clearances are apart because parts of an arm are near each other by design.
+
+    Attributes:
+        obstacles: clearance from obstacles.
+        itself: clearance between parts of the arm.
+        tolerance: in m. Anything nearer than the closest approach, or hit before the first hit, is
+            so by less than this.
+    """
+
+    obstacles: Clearance
+    itself: Clearance
+    tolerance: float
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing comes nearer than its margin; bodies that just touch are not nearer."""
+        return self.first is None
+
+    @property
+    def first(self) -> Approach | None:
+        """The first hit of both kinds; None where there is none."""
+        hits = [hit for hit in (self.obstacles.first, self.itself.first) if hit is not None]
+        return min(hits, key=lambda hit: hit.sample, default=None)
+
+    @property
+    def closest(self) -> Approach | None:
+        """The nearest approach of both kinds; None where nothing is checked."""
+        both = (self.obstacles, self.itself)
+        return min(both, key=lambda clearance: clearance.minimum_distance).closest
+
+    @property
+    def minimum_distance(self) -> float:
+        """Distance of the closest approach in m; infinite where nothing is checked."""
+        return min(self.obstacles.minimum_distance, self.itself.minimum_distance)
+
+    @property
+    def distances(self) -> Float64Array:
+        """The smaller distance (m,) of both kinds at the samples in m."""
+        return np.minimum(self.obstacles.distances, self.itself.distances)
+
+    def _repr_parts(self) -> list[str]:
+        return [f"ok={self.ok}", str(self)]
+
+    def _panels(self) -> list[Panel]:
+        lines = []
+        for name, each in (("obstacles", self.obstacles), ("itself", self.itself)):
+            if each.closest is not None:
+                samples = np.arange(len(each.distances), dtype=np.float64)
+                lines.append(Line(samples, each.distances, name))
+                margin = np.full(2, each.margin)
+                ends = samples[[0, -1]]
+                lines.append(Line(ends, margin, colour=palette.VERMILION, dashed=True))
+        if not lines:
+            raise InvalidInput("report: there was nothing to hit, so there is nothing to draw")
+        return [Panel("distance in m, margins dashed", lines, "sample")]
+
+    def __str__(self) -> str:
+        if self.closest is None:
+            return "clear: there is nothing to hit"
+        if self.first is None:
+            return f"clear by {self.closest}"
+        return f"hit: {self.first}; nearest: {self.closest}"
+
+
+@dataclass(frozen=True, eq=False)
+class CollisionPairs(ShortRepr):
+    """Which bodies of an arm are checked against each other, and why the others are not.
+
+    Attributes:
+        checked: pairs of names.
+        left_out: reason by pair: "adjacent", neighbours along the chain; "never", not within 5 cm
+            in 4000 configurations spread over the joints' ranges; "always", touching in all of
+            them.
+    """
+
+    checked: tuple[tuple[str, str], ...]
+    left_out: dict[tuple[str, str], str]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import textwrap
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -12,11 +13,15 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from leadthrough.arm.meshes import find_mesh
+from leadthrough.arm.link_poses import link_poses
+from leadthrough.arm.model import ArmModel
+from leadthrough.arm.robot_files import find_mesh
+from leadthrough.check import Float64Array
+from leadthrough.drawing import palette
+from leadthrough.drawing.panels import Dot, Line, Panel, bars, on_paper, triad
 
 if TYPE_CHECKING:
     from leadthrough import _core
-    from leadthrough.arm.arm import Arm
 
 # Quantities, with a heading that is no wider than its numbers, so that 80 columns do.
 _COLUMNS = {
@@ -34,7 +39,7 @@ The URDF states no acceleration or jerk. A limits file does; complete this one
 or let `leadthrough info --write-limits` write one with assumed values:"""
 
 
-def describe(arm: Arm) -> str:
+def describe(arm: ArmModel) -> str:
     """See `Arm.describe`."""
     parts = [_head(arm), _joints(arm), "\n".join(_carried(arm))]
     if arm.limits.acceleration is None or arm.limits.jerk is None:
@@ -42,7 +47,7 @@ def describe(arm: Arm) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _head(arm: Arm) -> str:
+def _head(arm: ArmModel) -> str:
     count = len(arm.joint_names)
     path = arm._robot.path(arm.base, arm.tip)
     slides = any(joint.kind == "prismatic" for joint in path)
@@ -56,7 +61,7 @@ def _head(arm: Arm) -> str:
     )
 
 
-def _joints(arm: Arm) -> str:
+def _joints(arm: ArmModel) -> str:
     table = Table(box=box.SIMPLE_HEAD, padding=0)
     table.add_column("joint")
     for heading in _COLUMNS.values():
@@ -76,7 +81,7 @@ def _mimicry(mimic: _core.Mimic) -> str:
     return f"= {mimic.multiplier:.4g} {mimic.joint} {mimic.offset:+.4g}"
 
 
-def _limits(arm: Arm, joint: _core.Joint) -> Iterator[str]:
+def _limits(arm: ArmModel, joint: _core.Joint) -> Iterator[str]:
     i = arm.joint_names.index(joint.name)
     for name in _COLUMNS:
         column = getattr(arm.limits, name)
@@ -95,7 +100,7 @@ def _unit(name: str, joint: _core.Joint, value: float) -> str:
     return " m" if joint.kind == "prismatic" else f" ({np.degrees(value):.4g})"
 
 
-def _carried(arm: Arm) -> Iterator[str]:
+def _carried(arm: ArmModel) -> Iterator[str]:
     outside = set(arm.held) - {joint.name for joint in arm._robot.path(arm.base, arm.tip)}
     if outside:
         yield "also held: " + ", ".join(
@@ -113,7 +118,7 @@ def _carried(arm: Arm) -> Iterator[str]:
         yield f"holds: {type(shape).__name__} at {_numbers(shape.position)} m in {arm.tip}"
 
 
-def _lacking(arm: Arm) -> Iterator[str]:
+def _lacking(arm: ArmModel) -> Iterator[str]:
     """What to do about collision meshes whose files are not there."""
     files = [file for _, file, _ in arm._robot.meshes]
     lost = [file for file in files if find_mesh(file, arm.mesh_folders) is None]
@@ -144,3 +149,112 @@ def _rendered(table: Table) -> str:
     text = io.StringIO()
     Console(file=text, width=_WIDEST, color_system=None).print(table)
     return "\n".join(line.rstrip() for line in text.getvalue().splitlines()).strip("\n")
+
+
+_UNBOUNDED = np.pi  # rad or m, drawn on both sides of a joint without limits
+_MAX_NAME = 18  # letters of a joint's name
+
+
+def panels(arm: ArmModel) -> list[Panel]:
+    """The arm seen obliquely, and the ranges of its joints."""
+    return [_links(arm), _ranges(arm)]
+
+
+def _links(arm: ArmModel) -> Panel:
+    q = arm._chain.middle
+    poses = link_poses(arm, q[None])
+    joints = arm._robot.path(arm.base, arm.tip)
+    links = [arm._robot.links.index(arm.base)]
+    for joint in joints:
+        links.append(joint.child if joint.parent == links[-1] else joint.parent)
+    at = np.stack([poses[arm._robot.links[link]][1][0] for link in links])
+    tip = arm._chain.forward_kinematics(q[None])[0]
+    way = on_paper(np.vstack([at, tip]))
+    extent = float(np.ptp(way, axis=0).max()) or 1.0
+    moving = [i for i, joint in enumerate(joints, 1) if joint.name in arm.joint_names]
+    dots = [_dot(way[i], "", palette.AMBER, 3.0) for i in moving]
+    axes, names = triad(way.min(axis=0) - [0.3 * extent, 0.0], 0.2 * extent)
+    link = Line(way[:, 0], way[:, 1], colour=palette.BLUE, width=4.0)
+    ends = [_dot(way[0], "base", palette.GREY, 5.0), _dot(way[-1], "tip", palette.GREEN, 3.0)]
+    title = f"{arm._robot.name}, reach at most {arm._chain.reach:.2f} m"
+    return Panel(title, [*axes, link], dots=[*names, *dots, *ends], equal=True)
+
+
+def _ranges(arm: ArmModel) -> Panel:
+    rows = []
+    for name, low, high in zip(arm.joint_names, arm.limits.lower, arm.limits.upper, strict=True):
+        called = name if len(name) <= _MAX_NAME else f"...{name[-_MAX_NAME:]}"
+        rows.append((called, _bounded(low, -_UNBOUNDED), _bounded(high, _UNBOUNDED)))
+    return bars(rows, title="ranges of the joints", x_label="rad (m)")
+
+
+def _dot(at: Float64Array, text: str, colour: str, radius: float) -> Dot:
+    return Dot(float(at[0]), float(at[1]), text, colour, radius)
+
+
+def _bounded(limit: float, instead: float) -> float:
+    return float(limit) if np.isfinite(limit) else instead
+
+
+_START = 0.5  # s from rest to the velocity limit
+_ONSET = 0.05  # s from rest to full acceleration
+_HIGHEST = 5.0  # rad/s^2
+_HIGHEST_PRISMATIC = 1.0  # m/s^2
+_HEAD = """\
+# Limits of {robot} from {base} to {tip}, in rad/s^2 and rad/s^3
+# (m/s^2 and m/s^3 for prismatic joints). The URDF states the others.
+# Assumed values are cautious for most arms; replace them with the maker's where
+# these are known.
+robot = {name}
+
+[sources]
+acceleration = "{acceleration}"
+jerk = "{jerk}"
+
+[joints]
+"""
+_GIVEN = "as given"
+_ASSUMED = {
+    "acceleration": f"assumed: full speed after {_START} s, at most {_HIGHEST:g} rad/s^2 "
+    f"({_HIGHEST_PRISMATIC:g} m/s^2); the URDF states none",
+    "jerk": f"assumed: full acceleration after {_ONSET} s; the URDF states none",
+}
+
+
+def limits_file(arm: ArmModel) -> str:
+    """The text of a limits file for the arm, whose comments state what is assumed."""
+    limits = arm.limits
+    acceleration = _acceleration(arm) if limits.acceleration is None else limits.acceleration
+    jerk = acceleration / _ONSET if limits.jerk is None else limits.jerk
+    head = _HEAD.format(
+        robot=arm._robot.name,
+        name=_quoted(arm._robot.name),
+        base=arm.base,
+        tip=arm.tip,
+        acceleration=_source(limits.acceleration, "acceleration"),
+        jerk=_source(limits.jerk, "jerk"),
+    )
+    rows = zip(arm.joint_names, acceleration.tolist(), jerk.tolist(), strict=True)
+    return head + "".join(
+        f"{_quoted(name)} = {{ acceleration = {most:.4g}, jerk = {onset:.4g} }}\n"
+        for name, most, onset in rows
+    )
+
+
+def _acceleration(arm: ArmModel) -> Float64Array:
+    prismatic = {
+        joint.name for joint in arm._robot.path(arm.base, arm.tip) if joint.kind == "prismatic"
+    }
+    highest = np.array(
+        [_HIGHEST_PRISMATIC if name in prismatic else _HIGHEST for name in arm.joint_names]
+    )
+    stated = np.where(arm.limits.velocity > 0.0, arm.limits.velocity, np.inf)
+    return np.asarray(np.minimum(stated / _START, highest))
+
+
+def _source(known: Float64Array | None, quantity: str) -> str:
+    return _ASSUMED[quantity] if known is None else _GIVEN
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)

@@ -1,199 +1,266 @@
-"""From motions of the tip to joint trajectories, and back."""
+"""Joint trajectories along a motion of the tip.
+
+The path is solved sample after sample, each from the one before, so the arm never jumps to
+another posture. Where its velocity and acceleration limits are too low for the motion's pace, as
+beside a singularity, one of three must yield: the limits, the times or the path.
+
+Sources: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for the slowing.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+from typing import get_args
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough.arm import follower, reachable, recorded
+from leadthrough import _core, check, events
 from leadthrough.arm.clearing import CollisionTest
-from leadthrough.arm.collision import ArmCollision
-from leadthrough.arm.follower import TooFast
-from leadthrough.arm.options import Axis
-from leadthrough.arm.path_report import PathReport, path_report
-from leadthrough.arm.tracks import TipPath
-from leadthrough.errors import InvalidInput
-from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
+from leadthrough.arm.ik_failure import failure, require_reachable
+from leadthrough.arm.inverse_kinematics import Axis, free_axes, tolerance
+from leadthrough.arm.limits import JointLimits, known_acceleration
+from leadthrough.arm.model import ArmModel
+from leadthrough.arm.recorded_joints import demonstrated_joints
+from leadthrough.arm.tip_path import TipPath, tube_around
+from leadthrough.arm.tracking import (
+    IN_TIME,
+    OnRateLimit,
+    Tracker,
+    axes_to_try,
+    best_track,
+    least_rotated,
+    starts,
+)
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput, LimitsInfeasible
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory, normalised_times
+from leadthrough.repr import ShortRepr
 from leadthrough.shapes import SceneLike, as_scene
 
+# Default rates, 1/s, of the motion in the null space: towards a posture, and along demonstrated
+# joints, which a slower one would trail behind.
+_RATE, _DEMONSTRATED_RATE = 1.0, 10.0
 
-class ArmFollowing(ArmCollision):
-    """The methods of an `Arm` that take its tip along a motion."""
 
-    def follow(
-        self,
-        motion: Trajectory | PoseTrajectory,
-        *,
-        seed: ArrayLike | None = None,
-        too_fast: TooFast = "slow",
-        deviation: tuple[ArrayLike, ArrayLike] | None = None,
-        max_step: float = 0.5,
-        posture: Motion | ArrayLike | None = None,
-        midrange: float | None = None,
-        free: Sequence[Axis] | None = None,
-        position_tolerance: float = 1e-5,
-        orientation_tolerance: float = 1e-5,
-        scene: SceneLike | None = None,
-    ) -> JointTrajectory:
-        """Joint positions and velocities that take the tip along a motion without a jump.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FollowOptions(ShortRepr):
+    """Options of `Arm.follow`, and of whatever follows a motion; make them once and pass them on.
 
-        There is one sample for each of the motion's, with its events. Velocities are the time
-        differences of the positions (second order). Accelerations are left to the time law.
+    Attributes:
+        posture: the configuration (joints,) towards which a redundant arm moves in its null space;
+            or a JointTrajectory, taken at the same fraction of its duration. By default the
+            motion's own `joints`, those that the arm was demonstrated with, if they are this arm's;
+            otherwise the middle of the joints' ranges. Without q0 the search starts where a
+            trajectory begins. Only where the motion's own joints lead to a dead end does the arm
+            start in another posture.
+        nullspace_gain: rate in 1/s, >= 0, of the motion towards `posture`; by default 1, and 10
+            towards the motion's own joints.
+        free: axes of the poses left free, as in `IkOptions`. By default none; an arm of fewer than
+            six joints that cannot follow frees as many rotations as it lacks joints, about the axes
+            of the tip that give the smallest orientation error. `path_report` reports the error.
+            Only with "slow" and "exceed_limits".
+        max_step: the most that a joint may move between two samples, rad or m, > 0; a larger step
+            is a jump.
+        position_tolerance: error in m that counts as reached, > 0. All samples but those beside a
+            singularity come ten times closer.
+        orientation_tolerance: error in rad that counts as reached, > 0; the same holds.
 
-        Args:
-            motion: poses, or points in 3-D that leave the orientation free.
-            seed: configuration (joints,) where the search for the first sample's posture starts.
-                Without it, and without a posture to stay near to, several postures are followed
-                ahead, and the best one is kept.
-            too_fast: what to do where the arm's velocity and acceleration limits are too low for
-                the motion's pace, as beside a singularity.
-                "slow": stretch the times just there; the path is kept.
-                "deviate": let the tip fall behind by at most `deviation` and catch up; the times
-                are kept.
-                "raise": raise IkFailure with the status "too_fast".
-                "exceed_limits": keep path and times and exceed the limits, for a time law such as
-                `retime` or `scale_to_limits` to slow the motion down.
-                Except with "exceed_limits" the arm starts and ends at rest, and acceleration
-                limits that are not known don't count. Between samples the joints move straight.
-            deviation: the most that the tip may be away from a sample, (m, rad); required with
-                "deviate". With obstacles the tip leaves its path by no more than that, but at its
-                ends not at all, where the arm has no room otherwise. Then each of the two may be
-                0, three numbers along and about the axes of the sample's frame, or matrices
-                (n, 3, 3), in m^2 and the base frame and in rad^2 and the sample's, such as four
-                times covariances for two standard deviations. It is an ellipsoid: of lengths and
-                angles together, the squares of the fractions used add up to 1 at the most.
-                `path_report` tells how far the tip is off.
-            max_step: the most that a joint may move between two samples, rad or m, > 0; a larger
-                step is a jump.
-            posture: the configuration (joints,) towards which a redundant arm moves in its null
-                space; or a JointTrajectory, taken at the same fraction of its duration. By default
-                the motion's own `joints`, those that the arm was shown with, if they are this
-                arm's; otherwise the middle of the joints' ranges. Without a seed the search starts
-                where a trajectory begins. Only where the motion's own joints lead to a dead end
-                does the arm start in another posture.
-            midrange: rate in 1/s, >= 0, of the motion towards `posture`; by default 1, and 10
-                towards the motion's own joints.
-            free: axes of the poses left free, as in `inverse_kinematics`. By default none; an arm
-                of fewer than six joints that cannot follow leaves as many rotations free as
-                it lacks joints, those about the axes of the tip by which it turns away least.
-                `path_report` tells how far. Only with "slow" and "exceed_limits".
-            position_tolerance: error in m that counts as reached, > 0. All samples but those
-                beside a singularity come ten times closer.
-            orientation_tolerance: error in rad that counts as reached, > 0; the same holds.
-            scene: obstacles that the whole arm keeps clear of, between samples too, and then of
-                itself as well, by the scene's margins and 0.2 mm more, so that the answer passes
-                `check` with the same scene. The tip stays on its path, but for `deviation`: what
-                the task leaves free, such as the elbow, goes around. Where the arm is clear anyway,
-                the answer is the one without a scene. Only with "slow" and "exceed_limits".
+    Raises:
+        InvalidInput: if an option is out of its range.
+    """
 
-        Raises:
-            InvalidInput: if an argument is out of its range, or the motion isn't of poses or
-                points in 3-D.
-            IkFailure: if a sample is not reached. It carries the first such sample's index and a
-                status: one of IkResult's; "jump" where the pose can be reached, but not from the
-                sample before; "too_fast"; or "blocked" where there is no room for the arm, with
-                the bodies that leave none.
-            InvalidRobot: if there is a scene and the robot has no collision geometry, or a mesh
-                is missing or flat.
-            LimitsInfeasible: if a joint has to move whose limits are zero; with "slow" only.
+    posture: Motion | ArrayLike | None = None
+    nullspace_gain: float | None = None
+    free: Collection[Axis] | None = None
+    max_step: float = 0.5
+    position_tolerance: float = 1e-5
+    orientation_tolerance: float = 1e-5
 
-        Source: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for the slowing.
-        """
-        tip = TipPath.of(motion)
-        at_start = None if seed is None else self._joints(seed, "seed")
-        shown = recorded.shown_joints(self._chain, motion)
-        ends = (None, None) if shown is None else tuple(shown.positions[[0, -1]])
-        reachable.require_reachable(
-            self,
-            tip,
-            free=free,
-            tolerances=(position_tolerance, orientation_tolerance),
-            near=(ends[0] if at_start is None else at_start, ends[1]),
+    def __post_init__(self) -> None:
+        if self.nullspace_gain is not None:
+            check.number(self.nullspace_gain, "nullspace_gain", at_least=0.0)
+        if self.free is not None:
+            free_axes(self.free)
+        check.number(self.max_step, "max_step", above=0.0)
+        tolerance(*self.tolerances)
+
+    @property
+    def tolerances(self) -> tuple[float, float]:
+        """Errors in m and rad that count as reached."""
+        return self.position_tolerance, self.orientation_tolerance
+
+
+def follow_reachable(
+    arm: ArmModel,
+    motion: Trajectory | PoseTrajectory,
+    *,
+    q0: ArrayLike | None,
+    on_rate_limit: OnRateLimit,
+    deviation: tuple[ArrayLike, ArrayLike] | None,
+    options: FollowOptions | None,
+    scene: SceneLike | None,
+) -> JointTrajectory:
+    """See `Arm.follow`; an unreachable motion is refused before its samples are solved."""
+    chosen = _checked(options)
+    path = TipPath.of(motion)
+    start = None if q0 is None else check.array(q0, "q0", shape=(arm._chain.joints,))
+    joints = demonstrated_joints(arm._chain, motion)
+    ends = (None, None) if joints is None else tuple(joints.positions[[0, -1]])
+    near = (ends[0] if start is None else start, ends[1])
+    require_reachable(arm, path, free=chosen.free, tolerances=chosen.tolerances, near=near)
+    if scene is not None and on_rate_limit in IN_TIME:
+        raise InvalidInput(
+            f"scene: not used together with on_rate_limit={on_rate_limit!r}; use 'slow' or "
+            "'exceed_limits'"
         )
-        return follower.follow(
-            self._chain,
-            motion,
-            limits=self.limits,
-            seed=at_start,
-            too_fast=too_fast,
-            deviation=deviation,
-            max_step=max_step,
-            posture=posture,
-            midrange=midrange,
-            free=free,
-            position_tolerance=position_tolerance,
-            orientation_tolerance=orientation_tolerance,
-            around=self._collision_test(scene, too_fast),
-        )
+    around = None
+    if scene is not None:
+        around = CollisionTest(arm._collision, as_scene(scene).for_planning())
+    return follow(
+        arm,
+        motion,
+        q0=start,
+        on_rate_limit=on_rate_limit,
+        deviation=deviation,
+        options=chosen,
+        around=around,
+    )
 
-    def _collision_test(self, scene: SceneLike | None, too_fast: TooFast) -> CollisionTest | None:
-        """The test of the planning margins; None without a scene."""
-        if scene is None:
-            return None
-        if too_fast in ("deviate", "raise"):
+
+def follow(
+    arm: ArmModel,
+    motion: Trajectory | PoseTrajectory,
+    *,
+    q0: Float64Array | None,
+    on_rate_limit: OnRateLimit = "slow",
+    deviation: tuple[ArrayLike, ArrayLike] | None = None,
+    options: FollowOptions,
+    around: CollisionTest | None = None,
+) -> JointTrajectory:
+    """Joints along a motion whose ends can be reached."""
+    chain, limits = arm._chain, arm.limits
+    tip = TipPath.of(motion)
+    joints = demonstrated_joints(chain, motion) if options.posture is None else None
+    preferred = options.posture if joints is None else joints
+    path = replace(tip, postures=_postures(chain, preferred, tip.times))
+    if around is not None and deviation is not None:
+        path = replace(path, tube=tube_around(path, deviation))
+    near = path.postures[0] if q0 is None and isinstance(preferred, JointTrajectory) else q0
+    tracker = Tracker(chain, path, limits, options.tolerances, options.max_step)
+    check.choice(on_rate_limit, "on_rate_limit", get_args(OnRateLimit))
+    in_time = on_rate_limit in IN_TIME
+    freedoms = axes_to_try(path, options.free, joints=chain.joints, in_time=in_time)
+    allowed = _deviation(deviation if around is None else None, on_rate_limit, options.tolerances)
+    default = _RATE if joints is None else _DEMONSTRATED_RATE
+    rate = default if options.nullspace_gain is None else options.nullspace_gain
+    tracks = []
+    for axes in freedoms:
+        freed = replace(tracker, path=replace(path, free=axes))
+        initial = starts(freed, near, rate, others=joints is not None and q0 is None)
+        tracks.append(best_track(freed, initial, on_rate_limit, allowed))
+        if tracks[-1].reached == len(path) and not axes:
+            break
+    track = least_rotated(chain, path, tracks)
+    q = track.q
+    if track.reached < len(path) or (around is not None and not around.clear_along(q)):
+        followed = replace(path, free=freedoms[tracks.index(track)])
+        # An arm of few joints goes around obstacles by turning its tip away.
+        ahead = replace(tracker, path=replace(path, free=followed.free or freedoms[-1]))
+        searched = None if in_time else ahead.searched(q0, around)
+        if searched is None:
+            status = "too_fast" if in_time else "jump"
+            raise failure(chain, limits, followed, track, on_the_way=status)
+        q = searched
+    times = slowed(chain, path.times, q, limits) if on_rate_limit == "slow" else path.times
+    velocities = velocities_of(times, q)
+    if on_rate_limit != "exceed_limits":
+        velocities[[0, -1]] = 0.0
+    return JointTrajectory(
+        times,
+        q,
+        velocities,
+        joint_names=tuple(chain.joint_names),
+        events=events.moved(motion.events, path.times, times),
+    )
+
+
+def _checked(options: FollowOptions | None) -> FollowOptions:
+    if options is None:
+        return FollowOptions()
+    if not isinstance(options, FollowOptions):
+        raise InvalidInput(f"options: expected FollowOptions, got {options!r}")
+    return options
+
+
+def slowed(
+    chain: _core.Chain, times: Float64Array, q: Float64Array, limits: JointLimits
+) -> Float64Array:
+    """The times, stretched where joints (n, joints) would exceed their rate limits."""
+    stretched, stuck = _core.slow_down(times, q, limits.velocity, known_acceleration(limits))
+    if stuck >= 0:
+        joint = chain.joint_names[stuck]
+        raise LimitsInfeasible(
+            f"{joint} has to move, but its velocity or acceleration limit is 0", joint=joint
+        )
+    return stretched
+
+
+def velocities_of(times: Float64Array, q: Float64Array) -> Float64Array:
+    """Time differences of joints (n, joints), of second order."""
+    if len(times) == 1:
+        return np.zeros_like(q)
+    return np.asarray(np.gradient(q, times, axis=0, edge_order=2 if len(times) > 2 else 1))
+
+
+def _postures(
+    chain: _core.Chain, posture: Motion | ArrayLike | None, times: Float64Array
+) -> Float64Array:
+    """The configuration (n, joints) that the arm should keep close to at each of the times."""
+    joints = len(chain.joint_names)
+    if not isinstance(posture, JointTrajectory):
+        if isinstance(posture, Motion):
             raise InvalidInput(
-                f"scene: not used together with too_fast={too_fast!r}; use 'slow' or "
-                "'exceed_limits'"
+                f"posture: expected joints or a JointTrajectory, got a {type(posture).__name__}"
             )
-        return CollisionTest(self._collision, as_scene(scene).for_planning())
-
-    def path_report(
-        self,
-        trajectory: JointTrajectory,
-        motion: Trajectory | PoseTrajectory,
-        *,
-        position_tolerance: float = 1e-4,
-        orientation_tolerance: float = 1e-3,
-    ) -> PathReport:
-        """How each sample of joints keeps to the motion's sample and to the arm's limits.
-
-        A violation is reported, never raised. The times of the two may differ.
-
-        Args:
-            trajectory: the joints, one sample for each of the motion's.
-            motion: the poses, or points in 3-D, that the tip was to follow.
-            position_tolerance: the largest error in m for the verdict `ok`, > 0.
-            orientation_tolerance: the largest error in rad for the verdict `ok`, > 0.
-
-        Raises:
-            InvalidInput: if an argument has another type or number of samples, or a tolerance is
-                not positive.
-        """
-        return path_report(
-            self._chain,
-            self.limits,
-            trajectory,
-            motion,
-            position_tolerance=position_tolerance,
-            orientation_tolerance=orientation_tolerance,
+        if posture is None:
+            with np.errstate(invalid="ignore"):  # without limits there is no middle
+                preferred = 0.5 * chain.lower + 0.5 * chain.upper
+        else:
+            preferred = check.array(posture, "posture", shape=(joints,))
+        return np.repeat(preferred[None], len(times), axis=0)
+    names = posture.joint_names
+    if posture.positions.shape[1] != joints or names not in ((), tuple(chain.joint_names)):
+        what = list(names) or posture.positions.shape[1]
+        raise InvalidInput(
+            f"posture: expected the joints {list(chain.joint_names)}, got {what}; "
+            "in Python, Arm.joints_of picks the arm's joints of a recording"
         )
+    at = posture.times[0] + normalised_times(times) * posture.duration
+    return np.column_stack([np.interp(at, posture.times, column) for column in posture.positions.T])
 
-    def joints_of(self, trajectory: Motion) -> JointTrajectory:
-        """The arm's own joints of a recording, found by name and in the arm's order.
 
-        Args:
-            trajectory: a JointTrajectory. It may have other joints as well, such as a gripper's.
-                Names may end in ".pos", as LeRobot's do. Without names it has just the arm's
-                joints, in the arm's order. Where a joint
-                without limits leaps by more than half a turn between two samples, as encoders do
-                at a whole turn, it is made continuous.
-
-        Raises:
-            InvalidInput: for another kind of motion, or if one of the arm's joints is missing.
-        """
-        return recorded.joints_of(self._chain, trajectory)
-
-    def poses(self, trajectory: Motion) -> PoseTrajectory:
-        """The poses that the tip goes through, with the recording's times, events and joints.
-
-        `follow` is the way back, in the posture of the joints.
-
-        Args:
-            trajectory: the joints, as `joints_of` takes them.
-
-        Raises:
-            InvalidInput: for another kind of motion, if one of the arm's joints is missing, or if
-                one goes so far beyond its limits that it cannot be in rad.
-        """
-        return recorded.poses(self._chain, trajectory)
+def _deviation(
+    deviation: tuple[ArrayLike, ArrayLike] | None,
+    on_rate_limit: OnRateLimit,
+    allowed: tuple[float, float],
+) -> tuple[float, float]:
+    """The most that the tip may be away from a sample, m and rad."""
+    if on_rate_limit != "deviate":
+        if deviation is not None:
+            raise InvalidInput(
+                "deviation: only used with a scene or with on_rate_limit='deviate'; remove it or "
+                "give one of the two"
+            )
+        return allowed
+    if deviation is None:
+        raise InvalidInput(
+            "deviation: expected the most that the tip may be away from the path, (m, rad), "
+            "got None"
+        )
+    position, orientation = check.array(deviation, "deviation", shape=(2,))
+    return (
+        check.number(position, "deviation in m", above=0.0),
+        check.number(orientation, "deviation in rad", above=0.0),
+    )

@@ -1,256 +1,401 @@
-"""Inverse kinematics of single poses and of batches of them."""
+"""Inverse kinematics of single poses and of batches of them: options, checks, solver, verdicts."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal, get_args
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import _core, check
-from leadthrough.arm.definition import ArmDefinition
-from leadthrough.arm.options import Axis, IkMode, ik_options
-from leadthrough.arm.results import IkBatch, IkResult, batch_of_results, one_result
-from leadthrough.arm.targets import many_poses, many_seeds, one_pose, require_position_axis
 from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr
+
+# Of the target's frame: along its axes, then about them.
+Axis = Literal["x", "y", "z", "rx", "ry", "rz"]
+AXES: tuple[Axis, ...] = get_args(Axis)
+
+IkMode = Literal["fastest", "closest"]
+_MODES = {"fastest": _core.IkMode.FASTEST, "closest": _core.IkMode.CLOSEST}
+IkStatus = Literal["converged", "unreachable", "limits", "budget"]
+# In the order of the core's codes.
+STATUSES: tuple[IkStatus, ...] = get_args(IkStatus)
+
+# Iterations and restarts of a search for one solution, and of one for all of them.
+_BUDGET, _BUDGET_OF_ALL = (2000, 100), (20_000, 1000)
+_MAX_COUNT = 10**9
+_FREE = np.empty(0)
+_FREE_ROWS = np.empty((0, 4))
+
+# The core's answer: the fields of IkResult with codes for the status and, one bit per joint, for
+# the limiting joints; and those of IkBatch.
+Answer = tuple[Float64Array, int, float, float, int, int]
+Columns = tuple[
+    Float64Array,
+    NDArray[np.int32],
+    Float64Array,
+    Float64Array,
+    NDArray[np.int32],
+    NDArray[np.bool_],
+]
 
 
-class ArmInverseKinematics(ArmDefinition):
-    """The methods of an `Arm` that find configurations for poses of its tip."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class IkOptions(ShortRepr):
+    """Options of inverse kinematics; make them once and pass them to each call.
 
-    def inverse_kinematics(
-        self,
-        position: ArrayLike,
-        orientation: ArrayLike | None = None,
-        *,
-        seed: ArrayLike | None = None,
-        position_tolerance: ArrayLike = 1e-6,
-        orientation_tolerance: ArrayLike = 1e-6,
-        free: Sequence[Axis] = (),
-        weights: ArrayLike | None = None,
-        mode: IkMode = "fastest",
-        reference: ArrayLike | None = None,
-        midrange: float = 0.0,
-        posture: ArrayLike | None = None,
-        max_iterations: int = 2000,
-        max_restarts: int = 100,
-        max_cpu_seconds: float | None = None,
-        random_seed: int = 0,
-    ) -> IkResult:
-        """A configuration inside the limits that brings the tip to a pose.
+    Attributes:
+        position_tolerance: in m, > 0, of the length of the error; or (3,), of its component along
+            each axis of the target's frame (of the base frame without orientation).
+        orientation_tolerance: in rad, > 0, of the angle; or (3,), about each of these axes.
+        free: axes left free, out of "x", "y", "z" and the rotations about them "rx", "ry", "rz",
+            in the same frame as the tolerances; by default none. With one free rotation the tool
+            may spin about that axis of its own, and only the tilt of the axis is an error; with
+            two, only the twist about the third is.
+        weights: (6,), > 0, cost of an error along and about each axis while the arm moves and
+            where a target cannot be reached. With weights of 1, 1 m costs as much as 1 / 0.3 rad.
+        mode: "fastest" returns the first solution; "closest", of all that the budget finds, the
+            one nearest to `posture`, moved nearer still in the null space.
+        posture: preferred configuration (joints,). In mode "fastest" a redundant arm moves towards
+            it in its null space, for example with its elbow up. In mode "closest", and where all
+            solutions are asked for, distances to it count, Euclidean, rad and m alike; by default
+            distances to `q0`.
+        nullspace_gain: fraction, 0 to 1, of the distance towards the middle of its ranges that a
+            redundant arm moves in its null space once the tip is on the target; at 0 it stays next
+            to `q0`. Not together with `posture` in mode "fastest".
+        max_iterations: budget of iterations of a search, the same on every machine; by default
+            2000, and 20,000 where all solutions are asked for.
+        max_restarts: budget of restarts from random configurations; by default 100, and 1000 where
+            all solutions are asked for.
+        max_cpu_seconds: CPU time of the calling thread, > 0, that ends the search as well; the
+            answer then depends on the machine.
 
-        A target that cannot be reached gives `success` False and the closest configuration found.
-        The same input gives the same answer. Self-motion is in the exact null space: it moves the
-        tip by less than 1e-6 m.
+    Raises:
+        InvalidInput: if an option is out of its range, or two contradict each other.
+    """
 
-        Args:
-            position: (3,) in m, base frame.
-            orientation: (4,) w, x, y, z; None leaves it free.
-            seed: configuration (joints,) where the search starts, moved inside the limits; by
-                default `reference` or `posture`, else the middle of the joints' ranges.
-            position_tolerance: in m, > 0, of the length of the error; or (3,), of its component
-                along each axis of the target's frame (of the base frame without orientation).
-            orientation_tolerance: in rad, > 0, of the angle; or (3,), about each of these axes.
-            free: axes left free, out of "x", "y", "z" and the rotations about them "rx", "ry",
-                "rz", in the same frame as the tolerances. With one free rotation the tool may spin
-                about that axis of its own, and only the tilt of the axis is an error; with two,
-                only the twist about the third is.
-            weights: (6,), > 0, cost of an error along and about each axis while the arm moves and
-                where a target cannot be reached. With weights of 1, 1 m costs as much as
-                1 / 0.3 rad.
-            mode: "fastest" returns the first solution found; "closest", of all that the budget
-                finds, the one nearest to `reference`, moved nearer still in the null space.
-            reference: configuration (joints,) for mode "closest", the seed by default. Distances
-                are Euclidean, rad and m alike.
-            midrange: fraction, 0 to 1, of the way towards the middle of its ranges that a
-                redundant arm moves in its null space once the tip is on the target; at 0 it stays
-                next to the seed.
-            posture: configuration (joints,) towards which a redundant arm moves in its null space
-                instead, for example with its elbow up.
-            max_iterations: budget of iterations, the same on every machine.
-            max_restarts: budget of restarts from random configurations.
-            max_cpu_seconds: CPU time of the calling thread, > 0, that ends the search as well; the
-                answer then depends on the machine.
-            random_seed: seed of the random number generator of the restarts.
+    position_tolerance: ArrayLike = 1e-6
+    orientation_tolerance: ArrayLike = 1e-6
+    free: Collection[Axis] | None = None
+    weights: ArrayLike | None = None
+    mode: IkMode = "fastest"
+    posture: ArrayLike | None = None
+    nullspace_gain: float = 0.0
+    max_iterations: int | None = None
+    max_restarts: int | None = None
+    max_cpu_seconds: float | None = None
 
-        Raises:
-            InvalidInput: if an argument is out of its range, or two contradict each other.
-        """
-        target = one_pose(position, orientation)
-        near, wished = self._wishes(reference, posture)
-        options = ik_options(
-            position_tolerance=position_tolerance,
-            orientation_tolerance=orientation_tolerance,
-            free=free,
-            weights=weights,
-            mode=mode,
-            reference=near,
-            midrange=midrange,
-            posture=wished,
-            max_iterations=max_iterations,
-            max_restarts=max_restarts,
-            max_cpu_seconds=max_cpu_seconds,
-            random_seed=random_seed,
-        )
-        require_position_axis(free, orientation)
-        start = self._start(seed, near, wished)
-        answer = _core.solve_ik(self._chain, *target, start, options)
-        return one_result(self.joint_names, answer)
-
-    def inverse_kinematics_batch(
-        self,
-        positions: ArrayLike,
-        orientations: ArrayLike | None = None,
-        *,
-        seeds: ArrayLike | None = None,
-        threads: int = 1,
-        position_tolerance: ArrayLike = 1e-6,
-        orientation_tolerance: ArrayLike = 1e-6,
-        free: Sequence[Axis] = (),
-        weights: ArrayLike | None = None,
-        mode: IkMode = "fastest",
-        reference: ArrayLike | None = None,
-        midrange: float = 0.0,
-        posture: ArrayLike | None = None,
-        max_iterations: int = 2000,
-        max_restarts: int = 100,
-        max_cpu_seconds: float | None = None,
-        random_seed: int = 0,
-    ) -> IkBatch:
-        """Configurations for many poses at once, each as by `inverse_kinematics`.
-
-        Args:
-            positions: (m, 3) in m, base frame.
-            orientations: (m, 4) w, x, y, z; None leaves them free.
-            seeds: configurations (m, joints) where the searches start, or (joints,) for all of
-                them; by default `reference` or `posture`, else the middle of the joints' ranges.
-            threads: number of threads, 1 to 256; does not change the answer.
-            position_tolerance: in m, or (3,), as in `inverse_kinematics`.
-            orientation_tolerance: in rad, or (3,), as there.
-            free: axes left free, as there.
-            weights: (6,) of the axes, as there.
-            mode: "fastest" or "closest", as there.
-            reference: (joints,) for mode "closest" and all poses; the seeds by default.
-            midrange: fraction of the way towards the middle of the ranges, as there.
-            posture: (joints,) towards which a redundant arm moves at all poses.
-            max_iterations: budget of iterations for each pose.
-            max_restarts: budget of restarts for each pose.
-            max_cpu_seconds: CPU time for each pose.
-            random_seed: seed of the random number generator of the restarts.
-
-        Returns:
-            One row per pose.
-
-        Raises:
-            InvalidInput: if an argument is out of its range, or two contradict each other.
-        """
-        targets = many_poses(positions, orientations)
-        near, wished = self._wishes(reference, posture)
-        options = ik_options(
-            position_tolerance=position_tolerance,
-            orientation_tolerance=orientation_tolerance,
-            free=free,
-            weights=weights,
-            mode=mode,
-            reference=near,
-            midrange=midrange,
-            posture=wished,
-            max_iterations=max_iterations,
-            max_restarts=max_restarts,
-            max_cpu_seconds=max_cpu_seconds,
-            random_seed=random_seed,
-        )
-        require_position_axis(free, orientations)
-        workers = check.integer(threads, "threads", at_least=1, at_most=256)
-        starts = many_seeds(seeds, len(targets[0]), default=self._start(None, near, wished))
-        columns = _core.solve_ik_batch(self._chain, *targets, starts, options, workers)
-        return batch_of_results(columns)
-
-    def inverse_kinematics_all(
-        self,
-        position: ArrayLike,
-        orientation: ArrayLike | None = None,
-        *,
-        count: int = 8,
-        separation: float = 0.1,
-        reference: ArrayLike | None = None,
-        seed: ArrayLike | None = None,
-        position_tolerance: ArrayLike = 1e-6,
-        orientation_tolerance: ArrayLike = 1e-6,
-        free: Sequence[Axis] = (),
-        weights: ArrayLike | None = None,
-        max_iterations: int = 20_000,
-        max_restarts: int = 1000,
-        max_cpu_seconds: float | None = None,
-        random_seed: int = 0,
-    ) -> IkBatch:
-        """Distinct configurations that reach a pose, the one nearest to `reference` first.
-
-        Those of a redundant arm are first moved in the null space as near to `reference` as the
-        task lets them. The search uses its whole budget.
-
-        Args:
-            position: (3,) in m, base frame.
-            orientation: (4,) w, x, y, z; None leaves it free.
-            count: number of configurations to return at most, 1 to 64.
-            separation: two configurations are distinct if a joint differs by more than this, in
-                rad (whole turns left out) or m, > 0.
-            reference: configuration (joints,) by whose distance they are sorted; the seed by
-                default.
-            seed: configuration (joints,) where the search starts; by default `reference`, else the
-                middle of the joints' ranges.
-            position_tolerance: in m, or (3,), as in `inverse_kinematics`.
-            orientation_tolerance: in rad, or (3,), as there.
-            free: axes left free, as there.
-            weights: (6,) of the axes, as there.
-            max_iterations: budget of iterations of the whole search.
-            max_restarts: budget of restarts of the whole search.
-            max_cpu_seconds: CPU time of the whole search, as there.
-            random_seed: seed of the random number generator of the restarts.
-
-        Returns:
-            One row per configuration; none where no solution was found.
-
-        Raises:
-            InvalidInput: if an argument is out of its range.
-        """
-        target = one_pose(position, orientation)
-        near, _ = self._wishes(reference, None)
-        options = ik_options(
-            position_tolerance=position_tolerance,
-            orientation_tolerance=orientation_tolerance,
-            free=free,
-            weights=weights,
-            mode="closest",
-            reference=near,
-            max_iterations=max_iterations,
-            max_restarts=max_restarts,
-            max_cpu_seconds=max_cpu_seconds,
-            random_seed=random_seed,
-        )
-        require_position_axis(free, orientation)
-        return batch_of_results(
-            _core.solve_ik_all(
-                self._chain,
-                *target,
-                self._start(seed, near, None),
-                options,
-                check.integer(count, "count", at_least=1, at_most=64),
-                check.number(separation, "separation", above=0.0),
+    def __post_init__(self) -> None:
+        check.choice(self.mode, "mode", tuple(_MODES))
+        if self.posture is not None and self.mode == "fastest" and self.nullspace_gain != 0:
+            raise InvalidInput(
+                "posture: not used together with nullspace_gain; remove one of the two"
             )
+        for name, size in (("posture", "joints"), ("weights", 6)):
+            if (value := getattr(self, name)) is not None:
+                object.__setattr__(self, name, check.frozen(value, name, shape=(size,)))
+        compiled(self, 0)
+        object.__setattr__(self, "free", tuple(self.free or ()))
+
+    def only_position(self) -> None:
+        """Check that a target without orientation leaves at least one axis to reach."""
+        if self.free and set(self.free) >= {"x", "y", "z"}:
+            raise InvalidInput(
+                "free: expected at least one of 'x', 'y', 'z' not to be free without an orientation"
+            )
+
+
+@lru_cache(maxsize=64)  # control loops ask with the same options
+def compiled(options: IkOptions, seed: int, *, find_all: bool = False) -> _core.IkOptions:
+    """The options as the core takes them."""
+    position, along = _tolerance(options.position_tolerance, "position_tolerance")
+    orientation, about = _tolerance(options.orientation_tolerance, "orientation_tolerance")
+    iterations, restarts = _BUDGET_OF_ALL if find_all else _BUDGET
+    iterations = iterations if options.max_iterations is None else options.max_iterations
+    restarts = restarts if options.max_restarts is None else options.max_restarts
+    closest = find_all or options.mode == "closest"
+    posture = None if options.posture is None else np.asarray(options.posture, dtype=np.float64)
+    seconds = math.inf
+    if options.max_cpu_seconds is not None:
+        seconds = check.number(options.max_cpu_seconds, "max_cpu_seconds", above=0.0)
+    return _core.IkOptions(
+        _core.IkTolerance(position, orientation),
+        _axes(options.free or (), (*along, *about), options.weights),
+        _MODES["closest" if closest else "fastest"],
+        posture if closest else None,
+        check.number(options.nullspace_gain, "nullspace_gain", at_least=0.0, at_most=1.0),
+        None if closest else posture,
+        check.integer(iterations, "max_iterations", at_least=1, at_most=_MAX_COUNT),
+        check.integer(restarts, "max_restarts", at_least=0, at_most=_MAX_COUNT),
+        seconds,
+        seed,
+    )
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class IkResult(ShortRepr):
+    """One solution, or the closest configuration found.
+
+    Attributes:
+        q: configuration (joints,) in rad (m for prismatic joints), inside the limits.
+        success: whether the status is "converged".
+        status: "converged"; "unreachable", the target lies beyond the arm's length, or every
+            attempt came to rest away from it; "limits", the same, but with joints pressed against
+            limits that bar the way; "budget", the iterations or the CPU time were used up.
+        position_error: distance from the target in m, without the axes left free.
+        orientation_error: angle from the target in rad, without the axes left free; 0 if the whole
+            orientation is free.
+        iterations: how many were used, over all restarts.
+        limiting_joints: with "limits", the joints that bar the way.
+    """
+
+    q: Float64Array
+    success: bool
+    status: IkStatus
+    position_error: float
+    orientation_error: float
+    iterations: int
+    limiting_joints: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class IkBatch(ShortRepr):
+    """Solutions of many targets, one row per target; the fields mean what those of IkResult mean.
+
+    Attributes:
+        q: (m, joints).
+        success: (m,).
+        status: (m,).
+        position_error: (m,) in m.
+        orientation_error: (m,) in rad.
+        iterations: (m,).
+        limiting_joints: (m, joints), true where a joint bars the way.
+    """
+
+    q: Float64Array
+    success: NDArray[np.bool_]
+    status: NDArray[np.str_]
+    position_error: Float64Array
+    orientation_error: Float64Array
+    iterations: NDArray[np.int32]
+    limiting_joints: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+
+_DEFAULTS = IkOptions()
+
+
+def solve_one(
+    chain: _core.Chain,
+    position: ArrayLike,
+    orientation: ArrayLike | None,
+    *,
+    q0: ArrayLike | None,
+    seed: int,
+    options: IkOptions | None,
+) -> IkResult:
+    """See `Arm.inverse_kinematics`."""
+    chosen = _checked(options, chain, orientation)
+    target = one_pose(position, orientation)
+    start = one_start(chain, q0, chosen.posture)
+    answer = _core.solve_ik(chain, *target, start, compiled(chosen, random_seed(seed)))
+    return one_result(tuple(chain.joint_names), answer)
+
+
+def solve_batch(
+    chain: _core.Chain,
+    positions: ArrayLike,
+    orientations: ArrayLike | None,
+    *,
+    q0: ArrayLike | None,
+    threads: int,
+    seed: int,
+    options: IkOptions | None,
+) -> IkBatch:
+    """See `Arm.inverse_kinematics_batch`."""
+    chosen = _checked(options, chain, orientations)
+    targets = many_poses(positions, orientations)
+    workers = check.integer(threads, "threads", at_least=1, at_most=256)
+    starts = many_starts(chain, q0, len(targets[0]), chosen.posture)
+    core_options = compiled(chosen, random_seed(seed))
+    return batch_of_results(_core.solve_ik_batch(chain, *targets, starts, core_options, workers))
+
+
+def solve_all(
+    chain: _core.Chain,
+    position: ArrayLike,
+    orientation: ArrayLike | None,
+    *,
+    count: int,
+    separation: float,
+    q0: ArrayLike | None,
+    seed: int,
+    options: IkOptions | None,
+) -> IkBatch:
+    """See `Arm.inverse_kinematics_all`."""
+    chosen = _checked(options, chain, orientation)
+    columns = _core.solve_ik_all(
+        chain,
+        *one_pose(position, orientation),
+        one_start(chain, q0, chosen.posture),
+        compiled(chosen, random_seed(seed), find_all=True),
+        check.integer(count, "count", at_least=1, at_most=64),
+        check.number(separation, "separation", above=0.0),
+    )
+    return batch_of_results(columns)
+
+
+def one_start(
+    chain: _core.Chain, q0: ArrayLike | None, posture: ArrayLike | None = None
+) -> Float64Array:
+    """The configuration that a search starts from: q0, else the posture, else the middle."""
+    if q0 is not None:
+        return check.array(q0, "q0", shape=(chain.joints,))
+    return chain.middle if posture is None else np.asarray(posture)
+
+
+def many_starts(
+    chain: _core.Chain, q0: ArrayLike | None, count: int, posture: ArrayLike | None = None
+) -> Float64Array:
+    """Configurations (count, joints) from as many rows of q0, or from one for all."""
+    if q0 is not None and np.ndim(q0) == 2:
+        return check.array(q0, "q0", shape=(count, chain.joints))
+    return np.tile(one_start(chain, q0, posture), (count, 1))
+
+
+def random_seed(seed: int) -> int:
+    """A checked seed of the random number generator."""
+    if np.ndim(seed) > 0:
+        raise InvalidInput(
+            "seed: expected an integer, the seed of the random number generator, got an array; "
+            "pass the configuration to start from as q0"
         )
+    return check.integer(seed, "seed", at_least=0, at_most=2**64 - 1)
 
-    def _wishes(
-        self, reference: ArrayLike | None, posture: ArrayLike | None
-    ) -> tuple[Float64Array | None, Float64Array | None]:
-        near = None if reference is None else self._joints(reference, "reference")
-        return near, None if posture is None else self._joints(posture, "posture")
 
-    def _start(
-        self, seed: ArrayLike | None, reference: Float64Array | None, posture: Float64Array | None
-    ) -> Float64Array:
-        """Where the search starts: at what the answer should be near to, unless a seed is given."""
-        if seed is not None:
-            return self._joints(seed, "seed")
-        if reference is not None:
-            return reference
-        return self._chain.middle if posture is None else posture
+def one_result(joint_names: tuple[str, ...], answer: Answer) -> IkResult:
+    """The core's answer to one target."""
+    q, status, position_error, orientation_error, iterations, bits = answer
+    barring: tuple[str, ...] = ()
+    if bits:
+        barring = tuple(name for i, name in enumerate(joint_names) if bits >> i & 1)
+    return IkResult(
+        q, status == 0, STATUSES[status], position_error, orientation_error, iterations, barring
+    )
+
+
+def batch_of_results(columns: Columns) -> IkBatch:
+    """The core's answer to many targets."""
+    q, codes, position_errors, orientation_errors, iterations, limiting = columns
+    statuses = np.array(STATUSES)[codes]
+    return IkBatch(
+        q, codes == 0, statuses, position_errors, orientation_errors, iterations, limiting
+    )
+
+
+def first_of(joint_names: tuple[str, ...], batch: IkBatch) -> IkResult:
+    """The first row of a batch as a result of its own."""
+    barring = zip(joint_names, batch.limiting_joints[0], strict=True)
+    return IkResult(
+        batch.q[0],
+        bool(batch.success[0]),
+        STATUSES[STATUSES.index(batch.status[0])],
+        float(batch.position_error[0]),
+        float(batch.orientation_error[0]),
+        int(batch.iterations[0]),
+        tuple(name for name, bars in barring if bars),
+    )
+
+
+def one_pose(
+    position: ArrayLike, orientation: ArrayLike | None
+) -> tuple[Float64Array, Float64Array]:
+    """A position (3,) and an orientation (4,), or (0,) where it is free."""
+    where = check.array(position, "position", shape=(3,))
+    if orientation is None:
+        return where, _FREE
+    return where, check.quaternions(orientation, "orientation", shape=(4,))
+
+
+def many_poses(
+    positions: ArrayLike, orientations: ArrayLike | None
+) -> tuple[Float64Array, Float64Array]:
+    """Positions (m, 3) and orientations (m, 4), or (0, 4) where they are free."""
+    where = check.array(positions, "positions", shape=("m", 3))
+    if orientations is None:
+        return where, _FREE_ROWS
+    return where, check.quaternions(orientations, "orientations", shape=(len(where), 4))
+
+
+def tolerance(position: float, orientation: float) -> _core.IkTolerance:
+    """Tolerances in m and rad."""
+    return _core.IkTolerance(
+        check.number(position, "position_tolerance", above=0.0),
+        check.number(orientation, "orientation_tolerance", above=0.0),
+    )
+
+
+def free_axes(free: Collection[Axis]) -> _core.IkAxes | None:
+    """The axes of a path along which each sample's are free, or None if none is."""
+    return _axes(free, [math.inf] * len(AXES), None)
+
+
+def all_axes(free: Collection[Axis]) -> _core.IkAxes:
+    """The same, given also where none is free: errors are then along each sample's axes."""
+    return _core.IkAxes([name in free for name in AXES], [math.inf] * len(AXES), np.ones(6))
+
+
+def _checked(
+    options: IkOptions | None, chain: _core.Chain, orientation: ArrayLike | None
+) -> IkOptions:
+    """The options, if they fit the arm and the target."""
+    if options is None:
+        return _DEFAULTS
+    if not isinstance(options, IkOptions):
+        raise InvalidInput(f"options: expected IkOptions, got {options!r}")
+    if options.posture is not None:
+        check.array(options.posture, "posture", shape=(chain.joints,))
+    if orientation is None:
+        options.only_position()
+    return options
+
+
+def _tolerance(value: ArrayLike, name: str) -> tuple[float, Float64Array]:
+    """Bounds on the length of the error and on each axis; one of the two does not bind."""
+    if np.ndim(value) == 0:
+        return check.number(value, name, above=0.0), np.full(3, math.inf)
+    return math.inf, _positive(value, name, 3)
+
+
+def _axes(
+    free: Collection[Axis], bounds: Sequence[float], weights: ArrayLike | None
+) -> _core.IkAxes | None:
+    """The axes, or None if none is free and all count alike, which is solved faster."""
+    if isinstance(free, str) or not isinstance(free, Collection):
+        names = ", ".join(repr(name) for name in AXES)
+        raise InvalidInput(f"free: expected a collection of names out of {names}, got {free!r}")
+    for name in free:
+        check.choice(name, "free", AXES)
+    if set(free) == set(AXES):
+        raise InvalidInput("free: expected at least one axis not to be free, got all six")
+    if not free and weights is None and np.isinf(bounds).all():
+        return None
+    return _core.IkAxes(
+        [name in free for name in AXES],
+        bounds,
+        np.ones(6) if weights is None else _positive(weights, "weights", 6),
+    )
+
+
+def _positive(value: ArrayLike, name: str, size: int) -> Float64Array:
+    result = check.array(value, name, shape=(size,))
+    if not (result > 0).all():
+        raise InvalidInput(f"{name}: expected numbers > 0, got {result.min()}")
+    return result

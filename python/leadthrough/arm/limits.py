@@ -18,6 +18,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.repr import ShortRepr
 
-_LARGEST_FILE = 2**20  # bytes
+_MAX_FILE = 2**20  # bytes
 _BOUNDS = ("lower", "upper")
 _RATES = ("velocity", "effort", "acceleration", "jerk")
 
@@ -127,6 +128,14 @@ def known_acceleration(limits: JointLimits) -> Float64Array:
     return limits.acceleration
 
 
+def margins(lower: Float64Array, upper: Float64Array, q: Float64Array) -> Float64Array:
+    """The least distance (n,) of a joint to a limit as a fraction of its range; 0.5 at most."""
+    bounded = np.isfinite(lower) & np.isfinite(upper) & (lower < upper)
+    lower, upper, q = lower[bounded], upper[bounded], q[:, bounded]
+    fractions = np.minimum(q - lower, upper - q) / (upper - lower)
+    return np.asarray(fractions.min(axis=1, initial=0.5))
+
+
 def read_limits(
     path: str | PathLike[str], urdf: JointLimits, *, other_joints: Collection[str] = ()
 ) -> JointLimits:
@@ -181,12 +190,12 @@ def _values(names: tuple[str, ...], column: ArrayLike, key: str) -> Float64Array
 def _load(path: str | PathLike[str]) -> dict[str, Any]:
     try:
         with Path(path).open("rb") as file:
-            content = str(file.read(_LARGEST_FILE + 1), "utf-8")
+            content = str(file.read(_MAX_FILE + 1), "utf-8")
     except (OSError, ValueError, TypeError) as error:
         reason = getattr(error, "strerror", None) or error
         raise InvalidInput(f"limits: cannot read {path!r} ({reason})") from None
-    if len(content) > _LARGEST_FILE:
-        raise InvalidInput(f"limits: expected at most {_LARGEST_FILE:,} bytes, {path!r} has more")
+    if len(content) > _MAX_FILE:
+        raise InvalidInput(f"limits: expected at most {_MAX_FILE:,} bytes, {path!r} has more")
     try:
         document = tomllib.loads(content)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
@@ -233,3 +242,37 @@ def _column(
     return np.array(
         [given.get(name, value) for name, value in zip(urdf.joint_names, stated, strict=True)]
     )
+
+
+def checked_values(values: Mapping[str, float]) -> Mapping[str, float]:
+    """A read-only copy of values by the joints' names."""
+    if not isinstance(values, Mapping):
+        raise InvalidInput(f"hold: expected a mapping from joints' names to values, got {values!r}")
+    for name in values:
+        if not isinstance(name, str):
+            raise InvalidInput(f"hold: expected a joint's name, got {name!r}")
+    return MappingProxyType(
+        {name: check.number(value, f"hold: {name}") for name, value in values.items()}
+    )
+
+
+def require_inside(values: Mapping[str, float], limits: JointLimits) -> None:
+    """Check values against the limits of an arm."""
+    bounds = zip(limits.joint_names, limits.lower, limits.upper, strict=True)
+    for name, lower, upper in bounds:
+        if name in values and not lower <= values[name] <= upper:
+            raise InvalidInput(
+                f"hold: {name}: expected a value inside its limits {lower:.6g} to {upper:.6g}, "
+                f"got {values[name]:.6g}"
+            )
+    if set(limits.joint_names) <= set(values):
+        raise InvalidInput("hold: expected at least one joint of the arm not to be held")
+
+
+def require_free(values: Collection[str], held: Mapping[str, float]) -> None:
+    """Check that none of the joints is held already."""
+    for name in values:
+        if name in held:
+            raise InvalidInput(
+                f"hold: {name}: expected a joint that is not held, but it is held at {held[name]}"
+            )

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from leadthrough import _core, rotations
+from leadthrough.arm.model import ArmModel
 from leadthrough.check import Float64Array
 
-if TYPE_CHECKING:
-    from leadthrough.arm.definition import ArmDefinition
 
-
-def link_poses(arm: ArmDefinition, q: Float64Array) -> dict[str, tuple[Float64Array, Float64Array]]:
+def link_poses(arm: ArmModel, q: Float64Array) -> dict[str, tuple[Float64Array, Float64Array]]:
     """Rotations (n, 3, 3) and positions (n, 3), m, of each link in the frame of the arm's base."""
     values = _values(arm, q)
     links = arm.robot.links
@@ -29,7 +26,7 @@ def link_poses(arm: ArmDefinition, q: Float64Array) -> dict[str, tuple[Float64Ar
     return _seen_from(links.index(arm.base), turned, placed, dict(enumerate(links)))
 
 
-def _values(arm: ArmDefinition, q: Float64Array) -> dict[str, Float64Array]:
+def _values(arm: ArmModel, q: Float64Array) -> dict[str, Float64Array]:
     """Positions (n,) of each joint, by its name; meaningless for joints that mimic another."""
     moved = dict(zip(arm.joint_names, q.T, strict=True))
     values = {}

@@ -8,9 +8,8 @@ import numpy as np
 
 from leadthrough import _core, check, rotations
 from leadthrough.arm import kinematics
-from leadthrough.arm.first_posture import margins
-from leadthrough.arm.limits import JointLimits
-from leadthrough.arm.tracks import TipPath
+from leadthrough.arm.limits import JointLimits, margins
+from leadthrough.arm.tip_path import TipPath
 from leadthrough.check import Float64Array
 from leadthrough.drawing.drawn import Drawn
 from leadthrough.drawing.panels import Panel, over

@@ -22,26 +22,26 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import _core, check
 from leadthrough.arm import magnitudes
 from leadthrough.arm.arm import Arm
-from leadthrough.arm.keeping_tasks import JointLimitTask
 from leadthrough.arm.limits import known_acceleration
-from leadthrough.arm.stack_report import StackRun, StackSolution, TaskReport
-from leadthrough.arm.task import ArmTask
-from leadthrough.arm.tasks import PostureTask
+from leadthrough.arm.tasks import ArmTask, JointLimitTask, PostureTask
 from leadthrough.check import Float64Array
+from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing.panels import Panel, over
 from leadthrough.errors import InvalidInput, InvalidRobot
 from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr
 
 Scheme = Literal["siciliano-slotine", "reverse"]
-SCHEMES: tuple[Scheme, ...] = get_args(Scheme)
-MOST_TASKS = 12  # the core's workspaces
+_SCHEMES: tuple[Scheme, ...] = get_args(Scheme)
+_MAX_TASKS = 12  # the core's workspaces
+_MAX_ROWS = 16  # rows and joints: the core's workspaces
 _UNKNOWN = np.empty(0)
-_MOST_SAMPLES = 1e7
+_MAX_SAMPLES = 1e7
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -77,7 +77,7 @@ class TaskStack(ShortRepr):
         scheme: Scheme = "siciliano-slotine",
         rest_damping: float = 10.0,
     ) -> None:
-        check.choice(scheme, "scheme", SCHEMES)
+        check.choice(scheme, "scheme", _SCHEMES)
         rest = magnitudes.not_negative(rest_damping, "rest_damping")
         vars(self).update(arm=arm, scheme=scheme, rest_damping=rest, _parts={})
         self._take(tasks)
@@ -243,8 +243,8 @@ class TaskStack(ShortRepr):
 def _checked(tasks: Any, joints: int) -> tuple[ArmTask, ...]:
     if not isinstance(tasks, Sequence) or not all(isinstance(task, ArmTask) for task in tasks):
         raise InvalidInput(f"tasks: expected a sequence of tasks, got {tasks!r}")
-    if not 0 < len(tasks) <= MOST_TASKS:
-        raise InvalidInput(f"tasks: expected 1 to {MOST_TASKS} tasks, got {len(tasks)}")
+    if not 0 < len(tasks) <= _MAX_TASKS:
+        raise InvalidInput(f"tasks: expected 1 to {_MAX_TASKS} tasks, got {len(tasks)}")
     if sum(isinstance(task, JointLimitTask) for task in tasks) > 1:
         raise InvalidInput("tasks: expected at most one JointLimitTask, got several")
     for task in tasks:
@@ -257,10 +257,10 @@ def _checked(tasks: Any, joints: int) -> tuple[ArmTask, ...]:
 
 def _intervals(duration: float, dt: float) -> int:
     whole = check.number(duration, "duration", above=0.0) / dt
-    if not whole < _MOST_SAMPLES:
+    if not whole < _MAX_SAMPLES:
         raise InvalidInput(
             f"dt: {duration} s at {dt} s would make {whole:.3g} samples, more than "
-            f"{_MOST_SAMPLES:g}; use a larger dt or a shorter duration"
+            f"{_MAX_SAMPLES:g}; use a larger dt or a shorter duration"
         )
     return max(round(whole), 1)
 
@@ -277,3 +277,119 @@ def _run(
         dt * np.arange(len(q), dtype=np.float64), q, qd, joint_names=arm.joint_names
     )
     return StackRun(trajectory, *(np.array(part) for part in zip(*reports, strict=True)))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class TaskReport(ShortRepr):
+    """How each task fared; every array is (tasks,).
+
+    Attributes:
+        error: in m and rad, rotations counting 0.3 m per rad; of tasks that keep a distance, by how
+            much it is violated.
+        miss: difference between the motion and what the task asks for, the same per s or s^2.
+        activation: 1; of tasks that keep a distance, 0 to 1.
+        limited: whether a joint limit, or a higher task that keeps a distance, stood in its way.
+    """
+
+    error: Float64Array
+    miss: Float64Array
+    activation: Float64Array
+    limited: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class StackSolution(ShortRepr):
+    """The motion for one interval.
+
+    Attributes:
+        motion: (joints,) in rad/s or rad/s^2 (m for prismatic joints), inside the limits.
+        report: how each task fared.
+    """
+
+    motion: Float64Array
+    report: TaskReport
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class StackRun(Drawn):
+    """A closed-loop run; the arrays are (samples, tasks) and mean what those of TaskReport mean.
+
+    Attributes:
+        trajectory: the joints.
+        error: in m and rad.
+        miss: in m/s and rad/s.
+        activation: 0 to 1.
+        limited: whether something stood in the task's way.
+    """
+
+    trajectory: JointTrajectory
+    error: Float64Array
+    miss: Float64Array
+    activation: Float64Array
+    limited: NDArray[np.bool_]
+
+    def _panels(self) -> list[Panel]:
+        names = [f"task {i + 1}" for i in range(self.error.shape[1])]
+        errors = over(self.trajectory.times, self.error, names, title="errors in m and rad")
+        return [*self.trajectory._panels()[:1], errors]
+
+
+def resolve(
+    jacobians: Sequence[ArrayLike],
+    wanted: Sequence[ArrayLike],
+    *,
+    lower: ArrayLike | None = None,
+    upper: ArrayLike | None = None,
+    scheme: Scheme = "siciliano-slotine",
+) -> Float64Array:
+    """The motion (joints,) that meets tasks in the order of their priority.
+
+    Args:
+        jacobians: of each task (rows, joints), the highest priority first; at most 12 tasks, 16
+            rows and 16 joints.
+        wanted: the motion that each task asks for, (rows,).
+        lower: bounds (joints,) of the motion; none by default.
+        upper: bounds (joints,) of the motion; none by default.
+        scheme: as in `TaskStack`.
+
+    Raises:
+        InvalidInput: if the shapes don't fit each other, or a lower bound is above the upper one.
+    """
+    rows = _checked_jacobians(jacobians)
+    joints = rows[0].shape[1]
+    if len(wanted) != len(rows):
+        raise InvalidInput(
+            f"wanted: expected {len(rows)} vectors, as many as jacobians, got {len(wanted)}"
+        )
+    goals = [
+        magnitudes.values(goal, "wanted", shape=(len(jacobian),))
+        for goal, jacobian in zip(wanted, rows, strict=True)
+    ]
+    low, high = _bound(lower, "lower", -np.inf, joints), _bound(upper, "upper", np.inf, joints)
+    if (low > high).any():
+        i = int(np.argmax(low > high))
+        raise InvalidInput(
+            f"lower: expected at most upper for joint {i}, got {low[i]} and {high[i]}"
+        )
+    reverse = check.choice(scheme, "scheme", _SCHEMES) == "reverse"
+    return _core.resolve_stack(rows, goals, low, high, reverse)
+
+
+def _checked_jacobians(jacobians: Sequence[ArrayLike]) -> list[Float64Array]:
+    rows = [magnitudes.values(j, "jacobians", shape=("rows", "joints")) for j in jacobians]
+    if not 0 < len(rows) <= _MAX_TASKS:
+        raise InvalidInput(f"jacobians: expected 1 to {_MAX_TASKS} matrices, got {len(rows)}")
+    joints = rows[0].shape[1]
+    for jacobian in rows:
+        if not 0 < max(jacobian.shape) <= _MAX_ROWS or jacobian.shape[1] != joints:
+            raise InvalidInput(
+                f"jacobians: expected up to {_MAX_ROWS} rows of {joints} joints (at most "
+                f"{_MAX_ROWS}), got {jacobian.shape}"
+            )
+    return rows
+
+
+def _bound(value: ArrayLike | None, name: str, default: float, joints: int) -> Float64Array:
+    if value is None:
+        return np.full(joints, default)
+    return magnitudes.values(value, name, shape=(joints,))

@@ -1,20 +1,94 @@
-"""Tasks that reach: a pose, a position, a direction, a posture, an elbow's height.
+"""Tasks for an arm: to reach a pose, position, direction or posture, or to keep a distance.
 
-What they ask for is in `task`. Source: Siciliano and Slotine 1991 for tasks with priorities.
+A task that reaches wants its error to decay at `gain`, 1/s: in velocities like exp(-gain t), in
+accelerations like a second-order system of that frequency and `damping_ratio` (De Luca, Oriolo and
+Siciliano 1992). A task that keeps a distance (a cone, joint limits, an obstacle) is unilateral: the
+distance may shrink no faster than `gain` times its remainder (the velocity damper of Faverjon and
+Tournassoud 1987). It begins to act `margin` before its limit and acts fully from half of that.
+
+Source: Siciliano and Slotine 1991 for tasks with priorities.
 """
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
-from leadthrough.arm import magnitudes, task
-from leadthrough.arm.task import STILL, ZERO, ArmTask, FrameOf
+from leadthrough.arm import magnitudes
 from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.repr import ShortRepr
+from leadthrough.shapes import Shape
+
+# m/s and rad/s, or a point: nothing along any axis.
+ZERO = (0.0, 0.0, 0.0)
+STILL = (*ZERO, *ZERO)
+# The same as arrays: loops make tasks in every step, and what is left out need not be checked anew.
+_NOTHING = {
+    len(axes): magnitudes.frozen(axes, "axes", shape=(len(axes),)) for axes in (ZERO, STILL)
+}
+
+# The frame of a link, at a point given in it.
+FrameOf = Callable[[str | None, Float64Array], _core.Frame]
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class ArmTask(ShortRepr, ABC):
+    """A task for a `TaskStack`: something to reach, or to keep away from.
+
+    Attributes:
+        gain: rate at which the error decays, 1/s, > 0.
+        damping_ratio: of the decay where accelerations are commanded, > 0; 1 is critical.
+    """
+
+    gain: float
+    damping_ratio: float
+
+    def __init__(self, gain: float, damping_ratio: float) -> None:
+        vars(self).update(
+            gain=magnitudes.positive(gain, "gain"),
+            damping_ratio=magnitudes.positive(damping_ratio, "damping_ratio"),
+        )
+
+    @abstractmethod
+    def _compiled(self, frame_of: FrameOf) -> _core.ArmTask:
+        """The task as the core takes it."""
+
+
+def _vector(value: ArrayLike, name: str, size: int) -> Float64Array:
+    """A read-only copy (size,) of a value of moderate size."""
+    if (value is ZERO or value is STILL) and len(value) == size:
+        return _NOTHING[size]
+    return magnitudes.frozen(value, name, shape=(size,))
+
+
+def _unit_quaternion(value: ArrayLike) -> Float64Array:
+    """A read-only unit quaternion (4,) w, x, y, z."""
+    unit = check.quaternions(value, "orientation", shape=(4,))
+    unit.setflags(write=False)
+    return unit
+
+
+def _unit_vector(value: ArrayLike, name: str) -> Float64Array:
+    """A read-only unit vector (3,).
+
+    Raises:
+        InvalidInput: if it has another shape or is zero.
+    """
+    given = check.array(value, name, shape=(3,))
+    largest = float(np.abs(given).max())
+    if largest == 0.0:
+        raise InvalidInput(f"{name}: expected a direction, got the zero vector")
+    scaled = given / largest
+    unit = np.asarray(scaled / np.linalg.norm(scaled))
+    unit.setflags(write=False)
+    return unit
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -50,14 +124,14 @@ class PoseTask(ArmTask):
     ) -> None:
         super().__init__(gain, damping_ratio)
         vars(self).update(
-            position=task.vector(position, "position", 3),
-            orientation=task.orientation(orientation),
-            twist=task.vector(twist, "twist", 6),
+            position=_vector(position, "position", 3),
+            orientation=_unit_quaternion(orientation),
+            twist=_vector(twist, "twist", 6),
             link=link,
         )
 
     def _compiled(self, frame_of: FrameOf) -> _core.ArmTask:
-        frame = frame_of(self.link, task.vector(ZERO, "point", 3))
+        frame = frame_of(self.link, _vector(ZERO, "point", 3))
         pose = (self.position, self.orientation, self.twist)
         return _core.pose_task(frame, *pose, self.gain, self.damping_ratio)
 
@@ -95,10 +169,10 @@ class PositionTask(ArmTask):
     ) -> None:
         super().__init__(gain, damping_ratio)
         vars(self).update(
-            position=task.vector(position, "position", 3),
-            velocity=task.vector(velocity, "velocity", 3),
+            position=_vector(position, "position", 3),
+            velocity=_vector(velocity, "velocity", 3),
             link=link,
-            point=task.vector(point, "point", 3),
+            point=_vector(point, "point", 3),
         )
 
     def _compiled(self, frame_of: FrameOf) -> _core.ArmTask:
@@ -146,8 +220,8 @@ class DirectionTask(ArmTask):
     ) -> None:
         super().__init__(gain, damping_ratio)
         vars(self).update(
-            axis=task.direction(axis, "axis"),
-            direction=task.direction(direction, "direction"),
+            axis=_unit_vector(axis, "axis"),
+            direction=_unit_vector(direction, "direction"),
             within=check.number(within, "within", at_least=0.0, below=math.pi),
             margin=check.number(margin, "margin", above=0.0, at_most=math.pi),
             link=link,
@@ -191,7 +265,7 @@ class PostureTask(ArmTask):
         super().__init__(gain, damping_ratio)
         goal = magnitudes.frozen(q, "q", shape=("joints",))
         still = np.zeros_like(goal) if velocity is None else velocity
-        vars(self).update(q=goal, velocity=task.vector(still, "velocity", len(goal)))
+        vars(self).update(q=goal, velocity=_vector(still, "velocity", len(goal)))
 
     def _compiled(self, _frame_of: FrameOf) -> _core.ArmTask:
         return _core.posture_task(self.q, self.velocity, self.gain, self.damping_ratio)
@@ -231,9 +305,94 @@ class ElbowTask(ArmTask):
         vars(self).update(
             link=link,
             height=float(magnitudes.values(height, "height", shape=())),
-            direction=task.direction(direction, "direction"),
+            direction=_unit_vector(direction, "direction"),
         )
 
     def _compiled(self, frame_of: FrameOf) -> _core.ArmTask:
         frame = frame_of(self.link, np.zeros(3))
         return _core.plane_task(frame, self.direction, self.height, self.gain, self.damping_ratio)
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class JointLimitTask(ArmTask):
+    """The joints away from their limits, softly: the hard limits hold in any case.
+
+    Attributes:
+        margin: distance from a limit in rad or m at which the task begins to act, > 0; at most a
+            quarter of a joint's range counts.
+        gain: fraction per second of what is left of the distance that it may shrink by, > 0.
+        damping_ratio: of the decay where accelerations are commanded, > 0.
+
+    Raises:
+        InvalidInput: if a number is out of its range.
+    """
+
+    margin: float
+
+    def __init__(
+        self, *, margin: float = 0.1, gain: float = 5.0, damping_ratio: float = 1.0
+    ) -> None:
+        super().__init__(gain, damping_ratio)
+        vars(self).update(margin=magnitudes.positive(margin, "margin"))
+
+    def _compiled(self, _frame_of: FrameOf) -> _core.ArmTask:
+        return _core.joint_limit_task(self.margin, self.gain, self.damping_ratio)
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class ObstacleTask(ArmTask):
+    """A point of a link at least some distance away from a shape.
+
+    Attributes:
+        shape: one of `leadthrough.shapes` in the base frame.
+        distance: to keep in m, >= 0; for a ball around the point add its radius.
+        margin: additional distance in m at which the task begins to act, > 0.
+        link: name of the link; None is the arm's tip.
+        point: (3,) in m, in the link's frame.
+        gain: fraction per second of what is left of the distance that it may shrink by, > 0.
+        damping_ratio: of the decay where accelerations are commanded, > 0.
+
+    Raises:
+        InvalidInput: if an argument has another type or shape, or is out of its range.
+    """
+
+    shape: Shape
+    distance: float
+    margin: float
+    link: str | None
+    point: Float64Array
+
+    def __init__(
+        self,
+        shape: Shape,
+        distance: float,
+        *,
+        margin: float = 0.05,
+        link: str | None = None,
+        point: ArrayLike = ZERO,
+        gain: float = 5.0,
+        damping_ratio: float = 1.0,
+    ) -> None:
+        super().__init__(gain, damping_ratio)
+        if not isinstance(shape, Shape):
+            what = type(shape).__name__
+            raise InvalidInput(f"shape: expected one of leadthrough.shapes, got {what}")
+        _refuse_huge(shape)
+        vars(self).update(
+            shape=shape,
+            distance=magnitudes.not_negative(distance, "distance"),
+            margin=magnitudes.positive(margin, "margin"),
+            link=link,
+            point=_vector(point, "point", 3),
+        )
+
+    def _compiled(self, frame_of: FrameOf) -> _core.ArmTask:
+        frame, shape = frame_of(self.link, self.point), self.shape._compiled
+        rates = (self.gain, self.damping_ratio)
+        return _core.clearance_task(frame, shape, self.distance, self.margin, *rates)
+
+
+def _refuse_huge(shape: Shape) -> None:
+    names = ("position", "size", "radius", "length", "vertices", "points")
+    sizes = [np.ravel(getattr(shape, name, 0.0)) for name in names]
+    magnitudes.values(np.concatenate(sizes), "shape", shape=("n",))

@@ -82,14 +82,14 @@ def formats(incomplete: str) -> list[str]:
 
 def robots(incomplete: str) -> list[str]:
     """The robots that come with the package, and URDFs."""
-    from leadthrough.arm.robots import own_names
+    from leadthrough.arm.robot_files import own_names
 
     return [*_beginning(own_names(), incomplete), *_files(incomplete, _URDF)]
 
 
 def links(ctx: typer.Context, incomplete: str) -> list[str]:
     """The links of the robot that the command line or the profile names."""
-    from leadthrough.arm.robots import find_robot
+    from leadthrough.arm.robot_files import find_robot
 
     with suppress(LeadthroughError, OSError, UnicodeDecodeError):
         files_named = (str(file) for file in ctx.params.get("files") or ())

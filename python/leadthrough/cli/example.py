@@ -63,7 +63,7 @@ def example(
 def _reach(seed: int) -> dict[str, str | Demonstration]:
     """The files' contents by their paths in the folder."""
     from leadthrough.arm import Arm
-    from leadthrough.arm.robots import find_robot
+    from leadthrough.arm.robot_files import find_robot
     from leadthrough_studies.example import ROBOT, reaches
 
     arm, files = Arm.load(ROBOT), find_robot(ROBOT)

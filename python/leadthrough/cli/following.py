@@ -12,7 +12,7 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.arm import Arm, PathReport
-from leadthrough.arm.options import AXES
+from leadthrough.arm.inverse_kinematics import AXES
 from leadthrough.cli import parse
 from leadthrough.cli import robot as robots
 from leadthrough.models.protocol import Skill

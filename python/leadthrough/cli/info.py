@@ -125,7 +125,7 @@ def _arm_options(
 
 def _write_limits(ctx: typer.Context, files: Sequence[Path], target: Path) -> Path:
     from leadthrough.arm import Arm
-    from leadthrough.arm.assumed_limits import limits_file
+    from leadthrough.arm.description import limits_file
 
     if len(files) != 1 or files[0].suffix.lower() not in _URDF:
         raise InvalidInput(f"--write-limits: expected one URDF, got {', '.join(map(str, files))}")

@@ -101,7 +101,7 @@ def plan(
 
     leadthrough plan reach.npz --goal 0.5,0.1,0.3 --obstacle sphere:0.08@0.4,0,0.3 -o path.csv
     """
-    from leadthrough.arm.recorded import warn_of_another_arm
+    from leadthrough.arm.recorded_joints import warn_of_another_arm
     from leadthrough.cli import errors, following, parse, reading, tables
     from leadthrough.cli import robot as robots
     from leadthrough.io import formats

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from leadthrough.arm import Arm
-from leadthrough.arm.robots import find_robot
+from leadthrough.arm.robot_files import find_robot
 from leadthrough.cli import errors, reading
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, Motion

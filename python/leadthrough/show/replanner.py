@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.arm import Arm, follower
 from leadthrough.arm.clearing import CollisionTest
-from leadthrough.arm.missed import limits_in_the_way
-from leadthrough.arm.recorded import warn_of_another_arm
+from leadthrough.arm.ik_failure import limits_in_the_way
+from leadthrough.arm.recorded_joints import warn_of_another_arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LeadthroughError
 from leadthrough.models.parameters import Parameter
@@ -247,7 +247,7 @@ class Replanner:
     def _quickly_around(
         self, motion: Trajectory | PoseTrajectory, first: Float64Array, margin: float
     ) -> JointTrajectory:
-        around = replace(self._around(margin), searches=1)
+        around = replace(self._around(margin), max_attempts=1)
         chain, limits = self.arm._chain, self.arm.limits
         return follower.follow(chain, motion, limits=limits, seed=first, around=around)
 

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from leadthrough import rotations
-from leadthrough.arm.meshes import find_mesh
+from leadthrough.arm.robot_files import find_mesh
 from leadthrough.check import Float64Array
 from leadthrough.drawing.palette import Colour
 from leadthrough.errors import InvalidInput, MissingDependency

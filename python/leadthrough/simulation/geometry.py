@@ -10,7 +10,7 @@ import numpy as np
 
 from leadthrough import optional, rotations
 from leadthrough.arm import Arm
-from leadthrough.arm.meshes import hull_vertices
+from leadthrough.arm.robot_files import hull_vertices
 from leadthrough.check import Float64Array
 from leadthrough.shapes.shape import ConvexPart
 

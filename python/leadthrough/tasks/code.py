@@ -24,7 +24,7 @@ _WITHOUT_INFLUENCE = (
     *(f"leadthrough_studies.{name}" for name in ("results", "study")),
 )
 # Where the robots' descriptions are read.
-_READS_ROBOTS = "leadthrough.arm.robots"
+_READS_ROBOTS = "leadthrough.arm.robot_files"
 _LIBRARIES = ("numpy", "scipy")
 _CORE = "_core"
 # Where a statement has statements in it; expressions, which are most of a source, import nothing.

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough import events
-from leadthrough.arm.follower import slowed, velocities_of
+from leadthrough.arm.following import slowed, velocities_of
 from leadthrough.arm.limits import JointLimits, known_acceleration
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.arm.arm import check_arm
-from leadthrough.arm.options import Axis
+from leadthrough.arm.inverse_kinematics import Axis
 from leadthrough.errors import IkFailure
 from leadthrough.models.protocol import Skill
 from leadthrough.motion import Motion

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough.arm import Arm
-from leadthrough.arm.options import Axis
+from leadthrough.arm.inverse_kinematics import Axis
 from leadthrough.check import Float64Array
 from leadthrough.motion import PoseTrajectory, Trajectory
 from leadthrough.shapes import Scene

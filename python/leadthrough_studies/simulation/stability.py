@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from leadthrough.arm import Arm, DampedLeastSquares
-from leadthrough.arm.yang import follow_path
+from leadthrough.arm.damped_least_squares import follow_path
 from leadthrough.models import ProMP
 from leadthrough.motion import Demonstration, JointTrajectory
 from leadthrough.simulation import JointImpedance, SimulationReport, simulate

@@ -20,7 +20,7 @@ import numpy as np
 
 from leadthrough import rotations
 from leadthrough.arm import Arm
-from leadthrough.arm.yang import DampedLeastSquares, follow_path
+from leadthrough.arm.damped_least_squares import DampedLeastSquares, follow_path
 from leadthrough.check import Float64Array
 from leadthrough.motion import JointTrajectory, PoseTrajectory
 from leadthrough.trajectories import minimum_jerk_time_scaling

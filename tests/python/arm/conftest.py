@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import leadthrough as lt
-from leadthrough.arm.robots import find_robot
+from leadthrough.arm.robot_files import find_robot
 
 # name: file, base, tip, a comfortable posture
 ROBOTS = {

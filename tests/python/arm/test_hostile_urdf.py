@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import leadthrough as lt
-from leadthrough.arm.meshes import find_mesh
+from leadthrough.arm.robot_files import find_mesh
 from leadthrough.errors import InvalidInput, InvalidRobot
 
 JOINT = (

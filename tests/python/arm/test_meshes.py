@@ -9,7 +9,7 @@ import pinocchio as pin
 import pytest
 
 import leadthrough as lt
-from leadthrough.arm.meshes import find_mesh
+from leadthrough.arm.robot_files import find_mesh
 from leadthrough.errors import InvalidInput, InvalidRobot
 
 

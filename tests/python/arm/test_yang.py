@@ -5,7 +5,7 @@ import pytest
 from motions import minimum_jerk
 
 import leadthrough as lt
-from leadthrough.arm.yang import DampedLeastSquares, follow_path
+from leadthrough.arm.damped_least_squares import DampedLeastSquares, follow_path
 from leadthrough.errors import InvalidInput
 
 PANDA = lt.Arm.load("panda")

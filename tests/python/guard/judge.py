@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 import leadthrough as lt
-from leadthrough.arm.robots import find_robot
+from leadthrough.arm.robot_files import find_robot
 from leadthrough_studies.coal_arm import CoalArm
 
 EXCESS = 1e-6

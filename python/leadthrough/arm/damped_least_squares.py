@@ -21,8 +21,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
-from leadthrough.arm.definition import ArmDefinition
-from leadthrough.arm.tracks import TipPath
+from leadthrough.arm.inverse_kinematics import (
+    IkBatch,
+    IkResult,
+    batch_of_results,
+    first_of,
+    many_poses,
+    many_starts,
+    one_pose,
+    one_start,
+    tolerance,
+)
+from leadthrough.arm.model import ArmModel
+from leadthrough.arm.tip_path import TipPath
 from leadthrough.check import Float64Array
 from leadthrough.drawing.drawn import Drawn
 from leadthrough.drawing.panels import Panel, over
@@ -90,11 +101,105 @@ class DampedPath(Drawn):
         ]
 
 
+def damped_inverse_kinematics(
+    arm: ArmModel,
+    position: ArrayLike,
+    orientation: ArrayLike | None = None,
+    *,
+    q0: ArrayLike | None = None,
+    settings: DampedLeastSquares | None = None,
+    position_tolerance: float = 1e-6,
+    orientation_tolerance: float = 1e-6,
+    max_iterations: int = 2000,
+) -> IkResult:
+    """The configuration in which damped least-squares steps from q0 end.
+
+    This is a reference for studies of singularities; `Arm.inverse_kinematics` reaches more poses
+    and is faster. Each iteration is a step of one second.
+
+    Args:
+        arm: the arm.
+        position: (3,) in m, base frame.
+        orientation: (4,) w, x, y, z; None leaves it free.
+        q0: configuration (joints,) where the steps start; by default the middle of the
+            joints' ranges.
+        settings: those of the method; by default `DampedLeastSquares()`.
+        position_tolerance: error in m that counts as reached, > 0.
+        orientation_tolerance: error in rad that counts as reached, > 0.
+        max_iterations: budget of steps.
+
+    Raises:
+        InvalidInput: if an argument has another type or shape, or is out of its range.
+
+    Source: Yang, Liu and Pears, equations 3 to 7.
+    """
+    target, rotation = one_pose(position, orientation)
+    start = one_start(arm._chain, q0)[None]
+    allowed = tolerance(position_tolerance, orientation_tolerance)
+    targets = target[None], rotation.reshape(-1, 4)
+    batch = _solve(
+        arm,
+        targets,
+        start,
+        settings=settings,
+        allowed=allowed,
+        max_iterations=max_iterations,
+        threads=1,
+    )
+    return first_of(arm.joint_names, batch)
+
+
+def damped_inverse_kinematics_batch(
+    arm: ArmModel,
+    positions: ArrayLike,
+    orientations: ArrayLike | None = None,
+    *,
+    q0: ArrayLike | None = None,
+    threads: int = 1,
+    settings: DampedLeastSquares | None = None,
+    position_tolerance: float = 1e-6,
+    orientation_tolerance: float = 1e-6,
+    max_iterations: int = 2000,
+) -> IkBatch:
+    """Configurations for many poses at once, each as by `damped_inverse_kinematics`.
+
+    Args:
+        arm: the arm.
+        positions: (m, 3) in m, base frame.
+        orientations: (m, 4) w, x, y, z; None leaves them free.
+        q0: configurations (m, joints) where the steps start, or (joints,) for all of them;
+            by default the middle of the joints' ranges.
+        threads: number of threads, 1 to 256; does not change the answer.
+        settings: those of the method; by default `DampedLeastSquares()`.
+        position_tolerance: error in m that counts as reached, > 0.
+        orientation_tolerance: error in rad that counts as reached, > 0.
+        max_iterations: budget of steps for each pose.
+
+    Returns:
+        One row per pose.
+
+    Raises:
+        InvalidInput: if an argument has another type or shape, or is out of its range.
+    """
+    targets = many_poses(positions, orientations)
+    starts = many_starts(arm._chain, q0, len(targets[0]))
+    allowed = tolerance(position_tolerance, orientation_tolerance)
+    return _solve(
+        arm,
+        targets,
+        starts,
+        settings=settings,
+        allowed=allowed,
+        max_iterations=max_iterations,
+        threads=threads,
+    )
+
+
 def follow_path(
-    arm: ArmDefinition,
+    arm: ArmModel,
     motion: Trajectory | PoseTrajectory,
     *,
-    start: ArrayLike,
+    q0: ArrayLike,
     settings: DampedLeastSquares | None = None,
 ) -> DampedPath:
     """One step per sample along a motion; the error that a step leaves joins the next one's task.
@@ -106,14 +211,36 @@ def follow_path(
         chain,
         path.positions,
         path.orientations,
-        check.array(start, "start", shape=(len(chain.joint_names),)),
+        check.array(q0, "q0", shape=(chain.joints,)),
         _steps(path.times),
-        checked_settings(settings).compiled(),
+        _checked(settings).compiled(),
     )
     joints = JointTrajectory(
         path.times, q, joint_names=tuple(chain.joint_names), events=motion.events
     )
     return DampedPath(joints, *columns)
+
+
+def _solve(
+    arm: ArmModel,
+    targets: tuple[Float64Array, Float64Array],
+    starts: Float64Array,
+    *,
+    settings: DampedLeastSquares | None,
+    allowed: _core.IkTolerance,
+    max_iterations: int,
+    threads: int,
+) -> IkBatch:
+    columns = _core.solve_yang(
+        arm._chain,
+        *targets,
+        starts,
+        allowed,
+        check.integer(max_iterations, "max_iterations", at_least=1, at_most=10**9),
+        _checked(settings).compiled(),
+        check.integer(threads, "threads", at_least=1, at_most=256),
+    )
+    return batch_of_results(columns)
 
 
 def _steps(times: Float64Array) -> Float64Array:
@@ -124,7 +251,7 @@ def _steps(times: Float64Array) -> Float64Array:
     return np.concatenate([steps[:1], steps])
 
 
-def checked_settings(value: DampedLeastSquares | None) -> DampedLeastSquares:
+def _checked(value: DampedLeastSquares | None) -> DampedLeastSquares:
     """The settings, or the defaults."""
     if value is None:
         return DampedLeastSquares()

@@ -33,18 +33,18 @@ def joints_of(chain: _core.Chain, trajectory: Motion) -> JointTrajectory:
 
 
 def warn_of_another_arm(chain: _core.Chain, motion: Motion) -> None:
-    """Warns if the joints that go along with a motion as shown take the tip elsewhere."""
-    shown = shown_joints(chain, motion)
-    if shown is None or not isinstance(motion, Trajectory | PoseTrajectory):
+    """Warns if the joints that go along with a demonstrated motion take the tip elsewhere."""
+    joints = demonstrated_joints(chain, motion)
+    if joints is None or not isinstance(motion, Trajectory | PoseTrajectory):
         return
-    positions, _ = chain.forward_kinematics(shown.positions)
+    positions, _ = chain.forward_kinematics(joints.positions)
     if motion.positions.shape[1] != positions.shape[1]:
         return
     away = float(np.linalg.norm(positions - motion.positions, axis=1).max())
     if away > _OTHER_TIP:
         plausible.warn(
-            f"robot: with the joints that were shown, this arm's tip is up to {away:.3g} m from "
-            "where it was shown; use the robot, base and tip of the recording"
+            f"robot: with the demonstrated joints, this arm's tip is up to {away:.3g} m from its "
+            "demonstrated position; use the robot, base and tip of the recording"
         )
 
 
@@ -84,13 +84,13 @@ def _own(chain: _core.Chain, trajectory: Motion) -> JointTrajectory:
     )
 
 
-def shown_joints(chain: _core.Chain, motion: Motion) -> JointTrajectory | None:
+def demonstrated_joints(chain: _core.Chain, motion: Motion) -> JointTrajectory | None:
     """The arm's own joints that go along with a motion of the tip."""
-    shown = joints_with(motion)
-    if shown is None:
+    joints = joints_with(motion)
+    if joints is None:
         return None
     try:
-        return _own(chain, shown)
+        return _own(chain, joints)
     except InvalidInput:
         return None
 

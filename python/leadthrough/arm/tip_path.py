@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import _core, rotations
-from leadthrough.arm.options import Axis, ik_options
+from leadthrough import _core, check, rotations
+from leadthrough.arm.inverse_kinematics import Axis, IkOptions, compiled
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import PoseTrajectory, Trajectory
@@ -45,9 +45,9 @@ class TipPath:
         """Dimension of the task at a sample: 6 with orientations, 3 without, less what is free."""
         return (6 if len(self.orientations) else 3) - len(self.free)
 
-    def options(self, *, midrange: float = 0.0) -> _core.IkOptions:
+    def options(self, *, nullspace_gain: float = 0.0) -> _core.IkOptions:
         """The options of inverse kinematics for a single sample."""
-        return ik_options(free=self.free, midrange=midrange)
+        return compiled(IkOptions(free=self.free, nullspace_gain=nullspace_gain), 0)
 
     def only(self, samples: slice | NDArray[np.intp]) -> TipPath:
         """The path of these samples alone."""
@@ -95,11 +95,49 @@ class Track:
 
 
 def solve_sample(
-    chain: _core.Chain, path: TipPath, i: int, seeds: Float64Array, options: _core.IkOptions
+    chain: _core.Chain, path: TipPath, i: int, guesses: Float64Array, options: _core.IkOptions
 ) -> tuple[Float64Array, NDArray[np.int32], Float64Array]:
-    """Configurations (m, joints), status codes and errors (m,) for one sample from many seeds."""
-    sample = path.only(np.full(len(seeds), i))
+    """Configurations (m, joints), status codes and errors (m,) for one sample from many guesses."""
+    sample = path.only(np.full(len(guesses), i))
     q, status, position_errors, orientation_errors, *_ = _core.solve_ik_batch(
-        chain, sample.positions, sample.orientations, seeds, options, 1
+        chain, sample.positions, sample.orientations, guesses, options, 1
     )
     return q, status, position_errors + orientation_errors
+
+
+def tube_around(path: TipPath, deviation: tuple[ArrayLike, ArrayLike]) -> Float64Array:
+    """The room at each sample as the core takes it, (6 n, 6)."""
+    if not isinstance(deviation, tuple | list) or len(deviation) != 2:
+        raise InvalidInput(
+            f"deviation: expected the room in m and in rad, (m, rad), got {deviation!r}"
+        )
+    room = np.zeros((len(path), 6, 6))
+    room[:, :3, :3] = _in_frames(path, _room(deviation[0], "deviation in m", len(path)))
+    room[:, 3:, 3:] = _room(deviation[1], "deviation in rad", len(path))
+    room[[0, -1]] = 0.0
+    return np.ascontiguousarray(room.reshape(-1, 6))
+
+
+def _room(value: ArrayLike, name: str, samples: int) -> Float64Array:
+    """Squares (3, 3) along the axes, or the matrices (n, 3, 3) as they are."""
+    if np.ndim(value) == 0:
+        return np.diag(np.full(3, check.number(value, name, at_least=0.0) ** 2))
+    if np.ndim(value) == 1:
+        lengths = check.array(value, name, shape=(3,))
+        if lengths.min() < 0.0:
+            raise InvalidInput(f"{name}: expected numbers >= 0, got {lengths.min()}")
+        return np.diag(lengths**2)
+    matrices = check.array(value, name, shape=(samples, 3, 3))
+    if not all(_core.is_covariance(np.ascontiguousarray(each)) for each in matrices):
+        raise InvalidInput(
+            f"{name}: expected covariances, symmetric and without negative variances"
+        )
+    return matrices
+
+
+def _in_frames(path: TipPath, room: Float64Array) -> Float64Array:
+    """Room given by matrices in the base frame as seen from each sample."""
+    if room.ndim == 2 or not len(path.orientations):
+        return room
+    frames = rotations.to_matrix(path.orientations)
+    return np.asarray(frames.transpose(0, 2, 1) @ room @ frames)

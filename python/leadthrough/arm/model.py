@@ -1,0 +1,320 @@
+"""The rigid-body model of an arm: a chain of joints of a URDF, its limits and its load."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Self
+
+from numpy.typing import ArrayLike
+
+from leadthrough import _core, check
+from leadthrough.arm import dynamics, kinematics
+from leadthrough.arm.attachment import Attachment, Load
+from leadthrough.arm.collision import collision_model
+from leadthrough.arm.limits import JointLimits, checked_values, require_free, require_inside
+from leadthrough.check import Float64Array
+from leadthrough.drawing.drawn import Drawn
+from leadthrough.errors import InvalidInput
+from leadthrough.shapes import Shape, Solid
+
+_IDENTITY = (1.0, 0.0, 0.0, 0.0)
+_NO_INERTIA = ((0.0, 0.0, 0.0),) * 3
+
+
+@dataclass(frozen=True, eq=False)
+class ArmModel(Drawn):
+    """The fields of an `Arm`, with its kinematics and dynamics."""
+
+    document: str = field(repr=False)
+    base: str
+    tip: str
+    limits: JointLimits = field(repr=False)
+    held: Mapping[str, float] = field(default_factory=dict, repr=False)
+    attachment: Attachment = field(default_factory=Attachment, repr=False)
+    mesh_folders: tuple[str, ...] = field(default=(), repr=False)
+    _robot: _core.Robot = field(init=False, repr=False)
+    _chain: _core.Chain = field(init=False, repr=False)
+
+    def _repr_parts(self) -> list[str]:
+        names = self.joint_names
+        parts = [f"{self._robot.name!r}, {self.base} to {self.tip}"]
+        parts.append(f"{len(names)} joints {names[0]} ... {names[-1]}")
+        parts += [f"holds {', '.join(self.held)} still"] if self.held else []
+        lacking = [name for name in ("acceleration", "jerk") if getattr(self.limits, name) is None]
+        parts += [f"without {' and '.join(lacking)} limits"] if lacking else []
+        return [*parts, *self.attachment.told()]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "held", checked_values(self.held))
+        robot = _core.Robot(self.document).hold(list(self.held.items()))
+        chain = _core.Chain(robot, self.base, self.tip)
+        if list(self.joint_names) != chain.joint_names:
+            raise InvalidInput(
+                f"limits: expected the joints {chain.joint_names}, got {list(self.joint_names)}"
+            )
+        bounded = chain.with_bounds(self.limits.lower, self.limits.upper)
+        object.__setattr__(self, "_robot", robot)
+        object.__setattr__(self, "_chain", self.attachment.applied_to(bounded))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        stated = (self.document, self.base, self.tip, self.limits)
+        return type(self), (*stated, dict(self.held), self.attachment, self.mesh_folders)
+
+    @cached_property
+    def _collision(self) -> _core.CollisionModel:
+        """The collision shapes of the robot and the pairs of them to check."""
+        ends = self.base, self.tip
+        return collision_model(self._robot, self._chain, ends, self.mesh_folders, self.attached)
+
+    @property
+    def robot(self) -> _core.Robot:
+        """The robot that the arm is part of, with the held joints fixed.
+
+        It has a `name`, its `links`, and its `tree`: every joint, parents first, with the indices
+        of its `parent` and `child` link, `kind`, `position`, `rotation`, `axis` and bounds.
+        """
+        return self._robot
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints to command, from base to tip; without those held or mimicking another."""
+        return self.limits.joint_names
+
+    @property
+    def tool(self) -> tuple[Float64Array, Float64Array]:
+        """Position (3,) in m and orientation (4,) w, x, y, z of the tip in the frame of `tip`."""
+        return self.attachment.position, self.attachment.orientation
+
+    @property
+    def attached(self) -> tuple[Shape, ...]:
+        """The shapes of the objects that the arm holds, in the frame of link `tip`."""
+        return self.attachment.shapes
+
+    def hold(self, values: Mapping[str, float]) -> Self:
+        """The arm with some joints frozen, which leave `joint_names`.
+
+        Other joints of the robot may be frozen as well: what they carry then counts as a load.
+
+        Args:
+            values: in rad (m) by the joints' names, inside the limits.
+
+        Raises:
+            InvalidInput: if a value is outside the limits, a joint is held already, or no joint of
+                the arm would be left.
+        """
+        wanted = checked_values(values)
+        require_free(wanted, self.held)
+        require_inside(wanted, self.limits)
+        return replace(self, limits=self.limits.without(wanted), held={**self.held, **wanted})
+
+    def with_tool(self, position: ArrayLike, orientation: ArrayLike = _IDENTITY) -> Self:
+        """The arm with its tip moved to a pose in the frame of its present tip; tools compose.
+
+        Args:
+            position: (3,) in m.
+            orientation: (4,) w, x, y, z.
+
+        Raises:
+            InvalidInput: if one has another shape, or the orientation is no unit quaternion.
+        """
+        return replace(self, attachment=self.attachment.with_tool(position, orientation))
+
+    def with_payload(
+        self,
+        mass: float,
+        center: ArrayLike = (0.0, 0.0, 0.0),
+        inertia: ArrayLike = _NO_INERTIA,
+    ) -> Self:
+        """The arm carrying a rigid body, given in the frame of its present tip; payloads add up.
+
+        Args:
+            mass: in kg, >= 0.
+            center: centre of mass (3,) in m.
+            inertia: tensor (3, 3) about the centre of mass in kg m^2.
+
+        Raises:
+            InvalidInput: if one has another shape, or no body has such an inertia.
+        """
+        load = Load(mass, center, inertia)
+        return replace(self, attachment=self.attachment.with_load(load))
+
+    def with_attached(self, shape: Solid, mass: float = 0.0) -> Self:
+        """The arm holding an object, whose pose is given in the frame of its present tip.
+
+        Args:
+            shape: a Box, Sphere, Capsule, Cylinder or Mesh; it joins `attached` and counts in
+                collision checks. Of a mesh the hulls of its parts count, for its mass too.
+            mass: in kg, >= 0, of uniform density; it adds to the payload.
+
+        Raises:
+            InvalidInput: if the shape is something else, or the mass is negative.
+        """
+        return replace(self, attachment=self.attachment.with_shape(shape, mass))
+
+    def forward_kinematics(self, q: ArrayLike) -> tuple[Float64Array, Float64Array]:
+        """Position in m and orientation w, x, y, z of the tip in the base frame.
+
+        Args:
+            q: configuration (joints,) or a batch (m, joints); may lie outside the limits.
+
+        Returns:
+            Position (3,) and orientation (4,), or (m, 3) and (m, 4) for a batch.
+
+        Raises:
+            InvalidInput: if q has another shape or is not finite.
+        """
+        return kinematics.forward_kinematics(self._chain, q)
+
+    def jacobian(self, q: ArrayLike) -> Float64Array:
+        """Geometric Jacobian J of the tip: linear rows first, in the base frame.
+
+        Args:
+            q: configuration (joints,) or a batch (m, joints).
+
+        Returns:
+            (6, joints), or (m, 6, joints) for a batch.
+
+        Raises:
+            InvalidInput: if q has another shape, is not finite or so large that J overflows.
+        """
+        return kinematics.jacobian(self._chain, q)
+
+    def jacobian_derivative(self, q: ArrayLike, qd: ArrayLike) -> Float64Array:
+        """Time derivative J' of the Jacobian while the joints move; qdd below is acceleration.
+
+        The tip's acceleration is J qdd + J' qd.
+
+        Args:
+            q: configuration (joints,) or a batch (m, joints).
+            qd: joint velocities, shape of q, rad/s (m/s).
+
+        Returns:
+            (6, joints), or (m, 6, joints) for a batch.
+
+        Raises:
+            InvalidInput: if the shapes differ, or a number is not finite or too large.
+        """
+        return kinematics.matrices(_core.jacobian_derivative, self._chain, q=q, qd=qd)
+
+    def jacobian_second_derivative(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike
+    ) -> Float64Array:
+        """Second time derivative J'' of the Jacobian while the joints move.
+
+        The tip's jerk is J qddd + 2 J' qdd + J'' qd.
+
+        Args:
+            q: configuration (joints,) or a batch (m, joints).
+            qd: joint velocities, shape of q, rad/s (m/s).
+            qdd: joint accelerations, shape of q, rad/s^2 (m/s^2).
+
+        Returns:
+            (6, joints), or (m, 6, joints) for a batch.
+
+        Raises:
+            InvalidInput: if the shapes differ, or a number is not finite or too large.
+        """
+        kernel = _core.jacobian_second_derivative
+        return kinematics.matrices(kernel, self._chain, q=q, qd=qd, qdd=qdd)
+
+    def manipulability(self, q: ArrayLike) -> Float64Array:
+        """Yoshikawa's measure sqrt(det(J J^T)), the product of J's singular values.
+
+        It is 0 at a singularity. Its unit is a product of m and rad, so it doesn't compare
+        different arms. For an arm of fewer than six joints it is sqrt(det(J^T J)), which measures
+        the directions in which the arm can move.
+
+        Args:
+            q: configuration (joints,) or a batch (m, joints).
+
+        Returns:
+            (), or (m,) for a batch.
+
+        Raises:
+            InvalidInput: if q has another shape, is not finite or too large.
+
+        Source: Yoshikawa 1985.
+        """
+        return kinematics.manipulability(self.jacobian(q))
+
+    def condition_number(
+        self, q: ArrayLike, *, rotation_weight: float = kinematics.ROTATION_WEIGHT
+    ) -> Float64Array:
+        """Largest singular value of the Jacobian over its smallest; infinite at a singularity.
+
+        Args:
+            q: configuration (joints,) or a batch (m, joints).
+            rotation_weight: weight of the rotation rows in m per rad, > 0. The Jacobian mixes m
+                and rad, so without a weight the number would change with the unit of length. A
+                rotation counts as the path of a point this far from the tip: 0.3 is about the
+                reach of an arm's wrist, 1.0 gives the plain SI number.
+
+        Returns:
+            (), or (m,) for a batch.
+
+        Raises:
+            InvalidInput: if q has another shape, is not finite or too large, or the weight is not
+                positive.
+        """
+        weight = check.number(rotation_weight, "rotation_weight", above=0.0)
+        return kinematics.condition_number(self.jacobian(q), weight)
+
+    def inverse_dynamics(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, gravity: ArrayLike = dynamics.GRAVITY
+    ) -> Float64Array:
+        """Joint torques in N m (forces in N for prismatic joints) that produce a motion.
+
+        The model has the links that the arm moves, those on side branches fixed to them, and the
+        payloads. It has no friction, no motor inertia and nothing that hangs from joints outside
+        the arm, unless these are held.
+
+        Args:
+            q: configuration (joints,) or a batch (m, joints).
+            qd: joint velocities, shape of q, rad/s (m/s).
+            qdd: joint accelerations, shape of q, rad/s^2 (m/s^2).
+            gravity: acceleration (3,) of gravity in the base frame, m/s^2.
+
+        Returns:
+            (joints,), or (m, joints) for a batch.
+
+        Raises:
+            InvalidInput: if the shapes differ, or a number is not finite or too large.
+            InvalidRobot: if the URDF states no masses.
+        """
+        return dynamics.inverse_dynamics(self._chain, q, qd, qdd, gravity)
+
+    def gravity_torques(
+        self, q: ArrayLike, *, gravity: ArrayLike = dynamics.GRAVITY
+    ) -> Float64Array:
+        """Joint torques in N m (N) that hold the arm still against gravity.
+
+        Args:
+            q: configuration (joints,) or a batch (m, joints).
+            gravity: acceleration (3,) of gravity in the base frame, m/s^2.
+
+        Returns:
+            (joints,), or (m, joints) for a batch; of the links as in `inverse_dynamics`.
+
+        Raises:
+            InvalidInput: if q has another shape, or a number is not finite or too large.
+            InvalidRobot: if the URDF states no masses.
+        """
+        return dynamics.gravity_torques(self._chain, q, gravity)
+
+    def mass_matrix(self, q: ArrayLike) -> Float64Array:
+        """Joint-space mass matrix M: M qdd is the torque that the accelerations qdd need.
+
+        Args:
+            q: configuration (joints,) or a batch (m, joints).
+
+        Returns:
+            (joints, joints), or (m, joints, joints) for a batch; of the links as in
+            `inverse_dynamics`.
+
+        Raises:
+            InvalidInput: if q has another shape, or a number is not finite or too large.
+            InvalidRobot: if the URDF states no masses.
+        """
+        return dynamics.mass_matrix(self._chain, q)

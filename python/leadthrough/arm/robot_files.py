@@ -1,0 +1,253 @@
+"""The files of a robot: URDFs by path and by name, and their meshes.
+
+A mesh of collision geometry counts as its convex hull. The hull contains the mesh, so no collision
+is missed, but the free space inside a hollow mesh counts as occupied.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module, metadata
+from importlib.util import find_spec
+from os import PathLike
+from pathlib import Path
+from typing import TypeGuard
+from urllib.parse import unquote, urlparse
+
+import numpy as np
+
+from leadthrough import _core, check
+from leadthrough.arm.limits import JointLimits, read_limits
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput, InvalidRobot
+
+# Bytes: above the core's own bound, which refuses the document with a reason.
+_MAX_FILE = 2**25
+_PACKAGES = "example-robot-data or robot_descriptions"
+_BESIDE_MESHES = ("urdf", "robots", "xacro")  # a package's folders for descriptions
+
+
+def is_document(path_or_xml: str | PathLike[str]) -> TypeGuard[str]:
+    """Whether this is the document itself and not its path."""
+    return isinstance(path_or_xml, str) and path_or_xml.lstrip("\ufeff \t\r\n")[:1] == "<"
+
+
+def read(path_or_xml: str | PathLike[str]) -> str:
+    """The document, or the text of the file."""
+    try:
+        if is_document(path_or_xml):
+            return str(path_or_xml.encode("utf-8"), "utf-8")
+        with Path(path_or_xml).open("rb") as file:
+            return str(file.read(_MAX_FILE), "utf-8")
+    except (OSError, ValueError, TypeError) as error:
+        raise InvalidInput(f"path_or_xml: expected a URDF or its path: {error}") from None
+
+
+def ends_and_limits(
+    document: str,
+    ends: tuple[str | None, str | None],
+    held: Mapping[str, float],
+    limits: JointLimits | str | PathLike[str] | None,
+) -> tuple[str, str, JointLimits]:
+    """The base and tip link of an arm, and its limits: those given, or the URDF's, completed."""
+    robot = _core.Robot(document)
+    base, tip = ends
+    base = robot.links[0] if base is None else check.choice(base, "base", robot.links)
+    tip = _only_leaf(robot) if tip is None else check.choice(tip, "tip", robot.links)
+    chain = _core.Chain(robot.hold(list(held.items())), base, tip)
+    names = tuple(chain.joint_names)
+    stated = JointLimits(names, chain.lower, chain.upper, chain.velocity, effort=chain.effort)
+    if limits is None:
+        return base, tip, stated
+    if isinstance(limits, JointLimits):
+        return base, tip, limits
+    return base, tip, read_limits(limits, stated, other_joints=robot.joints)
+
+
+def _only_leaf(robot: _core.Robot) -> str:
+    if len(robot.leaves) > 1:
+        raise InvalidInput(
+            f"tip: expected a link's name, as the robot ends in several links; name one of "
+            f"{robot.leaves}"
+        )
+    return robot.leaves[0]
+
+
+@dataclass(frozen=True)
+class RobotFiles:
+    """Where a robot's files are."""
+
+    urdf: Path  # the robot description
+    limits: Path | None = None  # the limits file; None if there is none
+    mesh_folders: tuple[Path, ...] = ()  # where its meshes are looked for besides
+
+
+def find_robot(name: str) -> RobotFiles:
+    """The files of a robot."""
+    if isinstance(name, str):
+        _refuse_path(name)
+        for search in (_own, _of_example_robot_data, _of_robot_descriptions):
+            if found := search(name):
+                return found
+    names = ", ".join(map(repr, own_names())) or "none"
+    raise InvalidInput(
+        f"name: expected one of the robots {names}, or of {_PACKAGES} where these are installed, "
+        f"got {name!r}"
+    )
+
+
+def own_names() -> list[str]:
+    """The names of the robots that come with the package."""
+    return [folder.name for folder in _folders()]
+
+
+def _refuse_path(name: str) -> None:
+    if name.lower().endswith((".urdf", ".xml", ".xacro")) or "/" in name or "\\" in name:
+        names = ", ".join(map(repr, own_names()))
+        raise InvalidInput(
+            f"name: expected the name of a robot such as {names}, got {name!r}; in Python, read a "
+            f"file with Arm.from_urdf({name!r})"
+        )
+
+
+def _own(name: str) -> RobotFiles | None:
+    for folder in _folders():
+        if folder.name == name:
+            return RobotFiles(folder / f"{name}.urdf", folder / "limits.toml")
+    return None
+
+
+def _folders() -> list[Path]:
+    # An editable install has two places: the sources, and the folder of the built module.
+    package = find_spec("leadthrough")
+    places = package.submodule_search_locations if package else None
+    return [
+        folder
+        for place in places or ()
+        for folder in sorted((Path(place) / "robots").glob("*"))
+        if (folder / f"{folder.name}.urdf").is_file()
+    ]
+
+
+def _of_example_robot_data(name: str) -> RobotFiles | None:
+    """Its files are named after the robot, some with "_robot" added: ur5_robot.urdf."""
+    found = sorted(set(_urdfs(name)))
+    if len(found) > 1:
+        listed = ", ".join(map(str, found))
+        raise InvalidInput(
+            f"name: example-robot-data has several robots {name!r}; name one of their files: "
+            f"{listed}; in Python, read it with Arm.from_urdf"
+        )
+    return RobotFiles(found[0]) if found else None
+
+
+def _urdfs(name: str) -> Iterator[Path]:
+    try:
+        files = metadata.files("example-robot-data") or []
+    except metadata.PackageNotFoundError:
+        return
+    for file in files:
+        if file.name in (f"{name}.urdf", f"{name}_robot.urdf"):
+            yield Path(str(file.locate())).resolve()
+
+
+def _of_robot_descriptions(name: str) -> RobotFiles | None:
+    """Its modules are named after the robot; one downloads its files when first imported."""
+    if not name.isidentifier() or find_spec("robot_descriptions") is None:
+        return None
+    module = f"robot_descriptions.{name.removesuffix('_description')}_description"
+    if find_spec(module) is None:
+        return None
+    described = import_module(module)
+    if not hasattr(described, "URDF_PATH"):
+        raise InvalidInput(f"name: {module} has no URDF, got {name!r}")
+    folder = Path(getattr(described, "PACKAGE_PATH", Path(described.URDF_PATH).parent))
+    return RobotFiles(Path(described.URDF_PATH), mesh_folders=(folder, folder.parent))
+
+
+def folders(
+    path_or_xml: str | PathLike[str], mesh_folders: Sequence[str | PathLike[str]]
+) -> tuple[str, ...]:
+    """The folders in which an arm's meshes are looked for: those given, then the URDF's own."""
+    if isinstance(mesh_folders, str | Path) or not isinstance(mesh_folders, Sequence):
+        raise InvalidInput(f"mesh_folders: expected a sequence of folders, got {mesh_folders!r}")
+    try:
+        given = [Path(folder).resolve() for folder in mesh_folders]
+    except (TypeError, ValueError, OSError) as error:
+        raise InvalidInput(f"mesh_folders: expected paths of folders: {error}") from None
+    if not is_document(path_or_xml):
+        given.append(Path(path_or_xml).resolve().parent)
+    return tuple(str(folder) for folder in given)
+
+
+def hull_vertices(
+    link: str, file: str, scale: Float64Array, folders: Sequence[str]
+) -> Float64Array:
+    """Vertices (n, 3) of the convex hull of a link's mesh in m, in the mesh's frame."""
+    # Only robots with meshes need these, and they take long to load.
+    from scipy.spatial import ConvexHull, QhullError
+
+    from leadthrough.io.mesh import read_vertices
+
+    where = f"link {link!r}"
+    path = find_mesh(file, folders)
+    if path is None:
+        places = ", ".join(folders) or "none"
+        raise InvalidRobot(
+            where,
+            f"mesh {file!r} was not found in the robot's folders ({places}); if it lies elsewhere, "
+            "name its folder in mesh_folders",
+        )
+    try:
+        vertices = read_vertices(path) * scale
+        return np.asarray(vertices[ConvexHull(vertices).vertices])
+    except InvalidInput as error:
+        raise InvalidRobot(where, str(error)) from None
+    except QhullError:
+        raise InvalidRobot(where, f"mesh {file!r} is flat or has too few vertices") from None
+
+
+def find_mesh(file: str, folders: Sequence[str]) -> Path | None:
+    """The file that a URDF's mesh names, or None if it is not found or lies outside the robot."""
+    try:
+        for candidate, root in _candidates(file, folders):
+            plain = Path(os.path.normpath(candidate))  # without the links' targets
+            if plain.is_relative_to(root) and candidate.is_file():
+                return candidate
+    except ValueError:  # no address, or no path
+        return None
+    return None
+
+
+def _candidates(file: str, folders: Sequence[str]) -> Iterator[tuple[Path, Path]]:
+    """Where a mesh may be, and the folder that it must not leave there."""
+    address = urlparse(file)
+    if address.scheme == "package":
+        name, rest = address.netloc, unquote(address.path).lstrip("/")
+        starts = [Path(folder).resolve() for folder in folders if name.strip(".")]
+        for start in starts:
+            for place in (start, *start.parents):
+                yield place / name / rest, place / name
+        for start in starts:
+            root = _root(start)
+            for place in (start, *start.parents):
+                if place.is_relative_to(root):
+                    yield place / rest, root
+        parts = Path(rest).parts
+        if ".." not in parts:
+            for start in starts:
+                yield from ((start / Path(*parts[i:]), start) for i in range(1, len(parts)))
+        return
+    path = Path(unquote(address.path) if address.scheme == "file" else file)
+    for folder in folders:
+        yield Path(folder) / path, _root(Path(folder))  # of an absolute path it is the path itself
+
+
+def _root(folder: Path) -> Path:
+    """The folder of the robot that has this one."""
+    for place in (folder, *folder.parents):
+        if (place / "package.xml").is_file():
+            return place
+    return folder.parent if folder.name in _BESIDE_MESHES else folder

@@ -1,0 +1,288 @@
+"""Joints along a path of the tip, sample after sample, without a jump.
+
+A path that is followed without a jump stays on its initial branch of inverse kinematics, and most
+branches end at a joint limit or at a singularity. So several initial postures are followed ahead
+along a thinned path. The one that gets furthest is preferred, then the one whose joints move slowly
+and stay away from their limits.
+
+An arm of fewer than six joints has no posture for most poses. It keeps the position, and frees the
+rotations about the tip's axes that give the smallest orientation error.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Literal
+
+import numpy as np
+
+from leadthrough import _core, rotations
+from leadthrough.arm.clearing import CollisionTest, clear_path
+from leadthrough.arm.ik_failure import failure
+from leadthrough.arm.inverse_kinematics import Axis, free_axes, tolerance
+from leadthrough.arm.limits import JointLimits, known_acceleration, margins
+from leadthrough.arm.tip_path import TipPath, Track, solve_sample
+from leadthrough.check import Float64Array
+from leadthrough.errors import IkFailure, InvalidInput
+
+OnRateLimit = Literal["slow", "deviate", "raise", "exceed_limits"]
+IN_TIME: tuple[OnRateLimit, ...] = ("deviate", "raise")
+
+_SAMPLE_ITERATIONS = 60
+# Damping to try where the arm may leave the path, m^2 per rad^2: from none to (0.1 m per rad)^2,
+# which halves the step of a joint that moves the tip by 0.1 m per rad.
+_DAMPINGS = (0.0, 1e-5, 1e-4, 1e-3, 1e-2)
+_ROTATIONS: tuple[Axis, ...] = ("rx", "ry", "rz")
+# Configurations from which the first sample is solved. An arm with a wrist has up to eight
+# postures, and more in which a joint has made a whole turn; a redundant arm has a curve of them.
+_GUESSES = 48
+# The first of them also lead to the point of their curve nearest to the middle of the ranges.
+_CENTRED_GUESSES = 16
+# Starts to return.
+_MAX_STARTS = 24
+# Two postures that differ by less than this in every joint are the same, rad or m.
+_SAME_POSTURE = 1e-2
+# Samples of the thinned path.
+_LOOK_AHEAD = 40
+# A joint this near to a limit, as a fraction of its range, costs as much as double speed.
+_NEAR_A_LIMIT = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Tracker:
+    """Follows a path from given starts."""
+
+    chain: _core.Chain
+    path: TipPath
+    limits: JointLimits
+    allowed: tuple[float, float]  # errors in m and rad that count as reached
+    max_step: float  # of a joint between two samples, rad or m
+
+    @property
+    def tolerance(self) -> _core.IkTolerance:
+        """The errors that count as reached."""
+        return tolerance(*self.allowed)
+
+    def along(self, start: Start) -> Track:
+        """The track along the path, at whatever speed that takes."""
+        return self._track(start, self.path)
+
+    def in_time(self, start: Start, damping: float, deviation: tuple[float, float]) -> Track:
+        """The track along the path at the path's own pace, inside the limits."""
+        first = self._track(start, self.path.only(slice(1)))
+        options = _core.PursuitOptions(
+            self.limits.velocity, known_acceleration(self.limits), damping, tolerance(*deviation)
+        )
+        columns = _core.pursue(
+            self.chain,
+            self.path.times,
+            self.path.positions,
+            self.path.orientations,
+            first.q[0],
+            *self.path.pull(start.rate),
+            options,
+        )
+        return Track.of(columns, deviation)
+
+    def deviating(self, start: Start, deviation: tuple[float, float]) -> Track:
+        """Of the tracks with several dampings, the one that stays nearest to the path."""
+        tracks = []
+        for damping in _DAMPINGS:
+            tracks.append(self.in_time(start, damping, deviation))
+            if _distance(tracks[-1], self.allowed) <= 1.0:
+                break
+        return min(tracks, key=lambda track: _rank(track, deviation))
+
+    def searched(
+        self, q0: Float64Array | None, around: CollisionTest | None
+    ) -> Float64Array | None:
+        """Joints (n, joints) found by looking ahead; None if there are none."""
+        try:
+            q = clear_path(self.chain, self.path, around, start=q0, tolerance=self.tolerance)
+        except IkFailure as ended:
+            if around is None:
+                return None
+            if ended.status != "jump":
+                raise
+            stuck = Track.standing(self.chain, self.path, ended.index, ended.q)
+            raise failure(self.chain, self.limits, self.path, stuck, on_the_way="jump") from None
+        leaps = np.abs(np.diff(q, axis=0)).max(initial=0.0) > self.max_step
+        return None if leaps else q
+
+    def _track(self, start: Start, path: TipPath) -> Track:
+        axes = free_axes(path.free)
+        options = _core.TrackOptions(self.tolerance, _SAMPLE_ITERATIONS, self.max_step, axes)
+        pull = path.pull(start.rate)
+        columns = _core.track(
+            self.chain, path.positions, path.orientations, start.q, *pull, options
+        )
+        return Track.of(columns, self.allowed)
+
+
+def starts(
+    tracker: Tracker, q0: Float64Array | None, rate: float, *, others: bool
+) -> Iterator[Start]:
+    """Initial postures: next to q0; without one, or as well, any."""
+    rate = rate if len(tracker.chain.joint_names) > tracker.path.dimension else 0.0
+    if q0 is not None:
+        yield from _next_to(tracker.chain, tracker.path, q0, rate)
+    if q0 is None or others:
+        yield from _first_postures(
+            tracker.chain,
+            tracker.path,
+            velocity=tracker.limits.velocity,
+            rate=rate,
+            tracking=(tracker.tolerance, _SAMPLE_ITERATIONS, tracker.max_step),
+        )
+
+
+def best_track(
+    tracker: Tracker,
+    starts: Iterable[Start],
+    on_rate_limit: OnRateLimit,
+    deviation: tuple[float, float],
+) -> Track:
+    """The first track that reaches the end and stays on the path, else the best one."""
+    best: Track | None = None
+    for start in starts:
+        if on_rate_limit in ("exceed_limits", "slow"):
+            track = tracker.along(start)
+        elif on_rate_limit == "raise":
+            track = tracker.in_time(start, 0.0, deviation)
+        else:
+            track = tracker.deviating(start, deviation)
+        if best is None or _rank(track, deviation) < _rank(best, deviation):
+            best = track
+        if best.reached == len(tracker.path) and _distance(best, tracker.allowed) <= 1.0:
+            break
+    assert best is not None
+    return best
+
+
+def _rank(track: Track, unit: tuple[float, float]) -> tuple[int, float]:
+    return -track.reached, _distance(track, unit)
+
+
+def _distance(track: Track, unit: tuple[float, float]) -> float:
+    return float(
+        max(track.position_errors.max() / unit[0], track.orientation_errors.max() / unit[1])
+    )
+
+
+def axes_to_try(
+    path: TipPath, free: Collection[Axis] | None, *, joints: int, in_time: bool
+) -> list[tuple[Axis, ...]]:
+    """The choices of axes to leave free along a path, that of none first."""
+    if free is not None:
+        free_axes(free)
+        if free and in_time:
+            raise InvalidInput(
+                "free: not used with on_rate_limit='deviate' or 'raise'; leave it out"
+            )
+        if not len(path.orientations) and (set(free) & set(_ROTATIONS) or set(free) >= set("xyz")):
+            raise InvalidInput(
+                f"free: expected one or two of 'x', 'y', 'z' along points, got {list(free)}"
+            )
+        return [tuple(free)]
+    missing = min(6 - joints, len(_ROTATIONS)) if len(path.orientations) else 0
+    if missing <= 0 or in_time:
+        return [()]
+    return [(), *combinations(_ROTATIONS, missing)]
+
+
+def least_rotated(chain: _core.Chain, path: TipPath, tracks: Sequence[Track]) -> Track:
+    """Of tracks with different axes free, the furthest, then that of least orientation error."""
+    if len(tracks) == 1:
+        return tracks[0]
+    return min(tracks, key=lambda track: (-track.reached, _orientation_error(chain, path, track)))
+
+
+def _orientation_error(chain: _core.Chain, path: TipPath, track: Track) -> float:
+    """The largest angle between the tip and a sample, rad."""
+    _, orientations = chain.forward_kinematics(track.q)
+    errors = rotations.distance(orientations, path.orientations[: len(orientations)])
+    return float(np.max(errors))
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """An initial posture."""
+
+    q: Float64Array  # (joints,) at the first sample
+    rate: float  # of the motion towards the preferred postures from there, 1/s
+
+
+def _next_to(chain: _core.Chain, path: TipPath, q0: Float64Array, rate: float) -> list[Start]:
+    """The starts next to q0, with and without the pull towards the preferred postures."""
+    (q,), *_ = solve_sample(chain, path, 0, q0[None], path.options())
+    return [Start(q, pull) for pull in _rates(rate)]
+
+
+def _first_postures(
+    chain: _core.Chain,
+    path: TipPath,
+    *,
+    velocity: Float64Array,
+    rate: float,
+    tracking: tuple[_core.IkTolerance, int, float],
+) -> list[Start]:
+    """Starts for the path, the most promising first; at least one."""
+    postures, reached = _solutions(chain, path)
+    starts = [Start(q, pull) for q in postures for pull in _rates(rate)]
+    if not reached or len(starts) == 1:
+        return starts[:1]
+    samples = np.unique(np.linspace(0, len(path) - 1, _LOOK_AHEAD).round().astype(int))
+    thin = path.only(samples)
+    tolerance, iterations, max_step = tracking
+    stride = math.ceil(len(path) / _LOOK_AHEAD)
+    axes = free_axes(path.free)
+    options = _core.TrackOptions(tolerance, iterations, max_step * stride, axes)
+    keys = []
+    for i, start in enumerate(starts):
+        pull = thin.pull(start.rate)
+        q, *_ = _core.track(chain, thin.positions, thin.orientations, start.q, *pull, options)
+        keys.append((-len(q), _cost(chain, q, thin.times, velocity), i))
+    return [starts[i] for *_, i in sorted(keys)[:_MAX_STARTS]]
+
+
+def _rates(rate: float) -> tuple[float, ...]:
+    return (rate, 0.0) if rate > 0.0 else (0.0,)
+
+
+def _solutions(chain: _core.Chain, path: TipPath) -> tuple[Float64Array, bool]:
+    guesses = _guesses(chain)
+    q, status, errors = solve_sample(chain, path, 0, guesses, path.options())
+    if not (status == 0).any():
+        return q[[np.argmin(errors)]], False
+    centred, its_status, _ = solve_sample(
+        chain, path, 0, guesses[:_CENTRED_GUESSES], path.options(nullspace_gain=1.0)
+    )
+    return _distinct(np.vstack([q[status == 0], centred[its_status == 0]])), True
+
+
+def _guesses(chain: _core.Chain) -> Float64Array:
+    lower = np.maximum(chain.lower, -np.pi)
+    upper = np.minimum(chain.upper, np.pi)
+    samples = np.random.default_rng(0).uniform(0.0, 1.0, (_GUESSES - 1, len(lower)))
+    return np.vstack([chain.middle, lower + samples * (upper - lower)])
+
+
+def _distinct(q: Float64Array) -> Float64Array:
+    distinct = q[:1]
+    for row in q[1:]:
+        if (np.abs(distinct - row).max(axis=1) > _SAME_POSTURE).all():
+            distinct = np.vstack([distinct, row])
+    return distinct
+
+
+def _cost(
+    chain: _core.Chain, q: Float64Array, times: Float64Array, velocity: Float64Array
+) -> float:
+    """The largest joint speed over its limit, higher where joints come near position limits."""
+    limit = np.where(np.isfinite(velocity) & (velocity > 0), velocity, 1.0)
+    speeds = np.abs(np.diff(q, axis=0)) / np.diff(times[: len(q)])[:, None] / limit
+    margin = margins(chain.lower, chain.upper, q).min()
+    return float(speeds.max(initial=0.0)) * (1.0 + _NEAR_A_LIMIT / max(float(margin), 1e-9))
