@@ -38,7 +38,7 @@ def _rows(name: str, arm: lt.Arm, judge: Judge, urdf: Path, count: int) -> Itera
     poses = [(target.translation.copy(), quaternion(target)) for target in targets]
 
     def ours(call: int) -> Any:
-        return arm.inverse_kinematics(*poses[call], seed=seeds[call]).q
+        return arm.inverse_kinematics(*poses[call], q0=seeds[call]).q
 
     peers = {
         "roboticstoolbox-python": (toolbox(arm, urdf), TOLERANCE),

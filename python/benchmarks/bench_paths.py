@@ -44,7 +44,7 @@ def _long_path(name: str, arm: lt.Arm, judge: Judge, urdf: Path, count: int) -> 
     solved = judge.percent_solved(targets, peer(), tolerance=TRAC_IK_TOLERANCE)
     return Benchmark(
         f"{name}: path of {count} poses, peer solves {solved}",
-        ours=lambda: arm.follow(motion, seed=q[0]).positions,
+        ours=lambda: arm.follow(motion, q0=q[0]).positions,
         peer=peer,
         peer_name="pytracik",
         error=partial(judge.worst, targets),
@@ -79,7 +79,7 @@ def _follow_all(arm: lt.Arm, motions: Sequence[Any], deviation: Any) -> list[Any
     answers: list[Any] = []
     for motion in motions:
         try:
-            answers.append(arm.follow(motion, too_fast=way, deviation=deviation))
+            answers.append(arm.follow(motion, on_rate_limit=way, deviation=deviation))
         except lt.errors.IkFailure as failure:
             answers.append(failure)
     return answers

@@ -37,8 +37,8 @@ def plain_inverse(q):
 
 
 ways = {
-    "slow": arm.follow(line, seed=posture, too_fast="slow"),
-    "deviate": arm.follow(line, seed=posture, too_fast="deviate", deviation=(1e-3, 5e-3)),
+    "slow": arm.follow(line, q0=posture, on_rate_limit="slow"),
+    "deviate": arm.follow(line, q0=posture, on_rate_limit="deviate", deviation=(1e-3, 5e-3)),
 }
 ways = {"plain inverse": plain_inverse(ways["slow"].positions[0]), **ways}
 figure = plt.figure(figsize=(9, 7), layout="constrained")

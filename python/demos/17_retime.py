@@ -21,7 +21,7 @@ phase = np.linspace(0.0, 1.0, 301)
 angle = 2.0 * np.pi * lt.trajectories.minimum_jerk_time_scaling(phase)
 tip = np.column_stack([0.45 + 0.12 * np.cos(angle), 0.12 * np.sin(angle), np.full(301, 0.4)])
 poses = lt.PoseTrajectory(6.0 * phase, tip, [(0, 1, 0, 0)] * 301)
-shown = arm.follow(poses, too_fast="exceed_limits")
+shown = arm.follow(poses, on_rate_limit="exceed_limits")
 
 slowed = lt.scale_to_limits(shown, arm.limits)
 fastest = lt.retime(shown, arm.limits)

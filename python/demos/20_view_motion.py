@@ -36,7 +36,7 @@ if "--live" in sys.argv:
     sys.exit()
 
 planned = skill.generate(obstacles=[with_room])
-followed = arm.follow(planned, too_fast="exceed_limits")  # slowed down in the next line
+followed = arm.follow(planned, on_rate_limit="exceed_limits")  # slowed down in the next line
 joints = lt.scale_to_limits(lt.differentiate(followed), arm.limits)
 print(f"{joints.duration:.2f} s; {arm.check(joints, [box])}")
 view(

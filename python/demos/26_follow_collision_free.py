@@ -23,8 +23,8 @@ asked = lt.PoseTrajectory(times, line, np.tile([0.0, 1.0, 0.0, 0.0], (151, 1)))
 seed = [0.6, -0.5, 0.0, -2.4, 0.0, 2.0, 1.4]
 
 shelf = lt.Box((0.1, 0.4, 0.2), (-0.15, 0.0, 0.65))  # behind the elbow
-straight = arm.follow(asked, seed=seed)
-around = arm.follow(asked, scene=lt.Scene([shelf], 0.01), seed=seed)
+straight = arm.follow(asked, q0=seed)
+around = arm.follow(asked, scene=lt.Scene([shelf], 0.01), q0=seed)
 
 figure = plt.figure(figsize=(7, 3.5), layout="constrained")
 axes = figure.subplots()

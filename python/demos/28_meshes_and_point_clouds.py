@@ -45,7 +45,7 @@ path = np.column_stack(
     [np.full(201, 0.45), 0.02 * np.sin(turn), 0.33 - 0.06 * (1.0 - np.cos(turn))]
 )
 asked = lt.PoseTrajectory(times, path, np.tile([0.0, 1.0, 0.0, 0.0], (201, 1)))
-joints = arm.follow(asked, scene=around, seed=[0.0, -0.5, 0.0, -2.4, 0.0, 2.0, 0.8])
+joints = arm.follow(asked, scene=around, q0=[0.0, -0.5, 0.0, -2.4, 0.0, 2.0, 0.8])
 print(arm.check(joints, lt.Scene(around, 0.005)))
 
 begin = process_time()

@@ -120,5 +120,5 @@ def test_another_arm_than_the_one_shown_is_warned_of(panda):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warn_of_another_arm(panda._chain, lt.DMP().fit([shown]).generate())
-    with pytest.warns(Suspicious, match="robot: .* tip is up to 0.2 m from where it was shown"):
+    with pytest.warns(Suspicious, match="robot: .* tip is up to 0.2 m from its demonstrated"):
         warn_of_another_arm(longer._chain, shown)

@@ -189,9 +189,6 @@ class IkBatch(ShortRepr):
         return len(self.q)
 
 
-_DEFAULTS = IkOptions()
-
-
 def solve_one(
     chain: _core.Chain,
     position: ArrayLike,
@@ -399,3 +396,6 @@ def _positive(value: ArrayLike, name: str, size: int) -> Float64Array:
     if not (result > 0).all():
         raise InvalidInput(f"{name}: expected numbers > 0, got {result.min()}")
     return result
+
+
+_DEFAULTS = IkOptions()  # here, as its checks need the functions above

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from leadthrough import check
-from leadthrough.arm import Arm, PathReport
+from leadthrough.arm import Arm, FollowOptions, PathReport
 from leadthrough.arm.inverse_kinematics import AXES
 from leadthrough.cli import parse
 from leadthrough.cli import robot as robots
@@ -81,8 +81,10 @@ def _compared(
 ) -> dict[str, Any]:
     """What the arm does otherwise than its tip was planned and its joints were shown."""
     report = arm.path_report(joints, motion)
-    off = _off_the_path(report, always="position_tolerance" in how or "free" in how)
-    chosen = {} if "free" in how else _freed(report, how)
+    options = how["options"]
+    default = options.free is None and options.tolerances == FollowOptions().tolerances
+    off = _off_the_path(report, always=not default)
+    chosen = {} if options.free is not None else _freed(report, options)
     return chosen | off | _beside_shown(arm, motion, joints)
 
 
@@ -90,26 +92,29 @@ def options_of(
     arm: Arm, posture: str | None, tolerance: str | None, free_axes: Sequence[str] | None
 ) -> dict[str, Any]:
     """The arguments of `Arm.follow` that the command's options make."""
-    found: dict[str, Any] = {}
+    options = FollowOptions()
     if tolerance is not None:
         given = check.array(parse.numbers(tolerance, "--tolerance"), "--tolerance", shape=(2,))
-        found["position_tolerance"], found["orientation_tolerance"] = (
+        position, orientation = (
             check.number(each, "--tolerance", above=0.0) for each in given.tolist()
         )
+        options = FollowOptions(position_tolerance=position, orientation_tolerance=orientation)
     if free_axes is not None:
-        found["free"] = [check.choice(axis, "--free-axis", AXES) for axis in free_axes]
+        free = [check.choice(axis, "--free-axis", AXES) for axis in free_axes]
+        options = replace(options, free=free)
     if posture is None:
-        return found
+        return {"q0": None, "options": options}
     if Path(posture).exists():
-        return {**found, "posture": robots.joints_in(arm, Path(posture))}
+        recorded = robots.joints_in(arm, Path(posture))
+        return {"q0": None, "options": replace(options, posture=recorded)}
     given = parse.numbers(posture, "--posture")
-    wished = check.array(given, "--posture", shape=(len(arm.joint_names),))
-    return {**found, "seed": wished, "posture": wished}
+    q = check.array(given, "--posture", shape=(len(arm.joint_names),))
+    return {"q0": q, "options": replace(options, posture=q)}
 
 
-def _freed(report: PathReport, options: Mapping[str, Any]) -> dict[str, list[str]]:
+def _freed(report: PathReport, options: FollowOptions) -> dict[str, list[str]]:
     """The axes that the arm left free by itself, because it has fewer than six joints."""
-    asked = max(options.get("orientation_tolerance", 0.0), _AS_PLANNED)
+    asked = max(options.orientation_tolerance, _AS_PLANNED)
     turned = np.abs(report.turn).max(axis=0).tolist()
     axes = [f"r{axis}" for axis, angle in zip("xyz", turned, strict=True) if angle > asked]
     return {"free_axes": axes} if axes else {}

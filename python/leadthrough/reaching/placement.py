@@ -86,7 +86,7 @@ def place_base(
         if least[i] <= 0.0:
             break
         try:
-            followed = arm.follow(seen[i], seed=joints[i * len(some)])
+            followed = arm.follow(seen[i], q0=joints[i * len(some)])
         except IkFailure:
             continue
         if arm.check(followed).ok:

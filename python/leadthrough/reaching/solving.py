@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, IkOptions
 from leadthrough.check import Float64Array
 from leadthrough.shapes import Scene
 from leadthrough.tasks import Row
@@ -58,11 +58,13 @@ def reached(
         solved = arm.inverse_kinematics_batch(
             positions[left],
             orientations[left],
-            seeds=seeds,
-            position_tolerance=_TOLERANCE,
-            orientation_tolerance=_TOLERANCE,
-            max_restarts=_RESTARTS,
-            random_seed=seed + attempt,
+            q0=seeds,
+            options=IkOptions(
+                position_tolerance=_TOLERANCE,
+                orientation_tolerance=_TOLERANCE,
+                max_restarts=_RESTARTS,
+            ),
+            seed=seed + attempt,
         )
         good = solved.success.copy()
         if good.any():

@@ -11,8 +11,9 @@ from typing import Any, TypedDict
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.arm import Arm, follower
+from leadthrough.arm import Arm, FollowOptions
 from leadthrough.arm.clearing import CollisionTest
+from leadthrough.arm.following import follow
 from leadthrough.arm.ik_failure import limits_in_the_way
 from leadthrough.arm.recorded_joints import warn_of_another_arm
 from leadthrough.check import Float64Array
@@ -162,7 +163,7 @@ class Replanner:
         """The path of the tip and the joints, the whole arm clear of the obstacles."""
         query = Query(**self._query(dt))
         try:
-            planned = plan_motion(self.skill, self.arm, self.scene, query, seed=self._first)
+            planned = plan_motion(self.skill, self.arm, self.scene, query, q0=self._first)
         except IkFailure:
             if self._first is None:
                 raise
@@ -207,7 +208,11 @@ class Replanner:
         around = self._around(self._given.margin)
         for posture, pull in ((None, None), (self._last, _PULL)):
             try:
-                joints = self.arm.follow(motion, seed=self._first, posture=posture, midrange=pull)
+                joints = self.arm.follow(
+                    motion,
+                    q0=self._first,
+                    options=FollowOptions(posture=posture, nullspace_gain=pull),
+                )
             except IkFailure:
                 continue
             if around.clear_along(joints.positions):
@@ -227,7 +232,7 @@ class Replanner:
     def _from_any_posture(self, motion: Trajectory | PoseTrajectory) -> JointTrajectory:
         """As before if possible: an arm that jumps while one drags is hard to look at."""
         try:
-            return self.arm.follow(motion, seed=self._first, scene=self._required)
+            return self.arm.follow(motion, q0=self._first, scene=self._required)
         except IkFailure:
             if self._first is None:
                 raise
@@ -248,8 +253,7 @@ class Replanner:
         self, motion: Trajectory | PoseTrajectory, first: Float64Array, margin: float
     ) -> JointTrajectory:
         around = replace(self._around(margin), max_attempts=1)
-        chain, limits = self.arm._chain, self.arm.limits
-        return follower.follow(chain, motion, limits=limits, seed=first, around=around)
+        return follow(self.arm, motion, q0=first, options=FollowOptions(), around=around)
 
     @property
     def _required(self) -> Scene | None:
@@ -274,7 +278,7 @@ class Replanner:
         if not self._is_of_joints:
             return self.goal_position
         found = self.arm.inverse_kinematics(
-            self.goal_position, self.goal_orientation, seed=self._last_joints
+            self.goal_position, self.goal_orientation, q0=self._last_joints
         )
         if not found.success:
             bars = [name in found.limiting_joints for name in self.arm.joint_names]

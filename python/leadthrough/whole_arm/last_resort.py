@@ -59,9 +59,11 @@ def _beside(
     """The joints up to a sample and from another one on; None if the arm cannot follow."""
     pieces: list[JointTrajectory] = []
     for rows in (slice(0, first + 1), slice(last, None)):
-        how = following | {"posture": _cut(following["posture"], path, rows)}
+        options = following["options"]
+        cut = replace(options, posture=_cut(options.posture, path, rows))
+        how = following | {"options": cut}
         if pieces:
-            how["seed"] = pieces[0].positions[-1]
+            how["q0"] = pieces[0].positions[-1]
         try:
             pieces.append(room.arm.follow(path[rows], **how))
         except IkFailure:
@@ -70,7 +72,7 @@ def _beside(
 
 
 def _cut(posture: Any, path: TipMotion, rows: slice) -> Any:
-    """The wished posture for some samples of a path."""
+    """The preferred posture for some samples of a path."""
     if not isinstance(posture, JointTrajectory):
         return posture
     at = posture.times[0] + normalised_times(path.times)[rows] * posture.duration

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection
 from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, FollowOptions
 from leadthrough.arm.arm import check_arm
 from leadthrough.arm.inverse_kinematics import Axis
 from leadthrough.errors import IkFailure
@@ -36,11 +36,8 @@ def plan_motion(
     scene: SceneLike | None = None,
     query: Query | None = None,
     *,
-    seed: ArrayLike | None = None,
-    posture: Motion | ArrayLike | None = None,
-    free: Sequence[Axis] | None = None,
-    position_tolerance: float = 1e-5,
-    orientation_tolerance: float = 1e-5,
+    q0: ArrayLike | None = None,
+    options: FollowOptions | None = None,
     deviation: Deviation | None = None,
     standard_deviations: float | None = None,
     rounds: int = 12,
@@ -61,11 +58,8 @@ def plan_motion(
             `arm.check` with the same scene. A skill that supports obstacles takes the tip around
             them. Without a scene nothing is kept clear of.
         query: start, goal, duration and sampling step; by default the demonstrated ones.
-        seed: configuration (joints,) near to which the motion starts.
-        posture: as `Arm.follow` takes it.
-        free: axes of the tip's poses left free, as there.
-        position_tolerance: error in m that counts as reached, > 0.
-        orientation_tolerance: error in rad that counts as reached, > 0.
+        q0: configuration (joints,) near to which the motion starts.
+        options: preferred posture, free axes and tolerances, as `Arm.follow` takes them.
         deviation: the most that the tip may be away from a path of the skill's, (m, rad), without
             another path being made; as `Arm.follow` takes it with obstacles.
         standard_deviations: the same as a number of standard deviations of the skill, > 0, of
@@ -92,15 +86,9 @@ def plan_motion(
     if last_resort is not None:
         check.choice(last_resort, "last_resort", get_args(LastResort))
     allowed = room_beside(skill, deviation, standard_deviations)
-    following: dict[str, Any] = {
-        "seed": seed,
-        "posture": posture,
-        "free": free,
-        "position_tolerance": position_tolerance,
-        "orientation_tolerance": orientation_tolerance,
-        "scene": around,
-    }
-    room = Room(arm, Scene() if around is None else around, _free_of(arm, free))
+    chosen = FollowOptions() if options is None else options
+    following: dict[str, Any] = {"q0": q0, "options": chosen, "scene": around}
+    room = Room(arm, Scene() if around is None else around, _free_of(arm, chosen.free))
     paths = TipPaths(skill, Query() if query is None else query, room)
     path = learned = paths.first()
     failures: list[IkFailure] = []
@@ -141,7 +129,7 @@ def _another(paths: TipPaths, path: TipMotion, failures: list[IkFailure], most: 
     return paths.another(path, failures[-1])
 
 
-def _free_of(arm: Arm, free: Sequence[Axis] | None) -> tuple[Axis, ...]:
+def _free_of(arm: Arm, free: Collection[Axis] | None) -> tuple[Axis, ...]:
     """The axes free where the arm stands: of fewer than six joints, it turns as it has to."""
     if free is None and len(arm.joint_names) < _SIX:
         return ("rx", "ry", "rz")

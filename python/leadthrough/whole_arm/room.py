@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, IkOptions
 from leadthrough.arm.inverse_kinematics import Axis
 from leadthrough.check import Float64Array
 from leadthrough.motion import PoseTrajectory, Trajectory
@@ -50,12 +50,14 @@ class Room:
             batch = self.arm.inverse_kinematics_batch(
                 positions[each],
                 None if orientations is None else orientations[each],
-                seeds=np.tile(some, (len(open_), 1)),
-                free=self.free,
-                position_tolerance=1e-4,
-                orientation_tolerance=1e-3,
-                max_iterations=_ITERATIONS,
-                max_restarts=0,
+                q0=np.tile(some, (len(open_), 1)),
+                options=IkOptions(
+                    free=self.free,
+                    position_tolerance=1e-4,
+                    orientation_tolerance=1e-3,
+                    max_iterations=_ITERATIONS,
+                    max_restarts=0,
+                ),
             )
             reached = np.flatnonzero(batch.success)
             if len(reached) == 0:

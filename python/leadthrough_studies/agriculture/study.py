@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from leadthrough import rotations
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, FollowOptions
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, IkFailure, InvalidInput, LimitsInfeasible
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory
@@ -240,7 +240,9 @@ def on_the_arm(
     """
     row: Row = {"followed": 0}
     try:
-        joints = arm.follow(motion, posture=posture, too_fast="slow", scene=_scene())
+        joints = arm.follow(
+            motion, options=FollowOptions(posture=posture), on_rate_limit="slow", scene=_scene()
+        )
     except IkFailure as error:
         return row | {"arm_failure": f"{error.status} at sample {error.index}"}, None
     row = {"followed": 1}

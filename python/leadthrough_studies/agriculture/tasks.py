@@ -182,9 +182,9 @@ def _posture(arm: Arm, task: str, stop: Stop, target: Float64Array) -> Float64Ar
     if stop in POSTURES:
         return np.array(POSTURES[stop])
     seed = np.array(_AT_TARGET[task])
-    found = arm.inverse_kinematics(target, seed=seed)
+    found = arm.inverse_kinematics(target, q0=seed)
     if stop == "above":
-        found = arm.inverse_kinematics(target + _ABOVE, seed=found.q)
+        found = arm.inverse_kinematics(target + _ABOVE, q0=found.q)
     if not found.success:
         raise RuntimeError(f"{task}: the arm does not reach {stop} at {target}")
     return found.q

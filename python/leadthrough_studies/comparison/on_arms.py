@@ -58,7 +58,7 @@ def on_arm(arm: str, motion: PoseTrajectory) -> Row:
     speeds = np.linalg.norm(np.diff(way.positions, axis=0), axis=1)
     row = {"begins_at": float(speeds[0] / max(speeds.max(), 1e-12))}
     try:
-        joints = robot.follow(way, too_fast="exceed_limits")
+        joints = robot.follow(way, on_rate_limit="exceed_limits")
     except IkFailure as error:
         return {**row, "executed": 0, "reachable": 0, "refused": str(error)[:120]}
     slow = lt.scale_to_limits(joints, robot.limits)

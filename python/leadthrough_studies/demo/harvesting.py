@@ -5,6 +5,7 @@ The task and its simulated person are those of the agriculture study.
 
 from __future__ import annotations
 
+from leadthrough.arm import FollowOptions
 from leadthrough.models import DMP
 from leadthrough.motion import Demonstration
 from leadthrough.shapes import Box, Scene
@@ -30,7 +31,7 @@ def run(seed: int = 0) -> Performed:
     fruit = amid(_TASK, CORNERS[0])
     whole = chain(learned, fruit, lookup="interpolated")
     around = [floor(), _CRATE]
-    followed = arm.follow(whole.poses, posture=whole.joints, scene=around)
+    followed = arm.follow(whole.poses, options=FollowOptions(posture=whole.joints), scene=around)
     joints = retime(followed, arm.limits, rate=_RATE, path_tolerance=1e-3)
     return Performed(
         name="Harvesting",

@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from scipy.spatial import KDTree
 
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, IkOptions
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
 from leadthrough.shapes import Scene
@@ -89,9 +89,8 @@ def _standing(arm: Arm, made: Reach, sample: int, free: tuple[Literal["rz"], ...
     found = arm.inverse_kinematics_batch(
         np.tile(made.tip.positions[sample], (len(seeds), 1)),
         np.tile(made.tip.orientations[sample], (len(seeds), 1)),
-        seeds=seeds,
-        free=free,
-        max_restarts=0,
+        q0=seeds,
+        options=IkOptions(free=free, max_restarts=0),
     )
     q = found.q[found.success]
     q = q[np.asarray(arm.is_clear(q, Scene(made.obstacles, MARGIN)))] if len(q) else q
@@ -108,11 +107,10 @@ def impossible(arm: Arm, name: str, made: Reach) -> bool:
         found = arm.inverse_kinematics_batch(
             np.tile(made.tip.positions[i], (len(near), 1)),
             np.tile(made.tip.orientations[i], (len(near), 1)),
-            seeds=near,
-            free=FREE[name],
-            position_tolerance=1e-5,
-            orientation_tolerance=1e-5,
-            max_restarts=0,
+            q0=near,
+            options=IkOptions(
+                free=FREE[name], position_tolerance=1e-5, orientation_tolerance=1e-5, max_restarts=0
+            ),
         )
         q = found.q[found.success]
         if not np.any(arm.is_clear(q, Scene(made.obstacles, MARGIN))):

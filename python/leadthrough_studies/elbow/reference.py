@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from leadthrough import rotations
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, IkOptions
 from leadthrough.check import Float64Array
 from leadthrough.motion import PoseTrajectory
 from leadthrough.shapes import Scene, Shape
@@ -162,12 +162,14 @@ class Roadmap:
         found = self.arm.inverse_kinematics_batch(
             np.column_stack(columns),
             rotations.interpolate(self.tip.times, self.tip.orientations, times),
-            seeds=seeds,
-            free=self.free,
-            position_tolerance=_EXACT,
-            orientation_tolerance=_EXACT,
-            max_iterations=60,
-            max_restarts=0,
+            q0=seeds,
+            options=IkOptions(
+                free=self.free,
+                position_tolerance=_EXACT,
+                orientation_tolerance=_EXACT,
+                max_iterations=60,
+                max_restarts=0,
+            ),
         )
         return found.q, found.success
 

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from leadthrough import rotations
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, FollowOptions
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
 from leadthrough.motion import JointTrajectory, PoseTrajectory
@@ -69,7 +69,7 @@ def followed(arm: Arm, name: str, made: Reach) -> JointTrajectory:
     """
     seed = made.joints.positions[0]
     scene = Scene(made.obstacles, MARGIN - PLANNING_TOLERANCE)  # planning keeps the rest besides
-    return arm.follow(made.tip, seed=seed, free=FREE[name], scene=scene)
+    return arm.follow(made.tip, q0=seed, options=FollowOptions(free=FREE[name]), scene=scene)
 
 
 def scene(
@@ -87,7 +87,7 @@ def scene(
     while True:
         tip = _placed(shown, rng) if shown else _reach(name, rng)
         try:
-            joints = arm.follow(tip, free=FREE[name])
+            joints = arm.follow(tip, options=FollowOptions(free=FREE[name]))
         except IkFailure:
             continue
         found = [_in_the_way(arm, tip, joints, rng) for _ in range(rng.integers(1, 5))]

@@ -117,8 +117,8 @@ def run(name: str, arm: Arm, config: HandwritingConfig) -> Handwriting:
     scene = Scene(around, _OF_THE_LIFT * config.pen_lift - PLANNING_TOLERANCE)
     followed = holding.follow(
         poses,
-        seed=config.posture,
-        too_fast="exceed_limits",
+        q0=config.posture,
+        on_rate_limit="exceed_limits",
         scene=scene,
     )
     asked = differentiate(followed)

@@ -78,7 +78,7 @@ def damped(
         spread = (number > 0) * np.repeat(_TARGET_SPREAD, 3) * rng.standard_normal(6)
         turned = rotations.compose(rotations.exp(spread[None, 3:]), orientation[None])[0]
         motion = _line(arm, position + spread[:3], turned, law)
-        joints = follow_path(arm, motion, start=START, settings=DampedLeastSquares()).joints
+        joints = follow_path(arm, motion, q0=START, settings=DampedLeastSquares()).joints
         shown.append(Demonstration(joints, name=f"DLS-IK {number + 1}"))
     return shown
 

@@ -32,7 +32,7 @@ def conditioning(*, number: int, damping: float, nullspace_gain: float) -> list[
     way = motion(arm, APPROACHES[number])
     settings = DampedLeastSquares(damping=damping, alpha=0.0, nullspace_gain=nullspace_gain)
     begin = start(arm, APPROACHES[number], way)
-    joints = follow_path(arm, way, start=begin, settings=settings).joints
+    joints = follow_path(arm, way, q0=begin, settings=settings).joints
     condition = arm.condition_number(joints.positions, rotation_weight=ROTATION_WEIGHT)
     return [
         {"study": "conditioning", "approach": number, "damping": damping}

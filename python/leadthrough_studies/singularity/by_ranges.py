@@ -1,8 +1,8 @@
 """Equations 3 to 7 of Yang, Liu and Pears with a secondary task that counts in joint ranges.
 
 The paper minimises "the deviation of each joint's angle from the midpoint of its motion range". In
-radians, as in `leadthrough.arm.damped_least_squares`, a joint with a wide range pulls as hard as one with a narrow
-range. Here the deviations are fractions of the ranges: the pull is
+radians, as in `leadthrough.arm.damped_least_squares`, a joint with a wide range pulls as hard as
+one with a narrow range. Here the deviations are fractions of the ranges: the pull is
 
     qdot_i = gain (middle_i - q_i) mean(range^2) / range_i^2,
 

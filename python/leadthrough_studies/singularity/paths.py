@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough import rotations
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, FollowOptions
 from leadthrough.arm.damped_least_squares import DampedLeastSquares, follow_path
 from leadthrough.check import Float64Array
 from leadthrough.motion import JointTrajectory, PoseTrajectory
@@ -118,7 +118,9 @@ def start(arm: Arm, approach: Approach, way: PoseTrajectory) -> Float64Array:
         way.positions[before::-1],
         way.orientations[before::-1],
     )
-    return np.array(arm.follow(back, seed=posture, midrange=0.0).positions[-1])
+    return np.array(
+        arm.follow(back, q0=posture, options=FollowOptions(nullspace_gain=0.0)).positions[-1]
+    )
 
 
 def plain(arm: Arm, way: PoseTrajectory, q: Float64Array) -> JointTrajectory:
@@ -128,7 +130,7 @@ def plain(arm: Arm, way: PoseTrajectory, q: Float64Array) -> JointTrajectory:
 
 def damped(arm: Arm, way: PoseTrajectory, q: Float64Array, **settings: Any) -> JointTrajectory:
     """The joint motion by equations 3 to 7."""
-    return follow_path(arm, way, start=q, settings=DampedLeastSquares(**settings)).joints
+    return follow_path(arm, way, q0=q, settings=DampedLeastSquares(**settings)).joints
 
 
 def damped_alone(arm: Arm, way: PoseTrajectory, q: Float64Array) -> JointTrajectory:
@@ -143,12 +145,12 @@ def damped_by_ranges(arm: Arm, way: PoseTrajectory, q: Float64Array) -> JointTra
 
 def slowed(arm: Arm, way: PoseTrajectory, q: Float64Array) -> JointTrajectory:
     """The joint motion by `Arm.follow`, which slows down where the joints would be too fast."""
-    return arm.follow(way, seed=q, too_fast="slow")
+    return arm.follow(way, q0=q, on_rate_limit="slow")
 
 
 def deviating(arm: Arm, way: PoseTrajectory, q: Float64Array) -> JointTrajectory:
     """The joint motion by `Arm.follow`, which deviates where the joints would be too fast."""
-    return arm.follow(way, seed=q, too_fast="deviate", deviation=DEVIATION)
+    return arm.follow(way, q0=q, on_rate_limit="deviate", deviation=DEVIATION)
 
 
 Method = Callable[[Arm, PoseTrajectory, Float64Array], JointTrajectory]

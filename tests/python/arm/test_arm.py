@@ -125,7 +125,7 @@ def test_joints_without_bounds_are_solved_nearest_to_the_seed():
     assert wheel.limits.upper[0] == np.inf
     for turns in (-3, 0, 5):
         seed = [0.7 + 2 * np.pi * turns]
-        result = wheel.inverse_kinematics([0, 0, 0], target, seed=seed)
+        result = wheel.inverse_kinematics([0, 0, 0], target, q0=seed)
         np.testing.assert_allclose(result.q, [0.8 + 2 * np.pi * turns], atol=1e-5)
 
 
@@ -149,7 +149,7 @@ def test_the_limits_must_be_the_chains():
 def test_a_wrong_keyword_is_refused_in_the_words_of_the_call():
     arm = lt.Arm.from_urdf(planar())
     with pytest.raises(TypeError, match=r"^Arm\.inverse_kinematics\(\) got an unexpected keyword"):
-        arm.inverse_kinematics([0, 0, 0], seeds=[0.0])
+        arm.inverse_kinematics([0, 0, 0], start=[0.0])
     assert pickle.loads(pickle.dumps(lt.Arm.follow)) is lt.Arm.follow
 
 

@@ -32,7 +32,7 @@ def assert_follows(arm, motion, joints):
 def test_a_smooth_path_is_followed_without_a_jump(arm, posture, seeded):
     motion = loop(arm, posture)
     seed = posture if seeded else None
-    joints = arm.follow(motion, seed=seed, too_fast="exceed_limits")
+    joints = arm.follow(motion, q0=seed, on_rate_limit="exceed_limits")
     assert_follows(arm, motion, joints)
     assert np.abs(np.diff(joints.positions, axis=0)).max() < 0.05
     assert joints.joint_names == arm.joint_names
@@ -47,13 +47,15 @@ def test_points_leave_the_orientation_free(arm, posture):
 
 
 def test_a_seed_keeps_its_posture(arm, posture):
-    joints = arm.follow(loop(arm, posture), seed=posture, midrange=0.0)
+    joints = arm.follow(
+        loop(arm, posture), q0=posture, options=lt.arm.FollowOptions(nullspace_gain=0.0)
+    )
     np.testing.assert_allclose(joints.positions[0], posture, atol=1e-4)
 
 
 def test_velocities_are_the_positions_derivative(arm, posture):
     motion = loop(arm, posture)
-    joints = arm.follow(motion, seed=posture, too_fast="exceed_limits")
+    joints = arm.follow(motion, q0=posture, on_rate_limit="exceed_limits")
     steps = np.trapezoid(joints.velocities, TIMES, axis=0)
     np.testing.assert_allclose(steps, joints.positions[-1] - joints.positions[0], atol=1e-3)
     assert joints.accelerations is None
@@ -62,7 +64,7 @@ def test_velocities_are_the_positions_derivative(arm, posture):
 def test_the_pull_moves_a_redundant_arm_and_not_the_tool(arm, posture):
     motion = loop(arm, posture, size=0.0)
     still = lt.PoseTrajectory(TIMES, motion.positions, np.tile(motion.orientations[0], (400, 1)))
-    joints = arm.follow(still, seed=posture, midrange=0.5)
+    joints = arm.follow(still, q0=posture, options=lt.arm.FollowOptions(nullspace_gain=0.5))
     reached, _ = arm.forward_kinematics(joints.positions)
     assert np.linalg.norm(reached - still.positions, axis=1).max() < 1.1e-6
     middle = 0.5 * (arm.limits.lower + arm.limits.upper)
@@ -77,12 +79,12 @@ def test_the_pull_moves_a_redundant_arm_and_not_the_tool(arm, posture):
 def test_a_motion_that_is_too_fast_is_followed_and_left_to_be_slowed(arm, posture):
     motion = loop(arm, posture)
     fast = lt.PoseTrajectory(TIMES / 100, motion.positions, motion.orientations)
-    joints = arm.follow(fast, seed=posture, too_fast="exceed_limits")
+    joints = arm.follow(fast, q0=posture, on_rate_limit="exceed_limits")
     assert_follows(arm, fast, joints)
     np.testing.assert_array_equal(joints.times, fast.times)
     assert (np.abs(joints.velocities) > arm.limits.velocity).any()
     with pytest.raises(IkFailure) as failure:
-        arm.follow(fast, seed=posture, too_fast="raise")
+        arm.follow(fast, q0=posture, on_rate_limit="raise")
     assert failure.value.status == "too_fast"
 
 
@@ -91,9 +93,9 @@ def test_unless_told_otherwise_a_motion_that_is_too_fast_is_slowed_and_every_ste
 ):
     motion = loop(arm, posture)
     fast = lt.PoseTrajectory(TIMES / 20, motion.positions, motion.orientations)
-    joints = arm.follow(fast, seed=posture)
+    joints = arm.follow(fast, q0=posture)
     np.testing.assert_array_equal(
-        joints.times, arm.follow(fast, seed=posture, too_fast="slow").times
+        joints.times, arm.follow(fast, q0=posture, on_rate_limit="slow").times
     )
     assert_follows(arm, fast, joints)
     speeds = np.abs(np.diff(joints.positions, axis=0)) / np.diff(joints.times)[:, None]
@@ -130,7 +132,7 @@ def test_a_path_with_a_jump_is_refused_as_one(arm, posture):
     position, _ = arm.forward_kinematics(there)
     motion = lt.Trajectory([0.0, 1.0], [here, position])
     with pytest.raises(IkFailure) as failure:
-        arm.follow(motion, seed=posture, max_step=0.01)
+        arm.follow(motion, q0=posture, options=lt.arm.FollowOptions(max_step=0.01))
     assert failure.value.index == 1
     assert failure.value.status == "jump"
 
@@ -157,11 +159,16 @@ def test_other_motions_are_refused(arm, motion):
 
 @pytest.mark.parametrize(
     "options",
-    [{"max_step": 0.0}, {"too_fast": "no"}, {"midrange": np.nan}, {"position_tolerance": 0.0}],
+    [{"max_step": 0.0}, {"nullspace_gain": np.nan}, {"position_tolerance": 0.0}],
 )
-def test_bad_options_are_refused(arm, posture, options):
-    with pytest.raises(InvalidInput):
-        arm.follow(loop(arm, posture), **options)
+def test_bad_options_are_refused(options):
+    with pytest.raises(InvalidInput, match=next(iter(options))):
+        lt.arm.FollowOptions(**options)
+
+
+def test_options_of_another_kind_are_refused(arm, posture):
+    with pytest.raises(InvalidInput, match="options: expected FollowOptions"):
+        arm.follow(loop(arm, posture), options=lt.arm.IkOptions())
 
 
 def shown_to_swing(arm, posture):
@@ -173,12 +180,12 @@ def shown_to_swing(arm, posture):
 
 def test_a_redundant_arm_stands_as_it_was_shown_to(arm, posture):
     shown, motion = shown_to_swing(arm, posture)
-    joints = arm.follow(motion, posture=shown, midrange=20.0)
+    joints = arm.follow(motion, options=lt.arm.FollowOptions(posture=shown, nullspace_gain=20.0))
     assert_follows(arm, motion, joints)
     np.testing.assert_allclose(joints.positions, shown.positions, atol=0.02)
     # Another pace is no matter, and names are the arm's where there are any.
     slow = lt.JointTrajectory(3.0 * TIMES + 1.0, shown.positions, joint_names=arm.joint_names)
-    again = arm.follow(motion, posture=slow, midrange=20.0)
+    again = arm.follow(motion, options=lt.arm.FollowOptions(posture=slow, nullspace_gain=20.0))
     np.testing.assert_allclose(again.positions, joints.positions, atol=1e-9)
 
 
@@ -187,8 +194,8 @@ def test_a_posture_keeps_a_redundant_arm_nearer_to_it_than_the_middle(arm, postu
     shown, motion = shown_to_swing(arm, posture)
     slow = lt.PoseTrajectory(5.0 * TIMES, motion.positions, motion.orientations)
     away = [
-        np.abs(arm.follow(slow, **wish, too_fast=too_fast).positions - shown.positions).max()
-        for wish in ({"posture": shown}, {"seed": posture})
+        np.abs(arm.follow(slow, **near, on_rate_limit=too_fast).positions - shown.positions).max()
+        for near in ({"options": lt.arm.FollowOptions(posture=shown)}, {"q0": posture})
     ]
     assert away[0] < 0.25
     assert away[0] <= away[1] + 1e-6
@@ -199,12 +206,14 @@ def test_a_redundant_arm_goes_to_a_posture(arm, posture):
     still = lt.PoseTrajectory(
         5.0 * TIMES, np.tile(position, (400, 1)), np.tile(turned, (len(TIMES), 1))
     )
-    begun = arm.inverse_kinematics(position, turned, seed=posture, midrange=1.0).q
-    joints = arm.follow(still, seed=begun, posture=posture)
+    begun = arm.inverse_kinematics(
+        position, turned, q0=posture, options=lt.arm.IkOptions(nullspace_gain=1.0)
+    ).q
+    joints = arm.follow(still, q0=begun, options=lt.arm.FollowOptions(posture=posture))
     np.testing.assert_allclose(joints.positions[-1], posture, atol=1e-3)
 
 
 @pytest.mark.parametrize("wrong", [np.zeros(3), "up", lt.JointTrajectory([0, 1], np.zeros((2, 3)))])
 def test_a_posture_of_other_joints_is_refused(arm, posture, wrong):
     with pytest.raises(InvalidInput, match="posture"):
-        arm.follow(loop(arm, posture), posture=wrong)
+        arm.follow(loop(arm, posture), options=lt.arm.FollowOptions(posture=wrong))

@@ -70,12 +70,12 @@ def test_a_free_axis_of_the_tool_makes_room_for_an_arm_of_six_joints():
     share = np.linspace(0.0, 1.0, 41)[:, None]
     way = [-0.25, -0.15, 0.2] + share * [0.0, 0.3, 0.0]
     motion = lt.PoseTrajectory(2.0 * share[:, 0], way, np.tile(DOWN, (41, 1)))
-    freely = arm.follow(motion, free=("rz",))
+    freely = arm.follow(motion, options=lt.arm.FollowOptions(free=("rz",)))
     wrist = lt.Arm.load("ur3", tip="wrist_2_link")
     there, _ = wrist.forward_kinematics(freely.positions[20, :5])
     ball = lt.Sphere(0.04, there + np.array([0.0, 0.0, 0.03]))
     assert not arm.check(freely, [ball]).ok
-    around = arm.follow(motion, scene=[ball], free=("rz",))
+    around = arm.follow(motion, scene=[ball], options=lt.arm.FollowOptions(free=("rz",)))
     assert arm.check(around, [ball]).ok
     reached, _ = arm.forward_kinematics(around.positions)
     np.testing.assert_allclose(reached, way, atol=1e-5)
@@ -84,8 +84,8 @@ def test_a_free_axis_of_the_tool_makes_room_for_an_arm_of_six_joints():
 @pytest.mark.parametrize("too_fast", ["deviate", "raise"])
 def test_times_and_obstacles_are_not_both_kept(panda, sweep, trap, too_fast):
     deviation = (0.01, 0.1) if too_fast == "deviate" else None
-    with pytest.raises(InvalidInput, match="scene: not used together with too_fast"):
-        panda.follow(sweep, scene=[trap], too_fast=too_fast, deviation=deviation)
+    with pytest.raises(InvalidInput, match="scene: not used together with on_rate_limit"):
+        panda.follow(sweep, scene=[trap], on_rate_limit=too_fast, deviation=deviation)
 
 
 def test_is_clear_says_what_distances_say(panda):
@@ -161,10 +161,10 @@ def test_a_published_path_that_leaves_the_reach_is_refused_there(recordings, obs
         found = arm.inverse_kinematics_batch(
             np.tile(motion.positions[i], (100, 1)),
             np.tile(motion.orientations[i], (100, 1)),
-            seeds=seeds,
-            max_restarts=0,
-            position_tolerance=1e-5,
-            orientation_tolerance=1e-5,
+            q0=seeds,
+            options=lt.arm.IkOptions(
+                max_restarts=0, position_tolerance=1e-5, orientation_tolerance=1e-5
+            ),
         )
         reached.append(bool(found.success.any()))
     assert reached == [True, False, False, False, True]
@@ -198,7 +198,7 @@ def test_paths_that_joints_can_take_are_followed(panda):
         joints = CubicSpline(np.linspace(0.0, 6.0, 4), way)(times)
         joints = np.clip(joints, panda.limits.lower, panda.limits.upper)
         tip = lt.PoseTrajectory(times, *panda.forward_kinematics(joints))
-        followed = panda.follow(tip, seed=joints[0])
+        followed = panda.follow(tip, q0=joints[0])
         report = panda.path_report(followed, tip)
         assert report.position_error.max() < 1e-5
         assert np.abs(np.diff(followed.positions, axis=0)).max() < 0.5

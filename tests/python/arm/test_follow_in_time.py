@@ -87,7 +87,7 @@ def assert_inside_the_limits(arm, joints):
 @pytest.mark.parametrize("where", ["wrist", "wrist, further", "shoulder"])
 def test_beside_a_singularity_the_plain_inverse_jumps_and_follow_slows(where):
     arm, posture, motion = SINGULAR[where]()
-    joints = arm.follow(motion, seed=posture, too_fast="slow")
+    joints = arm.follow(motion, q0=posture, on_rate_limit="slow")
     assert speeds(arm, motion.times, plain_inverse(arm, motion, joints.positions[0])).max() > 2.0
     assert_inside_the_limits(arm, joints)
     assert arm.path_report(joints, motion, position_tolerance=1e-5, orientation_tolerance=1e-5).ok
@@ -107,7 +107,7 @@ def test_beside_a_singularity_the_plain_inverse_jumps_and_follow_slows(where):
 )
 def test_beside_a_singularity_follow_deviates_by_no_more_than_stated_and_returns(where, deviation):
     arm, posture, motion = SINGULAR[where]()
-    joints = arm.follow(motion, seed=posture, too_fast="deviate", deviation=deviation)
+    joints = arm.follow(motion, q0=posture, on_rate_limit="deviate", deviation=deviation)
     np.testing.assert_array_equal(joints.times, motion.times)
     assert_inside_the_limits(arm, joints)
     report = arm.path_report(joints, motion)
@@ -120,10 +120,10 @@ def test_beside_a_singularity_follow_deviates_by_no_more_than_stated_and_returns
 def test_a_deviation_that_is_not_enough_raises():
     arm, posture, motion = SINGULAR["wrist"]()
     with pytest.raises(IkFailure) as failure:
-        arm.follow(motion, seed=posture, too_fast="deviate", deviation=(1e-5, 1e-4))
+        arm.follow(motion, q0=posture, on_rate_limit="deviate", deviation=(1e-5, 1e-4))
     assert failure.value.status == "too_fast"
     with pytest.raises(IkFailure) as failure:
-        arm.follow(motion, seed=posture, too_fast="raise")
+        arm.follow(motion, q0=posture, on_rate_limit="raise")
     assert failure.value.status == "too_fast"
     assert 200 < failure.value.index < 400
 
@@ -154,7 +154,7 @@ def test_feasible_paths_are_followed_without_knowing_their_joints(arm):
     missed = samples = 0
     for _ in range(12):
         motion = random_path(arm, rng)
-        joints = arm.follow(motion, too_fast="slow")
+        joints = arm.follow(motion, on_rate_limit="slow")
         assert_inside_the_limits(arm, joints)
         report = arm.path_report(joints, motion)
         missed += ((report.position_error > 1e-4) | (report.orientation_error > 1e-3)).sum()
@@ -167,7 +167,7 @@ def test_feasible_paths_are_followed_at_their_own_pace(arm):
     rng = np.random.default_rng(12)
     for _ in range(8):
         motion = random_path(arm, rng)
-        joints = arm.follow(motion, too_fast="deviate", deviation=(0.02, 0.1))
+        joints = arm.follow(motion, on_rate_limit="deviate", deviation=(0.02, 0.1))
         assert_inside_the_limits(arm, joints)
         assert arm.path_report(joints, motion).ok
 
@@ -186,7 +186,7 @@ def recorded(recordings, trial):
 @pytest.mark.parametrize("too_fast", ["exceed_limits", "slow", "raise"])
 def test_recorded_poses_are_followed_inside_the_limits(recordings, trial, too_fast):
     motion, shown = recorded(recordings, trial)
-    joints = PANDA.follow(motion, too_fast=too_fast)
+    joints = PANDA.follow(motion, on_rate_limit=too_fast)
     report = PANDA.path_report(joints, motion)
     assert report.ok
     assert report.position_error.max() < 1e-5
@@ -204,7 +204,7 @@ def test_the_pull_to_the_middle_moves_the_tool_by_less_than_a_micrometre(arm, to
     position, orientation = arm.forward_kinematics(q)
     times = np.linspace(0.0, 4.0, 401)
     still = lt.PoseTrajectory(times, np.tile(position, (401, 1)), np.tile(orientation, (401, 1)))
-    joints = arm.follow(still, seed=q, too_fast=too_fast)
+    joints = arm.follow(still, q0=q, on_rate_limit=too_fast)
     reached, turned = arm.forward_kinematics(joints.positions)
     assert np.linalg.norm(reached - position, axis=1).max() < 1e-6
     assert lt.rotations.distance(turned, still.orientations).max() < 1e-6
@@ -216,7 +216,7 @@ def test_the_pull_to_the_middle_moves_the_tool_by_less_than_a_micrometre(arm, to
     assert np.abs(joints.positions[-1] - q).max() > 0.05
 
 
-@pytest.mark.parametrize("options", [{"too_fast": "slow"}, {"too_fast": "raise"}])
+@pytest.mark.parametrize("options", [{"on_rate_limit": "slow"}, {"on_rate_limit": "raise"}])
 def test_the_same_motion_gives_the_same_bits(options):
     motion = random_path(PANDA, np.random.default_rng(1))
     first, again = (PANDA.follow(motion, **options) for _ in range(2))
@@ -232,7 +232,9 @@ def test_one_pose_or_the_same_one_twice_stands_still(arm, too_fast, count):
     position, orientation = arm.forward_kinematics(q)
     times = [0.0, 1e-3][:count]
     motion = lt.PoseTrajectory(times, [position] * count, [orientation] * count)
-    joints = arm.follow(motion, seed=q, midrange=0.0, too_fast=too_fast)
+    joints = arm.follow(
+        motion, q0=q, options=lt.arm.FollowOptions(nullspace_gain=0.0), on_rate_limit=too_fast
+    )
     np.testing.assert_allclose(joints.positions, np.tile(q, (count, 1)), atol=1e-5)
     np.testing.assert_allclose(joints.velocities, 0.0, atol=1e-2)
     np.testing.assert_array_equal(joints.times, times)
@@ -244,7 +246,7 @@ def test_half_a_turn_between_two_samples_is_no_path(too_fast):
     over = lt.rotations.compose(lt.rotations.exp([[0, np.pi, 0]]), orientation[None])[0]
     motion = lt.PoseTrajectory([0.0, 0.01], [position] * 2, [orientation, over])
     with pytest.raises(IkFailure) as failure:
-        PANDA.follow(motion, too_fast=too_fast)
+        PANDA.follow(motion, on_rate_limit=too_fast)
     assert failure.value.index == 1
     assert np.isfinite(failure.value.q).all()
 
@@ -253,26 +255,26 @@ def test_half_a_turn_between_two_samples_is_no_path(too_fast):
 @pytest.mark.parametrize("far", [10.0, 1e6, 1e150])
 def test_a_far_target_is_unreachable(too_fast, far):
     with pytest.raises(IkFailure) as failure:
-        PANDA.follow(lt.Trajectory([0.0, 1.0], [[far, 0, 0]] * 2), too_fast=too_fast)
+        PANDA.follow(lt.Trajectory([0.0, 1.0], [[far, 0, 0]] * 2), on_rate_limit=too_fast)
     assert (failure.value.index, failure.value.status) == (0, "unreachable")
 
 
 @pytest.mark.parametrize(
     "options",
     [
-        {"too_fast": "never"},
-        {"too_fast": None},
-        {"too_fast": "deviate"},
-        {"too_fast": "slow", "deviation": (0.1, 0.1)},
-        {"too_fast": "deviate", "deviation": (0.1, 0.0)},
-        {"too_fast": "deviate", "deviation": (np.nan, 1.0)},
-        {"too_fast": "deviate", "deviation": 0.1},
+        {"on_rate_limit": "never"},
+        {"on_rate_limit": None},
+        {"on_rate_limit": "deviate"},
+        {"on_rate_limit": "slow", "deviation": (0.1, 0.1)},
+        {"on_rate_limit": "deviate", "deviation": (0.1, 0.0)},
+        {"on_rate_limit": "deviate", "deviation": (np.nan, 1.0)},
+        {"on_rate_limit": "deviate", "deviation": 0.1},
     ],
 )
 def test_bad_options_are_refused(options):
     arm, posture, motion = past_the_shoulder()
-    with pytest.raises(InvalidInput, match=r"too_fast|deviation"):
-        arm.follow(motion, seed=posture, **options)
+    with pytest.raises(InvalidInput, match=r"on_rate_limit|deviation"):
+        arm.follow(motion, q0=posture, **options)
 
 
 def test_a_joint_that_must_not_move_is_named():
@@ -283,7 +285,7 @@ def test_a_joint_that_must_not_move_is_named():
     arm = lt.Arm(UR3.document, UR3.base, UR3.tip, stiff)
     _, posture, motion = past_the_wrist(0.5, 0.2)
     with pytest.raises(LimitsInfeasible, match="elbow_joint"):
-        arm.follow(motion, seed=posture, too_fast="slow")
+        arm.follow(motion, q0=posture, on_rate_limit="slow")
 
 
 def test_a_mirrored_path_is_lagged_behind_and_caught_up_with_alike():
@@ -296,7 +298,7 @@ def test_a_mirrored_path_is_lagged_behind_and_caught_up_with_alike():
         positions = PANDA.forward_kinematics(posture)[0] + np.outer(side * along, [0.0, 1.0, 0.0])
         motion = lt.Trajectory(times, positions)
         return PANDA.follow(
-            motion, seed=posture, too_fast="deviate", deviation=(0.2, 1.0)
+            motion, q0=posture, on_rate_limit="deviate", deviation=(0.2, 1.0)
         ).positions
 
     np.testing.assert_allclose(followed(1.0) * [-1, 1, -1, 1, -1, 1, 1], followed(-1.0), atol=1e-6)

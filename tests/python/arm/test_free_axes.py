@@ -28,7 +28,7 @@ def test_five_joints_keep_the_position_and_turn_away_least(offset):
     errors = []
     for axis in ("rx", "ry", "rz"):
         try:
-            made = FIVE.follow(motion, free=[axis])
+            made = FIVE.follow(motion, options=lt.arm.FollowOptions(free=[axis]))
         except IkFailure:
             continue
         errors.append(FIVE.path_report(made, motion).orientation_error.max())
@@ -44,7 +44,7 @@ def test_what_five_joints_can_do_is_done_with_no_axis_free():
 
 def test_with_no_axis_free_the_pose_is_told_to_be_out_of_reach():
     with pytest.raises(IkFailure):
-        FIVE.follow(moved((0.0, 0.02, 0.0)), free=())
+        FIVE.follow(moved((0.0, 0.02, 0.0)), options=lt.arm.FollowOptions(free=()))
 
 
 def test_a_tool_that_may_spin_keeps_its_axis():
@@ -56,8 +56,8 @@ def test_a_tool_that_may_spin_keeps_its_axis():
     way = position + U * [0.0, 0.1, 0.0]
     motion = lt.PoseTrajectory(4.0 * U[:, 0], way, orientations)
     with pytest.raises(IkFailure):
-        PANDA.follow(motion, seed=home)
-    made = PANDA.follow(motion, seed=home, free=["rz"])
+        PANDA.follow(motion, q0=home)
+    made = PANDA.follow(motion, q0=home, options=lt.arm.FollowOptions(free=["rz"]))
     reached = PANDA.poses(made)
     assert np.abs(reached.positions - way).max() < 1e-5
     asked = lt.rotations.to_matrix(orientations)[:, :, 2]
@@ -70,18 +70,18 @@ def test_a_tool_that_may_spin_keeps_its_axis():
         (["spin"], {}, "free: expected one of"),
         ("rz", {}, "free: expected a collection"),
         (["x", "y", "z", "rx", "ry", "rz"], {}, "at least one axis"),
-        (["rz"], {"too_fast": "raise"}, "free: not used with too_fast"),
+        (["rz"], {"on_rate_limit": "raise"}, "free: not used with on_rate_limit"),
     ],
 )
 def test_axes_that_cannot_be_free_are_refused(free, more, says):
     with pytest.raises(InvalidInput, match=says):
-        FIVE.follow(moved((0.0, 0.0, 0.0)), free=free, **more)
+        FIVE.follow(moved((0.0, 0.0, 0.0)), options=lt.arm.FollowOptions(free=free), **more)
 
 
 def test_points_leave_no_rotation_to_free():
     motion = moved((0.0, 0.0, 0.0))
     points = lt.Trajectory(motion.times, motion.positions)
     with pytest.raises(InvalidInput, match="free: expected one or two of 'x', 'y', 'z'"):
-        FIVE.follow(points, free=["rz"])
-    made = FIVE.follow(points, free=["z"])
+        FIVE.follow(points, options=lt.arm.FollowOptions(free=["rz"]))
+    made = FIVE.follow(points, options=lt.arm.FollowOptions(free=["z"]))
     assert np.abs(FIVE.poses(made).positions - motion.positions)[:, :2].max() < 1e-5

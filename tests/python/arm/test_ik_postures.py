@@ -91,7 +91,9 @@ def test_all_postures_of_a_ur3_are_those_of_its_closed_form():
 
 def test_all_postures_come_by_their_distance_and_are_distinct(arm, posture):
     position, orientation = arm.forward_kinematics(posture)
-    found = arm.inverse_kinematics_all(position, orientation, reference=posture, count=5)
+    found = arm.inverse_kinematics_all(
+        position, orientation, options=lt.arm.IkOptions(posture=posture), count=5
+    )
     distances = np.linalg.norm(found.q - posture, axis=1)
     assert 1 <= len(found) <= 5
     assert (np.diff(distances) >= 0).all()
@@ -121,10 +123,9 @@ def test_the_closest_solution_of_a_ur3_is_that_of_its_closed_form():
         result = UR3.inverse_kinematics(
             position,
             orientation,
-            mode="closest",
-            reference=reference,
-            max_restarts=400,
-            max_iterations=10_000,
+            options=lt.arm.IkOptions(
+                mode="closest", posture=reference, max_restarts=400, max_iterations=10_000
+            ),
         )
         assert result.success
         assert np.linalg.norm(result.q - reference) == pytest.approx(best, abs=1e-4)
@@ -136,11 +137,13 @@ def test_the_closest_of_a_redundant_arm_cannot_be_moved_closer():
     for _ in range(10):
         q, reference = rng.uniform(PANDA.limits.lower, PANDA.limits.upper, (2, 7))
         pose = PANDA.forward_kinematics(q)
-        result = PANDA.inverse_kinematics(*pose, mode="closest", reference=reference)
+        result = PANDA.inverse_kinematics(
+            *pose, options=lt.arm.IkOptions(mode="closest", posture=reference)
+        )
         assert result.success
         many = PANDA.inverse_kinematics_batch(
             *(np.tile(part, (100, 1)) for part in pose),
-            seeds=rng.uniform(PANDA.limits.lower, PANDA.limits.upper, (100, 7)),
+            q0=rng.uniform(PANDA.limits.lower, PANDA.limits.upper, (100, 7)),
         )
         others = np.linalg.norm(many.q - reference, axis=1)
         assert np.linalg.norm(result.q - reference) < others.min() + 1e-9
@@ -153,8 +156,10 @@ def test_the_closest_of_a_redundant_arm_cannot_be_moved_closer():
 
 def test_the_reference_is_the_seed_and_the_seed_the_reference(arm, posture, random_configurations):
     pose = arm.forward_kinematics(random_configurations(arm, 1, 5)[0])
-    by_seed = arm.inverse_kinematics(*pose, mode="closest", seed=posture)
-    by_reference = arm.inverse_kinematics(*pose, mode="closest", reference=posture)
+    by_seed = arm.inverse_kinematics(*pose, options=lt.arm.IkOptions(mode="closest"), q0=posture)
+    by_reference = arm.inverse_kinematics(
+        *pose, options=lt.arm.IkOptions(mode="closest", posture=posture)
+    )
     np.testing.assert_array_equal(by_seed.q, by_reference.q)
 
 

@@ -22,7 +22,10 @@ def assert_inside(arm, q):
 def test_every_reachable_target_is_reached_inside_the_limits(arm, random_configurations, midrange):
     positions, orientations = arm.forward_kinematics(random_configurations(arm, 500, 1))
     batch = arm.inverse_kinematics_batch(
-        positions, orientations, seeds=random_configurations(arm, 500, 2), midrange=midrange
+        positions,
+        orientations,
+        q0=random_configurations(arm, 500, 2),
+        options=lt.arm.IkOptions(nullspace_gain=midrange),
     )
     assert batch.success.all()
     assert set(batch.status) == {"converged"}
@@ -62,22 +65,24 @@ def test_threads_and_repetition_do_not_change_a_bit(arm, random_configurations):
 
 def test_a_seed_on_the_target_stays(arm, posture):
     position, orientation = arm.forward_kinematics(posture)
-    result = arm.inverse_kinematics(position, orientation, seed=posture)
+    result = arm.inverse_kinematics(position, orientation, q0=posture)
     np.testing.assert_allclose(result.q, posture, atol=1e-12)
     assert result.iterations == 0
 
 
 def test_a_seed_outside_the_limits_is_moved_inside(arm, posture):
     position, orientation = arm.forward_kinematics(posture)
-    result = arm.inverse_kinematics(position, orientation, seed=np.full(len(posture), 1e3))
+    result = arm.inverse_kinematics(position, orientation, q0=np.full(len(posture), 1e3))
     assert result.success
     assert_inside(arm, result.q)
 
 
 def test_self_motion_leaves_the_tool_and_nears_the_middle(arm, posture):
     position, orientation = arm.forward_kinematics(posture)
-    plain = arm.inverse_kinematics(position, orientation, seed=posture)
-    moved = arm.inverse_kinematics(position, orientation, seed=posture, midrange=1.0)
+    plain = arm.inverse_kinematics(position, orientation, q0=posture)
+    moved = arm.inverse_kinematics(
+        position, orientation, q0=posture, options=lt.arm.IkOptions(nullspace_gain=1.0)
+    )
     reached, _ = arm.forward_kinematics(moved.q)
     assert np.linalg.norm(reached - position) < 1e-6
     if len(posture) == 6:
@@ -89,7 +94,9 @@ def test_self_motion_leaves_the_tool_and_nears_the_middle(arm, posture):
 
 def test_after_self_motion_the_null_space_pulls_no_further(arm, posture):
     position, orientation = arm.forward_kinematics(posture)
-    q = arm.inverse_kinematics(position, orientation, seed=posture, midrange=1.0).q
+    q = arm.inverse_kinematics(
+        position, orientation, q0=posture, options=lt.arm.IkOptions(nullspace_gain=1.0)
+    ).q
     if len(q) == 6:
         return
     pull = 0.5 * (arm.limits.lower + arm.limits.upper) - q
@@ -135,17 +142,37 @@ def test_an_empty_batch_gives_an_empty_answer(arm):
         {"position": "here"},
         {"position": [0, 0, 0], "orientation": [0, 0, 0, 0]},
         {"position": [0, 0, 0], "orientation": [np.inf, 0, 0, 0]},
-        {"position": [0, 0, 0], "seed": [1, 2]},
-        {"position": [0, 0, 0], "position_tolerance": 0.0},
-        {"position": [0, 0, 0], "midrange": 2.0},
-        {"position": [0, 0, 0], "max_iterations": 0},
-        {"position": [0, 0, 0], "max_restarts": 1.5},
-        {"position": [0, 0, 0], "random_seed": -1},
+        {"position": [0, 0, 0], "q0": [1, 2]},
+        {"position": [0, 0, 0], "seed": -1},
+        {"position": [0, 0, 0], "options": {"free": "rz"}},
     ],
 )
 def test_bad_arguments_are_refused(arm, arguments):
     with pytest.raises(InvalidInput):
         arm.inverse_kinematics(**arguments)
+
+
+@pytest.mark.parametrize(
+    "option",
+    [
+        {"position_tolerance": 0.0},
+        {"nullspace_gain": 2.0},
+        {"max_iterations": 0},
+        {"max_restarts": 1.5},
+    ],
+)
+def test_bad_options_are_refused(option):
+    with pytest.raises(InvalidInput, match=next(iter(option))):
+        lt.arm.IkOptions(**option)
+
+
+@pytest.mark.parametrize(
+    "method", ["inverse_kinematics", "inverse_kinematics_batch", "inverse_kinematics_all"]
+)
+def test_a_configuration_given_as_seed_is_refused_and_q0_named(arm, method):
+    positions = np.zeros((2, 3)) if method.endswith("batch") else np.zeros(3)
+    with pytest.raises(InvalidInput, match=r"seed: .* q0"):
+        getattr(arm, method)(positions, seed=np.zeros(len(arm.joint_names)))
 
 
 def test_a_batch_with_ragged_arguments_is_refused(arm):
@@ -154,7 +181,7 @@ def test_a_batch_with_ragged_arguments_is_refused(arm):
     with pytest.raises(InvalidInput):
         arm.inverse_kinematics_batch(np.zeros((3, 3)), threads=0)
     with pytest.raises(InvalidInput):
-        arm.inverse_kinematics_batch(np.zeros((3, 3)), seeds=np.zeros((2, 6)))
+        arm.inverse_kinematics_batch(np.zeros((3, 3)), q0=np.zeros((2, 6)))
 
 
 def test_huge_targets_end_with_a_verdict(arm):

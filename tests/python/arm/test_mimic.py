@@ -150,10 +150,10 @@ def test_a_joint_wraps_only_where_a_turn_changes_nothing():
         q = np.array([7.5])
         target, _ = arm.forward_kinematics(q)
         for seed in (7.0, 0.5):
-            result = arm.inverse_kinematics(target, seed=[seed])
+            result = arm.inverse_kinematics(target, q0=[seed])
             if result.success:
                 np.testing.assert_allclose(arm.forward_kinematics(result.q)[0], target, atol=1e-5)
-        assert arm.inverse_kinematics(target, seed=[7.0]).success
+        assert arm.inverse_kinematics(target, q0=[7.0]).success
 
 
 def test_a_leader_outside_the_arm_must_be_held():

@@ -51,7 +51,7 @@ def test_a_pose_beyond_the_reach_is_told_with_how_far_the_motion_goes():
 
 
 def test_the_joint_at_its_limit_is_named_where_the_arm_would_have_to_jump():
-    error = failure_of(excursion(spin=5.5), seed=HOME)
+    error = failure_of(excursion(spin=5.5), q0=HOME)
     assert error.status == "jump"
     assert error.limiting_joints
     assert f"{error.limiting_joints[0]} at its" in str(error)
@@ -61,7 +61,7 @@ def test_the_joint_that_would_have_to_leap_is_named():
     position, _ = PANDA.forward_kinematics(HOME)
     there, _ = PANDA.forward_kinematics(HOME + np.array([0.0, 0.4, 0.0, 0.9, 0.0, 0.0, 0.0]))
     motion = lt.Trajectory([0.0, 1.0, 2.0], [position, there, position])
-    error = failure_of(motion, seed=HOME, max_step=0.01)
+    error = failure_of(motion, q0=HOME, options=lt.arm.FollowOptions(max_step=0.01))
     assert error.status == "jump"
     assert error.limiting_joints == ()
     name, _, rest = str(error).partition(" would have to move by ")

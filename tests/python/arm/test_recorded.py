@@ -46,7 +46,7 @@ def test_poses_are_the_tips_at_every_sample_and_keep_events():
 
 def test_follow_leads_back_to_the_joints_poses():
     motion = ARM.poses(lt.JointTrajectory(TIMES, Q))
-    back = ARM.poses(ARM.follow(motion, seed=Q[0]))
+    back = ARM.poses(ARM.follow(motion, q0=Q[0]))
     assert np.abs(back.positions - motion.positions).max() < 1e-5
 
 
@@ -87,9 +87,11 @@ def test_poses_of_joints_are_followed_in_the_posture_that_was_shown():
 
 def test_a_posture_that_is_asked_for_goes_before_the_shown_one():
     shown = ARM.poses(lt.JointTrajectory(TIMES, Q, joint_names=ARM.joint_names))
-    other = ARM.inverse_kinematics_all(shown.positions[0], shown.orientations[0], reference=Q[0])
+    other = ARM.inverse_kinematics_all(
+        shown.positions[0], shown.orientations[0], options=lt.arm.IkOptions(posture=Q[0])
+    )
     far = other.q[np.argmax(np.abs(other.q - Q[0]).max(axis=1))]
-    held = ARM.follow(shown, seed=far, posture=far)
+    held = ARM.follow(shown, q0=far, options=lt.arm.FollowOptions(posture=far))
     assert np.abs(held.positions[0] - Q[0]).max() > 0.3
 
 
@@ -108,7 +110,7 @@ def test_where_the_shown_posture_ends_early_another_one_is_taken():
     there, turned = ARM.forward_kinematics(np.array(goal))
     way = there + line * [0.0, 0.25, 0.0]
     edge = np.add(goal, [2.85, 0.0, -2.85, 0.0, 0.0, 0.0, 0.0])
-    reached = ARM.inverse_kinematics(way[0], turned, seed=edge)
+    reached = ARM.inverse_kinematics(way[0], turned, q0=edge)
     joints = lt.JointTrajectory(
         np.arange(60) / 20.0, np.repeat(reached.q[None], 60, axis=0), joint_names=ARM.joint_names
     )

@@ -115,7 +115,7 @@ def test_the_elbow_goes_around_a_cloud_and_a_mesh_while_the_tip_keeps_its_path(p
     line = np.column_stack([np.full(101, 0.45), side, np.full(101, 0.35)])
     motion = lt.PoseTrajectory(3.0 * u, line, [(0.0, 1.0, 0.0, 0.0)] * 101)
     seed = [0.6, -0.5, 0.0, -2.4, 0.0, 2.0, 1.4]
-    blind = panda.follow(motion, seed=seed)
+    blind = panda.follow(motion, q0=seed)
     box = surface.box(np.array([0.1, 0.4, 0.2])).moved(np.array([-0.15, 0.0, 0.65]))
     steps = np.linspace(-0.5, 0.5, 21)
     grid = np.stack(np.meshgrid(steps, steps, steps), axis=-1).reshape(-1, 3) * (0.1, 0.4, 0.2)
@@ -124,7 +124,7 @@ def test_the_elbow_goes_around_a_cloud_and_a_mesh_while_the_tip_keeps_its_path(p
         lt.PointCloud(grid, 0.012, (-0.15, 0.0, 0.65)),
     ):
         assert not panda.check(blind, [there]).ok
-        around = panda.follow(motion, scene=lt.Scene([there], 0.01), seed=seed)
+        around = panda.follow(motion, scene=lt.Scene([there], 0.01), q0=seed)
         assert panda.check(around, lt.Scene([there], 0.005)).ok
         tip, _ = panda.forward_kinematics(around.positions)
         np.testing.assert_allclose(tip, line, atol=2e-4)

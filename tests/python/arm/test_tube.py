@@ -100,8 +100,10 @@ def test_an_axis_left_free_stays_free_beside_the_path():
     motion = lt.PoseTrajectory(2.0 * share[:, 0], way, np.tile(DOWN, (41, 1)))
     post = lt.Box([0.04, 0.04, 0.1], [-0.25, 0.0, 0.155])
     with pytest.raises(IkFailure, match="obstacle 0"):
-        arm.follow(motion, scene=[post], free=("rz",))
-    joints = arm.follow(motion, scene=[post], free=("rz",), deviation=(0.04, 0.0))
+        arm.follow(motion, scene=[post], options=lt.arm.FollowOptions(free=("rz",)))
+    joints = arm.follow(
+        motion, scene=[post], options=lt.arm.FollowOptions(free=("rz",)), deviation=(0.04, 0.0)
+    )
     assert arm.check(joints, [post]).ok
     positions, orientations = arm.forward_kinematics(joints.positions)
     assert 0.005 < np.linalg.norm(positions - way, axis=1).max() < 0.04
@@ -128,5 +130,5 @@ def test_wrong_room_is_refused(panda, sweep, post, deviation, message):
 
 
 def test_without_obstacles_it_is_refused(panda, sweep):
-    with pytest.raises(InvalidInput, match="deviation: only used with obstacles"):
+    with pytest.raises(InvalidInput, match="deviation: only used with a scene"):
         panda.follow(sweep, deviation=(0.1, 0.1))

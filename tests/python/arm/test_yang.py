@@ -5,7 +5,12 @@ import pytest
 from motions import minimum_jerk
 
 import leadthrough as lt
-from leadthrough.arm.damped_least_squares import DampedLeastSquares, follow_path
+from leadthrough.arm.damped_least_squares import (
+    DampedLeastSquares,
+    damped_inverse_kinematics,
+    damped_inverse_kinematics_batch,
+    follow_path,
+)
 from leadthrough.errors import InvalidInput
 
 PANDA = lt.Arm.load("panda")
@@ -30,7 +35,7 @@ def speeds(path):
 def test_a_comfortable_path_is_followed_with_any_damping():
     motion = outwards(0.05)
     for damping in (0.0, 0.1):
-        path = follow_path(PANDA, motion, start=READY, settings=DampedLeastSquares(damping))
+        path = follow_path(PANDA, motion, q0=READY, settings=DampedLeastSquares(damping))
         reached, _ = PANDA.forward_kinematics(path.joints.positions)
         errors = np.linalg.norm(reached - motion.positions, axis=1)
         np.testing.assert_allclose(path.position_error, errors, atol=1e-12)
@@ -44,7 +49,7 @@ def test_the_settings_are_by_default_those_that_the_reference_prints():
 
 def test_each_step_tells_its_condition_and_damping():
     settings = DampedLeastSquares(damping=0.05, condition_threshold=5.0)
-    path = follow_path(PANDA, outwards(0.3), start=READY, settings=settings)
+    path = follow_path(PANDA, outwards(0.3), q0=READY, settings=settings)
     before = np.vstack([READY, path.joints.positions[:-1]])
     np.testing.assert_allclose(path.condition, PANDA.condition_number(before), rtol=1e-6)
     share = np.minimum(5.0 / path.condition, 1.0)
@@ -55,7 +60,7 @@ def test_each_step_tells_its_condition_and_damping():
 def test_damping_calms_the_joints_beside_a_singularity_and_leaves_the_path():
     motion = outwards(0.45)  # beyond the stretched arm
     plain, damped = (
-        follow_path(PANDA, motion, start=READY, settings=DampedLeastSquares(damping))
+        follow_path(PANDA, motion, q0=READY, settings=DampedLeastSquares(damping))
         for damping in (0.0, 0.1)
     )
     assert speeds(plain).max() > 10 * speeds(damped).max()
@@ -66,7 +71,7 @@ def test_damping_calms_the_joints_beside_a_singularity_and_leaves_the_path():
 
 def test_the_null_space_pulls_to_the_middle_and_leaves_the_tool():
     motion = outwards(0.0)
-    path = follow_path(PANDA, motion, start=READY, settings=DampedLeastSquares(nullspace_gain=0.5))
+    path = follow_path(PANDA, motion, q0=READY, settings=DampedLeastSquares(nullspace_gain=0.5))
     middle = 0.5 * (PANDA.limits.lower + PANDA.limits.upper)
     away = np.linalg.norm(path.joints.positions - middle, axis=1)
     assert away[-1] < away[0] - 0.01
@@ -75,7 +80,7 @@ def test_the_null_space_pulls_to_the_middle_and_leaves_the_tool():
 
 def test_points_leave_the_orientation_free():
     poses = outwards(0.05)
-    path = follow_path(PANDA, lt.Trajectory(TIMES, poses.positions), start=READY)
+    path = follow_path(PANDA, lt.Trajectory(TIMES, poses.positions), q0=READY)
     assert path.position_error.max() < 1e-4
     assert (path.orientation_error == 0).all()
 
@@ -84,17 +89,19 @@ def test_poses_nearby_are_reached_by_steps_alone():
     rng = np.random.default_rng(1)
     q = np.array([0.1, -1.2, 1.4, -1.7, -1.5, 0.3]) + rng.uniform(-0.2, 0.2, (50, 6))
     targets = UR3.forward_kinematics(q)
-    batch = UR3.damped_inverse_kinematics_batch(
+    batch = damped_inverse_kinematics_batch(
+        UR3,
         *targets,
-        seeds=[0.1, -1.2, 1.4, -1.7, -1.5, 0.3],
+        q0=[0.1, -1.2, 1.4, -1.7, -1.5, 0.3],
         settings=DampedLeastSquares(condition_threshold=100.0),
     )
     assert batch.success.all()
     np.testing.assert_allclose(UR3.forward_kinematics(batch.q)[0], targets[0], atol=1e-5)
-    one = UR3.damped_inverse_kinematics(
+    one = damped_inverse_kinematics(
+        UR3,
         targets[0][0],
         targets[1][0],
-        seed=[0.1, -1.2, 1.4, -1.7, -1.5, 0.3],
+        q0=[0.1, -1.2, 1.4, -1.7, -1.5, 0.3],
         settings=DampedLeastSquares(condition_threshold=100.0),
     )
     np.testing.assert_array_equal(one.q, batch.q[0])
@@ -103,7 +110,7 @@ def test_poses_nearby_are_reached_by_steps_alone():
 
 def test_positions_alone_are_reached_too():
     position, _ = PANDA.forward_kinematics(READY)
-    result = PANDA.damped_inverse_kinematics(position, max_iterations=500)
+    result = damped_inverse_kinematics(PANDA, position, max_iterations=500)
     assert result.success
     assert result.orientation_error == 0.0
 
@@ -125,12 +132,12 @@ def test_bad_settings_are_refused(numbers):
 
 def test_bad_motions_and_starts_are_refused():
     with pytest.raises(InvalidInput):
-        follow_path(PANDA, "circle", start=READY)
+        follow_path(PANDA, "circle", q0=READY)
     with pytest.raises(InvalidInput):
-        follow_path(PANDA, lt.Trajectory([0.0, 1.0], [[0, 0], [1, 1]]), start=READY)
+        follow_path(PANDA, lt.Trajectory([0.0, 1.0], [[0, 0], [1, 1]]), q0=READY)
     with pytest.raises(InvalidInput):
-        follow_path(PANDA, outwards(0.1), start=READY[:3])
+        follow_path(PANDA, outwards(0.1), q0=READY[:3])
     with pytest.raises(InvalidInput):
-        follow_path(PANDA, outwards(0.1), start=READY, settings=0.1)
+        follow_path(PANDA, outwards(0.1), q0=READY, settings=0.1)
     with pytest.raises(InvalidInput):
-        PANDA.damped_inverse_kinematics([0.3, 0.0, 0.3], settings={"damping": 0.1})
+        damped_inverse_kinematics(PANDA, [0.3, 0.0, 0.3], settings={"damping": 0.1})

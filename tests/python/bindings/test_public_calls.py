@@ -21,7 +21,11 @@ from leadthrough.arm import (
     TaskStack,
     resolve,
 )
-from leadthrough.arm.damped_least_squares import follow_path
+from leadthrough.arm.damped_least_squares import (
+    damped_inverse_kinematics,
+    damped_inverse_kinematics_batch,
+    follow_path,
+)
 
 HOME = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])
 U = np.linspace(0.0, 1.0, 40)
@@ -78,19 +82,19 @@ def test_an_arm_moves_as_its_derivatives_say(panda):
 
 def test_postures_are_found_and_reach(panda, poses):
     position, orientation = panda.forward_kinematics(HOME)
-    one = panda.inverse_kinematics(position, orientation, seed=HOME + 0.1)
+    one = panda.inverse_kinematics(position, orientation, q0=HOME + 0.1)
     assert one.success
     assert panda.inverse_kinematics_all(position, orientation).success.all()
-    assert panda.damped_inverse_kinematics(position, orientation, seed=HOME).success
+    assert damped_inverse_kinematics(panda, position, orientation, q0=HOME).success
     many = poses.positions[::10], poses.orientations[::10]
     assert panda.inverse_kinematics_batch(*many, threads=2).success.all()
-    assert panda.damped_inverse_kinematics_batch(*many, seeds=HOME).q.shape == (4, 7)
-    slowed = panda.follow(poses, seed=HOME)
+    assert damped_inverse_kinematics_batch(panda, *many, q0=HOME).q.shape == (4, 7)
+    slowed = panda.follow(poses, q0=HOME)
     assert slowed.duration >= poses.duration
-    strayed = panda.follow(poses, seed=HOME, too_fast="deviate", deviation=(0.01, 0.05))
+    strayed = panda.follow(poses, q0=HOME, on_rate_limit="deviate", deviation=(0.01, 0.05))
     assert strayed.duration == poses.duration
-    exact = panda.follow(poses, seed=HOME, too_fast="exceed_limits")
-    damped = follow_path(panda, poses, start=HOME)
+    exact = panda.follow(poses, q0=HOME, on_rate_limit="exceed_limits")
+    damped = follow_path(panda, poses, q0=HOME)
     assert damped.position_error.max() < 0.05
     assert panda.path_report(exact, poses).position_error.max() < 1e-5
 
@@ -120,7 +124,7 @@ def test_priorities_are_kept(panda):
 
 
 def test_collisions_are_seen(panda, poses):
-    followed = panda.follow(poses, seed=HOME)
+    followed = panda.follow(poses, q0=HOME)
     report = panda.check(followed, OBSTACLES)
     assert report.minimum_distance <= panda.distance(HOME, OBSTACLES) + 1e-9
     assert panda.self_distance(HOME) > 0.0

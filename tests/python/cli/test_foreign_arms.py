@@ -63,7 +63,9 @@ def test_a_start_in_another_posture_is_told_and_warned_of(shown):
     plain = lt.load_skill("reach.npz").generate()
     near = plain.joints.positions[0]
     pose = plain.positions[0], plain.orientations[0]
-    for other in arm.inverse_kinematics_all(*pose, reference=near, separation=0.5).q:
+    for other in arm.inverse_kinematics_all(
+        *pose, options=lt.arm.IkOptions(posture=near), separation=0.5
+    ).q:
         if np.abs(other - near).max() < 0.5:
             continue
         given = ",".join(f"{x:.6f}" for x in other)

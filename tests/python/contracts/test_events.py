@@ -141,7 +141,7 @@ def test_followed_motions_keep_them(too_fast):
     hurried = 0.1 * TIMES
     happened = (lt.Event(0.13, "closed"),)
     motion = lt.PoseTrajectory(hurried, way, np.tile(turned, (len(S), 1)), happened)
-    made = arm("ur3").follow(motion, seed=START, too_fast=too_fast)
+    made = arm("ur3").follow(motion, q0=START, on_rate_limit=too_fast)
     (event,) = made.events
     reached, _ = arm("ur3").forward_kinematics(at(made, event.time))
     np.testing.assert_allclose(reached, at(motion, 0.13), atol=1e-4)

@@ -132,7 +132,7 @@ def towards_the_wall(panda):
     share = np.linspace(0.0, 1.0, 51)[:, None]
     ease = share**2 * (3.0 - 2.0 * share)
     way = lt.PoseTrajectory(3.0 * share[:, 0], start + ease * (goal - start), [turned] * 51)
-    followed = panda.follow(way, seed=Q)
+    followed = panda.follow(way, q0=Q)
     fast = lt.retime(followed, panda.limits, rate=3.0 * RATE)
     return lt.JointTrajectory(3.0 * fast.times, fast.positions, joint_names=panda.joint_names)
 

@@ -145,7 +145,7 @@ def test_all_shapes_are_obstacles_and_what_is_held_counts():
         lt.Mesh(cube, faces, tip),
         lt.PointCloud(np.vstack([cube, np.zeros(3)]), 0.04, tip),
     ]
-    deep = arm.inverse_kinematics(tip, arm.forward_kinematics(HOME)[1], seed=HOME).q
+    deep = arm.inverse_kinematics(tip, arm.forward_kinematics(HOME)[1], q0=HOME).q
     way = lt.trajectories.minimum_jerk_time_scaling(np.linspace(0.0, 1.0, 51))
     motion = lt.JointTrajectory(np.linspace(0.0, 0.4, 51), HOME + np.outer(way, deep - HOME))
     for shape in shapes:

@@ -255,7 +255,7 @@ def test_digging_succeeds_in_the_demonstrated_posture_and_by_looking_ahead(diggi
         rack, _ = ARM.forward_kinematics(POSTURES["rack"])
         reached, _ = ARM.forward_kinematics(q)
         np.testing.assert_allclose(reached, rack, atol=2e-3)
-    ahead = ARM.follow(whole.poses, seed=whole.joints.positions[0])
+    ahead = ARM.follow(whole.poses, q0=whole.joints.positions[0])
     assert ARM.path_report(ahead, whole.poses).position_error.max() < 1e-5
 
 

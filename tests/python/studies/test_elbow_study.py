@@ -83,7 +83,9 @@ def test_another_family_of_postures_is_found(index):
     arm = lt.Arm.load("ur3")
     made = drawn_scene(arm, "ur3", 0, index, [])
     first = made.joints.positions[0]
-    joints = arm.follow(made.tip, scene=made.obstacles, seed=first, free=FREE["ur3"])
+    joints = arm.follow(
+        made.tip, scene=made.obstacles, q0=first, options=lt.arm.FollowOptions(free=FREE["ur3"])
+    )
     assert arm.check(joints, lt.Scene(made.obstacles, MARGIN)).ok
     assert np.abs(joints.positions[0] - first).max() > 1.0
 
@@ -93,7 +95,7 @@ def test_where_the_nearest_family_is_too_narrow_another_is_taken():
     arm = lt.Arm.load("panda")
     made = drawn_scene(arm, "panda", 0, 123, [])
     first = made.joints.positions[0]
-    joints = arm.follow(made.tip, scene=made.obstacles, seed=first)
+    joints = arm.follow(made.tip, scene=made.obstacles, q0=first)
     assert arm.check(joints, lt.Scene(made.obstacles, MARGIN)).ok
 
 
@@ -102,6 +104,6 @@ def test_demonstrations_by_hand_are_followed(recordings):
     arm = lt.Arm.load("panda")
     made = drawn_scene(arm, "panda", 0, 2, files)
     assert not arm.check(made.joints, made.obstacles).ok
-    joints = arm.follow(made.tip, scene=made.obstacles, seed=made.joints.positions[0])
+    joints = arm.follow(made.tip, scene=made.obstacles, q0=made.joints.positions[0])
     assert arm.check(joints, lt.Scene(made.obstacles, MARGIN)).ok
     assert arm.path_report(joints, made.tip).position_error.max() < 1e-5

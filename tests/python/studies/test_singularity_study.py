@@ -101,7 +101,7 @@ def test_without_scaling_the_steps_are_those_of_the_arm_and_with_it_joints_keep_
     way = motion(PANDA, APPROACHES[number])
     q = start(PANDA, APPROACHES[number], way)
     settings = DampedLeastSquares()
-    plain = follow_path(PANDA, way, start=q, settings=settings).joints.positions
+    plain = follow_path(PANDA, way, q0=q, settings=settings).joints.positions
     same, scaled = (
         follow_by_ranges(PANDA, way, q, settings, scaled=each).positions for each in (False, True)
     )

@@ -154,9 +154,9 @@ def test_without_obstacles_the_tip_keeps_its_path_or_it_fails(panda):
     tip = lt.PoseTrajectory(times, *panda.forward_kinematics(joints))
     skill = SimpleNamespace(supports=frozenset(), generate=lambda **_: tip)
     with pytest.raises(IkFailure, match="jump") as alone:
-        panda.follow(tip, seed=joints[0])
+        panda.follow(tip, q0=joints[0])
     with pytest.raises(IkFailure) as planned:
-        lt.plan_motion(skill, panda, seed=joints[0])
+        lt.plan_motion(skill, panda, q0=joints[0])
     assert str(planned.value) == str(alone.value)
 
 
