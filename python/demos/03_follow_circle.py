@@ -27,9 +27,7 @@ angle = 2.0 * np.pi * lt.trajectories.minimum_jerk_time_scaling(times / 2.0)  # 
 circle = np.column_stack([np.full(801, 0.45), 0.15 * np.cos(angle), 0.45 + 0.15 * np.sin(angle)])
 downwards = np.tile([0.0, 1.0, 0.0, 0.0], (801, 1))
 asked = lt.PoseTrajectory(times, circle, downwards)
-followed = arm.follow(
-    asked, on_rate_limit="exceed_limits"
-)  # slowed down as a whole in the next line
+followed = arm.follow(asked, on_rate_limit="exceed_limits")  # slowed down in the next line
 joints = lt.scale_to_limits(lt.differentiate(followed), arm.limits)
 
 reached, _ = arm.forward_kinematics(joints.positions)

@@ -29,12 +29,11 @@ def skeleton(q):
 home = np.array([0.0, -1.6, 1.4, -1.4, -1.57, 0.0])
 position, downwards = np.array([0.25, 0.15, 0.12]), np.array([0.0, 1.0, 0.0, 0.0])
 
-ways = arm.inverse_kinematics_all(position, downwards, options=lt.arm.IkOptions(posture=home))
+near_home = lt.arm.IkOptions(mode="closest", posture=home)
+ways = arm.inverse_kinematics_all(position, downwards, options=near_home)
 for q in ways.q:
     print(np.round(np.degrees(q)).astype(int), f"{np.linalg.norm(q - home):.2f} rad from home")
-closest = arm.inverse_kinematics(
-    position, downwards, options=lt.arm.IkOptions(mode="closest", posture=home)
-)
+closest = arm.inverse_kinematics(position, downwards, options=near_home)
 print(f"the closest: {np.linalg.norm(closest.q - home):.2f} rad")
 
 # Holes on a circle, drilled from above: the rotation about the drill's axis does not matter.
@@ -43,9 +42,8 @@ holes = position + 0.08 * np.column_stack([np.cos(angles), np.sin(angles), 0.0 *
 spins = lt.rotations.compose(
     np.tile(downwards, (60, 1)), lt.rotations.exp([[0, 0, a] for a in angles])
 )
-drilled = arm.inverse_kinematics_batch(
-    holes, spins, q0=closest.q, options=lt.arm.IkOptions(free=("rz",))
-)
+free_spin = lt.arm.IkOptions(free=("rz",))
+drilled = arm.inverse_kinematics_batch(holes, spins, q0=closest.q, options=free_spin)
 turning = arm.inverse_kinematics_batch(holes, spins, q0=closest.q)
 for name, batch in (("free spin", drilled), ("spin asked for", turning)):
     turned = np.ptp(batch.q[:, 5])

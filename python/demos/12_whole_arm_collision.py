@@ -20,8 +20,8 @@ times = np.linspace(0.0, 3.0, 301)
 side = 0.35 - 0.7 * lt.trajectories.minimum_jerk_time_scaling(times / 3.0)  # from rest to rest
 line = np.column_stack([np.full(301, 0.45), side, np.full(301, 0.35)])
 asked = lt.PoseTrajectory(times, line, np.tile([0.0, 1.0, 0.0, 0.0], (301, 1)))
-seed = [0.6, -0.5, 0.0, -2.4, 0.0, 2.0, 1.4]
-followed = arm.follow(asked, q0=seed, on_rate_limit="exceed_limits")  # slowed down in the next line
+q0 = [0.6, -0.5, 0.0, -2.4, 0.0, 2.0, 1.4]
+followed = arm.follow(asked, q0=q0, on_rate_limit="exceed_limits")  # slowed down in the next line
 joints = lt.scale_to_limits(lt.differentiate(followed), arm.limits)
 
 shelf = lt.Box((0.1, 0.4, 0.2), (-0.15, 0.0, 0.65))  # behind the elbow

@@ -20,11 +20,11 @@ times = np.linspace(0.0, 3.0, 151)
 side = 0.35 - 0.7 * lt.trajectories.minimum_jerk_time_scaling(times / 3.0)
 line = np.column_stack([np.full(151, 0.45), side, np.full(151, 0.35)])
 asked = lt.PoseTrajectory(times, line, np.tile([0.0, 1.0, 0.0, 0.0], (151, 1)))
-seed = [0.6, -0.5, 0.0, -2.4, 0.0, 2.0, 1.4]
+q0 = [0.6, -0.5, 0.0, -2.4, 0.0, 2.0, 1.4]
 
 shelf = lt.Box((0.1, 0.4, 0.2), (-0.15, 0.0, 0.65))  # behind the elbow
-straight = arm.follow(asked, q0=seed)
-around = arm.follow(asked, scene=lt.Scene([shelf], 0.01), q0=seed)
+straight = arm.follow(asked, q0=q0)
+around = arm.follow(asked, scene=lt.Scene([shelf], 0.01), q0=q0)
 
 figure = plt.figure(figsize=(7, 3.5), layout="constrained")
 axes = figure.subplots()

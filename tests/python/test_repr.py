@@ -7,7 +7,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough import planning, trajectories
-from leadthrough.arm import JointState, PoseTask, PostureTask, TaskStack, yang
+from leadthrough.arm import JointState, PoseTask, PostureTask, TaskStack, damped_least_squares
 from leadthrough.models import Frame, choose_components, infer, kmeans
 from leadthrough.repr import ShortRepr
 
@@ -38,7 +38,7 @@ def results():
         arm.collision_pairs, lt.check_limits(joints, arm.limits),
         lt.check_limits(joints, arm.limits).velocity, JointState(HOME, 0 * HOME, 0 * HOME),
         PoseTask(position, orientation), stack,
-        yang.follow_path(arm, poses, start=HOME), lt.DifferentialIk(arm),
+        damped_least_squares.follow_path(arm, poses, q0=HOME), lt.DifferentialIk(arm),
         kmeans(poses.positions, 3, seed=0), choose_components(poses.positions, at_most=2),
         lt.GMR(components=2).fit(shown).mixture, Frame.of_sample(poses, 0),
         infer(poses[:20], [promp]),

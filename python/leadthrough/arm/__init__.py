@@ -2,11 +2,7 @@
 
 from leadthrough.arm.arm import Arm
 from leadthrough.arm.collision import Approach, Clearance, CollisionPairs, CollisionReport
-from leadthrough.arm.damped_least_squares import (
-    DampedLeastSquares,
-    damped_inverse_kinematics,
-    damped_inverse_kinematics_batch,
-)
+from leadthrough.arm.damped_least_squares import DampedLeastSquares
 from leadthrough.arm.differential_ik import DifferentialIk, JointState
 from leadthrough.arm.following import FollowOptions
 from leadthrough.arm.inverse_kinematics import IkBatch, IkOptions, IkResult
@@ -51,8 +47,6 @@ __all__ = [
     "StackSolution",
     "TaskReport",
     "TaskStack",
-    "damped_inverse_kinematics",
-    "damped_inverse_kinematics_batch",
     "read_limits",
     "resolve",
 ]
