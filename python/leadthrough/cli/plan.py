@@ -274,7 +274,7 @@ def _certified(learned: Skill, asked: dict[str, Any], arm: Arm | None) -> str:
 
 def _lengthened(learned: Skill, asked: dict[str, Any]) -> str | None:
     """Why a primitive takes longer than demonstrated, if it does."""
-    from leadthrough.models.dmp.skill import DMPSkill
+    from leadthrough.models.dmp.discrete import DMPSkill
 
     if not isinstance(learned, DMPSkill) or "duration" in asked:
         return None

@@ -1,7 +1,6 @@
 from .archive import FittedSkill, load_skill
-from .dmp.discrete import DMP
+from .dmp.discrete import DMP, DMPSkill
 from .dmp.rhythmic import RhythmicDMP, RhythmicDMPSkill
-from .dmp.skill import DMPSkill
 from .dynamical.clf_dm import CLFDM
 from .dynamical.lpv_ds import LPVDS
 from .dynamical.modified_ds import ModifiedDS

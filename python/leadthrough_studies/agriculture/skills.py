@@ -85,7 +85,7 @@ class Learned:
         self, subtask: Subtask, target: Float64Array, *, lookup: str = "nearest"
     ) -> Float64Array:
         """The end (3,) of the subtask for a target, m: that of the nearest target, shifted."""
-        learned = self.skill(subtask, target, lookup=lookup).springs.ends.goal[:3]
+        learned = self.skill(subtask, target, lookup=lookup).system.ends.goal[:3]
         if not subtask.ends_at_target or lookup == "interpolated":
             return learned
         known = [at for i, at in self.targets.items() if (subtask.number, i) not in self.refused]

@@ -13,12 +13,21 @@ from numpy.typing import ArrayLike
 from leadthrough import _core
 from leadthrough.check import Float64Array
 from leadthrough.events import Events
-from leadthrough.models.dmp import springs
+from leadthrough.models.dmp import transformation
 from leadthrough.models.dmp.constraints import Constraints, roll
-from leadthrough.models.dmp.pace import COARSE_PHASES, JOINTS, MOVING, PHASES, Part
-from leadthrough.models.dmp.progress import Progress, corrected_until, progress_of, speeds_of
+from leadthrough.models.dmp.progress import (
+    COARSE_PHASES,
+    JOINTS,
+    MOVING,
+    PHASES,
+    Part,
+    Progress,
+    corrected_until,
+    progress_of,
+    speeds_of,
+)
 from leadthrough.models.dmp.query import Query, check_channels, course_through
-from leadthrough.models.dmp.springs import Ends, Springs
+from leadthrough.models.dmp.transformation import Ends, TransformationSystem
 from leadthrough.models.place import Place
 from leadthrough.motion import JointTrajectory, Motion, Trajectory, computed
 
@@ -32,7 +41,7 @@ StateT = TypeVar("StateT", _core.PointState, _core.PoseState)
 class Channels(Generic[StateT]):
     """The channels of a discrete primitive: reads queries into them, and motions out of them."""
 
-    springs: Springs
+    system: TransformationSystem
     size: float  # diagonal of the box around the demonstrated positions
 
     @property
@@ -87,17 +96,15 @@ class Channels(Generic[StateT]):
 
     def ahead(self, state: StateT, phases: Float64Array) -> tuple[Float64Array, Float64Array]:
         """Values and slopes (n, channels) from a state on, at phases (n,)."""
-        return _core.dmp_rollout(
-            self.springs.forces, state.course, state.value, state.slope, phases
-        )
+        return _core.dmp_rollout(self.system.forces, state.course, state.value, state.slope, phases)
 
     def course(self, ends: Ends, query: Query, *, count: int) -> _core.DmpCourse:
         """The course between ends, through the query's via points of the first channels."""
-        learned = self.springs
+        learned = self.system
         if ends.equal(learned.ends):
-            direct = learned.shown_course
+            direct = learned.demonstrated_course
         elif learned.form != "blended":
-            direct = springs.course(learned.form, ends)
+            direct = transformation.course(learned.form, ends)
         else:
             direct = self._moved_course(ends)
         return course_through(learned, direct, ends, query.via, count=count)
@@ -110,40 +117,40 @@ class Channels(Generic[StateT]):
         slope: Float64Array | None = None,
     ) -> _core.DmpCourse:
         """The course to another goal (channels,), after a jump in value and slope, if any."""
-        before, form = state.course, self.springs.form
+        before, form = state.course, self.system.form
         if form != "blended":
-            return springs.redirected(form, before, goal)
-        shift = goal - springs.end_of(before)
+            return transformation.redirected(form, before, goal)
+        shift = goal - transformation.end_of(before)
         if value is None or slope is None:
             if np.abs(shift).max() <= _SAME_GOAL * max(self.size, float(np.abs(goal).max())):
                 return before
             if state.phase == 0.0:
-                return springs.shifted(before, self.progress, shift)
+                return transformation.shifted(before, self.progress, shift)
             value = slope = np.zeros(len(shift))
         until = corrected_until(state.phase, self.progress.end)
         return before.superposed(state.phase, until, value, slope, shift)
 
     def replayed(self) -> tuple[Float64Array, Float64Array]:
         """Values and slopes (n, channels) at PHASES, as demonstrated."""
-        learned, ends = self.springs, self.springs.ends
-        course = learned.shown_course
+        learned, ends = self.system, self.system.ends
+        course = learned.demonstrated_course
         return _core.dmp_rollout(learned.forces, course, ends.start, ends.start_slope, PHASES)
 
     def _moved_course(self, ends: Ends) -> _core.DmpCourse:
         """The course of the form "blended" between other ends than demonstrated."""
-        known = self.springs.ends
+        known = self.system.ends
         if ends.start_slope is known.start_slope and ends.goal_slope is known.goal_slope:
             plain = self._demonstrated_reference
         else:
-            jerk = springs.minimum_jerk(ends.moved(known.start, known.goal))
+            jerk = transformation.minimum_jerk(ends.moved(known.start, known.goal))
             plain = self.progress.expanded(jerk)
         start, goal = ends.start - known.start, ends.goal - known.goal
-        return springs.moved_course(plain, self.progress, start=start, goal=goal)
+        return transformation.moved_course(plain, self.progress, start=start, goal=goal)
 
     @cached_property
     def _demonstrated_reference(self) -> Float64Array:
         """The minimum-jerk motion between the demonstrated ends, about each progress break."""
-        return self.progress.expanded(springs.minimum_jerk(self.springs.ends))
+        return self.progress.expanded(transformation.minimum_jerk(self.system.ends))
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,14 +162,14 @@ class PointChannels(Channels[_core.PointState]):
     @property
     def dimensions(self) -> int | None:
         """Two or three for points in the plane or in space; None otherwise."""
-        count = len(self.springs.ends.start)
+        count = len(self.system.ends.start)
         return count if self.joint_names is None and count in (2, 3) else None
 
     @cached_property
     def progress(self) -> Progress:
         """The same for all channels."""
         speeds = speeds_of(self._replay.velocities)
-        return progress_of(np.repeat(speeds[:, None], len(self.springs.ends.start), axis=1))
+        return progress_of(np.repeat(speeds[:, None], len(self.system.ends.start), axis=1))
 
     @cached_property
     def _replay(self) -> Part:
@@ -172,13 +179,13 @@ class PointChannels(Channels[_core.PointState]):
 
     def as_demonstrated(self, duration: float) -> _core.PointState:
         """The state at the start of the demonstrated motion."""
-        ends = self.springs.ends
-        course = self.springs.shown_course
+        ends = self.system.ends
+        course = self.system.demonstrated_course
         return _core.PointState(course, ends.start, ends.start_slope, 0.0, duration)
 
     def begin(self, query: Query, duration: float) -> _core.PointState:
         """The state at the start of a motion of a duration, s."""
-        ends = query.ends(self.springs.ends, query.start, query.goal, duration)
+        ends = query.ends(self.system.ends, query.start, query.goal, duration)
         course = self.course(ends, query, count=len(ends.start))
         return _core.PointState(course, ends.start, ends.start_slope, 0.0, duration)
 
@@ -193,18 +200,18 @@ class PointChannels(Channels[_core.PointState]):
 
     def redirected(self, state: _core.PointState, goal: Place) -> _core.PointState:
         """The state on its way to another goal (d,)."""
-        wanted = check_channels(goal, "goal", len(self.springs.ends.goal))
+        wanted = check_channels(goal, "goal", len(self.system.ends.goal))
         course = self.course_to(state, wanted)
         return _core.PointState(course, state.value, state.slope, state.phase, state.duration)
 
     def moved(self, state: _core.PointState, measured: Place) -> _core.PointState:
         """The state at another position (d,)."""
-        value = check_channels(measured, "measured", len(self.springs.ends.goal))
+        value = check_channels(measured, "measured", len(self.system.ends.goal))
         return _core.PointState(state.course, value, state.slope, state.phase, state.duration)
 
     def acceleration(self, coupling: ArrayLike) -> Float64Array:
         """A coupling (d,) as it is."""
-        return check_channels(coupling, "coupling", len(self.springs.ends.goal))
+        return check_channels(coupling, "coupling", len(self.system.ends.goal))
 
     def motion(
         self,
@@ -217,7 +224,7 @@ class PointChannels(Channels[_core.PointState]):
     ) -> Trajectory | JointTrajectory:
         """A motion of points or of joints."""
         positions, slopes = roll(
-            self.springs, state, phases, constraints=constraints, size=self.size
+            self.system, state, phases, constraints=constraints, size=self.size
         )
         times = state.duration * phases
         if self.joint_names is None:

@@ -1,4 +1,4 @@
-"""What a primitive's motion keeps clear of: obstacles and limits.
+"""Obstacles and limits of a primitive's motion.
 
 Steering around an obstacle's middle (Hoffmann et al. 2009, Pastor et al. 2009) with barriers under
 it: the least accelerations that keep every distance from falling below 0 (Ames et al. 2019,
@@ -18,14 +18,14 @@ from numpy.typing import ArrayLike
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoPath, UnsupportedQuery
-from leadthrough.models.dmp.springs import Springs, end_of
+from leadthrough.models.dmp.transformation import TransformationSystem, end_of
 from leadthrough.shapes import Shape, check_shapes, compiled
 from leadthrough.trajectories.minimum_jerk import minimum_jerk_time_scaling
 
 # Fractions of the demonstration's size: the distance to keep from obstacles, and the one at which
 # steering fades. Nearer ends halve the first.
 _MARGIN = 0.02
-_LEAST_MARGIN = 1e-4
+_MIN_MARGIN = 1e-4
 _REACH = 0.25
 # The last part of a motion, over which the error that a detour has left is blended out.
 _LATEST_PUSH = 0.9
@@ -35,7 +35,7 @@ StateT = TypeVar("StateT", _core.PointState, _core.PoseState)
 
 @dataclass(frozen=True, eq=False)
 class Constraints:
-    """What a motion keeps to."""
+    """Obstacles and limits that a motion respects."""
 
     obstacles: tuple[Shape, ...]  # shapes to keep clear of
     lower: Float64Array  # lower limits (channels,); empty without limits
@@ -43,7 +43,7 @@ class Constraints:
 
     @property
     def are_none(self) -> bool:
-        """Whether there is nothing to keep to."""
+        """Whether there are no obstacles and no limits."""
         return not self.obstacles and len(self.lower) == 0
 
 
@@ -73,7 +73,7 @@ def check_constraints(
 
 
 def roll(
-    springs: Springs,
+    system: TransformationSystem,
     state: StateT,
     phases: Float64Array,
     *,
@@ -81,7 +81,7 @@ def roll(
     size: float,
 ) -> tuple[Float64Array, Float64Array]:
     """Values and slopes (n, channels) at phases (n,) from a state on."""
-    forces, start = springs.forces, (state.value, state.slope)
+    forces, start = system.forces, (state.value, state.slope)
     if constraints.are_none:
         return _core.dmp_rollout(forces, state.course, *start, phases)
     goal = end_of(state.course)
@@ -93,14 +93,14 @@ def roll(
     )
     if len(constraints.lower):  # a barrier's steps leave rounding beyond it
         values = np.clip(values, constraints.lower, constraints.upper)
-    if springs.form == "blended" and last_push > 0.0:
+    if system.form == "blended" and last_push > 0.0:
         values, slopes = _settled(values, slopes, phases, goal, last_push)
     _check_clear(constraints.obstacles, values)
     return values, slopes
 
 
 def step_within(
-    springs: Springs,
+    system: TransformationSystem,
     state: StateT,
     dt: float,
     acceleration: Float64Array,
@@ -108,10 +108,10 @@ def step_within(
     constraints: Constraints,
     size: float,
 ) -> StateT:
-    """The state dt s later, under an acceleration, kept to constraints."""
+    """The state dt s later, under an acceleration and constraints."""
     near = end_of(state.course)[None]
     things = _surroundings(constraints, near=near, size=size)
-    return state.led_around(springs.forces, dt, acceleration, things)
+    return state.led_around(system.forces, dt, acceleration, things)
 
 
 def _check_ends(constraints: Constraints, start: Float64Array, goal: Float64Array) -> None:
@@ -135,7 +135,7 @@ def _surroundings(
     allowed = 0.5 * _clearances(obstacles, near).min(axis=1)
     return _core.DmpSurroundings(
         compiled(obstacles),
-        np.clip(allowed, _LEAST_MARGIN * size, _MARGIN * size),
+        np.clip(allowed, _MIN_MARGIN * size, _MARGIN * size),
         _REACH * size,
         constraints.lower,
         constraints.upper,

@@ -1,33 +1,45 @@
-"""Movement primitives of points, joints and poses.
+"""Discrete movement primitives of points, joints and poses.
 
-The equations of the forms stand in `springs`, those of the fits in `regression`, and the
-representations of orientations in `turning`. Position and orientation of a pose share one phase.
+The equations of the forms stand in `transformation`, those of the fits in `regression`, and the
+representations of orientations in `orientation`. Position and orientation of a pose share one
+phase.
 Sources: Ijspeert et al. 2013, "Dynamical movement primitives", Neural Computation 25; Hoffmann et
 al. 2009, "Biologically-inspired dynamical systems for movement generation".
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields, replace
+from functools import cached_property
+from typing import Any, ClassVar, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check, events
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
 from leadthrough.models.archive import Arrays
 from leadthrough.models.demonstrated import Demonstrations
-from leadthrough.models.dmp.kernels import MOST_WEIGHTS, enough_weights
-from leadthrough.models.dmp.mean_motion import MeanMotion, mean_motion
-from leadthrough.models.dmp.regression import REGRESSIONS, fit
-from leadthrough.models.dmp.skill import DMPSkill
-from leadthrough.models.dmp.spin import refuses_spins, replayed_angle
-from leadthrough.models.dmp.springs import FORMS, Springs
-from leadthrough.models.dmp.turning import REPRESENTATIONS, Turning, learn
-from leadthrough.models.posture import Posture
+from leadthrough.models.dmp.channels import Channels
+from leadthrough.models.dmp.constraints import Constraints, check_constraints, step_within
+from leadthrough.models.dmp.learning import check_choices, check_weights, learn_motion
+from leadthrough.models.dmp.mean_motion import mean_motion
+from leadthrough.models.dmp.poses import channels_of
+from leadthrough.models.dmp.primitive import Primitive, take_parts
+from leadthrough.models.dmp.query import (
+    Query,
+    Via,
+    check_duration,
+    check_final_velocity,
+    check_step,
+)
+from leadthrough.models.dmp.transformation import enough_weights
+from leadthrough.models.even_times import even_phases
+from leadthrough.models.judged import judged
+from leadthrough.models.protocol import Place, Skill
 from leadthrough.models.unfitted import Unfitted
-from leadthrough.motion import MotionT
+from leadthrough.motion import Motion, MotionT, MotionT_co
+from leadthrough.shapes import Shape
 
 
 @dataclass(frozen=True)
@@ -60,10 +72,8 @@ class DMP(Unfitted):
 
     def __post_init__(self) -> None:
         if self.weights is not None:
-            check.integer(self.weights, "weights", at_least=2, at_most=MOST_WEIGHTS)
-        check.choice(self.form, "form", FORMS)
-        check.choice(self.regression, "regression", REGRESSIONS)
-        check.choice(self.orientation, "orientation", REPRESENTATIONS)
+            check_weights(self.weights, at_least=2)
+        check_choices(self.form, self.regression, self.orientation)
 
     @staticmethod
     def lauretti(weights: int | None = 50) -> DMP:
@@ -102,60 +112,271 @@ class DMP(Unfitted):
                 mean, and where "lifted" would spin.
         """
         mean = mean_motion(demonstrations)
-        turned, values, groups = self._channels(mean)
-        count = self.weights or enough_weights(mean.duration)
-        learned = fit(
-            mean.phases,
-            values,
-            weights=count,
-            form=self.form,
-            regression=self.regression,
-            groups=groups,
-        )
-        skill: DMPSkill[MotionT] = DMPSkill(
-            model=replace(self, weights=count),
-            springs=learned,
-            duration=mean.duration,
-            size=mean.size,
-            events=mean.events,
-            joint_names=mean.joint_names,
-            turning=turned,
-            posture=mean.posture,
-        )
-        if turned is None or mean.orientations is None or not refuses_spins(learned, turned):
-            return skill
-        angle = replayed_angle(learned, turned, skill.begin(), mean.phases, mean.orientations)
-        return replace(skill, turning=replace(turned, angle=angle))
+        model = replace(self, weights=self.weights or enough_weights(mean.duration))
+        parts = learn_motion(mean, **asdict(model))
+        return DMPSkill(model=model, duration=mean.duration, size=mean.size, **parts)
 
-    def _channels(self, mean: MeanMotion) -> tuple[Turning | None, Float64Array, tuple[slice, ...]]:
-        """Coordinates of the orientation, values (n, channels), and channels of the same unit."""
-        if mean.orientations is None:
-            return None, mean.positions, (slice(None),)
-        if self.form == "ijspeert" and self.orientation == "anchored":
-            raise InvalidInput(
-                'orientation: "anchored" begins and ends at 0, which scales no force of the form '
-                '"ijspeert"; use "lifted", or another form'
-            )
-        turned, coordinates = learn(mean.phases, mean.orientations, self.orientation)
-        return turned, np.hstack([mean.positions, coordinates]), (slice(3), slice(3, 6))
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DMPSkill(Primitive[MotionT_co]):
+    """A learned primitive; made by `DMP.fit`.
+
+    Attributes:
+        model: the settings that it was fitted with, with the number of weights that was used.
+        system: the learned transformation system; of poses with three channels of the position
+            and three of the orientation.
+        duration: s, as demonstrated.
+        size: diagonal of the box around the demonstrated positions, m.
+        events: at fractions of the duration, 0 to 1.
+        joint_names: of joints; None for points and poses.
+        orientation: coordinates of the orientation; None for points and joints.
+        posture: the arm's joints at fractions of the duration, if demonstrated beside the motion.
+    """
+
+    model: DMP
+    duration: float
+    size: float
+
+    kind: ClassVar[str] = "dmp"
+
+    @property
+    def supports(self) -> frozenset[str]:
+        """Parts of a query that it honours.
+
+        Obstacles for poses and for points in two or three dimensions, limits for points and joints,
+        a final velocity with the form "blended".
+        """
+        known = {"start", "goal", "duration", "via", "start_velocity"}
+        optional = {
+            "final_velocity": self.system.form == "blended",
+            "obstacles": self._channels.dimensions is not None,
+            "limits": self.orientation is None,
+        }
+        return frozenset(known | {name for name, honoured in optional.items() if honoured})
+
+    @judged
+    def generate(
+        self,
+        *,
+        start: Place | None = None,
+        goal: Place | None = None,
+        duration: float | None = None,
+        dt: float = 0.01,
+        obstacles: Sequence[Shape] = (),
+        via: Via = (),
+        start_velocity: ArrayLike | None = None,
+        final_velocity: ArrayLike | None = None,
+        limits: tuple[ArrayLike, ArrayLike] | None = None,
+    ) -> MotionT_co:
+        """A motion of the demonstrated type.
+
+        Args:
+            start: (d,), or of poses a position (3,) or (position (3,), orientation (4,)); parts
+                that are left out are as demonstrated.
+            goal: as start.
+            duration: s, > 0, by default `default_duration`: the demonstrations', or longer where a
+                moved start or goal would make the motion more than 1.3 times as fast.
+            dt: s, > 0, upper bound of the sampling step; the motion does not depend on it.
+            obstacles: in the demonstrations' frame; a drawing of two dimensions lies in the plane
+                z = 0. Of poses the position keeps clear of them, whatever the orientation.
+            via: (fraction of the duration in (0, 1), position (d,)), in order.
+            start_velocity: (d,) per second, by default as demonstrated, at that duration; of poses
+                (3,) m/s.
+            final_velocity: as start_velocity; only with the form "blended".
+            limits: (lower (d,), upper (d,)), which the motion does not leave; not of poses.
+
+        Raises:
+            InvalidInput: if an argument is of another shape or range.
+            UnsupportedQuery: for a part that is not among `supports`, and where the orientation
+                "lifted" would spin.
+            NoPath: where steering does not clear the obstacles.
+        """
+        step = check.number(dt, "dt", above=0.0)
+        constraints = self._constraints(obstacles, limits)
+        state = self.begin(
+            start=start,
+            goal=goal,
+            duration=duration,
+            via=via,
+            start_velocity=start_velocity,
+            final_velocity=final_velocity,
+        )
+        phases = even_phases(state.duration, step)
+        posture, times = self.posture, state.duration * phases
+        made = self._channels.motion(
+            state,
+            phases,
+            constraints=constraints,
+            events=events.moved(self.events, (0.0, 1.0), (0.0, state.duration)),
+            joints=None if posture is None else posture.along(times, phases),
+        )
+        return cast(MotionT_co, made)  # of the demonstrated type
+
+    def begin(
+        self,
+        *,
+        start: Place | None = None,
+        goal: Place | None = None,
+        duration: float | None = None,
+        via: Via = (),
+        start_velocity: ArrayLike | None = None,
+        final_velocity: ArrayLike | None = None,
+    ) -> Any:
+        """The state at the start, for `step`; arguments and errors as in `generate`."""
+        check_final_velocity(final_velocity, self.system.form)
+        query = Query(start, goal, via, start_velocity, final_velocity)
+        if duration is None and query.as_demonstrated_velocities and via == ():
+            return self._begin_at_own_pace(query)
+        if duration is None:
+            total = self.default_duration(start=start, goal=goal)
+        else:
+            total = check_duration(duration, self.duration)
+        return self._channels.begin(query, total)
+
+    def _begin_at_own_pace(self, query: Query) -> Any:
+        """The state of a motion of the default duration, which follows from the state itself."""
+        if query.start is None and query.goal is None:
+            return self._channels.as_demonstrated(self.duration)
+        state = self._channels.begin(query, self.duration)
+        if self.system.form != "blended":
+            return state
+        longer = self._channels.lengthening(state, self.duration)
+        return self._channels.lasting(state, self.duration * longer)
+
+    def step(
+        self,
+        state: Any,
+        dt: float,
+        *,
+        goal: Place | None = None,
+        coupling: ArrayLike | None = None,
+        lag: float = 0.0,
+        measured: Place | None = None,
+        obstacles: Sequence[Shape] = (),
+        limits: tuple[ArrayLike, ArrayLike] | None = None,
+    ) -> Any:
+        """The state dt s later; exact for any dt.
+
+        Args:
+            state: from `begin` or the last step.
+            dt: s, > 0.
+            goal: as in `generate`, moves the goal.
+            coupling: (d,), an acceleration, unit per s^2, that acts during the step; of poses
+                (3,) m/s^2, or (6,) with an angular one, rad/s^2 in the base frame.
+            lag: >= 0; in this step the motion, phase and springs alike, runs 1 / (1 + lag) as fast,
+                as with a larger tau. For phase stopping, take a gain times the squared distance
+                between the arm and the state: while the arm is held, the motion waits; once it
+                follows, the motion goes on as fast as before. (An arm that always trails behind
+                slows it always: choose the gain small for its normal error.)
+            measured: like goal; where the motion goes on from instead of the state's position, or
+                pose.
+            obstacles: as in `generate`, of this step.
+            limits: as in `generate`, of this step.
+
+        Returns:
+            A state with .position (d,), .velocity (d,) and .phase; of poses also .orientation (4,),
+            .angular_velocity (3,) rad/s in the base frame, and .pose (7,), which is position and
+            orientation in a row.
+
+        Raises:
+            InvalidInput: if an argument is of another shape or range.
+            UnsupportedQuery: for obstacles or limits that are not among `supports`, and where the
+                orientation "lifted" would spin on the way to a new goal, or from a new pose.
+        """
+        changed = goal is not None or measured is not None or coupling is not None
+        constrained = bool(obstacles) or limits is not None
+        if not (changed or constrained) and type(dt) is float and lag == 0.0:
+            # The quick path: control loops step a thousand times a second.
+            after = state.tick(self.system.forces, dt)
+            if after is not None:
+                return after
+        span = check_step(dt, lag, state.duration)
+        if goal is not None:
+            state = self._channels.redirected(state, goal)
+        if measured is not None:
+            state = self._channels.moved(state, measured)
+        if coupling is None and not constrained:
+            return state.coast(self.system.forces, span)
+        still = np.zeros(len(state.value))
+        push = still if coupling is None else self._channels.acceleration(coupling)
+        constraints = self._constraints(obstacles, limits)
+        return step_within(self.system, state, span, push, constraints=constraints, size=self.size)
+
+    def default_duration(self, *, start: Place | None = None, goal: Place | None = None) -> float:
+        """Default duration of a motion, s: as demonstrated, or longer.
+
+        A start or goal that is moved along the motion's own direction makes the motion quicker. It
+        then lasts longer, until the highest linear, angular or joint speed is within 1.3 times the
+        demonstrated one. Speeds up to 0.05 m/s and 0.25 rad/s are never held back; a tool that was
+        demonstrated to move by less than 2 mm, or to rotate by less than 0.05 rad, sets no pace
+        for that. The forms of the literature keep the demonstrated duration.
+
+        Args:
+            start: as in `generate`.
+            goal: as in `generate`.
+
+        Raises:
+            InvalidInput: if one is of another shape or range.
+        """
+        if (start is None and goal is None) or self.system.form != "blended":
+            return self.duration
+        state = self._channels.begin(Query(start, goal), self.duration)
+        return self.duration * self._channels.lengthening(state, self.duration)
+
+    def replay(self, samples: int) -> MotionT_co:
+        """The demonstrated motion, evenly sampled.
+
+        Args:
+            samples: their number, 2 or more.
+        """
+        return self.generate(dt=self.duration / (samples - 1))
+
+    def relearned(self, motion: Motion) -> Skill:
+        """The skill of another motion, learned with the same settings.
+
+        Args:
+            motion: of the demonstrated type.
+
+        Raises:
+            InvalidInput: for a motion of another type.
+            FitError: for one that does not move.
+        """
+        return self.model.fit([motion])
+
+    def to_archive(self) -> tuple[dict[str, Any], Arrays]:
+        """Settings and arrays that `from_archive` puts together again."""
+        settings, arrays = super().to_archive()
+        own = {"duration": self.duration, "size": self.size}
+        return {**asdict(self.model), **own, **settings}, arrays
+
+    @cached_property
+    def _channels(self) -> Channels[Any]:  # Any: of states of points, or of poses
+        return channels_of(
+            self.system, self.size, joint_names=self.joint_names, orientation=self.orientation
+        )
+
+    def _constraints(
+        self, obstacles: Sequence[Shape], limits: tuple[ArrayLike, ArrayLike] | None
+    ) -> Constraints:
+        return check_constraints(
+            obstacles,
+            limits,
+            dimensions=self._channels.dimensions,
+            channels=None if self.orientation is not None else len(self.system.ends.start),
+        )
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> DMPSkill:
     """The skill that `DMPSkill.to_archive` took apart."""
     duration = check.number(settings.pop("duration"), "duration", above=0.0)
     size = check.number(settings.pop("size"), "size", at_least=0.0)
-    happening = events.from_plain(settings.pop("events", ()))
-    names = settings.pop("joint_names", None)
-    posture = Posture.from_archive(settings, arrays)
-    model = DMP(**settings)
-    poses = "controls" in arrays
-    return DMPSkill(
-        model=model,
-        springs=Springs.from_arrays(model.form, settings["weights"], arrays),
-        duration=duration,
-        size=size,
-        events=happening,
-        joint_names=None if names is None else tuple(names),
-        turning=Turning.from_arrays(model.orientation, arrays) if poses else None,
-        posture=posture,
+    names = [each.name for each in fields(DMP) if each.name in settings]
+    model = DMP(**{name: settings.pop(name) for name in names})
+    parts = take_parts(
+        settings,
+        arrays,
+        form=model.form,
+        weights=check.integer(model.weights, "weights", at_least=2),
+        representation=model.orientation,
     )
+    return DMPSkill(model=model, duration=duration, size=size, **parts)

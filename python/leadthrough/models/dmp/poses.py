@@ -8,42 +8,49 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, rotations
 from leadthrough.check import Float64Array
+from leadthrough.errors import FitError, UnsupportedQuery
 from leadthrough.events import Events
-from leadthrough.models.dmp.channels import Channels
+from leadthrough.models.dmp.channels import Channels, PointChannels
 from leadthrough.models.dmp.constraints import Constraints, roll
-from leadthrough.models.dmp.pace import (
+from leadthrough.models.dmp.orientation import OrientationCoordinates
+from leadthrough.models.dmp.progress import (
     COARSE_PHASES,
     MOVING,
     PHASES,
-    TURNING,
+    ROTATING,
     Part,
+    Progress,
+    angular_velocities,
+    corrected_until,
     pose_progress,
-    spins_of,
 )
-from leadthrough.models.dmp.progress import Progress, corrected_until
 from leadthrough.models.dmp.query import Query, as_pose, check_channels, pose_acceleration
-from leadthrough.models.dmp.spin import refuse_spin, refuses_spins
-from leadthrough.models.dmp.springs import Ends, end_of, scaled_by
-from leadthrough.models.dmp.turning import Turning
+from leadthrough.models.dmp.transformation import Ends, TransformationSystem, end_of, scaled_by
 from leadthrough.models.place import Place
 from leadthrough.motion import JointTrajectory, PoseTrajectory, computed
 
 _POSITION, _ORIENTATION = slice(3), slice(3, 6)
 _NOTHING = np.zeros(3)
-_SAME_TURN = 1e-12  # rad; a goal rotated by less than this is the one before
+_SAME_ORIENTATION = 1e-12  # rad; a goal rotated by less than this is the one before
+# Beside whole turns the logarithm of "lifted" swings about, where the tool hardly rotates: a motion
+# that rotates by this much more or less than the demonstration and its offset spins, or has lost a
+# turn.
+_SPIN = np.radians(20.0)
+_SAMPLES = 1000
 
 
 @dataclass(frozen=True, eq=False)
 class PoseChannels(Channels[_core.PoseState]):
     """Channels of the position, and of the orientation in its coordinates."""
 
-    turning: Turning
+    orientation: OrientationCoordinates
 
     @property
     def dimensions(self) -> int:
@@ -59,37 +66,37 @@ class PoseChannels(Channels[_core.PoseState]):
     def _replay(self) -> tuple[Part, Part]:
         """Position and orientation, as replayed."""
         values, slopes = self.replayed()
-        q = self.turning.orientations(PHASES, values)
+        q = self.orientation.orientations(PHASES, values)
         moved = float(np.linalg.norm(values[:, :3] - values[0, :3], axis=1).max())
-        turned = float(rotations.distance(q, np.repeat(q[:1], len(q), axis=0)).max())
-        return Part(MOVING, slopes[:, :3], moved), Part(TURNING, spins_of(q), turned)
+        rotated = float(rotations.distance(q, np.repeat(q[:1], len(q), axis=0)).max())
+        return Part(MOVING, slopes[:, :3], moved), Part(ROTATING, angular_velocities(q), rotated)
 
     def as_demonstrated(self, duration: float) -> _core.PoseState:
         """The state at the start of the demonstrated motion."""
-        ends, curve = self.springs.ends, self.turning.curve
-        course = self.springs.shown_course
+        ends, curve = self.system.ends, self.orientation.curve
+        course = self.system.demonstrated_course
         return _core.PoseState(
             course, ends.start, ends.start_slope, 0.0, duration, curve, _core.DmpPath()
         )
 
     def begin(self, query: Query, duration: float) -> _core.PoseState:
         """The state at the start of a motion of a duration, s."""
-        first, first_turned = as_pose(query.start, "start")
-        last, last_turned = as_pose(query.goal, "goal")
-        positions = query.ends(self.springs.ends.part(_POSITION), first, last, duration)
-        turned, offset = self._turned_ends(first_turned, last_turned)
+        first, first_q = as_pose(query.start, "start")
+        last, last_q = as_pose(query.goal, "goal")
+        positions = query.ends(self.system.ends.part(_POSITION), first, last, duration)
+        rotated, offset = self._rotated_ends(first_q, last_q)
         if query.as_demonstrated_velocities:
-            ends = self.springs.ends.moved(
-                np.concatenate((positions.start, turned.start)),
-                np.concatenate((positions.goal, turned.goal)),
+            ends = self.system.ends.moved(
+                np.concatenate((positions.start, rotated.start)),
+                np.concatenate((positions.goal, rotated.goal)),
             )
         else:
-            ends = positions.joined(turned)
+            ends = positions.joined(rotated)
         course = self.course(ends, query, count=3)
         state = _core.PoseState(
-            course, ends.start, ends.start_slope, 0.0, duration, self.turning.curve, offset
+            course, ends.start, ends.start_slope, 0.0, duration, self.orientation.curve, offset
         )
-        as_demonstrated = first_turned is None and last_turned is None
+        as_demonstrated = first_q is None and last_q is None
         return state if as_demonstrated else self._without_spin(state)
 
     def lasting(self, state: _core.PoseState, duration: float) -> _core.PoseState:
@@ -100,9 +107,9 @@ class PoseChannels(Channels[_core.PoseState]):
 
     def lengthening(self, state: _core.PoseState, duration: float) -> float:
         """Factor >= 1 by which the motion must last longer to move and rotate slowly enough."""
-        linear, angular = _core.dmp_peak_speeds(self.springs.forces, state, COARSE_PHASES)
-        moving, turning = self._replay
-        return max(moving.lengthening(linear, duration), turning.lengthening(angular, duration))
+        linear, angular = _core.dmp_peak_speeds(self.system.forces, state, COARSE_PHASES)
+        moving, rotating = self._replay
+        return max(moving.lengthening(linear, duration), rotating.lengthening(angular, duration))
 
     def motion(
         self,
@@ -115,16 +122,16 @@ class PoseChannels(Channels[_core.PoseState]):
     ) -> PoseTrajectory:
         """A motion of poses."""
         if constraints.are_none:
-            positions, turned = _core.dmp_poses(self.springs.forces, state, phases)
+            positions, orientations = _core.dmp_poses(self.system.forces, state, phases)
         else:
-            values, _ = roll(self.springs, state, phases, constraints=constraints, size=self.size)
+            values, _ = roll(self.system, state, phases, constraints=constraints, size=self.size)
             positions = values[:, :3].copy()
-            turned = self.turning.orientations(phases, values, state.offset)
+            orientations = self.orientation.orientations(phases, values, state.offset)
         return computed(
             PoseTrajectory,
             times=state.duration * phases,
             positions=positions,
-            orientations=turned,
+            orientations=orientations,
             events=events,
             joints=joints,
         )
@@ -133,11 +140,57 @@ class PoseChannels(Channels[_core.PoseState]):
         """A coupling (3,) or (6,) as linear and angular acceleration (6,)."""
         return pose_acceleration(coupling)
 
-    def _turned_ends(
+    def redirected(self, state: _core.PoseState, goal: Place) -> _core.PoseState:
+        """The state on its way to another position, and orientation if there is one."""
+        position, q = as_pose(goal, "goal")
+        wanted = np.concatenate([check_channels(position, "goal", 3), self.system.ends.goal[3:]])
+        known, before = self.orientation, state.offset.end
+        if q is None:
+            return self._with(state, self.course_to(state, wanted), state.value, state.slope)
+        _, last = known.offsets(known.start, q, near=before)
+        if known.representation == "anchored":
+            course = self.course_to(state, wanted)
+            offset = self._offset_to(state, last - before)
+            return self._with(state, course, state.value, state.slope, offset)
+        offset = self._offset(last, last)
+        wanted[3:], _ = known.coordinates(q, phase=1.0, offset=offset, near=wanted[3:])
+        value, slope = self._coordinates_of(state, state.orientation, offset)
+        jumps = value - state.value, slope - state.slope
+        course = self.course_to(state, wanted, *jumps)
+        if self.system.form == "ijspeert":
+            course = scaled_by(course, _ORIENTATION, wanted[3:] - self._started(state, offset))
+        return self._without_spin(self._with(state, course, value, slope, offset))
+
+    def moved(self, state: _core.PoseState, measured: Place) -> _core.PoseState:
+        """The state at another position, and orientation if there is one."""
+        position, given = as_pose(measured, "measured")
+        q = state.orientation if given is None else given
+        value, slope = self._coordinates_of(state, q, state.offset)
+        value[:3] = check_channels(position, "measured", 3)
+        return self._without_spin(self._with(state, state.course, value, slope))
+
+    @property
+    def refuses_spins(self) -> bool:
+        """Whether queries that would make the tool spin are refused."""
+        # The form "ijspeert" scales the rotation itself.
+        return self.orientation.representation == "lifted" and self.system.form != "ijspeert"
+
+    def replayed_angle(self, phases: Float64Array, demonstrated: Float64Array) -> float:
+        """Angle, rad, that the tool rotates in replay of orientations (n, 4) at phases (n,)."""
+        made = self._orientations(self.as_demonstrated(1.0), phases)
+        worst = float(rotations.distance(made, demonstrated).max())
+        if worst > _SPIN:
+            raise FitError(
+                f'demonstrations: orientation="lifted" would be off by {np.degrees(worst):.0f} '
+                'degrees beside a whole number of turns; use "anchored"'
+            )
+        return _whole_angle(made)
+
+    def _rotated_ends(
         self, start: Float64Array | None, goal: Float64Array | None
     ) -> tuple[Ends, _core.DmpPath]:
         """Ends of the orientation's coordinates, and the offset of the curve."""
-        learned, known = self.springs.ends.part(_ORIENTATION), self.turning
+        learned, known = self.system.ends.part(_ORIENTATION), self.orientation
         if start is None and goal is None:
             return learned, _core.DmpPath()
         first = known.start if start is None else start
@@ -153,57 +206,28 @@ class PoseChannels(Channels[_core.PoseState]):
         """The path between offsets (3,) of the curve, by the orientation's own progress."""
         if not (first.any() or last.any()):
             return _core.DmpPath()
-        turning = self.progress.part(_ORIENTATION)
-        return _core.DmpPath(turning.breaks, turning.shift(first, last))
-
-    def redirected(self, state: _core.PoseState, goal: Place) -> _core.PoseState:
-        """The state on its way to another position, and orientation if there is one."""
-        position, turned = as_pose(goal, "goal")
-        wanted = np.concatenate([check_channels(position, "goal", 3), self.springs.ends.goal[3:]])
-        known, before = self.turning, state.offset.end
-        if turned is None:
-            return self._with(state, self.course_to(state, wanted), state.value, state.slope)
-        _, last = known.offsets(known.start, turned, near=before)
-        if known.representation == "anchored":
-            course = self.course_to(state, wanted)
-            offset = self._offset_to(state, last - before)
-            return self._with(state, course, state.value, state.slope, offset)
-        offset = self._offset(last, last)
-        wanted[3:], _ = known.coordinates(turned, phase=1.0, offset=offset, near=wanted[3:])
-        value, slope = self._coordinates_of(state, state.orientation, offset)
-        jumps = value - state.value, slope - state.slope
-        course = self.course_to(state, wanted, *jumps)
-        if self.springs.form == "ijspeert":
-            course = scaled_by(course, _ORIENTATION, wanted[3:] - self._started(state, offset))
-        return self._without_spin(self._with(state, course, value, slope, offset))
+        own = self.progress.part(_ORIENTATION)
+        return _core.DmpPath(own.breaks, own.shift(first, last))
 
     def _started(self, state: _core.PoseState, offset: _core.DmpPath) -> Float64Array:
         """Coordinates (3,) under another offset of where a state of the form "ijspeert" began."""
-        known, began = self.turning, end_of(state.course)[3:] - state.course.gain[3:]
+        known, began = self.orientation, end_of(state.course)[3:] - state.course.gain[3:]
         first = known.orientations(np.zeros(1), began[None], state.offset)[0]
         return known.coordinates(first, phase=0.0, offset=offset, near=began)[0]
 
     def _offset_to(self, state: _core.PoseState, shift: Float64Array) -> _core.DmpPath:
-        if np.abs(shift).max() <= _SAME_TURN:
+        if np.abs(shift).max() <= _SAME_ORIENTATION:
             return state.offset
         if state.phase == 0.0:
             return self._offset(state.offset.start, state.offset.end + shift)
         until = corrected_until(state.phase, self.progress.end)
         return state.offset.superposed(state.phase, until, _NOTHING, _NOTHING, shift)
 
-    def moved(self, state: _core.PoseState, measured: Place) -> _core.PoseState:
-        """The state at another position, and orientation if there is one."""
-        position, turned = as_pose(measured, "measured")
-        q = state.orientation if turned is None else turned
-        value, slope = self._coordinates_of(state, q, state.offset)
-        value[:3] = check_channels(position, "measured", 3)
-        return self._without_spin(self._with(state, state.course, value, slope))
-
     def _coordinates_of(
         self, state: _core.PoseState, orientation: Float64Array, offset: _core.DmpPath
     ) -> tuple[Float64Array, Float64Array]:
         """Value and slope (6,) of the state, with another orientation or under another offset."""
-        e, e_slope = self.turning.coordinates(
+        e, e_slope = self.orientation.coordinates(
             orientation,
             phase=state.phase,
             offset=offset,
@@ -225,6 +249,38 @@ class PoseChannels(Channels[_core.PoseState]):
 
     def _without_spin(self, state: _core.PoseState) -> _core.PoseState:
         """The same state, unless the tool would spin from it to the end."""
-        if refuses_spins(self.springs, self.turning):
-            refuse_spin(self.springs, self.turning, state)
-        return state
+        if not self.refuses_spins or state.phase >= 1.0:
+            return state
+        ahead = _whole_angle(self._orientations(state, np.linspace(state.phase, 1.0, _SAMPLES)))
+        angle = self.orientation.angle
+        least = angle if state.phase == 0.0 else 0.0
+        allowed = _SPIN + float(np.linalg.norm(state.offset.end))
+        if least - allowed <= ahead <= angle + allowed:
+            return state
+        raise UnsupportedQuery(
+            f'orientation="lifted": from here to this goal it would turn by '
+            f"{np.degrees(ahead):.0f} degrees, but {np.degrees(angle):.0f} were demonstrated; "
+            'use "anchored"'
+        )
+
+    def _orientations(self, state: _core.PoseState, phases: Float64Array) -> Float64Array:
+        values, _ = self.ahead(state, phases)
+        return self.orientation.orientations(phases, values, state.offset)
+
+
+def channels_of(
+    system: TransformationSystem,
+    size: float,
+    *,
+    joint_names: tuple[str, ...] | None,
+    orientation: OrientationCoordinates | None,
+) -> Channels[Any]:  # Any: of states of points, or of poses
+    """Channels of poses where there is an orientation, else of points or joints."""
+    if orientation is None:
+        return PointChannels(system, size, joint_names)
+    return PoseChannels(system, size, orientation)
+
+
+def _whole_angle(orientations: Float64Array) -> float:
+    """Angle, rad, between neighbouring orientations (n, 4), summed."""
+    return float(rotations.distance(orientations[:-1], orientations[1:]).sum())

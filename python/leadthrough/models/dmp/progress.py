@@ -1,12 +1,16 @@
-"""How far a demonstrated motion has come by each phase: how a moved start or goal enters.
+"""Progress and pace of a replayed motion, which decide how a moved start or goal enters.
 
-They shift the motion by (1 - c(u)) of the one's offset and c(u) of the other's. c is the fraction
-of its own way that the motion has covered: where it holds still the shift holds still too, and
-where it is quick the shift is quick. c rises from 0 to 1, with c' = c'' = 0 at both ends.
+Moved ends shift the motion by (1 - c(u)) of the start's offset and c(u) of the goal's. c is the
+fraction of its own path that the motion has covered: where it holds still the shift holds still
+too, and where it is quick the shift is quick. c rises from 0 to 1, with c' = c'' = 0 at both ends.
+It is measured on the replayed motion, so that a skill stores nothing for it. Velocities are
+smoothed, and speeds below a few per cent of the highest count as none, so that noise makes no
+progress.
 
-It is measured on the replayed motion, so that a skill needs nothing for it but what it has learned.
-Velocities are smoothed, and speeds below a few per cent of the highest count as none, so that noise
-makes no progress.
+A start or goal that is moved along the motion's own direction makes the motion quicker. Where a
+query leaves the duration open, it is lengthened until no speed, linear, angular or of the fastest
+joint, exceeds MAX_SPEEDUP times its demonstrated peak. Slow speeds are not held back, and a tool
+that hardly moves, or hardly rotates, in the demonstration sets no pace for that.
 """
 
 from __future__ import annotations
@@ -18,8 +22,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from leadthrough import rotations
 from leadthrough.check import Float64Array
-from leadthrough.models.dmp.running_mean import running_mean
 from leadthrough.trajectories.minimum_jerk import minimum_jerk_time_scaling
 
 if TYPE_CHECKING:
@@ -27,7 +31,10 @@ if TYPE_CHECKING:
 
 # Velocities are sampled at this many intervals of the phase; c has this many pieces.
 INTERVALS = 1000
+PHASES = np.linspace(0.0, 1.0, INTERVALS + 1)
+COARSE_PHASES = np.linspace(0.0, 1.0, INTERVALS // 4 + 1)  # of the speeds of a query
 _PIECES = 100
+MAX_SPEEDUP = 1.3  # highest speed of a moved motion, over the demonstrated one
 # Fraction of the motion over which velocities, and then speeds, are averaged, twice each.
 _SMOOTHING = 0.02
 # Fraction of the highest speed below which a motion counts as still.
@@ -35,8 +42,8 @@ _STILL = 0.03
 # Fraction of the motion in which c starts and comes to rest, also where a recording does not.
 _RAMP = 0.03
 # Fractions of the motion that a correction takes: at least, after the end, and so much that it can
-# end with the motion's own way. The end of a late one is a multiple of the step.
-_LEAST = 0.1
+# end with the motion itself. The end of a late one is a multiple of the step.
+_MIN_CORRECTION = 0.1
 _AFTER_END = 0.3
 _AMPLE = 0.2
 _STEP = 0.05
@@ -51,7 +58,7 @@ _RISES = np.maximum(_POWERS[None, :] - _POWERS[:, None], 0)
 
 @dataclass(frozen=True, eq=False)
 class Progress:
-    """The fraction c(u) of its way that each channel of a motion has covered at phase u."""
+    """The fraction c(u) of its path that each channel of a motion has covered at phase u."""
 
     curve: PPoly  # c (channels,), a C2 piecewise polynomial over phases from 0 to 1
 
@@ -72,8 +79,8 @@ class Progress:
     @cached_property
     def end(self) -> float:
         """The phase at which all channels are done, up to 1."""
-        on_the_way = (self.curve(self.breaks) < 1.0 - _DONE).any(axis=1)
-        return float(self.breaks[np.flatnonzero(on_the_way)[-1] + 1])
+        underway = (self.curve(self.breaks) < 1.0 - _DONE).any(axis=1)
+        return float(self.breaks[np.flatnonzero(underway)[-1] + 1])
 
     @cached_property
     def _expansion(self) -> Float64Array:
@@ -108,7 +115,7 @@ def corrected_until(phase: float, end: float) -> float:
     """The phase at which a correction that begins at a phase is done."""
     if phase <= end - _AMPLE:
         return end
-    least = _LEAST if phase < 1.0 else _AFTER_END
+    least = _MIN_CORRECTION if phase < 1.0 else _AFTER_END
     if phase + least <= 1.0:
         return 1.0
     return float(np.ceil((phase + least) / _STEP - _ROUNDING) * _STEP)
@@ -141,3 +148,81 @@ def _averaged(values: Float64Array) -> Float64Array:
     """Running means of running means along the first axis."""
     size = int(_SMOOTHING * INTERVALS)
     return running_mean(running_mean(values, size), size)
+
+
+@dataclass(frozen=True)
+class Measure:
+    """Thresholds of one kind of motion below which it counts as slow, or as still."""
+
+    slow: float  # speed, per second, that no motion is held back from
+    still: float  # extent of a motion that hardly moves
+    fastest: bool = False
+
+    def peak(self, velocities: Float64Array) -> float:
+        """The highest speed of velocities (n, d)."""
+        if self.fastest:
+            return float(np.abs(velocities).max())
+        return float(np.linalg.norm(velocities, axis=1).max())
+
+
+MOVING = Measure(slow=0.05, still=2e-3)  # m, or a drawing's unit
+ROTATING = Measure(slow=0.25, still=0.05)  # rad
+JOINTS = Measure(slow=0.25, still=0.0, fastest=True)  # rad
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A position, an orientation or joints, as replayed."""
+
+    measure: Measure
+    velocities: Float64Array  # (INTERVALS + 1, d) per unit of phase, at PHASES
+    extent: float  # the farthest that it gets from its start
+
+    @property
+    def weight(self) -> float:
+        """Weight of its own speed in its progress: from 0, where it is still, to 1."""
+        own, still = self.extent**4, self.measure.still**4
+        return own / (own + still) if own > 0.0 else 0.0
+
+    @cached_property
+    def _own_peak(self) -> float:
+        return self.measure.peak(self.velocities)
+
+    def lengthening(self, peak: float, duration: float) -> float:
+        """The factor by which a motion of another highest speed must take longer."""
+        if self.extent <= self.measure.still:
+            return 1.0
+        slow = self.measure.slow * duration
+        allowed = max(MAX_SPEEDUP * self._own_peak, slow)
+        return max(peak / allowed, 1.0)
+
+
+def pose_progress(moving: Part, rotating: Part) -> Progress:
+    """The progress of six channels, three of a position and three of an orientation."""
+    own = [speeds_of(part.velocities) for part in (moving, rotating)]
+    mixed = [
+        part.weight * mine + (1.0 - part.weight) * other
+        for part, mine, other in zip((moving, rotating), own, own[::-1], strict=True)
+    ]
+    return progress_of(np.repeat(np.column_stack(mixed), 3, axis=1))
+
+
+def angular_velocities(orientations: Float64Array) -> Float64Array:
+    """Angular velocities (n, 3), rad per unit of phase, of orientations (n, 4) at even phases."""
+    turns = rotations.compose(orientations[1:], rotations.inverse(orientations[:-1]))
+    between = rotations.log(turns) * len(turns)
+    return np.concatenate([between[:1], 0.5 * (between[1:] + between[:-1]), between[-1:]])
+
+
+def running_mean(values: Float64Array, size: int, mode: str = "nearest") -> Float64Array:
+    """Means (n,) or (n, d) over `size` neighbouring samples.
+
+    To the last bit those of SciPy's `uniform_filter1d`, which takes long to import.
+    """
+    before = size // 2
+    beside = [(before, size - 1 - before)] + [(0, 0)] * (values.ndim - 1)
+    padded = np.pad(values, beside, mode="edge" if mode == "nearest" else "wrap")
+    # One sum that goes along, in the order of the samples.
+    first = np.add.accumulate(padded[:size], axis=0)[-1:]
+    steps = padded[size:] - padded[:-size]
+    return np.asarray(np.add.accumulate(np.concatenate([first, steps]), axis=0) / size)

@@ -13,24 +13,24 @@ from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.demonstrated import LARGEST
-from leadthrough.models.dmp import springs
-from leadthrough.models.dmp.springs import Ends, Springs
+from leadthrough.models.dmp import transformation
+from leadthrough.models.dmp.transformation import Ends, TransformationSystem
 from leadthrough.models.place import Place
 
 # Steps this many durations long come from a wrong unit of dt.
-_LONGEST_STEP = 1000.0
+_MAX_STEP = 1000.0
 
 Via = Sequence[tuple[float, ArrayLike]]
 
 
-def check_duration(duration: float | None, usual: float, name: str = "duration") -> float:
-    """The duration asked for, s, or the usual one."""
-    return usual if duration is None else check.number(duration, name, above=0.0)
+def check_duration(duration: float | None, nominal: float, name: str = "duration") -> float:
+    """The duration asked for, s, or the nominal one."""
+    return nominal if duration is None else check.number(duration, name, above=0.0)
 
 
 def check_step(dt: float, lag: float, duration: float) -> float:
     """The time by which the motion goes on in a step of dt s."""
-    span = check.number(dt, "dt", above=0.0, at_most=_LONGEST_STEP * duration)
+    span = check.number(dt, "dt", above=0.0, at_most=_MAX_STEP * duration)
     return span / (1.0 + check.number(lag, "lag", at_least=0.0))
 
 
@@ -84,10 +84,10 @@ class Query:
     def ends(self, learned: Ends, start: Place | None, goal: Place | None, duration: float) -> Ends:
         """Ends with another start and goal, and the velocities of a motion of a duration, s."""
 
-        def slope(value: ArrayLike | None, name: str, usual: Float64Array) -> Float64Array:
+        def slope(value: ArrayLike | None, name: str, nominal: Float64Array) -> Float64Array:
             if value is None:
-                return usual
-            return check_channels(value, name, len(usual)) * min(duration, LARGEST)
+                return nominal
+            return check_channels(value, name, len(nominal)) * min(duration, LARGEST)
 
         return Ends(
             _or(start, "start", learned.start),
@@ -102,12 +102,12 @@ def moved_ends(learned: Ends, start: Place | None, goal: Place | None) -> Ends:
     return learned.moved(_or(start, "start", learned.start), _or(goal, "goal", learned.goal))
 
 
-def _or(value: Place | None, name: str, usual: Float64Array) -> Float64Array:
-    return usual if value is None else check_channels(value, name, len(usual))
+def _or(value: Place | None, name: str, nominal: Float64Array) -> Float64Array:
+    return nominal if value is None else check_channels(value, name, len(nominal))
 
 
 def course_through(
-    learned: Springs, direct: _core.DmpCourse, ends: Ends, via: Via, *, count: int
+    learned: TransformationSystem, direct: _core.DmpCourse, ends: Ends, via: Via, *, count: int
 ) -> _core.DmpCourse:
     """A course made to pass via points."""
     if not isinstance(via, Sequence):
@@ -119,7 +119,7 @@ def course_through(
     values, _ = _core.dmp_rollout(learned.forces, direct, ends.start, ends.start_slope, asked)
     offsets = np.zeros_like(values[1:])
     offsets[:, :count] = points - values[1:, :count]
-    return springs.with_via(direct, list(zip(phases, offsets, strict=True)))
+    return transformation.with_via(direct, list(zip(phases, offsets, strict=True)))
 
 
 def _via(via: Via, count: int) -> tuple[Float64Array, Float64Array]:

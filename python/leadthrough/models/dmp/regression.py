@@ -22,12 +22,12 @@ from numpy.typing import NDArray
 from leadthrough import _core
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
-from leadthrough.models.dmp.kernels import Kernels
-from leadthrough.models.dmp.springs import (
+from leadthrough.models.dmp.transformation import (
     RATE,
     RHYTHMIC,
     Ends,
-    Springs,
+    Kernels,
+    TransformationSystem,
     course,
     each_alone,
     kernels_of,
@@ -41,7 +41,7 @@ REGRESSIONS = ("replay", "ridge", "lwr")
 # weights, and far below what changes a fit.
 _RIDGE = 1e-8
 # A motion as short as this beside its range cannot scale a force.
-_SHORTEST = 1e-3
+_MIN_DISTANCE = 1e-3
 # A channel that moves less than this fraction of its group's largest range needs no force.
 _STILL = 1e-6
 _SWUNG_IN = 4.0  # periods
@@ -49,7 +49,7 @@ _SWUNG_IN = 4.0  # periods
 
 @dataclass(frozen=True, eq=False)
 class _Target:
-    """What springs are fitted to."""
+    """Samples that a transformation system is fitted to."""
 
     form: str  # one of FORMS
     phases: Float64Array  # (n,) from 0 to 1
@@ -60,7 +60,7 @@ class _Target:
 
     @property
     def scale(self) -> Float64Array:
-        """What multiplies the force, (channels,); 1 for channels that need none."""
+        """Factor of the force, (channels,); 1 for channels that need none."""
         if self.form != "ijspeert":
             return np.ones(len(self.ends.goal))
         return np.where(self._unmoved, 1.0, self.ends.goal - self.ends.start)
@@ -69,7 +69,7 @@ class _Target:
         """Refuses a goal that cannot scale a force."""
         if self.form != "ijspeert":
             return
-        short = ~self._unmoved & (np.abs(self.scale) < _SHORTEST * self._reach)
+        short = ~self._unmoved & (np.abs(self.scale) < _MIN_DISTANCE * self._reach)
         if short.any():
             raise FitError(
                 f"demonstrations: channel {int(np.argmax(short))} ends where it began, so the goal "
@@ -86,7 +86,7 @@ class _Target:
 
     @property
     def _unmoved(self) -> NDArray[np.bool_]:
-        """Which channels (channels,) move so little that they need no force."""
+        """Mask (channels,) of those that move so little that they need no force."""
         return np.asarray(np.ptp(self.values, axis=0) <= _STILL * self._reach)
 
 
@@ -98,23 +98,25 @@ def fit(
     form: str,
     regression: str,
     groups: Sequence[slice] = (slice(None),),
-) -> Springs:
-    """Springs that move through values at phases."""
+) -> TransformationSystem:
+    """A system that moves through values at phases."""
     rest = np.zeros(values.shape[1])
     ends = Ends(values[0].copy(), values[-1].copy(), rest, rest)
     target = _Target(form, phases, values, kernels_of(form, weights), ends, groups)
     target.check_scale()
     with np.errstate(all="ignore"):  # what is not finite is refused below
-        found, slopes = (
+        solution, slopes = (
             _by_replay(target) if regression == "replay" else _by_force(target, regression)
         )
-    if not (np.isfinite(found).all() and np.isfinite(slopes).all()):
+    if not (np.isfinite(solution).all() and np.isfinite(slopes).all()):
         raise FitError("demonstrations: numbers too large to fit; use another unit")
-    return Springs(form, found, replace(ends, start_slope=slopes[0], goal_slope=slopes[1]))
+    return TransformationSystem(
+        form, solution, replace(ends, start_slope=slopes[0], goal_slope=slopes[1])
+    )
 
 
-def fit_rhythm(phases: Float64Array, values: Float64Array, *, weights: int) -> Springs:
-    """Springs that repeat values of one period, fitted by replay."""
+def fit_rhythm(phases: Float64Array, values: Float64Array, *, weights: int) -> TransformationSystem:
+    """A system that repeats the values of one period, fitted by replay."""
     from scipy.integrate import trapezoid
 
     with np.errstate(all="ignore"):  # what is not finite is refused below
@@ -125,15 +127,16 @@ def fit_rhythm(phases: Float64Array, values: Float64Array, *, weights: int) -> S
         design = response[1:]
         gram = design.T @ design
         gram[np.diag_indices(len(gram))] += _RIDGE * np.trace(gram) / len(gram)
-        found = np.asarray(np.linalg.solve(gram, design.T @ (values - centre)), np.float64)
-    if not np.isfinite(found).all():
+        solution = np.asarray(np.linalg.solve(gram, design.T @ (values - centre)), np.float64)
+    if not np.isfinite(solution).all():
         raise FitError("demonstrations: numbers too large to fit; use another unit")
     rest = np.zeros(values.shape[1])
-    springs = Springs(RHYTHMIC, np.ascontiguousarray(found), Ends(centre, centre, rest, rest))
+    ends = Ends(centre, centre, rest, rest)
+    system = TransformationSystem(RHYTHMIC, np.ascontiguousarray(solution), ends)
     swung_in = np.array([0.0, _SWUNG_IN])
-    asked = course(RHYTHMIC, springs.ends)
-    y, slopes = _core.dmp_rollout(springs.forces, asked, centre, rest, swung_in)
-    return replace(springs, ends=Ends(y[-1].copy(), centre, slopes[-1].copy(), rest))
+    asked = course(RHYTHMIC, system.ends)
+    y, slopes = _core.dmp_rollout(system.forces, asked, centre, rest, swung_in)
+    return replace(system, ends=Ends(y[-1].copy(), centre, slopes[-1].copy(), rest))
 
 
 def _by_replay(target: _Target) -> tuple[Float64Array, Float64Array]:
@@ -148,12 +151,12 @@ def _by_replay(target: _Target) -> tuple[Float64Array, Float64Array]:
     constraints = np.zeros((len(gram), 2))
     constraints[:count] = last.T
     solved = np.asarray(np.linalg.solve(gram, np.hstack([wanted, constraints])), np.float64)
-    found = solved[:, :channels]
+    solution = solved[:, :channels]
     if target.form == "blended":
-        found = _settled(found, constraints, solved[:, channels:])
+        solution = _settled(solution, constraints, solved[:, channels:])
     slopes = np.zeros((2, channels))
-    slopes[: len(gram) - count] = found[count:] * target.scale
-    return np.ascontiguousarray(found[:count]), slopes
+    slopes[: len(gram) - count] = solution[count:] * target.scale
+    return np.ascontiguousarray(solution[:count]), slopes
 
 
 def _by_force(target: _Target, regression: str) -> tuple[Float64Array, Float64Array]:
@@ -167,11 +170,11 @@ def _by_force(target: _Target, regression: str) -> tuple[Float64Array, Float64Ar
     fade = _at(target.kernels.fade[:, None], target.kernels, target.phases)
     force = (force - fade * course(target.form, ends).drive) / target.scale
     solve = _ridge if regression == "ridge" else _locally_weighted
-    found = solve(target.kernels, target.phases, force)
+    solution = solve(target.kernels, target.phases, force)
     if target.form == "blended":
         _, last = _responses(target.kernels, np.array([0.0, 1.0]))
-        found = _settled(found, last.T, last.T)
-    return np.ascontiguousarray(found), rates[[0, -1]]
+        solution = _settled(solution, last.T, last.T)
+    return np.ascontiguousarray(solution), rates[[0, -1]]
 
 
 def _ridge(kernels: Kernels, phases: Float64Array, force: Float64Array) -> Float64Array:
@@ -236,8 +239,8 @@ def _reference(
 
 
 def _settled(
-    found: Float64Array, constraints: Float64Array, correction: Float64Array
+    solution: Float64Array, constraints: Float64Array, correction: Float64Array
 ) -> Float64Array:
     """The solution moved along the correction (n, 2) until constraints (n, 2) on it vanish."""
-    excess = constraints.T @ found
-    return np.asarray(found - correction @ np.linalg.solve(constraints.T @ correction, excess))
+    excess = constraints.T @ solution
+    return np.asarray(solution - correction @ np.linalg.solve(constraints.T @ correction, excess))

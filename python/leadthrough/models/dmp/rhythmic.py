@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any, ClassVar, Generic, cast
+from typing import Any, ClassVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,12 +18,12 @@ from numpy.typing import ArrayLike
 from leadthrough import _core, check, events
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
-from leadthrough.events import Event
-from leadthrough.models.archive import Arrays, FittedSkill
+from leadthrough.models.archive import Arrays
 from leadthrough.models.demonstrated import Demonstrations
-from leadthrough.models.dmp import springs
-from leadthrough.models.dmp.cycle import mean_cycle
-from leadthrough.models.dmp.kernels import MOST_WEIGHTS
+from leadthrough.models.dmp import transformation
+from leadthrough.models.dmp.learning import check_weights, learn_rhythm
+from leadthrough.models.dmp.mean_motion import mean_cycle
+from leadthrough.models.dmp.primitive import Primitive, take_parts
 from leadthrough.models.dmp.query import (
     as_pose,
     check_channels,
@@ -32,18 +32,13 @@ from leadthrough.models.dmp.query import (
     moved_ends,
     pose_acceleration,
 )
-from leadthrough.models.dmp.regression import fit_rhythm
-from leadthrough.models.dmp.springs import RHYTHMIC, Ends, Springs
-from leadthrough.models.dmp.turning import Turning, learn_closed
+from leadthrough.models.dmp.transformation import RHYTHMIC, Ends
 from leadthrough.models.even_times import even_times
 from leadthrough.models.judged import judged
-from leadthrough.models.parameters import Parameter, fitted_again
-from leadthrough.models.place import Place
-from leadthrough.models.posture import Posture, arrays_of, settings_of
+from leadthrough.models.protocol import Place
 from leadthrough.models.unfitted import Unfitted
 from leadthrough.motion import (
     JointTrajectory,
-    Motion,
     MotionT,
     MotionT_co,
     PoseTrajectory,
@@ -70,7 +65,7 @@ class RhythmicDMP(Unfitted):
     period: float | None = None
 
     def __post_init__(self) -> None:
-        check.integer(self.weights, "weights", at_least=3, at_most=MOST_WEIGHTS)
+        check_weights(self.weights, at_least=3)
         if self.period is not None:
             check.number(self.period, "period", above=0.0)
 
@@ -85,47 +80,28 @@ class RhythmicDMP(Unfitted):
             FitError: for one that does not move or is shorter than a period.
         """
         mean = mean_cycle(demonstrations, self.period)
-        turned, values = None, mean.positions
-        if mean.orientations is not None:
-            turned, coordinates = learn_closed(mean.phases, mean.orientations)
-            values = np.hstack([values, coordinates])
-        learned = fit_rhythm(mean.phases, values, weights=self.weights)
-        if turned is not None:
-            first = turned.orientations(np.zeros(1), learned.ends.start[None, 3:].copy())[0]
-            turned = replace(turned, start=first, goal=first)
         return RhythmicDMPSkill(
-            model=self,
-            springs=learned,
-            period=mean.duration,
-            events=mean.events,
-            joint_names=mean.joint_names,
-            turning=turned,
-            posture=mean.posture,
+            model=self, period=mean.duration, **learn_rhythm(mean, self.weights)
         )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class RhythmicDMPSkill(FittedSkill, Generic[MotionT_co]):
+class RhythmicDMPSkill(Primitive[MotionT_co]):
     """A learned rhythm; made by `RhythmicDMP.fit`.
 
     Attributes:
         model: the settings that it was fitted with.
-        springs: the learned transformation system; of poses with three channels of the position
+        system: the learned transformation system; of poses with three channels of the position
             and three of the orientation.
         period: s, as demonstrated.
         events: at fractions of the period, 0 to 1, in every period.
         joint_names: of joints; None for points and poses.
-        turning: coordinates of the orientation; None for points and joints.
+        orientation: coordinates of the orientation; None for points and joints.
         posture: the arm's joints at fractions of the period, if demonstrated beside the motion.
     """
 
     model: RhythmicDMP
-    springs: Springs
     period: float
-    events: tuple[Event, ...] = ()
-    joint_names: tuple[str, ...] | None = None
-    turning: Turning | None = None
-    posture: Posture | None = None
 
     kind: ClassVar[str] = "rhythmic_dmp"
     supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration"})
@@ -186,21 +162,23 @@ class RhythmicDMPSkill(FittedSkill, Generic[MotionT_co]):
         """The state at phase 0, for `step`; arguments and errors as in `generate`."""
         total = check_duration(period, self.period, "period")
         scale = check.number(amplitude, "amplitude", at_least=0.0)
-        learned, turning = self.springs.ends, self.turning
-        if turning is None:
+        learned, known = self.system.ends, self.orientation
+        if known is None:
             ends = _cycle_ends(learned, start, goal, scale)
-            course = springs.course(RHYTHMIC, ends, amplitude=scale)
+            course = transformation.course(RHYTHMIC, ends, amplitude=scale)
             return _core.PointState(course, ends.start, ends.start_slope, 0.0, total)
-        first, first_turned = as_pose(start, "start")
-        centre, centre_turned = as_pose(goal, "goal")
+        first, first_q = as_pose(start, "start")
+        centre, centre_q = as_pose(goal, "goal")
         position = _cycle_ends(learned.part(slice(3)), first, centre, scale)
         ends = position.joined(learned.part(slice(3, 6)))
-        course = springs.scaled_by(springs.course(RHYTHMIC, ends), slice(3), np.full(3, scale))
-        turned = turning.goal if centre_turned is None else centre_turned
-        offsets = turning.offsets(turned if first_turned is None else first_turned, turned)
-        offset = _core.DmpPath(np.array([0.0, 1.0]), springs.between(*offsets))
+        course = transformation.scaled_by(
+            transformation.course(RHYTHMIC, ends), slice(3), np.full(3, scale)
+        )
+        q = known.goal if centre_q is None else centre_q
+        offsets = known.offsets(q if first_q is None else first_q, q)
+        offset = _core.DmpPath(np.array([0.0, 1.0]), transformation.between(*offsets))
         return _core.PoseState(
-            course, ends.start, ends.start_slope, 0.0, total, turning.curve, offset
+            course, ends.start, ends.start_slope, 0.0, total, known.curve, offset
         )
 
     def step(
@@ -226,35 +204,18 @@ class RhythmicDMPSkill(FittedSkill, Generic[MotionT_co]):
         if goal is not None:
             state = self._redirected(state, goal)
         if coupling is None:
-            return state.coast(self.springs.forces, span)
+            return state.coast(self.system.forces, span)
         push = (
-            check_channels(coupling, "coupling", len(self.springs.ends.goal))
-            if self.turning is None
+            check_channels(coupling, "coupling", len(self.system.ends.goal))
+            if self.orientation is None
             else pose_acceleration(coupling)
         )
-        return state.pushed(self.springs.forces, span, push)
-
-    def parameters(
-        self, demonstrations: Demonstrations[Motion] = ()
-    ) -> Sequence[Parameter[MotionT_co]]:
-        """Its number of weights, where there are demonstrations to fit again.
-
-        Args:
-            demonstrations: those that it was fitted to.
-        """
-        return fitted_again(self, "weights", demonstrations, least=5, most=100)
+        return state.pushed(self.system.forces, span, push)
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         """Settings and arrays that `from_archive` puts together again."""
-        settings = {
-            "model": asdict(self.model),
-            "period": self.period,
-            "events": events.to_plain(self.events),
-            "joint_names": None if self.joint_names is None else list(self.joint_names),
-            **settings_of(self.posture),
-        }
-        orientation = {} if self.turning is None else self.turning.arrays()
-        return settings, {**self.springs.arrays(), **arrays_of(self.posture), **orientation}
+        settings, arrays = super().to_archive()
+        return {"model": asdict(self.model), "period": self.period, **settings}, arrays
 
     def _motion(
         self, state: Any, times: Float64Array
@@ -262,14 +223,14 @@ class RhythmicDMPSkill(FittedSkill, Generic[MotionT_co]):
         """The motion from a state on, at times (n,), with the events of every period."""
         phases = times / state.duration
         values, slopes = _core.dmp_rollout(
-            self.springs.forces, state.course, state.value, state.slope, phases
+            self.system.forces, state.course, state.value, state.slope, phases
         )
         rounds = events.every_round(self.events, float(times[-1]) / state.duration)
         happening = events.moved(rounds, phases, times)
         joints = None if self.posture is None else self.posture.every_round(times, phases)
-        if self.turning is not None:
-            turned = self.turning.orientations(phases, values, state.offset)
-            return PoseTrajectory(times, values[:, :3], turned, happening, joints)
+        if self.orientation is not None:
+            q = self.orientation.orientations(phases, values, state.offset)
+            return PoseTrajectory(times, values[:, :3], q, happening, joints)
         if self.joint_names is None:
             return Trajectory(times, values, happening, joints)
         velocities = slopes / state.duration
@@ -277,13 +238,13 @@ class RhythmicDMPSkill(FittedSkill, Generic[MotionT_co]):
 
     def _redirected(self, state: Any, goal: ArrayLike) -> Any:
         """The state on its way to another centre."""
-        if self.turning is None:
-            centre = check_channels(goal, "goal", len(self.springs.ends.goal))
-            course = springs.redirected(RHYTHMIC, state.course, centre)
+        if self.orientation is None:
+            centre = check_channels(goal, "goal", len(self.system.ends.goal))
+            course = transformation.redirected(RHYTHMIC, state.course, centre)
             return _core.PointState(course, state.value, state.slope, state.phase, state.duration)
-        centre = np.append(check_channels(goal, "goal", 3), self.springs.ends.goal[3:])
+        centre = np.append(check_channels(goal, "goal", 3), self.system.ends.goal[3:])
         return _core.PoseState(
-            springs.redirected(RHYTHMIC, state.course, centre),
+            transformation.redirected(RHYTHMIC, state.course, centre),
             *(state.value, state.slope, state.phase, state.duration),
             *(state.curve, state.offset),
         )
@@ -291,17 +252,12 @@ class RhythmicDMPSkill(FittedSkill, Generic[MotionT_co]):
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> RhythmicDMPSkill:
     """The skill that `RhythmicDMPSkill.to_archive` took apart."""
-    model, names = RhythmicDMP(**settings["model"]), settings.get("joint_names")
-    poses = "controls" in arrays
-    return RhythmicDMPSkill(
-        model=model,
-        springs=Springs.from_arrays(RHYTHMIC, model.weights, arrays),
-        period=check.number(settings["period"], "period", above=0.0),
-        events=events.from_plain(settings.get("events", ())),
-        joint_names=None if names is None else tuple(names),
-        turning=Turning.from_arrays("anchored", arrays, rhythmic=True) if poses else None,
-        posture=Posture.from_archive(settings, arrays),
+    model = RhythmicDMP(**settings["model"])
+    period = check.number(settings["period"], "period", above=0.0)
+    parts = take_parts(
+        settings, arrays, form=RHYTHMIC, weights=model.weights, representation="anchored"
     )
+    return RhythmicDMPSkill(model=model, period=period, **parts)
 
 
 def _cycle_ends(learned: Ends, start: Place | None, centre: Place | None, amplitude: float) -> Ends:

@@ -10,8 +10,13 @@ from scipy.integrate import solve_ivp
 
 import leadthrough as lt
 from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
-from leadthrough.models.dmp.kernels import DECAY, discrete, rhythmic
-from leadthrough.models.dmp.springs import FORMS, RATE
+from leadthrough.models.dmp.transformation import (
+    DECAY,
+    FORMS,
+    RATE,
+    gaussian_kernels,
+    von_mises_kernels,
+)
 
 POINTS = st.tuples(*[st.floats(-5.0, 5.0)] * 3)
 
@@ -97,7 +102,7 @@ def test_springs_converge_to_the_goal_after_the_end(form, goal):
 @given(start=POINTS, goal=POINTS)
 def test_forms_of_the_literature_end_as_near_the_goal_as_they_say(start, goal):
     for skill, lacking, later in ((HOFFMANN, 0.026, 3e-4), (IJSPEERT, 1e-4, 1e-4)):
-        ends = skill.springs.ends
+        ends = skill.system.ends
         moved = np.linalg.norm(start - ends.start) + np.linalg.norm(goal - ends.goal)
         made = skill.generate(start=start, goal=goal, dt=0.5)
         assert np.linalg.norm(made.positions[-1] - goal) <= lacking * moved + 1e-4
@@ -144,12 +149,12 @@ def test_steps_lead_where_generate_does(form):
 
 def springs_of_the_paper(skill, phases, *, drive, gain):
     """The literature's equation, by SciPy: y'' = alpha (beta (g - y) - y') + force."""
-    ends, kernels = skill.springs.ends, skill.springs.kernels
+    ends, kernels = skill.system.ends, skill.system.kernels
 
     def rates(u, y):
         x = np.exp(-DECAY * u)
         row = [np.interp(u, kernels.phases, f) for f in kernels.features.T]
-        force = gain * (row @ skill.springs.weights) + drive * x
+        force = gain * (row @ skill.system.weights) + drive * x
         return [*y[3:], *(2 * RATE * (0.5 * RATE * (ends.goal - y[:3]) - y[3:]) + force)]
 
     first = [*ends.start, *ends.start_slope]
@@ -160,7 +165,7 @@ def test_forms_of_the_literature_obey_their_equations():
     phases = np.linspace(0.0, 1.0, 11)
     for form in ("hoffmann", "ijspeert"):
         skill = fitted(form=form, weights=10)
-        distance = skill.springs.ends.goal - skill.springs.ends.start
+        distance = skill.system.ends.goal - skill.system.ends.start
         drive, gain = (-(RATE**2) * distance, 1.0) if form == "hoffmann" else (0.0, distance)
         truth = springs_of_the_paper(skill, phases, drive=drive, gain=gain)
         made = skill.generate(duration=1.0, dt=0.1)
@@ -228,7 +233,7 @@ def test_coupling_pushes_and_is_forgotten():
         free = SKILL.step(free, 0.01)
     assert state.position[2] - free.position[2] > 0.01
     state = SKILL.step(state, 4.0)
-    np.testing.assert_allclose(state.position, SKILL.springs.ends.goal, atol=1e-9)
+    np.testing.assert_allclose(state.position, SKILL.system.ends.goal, atol=1e-9)
 
 
 def test_lag_makes_the_motion_wait():
@@ -242,7 +247,7 @@ def test_lag_makes_the_motion_wait():
 
 def test_motion_waits_for_a_held_arm_and_then_goes_on_as_fast_as_shown():
     """An arm that corrects its errors within 50 ms is held for a second in the middle."""
-    state, arm, speeds = SKILL.begin(), SKILL.springs.ends.start.copy(), []
+    state, arm, speeds = SKILL.begin(), SKILL.system.ends.start.copy(), []
     dt, held = 0.002, range(400, 900)
     for i in range(1600):
         before, gap = state, state.position - arm
@@ -304,14 +309,16 @@ def test_long_motions_get_as_many_kernels_as_they_ask_for(duration, count):
     shown = lt.Trajectory(times, np.sin(times / duration * [[1.0], [2.0]]).T)
     skill = model.fit([lt.Demonstration(shown)])
     assert skill.model == lt.DMP(weights=count)
-    assert skill.springs.weights.shape[0] == count
+    assert skill.system.weights.shape[0] == count
 
 
 def test_kernels_sum_to_their_regressor():
-    for basis in (discrete(12), rhythmic(12)):
+    for basis in (gaussian_kernels(12), von_mises_kernels(12)):
         share = basis.values / basis.values.sum(axis=1, keepdims=True)
         np.testing.assert_allclose(share.sum(axis=1), 1.0, atol=1e-12)
-    np.testing.assert_allclose(rhythmic(7).features[0], rhythmic(7).features[-1], atol=1e-12)
+    np.testing.assert_allclose(
+        von_mises_kernels(7).features[0], von_mises_kernels(7).features[-1], atol=1e-12
+    )
 
 
 @pytest.mark.parametrize(

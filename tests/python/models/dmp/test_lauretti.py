@@ -17,8 +17,7 @@ from scipy.integrate import solve_ivp
 import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
-from leadthrough.models.dmp.kernels import DECAY
-from leadthrough.models.dmp.springs import RATE
+from leadthrough.models.dmp.transformation import DECAY, RATE
 
 PLANNER = lt.DMP.lauretti()
 
@@ -33,7 +32,7 @@ def tipped(angle):
 
 def literal(skill, phases):
     """Eqs. A1 to A4, and 7 in the logarithm's own coordinates, by SciPy, over the phase."""
-    ends, weights = skill.springs.ends, skill.springs.weights
+    ends, weights = skill.system.ends, skill.system.weights
     centres = np.exp(-DECAY * np.linspace(0.0, 1.0, len(weights)))
     gaps = -np.diff(centres)
     sharpness = -np.log(0.8) / np.append(gaps, gaps[-1]) ** 2

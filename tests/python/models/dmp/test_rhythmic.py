@@ -69,7 +69,7 @@ def test_rhythm_is_swung_into_from_anywhere():
 
 def test_centre_period_and_amplitude_are_met():
     shift = np.array([0.1, 0.2, -0.1])
-    centre = SKILL.springs.ends.goal
+    centre = SKILL.system.ends.goal
     made = SKILL.generate(goal=centre + shift, period=3.0, amplitude=0.5, duration=3.0, dt=0.01)
     expected = centre + shift + 0.5 * (SHOWN.positions - centre)
     np.testing.assert_allclose(made.positions, expected, atol=1e-4)
@@ -80,7 +80,7 @@ def test_steps_lead_where_generate_does_and_the_centre_can_move():
     for position in SKILL.generate(duration=2 * PERIOD, dt=0.01).positions[1:]:
         state = SKILL.step(state, 0.01)
         np.testing.assert_allclose(state.position, position, atol=1e-9)
-    moved = SKILL.step(state, 1e-9, goal=SKILL.springs.ends.goal + 0.1)
+    moved = SKILL.step(state, 1e-9, goal=SKILL.system.ends.goal + 0.1)
     np.testing.assert_allclose(moved.position, state.position, atol=1e-6)
     after = SKILL.step(moved, 10 * PERIOD)
     np.testing.assert_allclose(after.position, SHOWN.positions[0] + 0.1, atol=1e-4)

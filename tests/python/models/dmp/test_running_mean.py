@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import uniform_filter1d
 
-from leadthrough.models.dmp.running_mean import running_mean
+from leadthrough.models.dmp.progress import running_mean
 
 
 @pytest.mark.parametrize("mode", ["nearest", "wrap"])

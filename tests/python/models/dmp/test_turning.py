@@ -25,7 +25,7 @@ from models.dmp.turns import (
 
 import leadthrough as lt
 from leadthrough import rotations
-from leadthrough.models.dmp.turning import noise_of
+from leadthrough.models.dmp.orientation import noise_of
 
 
 @pytest.mark.parametrize(("moved_by", "quicker"), [(20, 1.15), (90, 1.3)])

@@ -16,6 +16,10 @@ tau = 1 in the literature's letters. The forms differ in r and in what multiplie
 The last two come near the goal at the end and reach it later, as springs do: 2.5 % of a move of
 start or goal is left with "hoffmann", whose canonical state ends at 1 %, and next to nothing with
 "ijspeert". The force stops at the end in all of them.
+
+The phase u of this package is time by duration: 0 at the start, 1 at the end. The force is made of
+kernels, functions of the phase, in the canonical state x of discrete motions or in the angle of
+rhythmic ones. Source: Ijspeert et al. 2013, section 2.1.
 """
 
 from __future__ import annotations
@@ -29,7 +33,6 @@ import numpy as np
 
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
-from leadthrough.models.dmp.kernels import Kernels, discrete, rhythmic
 from leadthrough.models.dmp.progress import Progress
 from leadthrough.repr import ShortRepr
 from leadthrough.trajectories.minimum_jerk import quintic_coefficients
@@ -39,7 +42,35 @@ RHYTHMIC = "rhythmic"  # r is the centre of the motion, and the force repeats
 
 RATE = 12.5  # per unit of phase: alpha = 25, beta = 6.25
 
-Via = Sequence[tuple[float, Float64Array]]
+# Of the canonical state x = exp(-DECAY u), which solves tau x' = -DECAY x and ends at 1 %, as in
+# Pastor et al. 2009.
+DECAY = float(-np.log(0.01))
+MAX_WEIGHTS = 1000
+
+# A guided hand moves with frequencies below some 2 Hz: four kernels per second.
+_WEIGHTS_PER_SECOND = 4.0
+_MIN_WEIGHTS = 50
+
+# A force is tabulated at this many evenly spaced phases per weight, and is linear between them.
+_INTERVALS_PER_WEIGHT = 20
+# Value of a kernel at its neighbour's centre; 1 at its own.
+_OVERLAP = 0.8
+
+
+@dataclass(frozen=True, eq=False)
+class Kernels:
+    """Kernels tabulated at evenly spaced phases from 0 to 1."""
+
+    phases: Float64Array  # (m,)
+    values: Float64Array  # (m, weights), not normalised
+    regressor: Float64Array  # (m, weights), what a weight multiplies where its kernel alone counts
+    fade: Float64Array  # (m,) canonical state
+    rhythmic: bool  # whether they repeat with period 1
+
+    @cached_property
+    def features(self) -> Float64Array:
+        """Features (m, weights): the force is features @ weights."""
+        return np.asarray(self.values / self.values.sum(axis=1, keepdims=True) * self.regressor)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +108,8 @@ class Ends(ShortRepr):
 
 
 @dataclass(frozen=True, eq=False)
-class Springs(ShortRepr):
-    """Learned channels."""
+class TransformationSystem(ShortRepr):
+    """Channels driven by springs and learned forces."""
 
     form: str  # one of FORMS, or RHYTHMIC
     weights: Float64Array  # (weights, channels)
@@ -95,7 +126,7 @@ class Springs(ShortRepr):
         return tabulated(self.kernels, self.weights)
 
     @cached_property
-    def shown_course(self) -> _core.DmpCourse:
+    def demonstrated_course(self) -> _core.DmpCourse:
         """The course between the ends as demonstrated."""
         return course(self.form, self.ends)
 
@@ -104,22 +135,61 @@ class Springs(ShortRepr):
         return {"weights": self.weights, **vars(self.ends)}
 
     @staticmethod
-    def from_arrays(form: str, weights: int, arrays: Mapping[str, Any]) -> Springs:
-        """The springs of which a file has the `arrays`."""
-        found = check.frozen(arrays["weights"], "weights", shape=(weights, "channels"))
+    def from_arrays(form: str, weights: int, arrays: Mapping[str, Any]) -> TransformationSystem:
+        """The system of which a file has the `arrays`."""
+        known = check.frozen(arrays["weights"], "weights", shape=(weights, "channels"))
         ends = [
-            check.frozen(arrays[field.name], field.name, shape=(found.shape[1],))
+            check.frozen(arrays[field.name], field.name, shape=(known.shape[1],))
             for field in fields(Ends)
         ]
-        return Springs(form, found, Ends(*ends))
+        return TransformationSystem(form, known, Ends(*ends))
 
     def __getstate__(self) -> dict[str, Any]:  # table and course are made again
         return {"form": self.form, "weights": self.weights, "ends": self.ends}
 
 
+def enough_weights(duration: float) -> int:
+    """Number of kernels for a motion of a duration, s: 4 per second, from 50 to 1000."""
+    return int(min(max(_WEIGHTS_PER_SECOND * duration, _MIN_WEIGHTS), MAX_WEIGHTS))
+
+
 def kernels_of(form: str, weights: int) -> Kernels:
     """The kernels of a form for a number of weights."""
-    return rhythmic(weights) if form == RHYTHMIC else discrete(weights)
+    return von_mises_kernels(weights) if form == RHYTHMIC else gaussian_kernels(weights)
+
+
+@lru_cache(maxsize=8)
+def gaussian_kernels(weights: int) -> Kernels:
+    """Gaussian kernels in the canonical state x, whose regressor is x / c_i.
+
+    The centres c_i = exp(-DECAY i / (weights - 1)) are evenly spaced in time; the widths follow
+    from the overlap. The literature does not divide by c_i; it makes all weights similar in size.
+    """
+    centres = _canonical_state(np.linspace(0.0, 1.0, weights))
+    gaps = -np.diff(centres)
+    inverse_widths = -np.log(_OVERLAP) / np.append(gaps, gaps[-1]) ** 2
+    phases = _node_phases(weights)
+    x = _canonical_state(phases)
+    kernels = np.exp(-inverse_widths * (x[:, None] - centres) ** 2)
+    return Kernels(phases, kernels, x[:, None] / centres, x, rhythmic=False)
+
+
+@lru_cache(maxsize=8)
+def von_mises_kernels(weights: int) -> Kernels:
+    """Von Mises kernels, evenly spaced, whose regressor is 1."""
+    phases = _node_phases(weights)
+    width = -np.log(_OVERLAP) / (1.0 - np.cos(2.0 * np.pi / weights))
+    angles = 2.0 * np.pi * (phases[:, None] - np.arange(weights) / weights)
+    kernels = np.exp(width * (np.cos(angles) - 1.0))
+    return Kernels(phases, kernels, np.ones_like(kernels), np.zeros_like(phases), rhythmic=True)
+
+
+def _canonical_state(phases: Float64Array) -> Float64Array:
+    return np.asarray(np.exp(-DECAY * phases))
+
+
+def _node_phases(weights: int) -> Float64Array:
+    return np.linspace(0.0, 1.0, _INTERVALS_PER_WEIGHT * weights + 1)
 
 
 def tabulated(kernels: Kernels, weights: Float64Array) -> _core.DmpForces:
@@ -154,11 +224,11 @@ def course(form: str, ends: Ends, *, amplitude: float = 1.0) -> _core.DmpCourse:
 def moved_course(
     plain: Float64Array, progress: Progress, *, start: Float64Array, goal: Float64Array
 ) -> _core.DmpCourse:
-    """The course of the form "blended" between other ends than those learned."""
+    """The course of the form "blended", its start and goal shifted by offsets (channels,)."""
     return _core.dmp_shifted_course(progress.breaks, plain, progress.coefficients, start, goal)
 
 
-def with_via(before: _core.DmpCourse, via: Via) -> _core.DmpCourse:
+def with_via(before: _core.DmpCourse, via: Sequence[tuple[float, Float64Array]]) -> _core.DmpCourse:
     """A course with detours: the minimum-jerk spline through them, at rest and 0 at both ends."""
     from scipy.interpolate import make_interp_spline
 
@@ -203,6 +273,13 @@ def minimum_jerk(ends: Ends) -> Float64Array:
     return quintic_coefficients(ends.start, ends.goal, ends.start_slope, ends.goal_slope)
 
 
+def end_of(course: _core.DmpCourse) -> Float64Array:
+    """Values (channels,) at the end of a course."""
+    breaks = course.breaks
+    powers = (breaks[-1] - breaks[-2]) ** np.arange(6.0)
+    return np.asarray(powers @ course.coefficients[-6:])
+
+
 def _added(before: _core.DmpCourse, curve: Any, breaks: Float64Array) -> _core.DmpCourse:
     """A course plus a curve (channels,) whose pieces join at breaks."""
     from scipy.interpolate import PPoly
@@ -217,10 +294,3 @@ def _taylor(curve: Any, breaks: Float64Array) -> Float64Array:
     factorials = (1.0, 1.0, 2.0, 6.0, 24.0, 120.0)
     blocks = [curve(breaks[:-1], order) / scale for order, scale in enumerate(factorials)]
     return np.ascontiguousarray(np.stack(blocks, axis=1).reshape(-1, blocks[0].shape[1]))
-
-
-def end_of(course: _core.DmpCourse) -> Float64Array:
-    """Values (channels,) at the end of a course."""
-    breaks = course.breaks
-    powers = (breaks[-1] - breaks[-2]) ** np.arange(6.0)
-    return np.asarray(powers @ course.coefficients[-6:])

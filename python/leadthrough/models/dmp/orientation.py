@@ -1,15 +1,15 @@
-"""Orientations as three coordinates that springs can move: what `DMP(orientation=...)` chooses.
+"""Orientations as three coordinates that springs can move, chosen by `DMP(orientation=...)`.
 
 The orientation of a pose primitive is exp(offset(u)) G(u) E(e), where springs move the coordinates
 e.
 
-- "anchored": G turns with the demonstration. It is a C2 curve through orientations that are 15
-  degrees of turning apart. The angle turned up to phase u says how far along the curve G is, so
-  that pauses and bursts do not make it swing. e, the rotation vector that is left, stays small, and
-  no logarithm comes near half a turn, however far and about whatever axes the tool turns. A start
-  or goal turned from the demonstrated one enters as the offset, which goes from one end to the
-  other as the demonstration turns: the number of turns is that of the demonstration, and the motion
-  ends at the goal.
+- "anchored": G rotates with the demonstration. It is a C2 curve through orientations that are 15
+  degrees of rotation apart. The angle covered up to phase u gives the position of G along the
+  curve, so that pauses and bursts do not make it swing. e, the remaining rotation vector, stays
+  small, and no logarithm comes near half a turn, however far and about whatever axes the tool
+  rotates. A start or goal rotated from the demonstrated one enters as the offset, which changes
+  from one end to the other as the demonstration rotates: the number of turns is that of the
+  demonstration, and the motion ends at the goal.
 - "lifted": G is the goal, and e the continuous logarithm from there (Lauretti et al. 2023, eqs. 7
   to 9, with the angle counted past half a turn). Beside whole turns there is no such logarithm, and
   beyond about 220 degrees a changed start or goal may lead there: both are refused.
@@ -34,18 +34,18 @@ from leadthrough import _core, check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput, NoContinuousLogarithm
 from leadthrough.models.archive import quaternions
-from leadthrough.models.dmp.running_mean import running_mean
+from leadthrough.models.dmp.progress import running_mean
 from leadthrough.repr import ShortRepr
 
 REPRESENTATIONS = ("anchored", "lifted", "log", "euler")
 
-_ANCHOR_SPACING = np.radians(15.0)  # of turning
+_ANCHOR_SPACING = np.radians(15.0)  # of rotation
 # Largest coordinates about the anchored curve, rad, that are good enough, and that are too much.
 # Finer curves follow bursts better, and noise too.
 _GOOD_ERROR = np.radians(3.0)
-_LARGEST_ERROR = np.radians(60.0)
+_MAX_ERROR = np.radians(60.0)
 _REFINEMENTS = 3
-# The turning speed is tabulated in this many intervals of the phase, and smoothed by averaging
+# The speed of rotation is tabulated in this many intervals of the phase, and smoothed by averaging
 # twice over this fraction of the motion.
 _INTERVALS = 1000
 _SMOOTHING = 0.02
@@ -53,27 +53,27 @@ _SMOOTHING = 0.02
 # Recorded noise, rad for each axis, that the curve is smoothed for; less is left to the weights.
 # It is averaged twice over twice this fraction of the motion.
 _NOISY = 0.004
-_CALMING = 0.03
+_NOISE_SMOOTHING = 0.03
 # Variance of second differences of the steps of white noise, and the median of a squared length in
 # three dimensions, both over the variance of the noise.
 _DIFFERENCED = 20.0
 _MEDIAN = 2.366
 
 _IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
-_NOTHING = np.zeros(3)
-_UNTURNED = _core.DmpPath()
+_ZERO = np.zeros(3)
+_NO_OFFSET = _core.DmpPath()
 
 
 @dataclass(frozen=True, eq=False)
-class Turning(ShortRepr):
-    """A learned relation between orientations and coordinates."""
+class OrientationCoordinates(ShortRepr):
+    """Coordinates of orientations along a demonstrated motion."""
 
     representation: str  # one of REPRESENTATIONS
     controls: Float64Array  # (k + 3, 4) of the curve G, a cumulative cubic B-spline of k pieces
     speeds: Float64Array  # (m,) on the curve, in pieces per unit of phase, at evenly spaced phases
     start: Float64Array  # orientation (4,) as demonstrated
     goal: Float64Array  # orientation (4,) as demonstrated
-    angle: float  # rad, the whole angle that the demonstration turns
+    angle: float  # rad, the whole angle that the demonstration covers
     rhythmic: bool = False  # whether the curve closes and repeats
 
     @cached_property
@@ -89,13 +89,13 @@ class Turning(ShortRepr):
     def offsets(
         self, start: Float64Array, goal: Float64Array, near: Float64Array | None = None
     ) -> tuple[Float64Array, Float64Array]:
-        """The rotation vectors that turn the curve at its start and at its end."""
+        """Rotation vectors that rotate the curve at its start and at its end."""
         if self.representation == "euler":
-            return _NOTHING, _NOTHING
+            return _ZERO, _ZERO
         if self.representation != "anchored":
-            last = _core.dmp_offset(goal, self.goal, _NOTHING)
+            last = _core.dmp_offset(goal, self.goal, _ZERO)
             return last, last
-        first = _core.dmp_offset(start, self.start, _NOTHING)
+        first = _core.dmp_offset(start, self.start, _ZERO)
         return first, _core.dmp_offset(goal, self.goal, first if near is None else near)
 
     def coordinates(
@@ -105,18 +105,18 @@ class Turning(ShortRepr):
         phase: float,
         offset: _core.DmpPath,
         near: Float64Array,
-        velocity: Float64Array = _NOTHING,
+        velocity: Float64Array = _ZERO,
     ) -> tuple[Float64Array, Float64Array]:
         """Coordinates of an orientation, and their slope."""
         if self.representation == "log":
-            near = _NOTHING
+            near = _ZERO
         return _core.dmp_coordinates(self.curve, offset, phase, orientation, velocity, near)
 
     def orientations(
         self,
         phases: Float64Array,
         values: Float64Array,
-        offset: _core.DmpPath = _UNTURNED,
+        offset: _core.DmpPath = _NO_OFFSET,
     ) -> Float64Array:
         """Orientations of coordinates, sign-continuous."""
         return _core.dmp_orientations(self.curve, offset, phases, values)
@@ -134,12 +134,12 @@ class Turning(ShortRepr):
     @staticmethod
     def from_arrays(
         representation: str, arrays: Mapping[str, Any], *, rhythmic: bool = False
-    ) -> Turning:
-        """The turning of which a file has the `arrays`."""
+    ) -> OrientationCoordinates:
+        """The coordinates of which a file has the `arrays`."""
         controls = quaternions(arrays, "controls", shape=("n", 4))
         if len(controls) < 4:
             raise InvalidInput(f"controls: expected at least 4, got {len(controls)}")
-        return Turning(
+        return OrientationCoordinates(
             representation,
             controls,
             check.frozen(arrays["speeds"], "speeds", shape=(_INTERVALS + 1,)),
@@ -155,37 +155,26 @@ class Turning(ShortRepr):
 
 def learn(
     phases: Float64Array, orientations: Float64Array, representation: str
-) -> tuple[Turning, Float64Array]:
-    """A turning learned from orientations, and their coordinates.
-
-    Args:
-        phases: (n,) from 0 to 1.
-        orientations: (n, 4).
-        representation: one of REPRESENTATIONS.
-
-    Returns:
-        The turning, and coordinates (n, 3).
-
-    Raises:
-        FitError: where "lifted" finds no continuous logarithm, or the samples turn too far from one
-            to the next.
-    """
+) -> tuple[OrientationCoordinates, Float64Array]:
+    """Coordinates of a representation learned from orientations (n, 4), and their values (n, 3)."""
     q = rotations.align_signs(orientations)
     if representation == "anchored":
         return _anchored(phases, q)
     fixed = _IDENTITY if representation == "euler" else q[-1]
-    turned = float(rotations.distance(q[:-1], q[1:]).sum())
+    angle = float(rotations.distance(q[:-1], q[1:]).sum())
     controls = np.repeat(fixed[None], 4, axis=0)
-    turning = Turning(representation, controls, np.zeros(_INTERVALS + 1), q[0], q[-1], turned)
+    coordinates = OrientationCoordinates(
+        representation, controls, np.zeros(_INTERVALS + 1), q[0], q[-1], angle
+    )
     if representation == "euler":
         with warnings.catch_warnings():  # of gimbal lock, where one of the angles is arbitrary
             warnings.simplefilter("ignore", UserWarning)
-            return turning, rotations.to_euler(q, convention="ZYZ")
+            return coordinates, rotations.to_euler(q, convention="ZYZ")
     from_goal = rotations.compose(np.repeat(rotations.inverse(q[-1:]), len(q), axis=0), q)
     if representation == "log":
-        return turning, rotations.log(from_goal)
+        return coordinates, rotations.log(from_goal)
     try:
-        return turning, rotations.lift(from_goal, anchor="goal")
+        return coordinates, rotations.lift(from_goal, anchor="goal")
     except NoContinuousLogarithm as error:
         raise FitError(
             f'demonstrations: orientation="lifted" finds no continuous logarithm at sample '
@@ -193,51 +182,55 @@ def learn(
         ) from None
 
 
-def learn_closed(phases: Float64Array, orientations: Float64Array) -> tuple[Turning, Float64Array]:
+def learn_closed(
+    phases: Float64Array, orientations: Float64Array
+) -> tuple[OrientationCoordinates, Float64Array]:
     """As `learn` with "anchored", for a motion that ends with its first orientation."""
     return _anchored(phases, rotations.align_signs(orientations), rhythmic=True)
 
 
 def _anchored(
     phases: Float64Array, q: Float64Array, *, rhythmic: bool = False
-) -> tuple[Turning, Float64Array]:
-    calm = q if rhythmic else _calmed(q)
-    steps = rotations.distance(calm[:-1], calm[1:])
+) -> tuple[OrientationCoordinates, Float64Array]:
+    smooth = q if rhythmic else _smoothed(q)
+    steps = rotations.distance(smooth[:-1], smooth[1:])
     covered = np.concatenate([[0.0], np.cumsum(steps)])
     controls_of, mode = (_closed_controls, "wrap") if rhythmic else (_controls, "nearest")
     for refinement in range(_REFINEMENTS + 1):
         finer = 0.5**refinement
-        anchors = _anchors(covered, calm, _ANCHOR_SPACING * finer)
+        anchors = _anchors(covered, smooth, _ANCHOR_SPACING * finer)
         speeds = _speeds(phases, covered, len(anchors) - 1, _SMOOTHING * finer, mode)
         controls = controls_of(anchors)
-        turning = Turning("anchored", controls, speeds, q[0], q[-1], float(covered[-1]), rhythmic)
+        coordinates = OrientationCoordinates(
+            "anchored", controls, speeds, q[0], q[-1], float(covered[-1]), rhythmic
+        )
         # Phase 1 of a closed curve is its phase 0.
         inside = np.minimum(phases, np.nextafter(1.0, 0.0))
-        curve = turning.orientations(inside, np.zeros((len(q), 3)))
-        error = rotations.log(rotations.compose(rotations.inverse(curve), calm))
+        curve = coordinates.orientations(inside, np.zeros((len(q), 3)))
+        error = rotations.log(rotations.compose(rotations.inverse(curve), smooth))
         largest = np.linalg.norm(error, axis=1).max()
         if largest < _GOOD_ERROR:
             break
-    if largest > _LARGEST_ERROR:
+    if largest > _MAX_ERROR:
         raise FitError(
-            "demonstrations: turn too far from one sample to the next; record at a higher rate"
+            "demonstrations: rotate too far from one sample to the next; record at a higher rate"
         )
-    if calm is not q:
+    if smooth is not q:
         error = rotations.log(rotations.compose(rotations.inverse(curve), q))
-    return turning, error
+    return coordinates, error
 
 
-def _calmed(q: Float64Array) -> Float64Array:
+def _smoothed(q: Float64Array) -> Float64Array:
     """The orientations (n, 4), or smoothed ones where they are noisy; the ends stay."""
     if noise_of(q) < _NOISY:
         return q
-    calm = q
+    smooth = q
     for _ in range(2):
-        size = max(int(_CALMING * len(q)), 1)
-        calm = running_mean(calm, 2 * size + 1)
-        calm = calm / np.linalg.norm(calm, axis=1, keepdims=True)
-    calm[[0, -1]] = q[[0, -1]]
-    return np.asarray(rotations.align_signs(calm))
+        size = max(int(_NOISE_SMOOTHING * len(q)), 1)
+        smooth = running_mean(smooth, 2 * size + 1)
+        smooth = smooth / np.linalg.norm(smooth, axis=1, keepdims=True)
+    smooth[[0, -1]] = q[[0, -1]]
+    return np.asarray(rotations.align_signs(smooth))
 
 
 def noise_of(q: Float64Array) -> float:
@@ -250,7 +243,7 @@ def noise_of(q: Float64Array) -> float:
 
 
 def _anchors(covered: Float64Array, q: Float64Array, spacing: float) -> Float64Array:
-    """Orientations at evenly spaced angles turned, at most `spacing` apart, ends included."""
+    """Orientations at evenly spaced angles along them, at most `spacing` apart, ends included."""
     moving = np.concatenate([[True], np.diff(covered) > 0.0])
     at, samples = covered[moving], q[moving]
     if len(at) == 1:

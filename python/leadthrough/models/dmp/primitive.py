@@ -1,0 +1,78 @@
+"""Parts of every learned primitive, discrete or rhythmic: in queries and in files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, TypedDict, cast
+
+from leadthrough import events
+from leadthrough.events import Event
+from leadthrough.models.archive import Arrays, FittedSkill
+from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.dmp.orientation import OrientationCoordinates
+from leadthrough.models.dmp.transformation import RHYTHMIC, TransformationSystem
+from leadthrough.models.parameters import Parameter, fitted_again
+from leadthrough.models.posture import Posture, arrays_of, settings_of
+from leadthrough.models.protocol import Skill
+from leadthrough.motion import Motion, MotionT_co
+
+
+class Parts(TypedDict):
+    """Attributes that all primitives have."""
+
+    system: TransformationSystem
+    events: tuple[Event, ...]
+    joint_names: tuple[str, ...] | None
+    orientation: OrientationCoordinates | None
+    posture: Posture | None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Primitive(FittedSkill, Generic[MotionT_co]):
+    """A learned primitive; its attributes are documented where they are public."""
+
+    system: TransformationSystem
+    events: tuple[Event, ...] = ()
+    joint_names: tuple[str, ...] | None = None
+    orientation: OrientationCoordinates | None = None
+    posture: Posture | None = None
+
+    def parameters(
+        self, demonstrations: Demonstrations[Motion] = ()
+    ) -> Sequence[Parameter[MotionT_co]]:
+        """Its number of weights, where there are demonstrations to fit again.
+
+        Args:
+            demonstrations: those that it was fitted to.
+        """
+        skill = cast(Skill[MotionT_co], self)
+        return fitted_again(skill, "weights", demonstrations, least=5, most=100)
+
+    def to_archive(self) -> tuple[dict[str, Any], Arrays]:
+        """Settings and arrays, for a file."""
+        settings = {
+            "events": events.to_plain(self.events),
+            "joint_names": None if self.joint_names is None else list(self.joint_names),
+            **settings_of(self.posture),
+        }
+        orientation = {} if self.orientation is None else self.orientation.arrays()
+        return settings, {**self.system.arrays(), **arrays_of(self.posture), **orientation}
+
+
+def take_parts(
+    settings: dict[str, Any], arrays: Arrays, *, form: str, weights: int, representation: str
+) -> Parts:
+    """The parts in a file, taken out of its settings."""
+    names = settings.pop("joint_names", None)
+    orientation = None
+    if "controls" in arrays:
+        rhythmic = form == RHYTHMIC
+        orientation = OrientationCoordinates.from_arrays(representation, arrays, rhythmic=rhythmic)
+    return Parts(
+        system=TransformationSystem.from_arrays(form, weights, arrays),
+        events=events.from_plain(settings.pop("events", ())),
+        joint_names=None if names is None else tuple(names),
+        orientation=orientation,
+        posture=Posture.from_archive(settings, arrays),
+    )
