@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array
-from leadthrough.drawing.drawn import Drawn
-from leadthrough.drawing.motions import of_joints, of_points, of_poses
+from leadthrough.drawing.panels import Drawn, of_joints, of_points, of_poses
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event, Events, within
 from leadthrough.events import checked as checked_events

@@ -19,7 +19,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from leadthrough import tasks
-from leadthrough.drawing import style
+from leadthrough.drawing.figure import styled
 from leadthrough.errors import CodeMismatch, SchedulerUnreachable
 from leadthrough.tasks import Row, Task
 from leadthrough.tasks.code import digest
@@ -140,7 +140,7 @@ def _written(
     rows = [row for found in known for row in found or ()]
     missing = sum(found is None for found in known) - len(failures)
     try:
-        with style.applied():
+        with styled():
             report = study.report(config, rows)
     except Exception as error:
         if not missing and not failures:

@@ -1,14 +1,23 @@
-"""What a drawing consists of: panels of lines, bands and dots, without how they are rendered."""
+"""Panels of lines, bands and dots, which describe a figure, and objects that draw themselves."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from html import escape
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough.drawing import palette
+from leadthrough.errors import LeadthroughError
+from leadthrough.events import Events
+from leadthrough.repr import ShortRepr
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Numbers = NDArray[np.float64]
 
@@ -177,3 +186,88 @@ def bars(
         ends = np.array([-0.5, len(rows) - 0.5])
         lines.append(Line(np.full(2, limit), ends, colour=palette.GREY, width=1.2, dashed=True))
     return Panel(title, lines, x_label, rows=[name for name, *_ in rows])
+
+
+def of_points(
+    times: Numbers,
+    positions: Numbers,
+    events: Events,
+    *,
+    deviations: Numbers | None = None,
+    unit: str = "",
+) -> list[Panel]:
+    """Points (n, d): their path where it lies in a plane or in space, and each over time."""
+    size = positions.shape[1]
+    names = "xyz"[:size] if size <= 3 else [str(i + 1) for i in range(size)]
+    title = f"position in {unit}" if unit else "position"
+    along = over(times, positions, names, title=title, marks=marks(events), deviations=deviations)
+    return [paths([positions], title="path"), along] if size in (2, 3) else [along]
+
+
+def of_poses(
+    times: Numbers,
+    positions: Numbers,
+    orientations: Numbers,
+    events: Events,
+    *,
+    deviations: Numbers | None = None,
+) -> list[Panel]:
+    """Poses: the path, and position and quaternion over time."""
+    turned = over(times, orientations, "wxyz", title="orientation, a quaternion")
+    return [*of_points(times, positions, events, unit="m", deviations=deviations), turned]
+
+
+def of_joints(
+    times: Numbers,
+    positions: Numbers,
+    velocities: Numbers | None,
+    names: Sequence[str],
+    events: Events,
+    *,
+    deviations: Numbers | None = None,
+) -> list[Panel]:
+    """Joints: positions and velocities, which are differences where the motion has none."""
+    called = names or [f"joint {i + 1}" for i in range(positions.shape[1])]
+    if velocities is None:
+        several = len(times) > 1
+        velocities = np.gradient(positions, times, axis=0) if several else 0.0 * positions
+    at = over(
+        times, positions, called, title="joint positions in rad (m)", marks=marks(events),
+        deviations=deviations,
+    )  # fmt: skip
+    return [at, over(times, velocities, called, title="joint velocities in rad/s (m/s)")]
+
+
+def marks(events: Events) -> list[tuple[float, str]]:
+    """Vertical lines at events."""
+    return [(event.time, event.name) for event in events]
+
+
+class Drawn(ShortRepr, ABC):
+    """Classes that derive from this one show a drawing in notebooks, and have `plot`."""
+
+    __slots__ = ()
+
+    def plot(self) -> Figure:
+        """A figure of matplotlib, which `savefig` writes to a file.
+
+        Raises:
+            LeadthroughError: where there is nothing to draw, with the reason.
+        """
+        from leadthrough.drawing.figure import figure_of
+
+        return figure_of(self._panels())
+
+    @abstractmethod
+    def _panels(self) -> Sequence[Panel]:
+        """What to draw, side by side."""
+
+    def _repr_html_(self) -> str:
+        """A drawing with the short text below it; the text alone where nothing can be drawn."""
+        from leadthrough.drawing.figure import svg_of
+
+        try:
+            picture = svg_of(self.plot(), type(self).__name__)
+        except LeadthroughError as error:
+            picture = f"<p>{escape(str(error))}</p>"
+        return f"<div>{picture}<pre>{escape(repr(self))}</pre></div>"

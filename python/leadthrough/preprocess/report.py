@@ -6,8 +6,7 @@ import textwrap
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from leadthrough.drawing.drawn import Drawn
-from leadthrough.drawing.panels import Panel, spans_over_time
+from leadthrough.drawing.panels import Drawn, Panel, spans_over_time
 from leadthrough.errors import InvalidInput
 from leadthrough.repr import ShortRepr
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import html
-import io
 import json
 import re
 import zlib
@@ -25,8 +24,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _SCRIPTS = ("vectors.js", "shaders.js", "painter.js", "pace.js", "scene.js")
-# Black lines and texts of figures have the colour of the page's own text.
-_INK = re.compile(rf"{palette.BLACK}\b|#000000\b")
 
 
 def write_page(
@@ -57,15 +54,9 @@ def scene(shown: Animation, caption: str = "") -> str:
 
 def figure(drawn: Figure, caption: str = "") -> str:
     """A figure as vector graphics, sharp at every size, on light and dark pages, with a caption."""
-    from matplotlib import rc_context  # noqa: PLC0415 (most pages have no figure)
+    from leadthrough.drawing.figure import svg_of  # noqa: PLC0415 (most pages have no figure)
 
-    content = io.StringIO()
-    with rc_context({"svg.hashsalt": "leadthrough"}):  # the same figure, the same file
-        drawn.savefig(content, format="svg", metadata={"Date": None}, facecolor="none")
-    svg = _INK.sub("currentColor", content.getvalue()).replace("fill: #ffffff", "fill: none")
-    told = html.escape(caption or "figure", quote=True)
-    drawn_as = f'<svg role="img" aria-label="{told}"' + svg[svg.index("<svg") + len("<svg") :]
-    return f"<figure>{drawn_as}{_caption(caption)}</figure>"
+    return f"<figure>{svg_of(drawn, caption or 'figure')}{_caption(caption)}</figure>"
 
 
 def gallery(parts: Sequence[str], *, width: float = 18.0) -> str:
@@ -74,12 +65,13 @@ def gallery(parts: Sequence[str], *, width: float = 18.0) -> str:
 
 
 def legend(entries: Mapping[str, str], *, dashed: Sequence[str] = ()) -> str:
-    """What the colours of figures mean."""
-    lines = (
-        f'<li><i class="{"dashed" if name in dashed else "line"}" '
-        f'style="color: {_INK.sub("currentColor", colour)}"></i>{html.escape(name)}</li>'
-        for name, colour in entries.items()
-    )
+    """The meaning of the colours of figures."""
+    own = {palette.BLACK: "currentColor"}  # that of the page's text
+    lines = []
+    for name, colour in entries.items():
+        kind = "dashed" if name in dashed else "line"
+        mark = f'<i class="{kind}" style="color: {own.get(colour, colour)}"></i>'
+        lines.append(f"<li>{mark}{html.escape(name)}</li>")
     return f'<ul class="legend">{"".join(lines)}</ul>'
 
 

@@ -12,7 +12,8 @@ from matplotlib.patches import Rectangle
 
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array
-from leadthrough.drawing import palette, style
+from leadthrough.drawing import palette
+from leadthrough.drawing.figure import styled
 from leadthrough.models.marching.model import FastMarchingSkill
 from leadthrough.motion import JointTrajectory
 from leadthrough.shapes import Box
@@ -55,7 +56,7 @@ def draw_box(axes: Axes, box: Box) -> None:
     axes.add_patch(Rectangle((corner[0], corner[1]), box.size[0], box.size[1], **OBSTACLE))
 
 
-@style.applied()
+@styled()
 def joint_figure(trajectory: JointTrajectory, limits: JointLimits) -> Figure:
     """Positions and velocities of all joints over time, with dashed limits."""
     joints = trajectory.positions.shape[1]
@@ -78,7 +79,7 @@ def joint_figure(trajectory: JointTrajectory, limits: JointLimits) -> Figure:
     return figure
 
 
-@style.applied()
+@styled()
 def limits_figure(trajectory: JointTrajectory, limits: JointLimits) -> Figure:
     """Position and its three derivatives of all joints over time, as fractions of the limits."""
     figure = Figure(figsize=(9.0, 7.5), layout="constrained")

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from leadthrough.check import Float64Array
-from leadthrough.drawing import style
+from leadthrough.drawing.figure import styled
 from leadthrough.reaching import Placement, ReachMap
 
 _SIDES = ((0, 2, "x", "z"), (0, 1, "x", "y"))  # seen from the side, and from above
@@ -18,7 +18,7 @@ def reach_figure(found: ReachMap) -> Figure:
     Args:
         found: by `leadthrough.reaching.reach_map`.
     """
-    with style.applied():
+    with styled():
         figure = Figure(figsize=(8.5, 7.5))
         panels = figure.subplots(2, 2)
         values = {"orientations reached": found.fraction, "manipulability": found.manipulability}
@@ -46,7 +46,7 @@ def placement_figure(found: Placement) -> Figure:
     best, most = np.zeros(len(places)), np.zeros(len(places))
     np.maximum.at(best, where.ravel(), found.manipulability)
     np.maximum.at(most, where.ravel(), found.fraction)
-    with style.applied():
+    with styled():
         figure = Figure(figsize=(5.5, 4.5))
         axes = figure.add_subplot()
         whole = best > 0.0

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from leadthrough.check import Float64Array
-from leadthrough.drawing import style
+from leadthrough.drawing.figure import styled
 from leadthrough.io.atomic import replacing
 from leadthrough.show import page
 from leadthrough.validation import Validation
@@ -56,7 +56,7 @@ def success_map(found: Validation) -> Figure:
     goals = found.certificate.goals
     sides = goals.upper - goals.lower
     wide = sorted(np.argsort(-sides, kind="stable")[:2].tolist())
-    with style.applied():
+    with styled():
         figure = Figure(figsize=(5.5, 4.5))
         _draw(figure, found, wide, sides)
     return figure

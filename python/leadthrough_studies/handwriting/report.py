@@ -10,7 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from leadthrough.drawing import palette, style
+from leadthrough.drawing import palette
+from leadthrough.drawing.figure import styled
 from leadthrough.io.atomic import replacing
 from leadthrough.motion import Trajectory
 from leadthrough.show import page, plot
@@ -35,13 +36,13 @@ DASHED = ("held-out demonstration",)
 COLUMNS = ("motion", "SEA_mm2", "V_rmse_mm_s", "DTWD_per_N_mm", "Frechet_mm")
 
 
-@style.applied()
+@styled()
 def write_learning(result: Handwriting, folder: Path) -> None:
     """Write the figure of what was learned, learning.png, into `folder`."""
     save_figure(_learning_figure(result), folder / "learning.png")
 
 
-@style.applied()
+@styled()
 def write_summary(results: Sequence[Handwriting], folder: Path) -> None:
     """Write a figure of all motions and the table of errors, errors.csv, into `folder`."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -55,7 +56,7 @@ def write_summary(results: Sequence[Handwriting], folder: Path) -> None:
         writer.writerows(error_rows(results))
 
 
-@style.applied()
+@styled()
 def maps(results: Sequence[Handwriting]) -> list[str]:
     """A figure of each motion on the table, for a page; `LEGEND` says what its lines are.
 
