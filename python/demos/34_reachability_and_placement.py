@@ -15,7 +15,7 @@ from leadthrough.validation import Places
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 ur3 = lt.Arm.load("ur3")
 table = lt.Box((1.5, 1.5, 0.05), (0.0, 0.0, -0.05))
-found = lt.reaching.reach_map(ur3, [table], spacing=0.2, orientations=8)
+found = lt.reachability.reach_map(ur3, [table], spacing=0.2, orientations=8)
 print(f"reached above the table: {found.volume:.2f} m^3, {found.fraction.max():.0%} of all turns")
 found.save(folder / "reach.npz")
 lt.show.reach_figure(found).savefig(folder / "reach.png")
@@ -27,7 +27,7 @@ shown = lt.JointTrajectory(3.0 * phase[:, 0], home + phase * [0.5, 0.3, 0, 0.3, 
 poses = panda.poses(shown)
 there = lt.PoseTrajectory(poses.times, poses.positions, poses.orientations)  # no Panda's joints
 area = Places([-0.2, -0.4, 0.2], [0.4, 0.4, 0.2])
-stand = lt.reaching.place_base(there, ur3, area=area, spacing=0.1, yaws=4)
+stand = lt.reachability.place_base(there, ur3, area=area, spacing=0.1, yaws=4)
 whole = int((stand.manipulability > 0.0).sum())
 print(f"the whole motion is reached from {whole} of {len(stand.bases)} places")
 assert stand.best is not None

@@ -5,9 +5,10 @@ from . import (
     io,
     judging,
     models,
+    motion_planning,
     planning,
     preprocess,
-    reaching,
+    reachability,
     rotations,
     shapes,
     show,
@@ -16,7 +17,6 @@ from . import (
     timing,
     trajectories,
     validation,
-    whole_arm,
 )
 from .arm import Arm, DifferentialIk
 from .events import Event
@@ -39,12 +39,12 @@ from .models import (
     load_skill,
 )
 from .motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
+from .motion_planning import PlannedMotion, Query, plan_motion
 from .planning import Grid, arrival_times
 from .shapes import Box, Capsule, Cylinder, Mesh, PointCloud, Scene, Sphere
 from .simulation import SimulationReport, simulate
 from .timing import check_limits, differentiate, retime, scale_to_limits
 from .validation import validate
-from .whole_arm import PlannedMotion, Query, plan_motion
 
 __version__: str
 
@@ -87,10 +87,11 @@ __all__ = [
     "judging",
     "load_skill",
     "models",
+    "motion_planning",
     "plan_motion",
     "planning",
     "preprocess",
-    "reaching",
+    "reachability",
     "read_demonstrations",
     "read_mesh",
     "read_motion",
@@ -107,6 +108,5 @@ __all__ = [
     "trajectories",
     "validate",
     "validation",
-    "whole_arm",
     "write_motion",
 ]

@@ -17,9 +17,9 @@ from leadthrough.cli import parse
 from leadthrough.cli import robot as robots
 from leadthrough.models.protocol import Skill
 from leadthrough.motion import JointTrajectory, Motion, joints_with
+from leadthrough.motion_planning import Query, plan_motion
 from leadthrough.shapes import Scene
 from leadthrough.timing import differentiate
-from leadthrough.whole_arm import Query, plan_motion
 
 # m or rad; the tip is this near to a path that is followed without tolerances.
 _AS_PLANNED = 2e-5

@@ -48,7 +48,7 @@ def guard(
     from leadthrough.cli import errors, parse, reading, tables
     from leadthrough.cli import robot as robots
     from leadthrough.guard import Guard
-    from leadthrough.guard.writing import from_state
+    from leadthrough.guard.admission import from_state
     from leadthrough.io import write_motion
     from leadthrough.shapes import Scene
 

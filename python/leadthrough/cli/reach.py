@@ -76,7 +76,7 @@ def reach(
     from leadthrough import tasks
     from leadthrough.cli import parse, reading, tables
     from leadthrough.cli import robot as robots
-    from leadthrough.reaching import reach_map
+    from leadthrough.reachability import reach_map
     from leadthrough.show.reach_picture import reach_figure
 
     reading.check_skill_output(out)
@@ -129,7 +129,7 @@ def _place(  # an option each
     from leadthrough.cli import parse, reading, tables
     from leadthrough.errors import InvalidInput
     from leadthrough.io.atomic import replacing
-    from leadthrough.reaching import place_base
+    from leadthrough.reachability import place_base
     from leadthrough.show.reach_picture import placement_figure
 
     if skill is None or area is None:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from leadthrough import check
+from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
-from leadthrough.motion import JointTrajectory
+from leadthrough.errors import InvalidInput
+from leadthrough.events import Event
+from leadthrough.motion import JointTrajectory, computed_joints
 from leadthrough.repr import ShortRepr
 
 Verdict = Literal["allowed", "changed", "braking"]
@@ -131,3 +136,128 @@ def _joined(parts: list[Float64Array | None]) -> Float64Array | None:
     """The rows one after the other; None if the first part has none."""
     known = [rows for rows in parts if rows is not None]
     return np.concatenate(known) if len(known) == len(parts) else None
+
+
+_SAME_PERIOD = 1e-6  # relative; clocks that differ by less are one
+
+
+@dataclass(frozen=True, eq=False)
+class Chunk:
+    """Samples a period apart."""
+
+    rows: Float64Array  # (n, joints), perhaps not finite
+    start: float  # time of the first one on the chunk's own clock, s
+    given: JointTrajectory | None = None
+    events: tuple[Event, ...] = ()  # of it
+    resampled: bool = False  # whether its clock was another
+
+
+def chunk_of(value: JointTrajectory | ArrayLike, arm: Arm, period: float) -> Chunk:
+    """A user's chunk."""
+    if not isinstance(value, JointTrajectory):
+        rows = check.with_gaps(value, "chunk", shape=("n", len(arm.joint_names)))
+        if not len(rows):
+            raise InvalidInput("chunk: expected at least one sample, got none")
+        return Chunk(np.array(rows), period)
+    own = _own(value, arm)
+    start = float(own.times[0])
+    steps = np.diff(own.times)
+    if (np.abs(steps - period) <= _SAME_PERIOD * period + 1e-12 * np.abs(own.times[1:])).all():
+        return Chunk(own.positions, start, own, own.events)
+    count = 1 + int(np.floor((own.times[-1] - start) / period * (1.0 + 1e-9)))
+    at = np.minimum(start + period * np.arange(count), own.times[-1])
+    return Chunk(_interpolated(own, at), start, None, own.events, resampled=True)
+
+
+def _own(value: JointTrajectory, arm: Arm) -> JointTrajectory:
+    if value.joint_names in ((), arm.joint_names) and value.positions.shape[1] == len(
+        arm.joint_names
+    ):
+        return value
+    return arm.joints_of(value)
+
+
+def _interpolated(own: JointTrajectory, at: Float64Array) -> Float64Array:
+    """Positions at times, along a smooth curve through the samples."""
+    from scipy.interpolate import CubicHermiteSpline, CubicSpline
+
+    if len(own.times) == 1:
+        return np.repeat(own.positions, len(at), axis=0)
+    if own.velocities is not None:
+        return np.asarray(CubicHermiteSpline(own.times, own.positions, own.velocities)(at))
+    return np.asarray(CubicSpline(own.times, own.positions, bc_type="natural")(at))
+
+
+def trajectories(
+    history: Float64Array,
+    rows: Float64Array,
+    kept: int,
+    *,
+    names: tuple[str, ...],
+    start: float,
+    period: float,
+    events: tuple[Event, ...] = (),
+) -> tuple[JointTrajectory, JointTrajectory]:
+    """The kept rows, and those after them; the last row where there is none.
+
+    Velocities are central differences, so that they and the accelerations are inside limits that
+    the differences of the positions keep.
+
+    Args:
+        history: (k, joints), the commands before.
+        rows: (n, joints), n > 0, to rest.
+        kept: how many belong to the first trajectory, > 0.
+        names: of the joints.
+        start: time of the first row, s.
+        period: between rows, s.
+        events: of the first trajectory.
+    """
+    around = np.concatenate([history[-1:], rows, rows[-1:]])
+    velocities = (around[2:] - around[:-2]) / (2.0 * period)
+    accelerations = np.diff(around, 2, axis=0) / period**2
+    times = start + period * np.arange(len(rows) + 1, dtype=np.float64)
+    after = slice(kept, None) if kept < len(rows) else slice(len(rows) - 1, None)
+    first = times[:kept]
+    then = times[kept : kept + max(1, len(rows) - kept)]
+    motion = computed_joints(
+        first,
+        rows[:kept],
+        velocities[:kept],
+        accelerations[:kept],
+        joint_names=names,
+        events=events,
+    )
+    brake = computed_joints(
+        then, rows[after], velocities[after], accelerations[after], joint_names=names
+    )
+    return motion, brake
+
+
+def from_state(
+    before: Float64Array,
+    rows: Float64Array,
+    *,
+    names: tuple[str, ...],
+    period: float,
+    events: tuple[Event, ...] = (),
+) -> JointTrajectory:
+    """The motion of commands, the first of which is the present one, at time 0."""
+    motion, _ = trajectories(
+        before[None], rows, len(rows), names=names, start=0.0, period=period, events=events
+    )
+    assert motion.velocities is not None
+    velocities = motion.velocities.copy()
+    velocities[0] = (rows[0] - before) / period  # as commanded, and zero for an arm at rest
+    return replace(motion, velocities=velocities)
+
+
+def moved_events(
+    events: tuple[Event, ...], places: Float64Array, *, start: float, period: float
+) -> tuple[Event, ...]:
+    """Events at the first row that has come to their place on the chunk; without those cut off."""
+    moved = []
+    for event in events:
+        reached = places >= (event.time - start) / period - 1e-9
+        if reached.any():
+            moved.append(Event(start + period * int(np.argmax(reached)), event.name))
+    return tuple(moved)

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from leadthrough import _core
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, LimitsInfeasible, NoPath
-from leadthrough.guard.admission import CommandedState
-from leadthrough.guard.chunks import chunk_of
-from leadthrough.guard.joining import LANDING, joined_at_start
+from leadthrough.guard.admission import CommandedState, chunk_of, from_state
 from leadthrough.guard.rules import HISTORY, Contact, Rules, history_of, rules_for
-from leadthrough.guard.writing import from_state
 from leadthrough.motion import JointTrajectory
 from leadthrough.shapes import SceneLike, as_scene
 
@@ -119,6 +118,104 @@ def _blocked(found: Contact, reason: str, what: str) -> NoPath:
     assert found.bodies is not None  # all of the way was looked at
     return NoPath(
         f"{what} is not clear: {' and '.join(found.bodies)} come too near; move the arm elsewhere "
-        "first; in Python, `leadthrough.whole_arm.way_between` finds a way",
+        "first; in Python, `leadthrough.motion_planning.way_between` finds a way",
         reason=reason,
     )
+
+
+_JUMP = 3.0  # times its neighbours a step is longer that is a jump
+_SLOWEST = 20  # times as long a piece may take
+
+
+@dataclass(frozen=True, eq=False)
+class Changed:
+    """Rows inside the limits."""
+
+    rows: Float64Array  # (n, joints)
+    places: Float64Array  # which sample of the chunk each is, with fractions in between, (n,)
+    complete: bool  # whether they lead to the end of the chunk
+
+
+def changed(rules: Rules, history: Float64Array, samples: Float64Array) -> Changed:
+    """The samples, brought inside the limits."""
+    inside = np.clip(samples, rules.joints.lower, rules.joints.upper)
+    rows, places = [history], [np.arange(-HISTORY, 0, dtype=np.float64)]
+    complete = True
+    for first, end in pairwise(_pieces(inside, rules.joints.velocity * rules.period)):
+        piece = inside[first:end]
+        if len(piece) < LANDING and end < len(inside):
+            continue
+        last = rows[-1][-HISTORY:]
+        if beyond_reach(rules, last[-1], piece):
+            complete = False
+            break
+        resting = max(0, LANDING - len(piece))
+        path = np.concatenate([piece, np.repeat(piece[-1:], resting, axis=0)])
+        run = _core.slowed(rules.limits, path, _SLOWEST * len(path))
+        if run is None:
+            complete = False
+            break
+        target, at = run
+        joined = None if first else joined_on_time(rules, last, target)
+        joined = joined or joined_at_start(rules, last, target)
+        if joined is None:
+            complete = False
+            break
+        bridge, skipped = joined
+        at = np.minimum(first + at, end - 1.0)[skipped:]
+        since = float(places[-1][-1])
+        between = since + (at[0] - since) * np.arange(1, len(bridge) + 1) / (len(bridge) + 1)
+        rows += [bridge, target[skipped:]]
+        places += [between, at]
+    return Changed(np.concatenate(rows)[HISTORY:], np.concatenate(places)[HISTORY:], complete)
+
+
+def _pieces(samples: Float64Array, step: Float64Array) -> list[int]:
+    """Where pieces without jumps begin, and the end of the last one."""
+    steps = np.abs(np.diff(samples, axis=0))
+    padded = np.pad(steps, ((1, 1), (0, 0)))
+    beside = np.maximum(padded[:-2], padded[2:])
+    jumps = ((steps > step) & (steps > _JUMP * beside)).any(axis=1)
+    return [0, *(np.flatnonzero(jumps) + 1).tolist(), len(samples)]
+
+
+LANDING = 3  # samples that a way has to fit to
+_LONGEST = 10.0  # s
+# A way that takes this fraction of the samples at most keeps to their clock.
+_ON_TIME = 0.25
+
+# Rows of the way, and how many samples it passes.
+Joined = tuple[Float64Array, int]
+
+
+def beyond_reach(rules: Rules, last: Float64Array, target: Float64Array) -> bool:
+    """Whether no way leads onto a target, however slowly that is run: a joint is too far away."""
+    periods = 2 * _most_periods(rules) + len(target)
+    return bool((np.abs(target[0] - last) > periods * rules.period * rules.joints.velocity).any())
+
+
+def joined_on_time(rules: Rules, history: Float64Array, target: Float64Array) -> Joined | None:
+    """The shortest way onto a sample when that is due, if the first is due a period from now."""
+    soon = max(1, int(_ON_TIME * len(target)))
+    return _core.bridge_on_time(rules.limits, history, target, soon)
+
+
+def joined_at_start(rules: Rules, history: Float64Array, target: Float64Array) -> Joined | None:
+    """The shortest way onto the first sample; where none is short, by way of a rest."""
+    longest = _most_periods(rules)
+    found = _core.bridge_to_start(rules.limits, history, target, longest)
+    if found is not None:
+        return found
+    way = rules.braked(history, target[:0])
+    if way is None:
+        return None
+    rest = (way.rows if len(way.rows) else history)[-1:]
+    pause = np.repeat(rest, HISTORY, axis=0)  # as long as differences reach
+    found = _core.bridge_to_start(rules.limits, pause, target, longest)
+    if found is None:
+        return None
+    return np.concatenate([way.rows, pause, found[0]]), found[1]
+
+
+def _most_periods(rules: Rules) -> int:
+    return max(1, round(_LONGEST / rules.period))

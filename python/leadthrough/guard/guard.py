@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
 from leadthrough.arm import Arm
@@ -16,24 +16,26 @@ from leadthrough.events import Event
 from leadthrough.guard.admission import (
     KINDS,
     Admission,
+    Chunk,
     CommandedState,
     Kind,
     Reason,
     Verdict,
+    chunk_of,
+    moved_events,
+    trajectories,
 )
-from leadthrough.guard.changing import Changed, changed
-from leadthrough.guard.chunks import Chunk, chunk_of
-from leadthrough.guard.findings import exceeded, not_finite
+from leadthrough.guard.connect import Changed, changed
 from leadthrough.guard.rules import (
     ALL_WORK,
     HISTORY,
     Contact,
+    Rules,
     Way,
     history_of,
     rules_for,
     surroundings,
 )
-from leadthrough.guard.writing import moved_events, trajectories
 from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Obstacle, Scene, SceneLike, as_scene
@@ -377,3 +379,57 @@ def _derivatives_kept(own: JointTrajectory, arm: Arm) -> bool:
         given is None or limit is None or bool((np.abs(given) <= limit * (1.0 + 1e-6)).all())
         for given, limit in pairs
     )
+
+
+_ROUNDING = 1e-9  # rad or m
+_EXCESS = 1e-6
+_JUMP = 3.0  # times its neighbours a step is longer that is a jump
+_RATES: tuple[Kind, ...] = ("velocity", "acceleration", "jerk")
+
+
+def not_finite(rows: Float64Array, names: tuple[str, ...], times: Float64Array) -> Reason | None:
+    """The first number that is none."""
+    at = _first(~np.isfinite(rows))
+    return None if at is None else Reason("not finite", float(times[at[0]]), names[at[1]])
+
+
+def exceeded(
+    rules: Rules, history: Float64Array, rows: Float64Array, times: Float64Array
+) -> tuple[Reason, ...]:
+    """The first excess of each kind that rows have."""
+    limits, period = rules.joints, rules.period
+    names = limits.joint_names
+    found: list[Reason] = []
+    outside = (rows < limits.lower - _ROUNDING) | (rows > limits.upper + _ROUNDING)
+    if (at := _first(outside)) is not None:
+        found.append(Reason("position", float(times[at[0]]), names[at[1]], ratio=float(rows[at])))
+    stream = np.concatenate([history, rows])
+    jumped = slice(0)  # rows whose higher orders reach over a jump
+    for order, kind in enumerate(_RATES, 1):
+        used = np.abs(np.diff(stream, order, axis=0)[HISTORY - order :])
+        ratio = used / (getattr(limits, kind) * period**order)
+        over = ratio > 1.0 + _EXCESS
+        over[jumped] = False
+        if (at := _first(over)) is None:
+            continue
+        told: Kind = "jump" if kind == "velocity" and _is_jump(used, at) else kind
+        if told == "jump":
+            jumped = slice(at[0], at[0] + HISTORY)
+        time, name = float(times[at[0]]), names[at[1]]
+        found.append(Reason(told, time, name, ratio=float(ratio[at])))
+    return tuple(found)
+
+
+def _is_jump(steps: Float64Array, at: tuple[int, int]) -> bool:
+    row, joint = at
+    beside = [steps[i, joint] for i in (row - 1, row + 1) if 0 <= i < len(steps)]
+    return bool(steps[row, joint] > _JUMP * max(beside, default=0.0))
+
+
+def _first(wrong: NDArray[np.bool_]) -> tuple[int, int] | None:
+    """The first row with something wrong in it, and the column."""
+    rows = wrong.any(axis=1)
+    if not rows.any():
+        return None
+    row = int(np.argmax(rows))
+    return row, int(np.argmax(wrong[row]))

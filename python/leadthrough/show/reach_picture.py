@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from leadthrough.check import Float64Array
 from leadthrough.drawing.figure import styled
-from leadthrough.reaching import Placement, ReachMap
+from leadthrough.reachability import Placement, ReachMap
 
 _SIDES = ((0, 2, "x", "z"), (0, 1, "x", "y"))  # seen from the side, and from above
 
@@ -16,7 +16,7 @@ def reach_figure(found: ReachMap) -> Figure:
     """The best of each line of sight, from the side and from above: reach and manipulability.
 
     Args:
-        found: by `leadthrough.reaching.reach_map`.
+        found: by `leadthrough.reachability.reach_map`.
     """
     with styled():
         figure = Figure(figsize=(8.5, 7.5))
@@ -40,7 +40,7 @@ def placement_figure(found: Placement) -> Figure:
     """The best manipulability by where the base stands, over all heights and yaws.
 
     Args:
-        found: by `leadthrough.reaching.place_base`.
+        found: by `leadthrough.reachability.place_base`.
     """
     places, where = np.unique(found.bases[:, :2], axis=0, return_inverse=True)
     best, most = np.zeros(len(places)), np.zeros(len(places))

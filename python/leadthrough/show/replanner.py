@@ -21,10 +21,10 @@ from leadthrough.errors import IkFailure, InvalidInput, LeadthroughError
 from leadthrough.models.parameters import Parameter
 from leadthrough.models.protocol import Conditioned, Generator, Place, Previewed, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
+from leadthrough.motion_planning import Query, plan_motion
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.show.scene import tip_path
-from leadthrough.whole_arm import Query, plan_motion
 
 # Sampling of a preview and of a plan, s.
 _PREVIEW_STEP = 0.04

@@ -1,7 +1,7 @@
 """Arms under gravity, friction and a controller: what a motion does before a real arm runs it."""
 
-from leadthrough.simulation.cartesian import CartesianImpedance
 from leadthrough.simulation.controllers import (
+    CartesianImpedance,
     ComputedTorque,
     Controller,
     JointImpedance,

@@ -1,14 +1,15 @@
 """Controllers of the joints: torques from where the arm should be and where it is.
 
 A controller is a frozen description; `law` makes the function of a run. Each law also states its
-own linear model, from which `leadthrough.simulation.theory` tells what error it allows.
+own linear model, from which `leadthrough.simulation.simulate` tells what error it allows.
 """
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,7 +17,10 @@ from numpy.typing import ArrayLike
 from leadthrough import _core, check
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
 from leadthrough.guard import CommandedState
+from leadthrough.models import stiffness_profile
+from leadthrough.models.protocol import Distributed, Skill
 from leadthrough.repr import ShortRepr
 
 # Fraction of the heaviest joint's inertia, of turning and of sliding joints apart.
@@ -284,3 +288,185 @@ def per_joint(
 def _require_positive(made: object, *names: str) -> None:
     for name in names:
         check.number(getattr(made, name), name, above=0.0)
+
+
+_SAMPLES = 100  # of a skill's covariance
+_REFRESH = 20  # periods for which damping and null space are kept
+# Added to the mobility of the tip, 1/kg, so that directions in which it cannot move count as heavy.
+_SINGULAR = 1e-5
+_ASYMMETRY = 1e-9  # relative
+
+
+@dataclass(frozen=True, eq=False)
+class CartesianImpedance(Controller):
+    """A spring and a damper at the tip, torques that carry the arm's weight, and a posture.
+
+    Attributes:
+        stiffness: of the position in the base frame, N/m: one number > 0, a symmetric positive
+            definite matrix (3, 3), or such matrices (n, 3, 3) at evenly spaced fractions of the
+            length of the tip's path, as `stiffness_profile` returns them.
+        turning: stiffness of the orientation, N m/rad, > 0.
+        posture: natural frequency, rad/s, > 0, with which joints that the tip does not need keep to
+            the planned posture.
+        damping_ratio: of the tip with the inertia that it has where it is, > 0.
+
+    Raises:
+        InvalidInput: if one is malformed or out of its range.
+
+    Source: Khatib 1987; damping by Albu-Schaeffer et al. 2003.
+    """
+
+    stiffness: ArrayLike = 1000.0
+    turning: float = 50.0
+    posture: float = 20.0
+    damping_ratio: float = 1.0
+
+    def __post_init__(self) -> None:
+        for name in ("turning", "posture", "damping_ratio"):
+            check.number(getattr(self, name), name, above=0.0)
+        object.__setattr__(self, "stiffness", _matrices(self.stiffness))
+
+    @classmethod
+    def of_skill(
+        cls, skill: Skill, arm: Arm, *, softest: float = 200.0, stiffest: float = 2000.0
+    ) -> Self:
+        """The impedance with which an arm is stiff where demonstrations agree, and soft elsewhere.
+
+        Args:
+            skill: with a distribution: a ProMP or GMR of points, poses or the arm's joints.
+            arm: for skills of joints, whose covariance the Jacobian maps to the tip.
+            softest: least stiffness, N/m, > 0.
+            stiffest: largest stiffness, N/m, >= softest.
+
+        Raises:
+            InvalidInput: if the skill has no distribution of places, or a number is out of range.
+        """
+        if not isinstance(skill, Distributed):
+            raise InvalidInput(
+                f"skill: expected one with a distribution, as ProMP and GMR fit, got "
+                f"{type(skill).__name__}"
+            )
+        mean, covariance = skill.distribution(np.linspace(0.0, skill.duration, _SAMPLES))
+        if skill.chart.kind == "joints":
+            jacobian = arm.jacobian(mean)[:, :3]
+            covariance = jacobian @ covariance @ jacobian.transpose(0, 2, 1)
+            mean, _ = arm.forward_kinematics(mean)
+        elif skill.chart.size != 3:
+            raise InvalidInput("skill: expected one of places in 3-D or of joints")
+        profile = stiffness_profile(covariance[:, :3, :3], softest=softest, stiffest=stiffest)
+        gone = np.linalg.norm(np.diff(mean[:, :3], axis=0), axis=1).cumsum()
+        at = np.concatenate([[0.0], gone]) / max(float(gone[-1]), np.finfo(float).tiny)
+        even = np.linspace(0.0, 1.0, _SAMPLES)
+        entries = [np.interp(even, at, entry) for entry in profile.reshape(_SAMPLES, 9).T]
+        return cls(stiffness=np.column_stack(entries).reshape(_SAMPLES, 3, 3))
+
+    def law(
+        self,
+        arm: Arm,
+        q: Float64Array,  # noqa: ARG002  # its gains follow the arm
+        *,
+        gravity: Float64Array,
+    ) -> Law:
+        return _AtTip(arm, gravity, self)
+
+
+class _AtTip(Law):
+    def __init__(self, arm: Arm, gravity: Float64Array, made: CartesianImpedance) -> None:
+        super().__init__(arm, gravity)
+        self._made = made
+        self._profile = np.asarray(made.stiffness)
+        self._spare = (made.posture**2, 2.0 * made.damping_ratio * made.posture)
+        self._age = 0
+        self._kept: tuple[Float64Array, Float64Array, Float64Array]
+
+    def torques(self, now: Moment) -> Float64Array:
+        target, q = now.target, now.q
+        jacobian = self.arm.jacobian(q)
+        if self._age % _REFRESH == 0:
+            spring = self._springs_at(np.array([now.progress]))
+            mass = self.arm.mass_matrix(q)[None]
+            damper, free = self._damping(jacobian[None], mass, spring)
+            self._kept = spring[0], damper[0], free[0] @ mass[0]
+        self._age += 1
+        spring, damper, free = self._kept
+        slip = target.qd - now.qd
+        away = _pose_error(self.arm, target.q, q)
+        at_tip = jacobian.T @ (spring @ away + damper @ (jacobian @ slip))
+        spare = self._spare[0] * (target.q - q) + self._spare[1] * slip
+        return np.asarray(at_tip + free @ spare + self.held(q))
+
+    def gains(self, motion: Motion) -> Gains:
+        jacobian = self.arm.jacobian(motion.q)
+        back = jacobian.transpose(0, 2, 1)
+        spring = self._springs_at(motion.progress)
+        damper, free = self._damping(jacobian, motion.mass, spring)
+        spare = free @ motion.mass
+        return Gains(
+            back @ spring @ jacobian + self._spare[0] * spare,
+            back @ damper @ jacobian + self._spare[1] * spare,
+            motion.torques - motion.weight,
+        )
+
+    def _springs_at(self, progress: Float64Array) -> Float64Array:
+        """Stiffness (n, 6, 6) of position and orientation."""
+        at = progress * (len(self._profile) - 1)
+        low = np.minimum(at.astype(np.int64), max(len(self._profile) - 2, 0))
+        high = np.minimum(low + 1, len(self._profile) - 1)
+        part = (at - low)[:, None, None]
+        result = np.tile(self._made.turning * np.eye(6), (len(progress), 1, 1))
+        result[:, :3, :3] = (1.0 - part) * self._profile[low] + part * self._profile[high]
+        return result
+
+    def _damping(
+        self, jacobian: Float64Array, mass: Float64Array, spring: Float64Array
+    ) -> tuple[Float64Array, Float64Array]:
+        """Damping (n, 6, 6) at the tip, and projectors (n, joints, joints) of its null space."""
+        back = jacobian.transpose(0, 2, 1)
+        ease = np.linalg.inv(mass)
+        inertia = np.linalg.inv(jacobian @ ease @ back + _SINGULAR * np.eye(6))
+        heavy, stiff = _root(np.asarray(inertia)), _root(spring)
+        damper = self._made.damping_ratio * (heavy @ stiff + stiff @ heavy)
+        free = np.eye(mass.shape[1]) - back @ inertia @ jacobian @ ease
+        return damper, free
+
+
+def _pose_error(arm: Arm, wanted: Float64Array, q: Float64Array) -> Float64Array:
+    """The way (3,), m, and the turn (3,), rad, from where the tip is to where it should be."""
+    (there, turned), (here, now) = arm.forward_kinematics(wanted), arm.forward_kinematics(q)
+    a0, a1, a2, a3 = turned.tolist()
+    b0, b1, b2, b3 = now.tolist()
+    w = a0 * b0 + a1 * b1 + a2 * b2 + a3 * b3
+    turn = np.array(
+        [
+            a1 * b0 - a0 * b1 - a2 * b3 + a3 * b2,
+            a2 * b0 - a0 * b2 - a3 * b1 + a1 * b3,
+            a3 * b0 - a0 * b3 - a1 * b2 + a2 * b1,
+        ]
+    )
+    half = math.sqrt(float(turn @ turn))
+    # Of the two quaternions of a rotation, that of the shorter turn.
+    along = 2.0 * (math.atan2(half, abs(w)) / half if half > 0.0 else 1.0)
+    return np.concatenate([there - here, math.copysign(along, w) * turn])
+
+
+def _root(matrices: Float64Array) -> Float64Array:
+    """Square roots of symmetric matrices (n, d, d) without negative eigenvalues."""
+    values, axes = np.linalg.eigh(matrices)
+    return np.asarray(
+        (axes * np.sqrt(np.maximum(values, 0.0))[:, None, :]) @ axes.transpose(0, 2, 1)
+    )
+
+
+def _matrices(stiffness: ArrayLike) -> Float64Array:
+    """Stiffnesses (n, 3, 3), each symmetric and positive definite."""
+    if np.ndim(stiffness) == 0:
+        stiffness = check.number(stiffness, "stiffness", above=0.0) * np.eye(3)
+    given = check.array_of_rank(stiffness, "stiffness", shapes=((3, 3), ("n", 3, 3)))
+    matrices = given if given.ndim == 3 else given[None]
+    slack = _ASYMMETRY * np.abs(matrices).max(initial=0.0)
+    lopsided = np.abs(matrices - matrices.transpose(0, 2, 1)).max(initial=0.0) > slack
+    if len(matrices) == 0 or lopsided or np.linalg.eigvalsh(matrices).min() <= 0.0:
+        raise InvalidInput(
+            "stiffness: expected a number > 0 or symmetric, positive definite matrices"
+        )
+    return matrices.copy()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 from xml.etree import ElementTree
@@ -14,16 +14,19 @@ from leadthrough import _core, optional, rotations
 from leadthrough.arm import Arm
 from leadthrough.arm.attachment import Load
 from leadthrough.arm.link_poses import link_poses
+from leadthrough.arm.robot_files import hull_vertices
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidRobot
 from leadthrough.shapes import Shape
-from leadthrough.simulation.geometry import add_part, link_solids
-from leadthrough.simulation.inertias import link_inertias
+from leadthrough.shapes.shape import ConvexPart
 
 ATTACHED = "attached"  # as collision reports call it
 LINK = "link "  # before the names of links, of which one may be "world", as MuJoCo calls its own
 # MuJoCo refuses moving bodies without a mass, kg and kg m^2: too little to be felt.
 _LEAST = 1e-13
+# Entries of a URDF's inertia tensor, and the value of an origin that is not stated.
+_MOMENTS = (("ixx", "ixy", "ixz"), ("ixy", "iyy", "iyz"), ("ixz", "iyz", "izz"))
+_ORIGIN = "0 0 0"
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +70,7 @@ def plant(
     _add_links(mujoco, spec, arm, link_inertias(arm, payload=payload))
     _add_obstacles(spec, obstacles)
     for a, b in _never_touching(arm):
-        spec.add_exclude(bodyname1=_body(a), bodyname2=_body(b))
+        spec.add_exclude(bodyname1=_body_name(a), bodyname2=_body_name(b))
     own = _core.Chain(arm._robot, arm.base, arm.tip)
     effort = _stricter(own.effort, arm.limits.effort)
     drives = _add_joints(
@@ -225,8 +228,8 @@ def _add_joints(
     return drives
 
 
-def _body(name: str) -> str:
-    """What a body of a collision report is called in the model."""
+def _body_name(name: str) -> str:
+    """Name in the model of a body of a collision report."""
     return name if name == ATTACHED else LINK + name
 
 
@@ -254,3 +257,116 @@ def _dynamics(arm: Arm) -> tuple[Float64Array, Float64Array]:
 
 def _quaternion(rotation: Float64Array) -> Float64Array:
     return np.asarray(rotations.from_matrix(rotation[None])[0])
+
+
+def add_part(part: ConvexPart, spec: Any, body: Any) -> None:
+    """Adds a convex part to a body of a MuJoCo model that is being specified."""
+    mujoco = optional.load("mujoco", extra="simulation")
+    geom = body.add_geom(
+        type=getattr(mujoco.mjtGeom, f"mjGEOM_{part.kind.upper()}"),
+        pos=part.position,
+        quat=part.orientation,
+    )
+    geom.size[: len(part.half_sizes)] = part.half_sizes
+    if part.vertices is not None:
+        mesh = spec.add_mesh(name=f"mesh {len(spec.meshes)}")
+        mesh.uservert = part.vertices.ravel()
+        mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
+        geom.meshname = mesh.name
+
+
+def link_solids(arm: Arm) -> dict[str, list[ConvexPart]]:
+    """The collision shapes of each link of the arm's robot, in the links' frames."""
+    links = ElementTree.fromstring(arm.document).findall("link")
+    return {
+        link.get("name", ""): [
+            _solid(element, link.get("name", ""), arm.mesh_folders)
+            for element in link.findall("collision")
+        ]
+        for link in links
+    }
+
+
+def _solid(element: ElementTree.Element, link: str, folders: Sequence[str]) -> ConvexPart:
+    origin = element.find("origin")
+    at = _numbers(origin, "xyz", _ORIGIN)
+    angles = _numbers(origin, "rpy", _ORIGIN)
+    turned = rotations.from_euler(angles[None], convention="xyz")[0]
+    shape = next(iter(element.find("geometry") or ()))
+    radius, length = (float(shape.get(name, "0")) for name in ("radius", "length"))
+    if shape.tag == "box":
+        return ConvexPart("box", tuple(0.5 * _numbers(shape, "size", "0 0 0")), at, turned)
+    if shape.tag == "mesh":
+        scale = _numbers(shape, "scale", "1 1 1")
+        vertices = hull_vertices(link, shape.get("filename", ""), scale, folders)
+        return ConvexPart("mesh", (), at, turned, vertices)
+    size = (radius,) if shape.tag == "sphere" else (radius, 0.5 * length)
+    return ConvexPart(shape.tag, size, at, turned)
+
+
+def _numbers(element: ElementTree.Element | None, name: str, usual: str) -> Float64Array:
+    text = usual if element is None else element.get(name, usual)
+    return np.array([float(word) for word in text.split()])
+
+
+def link_inertias(arm: Arm, *, payload: float) -> dict[str, Load]:
+    """The rigid bodies, by the links that they are fixed to, that the arm's joints move."""
+    links = ElementTree.fromstring(arm.document).findall("link")
+    stated = {link.get("name", ""): link for link in links}
+    found = {}
+    for name in _moved_links(arm):
+        bodies = [_stated(stated[name])]
+        if name == arm.tip:
+            loads = arm.attachment.loads
+            bodies += [
+                Load(payload * each.mass, each.center, payload * each.inertia) for each in loads
+            ]
+        found[name] = _sum(bodies)
+    return {name: body for name, body in found.items() if body.mass > 0.0}
+
+
+def _moved_links(arm: Arm) -> Iterable[str]:
+    """The links that are fixed to what one of the arm's joints moves, by whatever branch."""
+    robot = arm.robot
+    moving = {joint.name for joint in robot.path(arm.base, arm.tip) if joint.kind != "fixed"}
+    moved = set()
+    for joint in robot.tree:  # parents stand before their children
+        if joint.name in moving or (joint.kind == "fixed" and joint.parent in moved):
+            moved.add(joint.child)
+    return [robot.links[i] for i in sorted(moved)]
+
+
+def _stated(link: ElementTree.Element) -> Load:
+    """The body that a link's <inertial> states; without a mass where there is none."""
+    inertial = link.find("inertial")
+    if inertial is None:
+        return Load(0.0, np.zeros(3), np.zeros((3, 3)))
+    origin, mass, tensor = (inertial.find(tag) for tag in ("origin", "mass", "inertia"))
+    place, angles = (_numbers(origin, name, _ORIGIN) for name in ("xyz", "rpy"))
+    moments = np.zeros((3, 3))
+    if tensor is not None:
+        moments = np.array([[float(tensor.get(key, "0")) for key in row] for row in _MOMENTS])
+    turned = rotations.to_matrix(rotations.from_euler(angles[None], convention="xyz"))[0]
+    return _load(
+        float("0" if mass is None else mass.get("value", "0")), place, turned @ moments @ turned.T
+    )
+
+
+def _load(mass: float, center: Float64Array, inertia: Float64Array) -> Load:
+    """A load that is not checked: identified tensors of a link need not be those of a body."""
+    body = object.__new__(Load)
+    vars(body).update(mass=mass, center=center, inertia=inertia)
+    return body
+
+
+def _sum(bodies: list[Load]) -> Load:
+    """Rigid bodies as one."""
+    mass = sum(body.mass for body in bodies)
+    if mass == 0.0:
+        return bodies[0]
+    center = np.sum([body.mass * body.center for body in bodies], axis=0) / mass
+    inertia = np.zeros((3, 3))
+    for body in bodies:
+        away = body.center - center
+        inertia += body.inertia + body.mass * (away @ away * np.eye(3) - np.outer(away, away))
+    return _load(mass, center, inertia)

@@ -2,9 +2,13 @@
 
 from leadthrough.models.certificate import Certificate
 from leadthrough.models.places import Places
-from leadthrough.validation.statistics import clopper_pearson, confidence_sequence
 from leadthrough.validation.validate import validate
-from leadthrough.validation.validation import Failing, Validation
+from leadthrough.validation.validation import (
+    Failing,
+    Validation,
+    clopper_pearson,
+    confidence_sequence,
+)
 
 __all__ = [
     "Certificate",

@@ -23,9 +23,8 @@ from leadthrough.motion import Motion, PoseTrajectory
 from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation import Controller
 from leadthrough.tasks import Outcome, Row, Store, Task
-from leadthrough.validation.answer import Setup, answers
-from leadthrough.validation.findings import ERROR, Findings
-from leadthrough.validation.validation import Validation
+from leadthrough.validation.queries import Setup, answers
+from leadthrough.validation.validation import ERROR, Findings, Validation
 
 # Queries of a task: a second of work or so, beside which what a task costs does not count; of many
 # runs more, so that a scheduler has no more than some 2000 tasks, and these are long.

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from leadthrough_studies.study import Report, Row, selected
 
-_PLANNERS = {"connect_cpu_s": "way_between", "plain_cpu_s": "plain RRT-Connect"}
+_PLANNERS = {"connect_cpu_s": "connect_configurations", "plain_cpu_s": "plain RRT-Connect"}
 
 
 def report(config: Any, rows: list[Row]) -> Report:

@@ -1,6 +1,6 @@
 """700 published problems for a Panda: ways by RRT-Connect, ours checked without a gap.
 
-`way_between` is asked for a way from the start to the goal, and the answer is checked between its
+`connect_configurations` connects the start with the goal, and the answer is checked between its
 configurations. Beside it OMPL's RRT-Connect is run as it comes, with the same arm and the same
 obstacles: it looks at edges at places only, so some of its ways touch in between. The margin is 0:
 goals grasp things. Where coal and Pinocchio are installed, distances and verdicts for the bundled
@@ -21,7 +21,7 @@ from leadthrough import optional
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.whole_arm import way_between
+from leadthrough.motion_planning import connect_configurations
 from leadthrough_studies import coal_arm
 from leadthrough_studies.coal_arm import CoalArm
 from leadthrough_studies.connection.problems import ARCHIVE, KINDS, Problem, panda, problems
@@ -101,7 +101,7 @@ def connect(*, archive: str, kind: str, numbers: list[int], seed: int) -> list[R
 def _ways(arm: Arm, problem: Problem, seed: int) -> Row:
     ends = np.vstack([problem.start, problem.goal])
     begin = time.process_time()
-    way = way_between(arm, problem.start, problem.goal, problem.scene, seed=seed)
+    way = connect_configurations(arm, problem.start, problem.goal, problem.scene, seed=seed)
     own = time.process_time() - begin
     begin = time.process_time()
     plain = _plain(arm, problem, seed)

@@ -16,12 +16,12 @@ from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.models import ProMP
 from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
+from leadthrough.motion_planning import Query, plan_motion
 from leadthrough.preprocess.resample import by_arc_length
 from leadthrough.shapes import Box, Cylinder, Scene
 from leadthrough.shapes.scene import PLANNING_TOLERANCE
 from leadthrough.timing import check_limits, retime
 from leadthrough.trajectories import minimum_jerk_time_scaling
-from leadthrough.whole_arm import Query, plan_motion
 from leadthrough_studies.demo.performed import Performed
 from leadthrough_studies.demonstrator import Teaching, guide
 from leadthrough_studies.robotasks.study import read

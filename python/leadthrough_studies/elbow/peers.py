@@ -15,8 +15,8 @@ from scipy.spatial import KDTree
 from leadthrough.arm import Arm, IkOptions
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
+from leadthrough.motion_planning import connect_configurations
 from leadthrough.shapes import Scene
-from leadthrough.whole_arm import way_between
 from leadthrough_studies.elbow.reference import searched_for_a_minute
 from leadthrough_studies.elbow.scenes import FREE, MARGIN, Reach, drawn_scene, followed
 from leadthrough_studies.study import Row
@@ -31,7 +31,7 @@ _DENSE = 0.02  # rad between the configurations at which the tip is looked at
 def searched(*, arm: str, motion: str, seed: int, index: int, files: list[str]) -> list[Row]:
     """One row for a scene that `follow` does not solve: whether the slow search does.
 
-    None where the arm cannot stand clear at one of the samples.
+    None where one of the samples has no collision-free configuration.
     """
     body = Arm.load(arm)
     made = drawn_scene(body, arm, seed, index, files)
@@ -65,7 +65,7 @@ def connected(*, arm: str, motion: str, seed: int, index: int, files: list[str])
     begin = time.process_time()
     way = None
     if len(starts) and len(goals):
-        way = way_between(body, starts[0], goals, Scene(made.obstacles, MARGIN))
+        way = connect_configurations(body, starts[0], goals, Scene(made.obstacles, MARGIN))
     spent = time.process_time() - begin
     return [
         {
@@ -98,7 +98,7 @@ def _standing(arm: Arm, made: Reach, sample: int, free: tuple[Literal["rz"], ...
 
 
 def impossible(arm: Arm, name: str, made: Reach) -> bool:
-    """Whether the arm cannot stand clear at one of some samples."""
+    """Whether one of some samples has no collision-free configuration."""
     rng = np.random.default_rng(0)
     low, high = (np.clip(ends, -np.pi, np.pi) for ends in (arm.limits.lower, arm.limits.upper))
     seeds = rng.uniform(low, high, (_MANY_TRIES, len(arm.joint_names)))

@@ -11,9 +11,9 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
 from leadthrough.models import FastMarching
 from leadthrough.motion import Demonstration, JointTrajectory, Trajectory
+from leadthrough.motion_planning import PlannedMotion, Query, plan_motion
 from leadthrough.shapes import Scene, Shape
 from leadthrough.shapes.scene import PLANNING_TOLERANCE
-from leadthrough.whole_arm import PlannedMotion, Query, plan_motion
 from leadthrough_studies.study import Row
 from leadthrough_studies.ur3.setups import SETUPS, Setup
 

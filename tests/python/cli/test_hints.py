@@ -182,7 +182,7 @@ def test_a_motion_that_fails_the_check_leads_to_what_mends_it(folder):
     assert next_of(run("check", "shown/reach1.csv", code=1))[0] == "retime"
     run("retime", "shown/reach1.csv", "--path-tolerance", "0.01", "-o", "timed.json")
     hit = run("check", "timed.json", "--obstacle", "sphere:0.1@0.24,0.24,0.25", code=1)
-    assert "next: plan with a larger --obstacle or another --posture" in hit.stdout
+    assert "next: replan with a larger --margin or another --posture" in hit.stdout
     assert_fits(hit)
 
 

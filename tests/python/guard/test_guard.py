@@ -8,7 +8,7 @@ from guard.judge import EXCESS, worst_use
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
 from leadthrough.guard import CommandedState
-from leadthrough.guard.changing import changed
+from leadthrough.guard.connect import changed
 from leadthrough.guard.rules import rules_for
 from leadthrough.shapes import MovingObstacle
 

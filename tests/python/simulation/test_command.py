@@ -97,4 +97,4 @@ def test_an_export_begins_where_the_arm_is(folder):
         code=1,
     )
     assert "is not clear" in blocked.stderr
-    assert "way_between" not in blocked.stderr
+    assert "connect_configurations" not in blocked.stderr

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from leadthrough.whole_arm import way_between
+from leadthrough.motion_planning import connect_configurations
 from leadthrough_studies.connection.problems import ARCHIVE, KINDS, panda, problems
 from leadthrough_studies.connection.study import STUDY, ConnectionConfig
 from leadthrough_studies.study import run, selected
@@ -49,6 +49,6 @@ def test_a_way_that_is_hard_to_find_begins_and_ends_where_asked(recordings, kind
     pytest.importorskip("ompl")
     (problem,) = problems(recordings / ARCHIVE, kind, [number])
     arm, ends = panda(), (problem.start, problem.goal)
-    way = way_between(arm, *ends, problem.scene)
+    way = connect_configurations(arm, *ends, problem.scene)
     np.testing.assert_array_equal(way[[0, -1]], ends)
     assert arm.check(way, problem.scene).ok

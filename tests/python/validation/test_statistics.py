@@ -6,7 +6,7 @@ from scipy import stats
 
 from leadthrough.errors import InvalidInput
 from leadthrough.validation import Places, clopper_pearson, confidence_sequence
-from leadthrough.validation.findings import Findings
+from leadthrough.validation.validation import Findings
 
 GOALS = Places([0.0, 0.0, 0.0], [1.0, 1.0, 1.0])
 REPETITIONS = 200

@@ -13,7 +13,7 @@ from leadthrough.errors import IkFailure, InvalidInput
 from leadthrough.models.places import Places
 from leadthrough.models.protocol import Skill
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
-from leadthrough.reaching.solving import reached
+from leadthrough.reachability.reach_map import reached
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Scene
 

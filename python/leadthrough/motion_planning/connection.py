@@ -36,7 +36,7 @@ _FIRST_STEPS = 500
 _TURNS = 2.0 * np.pi
 
 
-def way_between(
+def connect_configurations(
     arm: Arm,
     start: ArrayLike,
     goals: ArrayLike,

@@ -6,8 +6,8 @@ from cli.command_line import facts
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
-from leadthrough.reaching import place_base, reach_map, spread_orientations
-from leadthrough.reaching.solving import reached
+from leadthrough.reachability import place_base, reach_map, spread_orientations
+from leadthrough.reachability.reach_map import reached
 from leadthrough.validation import Places
 
 

@@ -1,4 +1,4 @@
-"""Past a part of a path without room through joint space, where the tip goes as it has to."""
+"""Bypasses a blocked path segment in joint space; the tip is unconstrained there."""
 
 from __future__ import annotations
 
@@ -14,38 +14,38 @@ from leadthrough.arm.limits import JointLimits, known_acceleration
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
 from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory, normalised_times
+from leadthrough.motion_planning.blocked_segment import CollisionFreeIk, blocked_segment_at
+from leadthrough.motion_planning.connection import connect_configurations
+from leadthrough.motion_planning.tip_paths import TipMotion, with_reason
 from leadthrough.preprocess import join
 from leadthrough.trajectories import minimum_jerk_time_scaling
-from leadthrough.whole_arm.connection import way_between
-from leadthrough.whole_arm.room import Room, narrows_at
-from leadthrough.whole_arm.tip_paths import TipMotion, with_reason
 
-# The greatest speed and acceleration of a minimum-jerk motion by 1 in 1 s.
-_FASTEST, _STRONGEST = 1.875, 5.7736
-# That the trees of a connection may grow before more of the path is given up.
+# Peak speed and acceleration of a minimum-jerk motion by 1 in 1 s.
+_PEAK_SPEED, _PEAK_ACCELERATION = 1.875, 5.7736
+# Steps of a connection's trees before more of the path is given up.
 _STEPS = 60_000
-# Fraction of the limits that the arm moves at.
+# Fraction of the limits that the motion uses.
 _PACE = 0.5
 
 
-def past_the_part(
-    room: Room, path: TipMotion, failure: IkFailure, following: dict[str, Any]
+def bypass(
+    ik: CollisionFreeIk, path: TipMotion, failure: IkFailure, following: dict[str, Any]
 ) -> tuple[JointTrajectory, TipMotion, tuple[float, float]]:
-    """A motion along a path with a part in joint space, from standstill to standstill."""
-    narrows = narrows_at(room, path, failure.index, failure.q)
-    if narrows.end:
-        raise with_reason(failure, f"the arm cannot stand clear at the {narrows.end}")
-    last, more = len(narrows.places) - 1, 1
+    """A motion along a path with a part in joint space, from rest to rest."""
+    segment = blocked_segment_at(ik, path, failure.index, failure.q)
+    if segment.end:
+        raise with_reason(failure, f"no collision-free configuration found at the {segment.end}")
+    last, more = len(segment.tested) - 1, 1
     while True:
-        first, end = max(0, narrows.first - more), min(last, narrows.last + more)
-        pieces = _beside(room, path, following, narrows.places[first], narrows.places[end])
-        part = pieces and _part(room, path, *pieces)
+        first, end = max(0, segment.first - more), min(last, segment.last + more)
+        pieces = _beside(ik, path, following, segment.tested[first], segment.tested[end])
+        part = pieces and _part(ik, path, *pieces)
         if pieces and part:
             before, after = pieces
             part = _with_events(part, path, len(before) - 1, -len(after))
-            joints = _in_limits(room, join([before, part, after]))
+            joints = _in_limits(ik, join([before, part, after]))
             ends = path[: len(before)], path[len(path) - len(after) :]
-            tip = join([ends[0], _tip_of(room, ends, part), ends[1]])
+            tip = join([ends[0], _tip_of(ik, ends, part), ends[1]])
             begin, stop = joints.times[[len(before) - 1, -len(after)]]
             return joints, tip, (float(begin), float(stop))
         if first == 0 and end == last:
@@ -54,7 +54,7 @@ def past_the_part(
 
 
 def _beside(
-    room: Room, path: TipMotion, following: dict[str, Any], first: int, last: int
+    ik: CollisionFreeIk, path: TipMotion, following: dict[str, Any], first: int, last: int
 ) -> tuple[JointTrajectory, JointTrajectory] | None:
     """The joints up to a sample and from another one on; None if the arm cannot follow."""
     pieces: list[JointTrajectory] = []
@@ -65,7 +65,7 @@ def _beside(
         if pieces:
             how["q0"] = pieces[0].positions[-1]
         try:
-            pieces.append(room.arm.follow(path[rows], **how))
+            pieces.append(ik.arm.follow(path[rows], **how))
         except IkFailure:
             return None
     return pieces[0], pieces[1]
@@ -80,21 +80,21 @@ def _cut(posture: Any, path: TipMotion, rows: slice) -> Any:
 
 
 def _part(
-    room: Room, path: TipMotion, before: JointTrajectory, after: JointTrajectory
+    ik: CollisionFreeIk, path: TipMotion, before: JointTrajectory, after: JointTrajectory
 ) -> JointTrajectory | None:
     """From the end of one motion to the start of another; None if no way was found."""
-    way = way_between(
-        room.arm,
+    way = connect_configurations(
+        ik.arm,
         before.positions[-1],
         after.positions[0],
-        room.scene.for_planning(),
+        ik.scene.for_planning(),
         steps=_STEPS,
     )
     if way is None:
         return None
     dt = float(np.median(np.diff(path.times)))
-    times, q = _from_rest_to_rest(way, room.arm.limits, dt)
-    return JointTrajectory(times, q, joint_names=tuple(room.arm.joint_names))
+    times, q = _from_rest_to_rest(way, ik.arm.limits, dt)
+    return JointTrajectory(times, q, joint_names=tuple(ik.arm.joint_names))
 
 
 def _from_rest_to_rest(
@@ -105,8 +105,8 @@ def _from_rest_to_rest(
     for here, there in pairwise(way):
         step = np.abs(there - here)
         needed = np.maximum(
-            _FASTEST * step / (_PACE * limits.velocity),
-            np.sqrt(_STRONGEST * step / (_PACE * known_acceleration(limits))),
+            _PEAK_SPEED * step / (_PACE * limits.velocity),
+            np.sqrt(_PEAK_ACCELERATION * step / (_PACE * known_acceleration(limits))),
         )
         duration = max(float(needed.max()), dt)
         share = np.linspace(0.0, 1.0, int(np.ceil(duration / dt)) + 1)[1:]
@@ -122,19 +122,21 @@ def _with_events(part: JointTrajectory, path: TipMotion, first: int, last: int) 
     return replace(part, events=events.moved(between, ends, part.times[[0, -1]]))
 
 
-def _in_limits(room: Room, joints: JointTrajectory) -> JointTrajectory:
+def _in_limits(ik: CollisionFreeIk, joints: JointTrajectory) -> JointTrajectory:
     """The motion, slower where its parts meet."""
     q = joints.positions
-    times = slowed(room.arm._chain, joints.times, q, room.arm.limits)
+    times = slowed(ik.arm._chain, joints.times, q, ik.arm.limits)
     velocities = velocities_of(times, q)
     velocities[[0, -1]] = 0.0
     moved = events.moved(joints.events, joints.times, times)
     return replace(joints, times=times, velocities=velocities, events=moved)
 
 
-def _tip_of(room: Room, ends: tuple[TipMotion, TipMotion], part: JointTrajectory) -> TipMotion:
+def _tip_of(
+    ik: CollisionFreeIk, ends: tuple[TipMotion, TipMotion], part: JointTrajectory
+) -> TipMotion:
     """The motion of the tip along a part, from the end of one path to the start of another."""
-    poses = room.arm.poses(part)
+    poses = ik.arm.poses(part)
     positions, orientations = poses.positions.copy(), poses.orientations.copy()
     positions[[0, -1]] = ends[0].positions[-1], ends[1].positions[0]
     if not isinstance(ends[0], PoseTrajectory) or not isinstance(ends[1], PoseTrajectory):

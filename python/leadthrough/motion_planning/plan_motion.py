@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -12,16 +13,14 @@ from leadthrough import check
 from leadthrough.arm import Arm, FollowOptions
 from leadthrough.arm.arm import check_arm
 from leadthrough.arm.inverse_kinematics import Axis
-from leadthrough.errors import IkFailure
-from leadthrough.models.protocol import Skill
-from leadthrough.motion import Motion
+from leadthrough.errors import IkFailure, InvalidInput
+from leadthrough.models.protocol import Distributed, Skill
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory, normalised_times
+from leadthrough.motion_planning.blocked_segment import CollisionFreeIk
+from leadthrough.motion_planning.bypass import bypass
+from leadthrough.motion_planning.tip_paths import Query, TipMotion, TipPaths
+from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Scene, SceneLike, as_scene
-from leadthrough.whole_arm.allowed import Deviation, gone_through, room_beside
-from leadthrough.whole_arm.last_resort import past_the_part
-from leadthrough.whole_arm.planned_motion import PlannedMotion
-from leadthrough.whole_arm.query import Query
-from leadthrough.whole_arm.room import Room
-from leadthrough.whole_arm.tip_paths import TipMotion, TipPaths
 
 LastResort = Literal["joint_space"]
 
@@ -46,10 +45,10 @@ def plan_motion(
     """A motion of the skill with which the whole arm keeps clear, between samples too.
 
     The skill makes the path of the tip, and the arm follows it with what the task leaves free.
-    Where that leaves the arm no room, the tip gives way. First within `deviation` or
+    Where that blocks the arm, the tip gives way. First within `deviation` or
     `standard_deviations`, if one is given; then in the map of a Fast Marching skill the
-    places are closed from which the arm cannot stand clear, and the path is planned anew; the path
-    of any other skill is moved aside there, by little first.
+    cells without a collision-free configuration are closed, and the path is planned anew; the path
+    of any other skill is moved aside there, in small steps.
 
     Args:
         skill: any skill of poses, of points in 3-D, or of the arm's joints.
@@ -67,8 +66,8 @@ def plan_motion(
         rounds: how often the path of the tip may be planned, >= 1.
         last_resort: what to do where no path of the tip was found that the arm can follow.
             None: raise IkFailure.
-            "joint_space": follow the first path up to where the arm has no room, go on through
-            joint space to where it has room again, found by OMPL's RRT-Connect and certified by
+            "joint_space": follow the first path up to where the arm is blocked, go on through
+            joint space to where it is free again, found by OMPL's RRT-Connect and certified by
             the same check, and follow the rest. The arm stops at the corners of that way, and its
             tip goes anywhere: the answer's `connected` says when. Needs the extra `ompl`.
 
@@ -85,11 +84,11 @@ def plan_motion(
     most = check.integer(rounds, "rounds", at_least=1)
     if last_resort is not None:
         check.choice(last_resort, "last_resort", get_args(LastResort))
-    allowed = room_beside(skill, deviation, standard_deviations)
+    allowed = allowed_deviation(skill, deviation, standard_deviations)
     chosen = FollowOptions() if options is None else options
     following: dict[str, Any] = {"q0": q0, "options": chosen, "scene": around}
-    room = Room(arm, Scene() if around is None else around, _free_of(arm, chosen.free))
-    paths = TipPaths(skill, Query() if query is None else query, room)
+    ik = CollisionFreeIk(arm, Scene() if around is None else around, _free_of(arm, chosen.free))
+    paths = TipPaths(skill, Query() if query is None else query, ik)
     path = learned = paths.first()
     failures: list[IkFailure] = []
     connected = None
@@ -104,7 +103,7 @@ def plan_motion(
         if (beside := allowed(path)) is not None:
             try:
                 joints = arm.follow(path, deviation=beside, **following)
-                path = gone_through(arm, path, joints)
+                path = tip_motion(arm, path, joints)
                 break
             except IkFailure as failure:
                 failures[-1] = failure
@@ -113,11 +112,11 @@ def plan_motion(
         except IkFailure:
             if last_resort is None:
                 raise
-            joints, path, connected = past_the_part(room, learned, failures[0], following)
+            joints, path, connected = bypass(ik, learned, failures[0], following)
             break
     clearance = np.inf
-    if room.scene.obstacles:
-        clearance = arm.check(joints, room.scene).obstacles.minimum_distance
+    if ik.scene.obstacles:
+        clearance = arm.check(joints, ik.scene).obstacles.minimum_distance
     reasons = tuple(str(failure) for failure in failures)
     return PlannedMotion(joints, path, _farthest(path, learned), clearance, reasons, connected)
 
@@ -143,3 +142,74 @@ def _farthest(path: TipMotion, learned: TipMotion) -> float:
     if path is learned:
         return 0.0
     return float(KDTree(learned.positions).query(path.positions)[0].max())
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedMotion(ShortRepr):
+    """A motion that the whole arm can run.
+
+    Attributes:
+        joints: along the path, certified clear between samples.
+        tip: the motion that the tip goes through.
+        deviation: the most that the tip is away from the path that the skill makes of the same
+            query for the tip alone, m; 0 where the arm could follow it.
+        clearance: the least distance of the arm from the obstacles between samples too, m; infinite
+            without obstacles.
+        reasons: why the tip had to leave that path, one line for each time that it was changed.
+        connected: when the arm goes through joint space, with its tip anywhere, from and to, s;
+            None where it does not.
+    """
+
+    joints: JointTrajectory
+    tip: Trajectory | PoseTrajectory
+    deviation: float
+    clearance: float
+    reasons: tuple[str, ...]
+    connected: tuple[float, float] | None = None
+
+    @property
+    def rounds(self) -> int:
+        """How often the tip's path was planned."""
+        return len(self.reasons) + 1
+
+
+Deviation = tuple[ArrayLike, ArrayLike]
+_SPACE = 3  # coordinates of a position
+
+
+def allowed_deviation(
+    skill: Skill[Motion], deviation: Deviation | None, standard_deviations: float | None
+) -> Callable[[TipMotion], Deviation | None]:
+    """What tells of a path how far the tip may be off, as `Arm.follow` takes it."""
+    if standard_deviations is None:
+        return lambda _: deviation
+    if deviation is not None:
+        raise InvalidInput(
+            "deviation: not used together with standard_deviations; give one of the two"
+        )
+    count = check.number(standard_deviations, "standard_deviations", above=0.0)
+    chart = skill.chart if isinstance(skill, Distributed) else None
+    if chart is None or chart.kind == "joints" or chart.size != _SPACE:
+        raise InvalidInput(
+            "standard_deviations: this skill has no covariance of the tip's positions; use a "
+            "ProMP or GMR of poses or points in 3-D, or state deviation=(m, rad)"
+        )
+    return lambda path: _spread_deviation(skill, path, count)
+
+
+def _spread_deviation(skill: Skill[Motion], path: TipMotion, count: float) -> Deviation:
+    """The deviation from a path that the skill's covariance allows."""
+    assert isinstance(skill, Distributed)
+    _, covariance = skill.distribution(normalised_times(path.times) * skill.duration)
+    allowed = count**2 * covariance
+    if isinstance(path, PoseTrajectory) and allowed.shape[1] > _SPACE:
+        return allowed[:, :_SPACE, :_SPACE], allowed[:, _SPACE:, _SPACE:]
+    return allowed[:, :_SPACE, :_SPACE], 0.0
+
+
+def tip_motion(arm: Arm, path: TipMotion, joints: JointTrajectory) -> TipMotion:
+    """The motion that the tip goes through, with the path's times and events."""
+    positions, orientations = arm.forward_kinematics(np.asarray(joints.positions))
+    if isinstance(path, PoseTrajectory):
+        return replace(path, positions=positions, orientations=orientations)
+    return replace(path, positions=positions)

@@ -5,7 +5,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.errors import IkFailure, InvalidInput, MissingDependency
-from leadthrough.whole_arm import connection, way_between
+from leadthrough.motion_planning import connect_configurations, connection
 
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 
@@ -86,7 +86,7 @@ def test_it_is_off_by_default_and_helps_at_no_end(panda, shown, box):
     with pytest.raises(InvalidInput, match="last_resort"):
         lt.plan_motion(skill, panda, last_resort="prayer")
     roof = lt.Box([0.3, 0.1, 0.1], [0.45, 0.3, 0.4])  # where the hand is at the goal
-    with pytest.raises(IkFailure, match="cannot stand clear at the goal"):
+    with pytest.raises(IkFailure, match="no collision-free configuration found at the goal"):
         lt.plan_motion(skill, panda, [roof], lt.Query(dt=0.02), last_resort="joint_space")
 
 
@@ -105,10 +105,10 @@ def test_a_connection_is_clear_or_not_found_in_the_steps_allowed(panda):
     wall = [lt.Box([0.3, 0.02, 0.6], [0.5, 0.0, 0.3])]
     left, right = (panda.inverse_kinematics([0.5, y, 0.3], DOWN).q for y in (-0.3, 0.3))
     assert not panda.check([left, right], wall).ok
-    way = way_between(panda, left, right, wall)
+    way = connect_configurations(panda, left, right, wall)
     np.testing.assert_array_equal(way[[0, -1]], [left, right])
     assert panda.check(way, wall).ok
-    assert way_between(panda, left, right, wall, steps=1) is None
+    assert connect_configurations(panda, left, right, wall, steps=1) is None
 
 
 @pytest.mark.parametrize(
@@ -124,4 +124,4 @@ def test_a_connection_is_clear_or_not_found_in_the_steps_allowed(panda):
 def test_wrong_arguments_of_a_connection_are_named(panda, change, message):
     q = panda.inverse_kinematics([0.5, 0.0, 0.3], DOWN).q
     with pytest.raises(InvalidInput, match=message):
-        way_between(**{"arm": panda, "start": q, "goals": q} | change)
+        connect_configurations(**{"arm": panda, "start": q, "goals": q} | change)

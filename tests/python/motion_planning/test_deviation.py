@@ -1,4 +1,4 @@
-"""Room beside the path for the tip: as stated, or as far as the demonstrations spread."""
+"""Deviation allowed from the path of the tip: as stated, or as far as the demonstrations spread."""
 
 import numpy as np
 import pytest

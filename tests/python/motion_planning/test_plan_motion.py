@@ -10,8 +10,8 @@ from scipy.spatial import KDTree
 
 import leadthrough as lt
 from leadthrough.errors import IkFailure, InvalidInput
-from leadthrough.whole_arm.detour import paths_beside
-from leadthrough.whole_arm.room import Narrows, Room
+from leadthrough.motion_planning.blocked_segment import BlockedSegment, CollisionFreeIk
+from leadthrough.motion_planning.tip_paths import detours
 
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 
@@ -114,7 +114,9 @@ def test_the_answer_has_the_same_bits_each_time(panda, shown, box):
 def test_where_the_arm_cannot_stand_at_an_end_it_says_so(panda, shown):
     skill = lt.DMP().fit(shown)
     roof = lt.Box([0.3, 0.1, 0.1], [0.45, 0.3, 0.4])  # where the hand is at the goal
-    with pytest.raises(IkFailure, match=r"obstacle 0 and .*cannot stand clear at the goal"):
+    with pytest.raises(
+        IkFailure, match=r"obstacle 0 and .*no collision-free configuration .* goal"
+    ):
         lt.plan_motion(skill, panda, [roof], lt.Query(dt=0.02))
 
 
@@ -167,11 +169,11 @@ def test_a_part_where_the_tip_still_stands_is_not_moved_aside(panda, shown):
         np.vstack([np.tile(motion.positions[0], (20, 1)), motion.positions[:41]]),
         motion.orientations,
     )
-    room = Room(panda, lt.Scene(), ())
+    ik = CollisionFreeIk(panda, lt.Scene(), ())
     places = np.array([0, 10, 30, 60])
     near = panda.follow(motion).positions[0]
-    assert list(paths_beside(room, waiting, Narrows(places, 1, 1), near)) == []
-    beside = next(paths_beside(room, waiting, Narrows(places, 2, 2), near))
+    assert list(detours(ik, waiting, BlockedSegment(places, 1, 1), near)) == []
+    beside = next(detours(ik, waiting, BlockedSegment(places, 2, 2), near))
     np.testing.assert_array_equal(beside.positions[:20], waiting.positions[:20])
     assert np.isfinite(beside.positions).all()
 

@@ -18,11 +18,11 @@ from leadthrough.models.place import Place
 from leadthrough.models.places import Places
 from leadthrough.models.protocol import Skill
 from leadthrough.motion import JointTrajectory, Motion
+from leadthrough.motion_planning import Query, plan_motion
 from leadthrough.shapes import Scene
 from leadthrough.simulation import Controller, simulate
 from leadthrough.tasks import Row
 from leadthrough.timing import check_limits, retime
-from leadthrough.whole_arm import Query, plan_motion
 
 # rad or m: how far the path that is retimed may lie off the planned samples.
 _PATH = 1e-4

@@ -1,4 +1,4 @@
-"""Where an arm can stand clear with its tip."""
+"""Segments of a path of the tip without collision-free configurations of the arm."""
 
 from __future__ import annotations
 
@@ -14,30 +14,30 @@ from leadthrough.check import Float64Array
 from leadthrough.motion import PoseTrajectory, Trajectory
 from leadthrough.shapes import Scene
 
-# Configurations that inverse kinematics starts from: few at first, more where those fail.
+# Start configurations of inverse kinematics: few at first, more where those fail.
 _TRIES = (4, 28)
 _AT_ENDS = (64, 448)  # without them the motion cannot be
 _ITERATIONS = 60
-# m between the places of a path that are looked at.
+# Distance between the samples of a path that are tested, m.
 _SPACING = 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class Room:
-    """The room that obstacles leave to an arm."""
+class CollisionFreeIk:
+    """Inverse kinematics of an arm in a scene, by random restarts."""
 
-    arm: Arm  # the arm
+    arm: Arm
     scene: Scene  # with the margins to keep
     free: Sequence[Axis]  # axes of the tip's poses left free
 
-    def stands(
+    def exists(
         self,
         positions: Float64Array,
         orientations: Float64Array | None,
         near: Float64Array,
         tries: tuple[int, ...] = _TRIES,
     ) -> NDArray[np.bool_]:
-        """Whether the arm can stand clear, found by trying: a "no" may miss a way to stand."""
+        """Whether poses have a collision-free configuration; a "no" may miss one."""
         found = np.zeros(len(positions), dtype=bool)
         rng = np.random.default_rng(0)
         lower, upper = (np.clip(ends, -np.pi, np.pi) for ends in self._limits())
@@ -71,59 +71,61 @@ class Room:
 
 
 @dataclass(frozen=True, eq=False)
-class Narrows:
-    """A part of a path that leaves the arm no room."""
+class BlockedSegment:
+    """A part of a path without collision-free configurations of the arm."""
 
-    places: NDArray[np.int64]
-    first: int  # the first of the places that is in the part
-    last: int  # the last one
+    tested: NDArray[np.int64]  # samples of the path, in order
+    first: int  # index of the first tested sample in the segment
+    last: int  # index of the last one
 
     @property
     def samples(self) -> NDArray[np.int64]:
-        """The samples of the path that are in it."""
-        return self.places[self.first : self.last + 1]
+        """The tested samples in the segment."""
+        return self.tested[self.first : self.last + 1]
 
     @property
     def end(self) -> str | None:
-        """The end of the path that is in it, "start" or "goal", if one is."""
+        """The end of the path in the segment, "start" or "goal", if there is one."""
         if self.first == 0:
             return "start"
-        return "goal" if self.last == len(self.places) - 1 else None
+        return "goal" if self.last == len(self.tested) - 1 else None
 
-    def widened(self, count: int) -> Narrows:
-        """With more places on either side, but without the path's ends."""
-        first, last = max(1, self.first - count), min(len(self.places) - 2, self.last + count)
-        return Narrows(self.places, first, last)
+    def widened(self, count: int) -> BlockedSegment:
+        """With more tested samples on either side, but without the path's ends."""
+        first, last = max(1, self.first - count), min(len(self.tested) - 2, self.last + count)
+        return BlockedSegment(self.tested, first, last)
 
 
-def narrows_at(
-    room: Room, tip: Trajectory | PoseTrajectory, sample: int, near: Float64Array
-) -> Narrows:
-    """The part of a path around a sample where the arm cannot stand; at least that sample."""
-    length = along(tip)
-    places = np.searchsorted(length, np.arange(0.0, length[-1], _SPACING))
-    places = np.unique(np.append(places, [sample, len(tip) - 1]))
-    stands = room.stands(tip.positions[places], turned(tip, places), near)
-    ends = places[[0, -1]]
-    stands[[0, -1]] |= room.stands(tip.positions[ends], turned(tip, ends), near, _AT_ENDS)
-    at = int(np.searchsorted(places, sample))
-    # The search may have ended some samples before there is no room at all.
-    if stands[at] and at + 1 < len(places) and not stands[at + 1]:
+def blocked_segment_at(
+    ik: CollisionFreeIk, tip: Trajectory | PoseTrajectory, sample: int, near: Float64Array
+) -> BlockedSegment:
+    """The blocked segment around a sample; at least that sample."""
+    length = path_lengths(tip)
+    tested = np.searchsorted(length, np.arange(0.0, length[-1], _SPACING))
+    tested = np.unique(np.append(tested, [sample, len(tip) - 1]))
+    free = ik.exists(tip.positions[tested], orientations_at(tip, tested), near)
+    ends = tested[[0, -1]]
+    free[[0, -1]] |= ik.exists(tip.positions[ends], orientations_at(tip, ends), near, _AT_ENDS)
+    at = int(np.searchsorted(tested, sample))
+    # The search may have ended some samples before the segment.
+    if free[at] and at + 1 < len(tested) and not free[at + 1]:
         at += 1
     first = last = at
-    while first > 0 and not stands[at] and not stands[first - 1]:
+    while first > 0 and not free[at] and not free[first - 1]:
         first -= 1
-    while last + 1 < len(places) and not stands[at] and not stands[last + 1]:
+    while last + 1 < len(tested) and not free[at] and not free[last + 1]:
         last += 1
-    return Narrows(places, first, last)
+    return BlockedSegment(tested, first, last)
 
 
-def along(tip: Trajectory | PoseTrajectory) -> Float64Array:
-    """The way from the start to each sample (n,), m."""
+def path_lengths(tip: Trajectory | PoseTrajectory) -> Float64Array:
+    """Path length from the start to each sample (n,), m."""
     steps = np.linalg.norm(np.diff(tip.positions, axis=0), axis=1)
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
-def turned(tip: Trajectory | PoseTrajectory, samples: NDArray[np.int64]) -> Float64Array | None:
+def orientations_at(
+    tip: Trajectory | PoseTrajectory, samples: NDArray[np.int64]
+) -> Float64Array | None:
     """The orientations (k, 4) at samples (k,); None for points."""
     return tip.orientations[samples] if isinstance(tip, PoseTrajectory) else None

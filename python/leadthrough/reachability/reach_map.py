@@ -10,19 +10,18 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leadthrough import check, tasks
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, IkOptions
 from leadthrough.arm.arm import check_arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.models.places import Places
-from leadthrough.reaching.orientations import spread_orientations
-from leadthrough.reaching.solving import Workspace, ranges, reach_rows
 from leadthrough.repr import ShortRepr
-from leadthrough.shapes import SceneLike, as_scene
-from leadthrough.tasks import Outcome, Store, Task
+from leadthrough.shapes import Scene, SceneLike, as_scene
+from leadthrough.tasks import Outcome, Row, Store, Task
 
 _POSES = 2000  # of a task: a fraction of a second
 _MOST_PLACES = 10_000_000
@@ -153,7 +152,7 @@ def reach_map(
         ]
         store = Store(folder / "cache")
         outcomes = tasks.with_manifest(tasks.run(todo, store, on=on, timeout=task_timeout), folder)
-        told = outcomes if progress is None else progress(outcomes, len(todo), "reaching")
+        told = outcomes if progress is None else progress(outcomes, len(todo), "mapping reachability")
         found = _collected(told, todo, store)
     fraction, measure = (column.reshape(counts) for column in found.T)
     return ReachMap(corners.lower, step, turned, fraction / len(turned), measure)
@@ -177,3 +176,110 @@ def _whole_reach(arm: Arm, spacing: float) -> Places:
     positions, _ = arm.forward_kinematics(rng.uniform(*ranges(arm), shape))
     lower = np.floor(positions.min(axis=0) / spacing) * spacing
     return Places(lower, np.ceil(positions.max(axis=0) / spacing) * spacing)
+
+
+# Solutions of a pose that are looked at: where the first touches, another may be clear.
+_TRIES = 3
+# Of each search; most poses that can be reached are by the first few.
+_RESTARTS = 12
+_TOLERANCE = 1e-4  # m and rad
+
+
+@dataclass(frozen=True, eq=False)
+class Workspace:
+    """What all tasks of a map have in common."""
+
+    arm: Arm  # that reaches
+    scene: Scene  # to be clear of
+    orientations: Float64Array  # (k, 4) that are tried at each place
+    places: Float64Array  # (n, 3) in m, base frame
+
+
+def ranges(arm: Arm) -> tuple[Float64Array, Float64Array]:
+    """Lowest and highest joints; of a joint that turns without end, a whole turn."""
+    lower, upper = arm.limits.lower, arm.limits.upper
+    return np.where(np.isfinite(lower), lower, -np.pi), np.where(np.isfinite(upper), upper, np.pi)
+
+
+def reached(
+    arm: Arm,
+    positions: Float64Array,
+    orientations: Float64Array,
+    scene: Scene,
+    seed: int,
+) -> tuple[NDArray[np.bool_], Float64Array]:
+    """Which poses (m,) the arm reaches clear of everything, and its joints there (m, joints)."""
+    found = np.zeros(len(positions), dtype=bool)
+    joints = np.full((len(positions), len(arm.joint_names)), np.nan)
+    rng = np.random.default_rng(seed)
+    lower, upper = ranges(arm)
+    left = np.arange(len(positions))
+    for attempt in range(_TRIES):
+        if not len(left):
+            break
+        middle = 0.5 * (lower + upper)
+        seeds = middle if attempt == 0 else rng.uniform(lower, upper, (len(left), len(lower)))
+        solved = arm.inverse_kinematics_batch(
+            positions[left],
+            orientations[left],
+            q0=seeds,
+            options=IkOptions(
+                position_tolerance=_TOLERANCE,
+                orientation_tolerance=_TOLERANCE,
+                max_restarts=_RESTARTS,
+            ),
+            seed=seed + attempt,
+        )
+        good = solved.success.copy()
+        if good.any():
+            good[good] = arm.is_clear(solved.q[good], scene)
+        found[left[good]] = True
+        joints[left[good]] = solved.q[good]
+        left = left[solved.success & ~good]
+    return found, joints
+
+
+def reach_rows(*, first: int, count: int, seed: int, workspace: Path) -> list[Row]:
+    """A row for each place: the number of orientations reached, and the best manipulability."""
+    with workspace.open("rb") as file:
+        common: Workspace = pickle.load(file)
+    places = common.places[first : first + count]
+    each = len(common.orientations)
+    found, joints = reached(
+        common.arm,
+        places.repeat(each, axis=0),
+        np.tile(common.orientations, (len(places), 1)),
+        common.scene,
+        seed + first,
+    )
+    measure = np.zeros(len(found))
+    if found.any():
+        measure[found] = common.arm.manipulability(joints[found])
+    return [
+        {"reached": int(own.sum()), "manipulability": float(best)}
+        for own, best in zip(
+            found.reshape(-1, each), measure.reshape(-1, each).max(axis=1), strict=True
+        )
+    ]
+
+
+_PHI = np.sqrt(2.0)
+_PSI = 1.533751168755204288118041  # root of x^4 = x + 4
+
+
+def spread_orientations(count: int) -> Float64Array:
+    """Quaternions (count, 4) w, x, y, z that are spread evenly over all rotations.
+
+    Args:
+        count: their number, >= 1.
+
+    Raises:
+        InvalidInput: if it is not a positive integer.
+    """
+    number = check.integer(count, "count", at_least=1)
+    at = np.arange(number) + 0.5
+    fraction = at / number
+    near, far = np.sqrt(fraction), np.sqrt(1.0 - fraction)
+    alpha, beta = 2.0 * np.pi * at / _PHI, 2.0 * np.pi * at / _PSI
+    parts = (far * np.cos(beta), near * np.sin(alpha), near * np.cos(alpha), far * np.sin(beta))
+    return np.column_stack(parts)

@@ -1,0 +1,238 @@
+"""Paths of the tip that a skill makes of a query, and detours where the arm is blocked.
+
+In the map of a Fast Marching skill, cells without a collision-free configuration are closed. The
+path of any other skill is moved aside, in small steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from leadthrough.check import Float64Array
+from leadthrough.errors import IkFailure, NoPath
+from leadthrough.models.protocol import Mapped, Place, Skill
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
+from leadthrough.motion_planning.blocked_segment import (
+    BlockedSegment,
+    CollisionFreeIk,
+    blocked_segment_at,
+    orientations_at,
+    path_lengths,
+)
+from leadthrough.repr import ShortRepr
+from leadthrough.shapes import PointCloud, Shape
+from leadthrough.trajectories import minimum_jerk_time_scaling
+
+TipMotion = Trajectory | PoseTrajectory
+# Samples of the path beyond a blocked segment at which the arm is past it.
+_PAST = 2
+# Distance around a blocked segment that is searched, m, and its growth in each round.
+_REACH, _GROWTH = 0.08, 1.4
+# Cells from the segment to the edge of the searched region.
+_CELLS = 3
+# Radius of a closed ball, in cells: those of neighbours overlap.
+_COVER = 0.75
+# Distances that a segment is moved by, m, in the order of trial.
+_OFFSETS = tuple(0.02 * k for k in (1, 2, 3, 4, 6, 8, 11, 15))
+# Length of the transition to and from the detour, over the offset.
+_RAMP = 3.0
+# Samples of the segment that are tested in each direction.
+_TESTED = 9
+# To all faces, edges and corners of a cube.
+_DIRECTIONS = np.array([step for step in product((-1, 0, 1), repeat=3) if any(step)], dtype=float)
+_DIRECTIONS /= np.linalg.norm(_DIRECTIONS, axis=1)[:, None]
+
+
+@dataclass(frozen=True, eq=False)
+class Query(ShortRepr):
+    """A query to a skill, as `skill.generate` takes it.
+
+    Attributes:
+        start: where the motion starts; None for the demonstrated start.
+        goal: where it ends, likewise.
+        duration: s, > 0; None for the skill's own.
+        dt: s, > 0, upper bound of the sampling step.
+    """
+
+    start: Place | None = None
+    goal: Place | None = None
+    duration: float | None = None
+    dt: float = 0.01
+
+    def arguments(self) -> dict[str, Any]:
+        """The arguments of `skill.generate` that are given, by name."""
+        given = {"start": self.start, "goal": self.goal, "duration": self.duration, "dt": self.dt}
+        return {name: value for name, value in given.items() if value is not None}
+
+
+class TipPaths:
+    """The paths for one query."""
+
+    def __init__(self, skill: Skill[Motion], query: Query, ik: CollisionFreeIk) -> None:
+        self._skill = skill
+        self._query = query
+        self._ik = ik
+        self._closed: tuple[Shape, ...] = ()
+        self._changes = 0
+        self._beside: Iterator[TipMotion] = iter(())
+        self._past = -1  # the sample at which the arm is past the part
+
+    def first(self) -> TipMotion:
+        """The path that the skill makes for the tip alone."""
+        return self._generated(())
+
+    def another(self, path: TipMotion, failure: IkFailure) -> TipMotion:
+        """Another path, for one that the arm could not follow."""
+        found: TipMotion | None
+        if isinstance(self._skill, Mapped):
+            found = self._closing(path, failure)
+        else:
+            found = self._aside(path, failure)
+        if found is None:
+            raise with_reason(failure, "no other path of the tip was found")
+        return found
+
+    def _closing(self, path: TipMotion, failure: IkFailure) -> TipMotion | None:
+        segment = self._segment(path, failure)
+        self._closed += closed_cells(self._ik, path, segment, failure.q, self._changes)
+        self._changes += 1
+        try:
+            return self._generated(self._closed)
+        except NoPath:
+            return None
+
+    def _aside(self, path: TipMotion, failure: IkFailure) -> TipMotion | None:
+        if failure.index > self._past:
+            segment = self._segment(path, failure)
+            self._beside = detours(self._ik, path, segment, failure.q)
+            self._past = int(segment.widened(_PAST).samples[-1])
+        return next(self._beside, None)
+
+    def _segment(self, path: TipMotion, failure: IkFailure) -> BlockedSegment:
+        segment = blocked_segment_at(self._ik, path, failure.index, failure.q)
+        if segment.end:
+            raise with_reason(
+                failure, f"no collision-free configuration found at the {segment.end}"
+            )
+        return segment
+
+    def _generated(self, closed: tuple[Shape, ...]) -> TipMotion:
+        query = self._query.arguments()
+        shapes = self._ik.scene.shapes + closed
+        if shapes and "obstacles" in self._skill.supports:
+            query["obstacles"] = shapes
+        motion = self._skill.generate(**query)
+        if isinstance(motion, JointTrajectory):
+            return self._ik.arm.poses(motion)
+        return motion
+
+
+def with_reason(failure: IkFailure, reason: str) -> IkFailure:
+    """The failure with a reason added to its message."""
+    return IkFailure(
+        f"{failure}; {reason}",
+        index=failure.index,
+        status=failure.status,
+        residual=failure.residual,
+        q=failure.q,
+    )
+
+
+def closed_cells(
+    ik: CollisionFreeIk,
+    tip: TipMotion,
+    segment: BlockedSegment,
+    near: Float64Array,
+    changes: int,
+) -> tuple[PointCloud, ...]:
+    """Balls that cover the cells around a segment without collision-free configurations."""
+    reach = _REACH * _GROWTH**changes
+    cell = reach / _CELLS
+    middles = tip.positions[segment.samples]
+    cells, owners = _cells_around(middles, cell)
+    rows = segment.samples[owners]
+    free = ik.exists(cells, orientations_at(tip, rows), near)
+    radius = _COVER * cell
+    ends = tip.positions[[0, -1]]
+    off_ends = np.linalg.norm(cells[:, None] - ends, axis=2).min(axis=1) > radius + cell
+    closed = cells[~free & off_ends]
+    if len(closed) == 0:
+        # All cells have configurations, but none is connected: the segment itself is closed.
+        apart = np.linalg.norm(middles[:, None] - ends, axis=2).min(axis=1) > radius + cell
+        closed = middles[apart]
+    return (PointCloud(closed, radius),) if len(closed) else ()
+
+
+def _cells_around(middles: Float64Array, cell: float) -> tuple[Float64Array, NDArray[np.int64]]:
+    """Cells of a grid within reach of the points, (m, 3), and the nearest point to each, (m,)."""
+    reach = _CELLS * cell
+    low = np.floor((middles.min(axis=0) - reach) / cell).astype(int)
+    high = np.ceil((middles.max(axis=0) + reach) / cell).astype(int)
+    axes = [np.arange(a, b + 1) for a, b in zip(low, high, strict=True)]
+    cells = cell * np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    away = np.linalg.norm(cells[:, None] - middles, axis=2)
+    within = away.min(axis=1) <= reach
+    return cells[within], away[within].argmin(axis=1)
+
+
+def detours(
+    ik: CollisionFreeIk,
+    tip: TipMotion,
+    segment: BlockedSegment,
+    near: Float64Array,
+) -> Iterator[TipMotion]:
+    """The path with the blocked segment moved aside, in small steps first."""
+    length = path_lengths(tip)
+    if length[segment.samples[0]] == 0.0 or length[segment.samples[-1]] == length[-1]:
+        return
+    for more, offset in enumerate(_OFFSETS):
+        part = segment.widened(more)
+        directions = _open_directions(ik, tip, part, near, offset)
+        if len(directions):
+            opposite = directions[np.argmin(directions @ directions[0])]
+            for direction in np.unique([directions[0], opposite], axis=0):
+                aside = np.outer(_offset_fraction(tip, part, offset), offset * direction)
+                yield replace(tip, positions=tip.positions + aside)
+
+
+def _open_directions(
+    ik: CollisionFreeIk,
+    tip: TipMotion,
+    part: BlockedSegment,
+    near: Float64Array,
+    offset: float,
+) -> Float64Array:
+    """The directions (k, 3) with collision-free configurations along the whole segment."""
+    open_ = _DIRECTIONS
+    for place in _middle_first(part.samples):
+        asked = tip.positions[place] + offset * open_
+        rows = np.full(len(open_), place)
+        open_ = open_[ik.exists(asked, orientations_at(tip, rows), near)]
+        if len(open_) == 0:
+            break
+    return open_
+
+
+def _middle_first(samples: NDArray[np.int64]) -> NDArray[np.int64]:
+    """A few evenly spaced samples; the middle first, where most directions fail."""
+    count = min(_TESTED, len(samples))
+    few = samples[np.linspace(0, len(samples) - 1, count).round().astype(int)]
+    order = np.argsort(np.abs(np.arange(count) - 0.5 * (count - 1)), kind="stable")
+    return np.asarray(few[order])
+
+
+def _offset_fraction(tip: TipMotion, part: BlockedSegment, offset: float) -> Float64Array:
+    """Fraction of the offset that each sample is moved by (n,), 0 to 1."""
+    length = path_lengths(tip)
+    first, last = length[part.samples[[0, -1]]]
+    before = min(_RAMP * offset, first)
+    after = min(_RAMP * offset, length[-1] - last)
+    rise = minimum_jerk_time_scaling(np.clip((length - first + before) / before, 0.0, 1.0))
+    fall = minimum_jerk_time_scaling(np.clip((last + after - length) / after, 0.0, 1.0))
+    return np.asarray(rise * fall)
