@@ -118,7 +118,7 @@ def _blocked(found: Contact, reason: str, what: str) -> NoPath:
     assert found.bodies is not None  # all of the way was looked at
     return NoPath(
         f"{what} is not clear: {' and '.join(found.bodies)} come too near; move the arm elsewhere "
-        "first; in Python, `leadthrough.motion_planning.way_between` finds a way",
+        "first; in Python, `leadthrough.motion_planning.connect_configurations` finds a path",
         reason=reason,
     )
 

@@ -152,7 +152,9 @@ def reach_map(
         ]
         store = Store(folder / "cache")
         outcomes = tasks.with_manifest(tasks.run(todo, store, on=on, timeout=task_timeout), folder)
-        told = outcomes if progress is None else progress(outcomes, len(todo), "mapping reachability")
+        told = (
+            outcomes if progress is None else progress(outcomes, len(todo), "mapping reachability")
+        )
         found = _collected(told, todo, store)
     fraction, measure = (column.reshape(counts) for column in found.T)
     return ReachMap(corners.lower, step, turned, fraction / len(turned), measure)
