@@ -50,8 +50,8 @@ for there, label in ((True, "with the elbow task"), (False, "without the elbow t
     above.plot(motion.times, 100 * (ball.distance(elbows) - 0.08), label=label)
 above.set_ylabel("elbow to ball, cm")
 names = ["1 joint limits", "2 tool's pose", "3 elbow off the ball", "4 posture"]
-for name, miss in zip(names, runs[True].miss.T, strict=True):
-    below.semilogy(motion.times, np.maximum(miss, 1e-17), label=name)
+for name, residual in zip(names, runs[True].residual.T, strict=True):
+    below.semilogy(motion.times, np.maximum(residual, 1e-17), label=name)
 below.set(xlabel="time, s", ylabel="residual, m/s or rad/s")
 above.legend(), below.legend(ncols=2)
 figure.savefig(folder / "task_priorities.png", dpi=120)

@@ -57,10 +57,10 @@ def test_a_grid_or_an_array_too_large_is_named(call, named):
 
 
 def test_held_joints_have_names():
-    with pytest.raises(InvalidInput, match="hold: expected a joint's name, got 0"):
-        lt.Arm.load("ur3").hold({0: 1e9})
-    with pytest.raises(InvalidInput, match="hold: elbow_joint: expected a value inside"):
-        lt.Arm.load("ur3").hold({"elbow_joint": 1e9})
+    with pytest.raises(InvalidInput, match="locked_joints: expected a joint's name, got 0"):
+        lt.Arm.load("ur3").lock_joints({0: 1e9})
+    with pytest.raises(InvalidInput, match="locked_joints: elbow_joint: expected a value inside"):
+        lt.Arm.load("ur3").lock_joints({"elbow_joint": 1e9})
 
 
 def test_a_skill_whose_head_nests_deep_is_refused(tmp_path):

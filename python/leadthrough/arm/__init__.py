@@ -1,7 +1,7 @@
 """The arm: from a URDF to kinematics, inverse kinematics and joint trajectories along a path."""
 
 from leadthrough.arm.arm import Arm
-from leadthrough.arm.collision import Approach, Clearance, CollisionPairs, CollisionReport
+from leadthrough.arm.collision import Clearance, ClosestPair, CollisionPairs, CollisionReport
 from leadthrough.arm.damped_least_squares import DampedLeastSquares
 from leadthrough.arm.differential_ik import DifferentialIk, JointState
 from leadthrough.arm.following import FollowOptions
@@ -21,10 +21,10 @@ from leadthrough.arm.tasks import (
 )
 
 __all__ = [
-    "Approach",
     "Arm",
     "ArmTask",
     "Clearance",
+    "ClosestPair",
     "CollisionPairs",
     "CollisionReport",
     "DampedLeastSquares",

@@ -27,7 +27,7 @@ from leadthrough.shapes import SceneLike
 if TYPE_CHECKING:
     from leadthrough.drawing.panels import Panel
 
-_NOTHING_HELD: Mapping[str, float] = MappingProxyType({})
+_NONE_LOCKED: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,14 +36,14 @@ class Arm(ArmModel):
 
     Joint values are in rad (m for prismatic joints), in the order of `joint_names`. Poses are
     positions in m and orientations w, x, y, z of the tip in the base frame. An arm never changes:
-    `hold`, `with_tool`, `with_payload` and `with_attached` return new ones.
+    `lock_joints`, `with_tool`, `with_payload` and `with_attached` return new ones.
 
     Attributes:
         document: the URDF as text.
         base: name of the link whose frame is the base frame.
         tip: name of the link whose frame is the tip's, unless a tool moves it.
         limits: of the joints.
-        held: joints that are frozen, by name, and their values.
+        locked_joints: joints that are locked, by name, and their values.
         attachment: what the tip link carries.
         mesh_folders: where the files of collision meshes are looked for.
     """
@@ -87,7 +87,7 @@ class Arm(ArmModel):
         base: str | None = None,
         tip: str | None = None,
         limits: JointLimits | str | PathLike[str] | None = None,
-        hold: Mapping[str, float] = _NOTHING_HELD,
+        locked_joints: Mapping[str, float] = _NONE_LOCKED,
         mesh_folders: Sequence[str | PathLike[str]] = (),
     ) -> Arm:
         """The arm from one link of a URDF to another.
@@ -98,9 +98,9 @@ class Arm(ArmModel):
             tip: name of the link where it ends; by default the only leaf.
             limits: all limits of the joints, or the path of a TOML file that completes the URDF's
                 (see `read_limits`); by default the URDF's alone, which has no acceleration or jerk.
-            hold: joints to freeze, by name, and the values in rad (m) to freeze them at, inside
-                the URDF's limits. They may lie outside the arm, such as fingers, or a joint that
-                one of the arm's joints mimics.
+            locked_joints: joints to lock, by name, and their values in rad (m), inside the URDF's
+                limits. They may lie outside the arm, such as fingers, or a joint that one of the
+                arm's joints mimics.
             mesh_folders: where the files of collision meshes are looked for when they are first
                 needed, besides the URDF's own folder. A relative name is looked for in them;
                 package://name/rest as name/rest in them and in the folders above them, then as
@@ -110,11 +110,11 @@ class Arm(ArmModel):
             InvalidInput: if a file cannot be read, or a name or value does not fit the robot.
             InvalidRobot: if the document is not a URDF of an arm that can be used.
         """
-        held = checked_values(hold)
+        locked = checked_values(locked_joints)
         document = robot_files.read(path_or_xml)
-        base, tip, complete = robot_files.ends_and_limits(document, (base, tip), held, limits)
+        base, tip, complete = robot_files.ends_and_limits(document, (base, tip), locked, limits)
         folders = robot_files.folders(path_or_xml, mesh_folders)
-        return Arm(document, base, tip, complete, held, mesh_folders=folders)
+        return Arm(document, base, tip, complete, locked, mesh_folders=folders)
 
     def describe(self) -> str:
         """The robot, its joints with their limits, and what it carries, as text to read."""
@@ -275,7 +275,7 @@ class Arm(ArmModel):
             scene: obstacles that the whole arm keeps clear of, between samples too, and then of
                 itself as well, by the scene's margins and 0.2 mm more, so that the answer passes
                 `check` with the same scene. The tip stays on its path, but for `deviation`: what
-                the task leaves free, such as the elbow, goes around. Where the arm is clear anyway,
+                the task leaves free, such as the elbow, goes around. If the arm is clear anyway,
                 the answer is the one without a scene. Only with "slow" and "exceed_limits".
 
         Raises:
@@ -338,7 +338,7 @@ class Arm(ArmModel):
         Args:
             trajectory: a JointTrajectory. It may have other joints as well, such as a gripper's.
                 Names may end in ".pos", as LeRobot's do. Without names it has just the arm's
-                joints, in the arm's order. Where a joint
+                joints, in the arm's order. If a joint
                 without limits leaps by more than half a turn between two samples, as encoders do
                 at a whole turn, it is made continuous.
 

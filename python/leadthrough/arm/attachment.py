@@ -54,8 +54,8 @@ class Attachment(ShortRepr):
         object.__setattr__(self, "loads", loads)
         object.__setattr__(self, "shapes", shapes)
 
-    def told(self) -> list[str]:
-        """What is carried, in a few words each."""
+    def summary(self) -> list[str]:
+        """The tool, the mass and the shapes carried, in a few words each."""
         parts = [f"tool at {numbers_text(self.position)} m"] if self.position.any() else []
         mass = sum(load.mass for load in self.loads)
         parts += [f"carries {mass:.3g} kg"] if mass else []
@@ -65,7 +65,7 @@ class Attachment(ShortRepr):
         """The attachment with the tip at a pose given in the frame of the present tip."""
         where = check.array(position, "position", shape=(3,))
         turn = check.quaternions(orientation, "orientation", shape=(4,))
-        return replace(self, position=self._in_link(where), orientation=self._turned(turn))
+        return replace(self, position=self._in_link(where), orientation=self._rotated(turn))
 
     def with_load(self, load: Load) -> Attachment:
         """The attachment with another load, given in the frame of the tip."""
@@ -81,8 +81,8 @@ class Attachment(ShortRepr):
             raise InvalidInput(f"shape: expected a {names_of(Solid)}, got {shape!r}")
         weight = check.number(mass, "mass", at_least=0.0)
         carried = self if weight == 0.0 else self.with_load(_solid(shape, weight))
-        held = shape.at(self._in_link(shape.position), self._turned(shape.orientation))
-        return replace(carried, shapes=(*self.shapes, held))
+        placed = shape.at(self._in_link(shape.position), self._rotated(shape.orientation))
+        return replace(carried, shapes=(*self.shapes, placed))
 
     def applied_to(self, chain: _core.Chain) -> _core.Chain:
         """A chain that ends in the link, with the loads added and the tip moved."""
@@ -96,7 +96,7 @@ class Attachment(ShortRepr):
     def _in_link(self, point: Float64Array) -> Float64Array:
         return np.asarray(self.position + self._rotation() @ point)
 
-    def _turned(self, orientation: Float64Array) -> Float64Array:
+    def _rotated(self, orientation: Float64Array) -> Float64Array:
         return np.asarray(rotations.compose(self.orientation[None], orientation[None])[0])
 
 

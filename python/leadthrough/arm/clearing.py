@@ -1,7 +1,7 @@
 """Joints along a path of the tip with which the whole arm keeps clear.
 
 The path is cut into layers, and a search goes from layer to layer over all that the task leaves
-free. What it finds is made smooth and roomy as a whole, put back onto the path sample by sample,
+free. Its path is made smooth and roomy as a whole, put back onto the path sample by sample,
 and checked between samples with the room that a controller's curve through them takes.
 """
 
@@ -28,7 +28,7 @@ _TOLERANCE = 0.5 * PLANNING_TOLERANCE
 _TOUCHING = 2e-6
 # m: with this margin, no two parts of an arm count as too near.
 _ANY_OVERLAP = -10.0
-# What the compiled core has.
+# As in the compiled core.
 _MAX_ATTEMPTS = 3
 # Bodies that are named where there is no room.
 _NAMED = 3
@@ -115,20 +115,20 @@ def _clear_path(
         return q
     if touch is not None:
         sample, distance, *bodies = touch
-        found = f"{bodies[0]} and {bodies[1]} stay {1e3 * distance:.1f} mm apart at best"
+        reason = f"{bodies[0]} and {bodies[1]} stay {1e3 * distance:.1f} mm apart at best"
     elif pairs:
-        found = f"no room between {_bodies(pairs)}"
+        reason = f"no room between {_bodies(pairs)}"
     else:
-        found = "the tip cannot follow the path from there without a jump"
+        reason = "the tip cannot follow the path from there without a jump"
     time = float(np.interp(sample, np.arange(len(path)), path.times))
     index, status = int(sample), "blocked" if touch or pairs else "jump"
-    message = f"sample {index} at {time:.6g} s: {status}, {found}"
+    message = f"sample {index} at {time:.6g} s: {status}, {reason}"
     nearest = path.postures[index] if last is None else last
     raise IkFailure(message, index=index, status=status, residual=(0.0, 0.0), q=nearest.copy())
 
 
 def _bodies(pairs: list[tuple[str, str, int]]) -> str:
-    """The pairs of bodies that stood in the way most often."""
+    """The pairs of bodies that were too near most often."""
     counts: Counter[tuple[str, str]] = Counter()
     for a, b, count in pairs:
         counts[a, b] += count

@@ -1,7 +1,7 @@
 """Collision of the whole arm with obstacles and with itself.
 
-Every collision shape of every link counts, and what is attached to the tip. What does not move is
-not checked against obstacles: a base may stand on a table. Pairs of links that are neighbours, that
+Every collision shape of every link and every attached object counts. Links that do not move are not
+checked against obstacles: a base may stand on a table. Pairs of links that are neighbours, that
 never come near each other or that always touch are left out; see `Arm.collision_pairs`.
 """
 
@@ -24,14 +24,14 @@ from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Box, SceneLike, Shape, as_scene, compiled
 
-_FINEST_TOLERANCE = 1e-6  # m; distances are exact to 1e-7
+_MIN_TOLERANCE = 1e-6  # m; distances are exact to 1e-7
 # Steps of a check between two samples: more would take minutes.
 _MAX_STEPS = 1e6
 # An obstacle this many reaches away is not meant: it is in mm.
 _IMPLAUSIBLE = 20.0
 
 # Of the core: sample, two bodies, distance, two points.
-_Found = tuple[float, int, int, float, Float64Array, Float64Array]
+_Nearest = tuple[float, int, int, float, Float64Array, Float64Array]
 
 
 def collision_model(
@@ -92,7 +92,7 @@ def check_motion(
     around = as_scene(scene)
     pairs = (_against(model, chain, around.shapes), _core.itself(model))
     margins = (around.margin, around.self_collision_margin)
-    exact = check.number(tolerance, "tolerance", at_least=_FINEST_TOLERANCE)
+    exact = check.number(tolerance, "tolerance", at_least=_MIN_TOLERANCE)
     count = check.integer(threads, "threads", at_least=1, at_most=256)
     _require_short_steps(pairs, q, exact)
     from_obstacles, from_itself = (
@@ -171,29 +171,29 @@ def _clearance(
     pairs: _core.CollisionScene,
     margin: float,
     times: Float64Array | None,
-    found: tuple[Float64Array, _Found | None, _Found | None],
+    found: tuple[Float64Array, _Nearest | None, _Nearest | None],
 ) -> Clearance:
     distances, closest, first = found
     return Clearance(
-        first=_approach(pairs, times, first),
-        closest=_approach(pairs, times, closest),
+        first=_closest_pair(pairs, times, first),
+        closest=_closest_pair(pairs, times, closest),
         distances=distances,
         margin=margin,
     )
 
 
-def _approach(
-    pairs: _core.CollisionScene, times: Float64Array | None, found: _Found | None
-) -> Approach | None:
+def _closest_pair(
+    pairs: _core.CollisionScene, times: Float64Array | None, found: _Nearest | None
+) -> ClosestPair | None:
     if found is None or np.isinf(found[3]):
         return None
     sample, a, b, gap, on_a, on_b = found
     time = None if times is None else float(np.interp(sample, np.arange(len(times)), times))
-    return Approach(sample, time, (pairs.names[a], pairs.names[b]), gap, np.stack([on_a, on_b]))
+    return ClosestPair(sample, time, (pairs.names[a], pairs.names[b]), gap, np.stack([on_a, on_b]))
 
 
 @dataclass(frozen=True, eq=False)
-class Approach(ShortRepr):
+class ClosestPair(ShortRepr):
     """Two bodies where they are nearest.
 
     Attributes:
@@ -228,8 +228,8 @@ class Clearance(ShortRepr):
         margin: the distance to keep in m.
     """
 
-    first: Approach | None
-    closest: Approach | None
+    first: ClosestPair | None
+    closest: ClosestPair | None
     distances: Float64Array
     margin: float
 
@@ -241,7 +241,7 @@ class Clearance(ShortRepr):
 
 @dataclass(frozen=True, eq=False)
 class CollisionReport(Drawn):
-    """What a check found; a motion that hits something is a finding, not an error.
+    """Result of a collision check; a hit is reported, not raised.
 
     The two clearances are apart because parts of an arm are near each other by design.
 
@@ -262,13 +262,13 @@ class CollisionReport(Drawn):
         return self.first is None
 
     @property
-    def first(self) -> Approach | None:
+    def first(self) -> ClosestPair | None:
         """The first hit of both kinds; None where there is none."""
         hits = [hit for hit in (self.obstacles.first, self.itself.first) if hit is not None]
         return min(hits, key=lambda hit: hit.sample, default=None)
 
     @property
-    def closest(self) -> Approach | None:
+    def closest(self) -> ClosestPair | None:
         """The nearest approach of both kinds; None where nothing is checked."""
         both = (self.obstacles, self.itself)
         return min(both, key=lambda clearance: clearance.minimum_distance).closest

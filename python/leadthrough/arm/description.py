@@ -32,7 +32,7 @@ _COLUMNS = {
     "jerk": "jerk\nrad/s^3",
     "effort": "effort\nN m",
 }
-_WIDEST = 200  # characters; a table is as wide as its joints' names need it to be
+_MAX_WIDTH = 200  # characters; a table is as wide as its joints' names need it to be
 _SLIDING = "; prismatic: m instead of rad, N instead of N m"
 _INCOMPLETE = """\
 The URDF states no acceleration or jerk. A limits file does; complete this one
@@ -67,8 +67,8 @@ def _joints(arm: ArmModel) -> str:
     for heading in _COLUMNS.values():
         table.add_column(heading, justify="right")
     for joint in arm._robot.path(arm.base, arm.tip):
-        if joint.name in arm.held:
-            table.add_row(joint.name, f"held at {arm.held[joint.name]:.4g}")
+        if joint.name in arm.locked_joints:
+            table.add_row(joint.name, f"locked at {arm.locked_joints[joint.name]:.4g}")
         elif joint.mimic is not None:
             table.add_row(joint.name, _mimicry(joint.mimic))
         elif joint.kind != "fixed":
@@ -101,10 +101,10 @@ def _unit(name: str, joint: _core.Joint, value: float) -> str:
 
 
 def _carried(arm: ArmModel) -> Iterator[str]:
-    outside = set(arm.held) - {joint.name for joint in arm._robot.path(arm.base, arm.tip)}
+    outside = set(arm.locked_joints) - {joint.name for joint in arm._robot.path(arm.base, arm.tip)}
     if outside:
-        yield "also held: " + ", ".join(
-            f"{name} at {arm.held[name]:.4g}" for name in sorted(outside)
+        yield "also locked: " + ", ".join(
+            f"{name} at {arm.locked_joints[name]:.4g}" for name in sorted(outside)
         )
     position, orientation = arm.tool
     yield f"tool: tip at {_numbers(position)} m, {_numbers(orientation)} (w, x, y, z) in {arm.tip}"
@@ -147,7 +147,7 @@ def _number(value: float) -> str:
 
 def _rendered(table: Table) -> str:
     text = io.StringIO()
-    Console(file=text, width=_WIDEST, color_system=None).print(table)
+    Console(file=text, width=_MAX_WIDTH, color_system=None).print(table)
     return "\n".join(line.rstrip() for line in text.getvalue().splitlines()).strip("\n")
 
 
@@ -169,13 +169,13 @@ def _links(arm: ArmModel) -> Panel:
         links.append(joint.child if joint.parent == links[-1] else joint.parent)
     at = np.stack([poses[arm._robot.links[link]][1][0] for link in links])
     tip = arm._chain.forward_kinematics(q[None])[0]
-    way = on_paper(np.vstack([at, tip]))
-    extent = float(np.ptp(way, axis=0).max()) or 1.0
+    line = on_paper(np.vstack([at, tip]))
+    extent = float(np.ptp(line, axis=0).max()) or 1.0
     moving = [i for i, joint in enumerate(joints, 1) if joint.name in arm.joint_names]
-    dots = [_dot(way[i], "", palette.AMBER, 3.0) for i in moving]
-    axes, names = triad(way.min(axis=0) - [0.3 * extent, 0.0], 0.2 * extent)
-    link = Line(way[:, 0], way[:, 1], colour=palette.BLUE, width=4.0)
-    ends = [_dot(way[0], "base", palette.GREY, 5.0), _dot(way[-1], "tip", palette.GREEN, 3.0)]
+    dots = [_dot(line[i], "", palette.AMBER, 3.0) for i in moving]
+    axes, names = triad(line.min(axis=0) - [0.3 * extent, 0.0], 0.2 * extent)
+    link = Line(line[:, 0], line[:, 1], colour=palette.BLUE, width=4.0)
+    ends = [_dot(line[0], "base", palette.GREY, 5.0), _dot(line[-1], "tip", palette.GREEN, 3.0)]
     title = f"{arm._robot.name}, reach at most {arm._chain.reach:.2f} m"
     return Panel(title, [*axes, link], dots=[*names, *dots, *ends], equal=True)
 

@@ -22,7 +22,7 @@ _STILL = np.zeros(6)
 
 @dataclass(frozen=True, eq=False, slots=True)
 class JointState(ShortRepr):
-    """Where the joints are and how they move.
+    """Joint positions and velocities.
 
     Attributes:
         q: (joints,) in rad (m for prismatic joints).
@@ -57,7 +57,7 @@ class DifferentialIk(ShortRepr):
             keep to their velocity limits or brake in time; then all slow down together.
         posture: configuration (joints,) towards which the joints move in the null space, which
             leaves the tool in place; by default the middle of their ranges.
-        posture_gain: rate in 1/s, >= 0, of that motion.
+        nullspace_gain: rate in 1/s, >= 0, of that motion.
 
     Raises:
         InvalidInput: if an argument has another shape or is out of its range.
@@ -69,7 +69,7 @@ class DifferentialIk(ShortRepr):
     dt: float
     gain: float
     posture: Float64Array
-    posture_gain: float
+    nullspace_gain: float
     _solver: _core.DifferentialIk = field(repr=False)
     _joints: int = field(repr=False)
 
@@ -80,29 +80,29 @@ class DifferentialIk(ShortRepr):
         dt: float = 1e-3,
         gain: float = 20.0,
         posture: ArrayLike | None = None,
-        posture_gain: float = 1.0,
+        nullspace_gain: float = 1.0,
     ) -> None:
         chain, joints = arm._chain, len(arm.joint_names)
         interval = magnitudes.interval(dt)
         rates = (
             magnitudes.positive(gain, "gain"),
-            magnitudes.not_negative(posture_gain, "posture_gain"),
+            magnitudes.not_negative(nullspace_gain, "nullspace_gain"),
         )
-        wished = chain.middle if posture is None else posture
-        wished = magnitudes.frozen(wished, "posture", shape=(joints,))
+        preferred = chain.middle if posture is None else posture
+        preferred = magnitudes.frozen(preferred, "posture", shape=(joints,))
         limits = (arm.limits.velocity, known_acceleration(arm.limits))
         vars(self).update(
             arm=arm,
             dt=interval,
             gain=rates[0],
-            posture=wished,
-            posture_gain=rates[1],
-            _solver=_core.DifferentialIk(chain, *limits, wished, interval, *rates),
+            posture=preferred,
+            nullspace_gain=rates[1],
+            _solver=_core.DifferentialIk(chain, *limits, preferred, interval, *rates),
             _joints=joints,
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        options = (self.dt, self.gain, self.posture, self.posture_gain)
+        options = (self.dt, self.gain, self.posture, self.nullspace_gain)
         return _restored, (self.arm, *options)
 
     def start(self, q: ArrayLike, qd: ArrayLike | None = None) -> JointState:
@@ -141,13 +141,13 @@ class DifferentialIk(ShortRepr):
         Raises:
             InvalidInput: if an argument has another type or shape, is not finite or too large.
         """
-        turned = _FREE if orientation is None else orientation
+        target = _FREE if orientation is None else orientation
         moving = _STILL if twist is None else twist
-        try:  # the quick way: arrays as the kernel takes them, which checks them itself
-            quick = self._solver.step(state.q, state.qd, position, turned, moving)  # type: ignore[arg-type]
+        try:  # the fast path: arrays as the kernel takes them, which checks them itself
+            quick = self._solver.step(state.q, state.qd, position, target, moving)  # type: ignore[arg-type]
             return JointState(*quick)
         except (AttributeError, TypeError, ValueError):
-            return JointState(*self._solver.step(*self._checked(state, position, turned, moving)))
+            return JointState(*self._solver.step(*self._checked(state, position, target, moving)))
 
     def _checked(
         self, state: Any, position: ArrayLike, orientation: ArrayLike, twist: ArrayLike
@@ -166,6 +166,6 @@ class DifferentialIk(ShortRepr):
 
 
 def _restored(
-    arm: Arm, dt: float, gain: float, posture: Float64Array, posture_gain: float
+    arm: Arm, dt: float, gain: float, posture: Float64Array, nullspace_gain: float
 ) -> DifferentialIk:
-    return DifferentialIk(arm, dt=dt, gain=gain, posture=posture, posture_gain=posture_gain)
+    return DifferentialIk(arm, dt=dt, gain=gain, posture=posture, nullspace_gain=nullspace_gain)

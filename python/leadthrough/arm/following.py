@@ -1,7 +1,7 @@
 """Joint trajectories along a motion of the tip.
 
 The path is solved sample after sample, each from the one before, so the arm never jumps to
-another posture. Where its velocity and acceleration limits are too low for the motion's pace, as
+another posture. If its velocity and acceleration limits are too low for the motion's pace, as
 beside a singularity, one of three must yield: the limits, the times or the path.
 
 Sources: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for the slowing.
@@ -171,7 +171,7 @@ def follow(
         searched = None if in_time else ahead.searched(q0, around)
         if searched is None:
             status = "too_fast" if in_time else "jump"
-            raise failure(chain, limits, followed, track, on_the_way=status)
+            raise failure(chain, limits, followed, track, otherwise=status)
         q = searched
     times = slowed(chain, path.times, q, limits) if on_rate_limit == "slow" else path.times
     velocities = velocities_of(times, q)

@@ -42,7 +42,7 @@ _REASONS = {
 
 
 def failure(
-    chain: _core.Chain, limits: JointLimits, path: TipPath, track: Track, *, on_the_way: str
+    chain: _core.Chain, limits: JointLimits, path: TipPath, track: Track, *, otherwise: str
 ) -> IkFailure:
     """The error for the first sample that a track misses."""
     i, closest = track.reached, track.q[track.reached]
@@ -51,18 +51,18 @@ def failure(
     if codes[0]:
         status, residual = STATUSES[codes[0]], (float(far[0]), float(angles[0]))
         closest, barred = q[0], bars[0]
-        why = limits_in_the_way(limits, closest, barred.tolist())
+        why = limiting_joints_text(limits, closest, barred.tolist())
         beyond = _beyond(chain, path, i, track.q[i])
     else:
-        status = on_the_way
+        status = otherwise
         residual = (float(track.position_errors[i]), float(track.orientation_errors[i]))
         barred = _barred(chain, limits, path.only(slice(i, i + 1)), closest)
-        why = limits_in_the_way(limits, closest, barred.tolist())
+        why = limiting_joints_text(limits, closest, barred.tolist())
         if status == "jump" and not why:
             why = _leap(limits, track.q[max(i - 1, 0)], q[0])
-    told = ": ".join(text for text in (_REASONS.get(status), why) if text)
+    reasons = ": ".join(text for text in (_REASONS.get(status), why) if text)
     message = (
-        f"sample {i} at {path.times[i]:.6g} s: {status}{f' ({told})' if told else ''}, "
+        f"sample {i} at {path.times[i]:.6g} s: {status}{f' ({reasons})' if reasons else ''}, "
         f"{residual[0]:.3g} m and {residual[1]:.3g} rad away{beyond}"
     )
     names = tuple(np.array(limits.joint_names)[barred].tolist())
@@ -71,8 +71,8 @@ def failure(
     )
 
 
-def limits_in_the_way(limits: JointLimits, q: Float64Array, bars: Sequence[bool]) -> str:
-    """The joints that bar the way and the limits that they are at; empty if there are none."""
+def limiting_joints_text(limits: JointLimits, q: Float64Array, bars: Sequence[bool]) -> str:
+    """The joints that limit the arm and the limits that they are at; empty if there are none."""
     return " and ".join(_at_limit(limits, q, bars))
 
 
@@ -143,9 +143,9 @@ def require_reachable(
     beyond = away - arm._chain.reach
     if beyond.max() > _ROUNDING:
         raise _too_far(arm, path, away)
-    turned = not left and len(path.orientations) > 0 and len(arm.joint_names) >= _SIX
+    oriented = not left and len(path.orientations) > 0 and len(arm.joint_names) >= _SIX
     for i in dict.fromkeys((len(path) - 1, 0)):
-        orientation = path.orientations[i : i + 1] if turned else np.empty((0, 4))
+        orientation = path.orientations[i : i + 1] if oriented else np.empty((0, 4))
         likely = near[-1 if i else 0]
         q0 = arm._chain.middle if likely is None else likely
         _require_end(arm, path, i, orientation, tolerances=tolerances, near=q0)
@@ -155,8 +155,10 @@ def _shoulder(arm: ArmModel) -> Float64Array:
     """Position of the first joint, (3,) m in the base frame; the reach is measured from there."""
     joints = arm._robot.path(arm.base, arm.tip)
     first = next(joint for joint in joints if joint.kind != "fixed")
-    turned, placed = link_poses(arm, arm._chain.middle[None])[arm._robot.links[first.parent]]
-    return np.asarray(placed[0] + turned[0] @ first.position)
+    orientations, positions = link_poses(arm, arm._chain.middle[None])[
+        arm._robot.links[first.parent]
+    ]
+    return np.asarray(positions[0] + orientations[0] @ first.position)
 
 
 def _too_far(arm: ArmModel, path: TipPath, away: Float64Array) -> IkFailure:
@@ -201,7 +203,7 @@ def _require_end(
         if codes[0] == 0:
             return
     end = "the motion's end" if i else "the motion's start"
-    why = limits_in_the_way(arm.limits, q[0], bars[0].tolist()) or "no joint positions reach it"
+    why = limiting_joints_text(arm.limits, q[0], bars[0].tolist()) or "no joint positions reach it"
     status = STATUSES[codes[0]]
     message = (
         f"sample {i} at {path.times[i]:.6g} s: {status} ({end} is not reached: {why}), "

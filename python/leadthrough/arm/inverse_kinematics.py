@@ -139,19 +139,19 @@ def compiled(options: IkOptions, seed: int, *, find_all: bool = False) -> _core.
 
 @dataclass(frozen=True, eq=False, slots=True)
 class IkResult(ShortRepr):
-    """One solution, or the closest configuration found.
+    """One solution, or the closest configuration.
 
     Attributes:
         q: configuration (joints,) in rad (m for prismatic joints), inside the limits.
         success: whether the status is "converged".
         status: "converged"; "unreachable", the target lies beyond the arm's length, or every
             attempt came to rest away from it; "limits", the same, but with joints pressed against
-            limits that bar the way; "budget", the iterations or the CPU time were used up.
+            limits that keep it away; "budget", the iterations or the CPU time were used up.
         position_error: distance from the target in m, without the axes left free.
         orientation_error: angle from the target in rad, without the axes left free; 0 if the whole
             orientation is free.
         iterations: how many were used, over all restarts.
-        limiting_joints: with "limits", the joints that bar the way.
+        limiting_joints: with "limits", the joints at their limits that keep the tip away.
     """
 
     q: Float64Array
@@ -174,7 +174,7 @@ class IkBatch(ShortRepr):
         position_error: (m,) in m.
         orientation_error: (m,) in rad.
         iterations: (m,).
-        limiting_joints: (m, joints), true where a joint bars the way.
+        limiting_joints: (m, joints), true for such joints.
     """
 
     q: Float64Array

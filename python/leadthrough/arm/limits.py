@@ -95,12 +95,12 @@ class JointLimits(ShortRepr):
         Args:
             names: of the joints to leave out.
         """
-        kept = [i for i, name in enumerate(self.joint_names) if name not in names]
+        rest = [i for i, name in enumerate(self.joint_names) if name not in names]
         columns = {name: getattr(self, name) for name in _BOUNDS + _RATES}
-        rest: dict[str, Any] = {
-            name: None if column is None else column[kept] for name, column in columns.items()
+        values: dict[str, Any] = {
+            name: None if column is None else column[rest] for name, column in columns.items()
         }
-        return JointLimits(tuple(self.joint_names[i] for i in kept), **rest)
+        return JointLimits(tuple(self.joint_names[i] for i in rest), **values)
 
     def template(self) -> str:
         """The text of a limits file for `Arm.from_urdf`, with ? for each value to fill in."""
@@ -247,12 +247,14 @@ def _column(
 def checked_values(values: Mapping[str, float]) -> Mapping[str, float]:
     """A read-only copy of values by the joints' names."""
     if not isinstance(values, Mapping):
-        raise InvalidInput(f"hold: expected a mapping from joints' names to values, got {values!r}")
+        raise InvalidInput(
+            f"locked_joints: expected a mapping from joints' names to values, got {values!r}"
+        )
     for name in values:
         if not isinstance(name, str):
-            raise InvalidInput(f"hold: expected a joint's name, got {name!r}")
+            raise InvalidInput(f"locked_joints: expected a joint's name, got {name!r}")
     return MappingProxyType(
-        {name: check.number(value, f"hold: {name}") for name, value in values.items()}
+        {name: check.number(value, f"locked_joints: {name}") for name, value in values.items()}
     )
 
 
@@ -262,17 +264,18 @@ def require_inside(values: Mapping[str, float], limits: JointLimits) -> None:
     for name, lower, upper in bounds:
         if name in values and not lower <= values[name] <= upper:
             raise InvalidInput(
-                f"hold: {name}: expected a value inside its limits {lower:.6g} to {upper:.6g}, "
-                f"got {values[name]:.6g}"
+                f"locked_joints: {name}: expected a value inside its limits {lower:.6g} to "
+                f"{upper:.6g}, got {values[name]:.6g}"
             )
     if set(limits.joint_names) <= set(values):
-        raise InvalidInput("hold: expected at least one joint of the arm not to be held")
+        raise InvalidInput("locked_joints: expected at least one joint of the arm not to be locked")
 
 
-def require_free(values: Collection[str], held: Mapping[str, float]) -> None:
-    """Check that none of the joints is held already."""
+def require_unlocked(values: Collection[str], locked: Mapping[str, float]) -> None:
+    """Check that none of the joints is locked already."""
     for name in values:
-        if name in held:
+        if name in locked:
             raise InvalidInput(
-                f"hold: {name}: expected a joint that is not held, but it is held at {held[name]}"
+                f"locked_joints: {name}: expected a joint that is not locked, but it is locked at "
+                f"{locked[name]}"
             )

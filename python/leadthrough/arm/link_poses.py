@@ -15,15 +15,15 @@ def link_poses(arm: ArmModel, q: Float64Array) -> dict[str, tuple[Float64Array, 
     """Rotations (n, 3, 3) and positions (n, 3), m, of each link in the frame of the arm's base."""
     values = _values(arm, q)
     links = arm.robot.links
-    turned = {0: np.tile(np.eye(3), (len(q), 1, 1))}
-    placed = {0: np.zeros((len(q), 3))}
+    orientations = {0: np.tile(np.eye(3), (len(q), 1, 1))}
+    positions = {0: np.zeros((len(q), 3))}
     for joint in arm.robot.tree:
         rotation, shift = _motion(joint, values)
-        here = turned[joint.parent]
+        here = orientations[joint.parent]
         offset = joint.position + shift @ joint.rotation.T
-        placed[joint.child] = placed[joint.parent] + np.einsum("nij,nj->ni", here, offset)
-        turned[joint.child] = here @ (joint.rotation @ rotation)
-    return _seen_from(links.index(arm.base), turned, placed, dict(enumerate(links)))
+        positions[joint.child] = positions[joint.parent] + np.einsum("nij,nj->ni", here, offset)
+        orientations[joint.child] = here @ (joint.rotation @ rotation)
+    return _seen_from(links.index(arm.base), orientations, positions, dict(enumerate(links)))
 
 
 def _values(arm: ArmModel, q: Float64Array) -> dict[str, Float64Array]:
@@ -31,7 +31,7 @@ def _values(arm: ArmModel, q: Float64Array) -> dict[str, Float64Array]:
     moved = dict(zip(arm.joint_names, q.T, strict=True))
     values = {}
     for joint in arm.robot.tree:
-        still = arm.held.get(joint.name, min(max(0.0, joint.lower), joint.upper))
+        still = arm.locked_joints.get(joint.name, min(max(0.0, joint.lower), joint.upper))
         values[joint.name] = moved.get(joint.name, np.full(len(q), still))
     return values
 
@@ -53,15 +53,15 @@ def _motion(
 
 def _seen_from(
     base: int,
-    turned: Mapping[int, Float64Array],
-    placed: Mapping[int, Float64Array],
+    orientations: Mapping[int, Float64Array],
+    positions: Mapping[int, Float64Array],
     names: Mapping[int, str],
 ) -> dict[str, tuple[Float64Array, Float64Array]]:
-    back = turned[base].transpose(0, 2, 1)
+    back = orientations[base].transpose(0, 2, 1)
     return {
         names[i]: (
-            back @ turned[i],
-            np.einsum("nij,nj->ni", back, placed[i] - placed[base]),
+            back @ orientations[i],
+            np.einsum("nij,nj->ni", back, positions[i] - positions[base]),
         )
-        for i in turned
+        for i in orientations
     }

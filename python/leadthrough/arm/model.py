@@ -13,7 +13,7 @@ from leadthrough import _core, check
 from leadthrough.arm import dynamics, kinematics
 from leadthrough.arm.attachment import Attachment, Load
 from leadthrough.arm.collision import collision_model
-from leadthrough.arm.limits import JointLimits, checked_values, require_free, require_inside
+from leadthrough.arm.limits import JointLimits, checked_values, require_inside, require_unlocked
 from leadthrough.check import Float64Array
 from leadthrough.drawing.panels import Drawn
 from leadthrough.errors import InvalidInput
@@ -31,7 +31,7 @@ class ArmModel(Drawn):
     base: str
     tip: str
     limits: JointLimits = field(repr=False)
-    held: Mapping[str, float] = field(default_factory=dict, repr=False)
+    locked_joints: Mapping[str, float] = field(default_factory=dict, repr=False)
     attachment: Attachment = field(default_factory=Attachment, repr=False)
     mesh_folders: tuple[str, ...] = field(default=(), repr=False)
     _robot: _core.Robot = field(init=False, repr=False)
@@ -41,14 +41,14 @@ class ArmModel(Drawn):
         names = self.joint_names
         parts = [f"{self._robot.name!r}, {self.base} to {self.tip}"]
         parts.append(f"{len(names)} joints {names[0]} ... {names[-1]}")
-        parts += [f"holds {', '.join(self.held)} still"] if self.held else []
+        parts += [f"{', '.join(self.locked_joints)} locked"] if self.locked_joints else []
         lacking = [name for name in ("acceleration", "jerk") if getattr(self.limits, name) is None]
         parts += [f"without {' and '.join(lacking)} limits"] if lacking else []
-        return [*parts, *self.attachment.told()]
+        return [*parts, *self.attachment.summary()]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "held", checked_values(self.held))
-        robot = _core.Robot(self.document).hold(list(self.held.items()))
+        object.__setattr__(self, "locked_joints", checked_values(self.locked_joints))
+        robot = _core.Robot(self.document).hold(list(self.locked_joints.items()))
         chain = _core.Chain(robot, self.base, self.tip)
         if list(self.joint_names) != chain.joint_names:
             raise InvalidInput(
@@ -60,7 +60,7 @@ class ArmModel(Drawn):
 
     def __reduce__(self) -> tuple[Any, ...]:
         stated = (self.document, self.base, self.tip, self.limits)
-        return type(self), (*stated, dict(self.held), self.attachment, self.mesh_folders)
+        return type(self), (*stated, dict(self.locked_joints), self.attachment, self.mesh_folders)
 
     @cached_property
     def _collision(self) -> _core.CollisionModel:
@@ -70,7 +70,7 @@ class ArmModel(Drawn):
 
     @property
     def robot(self) -> _core.Robot:
-        """The robot that the arm is part of, with the held joints fixed.
+        """The robot that the arm is part of, with the locked joints fixed.
 
         It has a `name`, its `links`, and its `tree`: every joint, parents first, with the indices
         of its `parent` and `child` link, `kind`, `position`, `rotation`, `axis` and bounds.
@@ -79,7 +79,7 @@ class ArmModel(Drawn):
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """The joints to command, from base to tip; without those held or mimicking another."""
+        """The joints to command, from base to tip; without those locked or mimicking another."""
         return self.limits.joint_names
 
     @property
@@ -92,22 +92,23 @@ class ArmModel(Drawn):
         """The shapes of the objects that the arm holds, in the frame of link `tip`."""
         return self.attachment.shapes
 
-    def hold(self, values: Mapping[str, float]) -> Self:
-        """The arm with some joints frozen, which leave `joint_names`.
+    def lock_joints(self, values: Mapping[str, float]) -> Self:
+        """The arm with some joints locked, which leave `joint_names`.
 
-        Other joints of the robot may be frozen as well: what they carry then counts as a load.
+        Other joints of the robot may be locked as well: what they carry then counts as a load.
 
         Args:
             values: in rad (m) by the joints' names, inside the limits.
 
         Raises:
-            InvalidInput: if a value is outside the limits, a joint is held already, or no joint of
-                the arm would be left.
+            InvalidInput: if a value is outside the limits, a joint is locked already, or no joint
+                of the arm would be left.
         """
-        wanted = checked_values(values)
-        require_free(wanted, self.held)
-        require_inside(wanted, self.limits)
-        return replace(self, limits=self.limits.without(wanted), held={**self.held, **wanted})
+        values = checked_values(values)
+        require_unlocked(values, self.locked_joints)
+        require_inside(values, self.limits)
+        locked = {**self.locked_joints, **values}
+        return replace(self, limits=self.limits.without(values), locked_joints=locked)
 
     def with_tool(self, position: ArrayLike, orientation: ArrayLike = _IDENTITY) -> Self:
         """The arm with its tip moved to a pose in the frame of its present tip; tools compose.
@@ -268,7 +269,7 @@ class ArmModel(Drawn):
 
         The model has the links that the arm moves, those on side branches fixed to them, and the
         payloads. It has no friction, no motor inertia and nothing that hangs from joints outside
-        the arm, unless these are held.
+        the arm, unless these are locked.
 
         Args:
             q: configuration (joints,) or a batch (m, joints).

@@ -55,7 +55,7 @@ class PathReport(Drawn):
 
     @property
     def ok(self) -> bool:
-        """Whether the tip is on the path within the tolerances and the limits are kept."""
+        """Whether the tip is on the path within the tolerances and the limits are satisfied."""
         ratios = [self.velocity_ratio, self.acceleration_ratio]
         return bool(
             self.position_error.max() <= self.position_tolerance
@@ -82,15 +82,15 @@ class PathReport(Drawn):
         ]
         if self.acceleration_ratio is not None:
             rows.append(("acceleration", self.acceleration_ratio, "of the limit", np.argmax))
-        found = []
+        rows_of_worst = []
         for name, values, unit, worst in rows:
             i = int(worst(values))
-            found.append((name, float(values[i]), unit, float(self.times[i])))
-        return found
+            rows_of_worst.append((name, float(values[i]), unit, float(self.times[i])))
+        return rows_of_worst
 
     def _repr_parts(self) -> list[str]:
-        told = [f"{name} {value:.3g} {unit}".strip() for name, value, unit, _ in self._worst()]
-        return [f"ok={self.ok}", f"{len(self.times)} samples", *told]
+        parts = [f"{name} {value:.3g} {unit}".strip() for name, value, unit, _ in self._worst()]
+        return [f"ok={self.ok}", f"{len(self.times)} samples", *parts]
 
     def _panels(self) -> list[Panel]:
         errors = np.column_stack([self.position_error, self.orientation_error])
@@ -117,16 +117,16 @@ def path_report(
     path = TipPath.of(motion)
     q = _joints(trajectory, path, limits)
     positions, orientations = chain.forward_kinematics(q)
-    turned, turn = np.zeros(len(path)), np.zeros((len(path), 3))
+    angles, turn = np.zeros(len(path)), np.zeros((len(path), 3))
     if len(path.orientations):
-        turned = rotations.distance(orientations, path.orientations)
+        angles = rotations.distance(orientations, path.orientations)
         turn = rotations.log(rotations.compose(rotations.inverse(path.orientations), orientations))
     times = trajectory.times
     stated = limits.acceleration
     return PathReport(
         times=times,
         position_error=_read_only(np.linalg.norm(positions - path.positions, axis=1)),
-        orientation_error=_read_only(turned),
+        orientation_error=_read_only(angles),
         turn=_read_only(turn),
         condition_number=_read_only(_condition_number(chain, q)),
         margin=_read_only(margins(limits.lower, limits.upper, q)),

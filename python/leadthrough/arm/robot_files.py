@@ -48,7 +48,7 @@ def read(path_or_xml: str | PathLike[str]) -> str:
 def ends_and_limits(
     document: str,
     ends: tuple[str | None, str | None],
-    held: Mapping[str, float],
+    locked: Mapping[str, float],
     limits: JointLimits | str | PathLike[str] | None,
 ) -> tuple[str, str, JointLimits]:
     """The base and tip link of an arm, and its limits: those given, or the URDF's, completed."""
@@ -56,7 +56,7 @@ def ends_and_limits(
     base, tip = ends
     base = robot.links[0] if base is None else check.choice(base, "base", robot.links)
     tip = _only_leaf(robot) if tip is None else check.choice(tip, "tip", robot.links)
-    chain = _core.Chain(robot.hold(list(held.items())), base, tip)
+    chain = _core.Chain(robot.hold(list(locked.items())), base, tip)
     names = tuple(chain.joint_names)
     stated = JointLimits(names, chain.lower, chain.upper, chain.velocity, effort=chain.effort)
     if limits is None:

@@ -8,7 +8,7 @@ task is partly active.
 
 In both the joints' position, velocity and acceleration limits hold at every level: where one is met
 the level's null space takes over, and only then the level itself gives way, as in Flacco, De Luca
-and Khatib 2015. That is found as the optimum of a strictly convex program (Kanoun, Lamiraux and
+and Khatib 2015. It is computed as the optimum of a strictly convex program (Kanoun, Lamiraux and
 Wieber 2011), so the motion is continuous where a limit or a task becomes active.
 
 A task is damped within 2 cm per rad of its singularity, and at the singularity asks for nothing;
@@ -93,7 +93,7 @@ class TaskStack(ShortRepr):
         Raises:
             InvalidInput: if a task does not fit the arm.
         """
-        # Spelled out, as loops change tasks in every step: what stays the same is kept.
+        # Spelled out, as loops change tasks in every step: unchanged parts are reused.
         made = object.__new__(TaskStack)
         vars(made).update(vars(self))
         made._take(tasks)
@@ -285,13 +285,13 @@ class TaskReport(ShortRepr):
     Attributes:
         error: in m and rad, rotations counting 0.3 m per rad; of tasks that keep a distance, by how
             much it is violated.
-        miss: difference between the motion and what the task asks for, the same per s or s^2.
+        residual: difference between the motion and what the task asks for, the same per s or s^2.
         activation: 1; of tasks that keep a distance, 0 to 1.
-        limited: whether a joint limit, or a higher task that keeps a distance, stood in its way.
+        limited: whether a joint limit, or a higher task that keeps a distance, limited the task.
     """
 
     error: Float64Array
-    miss: Float64Array
+    residual: Float64Array
     activation: Float64Array
     limited: NDArray[np.bool_]
 
@@ -316,14 +316,14 @@ class StackRun(Drawn):
     Attributes:
         trajectory: the joints.
         error: in m and rad.
-        miss: in m/s and rad/s.
+        residual: in m/s and rad/s.
         activation: 0 to 1.
-        limited: whether something stood in the task's way.
+        limited: whether something limited the task.
     """
 
     trajectory: JointTrajectory
     error: Float64Array
-    miss: Float64Array
+    residual: Float64Array
     activation: Float64Array
     limited: NDArray[np.bool_]
 

@@ -86,11 +86,11 @@ class Track:
         position, orientation = chain.forward_kinematics(q[None])
         wanted = path.only(slice(sample, sample + 1))
         far = float(np.linalg.norm(position - wanted.positions))
-        turned = 0.0
+        angle = 0.0
         if len(wanted.orientations):
-            turned = float(rotations.distance(orientation, wanted.orientations)[0])
+            angle = float(rotations.distance(orientation, wanted.orientations)[0])
         rows = np.repeat(q[None], sample + 1, axis=0)
-        errors = np.full(sample + 1, far), np.full(sample + 1, turned)
+        errors = np.full(sample + 1, far), np.full(sample + 1, angle)
         return Track(rows, *errors, sample)
 
 

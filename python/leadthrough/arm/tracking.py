@@ -108,7 +108,7 @@ class Tracker:
             if ended.status != "jump":
                 raise
             stuck = Track.standing(self.chain, self.path, ended.index, ended.q)
-            raise failure(self.chain, self.limits, self.path, stuck, on_the_way="jump") from None
+            raise failure(self.chain, self.limits, self.path, stuck, otherwise="jump") from None
         leaps = np.abs(np.diff(q, axis=0)).max(initial=0.0) > self.max_step
         return None if leaps else q
 

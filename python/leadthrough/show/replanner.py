@@ -14,7 +14,7 @@ from leadthrough import check
 from leadthrough.arm import Arm, FollowOptions
 from leadthrough.arm.clearing import CollisionTest
 from leadthrough.arm.following import follow
-from leadthrough.arm.ik_failure import limits_in_the_way
+from leadthrough.arm.ik_failure import limiting_joints_text
 from leadthrough.arm.recorded_joints import warn_of_another_arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LeadthroughError
@@ -282,7 +282,7 @@ class Replanner:
         )
         if not found.success:
             bars = [name in found.limiting_joints for name in self.arm.joint_names]
-            why = limits_in_the_way(self.arm.limits, found.q, bars) or found.status
+            why = limiting_joints_text(self.arm.limits, found.q, bars) or found.status
             raise InvalidInput(
                 f"goal: the arm does not reach it: {why}; the nearest is "
                 f"{found.position_error:.3g} m and {found.orientation_error:.3g} rad away"

@@ -133,7 +133,7 @@ TASKS: dict[str, tuple[Subtask, ...]] = {
 def load_arm() -> Arm:
     """The seven joints of the arm, with the hand."""
     hand = Capsule(0.04, 0.06, np.array([0.0, 0.0, -0.1]))
-    arm = Arm.load("tiago").hold({"torso_lift_joint": TORSO})
+    arm = Arm.load("tiago").lock_joints({"torso_lift_joint": TORSO})
     return arm.with_tool(_TOOL).with_attached(hand)
 
 

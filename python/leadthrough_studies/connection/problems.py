@@ -78,7 +78,7 @@ def panda() -> Arm:
         document = document.replace(theirs, ours)
     # Its meshes are named by the package, three folders above the URDF's.
     arm = Arm.from_urdf(document, tip="panda_hand", mesh_folders=[urdf.parents[3]])
-    return arm.hold({"panda_finger_joint1": _FINGERS})
+    return arm.lock_joints({"panda_finger_joint1": _FINGERS})
 
 
 def problems(archive: Path, kind: str, numbers: Sequence[int]) -> Iterator[Problem]:

@@ -262,7 +262,7 @@ def test_what_is_attached_is_checked(panda):
 
 def test_a_held_joint_is_where_it_is_held(panda):
     q = 0.5 * configurations(panda, 1, 8)[0]
-    held = panda.hold({"panda_joint4": q[3]})
+    held = panda.lock_joints({"panda_joint4": q[3]})
     box = lt.Box((0.1, 0.1, 0.1), (0.5, 0.0, 0.3))
     assert held.distance(np.delete(q, 3), [box]) == panda.distance(q, [box])
 

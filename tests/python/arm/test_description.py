@@ -45,13 +45,13 @@ def test_what_is_unknown_or_endless_is_called_so():
 def test_what_is_held_and_carried_is_told():
     arm = (
         lt.Arm.load("tiago")
-        .hold({"torso_lift_joint": 0.125})
+        .lock_joints({"torso_lift_joint": 0.125})
         .with_tool((0.0, 0.0, 0.25))
         .with_attached(lt.Box((0.1, 0.1, 0.1), (0.0, 0.0, 0.5)), mass=0.75)
         .with_payload(0.5)
     )
     text = arm.describe()
-    assert "held at 0.125" in line_of(text, "torso_lift_joint")
+    assert "locked at 0.125" in line_of(text, "torso_lift_joint")
     assert "tip at (0, 0, 0.25) m" in text
     assert "load: 1.25 kg" in text
     assert "holds: Box at (0, 0, 0.75) m" in text

@@ -78,7 +78,7 @@ def test_the_twist_of_a_moving_target_leaves_no_lag(panda):
 
 def test_the_posture_does_not_move_the_tool(panda):
     posture = HOME + np.array([0.5, 0.3, -0.5, 0.2, 0.5, 0.0, 0.0])
-    ik = lt.DifferentialIk(panda, posture=posture, posture_gain=2.0)
+    ik = lt.DifferentialIk(panda, posture=posture, nullspace_gain=2.0)
     position, orientation = panda.forward_kinematics(HOME)
     state, furthest = ik.start(HOME), 0.0
     for _ in range(3000):
@@ -171,7 +171,7 @@ def test_steps_that_make_no_sense_are_refused(panda, arguments, name):
         ({"dt": 0.0}, "dt"),
         ({"gain": np.nan}, "gain"),
         ({"posture": HOME[:2]}, "posture"),
-        ({"posture_gain": -1.0}, "posture_gain"),
+        ({"nullspace_gain": -1.0}, "nullspace_gain"),
     ],
 )
 def test_solvers_that_make_no_sense_are_refused(panda, options, name):

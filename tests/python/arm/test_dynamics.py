@@ -97,7 +97,7 @@ def held(robot):
     """An arm all of whose robot's other joints are held, and its peer."""
     _, arm, path, _ = robot
     values = others(path, arm)
-    whole = lt.Arm.from_urdf(path, base=arm.base, tip=arm.tip, hold=values)
+    whole = lt.Arm.from_urdf(path, base=arm.base, tip=arm.tip, locked_joints=values)
     return whole, Peer(arm, path, values)
 
 
@@ -143,7 +143,7 @@ def test_loads_and_tools_count(held, motions):
 
 def test_what_moves_by_joints_outside_the_arm_does_not_count_until_held(robot):
     name, arm, path, posture = robot
-    held = lt.Arm.from_urdf(path, base=arm.base, tip=arm.tip, hold=others(path, arm))
+    held = lt.Arm.from_urdf(path, base=arm.base, tip=arm.tip, locked_joints=others(path, arm))
     same = np.array_equal(arm.gravity_torques(posture), held.gravity_torques(posture))
     assert same == (name == "ur3")  # the Panda's fingers, TIAGo's head
 

@@ -102,7 +102,7 @@ def test_is_clear_says_what_distances_say(panda):
     assert 50 < clear.sum() < 450
 
 
-# Where published paths among boxes lie before a Panda whose tip is its hand (TORM, CppFlow): the
+# Positions of published paths among boxes before a Panda whose tip is its hand (TORM, CppFlow): the
 # offset of the path, the size of the boxes and their centres, m, and the largest step of a joint.
 AMONG_BOXES = {
     "1cube": (

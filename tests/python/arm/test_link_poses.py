@@ -57,6 +57,6 @@ def test_joint_that_mimics_moves_its_link():
 
 
 def test_held_joint_stays_at_its_value():
-    arm = lt.Arm.from_urdf(MIMICRY, tip="c", hold={"slide": 0.4})
+    arm = lt.Arm.from_urdf(MIMICRY, tip="c", locked_joints={"slide": 0.4})
     _, position = link_poses(arm, np.zeros((1, 1)))["b"]
     assert np.allclose(position, [[0.1 + 0.4 * np.sin(0.5), 0.0, 0.4 * np.cos(0.5)]])

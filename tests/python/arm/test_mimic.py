@@ -161,7 +161,7 @@ def test_a_leader_outside_the_arm_must_be_held():
     with pytest.raises(InvalidRobot, match="hold") as refusal:
         lt.Arm.from_urdf(text, base="link1")
     assert refusal.value.where == "joint 'wrist'"
-    held = lt.Arm.from_urdf(text, base="link1", hold={"turn": 0.4})
+    held = lt.Arm.from_urdf(text, base="link1", locked_joints={"turn": 0.4})
     assert held.joint_names == ("lift", "lead")
     bent = lt.Arm.from_urdf(document(), base="link1").with_tool((0.0, 0.0, 0.0))
     for q in Q[:3, 0, 1:3]:
@@ -203,11 +203,11 @@ def test_contradictory_mimics_are_refused(change, message):
 
 def test_a_joint_that_mimics_cannot_be_held(arm):
     with pytest.raises(InvalidInput, match="'lead'; hold that one"):
-        arm.hold({"curl": 0.1})
+        arm.lock_joints({"curl": 0.1})
 
 
 def test_holding_the_leader_holds_what_mimics_it(arm):
-    held = arm.hold({"lead": 0.4})
+    held = arm.lock_joints({"lead": 0.4})
     assert held.joint_names == ("turn", "lift", "wrist")
     for q, *_ in Q[:5]:
         q[2] = 0.4

@@ -121,7 +121,7 @@ def test_tasks_that_fit_together_are_all_met(scheme):
         scheme=scheme,
     )
     solution = stack.solve(HOME)
-    assert solution.report.miss[:2] == pytest.approx(0.0, abs=1e-9)
+    assert solution.report.residual[:2] == pytest.approx(0.0, abs=1e-9)
     np.testing.assert_allclose(
         PANDA.jacobian(HOME)[:3] @ solution.motion, 5.0 * np.array([0.01, 0.02, -0.01]), atol=1e-9
     )
@@ -168,10 +168,14 @@ def test_links_behind_joints_that_mimic_or_are_held_are_moved_as_they_move():
     mimic = '<mimic joint="one" multiplier="-2" offset="0.1"/>'
     joints = [hinge("one", "a", "b"), hinge("two", "b", "c", mimic), hinge("three", "c", "d")]
     whole = lt.Arm.from_urdf(f'<robot name="folding">{LINKS}{"".join(joints)}</robot>')
-    held = whole.hold({"three": 0.3})
+    held = whole.lock_joints({"three": 0.3})
     for arm, link in ((whole, "c"), (whole, None), (held, "d")):
         q = np.full(len(arm.joint_names), 0.7)
-        upper = arm if link is None else lt.Arm.from_urdf(arm.document, tip=link, hold=arm.held)
+        upper = (
+            arm
+            if link is None
+            else lt.Arm.from_urdf(arm.document, tip=link, locked_joints=arm.locked_joints)
+        )
         used = slice(len(upper.joint_names))
         height = lambda q, upper=upper, used=used: upper.forward_kinematics(q[used])[0][2]  # noqa: E731
         task = ElbowTask(link or "d", height(q) + 0.01)

@@ -133,7 +133,7 @@ def test_the_rounds_are_the_callers(panda, shown, box):
 
 def test_an_arm_of_five_joints_stands_where_it_has_to_turn_its_tool(panda, shown):
     """It cannot tilt the tool sideways, as shown, anywhere; at start and goal nothing is near."""
-    arm = panda.hold({"panda_joint3": 0.0, "panda_joint5": 0.0})
+    arm = panda.lock_joints({"panda_joint3": 0.0, "panda_joint5": 0.0})
     tilted = lt.rotations.compose(DOWN[None], lt.rotations.exp([[0.0, 0.2, 0.0]]))
     motion = lt.PoseTrajectory(shown[1].times, shown[1].positions, np.tile(tilted, (61, 1)))
     skill = lt.DMP().fit([motion])

@@ -13,65 +13,65 @@ def tiago():
 
 
 def test_a_held_joint_leaves_the_arm_and_its_limits(tiago):
-    held = tiago.hold({"torso_lift_joint": 0.2})
-    assert held.joint_names == tiago.joint_names[1:]
-    assert held.held == {"torso_lift_joint": 0.2}
+    locked = tiago.lock_joints({"torso_lift_joint": 0.2})
+    assert locked.joint_names == tiago.joint_names[1:]
+    assert locked.locked_joints == {"torso_lift_joint": 0.2}
     for name in ("lower", "upper", "velocity", "acceleration", "jerk", "effort"):
-        np.testing.assert_array_equal(getattr(held.limits, name), getattr(tiago.limits, name)[1:])
+        np.testing.assert_array_equal(getattr(locked.limits, name), getattr(tiago.limits, name)[1:])
 
 
 def test_kinematics_and_dynamics_are_those_of_the_whole_arm(arm, random_configurations):
-    """With two joints held: one in the middle, one at the end."""
+    """With two joints locked: one in the middle, one at the end."""
     kept = [i for i in range(len(arm.joint_names)) if i not in (2, 5)]
     for q in random_configurations(arm, 5, 1):
-        held = arm.hold({arm.joint_names[2]: q[2]}).hold({arm.joint_names[5]: q[5]})
+        locked = arm.lock_joints({arm.joint_names[2]: q[2]}).lock_joints({arm.joint_names[5]: q[5]})
         for ours, truth in zip(
-            held.forward_kinematics(q[kept]), arm.forward_kinematics(q), strict=True
+            locked.forward_kinematics(q[kept]), arm.forward_kinematics(q), strict=True
         ):
             np.testing.assert_allclose(ours, truth * np.sign(ours @ truth), atol=1e-13)
-        np.testing.assert_allclose(held.jacobian(q[kept]), arm.jacobian(q)[:, kept], atol=1e-13)
+        np.testing.assert_allclose(locked.jacobian(q[kept]), arm.jacobian(q)[:, kept], atol=1e-13)
         np.testing.assert_allclose(
-            held.gravity_torques(q[kept]), arm.gravity_torques(q)[kept], atol=1e-11
+            locked.gravity_torques(q[kept]), arm.gravity_torques(q)[kept], atol=1e-11
         )
         np.testing.assert_allclose(
-            held.mass_matrix(q[kept]), arm.mass_matrix(q)[np.ix_(kept, kept)], atol=1e-12
+            locked.mass_matrix(q[kept]), arm.mass_matrix(q)[np.ix_(kept, kept)], atol=1e-12
         )
 
 
 def test_joints_are_held_from_the_start_or_later(robot):
     _, arm, path, posture = robot
     name, value = arm.joint_names[3], posture[3]
-    first = lt.Arm.from_urdf(path, base=arm.base, tip=arm.tip, hold={name: value})
-    later = arm.hold({name: value})
+    first = lt.Arm.from_urdf(path, base=arm.base, tip=arm.tip, locked_joints={name: value})
+    later = arm.lock_joints({name: value})
     assert first.joint_names == later.joint_names
     q = np.delete(posture, 3)
     np.testing.assert_array_equal(first.jacobian(q), later.jacobian(q))
 
 
 def test_inverse_kinematics_uses_the_joints_that_are_left(tiago):
-    held = tiago.hold({"torso_lift_joint": 0.2})
-    q = held.limits.lower + 0.4 * (held.limits.upper - held.limits.lower)
-    position, orientation = held.forward_kinematics(q)
-    result = held.inverse_kinematics(position, orientation)
+    locked = tiago.lock_joints({"torso_lift_joint": 0.2})
+    q = locked.limits.lower + 0.4 * (locked.limits.upper - locked.limits.lower)
+    position, orientation = locked.forward_kinematics(q)
+    result = locked.inverse_kinematics(position, orientation)
     assert result.success
     np.testing.assert_allclose(tiago.forward_kinematics([0.2, *result.q])[0], position, atol=2e-6)
 
 
-def test_a_held_arm_travels_between_processes(tiago):
-    held = tiago.hold({"torso_lift_joint": 0.2, "arm_7_joint": 0.3})
-    again = pickle.loads(pickle.dumps(held))
-    assert again.held == held.held
+def test_an_arm_with_locked_joints_travels_between_processes(tiago):
+    locked = tiago.lock_joints({"torso_lift_joint": 0.2, "arm_7_joint": 0.3})
+    again = pickle.loads(pickle.dumps(locked))
+    assert again.locked_joints == locked.locked_joints
     q = np.linspace(0.1, 0.6, 6)
-    np.testing.assert_array_equal(again.jacobian(q), held.jacobian(q))
+    np.testing.assert_array_equal(again.jacobian(q), locked.jacobian(q))
 
 
-def test_what_holds_is_not_the_callers_dictionary(tiago):
+def test_locked_joints_are_not_the_callers_dictionary(tiago):
     values = {"torso_lift_joint": 0.2}
-    held = tiago.hold(values)
+    locked = tiago.lock_joints(values)
     values["torso_lift_joint"] = 9.0
-    assert held.held["torso_lift_joint"] == 0.2
+    assert locked.locked_joints["torso_lift_joint"] == 0.2
     with pytest.raises(TypeError):
-        held.held["torso_lift_joint"] = 9.0
+        locked.locked_joints["torso_lift_joint"] = 9.0
 
 
 @pytest.mark.parametrize(
@@ -87,27 +87,27 @@ def test_what_holds_is_not_the_callers_dictionary(tiago):
         (None, "names"),
     ],
 )
-def test_what_cannot_be_held_is_refused(tiago, values, message):
+def test_joints_that_cannot_be_locked_are_refused(tiago, values, message):
     with pytest.raises(InvalidInput, match=message):
-        tiago.hold(values)
+        tiago.lock_joints(values)
 
 
-def test_one_joint_stays_and_none_is_held_twice(tiago):
+def test_one_joint_stays_and_none_is_locked_twice(tiago):
     with pytest.raises(InvalidInput, match="at least one"):
-        tiago.hold(dict.fromkeys(tiago.joint_names, 0.1))
-    with pytest.raises(InvalidInput, match=r"held at 0\.1"):
-        tiago.hold({"torso_lift_joint": 0.1}).hold({"torso_lift_joint": 0.2})
+        tiago.lock_joints(dict.fromkeys(tiago.joint_names, 0.1))
+    with pytest.raises(InvalidInput, match=r"locked at 0\.1"):
+        tiago.lock_joints({"torso_lift_joint": 0.1}).lock_joints({"torso_lift_joint": 0.2})
 
 
-def test_a_robot_all_of_whose_joints_are_held_is_no_arm():
+def test_a_robot_all_of_whose_joints_are_locked_is_no_arm():
     document = (
         '<robot name="one"><link name="a"/><link name="b"/><joint name="j" type="continuous">'
         '<parent link="a"/><child link="b"/></joint></robot>'
     )
     with pytest.raises(InvalidRobot, match="no joint moves"):
-        lt.Arm.from_urdf(document, hold={"j": 0.1})
+        lt.Arm.from_urdf(document, locked_joints={"j": 0.1})
     with pytest.raises(InvalidInput, match="j"):
-        lt.Arm.from_urdf(document, hold={"j": np.inf})
+        lt.Arm.from_urdf(document, locked_joints={"j": np.inf})
 
 
 def test_the_limits_must_be_those_of_the_joints_that_are_left(tiago):
