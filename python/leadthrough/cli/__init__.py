@@ -6,31 +6,23 @@ from typing import Annotated
 
 import typer
 
-from leadthrough.cli.check import check
-from leadthrough.cli.clean import clean
-from leadthrough.cli.command import Command, Commands
-from leadthrough.cli.demo import demo
-from leadthrough.cli.example import example
-from leadthrough.cli.experiment import experiment
-from leadthrough.cli.guard import guard
-from leadthrough.cli.info import info
-from leadthrough.cli.judge import judge
+from leadthrough.cli.checks import check, simulate
+from leadthrough.cli.command import PROFILE, Command, Commands
 from leadthrough.cli.learn import learn
+from leadthrough.cli.motions import guard, retime
+from leadthrough.cli.options import flattened
 from leadthrough.cli.plan import plan
-from leadthrough.cli.profile import FILE
-from leadthrough.cli.reach import reach
-from leadthrough.cli.retime import retime
-from leadthrough.cli.simulate import simulate
-from leadthrough.cli.validate import validate
-from leadthrough.cli.view import view
+from leadthrough.cli.recordings import clean, info, judge
+from leadthrough.cli.showing import demo, example, view
+from leadthrough.cli.sweeps import experiment, reach, validate
 
 __all__ = ["app", "main"]
 
 _ENDINGS = (
-    "Exit codes: 0 success; 1 the answer is no (a limit exceeded, a collision, no path, no joint "
-    "positions that reach the goal, a study with failures); 2 wrong input or usage; 130 stopped by "
-    "Ctrl-C. "
-    f"The options --robot, --base, --tip and --limits may stand in a file {FILE} instead."
+    "Exit codes: 0 success; 1 check failed or infeasible (a limit exceeded, a collision, no path, "
+    "no joint positions that reach the goal, a study with failures); 2 wrong input or usage; 130 "
+    "interrupted by Ctrl-C. "
+    f"The options --robot, --base, --tip and --limits may stand in a file {PROFILE} instead."
 )
 
 
@@ -62,14 +54,14 @@ for each in (
     view,
     experiment,
 ):
-    app.command(cls=Command)(each)
+    app.command(cls=Command)(flattened(each))
 
 
 @app.callback()
 def leadthrough(
     debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
     no_profile: Annotated[
-        bool, typer.Option("--no-profile", help=f"Ignore the file {FILE} in this folder.")
+        bool, typer.Option("--no-profile", help=f"Ignore the file {PROFILE} in this folder.")
     ] = False,
     version: Annotated[
         bool,

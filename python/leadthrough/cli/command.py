@@ -1,9 +1,17 @@
-"""What all commands have in common: options from the profile, and how errors end."""
+"""Common to all commands: options from the profile, and errors in the words of the command line.
+
+The profile `leadthrough.toml` holds options that all commands take in its folder; an option on the
+command line wins.
+
+    robot = "arm.urdf"
+    tip = "tool0"
+    limits = "arm.toml"
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -11,13 +19,18 @@ from typing import Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from leadthrough.cli import errors, profile
-from leadthrough.errors import LeadthroughError
+from leadthrough.cli import errors
+from leadthrough.errors import InvalidInput, LeadthroughError
 
 # Typer's root of what is wrong with the words of a command line.
 _UsageError: Any = typer.BadParameter.__bases__[0]
 # What --help calls the values of these types.
 _KINDS = {"path": "FILE", "Path": "FILE", "str": "TEXT", "float": "NUMBER", "int": "NUMBER"}
+_JSON = "leadthrough.json"
+PROFILE = "leadthrough.toml"
+PROFILE_KEYS = ("robot", "base", "tip", "limits", "mesh_folder")
+# They describe one arm: with another one on the command line, they hold no more.
+OF_THE_ROBOT = PROFILE_KEYS[1:]
 
 
 def words(ctx: Any) -> dict[str, str]:
@@ -28,7 +41,7 @@ def words(ctx: Any) -> dict[str, str]:
         if option == f"--{parameter.name.replace('_', '-')}":
             said = option
             if _source(ctx, parameter.name) == "DEFAULT_MAP":
-                said = found[option] = f"{profile.FILE}: {parameter.name}"
+                said = found[option] = f"{PROFILE}: {parameter.name}"
             found[parameter.name] = found[f"{parameter.name}s"] = said
     return found
 
@@ -53,14 +66,14 @@ class Command(TyperCommand):
             and not (parent and parent.params.get("no_profile"))
         )
         if wanted and any(parameter.name == "robot" for parameter in self.params):
-            extra["default_map"] = profile.read()
+            extra["default_map"] = read_profile()
         return super().make_context(info_name, args, **extra)
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         _refuse_files_like_options(self, ctx, args)
         rest = super().parse_args(ctx, args)
         if _source(ctx, "robot") == "COMMANDLINE":
-            for name in profile.OF_THE_ROBOT:
+            for name in OF_THE_ROBOT:
                 if _source(ctx, name) == "DEFAULT_MAP":
                     ctx.params[name] = None
         return rest
@@ -115,9 +128,6 @@ class Commands(TyperGroup):
             return super().invoke(ctx)
 
 
-_JSON = "leadthrough.json"
-
-
 def _name_values(parameters: list[Any]) -> None:
     """Lets --help say what a value is without Python's types, and nothing for a switch."""
     for parameter in parameters:
@@ -152,3 +162,32 @@ def _source(ctx: Any, name: str) -> str | None:
     """Where a parameter's value comes from: "COMMANDLINE", "DEFAULT_MAP" (the profile), ..."""
     source = ctx.get_parameter_source(name)
     return None if source is None else source.name
+
+
+def read_profile() -> dict[str, str]:
+    """The options in the working directory's profile, by their names."""
+    import tomllib
+
+    try:
+        text = Path(PROFILE).read_text(encoding="utf-8")
+        document = tomllib.loads(text)
+    except FileNotFoundError:
+        return {}
+    except (OSError, UnicodeDecodeError) as error:
+        raise InvalidInput(f"{PROFILE}: cannot be read ({error})") from None
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InvalidInput(f"{PROFILE}: not a TOML document: {error}") from None
+    return _checked(document)
+
+
+def _checked(document: Mapping[str, Any]) -> dict[str, str]:
+    for key, value in document.items():
+        if key not in PROFILE_KEYS:
+            raise InvalidInput(
+                f"{PROFILE}: {key}: unknown key; the keys are {', '.join(PROFILE_KEYS)}"
+            )
+        if not isinstance(value, str) or not value:
+            raise InvalidInput(f"{PROFILE}: {key}: expected a text in quotes, got {value!r}")
+        if "robot" not in document:
+            raise InvalidInput(f"{PROFILE}: {key}: only used with robot; add robot or remove {key}")
+    return dict(document)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import typer
 
-from leadthrough.cli import profile
+from leadthrough.cli.command import read_profile
 from leadthrough.errors import LeadthroughError
 
 STUDIES = (
@@ -93,7 +93,7 @@ def links(ctx: typer.Context, incomplete: str) -> list[str]:
 
     with suppress(LeadthroughError, OSError, UnicodeDecodeError):
         files_named = (str(file) for file in ctx.params.get("files") or ())
-        robot = ctx.params.get("robot") or next(files_named, None) or profile.read().get("robot")
+        robot = ctx.params.get("robot") or next(files_named, None) or read_profile().get("robot")
         path = Path(robot or "")
         text = (path if path.is_file() else find_robot(str(robot)).urdf).read_text("utf-8")
         return _beginning(_LINK.findall(text), incomplete)

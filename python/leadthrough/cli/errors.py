@@ -25,8 +25,15 @@ from leadthrough.errors import (
     SchedulerUnreachable,
 )
 
-# The input was right, and there is no such motion.
-_NO = (SchedulerUnreachable, FitError, IkFailure, LimitsInfeasible, NoContinuousLogarithm, NoPath)
+# The input was valid, and no such motion was found.
+_INFEASIBLE = (
+    SchedulerUnreachable,
+    FitError,
+    IkFailure,
+    LimitsInfeasible,
+    NoContinuousLogarithm,
+    NoPath,
+)
 _STOPPED = 130  # as shells have it for Ctrl-C
 # The last words of some messages, for those who program: "; in Python, Arm.joints_of picks ...".
 _IN_PYTHON = re.compile(r"[,;:]?\s+in\s+Python\b.*", re.DOTALL)
@@ -44,13 +51,13 @@ def naming(**words: str) -> Iterator[None]:
 
 
 @contextmanager
-def going_on() -> Iterator[None]:
+def interruptible() -> Iterator[None]:
     """Ends a command that is stopped by Ctrl-C with a line that says how to go on, and code 130."""
     try:
         yield
     except KeyboardInterrupt:
         print(
-            "leadthrough: stopped; what is finished is kept, and the same command goes on",
+            "leadthrough: Interrupted. Finished results are saved; rerun the command to resume",
             file=sys.stderr,
         )
         raise typer.Exit(_STOPPED) from None
@@ -100,7 +107,7 @@ def ending(error: Exception, words: Mapping[str, str], *, as_json: bool) -> type
         print_json(type(error).__name__, message, _argument(error, message, words))
     else:
         print(f"leadthrough: {message}", file=sys.stderr)
-    return typer.Exit(1 if isinstance(error, _NO) else 2)
+    return typer.Exit(1 if isinstance(error, _INFEASIBLE) else 2)
 
 
 def print_json(kind: str, message: str, argument: str | None) -> None:

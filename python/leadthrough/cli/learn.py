@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from leadthrough.cli import chain, completion, episodes, options
+from leadthrough.cli import completion, options, output
 from leadthrough.errors import InvalidInput
 from leadthrough.models.registry import MODELS, model_entry, model_names
 
@@ -28,6 +28,7 @@ _NAMES = {"PoseTrajectory": "poses", "Trajectory": "points", "JointTrajectory": 
 
 
 def learn(
+    *,
     ctx: typer.Context,
     files: options.Recordings,
     out: Annotated[
@@ -56,10 +57,7 @@ def learn(
         ),
     ] = None,
     robot: options.MaybeRobotName = None,
-    limits: options.LimitsFile = None,
-    base: options.BaseLink = None,
-    tip: options.TipLink = None,
-    mesh_folder: options.MeshFolder = None,
+    details: options.ArmDetails,
     clean: Annotated[
         bool,
         typer.Option("--clean", help="Remove faulty samples first; stderr tells which."),
@@ -74,9 +72,7 @@ def learn(
             help="Number of the motion to learn, counted from 1; may be repeated. By default all.",
         ),
     ] = None,
-    rest: options.Rest = 0.0,
-    speed: options.Speed = None,
-    angular_speed: options.AngularSpeed = None,
+    resting: options.RestOptions,
     pause: options.Pause = None,
     as_joints: Annotated[
         bool,
@@ -84,12 +80,8 @@ def learn(
             "--joints", help="With --robot, learn its joints instead of poses of its tip."
         ),
     ] = False,
-    column: options.Columns = None,
-    rate: options.Rate = None,
-    angles: options.Angles = None,
-    quaternions: options.Quaternions = None,
-    topic: options.Topic = None,
-    table: episodes.FaultTable = None,
+    layout: options.ReadOptions,
+    table: options.FaultTable = None,
     samples: Annotated[
         int, typer.Option(help="With --table, most samples that are kept of each recording.")
     ] = 200,
@@ -102,27 +94,20 @@ def learn(
     leadthrough learn day.csv --cut --motion 3 --rate 50 --model fast-marching -o reach.npz
     """
     from leadthrough import check
-    from leadthrough.cli import errors, parse, reading, tables
+    from leadthrough.cli import errors, parse, reading
     from leadthrough.cli import robot as robots
     from leadthrough.io import read_demonstrations
 
     reading.check_skill_output(out)
     if model is not None:
         check.choice(model, "--model", model_names())
-    arm = None if robot is None else robots.load(robot, limits, base, tip, mesh_folder)
+    arm = None if robot is None else robots.load(robot, details)
     if arm is None:
         only = {"joints": as_joints or None}
-        robots.refuse("--robot", limits=limits, base=base, tip=tip, mesh_folder=mesh_folder, **only)
+        robots.refuse("--robot", **vars(details), **only)
     recordings = reading.listed(files)
     reading.refuse_skills(recordings)
-    how: dict[str, Any] = {
-        "columns": parse.columns(column or []),
-        "rate": rate,
-        "angles": angles,
-        "quaternions": quaternions,
-        "topic": topic,
-        "joints": None if arm is None else robots.ranges(arm),
-    }
+    how = layout.arguments() | {"joints": None if arm is None else robots.ranges(arm)}
     if table is None:
         # Both ends stay: `reading.trimmed` has the options for them.
         read = reading.cleaned if clean else partial(read_demonstrations, rest=math.inf)
@@ -131,41 +116,38 @@ def learn(
         most = check.integer(samples, "samples", at_least=10)
         demonstrations = _streamed(recordings, how, table, most)
     if cut:
-        demonstrations = reading.cut(
-            demonstrations, pause=pause, speed=speed, angular_speed=angular_speed
-        )
+        demonstrations = reading.cut(demonstrations, resting, pause=pause)
     else:
         robots.refuse("--cut", pause=pause)
-    demonstrations = reading.trimmed(
-        _chosen(demonstrations, number), rest=rest, speed=speed, angular_speed=angular_speed
-    )
+    demonstrations = reading.trimmed(_chosen(demonstrations, number), resting)
     if arm is not None:
         demonstrations = [_of_the_arm(arm, shown, as_joints=as_joints) for shown in demonstrations]
     kind = model or "dmp"
     chosen = model_of(kind, parse.parameters(parameter or []))
     _refuse_other_kinds(kind, demonstrations)
     words = options.of_model(chosen) | _as_names(demonstrations)
-    with tables.busy("learning"), errors.naming(**words, path="--out"), _told(demonstrations):
+    with output.busy("learning"), errors.naming(**words, path="--out"), _told(demonstrations):
         skill = chosen.fit(demonstrations)
         skill.save(out)
     found = {"skill": str(out), "model": kind, "demonstrations": [d.name for d in demonstrations]}
-    tables.facts(found, as_json=as_json)
+    output.facts(found, as_json=as_json)
     if not as_json:
         motion = "motion.csv" if robot is None else "motion.json"
-        chain.hint(ctx, "leadthrough", "plan", out, *chain.arm(ctx), "-o", motion)
+        output.hint(ctx, "leadthrough", "plan", out, *output.arm_words(ctx), "-o", motion)
 
 
 def _streamed(
     recordings: list[Path], how: dict[str, Any], table: Path, samples: int
 ) -> list[Demonstration]:
     """The recordings that can be cleaned, each thinned out as it comes, with a table of faults."""
+    from leadthrough.cli.recordings import check_table, cleaned_episodes, thinned
     from leadthrough.io import stream_recordings
     from leadthrough.preprocess import clean
 
-    episodes.check_table(table)
+    check_table(table)
     return [
-        episodes.thinned(shown, samples)
-        for _, shown, _ in episodes.cleaned(stream_recordings(recordings, **how), clean, table)
+        thinned(shown, samples)
+        for _, shown, _ in cleaned_episodes(stream_recordings(recordings, **how), clean, table)
     ]
 
 

@@ -5,8 +5,11 @@ A parameter is named as the library names the argument, so that errors can name 
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, get_type_hints
 
 import typer
 
@@ -152,6 +155,14 @@ Pause = Annotated[
     float | None,
     typer.Option(help="Shortest standing still that counts as a pause, in s."),
 ]
+FaultTable = Annotated[
+    Path | None,
+    typer.Option(
+        "--table",
+        help="CSV file to write with the faults of each recording. What cannot be read or cleaned "
+        "is then left out instead of ending the command, and data sets are read piece by piece.",
+    ),
+]
 On = Annotated[
     str | None,
     typer.Option(
@@ -164,6 +175,72 @@ TaskTimeout = Annotated[
     float | None,
     typer.Option(help="Longest time that one task may take, in s; by default any time."),
 ]
+
+
+@dataclass(frozen=True)
+class ArmDetails:
+    """Options that complete a robot's name."""
+
+    limits: LimitsFile = None
+    base: BaseLink = None
+    tip: TipLink = None
+    mesh_folder: MeshFolder = None
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """Options that say how recordings are read."""
+
+    column: Columns = None
+    rate: Rate = None
+    angles: Angles = None
+    quaternions: Quaternions = None
+    topic: Topic = None
+
+    def arguments(self) -> dict[str, Any]:  # Any: the reading functions' types differ
+        """The arguments of `leadthrough.io.read_demonstrations` that they make."""
+        from leadthrough.cli import parse
+
+        columns = parse.columns(self.column or [])
+        return {name: value for name, value in vars(self).items() if name != "column"} | {
+            "columns": columns
+        }
+
+
+@dataclass(frozen=True)
+class RestOptions:
+    """Options of `leadthrough.preprocess.trim`."""
+
+    rest: Rest = 0.0
+    speed: Speed = None
+    angular_speed: AngularSpeed = None
+
+
+def flattened(command: Callable[..., None]) -> Callable[..., None]:
+    """The command with the fields of its option groups as parameters of its own."""
+    hints = get_type_hints(command, include_extras=True)
+    groups: dict[str, Any] = {name: kind for name, kind in hints.items() if is_dataclass(kind)}
+    parameters = []
+    for name, parameter in inspect.signature(command).parameters.items():
+        kind = groups.get(name)
+        own = inspect.signature(kind, eval_str=True).parameters.values() if kind else [parameter]
+        parameters += [
+            each.replace(
+                kind=inspect.Parameter.KEYWORD_ONLY,
+                annotation=each.annotation if kind else hints[name],
+            )
+            for each in own
+        ]
+
+    def flat(**values: Any) -> None:
+        for name, kind in groups.items():
+            values[name] = kind(**{each.name: values.pop(each.name) for each in fields(kind)})
+        command(**values)
+
+    flat.__name__, flat.__doc__ = command.__name__, command.__doc__
+    flat.__annotations__ = {each.name: each.annotation for each in parameters}
+    flat.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    return flat
 
 
 def of_model(model: object) -> dict[str, str]:

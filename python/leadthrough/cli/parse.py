@@ -43,6 +43,11 @@ def obstacle(text: str) -> Shape:
         raise InvalidInput(f"--obstacle {text}: {error}") from None
 
 
+def obstacles(given: Sequence[str] | None) -> list[Shape]:
+    """The shapes of an option that may be repeated."""
+    return [obstacle(text) for text in given or ()]
+
+
 def _shape(text: str) -> Shape:
     kind, _, rest = text.partition(":")
     if kind in ("mesh", "cloud"):

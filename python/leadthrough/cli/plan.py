@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from leadthrough.cli import chain, completion, options
+from leadthrough.cli import completion, options, output
 
 if TYPE_CHECKING:
     from leadthrough.arm import Arm
@@ -27,6 +27,7 @@ _ASKED = (
 
 
 def plan(
+    *,
     ctx: typer.Context,
     skill: options.SkillFile,
     out: options.Output,
@@ -54,10 +55,7 @@ def plan(
     dt: Annotated[float, typer.Option(help="Time between samples, in s.")] = 0.01,
     obstacle: options.Obstacles = None,
     robot: options.MaybeRobotName = None,
-    limits: options.LimitsFile = None,
-    base: options.BaseLink = None,
-    tip: options.TipLink = None,
-    mesh_folder: options.MeshFolder = None,
+    details: options.ArmDetails,
     posture: Annotated[
         str | None,
         typer.Option(
@@ -102,7 +100,7 @@ def plan(
     leadthrough plan reach.npz --goal 0.5,0.1,0.3 --obstacle sphere:0.08@0.4,0,0.3 -o path.csv
     """
     from leadthrough.arm.recorded_joints import warn_of_another_arm
-    from leadthrough.cli import errors, following, parse, reading, tables
+    from leadthrough.cli import errors, parse, reading
     from leadthrough.cli import robot as robots
     from leadthrough.io import formats
     from leadthrough.motion import joints_with
@@ -112,39 +110,39 @@ def plan(
     asked: dict[str, Any] = {
         "start": _end(learned, start, move_start, "start", 0),
         "goal": _end(learned, goal, move_goal, "goal", -1),
-        "obstacles": [parse.obstacle(text) for text in obstacle or ()] or None,
+        "obstacles": parse.obstacles(obstacle) or None,
         "duration": duration,
     }
     # What a skill has no say in is left out, so that it need not refuse it.
     asked = {name: value for name, value in asked.items() if value is not None}
     if robot is None:
         only = {"posture": posture, "tolerance": tolerance, "free_axis": free_axis}
-        robots.refuse("--robot", limits=limits, base=base, tip=tip, mesh_folder=mesh_folder, **only)
+        robots.refuse("--robot", **vars(details), **only)
     if robot is None or "obstacles" not in asked:
         robots.refuse("--robot and --obstacle", margin=margin, tip_only=tip_only or None)
     _warn_of_novelty(learned, asked)
     at_learning = options.of_model(getattr(learned, "model", None))
-    with tables.busy("planning"), errors.naming(**at_learning):
+    with output.busy("planning"), errors.naming(**at_learning):
         query = asked | {"dt": dt}
         told: dict[str, Any] = {}
         arm = None
         if robot is None:
-            motion: Motion = following.generated(learned, query)
+            motion: Motion = robots.generated(learned, query)
         else:
-            arm = robots.load(robot, limits, base, tip, mesh_folder)
+            arm = robots.load(robot, details)
             warn_of_another_arm(arm._chain, learned.generate())
-            how = following.options_of(arm, posture, tolerance, free_axis)
+            how = robots.options_of(arm, posture, tolerance, free_axis)
             if "obstacles" in asked and not tip_only:
-                followed = following.kept_clear(arm, learned, query, margin, how)
+                followed = robots.kept_clear(arm, learned, query, margin, how)
             else:
-                followed = following.followed(arm, following.generated(learned, query), how)
+                followed = robots.followed(arm, robots.generated(learned, query), how)
             motion, told = followed.joints, followed.facts
     _write(motion, out, format, moves_arm=robot is not None)
     if joints_with(motion) is not None and formats.to_write(out, format).name not in _KEEPING:
-        tables.note(
+        output.note(
             f"{out} does not keep the joints that the skill was shown with, so an arm that "
             "follows it has a posture of its own; plan with --robot, or to .csv or .npz, to keep "
-            "the shown one"
+            "the demonstrated one"
         )
     found = {
         "motion": str(out),
@@ -159,11 +157,11 @@ def plan(
     if reason := _lengthened(learned, asked):
         found["lengthened"] = reason
     unit = "rad (m)" if hasattr(motion, "joint_names") else "m"
-    units = {"duration": "s", "start": unit, "goal": unit, **following.UNITS}
-    tables.facts(found, as_json=as_json, units=units)
+    units = {"duration": "s", "start": unit, "goal": unit, **robots.UNITS}
+    output.facts(found, as_json=as_json, units=units)
     if not as_json:
         told_limits = arm is None or arm.limits.acceleration is not None
-        chain.hint(ctx, *_next(ctx, motion, told_limits=told_limits))
+        output.hint(ctx, *_next(ctx, motion, told_limits=told_limits))
 
 
 def _next(ctx: typer.Context, motion: Motion, *, told_limits: bool) -> tuple[str | Path, ...]:
@@ -171,9 +169,9 @@ def _next(ctx: typer.Context, motion: Motion, *, told_limits: bool) -> tuple[str
 
     skill, out = ctx.params["skill"], ctx.params["out"]
     moves_joints = hasattr(motion, "joint_names")
-    arm = chain.arm(ctx) if ctx.params["robot"] else ("--robot", "ROBOT")
+    arm = output.arm_words(ctx) if ctx.params["robot"] else ("--robot", "ROBOT")
     if not moves_joints or not reading.can_read(out):  # for an arm, in a file that can be read
-        again = chain.typed(ctx, *_ASKED)
+        again = output.typed(ctx, *_ASKED)
         if ctx.params["robot"] or not moves_joints:
             again += arm
         return ("leadthrough", "plan", skill, *again, "-o", out.with_suffix(".json"))
@@ -192,22 +190,20 @@ def _limits_first(
     urdf = robots.urdf_of(ctx.params["robot"])
     target = Path(f"{urdf.stem}.toml")
     target = target.with_stem(f"{urdf.stem}-limits") if target.exists() else target
-    known = chain.typed(ctx, "base", "tip", "limits", "mesh_folder")
-    arm = chain.typed(ctx, "robot", "base", "tip", "mesh_folder")
+    known = output.typed(ctx, "base", "tip", "limits", "mesh_folder")
+    arm = output.typed(ctx, "robot", "base", "tip", "mesh_folder")
     written: tuple[str | Path, ...]
     written = ("leadthrough", "info", urdf, *known, "--write-limits", target)
     return (*written, "&&", *begin, *arm, "--limits", target, *end)
 
 
 def _write(motion: Motion, out: Path, format: str | None, *, moves_arm: bool) -> None:
-    from leadthrough.cli import errors
+    from leadthrough.cli import reading
     from leadthrough.errors import InvalidInput
-    from leadthrough.io import write_motion
     from leadthrough.motion import JointTrajectory
 
     try:
-        with errors.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
-            write_motion(motion, out, format=format)
+        reading.write_motion(motion, out, format)
     except InvalidInput as error:
         if moves_arm or isinstance(motion, JointTrajectory):
             raise
@@ -243,7 +239,7 @@ def _warn_of_novelty(learned: Skill, asked: dict[str, Any]) -> None:
         if deviations >= _NOVEL:
             print(
                 f"warning: {name}: {deviations:.3g} standard deviations from what was "
-                "demonstrated, so the motion there is a guess; check it before an arm moves, "
+                "demonstrated, so the motion is extrapolated there; check it before an arm moves, "
                 "choose a nearer one or add a demonstration of it",
                 file=sys.stderr,
             )

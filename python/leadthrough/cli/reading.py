@@ -10,15 +10,15 @@ from typing import Any
 
 from leadthrough import io, preprocess
 from leadthrough.cli import errors
+from leadthrough.cli.options import RestOptions
 from leadthrough.errors import InvalidInput
 from leadthrough.io import formats
-from leadthrough.io.headers import AngleUnit, QuaternionOrder
 from leadthrough.models import archive, load_skill
 from leadthrough.models.protocol import Skill
 from leadthrough.motion import Demonstration, Motion
 
-_TOLD = 0.1  # s; who left out less need not tell
-_EACH = 8  # recordings that are told of one by one
+_REPORTED = 0.1  # s; shorter rests are left out silently
+_EACH = 8  # recordings that are reported one by one
 
 _SKILL = ".npz"
 
@@ -65,27 +65,10 @@ def can_read(path: Path) -> bool:
     return True
 
 
-def cleaned(
-    files: Sequence[Path],
-    *,
-    columns: Mapping[str, list[str]] | None,
-    rate: float | None,
-    angles: AngleUnit | None,
-    quaternions: QuaternionOrder | None,
-    topic: str | None,
-    joints: Mapping[str, tuple[float, float]] | None = None,
-) -> list[Demonstration]:
-    """The recordings in files, cleaned; what was removed is reported on stderr."""
+def cleaned(files: Sequence[Path], **how: Any) -> list[Demonstration]:
+    """The recordings in files, cleaned; stderr reports the samples that were removed."""
     demonstrations = []
-    recordings = io.read_recordings(
-        files,
-        columns=columns,
-        rate=rate,
-        angles=angles,
-        quaternions=quaternions,
-        topic=topic,
-        joints=joints,
-    )
+    recordings = io.read_recordings(files, **how)
     for recording in recordings:
         # Both ends stay: `trimmed` has the options for them.
         with errors.naming(longest_gap="`leadthrough clean --longest-gap`"):
@@ -96,11 +79,7 @@ def cleaned(
 
 
 def cut(
-    recordings: Sequence[Demonstration],
-    *,
-    pause: float | None,
-    speed: float | None,
-    angular_speed: float | None,
+    recordings: Sequence[Demonstration], resting: RestOptions, *, pause: float | None
 ) -> list[Demonstration]:
     """The motions between the recordings' pauses, listed on stderr."""
     shortest: dict[str, Any] = {} if pause is None else {"pause": pause}
@@ -108,7 +87,7 @@ def cut(
         motion
         for recording in recordings
         for motion in preprocess.segment(
-            recording, speed=speed, angular_speed=angular_speed, **shortest
+            recording, speed=resting.speed, angular_speed=resting.angular_speed, **shortest
         )
     ]
     for number, shown in enumerate(motions, start=1):
@@ -119,29 +98,20 @@ def cut(
     return motions
 
 
-def trimmed(
-    recordings: Sequence[Demonstration],
-    *,
-    rest: float,
-    speed: float | None,
-    angular_speed: float | None,
-) -> list[Demonstration]:
-    """The recordings without the standing still at both ends; stderr tells how long it was."""
-    kept = [
-        preprocess.trim(each, rest=rest, speed=speed, angular_speed=angular_speed)
-        for each in recordings
-    ]
-    _tell_rests(recordings, kept)
+def trimmed(recordings: Sequence[Demonstration], resting: RestOptions) -> list[Demonstration]:
+    """The recordings without the rest at both ends; stderr reports how long it was."""
+    kept = [preprocess.trim(each, **vars(resting)) for each in recordings]
+    _report_rests(recordings, kept)
     return kept
 
 
-def _tell_rests(recordings: Sequence[Demonstration], kept: Sequence[Demonstration]) -> None:
+def _report_rests(recordings: Sequence[Demonstration], kept: Sequence[Demonstration]) -> None:
     """Prints on stderr how long each recording stood still; of many, only the longest."""
     rests = []
     for whole, shown in zip(recordings, kept, strict=True):
         before = shown.motion.times[0] - whole.motion.times[0]
         after = whole.motion.times[-1] - shown.motion.times[-1]
-        if max(before, after) > _TOLD:
+        if max(before, after) > _REPORTED:
             rests.append((whole.name, before, after))
     said = [
         f"{name}: stood still, left out {before:.2f} s before, {after:.2f} s after (--rest)"
@@ -203,3 +173,9 @@ def check_output(out: Path, format: str | None = None) -> None:
     """Refuses a file that no motion can be written to, before anything is computed."""
     with errors.naming(path="--out"):
         formats.to_write(out, format)
+
+
+def write_motion(motion: Motion, out: Path, format: str | None) -> None:
+    """Writes a motion to the file of --out."""
+    with errors.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
+        io.write_motion(motion, out, format=format)

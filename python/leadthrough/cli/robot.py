@@ -1,37 +1,50 @@
-"""The arm that a command line names, and motions for it."""
+"""The arm that a command line names, motions of its joints, and how they follow a plan."""
 
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
-from leadthrough.arm import Arm
+import numpy as np
+
+from leadthrough import check
+from leadthrough.arm import Arm, FollowOptions, PathReport
+from leadthrough.arm.inverse_kinematics import AXES
 from leadthrough.arm.robot_files import find_robot
-from leadthrough.cli import errors, reading
+from leadthrough.cli import errors, parse, reading
+from leadthrough.cli.options import ArmDetails
 from leadthrough.errors import InvalidInput
-from leadthrough.motion import JointTrajectory, Motion
+from leadthrough.models.protocol import Skill
+from leadthrough.motion import JointTrajectory, Motion, joints_with
+from leadthrough.motion_planning import Query, plan_motion
+from leadthrough.shapes import Scene
+from leadthrough.timing import differentiate
+
+# m or rad; the tip is this near to a path that is followed without tolerances.
+_AS_PLANNED = 2e-5
+UNITS = {
+    "position_error": "m",
+    "orientation_error": "rad",
+    "start_from_shown": "rad (m)",
+    "clearance": "m",
+    "tip_deviation": "m",
+}
+# A start this far from where the arm was shown, rad or m, is another posture to a person beside it.
+_ELSEWHERE = 0.3
 
 
-def load(
-    name: str,
-    limits: Path | None = None,
-    base: str | None = None,
-    tip: str | None = None,
-    mesh_folder: Path | None = None,
-) -> Arm:
+def load(name: str, details: ArmDetails) -> Arm:
     """The arm of a robot, by its name, or of a URDF, by its path."""
+    named: Any = {"base": details.base, "tip": details.tip, "limits": details.limits}
     with errors.naming(name="--robot", path_or_xml="--robot"):
         if _is_path(name):
-            return Arm.from_urdf(
-                Path(name),
-                base=base,
-                tip=tip,
-                limits=limits,
-                mesh_folders=mesh_folders(mesh_folder),
-            )
-        refuse("--robot FILE.urdf", mesh_folder=mesh_folder)
-        return Arm.load(name, base=base, tip=tip, limits=limits)
+            folders = mesh_folders(details.mesh_folder)
+            return Arm.from_urdf(Path(name), **named, mesh_folders=folders)
+        refuse("--robot FILE.urdf", mesh_folder=details.mesh_folder)
+        return Arm.load(name, **named)
 
 
 def mesh_folders(given: Path | None) -> list[Path]:
@@ -92,3 +105,122 @@ def own_joints(arm: Arm, motion: Motion, name: str) -> JointTrajectory:
         )
         motion = replace(motion, joint_names=arm.joint_names)
     return arm.joints_of(motion)
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """A joint motion, and what there is to tell of it."""
+
+    joints: JointTrajectory  # of the arm
+    facts: dict[str, Any]  # what to print, by name
+
+
+def generated(skill: Skill[Motion], query: dict[str, Any]) -> Motion:
+    """The skill's motion; of joints with their velocities and accelerations."""
+    motion = skill.generate(**query)
+    return differentiate(motion) if isinstance(motion, JointTrajectory) else motion
+
+
+def followed(arm: Arm, motion: Motion, how: dict[str, Any]) -> Followed:
+    """The arm's joints along a motion; a motion of joints is the arm's already."""
+    if isinstance(motion, JointTrajectory):
+        return Followed(own_joints(arm, motion, "the skill"), {})
+    joints = arm.follow(motion, **how)
+    return Followed(joints, _compared(arm, motion, joints, how))
+
+
+def kept_clear(
+    arm: Arm,
+    skill: Skill[Motion],
+    query: dict[str, Any],
+    margin: float | None,
+    how: dict[str, Any],
+) -> Followed:
+    """The arm's joints along a skill's motion, the whole arm clear of the obstacles."""
+    asked = {name: value for name, value in query.items() if name != "obstacles"}
+    scene = Scene(query["obstacles"])
+    if margin is not None:
+        scene = Scene(query["obstacles"], margin)
+    planned = plan_motion(skill, arm, scene, Query(**asked), **how)
+    facts = _compared(arm, planned.tip, planned.joints, how)
+    facts["clearance"] = planned.clearance
+    if planned.reasons:
+        facts |= {"tip_deviation": planned.deviation, "reasons": "; ".join(planned.reasons)}
+    return Followed(planned.joints, facts)
+
+
+def _compared(
+    arm: Arm, motion: Any, joints: JointTrajectory, how: dict[str, Any]
+) -> dict[str, Any]:
+    """What the arm does otherwise than its tip was planned and its joints were shown."""
+    report = arm.path_report(joints, motion)
+    options = how["options"]
+    default = options.free is None and options.tolerances == FollowOptions().tolerances
+    off = _off_the_path(report, always=not default)
+    chosen = {} if options.free is not None else _freed(report, options)
+    return chosen | off | _beside_shown(arm, motion, joints)
+
+
+def options_of(
+    arm: Arm, posture: str | None, tolerance: str | None, free_axes: Sequence[str] | None
+) -> dict[str, Any]:
+    """The arguments of `Arm.follow` that the command's options make."""
+    options = FollowOptions()
+    if tolerance is not None:
+        given = check.array(parse.numbers(tolerance, "--tolerance"), "--tolerance", shape=(2,))
+        position, orientation = (
+            check.number(each, "--tolerance", above=0.0) for each in given.tolist()
+        )
+        options = FollowOptions(position_tolerance=position, orientation_tolerance=orientation)
+    if free_axes is not None:
+        free = [check.choice(axis, "--free-axis", AXES) for axis in free_axes]
+        options = replace(options, free=free)
+    if posture is None:
+        return {"q0": None, "options": options}
+    if Path(posture).exists():
+        recorded = joints_in(arm, Path(posture))
+        return {"q0": None, "options": replace(options, posture=recorded)}
+    given = parse.numbers(posture, "--posture")
+    q = check.array(given, "--posture", shape=(len(arm.joint_names),))
+    return {"q0": q, "options": replace(options, posture=q)}
+
+
+def _freed(report: PathReport, options: FollowOptions) -> dict[str, list[str]]:
+    """The axes that the arm left free by itself, because it has fewer than six joints."""
+    asked = max(options.orientation_tolerance, _AS_PLANNED)
+    turned = np.abs(report.turn).max(axis=0).tolist()
+    axes = [f"r{axis}" for axis, angle in zip("xyz", turned, strict=True) if angle > asked]
+    return {"free_axes": axes} if axes else {}
+
+
+def _off_the_path(report: PathReport, *, always: object) -> dict[str, float]:
+    """How far the tip is from what was planned, where that is not by rounding alone."""
+    errors = {
+        "position_error": float(report.position_error.max()),
+        "orientation_error": float(report.orientation_error.max()),
+    }
+    return errors if always or max(errors.values()) > _AS_PLANNED else {}
+
+
+def _beside_shown(arm: Arm, motion: Motion, joints: JointTrajectory) -> dict[str, Any]:
+    """How far the arm starts from where it was shown, with a warning if that is far."""
+    shown = joints_with(motion)
+    if shown is None:
+        return {}
+    if not set(arm.joint_names) <= set(shown.joint_names or arm.joint_names):
+        print(
+            f"warning: the skill was shown with the joints {', '.join(shown.joint_names)}, which "
+            "--robot does not have, so this arm's posture is its own; --posture sets another",
+            file=sys.stderr,
+        )
+        return {}
+    away = np.abs(joints.positions[0] - arm.joints_of(shown).positions[0])
+    farthest = int(np.argmax(away))
+    if away[farthest] >= _ELSEWHERE:
+        print(
+            f"warning: start: {arm.joint_names[farthest]} is {away[farthest]:.3g} rad (m) from "
+            "where it was shown, so the arm starts in another posture; bring it there slowly, or "
+            "set --posture to a recording to start as it does",
+            file=sys.stderr,
+        )
+    return {"start_from_shown": float(away[farthest])}

@@ -10,7 +10,7 @@ from cli.command_line import run
 from rich.console import Console
 
 import leadthrough as lt
-from leadthrough.cli.tables import table
+from leadthrough.cli.output import table
 
 WIDTH = 80
 

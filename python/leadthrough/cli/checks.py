@@ -1,4 +1,4 @@
-"""`leadthrough simulate`: what an arm makes of a motion under gravity and a controller."""
+"""Verdicts on a joint motion: `leadthrough check` and `leadthrough simulate`."""
 
 from __future__ import annotations
 
@@ -8,11 +8,118 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadthrough.cli import chain, completion, options
+from leadthrough.cli import completion, options, output
 
 if TYPE_CHECKING:
-    from leadthrough.arm import Arm
+    from leadthrough.arm import Arm, Clearance
     from leadthrough.simulation import Controller, Push, SimulationReport
+    from leadthrough.timing import Peak
+
+
+def check(
+    *,
+    ctx: typer.Context,
+    motion: options.MotionFile,
+    robot: options.RobotName,
+    details: options.ArmDetails,
+    obstacle: options.Obstacles = None,
+    margin: options.Margin = 0.005,
+    physics: Annotated[
+        bool,
+        typer.Option(
+            "--physics", help="Also simulate it under gravity; `leadthrough simulate` tells more."
+        ),
+    ] = False,
+    as_json: options.AsJson = False,
+) -> None:
+    """Check a joint motion against the arm's limits and for collisions, also with itself.
+
+    Exits with code 1 if a limit is exceeded, there is a collision, or the simulated arm fails.
+
+    leadthrough check timed.json --robot panda --obstacle box:0.1,0.1,0.4@0.5,0.2,0.2
+    """
+    from leadthrough.cli import parse
+    from leadthrough.cli import robot as robots
+    from leadthrough.shapes import Scene
+    from leadthrough.timing import check_limits
+
+    arm = robots.load(robot, details)
+    joints = robots.joints_in(arm, motion)
+    scene = Scene(parse.obstacles(obstacle), margin)
+    kept = check_limits(joints, arm.limits)
+    with output.busy("checking"):
+        clearance = arm.check(joints, scene)
+    simulated = None
+    if physics:
+        from leadthrough.simulation import simulate
+
+        with output.busy("simulating"):
+            simulated = simulate(arm, joints, scene)
+    quantities = ("position", "velocity", "acceleration", "jerk")
+    found = {
+        "ok": kept.ok and clearance.ok and (simulated is None or simulated.ok),
+        "limits_kept": kept.ok,
+        **{f"{name}_used": _peak(getattr(kept, name), as_json) for name in quantities},
+        "clear": clearance.ok,
+        "nearest_obstacle": _approach(clearance.obstacles, as_json),
+        "nearest_itself": _approach(clearance.itself, as_json),
+        "duration": joints.duration,
+    }
+    if simulated is not None:
+        found["simulated"] = _simulated(simulated, as_json)
+    output.facts(found, as_json=as_json, units={"duration": "s"})
+    if not as_json:
+        fails = simulated is not None and not simulated.ok
+        _hint_after_check(ctx, motion, limits_kept=kept.ok, clear=clearance.ok, fails=fails)
+    if not found["ok"]:
+        raise typer.Exit(1)
+
+
+def _hint_after_check(
+    ctx: typer.Context, motion: Path, *, limits_kept: bool, clear: bool, fails: bool
+) -> None:
+    arm = output.arm_words(ctx)
+    if not clear:
+        output.advise("replan with a larger --margin or another --posture, then retime and check")
+    elif not limits_kept:
+        output.hint(
+            ctx,
+            "leadthrough",
+            "retime",
+            motion,
+            *arm,
+            "-o",
+            motion.with_stem(f"{motion.stem}-timed"),
+        )
+    elif fails:
+        output.hint(ctx, "leadthrough", "simulate", motion, *arm, *output.typed(ctx, "obstacle"))
+    else:
+        page = motion.with_suffix(".html")
+        output.hint(
+            ctx, "leadthrough", "view", motion, *arm, *output.typed(ctx, "obstacle"), "--html", page
+        )
+
+
+def _simulated(report: SimulationReport, as_json: bool) -> object:
+
+    return _simulation_facts(report, as_json=True) if as_json else str(report)
+
+
+def _peak(peak: Peak | None, as_json: bool) -> object:
+    if as_json:
+        return peak and {"ratio": peak.ratio, "joint": peak.joint, "time": peak.time}
+    return "not checked, the limit is not known" if peak is None else str(peak)
+
+
+def _approach(clearance: Clearance, as_json: bool) -> object:
+    nearest = clearance.closest
+    if as_json:
+        return nearest and {
+            "distance": nearest.distance,
+            "bodies": nearest.bodies,
+            "time": nearest.time,
+        }
+    return "nothing to collide with" if nearest is None else str(nearest)
 
 
 class ControllerName(StrEnum):
@@ -25,13 +132,11 @@ class ControllerName(StrEnum):
 
 
 def simulate(
+    *,
     ctx: typer.Context,
     motion: options.MotionFile,
     robot: options.RobotName,
-    limits: options.LimitsFile = None,
-    base: options.BaseLink = None,
-    tip: options.TipLink = None,
-    mesh_folder: options.MeshFolder = None,
+    details: options.ArmDetails,
     obstacle: options.Obstacles = None,
     controller: Annotated[
         ControllerName, typer.Option(help="Controller that makes torques of the motion.")
@@ -85,23 +190,23 @@ def simulate(
 
     leadthrough simulate timed.json --robot panda --mass 1 --friction 0.2 --html simulated.html
     """
-    from leadthrough.cli import errors, parse, simulated, tables
+    from leadthrough.cli import errors, parse
     from leadthrough.cli import robot as robots
     from leadthrough.show import simulation_page
     from leadthrough.simulation import simulate as run
 
-    arm = robots.load(robot, limits, base, tip, mesh_folder)
+    arm = robots.load(robot, details)
     joints = robots.joints_in(arm, motion)
     if mass:
         arm = arm.with_payload(mass)
     elif payload != 1.0:
         robots.refuse("--mass", payload=payload)
     made = _controller(arm, controller.value, frequency=frequency, stiffness=stiffness, skill=skill)
-    with tables.busy("simulating"), errors.naming(state="--start"):
+    with output.busy("simulating"), errors.naming(state="--start"):
         report = run(
             arm,
             joints,
-            [parse.obstacle(text) for text in obstacle or ()],
+            parse.obstacles(obstacle),
             controller=made,
             state=None if start is None else parse.numbers(start, "--start"),
             payload=payload,
@@ -116,26 +221,28 @@ def simulate(
         with errors.naming(path="--html", html="--html"):
             simulation_page(report, html)
     units = {"tip_error": "mm", "joint_error": "mrad", "energy": "J", "duration": "s"}
-    tables.facts(simulated.facts(report, as_json=as_json), as_json=as_json, units=units)
+    output.facts(_simulation_facts(report, as_json=as_json), as_json=as_json, units=units)
     if not as_json:
-        _hint(ctx, motion, report, html)
+        _hint_after_simulation(ctx, motion, report, html)
     if not report.ok:
         raise typer.Exit(1)
 
 
-def _hint(ctx: typer.Context, motion: Path, report: SimulationReport, html: Path | None) -> None:
+def _hint_after_simulation(
+    ctx: typer.Context, motion: Path, report: SimulationReport, html: Path | None
+) -> None:
     kinds = {each.kind for each in report.findings}
-    arm = chain.arm(ctx)
+    arm = output.arm_words(ctx)
     if "contact" in kinds:
-        chain.advise("plan with the obstacle, or a larger --margin, then retime and simulate")
+        output.advise("plan with the obstacle, or a larger --margin, then retime and simulate")
     elif kinds & {"torque", "velocity"}:
         timed = motion.with_stem(f"{motion.stem}-timed")
-        chain.hint(ctx, "leadthrough", "retime", motion, *arm, "--torques", "-o", timed)
+        output.hint(ctx, "leadthrough", "retime", motion, *arm, "--torques", "-o", timed)
     elif kinds:
-        chain.advise("state the right --mass, raise the gains, or retime the motion more slowly")
+        output.advise("state the right --mass, raise the gains, or retime the motion more slowly")
     elif html is None:
         page = motion.with_suffix(".html")
-        chain.hint(ctx, "leadthrough", "simulate", motion, *arm, "--html", page)
+        output.hint(ctx, "leadthrough", "simulate", motion, *arm, "--html", page)
 
 
 def _controller(
@@ -178,3 +285,21 @@ def _push(text: str) -> Push:
         raise InvalidInput(f"--push: expected TIME,FX,FY,FZ, got {text!r}")
     with errors.naming(time="--push", force="--push"):
         return Push(float(values[0]), values[1:])
+
+
+def _simulation_facts(report: SimulationReport, *, as_json: bool) -> dict[str, object]:
+    """What a simulation showed, by its names."""
+    joint = int(report.torque_fractions.argmax())
+    worst = int(abs(report.errors).max(axis=0).argmax())
+    name, fraction = report.arm.joint_names[joint], float(report.torque_fractions[joint])
+    tip, turn = float(report.tip_errors.max()), float(abs(report.errors[:, worst]).max())
+    return {
+        "fit_to_run": report.ok,
+        "findings": [str(each) for each in report.findings],
+        "tip_error": tip if as_json else 1e3 * tip,
+        "joint_error": turn if as_json else 1e3 * turn,
+        "torque_used": {"ratio": fraction, "joint": name} if as_json else f"{fraction:.0%}, {name}",
+        "contacts": [str(each) for each in report.contacts],
+        "energy": float(report.energy.sum()),
+        "duration": report.planned.duration,
+    }

@@ -1,13 +1,14 @@
-"""`leadthrough retime`: a motion in, the fastest one along its path out."""
+"""`leadthrough retime` and `leadthrough guard`: joint motions within limits, and safe ones."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadthrough.cli import chain, options
+from leadthrough.cli import options, output
 
 if TYPE_CHECKING:
     from leadthrough.timing import Binding
@@ -17,14 +18,12 @@ _ROUNDED = 1e-2  # rad (m), the tolerance of a path that is free of a hand's tre
 
 
 def retime(
+    *,
     ctx: typer.Context,
     motion: options.MotionFile,
     robot: options.RobotName,
     out: options.Output,
-    limits: options.LimitsFile = None,
-    base: options.BaseLink = None,
-    tip: options.TipLink = None,
-    mesh_folder: options.MeshFolder = None,
+    details: options.ArmDetails,
     rate: Annotated[float, typer.Option(help="Sampling rate of the result, in Hz.")] = 1000.0,
     path_tolerance: Annotated[
         float,
@@ -59,18 +58,17 @@ def retime(
     leadthrough retime motion.csv --robot ur5.urdf --limits ur5.toml --rate 500 -o timed.script
     """
     from leadthrough import timing
-    from leadthrough.cli import errors, parse, reading, tables
+    from leadthrough.cli import errors, parse, reading
     from leadthrough.cli import robot as robots
     from leadthrough.guard import connect
-    from leadthrough.io import write_motion
 
     reading.check_output(out, format)
     if start is None:
         robots.refuse("--start", obstacle=obstacle)
-    around = [parse.obstacle(text) for text in obstacle or ()]
-    arm = robots.load(robot, limits, base, tip, mesh_folder)
+    around = parse.obstacles(obstacle)
+    arm = robots.load(robot, details)
     path = robots.joints_in(arm, motion)
-    with tables.busy("timing"):
+    with output.busy("timing"):
         timed = timing.retime(
             path,
             arm.limits,
@@ -85,8 +83,7 @@ def retime(
     if start is not None:
         with errors.naming(state="--start"):
             timed = connect(parse.numbers(start, "--start"), timed, arm, around)
-    with errors.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
-        write_motion(timed, out, format=format)
+    reading.write_motion(timed, out, format)
     found = {
         "motion": str(out),
         "duration_before": path.duration,
@@ -96,19 +93,19 @@ def retime(
         "limited_by": _fractions(limited),
     }
     units = {"duration_before": "s", "duration": "s", "rate": "Hz"}
-    tables.facts(found, as_json=as_json, units=units)
+    output.facts(found, as_json=as_json, units=units)
     unbound, total = limited.get(_NO_LIMIT, 0.0), sum(limited.values())
     if path_tolerance < _ROUNDED and unbound > 0.5 * total:
-        tables.note(
+        output.note(
             f"for {unbound / total:.0%} of the time no limit binds: small bends of the path, "
             "such as tremor, hold the motion back; a larger --path-tolerance, up to 1e-2, rounds "
             "them"
         )
     if not as_json:
         if reading.can_read(out):
-            chain.hint(ctx, "leadthrough", "check", out, *chain.arm(ctx))
+            output.hint(ctx, "leadthrough", "check", out, *output.arm_words(ctx))
         else:
-            chain.advise(f"run {out} on the robot")
+            output.advise(f"run {out} on the robot")
 
 
 def _limited_by(bindings: Sequence[Binding]) -> dict[str, float]:
@@ -125,3 +122,86 @@ def _fractions(limited: Mapping[str, float]) -> list[str]:
     total = sum(limited.values())
     ranked = sorted(limited.items(), key=lambda item: -item[1])
     return [f"{name} {length / total:.0%}" for name, length in ranked if length > 0.005 * total]
+
+
+def guard(
+    *,
+    ctx: typer.Context,
+    motion: options.MotionFile,
+    robot: options.RobotName,
+    out: options.Output,
+    details: options.ArmDetails,
+    obstacle: options.Obstacles = None,
+    margin: options.Margin = 0.005,
+    rate: Annotated[
+        float | None,
+        typer.Option(help="Commands per second; by default those of the motion."),
+    ] = None,
+    start: Annotated[
+        str | None,
+        typer.Option(
+            help="Joint positions, such as 0,-0.5,1, at which the arm rests; by default those of "
+            "the first sample."
+        ),
+    ] = None,
+    format: options.FormatName = None,
+    as_json: options.AsJson = False,
+) -> None:
+    """Filter a joint motion: write it unchanged if safe, otherwise the nearest safe motion.
+
+    Jumps are bridged, the motion is slowed down along its path where it exceeds a limit, and it is
+    cut before a contact. The motion written ends at rest. Exits with code 1 if none of it may run;
+    no file is written if no certified stop exists.
+
+    leadthrough guard motion.json --robot panda --obstacle box:0.1,0.1,0.4@0.5,0.2,0.2 -o safe.json
+    """
+    import numpy as np
+
+    from leadthrough.cli import errors, parse, reading
+    from leadthrough.cli import robot as robots
+    from leadthrough.guard import Guard
+    from leadthrough.guard.admission import from_state
+    from leadthrough.shapes import Scene
+
+    reading.check_output(out, format)
+    arm = robots.load(robot, details)
+    joints = robots.joints_in(arm, motion)
+    scene = Scene(parse.obstacles(obstacle), margin)
+    shown = 1.0 / float(np.diff(joints.times).min(initial=1.0))
+    per_second = shown if rate is None else rate
+    admits = Guard(arm, scene, rate=per_second)
+    if start is not None:
+        here, chunk = parse.numbers(start, "--start"), joints
+    else:
+        here, chunk = joints.positions[0], joints[1:] if len(joints) > 1 else joints
+    with errors.naming(state="--start"):
+        answer = admits.admit(chunk, here)
+    rest = answer.to_rest
+    now = chunk.times[0] - 1.0 / per_second
+    events = [replace(each, time=each.time - now) for each in rest.events]
+    written = from_state(
+        here,
+        np.concatenate([here[None], rest.positions]),
+        names=arm.joint_names,
+        period=1.0 / per_second,
+        events=tuple(events),
+    )
+    if answer.safe:
+        reading.write_motion(written, out, format)
+    found = {
+        "motion": str(out) if answer.safe else "not written",
+        "verdict": answer.verdict,
+        "safe": answer.safe,
+        "reasons": [str(each) for each in answer.reasons],
+        "duration_before": joints.duration,
+        "duration": written.duration,
+        "rate": per_second,
+    }
+    units = {"duration_before": "s", "duration": "s", "rate": "Hz"}
+    output.facts(found, as_json=as_json, units=units)
+    if answer.safe and not as_json and reading.can_read(out):
+        output.hint(
+            ctx, "leadthrough", "check", out, *output.arm_words(ctx), *output.typed(ctx, "obstacle")
+        )
+    if answer.verdict == "braking" or not answer.safe:
+        raise typer.Exit(1)

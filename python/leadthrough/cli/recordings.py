@@ -1,0 +1,399 @@
+"""Commands about recordings: `leadthrough info`, `clean` and `judge`."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+
+from leadthrough.cli import completion, options, output
+from leadthrough.cli.command import OF_THE_ROBOT, read_profile
+from leadthrough.errors import InvalidInput
+from leadthrough.io.atomic import replacing
+
+if TYPE_CHECKING:
+    from leadthrough.io import Episode, Recording
+    from leadthrough.judging import Judgement
+    from leadthrough.motion import Demonstration
+    from leadthrough.preprocess import CleaningReport
+    from leadthrough.show.info import FileInfo
+
+_URDF = (".urdf", ".xml")
+_COLUMNS = (
+    *("episode", "used", "samples", "left", "duration_s", "faults", "missing", "spikes"),
+    *("unordered", "repeated", "flipped", "unnormalised", "longest_gap_s", "problem"),
+)
+_SUFFIX = ".csv"
+
+
+def info(
+    *,
+    ctx: typer.Context,
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            help="Recordings, motions, skills, ROS bags, data sets or URDFs, or folders of them.",
+            autocompletion=completion.anything,
+        ),
+    ],
+    layout: options.ReadOptions,
+    details: options.ArmDetails,
+    write_limits: Annotated[
+        Path | None,
+        typer.Option(
+            help="Write a limits file for the URDF, with assumed accelerations and jerks where "
+            "none are stated."
+        ),
+    ] = None,
+    as_json: options.AsJson = False,
+) -> None:
+    """Show what files contain, and report faults in recordings.
+
+    leadthrough info day.csv --rate 50
+
+    leadthrough info recorded.mcap skill.npz ur5.urdf
+
+    leadthrough info ur5.urdf --tip tool0 --write-limits ur5.toml
+    """
+    import json
+
+    from leadthrough.cli import reading
+    from leadthrough.cli import robot as robots
+    from leadthrough.io.table import as_request
+    from leadthrough.show.info import describe
+
+    found = reading.listed(files, also=_URDF)
+    if not any(file.suffix.lower() in _URDF for file in found):
+        robots.refuse("a URDF among the files", **vars(details))
+    if write_limits is not None:
+        details = replace(details, limits=_write_limits(ctx, found, write_limits))
+    asked = as_request(**layout.arguments())
+    given = vars(details)
+    told = [
+        _in_words(ctx, describe(file, request=asked, **_arm(ctx, file, given))) for file in found
+    ]
+    if as_json:
+        print(json.dumps([each.as_dict() for each in told], allow_nan=False))
+        return
+    print("\n\n".join(map(str, told)))
+    if write_limits is not None:
+        print(f"wrote {write_limits}: replace the assumed values with the maker's")
+    if len({each.kind for each in told}) == 1 and not any(each.problem for each in told):
+        output.hint(ctx, *_next(ctx, told, write_limits))
+
+
+def _in_words(ctx: typer.Context, found: FileInfo) -> FileInfo:
+    """The summary, whose remarks name options."""
+    from leadthrough.cli import command, errors
+
+    words = command.words(ctx)
+    recordings = tuple(
+        replace(each, remarks=tuple(errors.in_words(text, words) for text in each.remarks))
+        for each in found.recordings
+    )
+    problem = found.problem and errors.in_words(found.problem, words)
+    return replace(found, recordings=recordings, problem=problem)
+
+
+def _arm(ctx: typer.Context, file: Path, given: Mapping[str, Path | str | None]) -> dict[str, Any]:
+    """The options of a URDF's arm, as the library takes them."""
+    from leadthrough.cli import robot as robots
+
+    options = _arm_options(ctx, file, given)
+    folder = options.pop("mesh_folder", None)
+    return {**options, "mesh_folders": robots.mesh_folders(Path(folder) if folder else None)}
+
+
+def _arm_options(
+    ctx: typer.Context, file: Path, given: Mapping[str, Path | str | None]
+) -> dict[str, str]:
+    """What was typed; for the robot of the profile, what the profile states besides."""
+    typed = {name: str(value) for name, value in given.items() if value is not None}
+    if file.suffix.lower() not in _URDF or ctx.find_root().params["no_profile"]:
+        return typed
+    stated = read_profile()
+    is_the_robot = Path(stated.pop("robot", "")).absolute() == file.absolute()
+    return {**stated, **typed} if is_the_robot else typed
+
+
+def _write_limits(ctx: typer.Context, files: Sequence[Path], target: Path) -> Path:
+    from leadthrough.arm import Arm
+    from leadthrough.arm.description import limits_file
+
+    if len(files) != 1 or files[0].suffix.lower() not in _URDF:
+        raise InvalidInput(f"--write-limits: expected one URDF, got {', '.join(map(str, files))}")
+    if target.exists():
+        raise InvalidInput(f"--write-limits: {target} is there already; name another file")
+    links = _arm_options(ctx, files[0], {name: ctx.params[name] for name in ("base", "tip")})
+    base, tip = links.get("base"), links.get("tip")
+    # Not the profile's limits, which may be the ones to write.
+    arm = Arm.from_urdf(files[0], base=base, tip=tip, limits=ctx.params["limits"])
+    target.write_text(limits_file(arm), encoding="utf-8")
+    return target
+
+
+def _next(
+    ctx: typer.Context, told: Sequence[FileInfo], written: Path | None
+) -> tuple[str | Path, ...]:
+    """The command for these files, which are of one kind."""
+    if told[0].kind == "skill":
+        return ("leadthrough", "plan", told[0].path, "-o", "motion.csv")
+    if told[0].kind == "recordings":
+        faulty = any(recording.has_faults for each in told for recording in each.recordings)
+        asked = ctx.params["files"]
+        return (
+            "leadthrough",
+            "learn",
+            *asked,
+            *output.reading_words(ctx),
+            *["--clean"] * faulty,
+            "-o",
+            "skill.npz",
+        )
+    return _next_of_robot(ctx, told[0], written)
+
+
+def _next_of_robot(
+    ctx: typer.Context, robot: FileInfo, written: Path | None
+) -> tuple[str | Path, ...]:
+    typed = {name: ctx.params[name] for name in OF_THE_ROBOT}
+    if robot.facts["unknown_limits"]:
+        target = Path(robot.path).with_suffix(".toml").name
+        arm = output.words(base=typed["base"], tip=typed["tip"])
+        return ("leadthrough", "info", robot.path, *arm, "--write-limits", target)
+    asked = _arm_options(ctx, Path(robot.path), {**typed, "limits": written or typed["limits"]})
+    is_in_profile = asked and not any(typed.values()) and written is None
+    arm = () if is_in_profile else output.words(robot=robot.path, **asked)
+    return ("leadthrough", "learn", "RECORDINGS", *arm, "-o", "skill.npz")
+
+
+def clean(
+    *,
+    ctx: typer.Context,
+    files: options.Recordings,
+    out: options.Output,
+    layout: options.ReadOptions,
+    longest_gap: Annotated[
+        float,
+        typer.Option(help="Longest time without samples to accept, in s; more is an error."),
+    ] = 0.5,
+    longest_pause: Annotated[
+        float | None,
+        typer.Option(help="Shorten longer pauses to this, in s; by default pauses are kept."),
+    ] = None,
+    pause: options.Pause = None,
+    resting: options.RestOptions,
+    new_rate: Annotated[float | None, typer.Option(help="Resample at this rate, in Hz.")] = None,
+    smoothing: Annotated[
+        float | None,
+        typer.Option(help="Smoothing window, in s; also adds velocities to joint motions."),
+    ] = None,
+    table: options.FaultTable = None,
+    as_json: options.AsJson = False,
+) -> None:
+    """Remove faulty samples from recordings and report what was removed.
+
+    If there are several recordings, each is written to its own numbered file.
+
+    leadthrough clean day.csv --longest-pause 0.3 --smoothing 0.2 -o clean.csv
+    """
+    import json
+    from functools import partial
+
+    from leadthrough import check, io, preprocess
+    from leadthrough.cli import reading
+
+    reading.check_output(out)
+    if new_rate is not None:
+        check.number(new_rate, "--new-rate", above=0.0)
+    cleaned = partial(
+        preprocess.clean,
+        **({} if pause is None else {"pause": pause}),
+        longest_gap=longest_gap,
+        longest_pause=longest_pause,
+        **vars(resting),
+        rate=new_rate,
+        smoothing=smoothing,
+    )
+    if table is not None:
+        check_table(table)
+        stream = io.stream_recordings(reading.listed(files), **layout.arguments())
+        results = cleaned_episodes(stream, cleaned, table)
+    else:
+        recordings = io.read_recordings(reading.listed(files), **layout.arguments())
+        done = [cleaned(each) for each in recordings]
+        results = ((number, *each) for number, each in enumerate(done, start=1))
+    several = table is not None or len(done) > 1
+    files_written = []
+    found = []
+    for number, shown, report in results:
+        path = out.with_name(f"{out.stem}_{number}{out.suffix}") if several else out
+        io.write_motion(shown.motion, path)
+        files_written.append(path)
+        if as_json:
+            told = {"recording": shown.name, "file": str(path), "report": report.as_dict()}
+            found.append(told)
+        elif table is None:
+            print(f"{shown.name}: {path}\n{report}")
+    if as_json:
+        print(json.dumps(found, allow_nan=False))
+    elif table is not None:
+        print(f"{len(files_written)} recordings cleaned; faults: {table}")
+    else:
+        output.hint(ctx, "leadthrough", "learn", *files_written, "-o", "skill.npz")
+
+
+Cleaned = Callable[["Recording"], "tuple[Demonstration, CleaningReport]"]
+
+
+def check_table(table: Path) -> None:
+    """Refuses a table's name before anything is read."""
+    if table.suffix.lower() != _SUFFIX:
+        raise InvalidInput(f"--table: expected a name that ends in {_SUFFIX}, got {table}")
+
+
+def cleaned_episodes(
+    episodes: Iterable[Episode], clean: Cleaned, table: Path
+) -> Iterator[tuple[int, Demonstration, CleaningReport]]:
+    """The episodes that can be cleaned, one after the other, with their numbers, counted from 1."""
+    used, problem = 0, "--table: there are no episodes"
+    with replacing(table) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, _COLUMNS, restval="", lineterminator="\n")
+        writer.writeheader()
+        for number, episode in enumerate(episodes, start=1):
+            found = None
+            problem = episode.problem
+            if episode.recording is not None:
+                try:
+                    found = clean(episode.recording)
+                except InvalidInput as error:
+                    problem = f"{episode.name}: {error}"
+            writer.writerow(_row(episode.name, found, problem))
+            if found is not None:
+                used += 1
+                yield number, *found
+    if not used:
+        raise InvalidInput(problem)
+
+
+def _row(
+    name: str, found: tuple[Demonstration, CleaningReport] | None, problem: str
+) -> dict[str, object]:
+    if found is None:
+        return {"episode": name, "used": "no", "problem": problem}
+    shown, report = found
+    return {
+        "episode": name,
+        "used": "yes",
+        "samples": report.read,
+        "left": report.left,
+        "duration_s": round(shown.motion.duration, 6),
+        "faults": report.faults,
+        "missing": len(report.invalid),
+        "spikes": len(report.spikes),
+        "unordered": report.unordered,
+        "repeated": report.repeated,
+        "flipped": report.flipped,
+        "unnormalised": report.unnormalised,
+        "longest_gap_s": round(max((end - start for start, end in report.gaps), default=0.0), 6),
+    }
+
+
+def thinned(shown: Demonstration, samples: int) -> Demonstration:
+    """The demonstration at no more than a number of evenly spaced times."""
+    from leadthrough.preprocess import sample_evenly
+
+    motion = shown.motion
+    if len(motion) <= samples or motion.duration <= 0.0:
+        return shown
+    # A little more than needed, as the last sample comes no later than the old one.
+    rate = (samples - 1) / motion.duration * (1.0 - 1e-12)
+    return replace(shown, motion=sample_evenly(shown, rate=rate).motion)
+
+
+def judge(
+    *,
+    files: options.Recordings,
+    model: Annotated[
+        str | None,
+        typer.Option(
+            help="Model that is learned with one recording left out after the other, as of "
+            "`leadthrough learn`; by default promp.",
+            autocompletion=completion.models,
+        ),
+    ] = None,
+    parameter: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="Parameter of the model, such as weights=80; may be repeated."),
+    ] = None,
+    goals: Annotated[
+        str | None,
+        typer.Option(
+            help="Region in which the next demonstration may end, to suggest where: distances "
+            "DX,DY,DZ to both sides of the recordings' mean goal, or two corners X,Y,Z:X,Y,Z.",
+        ),
+    ] = None,
+    resting: options.RestOptions,
+    layout: options.ReadOptions,
+    seed: options.Seed = 0,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder that keeps what is computed, to go on there.")
+    ] = None,
+    on: options.On = None,
+    task_timeout: options.TaskTimeout = None,
+    as_json: options.AsJson = False,
+) -> None:
+    """Tell which recordings of a motion are faulty or unlike the others, and what each is worth.
+
+    leadthrough judge shown/*.csv --goals 0.1,0.1,0.05
+    """
+    import numpy as np
+
+    from leadthrough.cli import errors, parse, reading
+    from leadthrough.cli.learn import model_of
+    from leadthrough.io import read_demonstrations
+    from leadthrough.judging import judge_demonstrations
+
+    recordings = reading.listed(files)
+    reading.refuse_skills(recordings)
+    shown = read_demonstrations(recordings, **layout.arguments(), rest=math.inf)
+    shown = reading.trimmed(shown, resting)
+    middle = np.mean([each.motion.positions[-1] for each in shown], axis=0)
+    with output.busy("judging"), errors.naming(demonstrations="RECORDINGS"):
+        found = judge_demonstrations(
+            shown,
+            model=model_of(model or "promp", parse.parameters(parameter or [])),
+            goals=None if goals is None else parse.places(goals, middle, "--goals"),
+            seed=seed,
+            on=on,
+            out=out,
+            task_timeout=task_timeout,
+        )
+    _print(found, as_json=as_json)
+
+
+def _print(found: Judgement, *, as_json: bool) -> None:
+
+    rows = [
+        {
+            "recording": each.name,
+            "suspicion": each.suspicion,
+            "faults": ", ".join(each.faults),
+            "worth": each.worth,
+            "leave_out": each.remove,
+        }
+        for each in found.verdicts
+    ]
+    told: dict[str, object] = {"recordings": rows} if as_json else {}
+    told |= {"left_out_error": found.error, "without_those": found.error_without}
+    if found.next is not None:
+        told |= {"show_next": found.next.goal.tolist(), "uncertainty": found.next.uncertainty}
+    if not as_json:
+        Console().print(output.table(rows))
+    output.facts(told, as_json=as_json)

@@ -1,0 +1,234 @@
+"""Commands that show the package at work: `leadthrough view`, `demo` and `example`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich import box
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+from leadthrough.cli import completion, options, output
+from leadthrough.cli.command import PROFILE
+from leadthrough.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from leadthrough.motion import Demonstration
+    from leadthrough_studies.demo.performed import Performed
+    from leadthrough_studies.handwriting.demo import Handwriting
+
+SCENES = ("handwriting", "pouring", "harvesting")
+NAMES = ("reach",)
+_PROFILE = """\
+# Options that every command takes in this folder; an option on the command line wins.
+robot = "{robot}.urdf"
+tip = "{tip}"
+limits = "{robot}.toml"
+"""
+
+
+def view(
+    *,
+    motion: Annotated[
+        Path | None,
+        typer.Argument(
+            help="Motion to show: of the joints, or poses that the tip follows.",
+            autocompletion=completion.recordings,
+        ),
+    ] = None,
+    robot: options.RobotName = "panda",
+    details: options.ArmDetails,
+    demonstrations: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Recording to draw, or a folder of them; may be repeated.",
+            autocompletion=completion.recordings,
+        ),
+    ] = None,
+    skill: Annotated[
+        Path | None,
+        typer.Option(
+            help="Skill file; in the live page its goal and obstacles can be dragged.",
+            autocompletion=completion.files(".npz"),
+        ),
+    ] = None,
+    goal: Annotated[
+        str | None,
+        typer.Option(help="Goal of the skill: X,Y,Z in m, or a pose X,Y,Z/W,X,Y,Z."),
+    ] = None,
+    obstacle: options.Obstacles = None,
+    layout: options.ReadOptions,
+    html: Annotated[
+        Path | None,
+        typer.Option(
+            help="Write the page to this HTML file instead of opening a browser.",
+            autocompletion=completion.files(".html"),
+        ),
+    ] = None,
+    port: Annotated[int, typer.Option(help="Port of the live page; 0 picks a free one.")] = 0,
+) -> None:
+    """Show an arm and its motion, live in a browser or as an HTML file that needs no server.
+
+    leadthrough view motion.csv --robot ur3 --html motion.html
+
+    leadthrough view --robot panda --skill skill.npz --obstacle box:0.1,0.1,0.4@0.5,0,0.2
+    """
+    from leadthrough import check
+    from leadthrough.cli import errors, parse, reading
+    from leadthrough.cli import robot as robots
+    from leadthrough.io import read_demonstrations
+    from leadthrough.motion import JointTrajectory
+    from leadthrough.show import viewing
+
+    check.integer(port, "port", at_least=0, at_most=65535)
+    arm = robots.load(robot, details)
+    asked = None if motion is None else reading.one_motion(motion, joints=robots.ranges(arm))
+    if isinstance(asked, JointTrajectory):
+        asked = robots.own_joints(arm, asked, str(motion))
+    shown = []
+    if not demonstrations:
+        robots.refuse("--demonstrations", **vars(layout))
+    else:
+        files, known = reading.listed(demonstrations), robots.ranges(arm)
+        shown = read_demonstrations(files, **layout.arguments(), joints=known, rest=math.inf)
+    with errors.naming(path="--html"):
+        viewing.view(
+            arm,
+            asked,
+            demonstrations=shown,
+            skill=None if skill is None else reading.saved_skill(skill),
+            goal=None if goal is None else parse.place(goal, "--goal"),
+            scene=parse.obstacles(obstacle),
+            html=html,
+            port=port,
+        )
+    if html is not None:
+        print(f"wrote {html}: open it in a browser")
+
+
+def demo(
+    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("leadthrough-demo"),
+    scene: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Scene to show: handwriting, pouring or harvesting; may be repeated. By default "
+            "all three."
+        ),
+    ] = None,
+    motion: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Motion of the LASA handwriting set, such as GShape; may be repeated. By default "
+            "eight of them. The arm is shown with the first."
+        ),
+    ] = None,
+) -> None:
+    """Show three arms that learn: a UR3 writes, a Panda pours, a TIAGo harvests."""
+    from leadthrough import check
+    from leadthrough_studies.demo import report, scenes
+
+    wanted = dict.fromkeys(check.choice(name, "--scene", SCENES) for name in scene or SCENES)
+    left_out = "" if scene or motion else _missing()
+    if left_out:
+        del wanted["handwriting"]
+    shown: list[Performed] = []
+    written: list[Handwriting] = []
+    if "handwriting" in wanted:
+        names = track(motion or scenes.MOTIONS, description="Writing")
+        first, written = scenes.handwriting(names, out)
+        shown.append(first)
+    others = [name for name in wanted if name != "handwriting"]
+    told = track(others, description=" and ".join(others).capitalize(), disable=not others)
+    shown += [scenes.other(name, out) for name in told]
+    report.write_page(shown, written, out)
+    simulated = report.write_simulation(shown[0], out)
+    console = Console()
+    console.print(_table(*report.glance(shown)))
+    if written:
+        console.print(_table(*report.errors(written)))
+    # Plain: rich would take the extra's name in brackets for a style.
+    print(f"Figures, tables and the joint trajectories: {out}/")
+    print(f"Page to open in a browser: {out / 'report.html'}")
+    print(f"{shown[0].name} under gravity and a controller: {simulated}")
+    if left_out:
+        print(f"Without handwriting: {left_out}")
+    if not (all(each.ok for each in shown) and all(each.ok for each in written)):
+        raise typer.Exit(1)
+
+
+def _missing() -> str:
+    """What to install for the handwriting; empty if it is there."""
+    from leadthrough.errors import MissingDependency
+    from leadthrough.io import lasa
+
+    try:
+        lasa.motions()
+    except MissingDependency as error:
+        return str(error)
+    return ""
+
+
+def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
+    table = Table(*columns, box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    for row in rows:
+        table.add_row(*row)
+    return table
+
+
+def example(
+    ctx: typer.Context,
+    name: Annotated[
+        str,
+        typer.Argument(
+            help="Name of the example: reach.", autocompletion=completion.one_of(*NAMES)
+        ),
+    ],
+    folder: Annotated[Path, typer.Argument(help="Folder to write it to; made if it is missing.")],
+    seed: options.Seed = 0,
+    as_json: options.AsJson = False,
+) -> None:
+    """Write the files of an example, to try the commands on.
+
+    reach: a UR3, its limits, and three recordings of a simulated person guiding it.
+
+    leadthrough example reach first-steps
+    """
+    from leadthrough import check, io
+
+    check.choice(name, "NAME", NAMES)
+    files = _reach(check.integer(seed, "seed", at_least=0))
+    for path in files:
+        if (folder / path).exists():
+            raise InvalidInput(f"FOLDER: {folder / path} is there already; name another folder")
+    for path, content in files.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        if isinstance(content, str):
+            (folder / path).write_text(content, encoding="utf-8")
+        else:
+            io.write_motion(content.motion, folder / path)
+    output.facts({"folder": str(folder), "files": list(files)}, as_json=as_json)
+    if not as_json:
+        here = () if folder.resolve() == Path.cwd() else ("cd", folder, "&&")
+        output.hint(ctx, *here, "leadthrough", "info", "shown")
+
+
+def _reach(seed: int) -> dict[str, str | Demonstration]:
+    """The files' contents by their paths in the folder."""
+    from leadthrough.arm import Arm
+    from leadthrough.arm.robot_files import find_robot
+    from leadthrough_studies.example import ROBOT, reaches
+
+    arm, files = Arm.load(ROBOT), find_robot(ROBOT)
+    assert files.limits is not None  # the package's own have one
+    recordings = reaches(arm.joint_names, seed=seed)
+    return {
+        f"{ROBOT}.urdf": files.urdf.read_text(encoding="utf-8"),
+        f"{ROBOT}.toml": files.limits.read_text(encoding="utf-8"),
+        PROFILE: _PROFILE.format(robot=ROBOT, tip=arm.tip),
+        **{f"shown/{shown.name}.csv": shown for shown in recordings},
+    }

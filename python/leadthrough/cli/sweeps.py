@@ -1,0 +1,341 @@
+"""Commands of many tasks: `leadthrough validate`, `reach` and `experiment`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+
+from leadthrough.cli import completion, options, output
+
+if TYPE_CHECKING:
+    from leadthrough.arm import Arm
+    from leadthrough.models.places import Places
+    from leadthrough.models.protocol import Skill
+    from leadthrough.validation import Validation
+
+_FORM = (
+    "the distances DX,DY,DZ to both sides of the demonstrated one, or two corners X,Y,Z:X,Y,Z (m, "
+    "rad); /ANGLE appended turns poses by up to so many rad."
+)
+_CORNERS = "two corners X,Y,Z:X,Y,Z, in m"
+
+
+def validate(
+    *,
+    skill: options.SkillFile,
+    robot: options.RobotName,
+    details: options.ArmDetails,
+    goals: Annotated[str | None, typer.Option(help=f"Region of the goals: {_FORM}")] = None,
+    starts: Annotated[
+        str | None, typer.Option(help="Region of the starts, in the form of --goals.")
+    ] = None,
+    obstacle: options.Obstacles = None,
+    random_obstacle: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Obstacle at a random position: one as of --obstacle, then ~DX,DY,DZ, how far it "
+            "may be from there, in m. May be repeated.",
+        ),
+    ] = None,
+    runs: Annotated[int, typer.Option(help="Number of random queries.")] = 1000,
+    width: Annotated[
+        float | None,
+        typer.Option(help="Stop once the success rate's confidence interval is at most this wide."),
+    ] = None,
+    required: Annotated[
+        float | None,
+        typer.Option(
+            help="Required success rate; exits with 1 if the lower confidence bound is below it."
+        ),
+    ] = None,
+    physics: Annotated[
+        bool,
+        typer.Option("--physics", help="Simulate each motion too; needs the extra simulation."),
+    ] = False,
+    margin: options.Margin = 0.005,
+    seed: options.Seed = 0,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the results; by default SKILL-validation.")
+    ] = None,
+    certify: Annotated[
+        Path | None,
+        typer.Option(
+            help="Skill file to write with the certificate, an .npz; may be that of the skill.",
+            autocompletion=completion.files(".npz"),
+        ),
+    ] = None,
+    on: options.On = None,
+    task_timeout: options.TaskTimeout = None,
+    as_json: options.AsJson = False,
+) -> None:
+    """Measure how often the arm can run a skill's motion, for queries at random from regions.
+
+    Each motion is planned, retimed and checked. The folder gets report.html, results.json and
+    manifest.json; run the same command again to go on with one that was stopped.
+
+    leadthrough validate pour.npz --robot panda --goals 0.1,0.1,0.05 --runs 5000 --on local:4
+    """
+    from leadthrough import tasks
+    from leadthrough.cli import errors, parse, reading
+    from leadthrough.cli import robot as robots
+    from leadthrough.shapes import Scene
+    from leadthrough.show.validation_page import write_validation
+    from leadthrough.simulation import ComputedTorque
+    from leadthrough.validation import validate as validated
+
+    if certify is not None:
+        reading.check_skill_output(certify, "--certify")
+    learned = reading.saved_skill(skill)
+    fixed = parse.obstacles(obstacle)
+    drawn = [parse.random_obstacle(text) for text in random_obstacle or ()]
+    folder = out or skill.with_name(f"{skill.stem}-validation")
+    with errors.interruptible():
+        found = validated(
+            learned,
+            robots.load(robot, details),
+            Scene([*fixed, *drawn], margin),
+            goals=_places(learned, goals, -1, "--goals"),
+            starts=_places(learned, starts, 0, "--starts"),
+            runs=runs,
+            width=width,
+            required=0.95 if required is None else required,
+            controller=ComputedTorque() if physics else None,
+            seed=seed,
+            on=on,
+            out=folder,
+            task_timeout=task_timeout,
+            progress=tasks.with_progress,
+        )
+    write_validation(folder, found)
+    if certify is not None:
+        learned.certified(found.certificate).save(certify)
+    output.facts(_facts(found, folder), as_json=as_json, units={"margin": "m"})
+    low = found.certificate.interval[0]
+    if found.errors or (required is not None and low < required):
+        raise typer.Exit(1)
+
+
+def _facts(found: Validation, folder: Path) -> dict[str, object]:
+    certificate = found.certificate
+    causes = [f"{count} {cause}" for cause, count in certificate.causes.items()]
+    told: dict[str, object] = {
+        "queries": certificate.runs,
+        "succeeded": certificate.successes,
+        "success_rate": certificate.fraction,
+        "interval": list(certificate.interval),
+        "method": f"{certificate.method}, {certificate.confidence:.0%}",
+        "failures": causes,
+        f"holds_{certificate.required:.0%}_in": str(certificate.holds or "no part of the goals"),
+    }
+    if found.nearest:
+        told["nearest_failure"] = f"goal {found.nearest.goal.round(4).tolist()}"
+        told["reasons"] = f"{found.nearest.cause}: {found.nearest.detail}"
+    return {**told, "report": str(folder / "report.html")}
+
+
+def _places(learned: Skill, text: str | None, index: int, name: str) -> Places | None:
+    """The region that an option states; None where it is left out."""
+    from leadthrough.cli import parse
+
+    if text is None:
+        return None
+    return parse.places(text, learned.generate().positions[index], name)
+
+
+def reach(
+    *,
+    robot: options.RobotName,
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out",
+            "-o",
+            help="File to write, an .npz; a picture .png is written beside it.",
+            autocompletion=completion.files(".npz"),
+        ),
+    ],
+    details: options.ArmDetails,
+    volume: Annotated[
+        str | None,
+        typer.Option(help=f"Where the tip is to reach: {_CORNERS}; by default the whole reach."),
+    ] = None,
+    spacing: Annotated[
+        float, typer.Option(help="Distance between neighbouring places, in m.")
+    ] = 0.1,
+    orientations: Annotated[
+        int, typer.Option(help="Number of orientations that are tried at each place.")
+    ] = 12,
+    obstacle: options.Obstacles = None,
+    skill: Annotated[
+        Path | None,
+        typer.Option(
+            help="Skill of poses that the arm is to run; finds where it must stand.",
+            autocompletion=completion.files(".npz"),
+        ),
+    ] = None,
+    area: Annotated[
+        str | None,
+        typer.Option(
+            help="With --skill, where the base may stand in the frame of the skill's motion: "
+            f"{_CORNERS}."
+        ),
+    ] = None,
+    yaws: Annotated[
+        int, typer.Option(help="With --skill, number of directions that the base may face.")
+    ] = 8,
+    seed: options.Seed = 0,
+    folder: Annotated[
+        Path | None, typer.Option(help="Folder that keeps what is computed, to go on there.")
+    ] = None,
+    on: options.On = None,
+    task_timeout: options.TaskTimeout = None,
+    as_json: options.AsJson = False,
+) -> None:
+    """Map where an arm's tip can be and how well it moves there; or find where it must stand.
+
+    leadthrough reach --robot panda --spacing 0.05 --on local:4 -o reach.npz
+
+    leadthrough reach --robot ur3 --skill pour.npz --area=-0.5,-0.5,0:0.5,0.5,0 -o stand.npz
+    """
+    from leadthrough import tasks
+    from leadthrough.cli import parse, reading
+    from leadthrough.cli import robot as robots
+    from leadthrough.reachability import reach_map
+    from leadthrough.show.reach_picture import reach_figure
+
+    reading.check_skill_output(out)
+    arm = robots.load(robot, details)
+    if skill is not None or area is not None:
+        _place(arm, skill, area, out, spacing, yaws, seed, as_json=as_json)
+        return
+    corners = None if volume is None else parse.corners(volume, "--volume")
+    found = reach_map(
+        arm,
+        volume=corners,
+        spacing=spacing,
+        orientations=orientations,
+        scene=parse.obstacles(obstacle),
+        seed=seed,
+        on=on,
+        out=folder,
+        task_timeout=task_timeout,
+        progress=tasks.with_progress,
+    )
+    found.save(out)
+    picture = out.with_suffix(".png")
+    reach_figure(found).savefig(picture)
+    told = {
+        "map": str(out),
+        "picture": str(picture),
+        "places": found.fraction.size,
+        "reached": int((found.fraction > 0.0).sum()),
+        "in_every_orientation": int((found.fraction == 1.0).sum()),
+        "volume": found.volume,
+        "best_manipulability": float(found.manipulability.max()),
+    }
+    output.facts(told, as_json=as_json, units={"volume": "m^3"})
+
+
+def _place(  # an option each
+    arm: Arm,
+    skill: Path | None,
+    area: str | None,
+    out: Path,
+    spacing: float,
+    yaws: int,
+    seed: int,
+    *,
+    as_json: bool,
+) -> None:
+    """Where the arm must stand for a skill; exits with code 1 where there is no such place."""
+    import numpy as np
+
+    from leadthrough.cli import parse, reading
+    from leadthrough.errors import InvalidInput
+    from leadthrough.io.atomic import replacing
+    from leadthrough.reachability import place_base
+    from leadthrough.show.reach_picture import placement_figure
+
+    if skill is None or area is None:
+        missing, given = ("--area", "--skill") if area is None else ("--skill", "--area")
+        raise InvalidInput(f"{missing}: needed with {given}")
+    corners: Places = parse.corners(area, "--area")
+    learned = reading.saved_skill(skill)
+    found = place_base(learned, arm, area=corners, spacing=spacing, yaws=yaws, seed=seed)
+    with replacing(out) as temporary, temporary.open("wb") as file:
+        np.savez_compressed(
+            file,
+            allow_pickle=False,
+            bases=found.bases,
+            fraction=found.fraction,
+            manipulability=found.manipulability,
+        )
+    picture = out.with_suffix(".png")
+    placement_figure(found).savefig(picture)
+    told: dict[str, object] = {
+        "map": str(out),
+        "picture": str(picture),
+        "places": len(found.bases),
+        "whole_motion_from": int((found.manipulability > 0.0).sum()),
+        "best_base": None if found.best is None else found.best[:3].tolist(),
+        "yaw": None if found.best is None else float(found.best[3]),
+        "least_manipulability": float(found.manipulability.max()),
+    }
+    output.facts(told, as_json=as_json, units={"best_base": "m", "yaw": "rad"})
+    if found.best is None:
+        raise typer.Exit(1)
+
+
+def experiment(
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            help="Name of the study; leave it out to list all studies.",
+            autocompletion=completion.one_of(*completion.STUDIES),
+        ),
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Run a small part of the study.")] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the results; by default leadthrough-NAME.")
+    ] = None,
+    seed: options.Seed = 0,
+    jobs: Annotated[
+        int, typer.Option(help="Number of parallel processes; the same as --on local:N.")
+    ] = 1,
+    on: options.On = None,
+    task_timeout: options.TaskTimeout = None,
+) -> None:
+    """Run a study; results that are already in its folder are not computed again.
+
+    leadthrough experiment lasa --quick --on tcp://host:8786
+    """
+    from leadthrough import check
+    from leadthrough.cli import errors
+    from leadthrough_studies import study
+    from leadthrough_studies.catalogue import STUDIES
+
+    if name is None:
+        print("\n".join(STUDIES))
+        return
+    chosen = STUDIES[check.choice(name, "NAME", STUDIES)]
+    folder = out or Path(f"leadthrough-{name}")
+    config = chosen.configure(quick, check.integer(seed, "seed", at_least=0))
+    place = on or f"local:{check.integer(jobs, 'jobs', at_least=1)}"
+    with errors.interruptible():
+        outcome = study.run(chosen, config, out=folder, on=place, task_timeout=task_timeout)
+    console = Console()
+    if outcome.report.table:
+        console.print(output.table(outcome.report.table))
+    print(f"results.json, table.csv and figures: {folder}/")
+    for page in outcome.report.pages:
+        print(f"Page to open in a browser: {folder / page}.html")
+    if simulated := outcome.report.summary.get("simulated"):
+        print(f"Under gravity and a controller: {simulated}")
+    for failure in outcome.failures:
+        told = f"failed: {failure['task']}: {failure['error']}: {failure['message']}"
+        console.print(told, style="red", markup=False)
+    if outcome.failures:
+        raise typer.Exit(1)
