@@ -57,5 +57,5 @@ def test_another_tip_than_the_one_shown_is_warned_of(folder):
     (folder / "longer.urdf").write_text(moved)
     words = ("--robot", "longer.urdf", "--tip", "far", "--limits", "ur3.toml", "-o", "x.json")
     told = run("plan", "reach.npz", *words).stderr
-    assert "warning: --robot: with the joints that were shown" in told
+    assert "warning: --robot: with the demonstrated joints" in told
     assert "warning" not in run("plan", "reach.npz", "-o", "x.json").stderr
