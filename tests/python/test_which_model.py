@@ -41,7 +41,7 @@ def demonstrated(kind, number):
 def fitted(name, kind):
     """The skill of a model, or None if it does not learn motions of this kind."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", models.OutOfStep)
+        warnings.simplefilter("ignore", models.MisalignmentWarning)
         try:
             model = entry_of_class(name).load()(**SMALL.get(name, {}))
             return model.fit([demonstrated(kind, number) for number in range(3)])

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import _core, check, plausible
+from leadthrough import _core, check, sanity
 from leadthrough.arm.kinematics import joint_rows
 from leadthrough.arm.robot_files import hull_vertices
 from leadthrough.check import Float64Array
@@ -121,7 +121,7 @@ def _warn_of_far_obstacles(reach: float, shapes: Sequence[Shape]) -> None:
         size = 0.0 if isinstance(shape, Box) else shape.bounding_radius
         if max(away, size) > _IMPLAUSIBLE * reach > 0.0:
             what = f"lies {away:.4g} m from the arm's base" if away > size else f"is {size:.4g} m"
-            plausible.warn(
+            sanity.warn(
                 f"obstacles[{i}]: {what}, and the arm reaches {reach:.3g} m; give positions and "
                 "sizes in m, not mm, in the arm's base frame"
             )

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from leadthrough import _core, plausible
+from leadthrough import _core, sanity
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import (
@@ -28,7 +28,7 @@ def joints_of(chain: _core.Chain, trajectory: Motion) -> JointTrajectory:
     """See `Arm.joints_of`."""
     own = _own(chain, trajectory)
     if outside := _outside(chain, own):
-        plausible.warn(outside)
+        sanity.warn(outside)
     return own
 
 
@@ -42,7 +42,7 @@ def warn_of_another_arm(chain: _core.Chain, motion: Motion) -> None:
         return
     away = float(np.linalg.norm(positions - motion.positions, axis=1).max())
     if away > _OTHER_TIP:
-        plausible.warn(
+        sanity.warn(
             f"robot: with the demonstrated joints, this arm's tip is up to {away:.3g} m from its "
             "demonstrated position; use the robot, base and tip of the recording"
         )

@@ -66,13 +66,13 @@ def interruptible() -> Iterator[None]:
 @contextmanager
 def warnings_in(words: Mapping[str, str]) -> Iterator[None]:
     """Prints the library's warnings of a block on stderr, in words of the command line."""
-    from leadthrough.plausible import Suspicious
+    from leadthrough.sanity import ImplausibleInputWarning
 
     def show(message: Warning | str, *_: object) -> None:
         print(f"warning: {in_words(str(message), words)}", file=sys.stderr)
 
     with warnings.catch_warnings():
-        warnings.simplefilter("always", Suspicious)
+        warnings.simplefilter("always", ImplausibleInputWarning)
         warnings.showwarning = show  # type: ignore[assignment]  # it takes all the arguments
         yield
 

@@ -185,11 +185,11 @@ def _refuse_other_kinds(model: str, demonstrations: list[Demonstration]) -> None
 
 @contextmanager
 def _told(demonstrations: list[Demonstration]) -> Iterator[None]:
-    """Prints warnings of demonstrations out of step on stderr, with the recordings' names."""
-    from leadthrough.models import OutOfStep
+    """Prints warnings of misaligned demonstrations on stderr, with the recordings' names."""
+    from leadthrough.models import MisalignmentWarning
 
     with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", OutOfStep)
+        warnings.simplefilter("always", MisalignmentWarning)
         yield
     for each in caught:
         text = re.sub(

@@ -10,8 +10,7 @@ import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.models.place import Place
-from leadthrough.models.places import Places
+from leadthrough.models.targets import Place, Places
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.shapes import SHAPES, Primitive, RandomObstacle, Shape
 

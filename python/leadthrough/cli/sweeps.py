@@ -12,8 +12,8 @@ from leadthrough.cli import completion, options, output
 
 if TYPE_CHECKING:
     from leadthrough.arm import Arm
-    from leadthrough.models.places import Places
     from leadthrough.models.protocol import Skill
+    from leadthrough.models.targets import Places
     from leadthrough.validation import Validation
 
 _FORM = (

@@ -24,10 +24,10 @@ from leadthrough.io.atomic import replacing
 from leadthrough.judging.judgement import Fault, Judgement, Suggestion, Verdict
 from leadthrough.judging.left_out import Shown, errors, goals_of, uncertainties
 from leadthrough.judging.traits import TRAITS, Trait, peculiarities, shares_its_path
-from leadthrough.models.demonstrated import Demonstrations, motions_of
-from leadthrough.models.places import Places
+from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.promp.model import ProMP
 from leadthrough.models.protocol import Model
+from leadthrough.models.targets import Places
 from leadthrough.motion import Demonstration, Motion
 from leadthrough.tasks import Store, Task
 

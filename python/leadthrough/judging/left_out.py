@@ -13,9 +13,8 @@ import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import LeadthroughError
-from leadthrough.models.place import Place
-from leadthrough.models.places import Places
 from leadthrough.models.protocol import Model, Skill
+from leadthrough.models.targets import Place, Places
 from leadthrough.motion import Motion, PoseTrajectory
 from leadthrough.preprocess.align import features
 from leadthrough.tasks import Row

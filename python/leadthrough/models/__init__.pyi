@@ -1,4 +1,5 @@
 from .archive import FittedSkill, load_skill
+from .demonstrations import MisalignmentWarning
 from .dmp.discrete import DMP, DMPSkill
 from .dmp.rhythmic import RhythmicDMP, RhythmicDMPSkill
 from .dynamical.clf_dm import CLFDM
@@ -14,18 +15,16 @@ from .gaussians.fitting import FittedMixture, choose_components, fit_mixture, tr
 from .gaussians.kmeans import Clusters, kmeans
 from .gaussians.mixture import Mixture
 from .library import OutsideTargets, SkillLibrary
-from .many import generate_all
 from .marching.model import FastMarching, FastMarchingSkill
 from .mixtures.gmr import GMR, GMRSkill
 from .mixtures.stiffness import stiffness_profile
 from .mixtures.task_gmr import TaskGMR, TaskGMRSkill
-from .out_of_step import OutOfStep
-from .parameters import Parameter
 from .promp.combination import blend, combine
 from .promp.inference import Inference, Region, infer
 from .promp.model import ProMP
 from .promp.skill import ProMPSkill
-from .protocol import Skill
+from .protocol import Parameter, Skill
+from .queries import generate_all
 from .registry import ModelEntry, model_entry, model_names
 
 __all__ = [
@@ -47,10 +46,10 @@ __all__ = [
     "FramedState",
     "GMRSkill",
     "Inference",
+    "MisalignmentWarning",
     "Mixture",
     "ModelEntry",
     "ModifiedDS",
-    "OutOfStep",
     "OutsideTargets",
     "Parameter",
     "ProMP",

@@ -22,9 +22,8 @@ from leadthrough.errors import InvalidInput
 from leadthrough.io import npz
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.models.certificate import Certificate
-from leadthrough.models.demonstrated import Demonstrations
-from leadthrough.models.parameters import Parameter
-from leadthrough.models.protocol import Distributed, Skill
+from leadthrough.models.demonstrations import Demonstrations
+from leadthrough.models.protocol import Distributed, Parameter, Skill
 from leadthrough.models.registry import entry_of_skill
 from leadthrough.motion import Motion
 

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough.errors import InvalidInput
-from leadthrough.models.place import Place
-from leadthrough.models.places import Places
+from leadthrough.models.targets import Place, Places
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import MovingObstacle, Obstacle, RandomObstacle, Shape
 

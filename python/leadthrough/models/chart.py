@@ -21,8 +21,8 @@ from leadthrough.errors import InvalidInput
 from leadthrough.events import Event
 from leadthrough.models.archive import quaternions
 from leadthrough.models.mean_turning import mean_orientations
-from leadthrough.models.place import Place
 from leadthrough.models.posture import Posture, arrays_of, settings_of, shown_posture
+from leadthrough.models.targets import Place
 from leadthrough.motion import (
     JointTrajectory,
     Motion,

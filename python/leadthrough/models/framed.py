@@ -18,7 +18,7 @@ from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Arrays, FittedSkill
-from leadthrough.models.demonstrated import Demonstrations, motions_of
+from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.frame import Frame
 from leadthrough.models.framed_state import FramedState
 from leadthrough.models.framed_views import (
@@ -32,11 +32,18 @@ from leadthrough.models.framed_views import (
     place_seen,
     shape_seen,
 )
-from leadthrough.models.parameters import Parameter
-from leadthrough.models.place import Place
-from leadthrough.models.protocol import Conditioned, Guided, Limited, Model, Skill, Stepped
+from leadthrough.models.protocol import (
+    Conditioned,
+    Guided,
+    Limited,
+    Model,
+    Parameter,
+    Skill,
+    Stepped,
+    Unfitted,
+)
 from leadthrough.models.registry import entry_of_skill
-from leadthrough.models.unfitted import Unfitted
+from leadthrough.models.targets import Place
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory
 from leadthrough.shapes import Shape, check_shapes
 

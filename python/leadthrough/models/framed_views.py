@@ -12,7 +12,7 @@ from leadthrough import check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.frame import Frame
-from leadthrough.models.place import Place
+from leadthrough.models.targets import Place
 from leadthrough.motion import MotionT
 from leadthrough.shapes import Shape
 

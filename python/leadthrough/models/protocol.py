@@ -1,19 +1,21 @@
-"""What every fitted skill offers, and what some can do beyond it."""
+"""Models and skills: the methods of all, those of some, and the parameters a person may drag."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Generic, NoReturn, Protocol, runtime_checkable
 
 from numpy.typing import ArrayLike
 
 from leadthrough.check import Float64Array
+from leadthrough.errors import NotFitted
 from leadthrough.io.atomic import StrPath
 from leadthrough.models.certificate import Certificate
-from leadthrough.models.demonstrated import Demonstrations
-from leadthrough.models.parameters import Parameter
-from leadthrough.models.place import Place
-from leadthrough.motion import Motion, MotionT_co
+from leadthrough.models.demonstrations import Demonstrations
+from leadthrough.models.targets import Place
+from leadthrough.motion import Motion, MotionT, MotionT_co
+from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape
 
 if TYPE_CHECKING:
@@ -35,6 +37,14 @@ __all__ = [
     "Stepped",
 ]
 
+# Names of skills that are asked of models by mistake.
+_OF_SKILLS = frozenset(
+    {
+        "begin", "condition", "distribution", "duration", "generate", "plan", "plot", "policy",
+        "preview", "sample", "save", "step", "supports",
+    }
+)  # fmt: skip
+
 
 class Model(Protocol):
     """The settings of a kind of skill: a frozen dataclass of plain values."""
@@ -44,7 +54,7 @@ class Model(Protocol):
 
 
 class Generator(Protocol[MotionT_co]):
-    """What answers queries with motions."""
+    """An object that answers queries with motions."""
 
     def generate(
         self,
@@ -55,7 +65,7 @@ class Generator(Protocol[MotionT_co]):
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
     ) -> MotionT_co:
-        """A motion of the type that was shown; what is left out is taken from the demonstrations.
+        """A motion of the demonstrated type; omitted arguments are taken from the demonstrations.
 
         Args:
             start: where it starts.
@@ -67,15 +77,14 @@ class Generator(Protocol[MotionT_co]):
         Raises:
             InvalidInput: if an argument is wrong.
             UnsupportedQuery: for a part that it does not support.
-            NoPath: where obstacles leave no way.
+            NoPath: where obstacles leave no path.
         """
 
 
 class Skill(Generator[MotionT_co], Protocol[MotionT_co]):
     """A fitted model: frozen, safe to share between threads.
 
-    What it generates is of the type of motion that was shown: a `Skill[JointTrajectory]` generates
-    joint trajectories.
+    A `Skill[JointTrajectory]` generates joint trajectories, as it was demonstrated.
     """
 
     @property
@@ -96,13 +105,13 @@ class Skill(Generator[MotionT_co], Protocol[MotionT_co]):
 
     @property
     def certificate(self) -> Certificate | None:
-        """What a validation found of it; None if it was not validated, or changed since."""
+        """The result of its validation; None before one, and after a change."""
 
     def certified(self, certificate: Certificate | None) -> Skill[MotionT_co]:
         """The same skill with a certificate, which its file keeps too.
 
         Args:
-            certificate: of a validation; None takes away what there is.
+            certificate: of a validation; None removes it.
         """
 
     def parameters(
@@ -132,7 +141,7 @@ class Distributed(Protocol):
 
     @property
     def chart(self) -> Chart:
-        """What its columns are."""
+        """Coordinates of its columns."""
 
     @property
     def duration(self) -> float:
@@ -144,7 +153,7 @@ class Distributed(Protocol):
 
 @runtime_checkable
 class State(Protocol):
-    """Where a motion is that goes on step by step; poses also have .orientation and its rate."""
+    """State of a motion between steps; of poses also with .orientation and its rate."""
 
     @property
     def phase(self) -> float:
@@ -238,7 +247,7 @@ class Limited(Stepped, Protocol):
 
 @runtime_checkable
 class Guided(Protocol):
-    """A skill that leads a tool from wherever it is."""
+    """A skill that leads a tool to the goal from any position."""
 
     def policy(self, position: ArrayLike) -> Float64Array:
         """The velocity (d,) that leads from a position (d,) to the goal."""
@@ -246,7 +255,7 @@ class Guided(Protocol):
 
 @runtime_checkable
 class Mapped(Protocol):
-    """A skill that plans in a map of speeds, around whatever is closed in it."""
+    """A skill that plans in a map of speeds, around its closed cells."""
 
     def map_with(self, obstacles: Sequence[Shape]) -> Float64Array:
         """The map of speeds with obstacles in it."""
@@ -257,12 +266,12 @@ class Previewed(Protocol):
     """A skill with quick, coarse answers for a goal and obstacles that are dragged."""
 
     def preview(self) -> Generator:
-        """What gives them; it keeps from one answer to the next what helps the next one."""
+        """The generator of these answers, which reuses parts of the one before."""
 
 
 @runtime_checkable
 class Conditioned(Protocol):
-    """A skill that can be conditioned on passing a place at a time."""
+    """A skill that can be conditioned on passing a position or pose at a time."""
 
     @property
     def duration(self) -> float:
@@ -283,3 +292,70 @@ class Relearned(Protocol):
 
     def relearned(self, motion: Motion) -> Skill:
         """The skill of another motion of the same type, learned with the same settings."""
+
+
+@dataclass(frozen=True, eq=False)
+class Parameter(ShortRepr, Generic[MotionT_co]):
+    """A number of a skill's model that may be changed.
+
+    Attributes:
+        label: its name, with the unit where it has one.
+        value: the present value.
+        lower: the least value worth trying.
+        upper: the largest value worth trying.
+        step: the smallest change worth making.
+        apply: takes another value and returns the skill with it; the skill itself stays as it is.
+    """
+
+    label: str
+    value: float
+    lower: float
+    upper: float
+    step: float
+    apply: Callable[[float], Skill[MotionT_co]]
+
+
+def whole_number(
+    label: str, value: int, *, least: int, most: int, apply: Callable[[int], Skill[MotionT]]
+) -> Parameter[MotionT]:
+    """A parameter that counts something, such as weights."""
+
+    def rounded(number: float) -> Skill[MotionT]:
+        return apply(round(number))
+
+    return Parameter(label, value, min(least, value), max(most, value), 1.0, rounded)
+
+
+def fitted_again(
+    skill: Skill[MotionT],
+    setting: str,
+    demonstrations: Demonstrations[Motion],
+    *,
+    least: int,
+    most: int,
+) -> Sequence[Parameter[MotionT]]:
+    """The parameter that fits a skill again with another whole number in its model."""
+    if len(demonstrations) == 0:
+        return []
+    model: Any = skill.model  # a dataclass with this setting
+
+    def fitted(number: int) -> Skill[MotionT]:
+        again: Skill[MotionT] = replace(model, **{setting: number}).fit(demonstrations)
+        return again
+
+    return [whole_number(setting, getattr(model, setting), least=least, most=most, apply=fitted)]
+
+
+class Unfitted:
+    """Base of models: `generate` raises NotFitted, with the call of `fit` that comes first."""
+
+    if not TYPE_CHECKING:  # type checkers shall refuse it
+
+        def __getattr__(self, name: str) -> NoReturn:
+            kind = type(self).__name__
+            if name in _OF_SKILLS:
+                raise NotFitted(
+                    f"{name}: {kind} holds the settings of a model; fit it first: "
+                    f"skill = {kind}().fit(demonstrations), then skill.{name}"
+                )
+            raise AttributeError(f"{kind!r} object has no attribute {name!r}")

@@ -10,8 +10,8 @@ from leadthrough import check, rotations
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput
-from leadthrough.models.places import Places
 from leadthrough.models.protocol import Skill
+from leadthrough.models.targets import Places
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.reachability.reach_map import reached
 from leadthrough.repr import ShortRepr

@@ -18,7 +18,7 @@ from leadthrough.arm.arm import check_arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath, replacing
-from leadthrough.models.places import Places
+from leadthrough.models.targets import Places
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.tasks import Outcome, Row, Store, Task

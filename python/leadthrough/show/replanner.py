@@ -18,8 +18,7 @@ from leadthrough.arm.ik_failure import limiting_joints_text
 from leadthrough.arm.recorded_joints import warn_of_another_arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LeadthroughError
-from leadthrough.models.parameters import Parameter
-from leadthrough.models.protocol import Conditioned, Generator, Place, Previewed, Skill
+from leadthrough.models.protocol import Conditioned, Generator, Parameter, Place, Previewed, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
 from leadthrough.motion_planning import Query, plan_motion
 from leadthrough.repr import ShortRepr

@@ -14,7 +14,7 @@ import numpy as np
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import LeadthroughError
-from leadthrough.models.parameters import Parameter
+from leadthrough.models.protocol import Parameter
 from leadthrough.show import scene
 from leadthrough.show.private_server import PrivateServer
 from leadthrough.show.replanner import Answer, Replanner

@@ -17,7 +17,7 @@ from leadthrough.timing.samples import Samples, differentiated
 from leadthrough.timing.sections import Section
 
 # The most samples of a motion.
-MOST_SAMPLES = 1e7
+MAX_SAMPLES = 1e7
 _COARSEST_PERIOD = 1e-3  # s; at lower rates several samples are computed for each one returned
 _SAME_PARAMETER = 1e-9  # relative to the section
 _STATUSES = (
@@ -88,7 +88,7 @@ class Course:
             extra.upper,
             self.period,
             *self.speeds,
-            MOST_SAMPLES,
+            MAX_SAMPLES,
             self.most_delay,
         )
         pinches = self.path.parameter[points]
@@ -129,7 +129,7 @@ def _failure(status: str, direction: Float64Array, limits: JointLimits) -> Excep
         need = np.nan_to_num(np.abs(direction) / limits.velocity)
     name = limits.joint_names[int(need.argmax())]
     if status == "too_long":
-        return InvalidInput(f"rate: expected at most {MOST_SAMPLES:.0e} samples; lower the rate")
+        return InvalidInput(f"rate: expected at most {MAX_SAMPLES:.0e} samples; lower the rate")
     reasons = {
         "no_motion": "no motion along the path keeps the limits",
         "start_too_fast": "start_velocity is faster than the limits allow",

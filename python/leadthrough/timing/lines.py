@@ -13,7 +13,7 @@ from leadthrough import _core
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, LimitsInfeasible
-from leadthrough.timing.course import MOST_SAMPLES, computed_for_each
+from leadthrough.timing.course import MAX_SAMPLES, computed_for_each
 from leadthrough.timing.rates import AT_REST
 from leadthrough.timing.samples import Samples
 from leadthrough.timing.sections import Lines, Rows
@@ -35,10 +35,10 @@ def time_lines(lines: Lines, limits: JointLimits, rate: float) -> Samples:
         np.where(bound, jerk, 0.0),
         1.0 / (rate * parts),
         parts,
-        MOST_SAMPLES,
+        MAX_SAMPLES,
     )
     if failed >= 0:
-        raise InvalidInput(f"rate: expected at most {MOST_SAMPLES:.0e} samples; lower the rate")
+        raise InvalidInput(f"rate: expected at most {MAX_SAMPLES:.0e} samples; lower the rate")
     line = np.repeat(np.arange(len(steps)), steps)
     rests = np.cumsum(np.concatenate([[0], steps]))
     q = np.vstack([lines.ends[:1], lines.ends[line] + shares[:, None] * changes[line]])

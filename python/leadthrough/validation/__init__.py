@@ -1,7 +1,7 @@
 """How often a skill's motions succeed on an arm, measured on random queries, with its certainty."""
 
 from leadthrough.models.certificate import Certificate
-from leadthrough.models.places import Places
+from leadthrough.models.targets import Places
 from leadthrough.validation.validate import validate
 from leadthrough.validation.validation import (
     Failing,

@@ -14,9 +14,8 @@ from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LimitsInfeasible, NoPath
 from leadthrough.models import load_skill
-from leadthrough.models.place import Place
-from leadthrough.models.places import Places
 from leadthrough.models.protocol import Skill
+from leadthrough.models.targets import Place, Places
 from leadthrough.motion import JointTrajectory, Motion
 from leadthrough.motion_planning import Query, plan_motion
 from leadthrough.shapes import Scene

@@ -17,8 +17,8 @@ from leadthrough.arm.arm import check_arm
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import replacing
 from leadthrough.models.certificate import Certificate, ValidatedObstacle
-from leadthrough.models.places import Places
 from leadthrough.models.protocol import Skill
+from leadthrough.models.targets import Places
 from leadthrough.motion import Motion, PoseTrajectory
 from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation import Controller

@@ -15,7 +15,7 @@ from scipy.special import betaincinv, betaln, xlog1py, xlogy
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.models.certificate import Certificate
-from leadthrough.models.places import Places
+from leadthrough.models.targets import Places
 from leadthrough.repr import ShortRepr
 from leadthrough.tasks import Row
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough.io import lasa
-from leadthrough.models import OutOfStep
+from leadthrough.models import MisalignmentWarning
 from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
 from leadthrough.preprocess.resample import by_arc_length
 from leadthrough_studies.comparison import material, measures
@@ -156,7 +156,7 @@ def _learner(
     def learn(shown: Sequence[Demonstration[Any]]) -> Learned:
         with warnings.catch_warnings():
             # What models lose where demonstrations are out of step is theirs.
-            warnings.simplefilter("ignore", OutOfStep)
+            warnings.simplefilter("ignore", MisalignmentWarning)
             model = chosen(models, shown, total, folds=folds)
             began = time.process_time()
             skill = model.fit(shown)

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from leadthrough.io import read_demonstrations
-from leadthrough.models import OutOfStep, ProMP
+from leadthrough.models import MisalignmentWarning, ProMP
 from leadthrough.motion import Demonstration, Trajectory
 from leadthrough.preprocess import align_by_time_warping, segment
 from leadthrough_studies.human.measures import course, fidelity
@@ -88,7 +88,7 @@ def symbol(*, source: str, file: Path, weights: int) -> list[Row]:
     for way, (given, compared) in ways.items():
         with warnings.catch_warnings():
             # What is lost where they are out of step is what the study shows.
-            warnings.simplefilter("ignore", OutOfStep)
+            warnings.simplefilter("ignore", MisalignmentWarning)
             skill = ProMP(weights=weights).fit(given)
         motions = [each.motion for each in compared]
         moved = np.ptp(motions[0].positions, axis=0) >= _MOVED

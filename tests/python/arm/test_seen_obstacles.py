@@ -172,7 +172,7 @@ def test_a_held_mesh_counts_and_weighs_as_its_hull(panda):
 
 
 def test_a_cloud_in_millimetres_is_warned_of(panda):
-    with pytest.warns(lt.plausible.Suspicious, match=r"obstacles\[0\]"):
+    with pytest.warns(lt.sanity.ImplausibleInputWarning, match=r"obstacles\[0\]"):
         panda.distance(HOME, [lt.PointCloud(1000 * scattered(10), 5.0)])
 
 

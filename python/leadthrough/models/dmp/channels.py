@@ -28,7 +28,7 @@ from leadthrough.models.dmp.progress import (
 )
 from leadthrough.models.dmp.query import Query, check_channels, course_through
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem
-from leadthrough.models.place import Place
+from leadthrough.models.targets import Place
 from leadthrough.motion import JointTrajectory, Motion, Trajectory, computed
 
 # A goal nearer than this fraction of the motion's size to the one before is the same.

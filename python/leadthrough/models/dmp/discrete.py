@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, events
 from leadthrough.models.archive import Arrays
-from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.dmp.channels import Channels
 from leadthrough.models.dmp.constraints import Constraints, check_constraints, step_within
 from leadthrough.models.dmp.learning import check_choices, check_weights, learn_motion
@@ -34,10 +34,8 @@ from leadthrough.models.dmp.query import (
     check_step,
 )
 from leadthrough.models.dmp.transformation import enough_weights
-from leadthrough.models.even_times import even_phases
-from leadthrough.models.judged import judged
-from leadthrough.models.protocol import Place, Skill
-from leadthrough.models.unfitted import Unfitted
+from leadthrough.models.protocol import Place, Skill, Unfitted
+from leadthrough.models.queries import checked_query, even_phases
 from leadthrough.motion import Motion, MotionT, MotionT_co
 from leadthrough.shapes import Shape
 
@@ -154,7 +152,7 @@ class DMPSkill(Primitive[MotionT_co]):
         }
         return frozenset(known | {name for name, honoured in optional.items() if honoured})
 
-    @judged
+    @checked_query
     def generate(
         self,
         *,

@@ -11,9 +11,8 @@ from leadthrough import events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
 from leadthrough.events import Event
-from leadthrough.models.demonstrated import Demonstrations, motions_of
+from leadthrough.models.demonstrations import Demonstrations, motions_of, warn_of_misalignment
 from leadthrough.models.mean_turning import mean_orientations
-from leadthrough.models.out_of_step import warn_of_others_timing
 from leadthrough.models.posture import Posture, shown_posture
 from leadthrough.motion import (
     JointTrajectory,
@@ -65,7 +64,7 @@ def mean_motion(demonstrations: Demonstrations[Motion]) -> MeanMotion:
     positions = np.mean([_positions_at(motion, even) for motion in motions], axis=0)
     duration = float(np.mean([motion.duration for motion in motions]))
     q = _mean_orientations(motions, even)
-    warn_of_others_timing(motions)
+    warn_of_misalignment(motions)
     return MeanMotion(even, positions, q, duration, names, happened, posture)
 
 

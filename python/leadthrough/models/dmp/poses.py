@@ -33,7 +33,7 @@ from leadthrough.models.dmp.progress import (
 )
 from leadthrough.models.dmp.query import Query, as_pose, check_channels, pose_acceleration
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem, end_of, scaled_by
-from leadthrough.models.place import Place
+from leadthrough.models.targets import Place
 from leadthrough.motion import JointTrajectory, PoseTrajectory, computed
 
 _POSITION, _ORIENTATION = slice(3), slice(3, 6)

@@ -9,12 +9,11 @@ from typing import Any, Generic, TypedDict, cast
 from leadthrough import events
 from leadthrough.events import Event
 from leadthrough.models.archive import Arrays, FittedSkill
-from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.dmp.orientation import OrientationCoordinates
 from leadthrough.models.dmp.transformation import RHYTHMIC, TransformationSystem
-from leadthrough.models.parameters import Parameter, fitted_again
 from leadthrough.models.posture import Posture, arrays_of, settings_of
-from leadthrough.models.protocol import Skill
+from leadthrough.models.protocol import Parameter, Skill, fitted_again
 from leadthrough.motion import Motion, MotionT_co
 
 

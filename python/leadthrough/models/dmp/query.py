@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
-from leadthrough.models.demonstrated import LARGEST
+from leadthrough.models.demonstrations import MAX_NUMBER
 from leadthrough.models.dmp import transformation
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem
-from leadthrough.models.place import Place
+from leadthrough.models.targets import Place
 
 # Steps this many durations long come from a wrong unit of dt.
 _MAX_STEP = 1000.0
@@ -46,8 +46,8 @@ def check_final_velocity(velocity: ArrayLike | None, form: str) -> None:
 def check_channels(value: Any, name: str, count: int) -> Float64Array:
     """`value` as an array (count,) whose products stay finite."""
     given = check.array(value, name, shape=(count,))
-    if np.abs(given).max() > LARGEST:
-        raise InvalidInput(f"{name}: expected numbers up to {LARGEST:.0e}, got {given}")
+    if np.abs(given).max() > MAX_NUMBER:
+        raise InvalidInput(f"{name}: expected numbers up to {MAX_NUMBER:.0e}, got {given}")
     return given
 
 
@@ -87,7 +87,7 @@ class Query:
         def slope(value: ArrayLike | None, name: str, nominal: Float64Array) -> Float64Array:
             if value is None:
                 return nominal
-            return check_channels(value, name, len(nominal)) * min(duration, LARGEST)
+            return check_channels(value, name, len(nominal)) * min(duration, MAX_NUMBER)
 
         return Ends(
             _or(start, "start", learned.start),

@@ -19,7 +19,7 @@ from leadthrough import _core, check, events
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Arrays
-from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.dmp import transformation
 from leadthrough.models.dmp.learning import check_weights, learn_rhythm
 from leadthrough.models.dmp.mean_motion import mean_cycle
@@ -33,10 +33,8 @@ from leadthrough.models.dmp.query import (
     pose_acceleration,
 )
 from leadthrough.models.dmp.transformation import RHYTHMIC, Ends
-from leadthrough.models.even_times import even_times
-from leadthrough.models.judged import judged
-from leadthrough.models.protocol import Place
-from leadthrough.models.unfitted import Unfitted
+from leadthrough.models.protocol import Place, Unfitted
+from leadthrough.models.queries import checked_query, even_times
 from leadthrough.motion import (
     JointTrajectory,
     MotionT,
@@ -106,7 +104,7 @@ class RhythmicDMPSkill(Primitive[MotionT_co]):
     kind: ClassVar[str] = "rhythmic_dmp"
     supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration"})
 
-    @judged
+    @checked_query
     def generate(
         self,
         *,

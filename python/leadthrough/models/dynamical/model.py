@@ -9,12 +9,12 @@ import numpy as np
 
 from leadthrough.blas_threads import one_blas_thread
 from leadthrough.errors import FitError
-from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.dynamical.field import Field
 from leadthrough.models.dynamical.rollout import MAX_DURATION, endpoints
 from leadthrough.models.dynamical.samples import NEAR_GOAL, Samples, samples_about_goals
 from leadthrough.models.dynamical.skill import DynamicalSkill
-from leadthrough.models.unfitted import Unfitted
+from leadthrough.models.protocol import Unfitted
 from leadthrough.motion import MotionT
 
 # A system's speed is changed by no more than this: one that is so slow rests somewhere on the way.

@@ -13,7 +13,7 @@ from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
 from leadthrough.models.chart import Chart, chart_of
-from leadthrough.models.demonstrated import Demonstrations, motions_of
+from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.mean_turning import mean_orientations
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, normalised_times
 from leadthrough.preprocess.noise import without_noise

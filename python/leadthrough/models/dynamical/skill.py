@@ -14,18 +14,17 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.chart import NODES, Chart
-from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.dynamical.field import Field
 from leadthrough.models.dynamical.rollout import (
     StabilityReport,
     goal_trajectory,
     stability_report,
 )
-from leadthrough.models.even_times import even_times
-from leadthrough.models.judged import judged
-from leadthrough.models.parameters import Parameter, fitted_again
-from leadthrough.models.place import Place
+from leadthrough.models.protocol import Parameter, fitted_again
+from leadthrough.models.queries import checked_query, even_times
 from leadthrough.models.registry import entry_of_class
+from leadthrough.models.targets import Place
 from leadthrough.motion import Motion, MotionT_co, normalised_times
 from leadthrough.shapes import Shape
 
@@ -88,7 +87,7 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
         rows = (np.atleast_2d(given) - there) / self.scale
         return self._velocities(rows).reshape(given.shape)
 
-    @judged
+    @checked_query
     def generate(
         self,
         *,

@@ -13,7 +13,7 @@ from leadthrough import check, events
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput
 from leadthrough.events import Event
-from leadthrough.models.demonstrated import Demonstrations, motions_of
+from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.phase import SAMPLES, progress_of
 from leadthrough.models.posture import Posture, agreed, shown_posture
 from leadthrough.motion import MotionT, PoseTrajectory, Trajectory

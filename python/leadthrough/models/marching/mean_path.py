@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 from leadthrough import _core
 from leadthrough.check import Float64Array
 from leadthrough.errors import NoPath
-from leadthrough.models.bounded import MOST_GAIN, fraction_inside
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.maps import Scales, grid_over, min_distance, slowed_at, tube_field
 from leadthrough.models.marching.route import CELLS_PER_KNOT, Query, Route, route_along
+from leadthrough.models.queries import MAX_GAIN, fraction_inside
 from leadthrough.planning.grid import Grid
 from leadthrough.planning.speed_map import quickest
 from leadthrough.preprocess.resample import arc_length, by_arc_length
@@ -43,7 +43,7 @@ _SCALES = (0.2, 5.0)
 # Demonstrations farther apart than this fraction of their length are different branches.
 _SAME_BRANCH = 0.1
 # A path deviates from the nominal one by at most this many times the move of its ends,
-MAX_DEVIATION = MOST_GAIN
+MAX_DEVIATION = MAX_GAIN
 # and leaves the demonstrations by at most the move of its ends; below 1 to allow for rounding.
 _ROOM = 0.999
 # Details of a predicted path that are shorter than this many radii are tremor, not shape.

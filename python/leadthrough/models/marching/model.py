@@ -18,8 +18,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
-from leadthrough.models.demonstrated import Demonstrations
-from leadthrough.models.judged import judged
+from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.marching import orientation
 from leadthrough.models.marching.experience import Experience, experience_like, experience_of
 from leadthrough.models.marching.maps import (
@@ -35,9 +34,9 @@ from leadthrough.models.marching.planner import planned
 from leadthrough.models.marching.policy import Policy, policy_to
 from leadthrough.models.marching.route import LiveMap, Query, Route, query_of, split
 from leadthrough.models.marching.time_law import TIMINGS, timed
-from leadthrough.models.parameters import Parameter
-from leadthrough.models.place import Place
-from leadthrough.models.unfitted import Unfitted
+from leadthrough.models.protocol import Parameter, Unfitted
+from leadthrough.models.queries import checked_query
+from leadthrough.models.targets import Place
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, Trajectory
 from leadthrough.planning.grid import Grid
 from leadthrough.preprocess.resample import arc_length
@@ -251,7 +250,7 @@ class FastMarchingSkill(FittedSkill, Generic[MotionT_co]):
             return self
         return self.with_experience(motion.positions, duration=motion.duration)
 
-    @judged
+    @checked_query
     def generate(
         self,
         *,

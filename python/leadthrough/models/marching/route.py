@@ -32,7 +32,7 @@ from leadthrough.models.marching.maps import (
     with_detours,
     with_obstacles,
 )
-from leadthrough.models.place import Place
+from leadthrough.models.targets import Place
 from leadthrough.planning.arrival import arrival_times
 from leadthrough.planning.descent import descend
 from leadthrough.planning.grid import Grid

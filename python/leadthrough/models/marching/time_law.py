@@ -11,10 +11,10 @@ from leadthrough import events
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models import phase
-from leadthrough.models.even_times import even_times
 from leadthrough.models.marching.experience import Experience, nominal_duration
 from leadthrough.models.marching.route import Route
 from leadthrough.models.posture import agreed
+from leadthrough.models.queries import even_times
 from leadthrough.motion import Trajectory
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 

@@ -19,15 +19,12 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
-from leadthrough.models.asked_times import asked_times
 from leadthrough.models.chart import Chart
-from leadthrough.models.demonstrated import Demonstrations, motions_of
-from leadthrough.models.even_times import even_times
+from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.gaussians.em import LEAST_VARIANCE, Blocks, Steps, bounded, sums_of
 from leadthrough.models.gaussians.fitting import FittedMixture
 from leadthrough.models.gaussians.mixture import Mixture
 from leadthrough.models.gaussians.units import Units, phase_units
-from leadthrough.models.judged import judged
 from leadthrough.models.mixtures.phases import (
     SAMPLES,
     WIDE,
@@ -37,9 +34,9 @@ from leadthrough.models.mixtures.phases import (
     thinner,
     timed_columns,
 )
-from leadthrough.models.parameters import Parameter, fitted_again
-from leadthrough.models.place import Place
-from leadthrough.models.unfitted import Unfitted
+from leadthrough.models.protocol import Parameter, Unfitted, fitted_again
+from leadthrough.models.queries import asked_times, checked_query, even_times
+from leadthrough.models.targets import Place
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Shape
@@ -165,7 +162,7 @@ class GMRSkill(FittedSkill, Generic[MotionT_co]):
         """
         return self.regress(asked_times(times, "times"))
 
-    @judged
+    @checked_query
     def generate(
         self,
         *,

@@ -17,12 +17,11 @@ import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.models.chart import Chart, chart_of
-from leadthrough.models.demonstrated import Demonstrations, motions_of
+from leadthrough.models.demonstrations import Demonstrations, motions_of, warn_of_misalignment
 from leadthrough.models.gaussians.em import LEAST_VARIANCE, Blocks, Steps, fit_blocks
 from leadthrough.models.gaussians.fitting import FittedMixture, in_order, least_criterion
 from leadthrough.models.gaussians.units import Units, own_units, phase_units
 from leadthrough.models.mean_turning import mean_orientations
-from leadthrough.models.out_of_step import warn_of_others_timing
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
 
 # The least variance of a component in any direction until EM has converged, in phase units, and in
@@ -135,7 +134,7 @@ def sampled(
     motions = motions_of(demonstrations)
     phases = [normalised_times(motion.times) for motion in motions]
     chart = chart_of(motions, phases, middle=middle)
-    warn_of_others_timing(motions)
+    warn_of_misalignment(motions)
     duration = float(np.median([motion.duration for motion in motions]))
     return Sampled(
         motions, phases, chart, duration, timed_columns(motions, phases, chart, duration)

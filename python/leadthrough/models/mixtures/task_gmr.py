@@ -21,13 +21,11 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, NoContinuousLogarithm, UnsupportedQuery
 from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
-from leadthrough.models.bounded import MOST_GAIN, fraction_inside
 from leadthrough.models.chart import Chart, chart_of
-from leadthrough.models.demonstrated import Demonstrations
+from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.frame import Frame
 from leadthrough.models.gaussians.em import Blocks
 from leadthrough.models.gaussians.mixture import Mixture
-from leadthrough.models.judged import judged
 from leadthrough.models.mean_turning import middle_orientations
 from leadthrough.models.mixtures.gmr import GMR, MOST_COMPONENTS, GMRSkill, wanted_ends
 from leadthrough.models.mixtures.phases import SAMPLES, phase_blocks, sampled, timed_columns
@@ -38,9 +36,9 @@ from leadthrough.models.mixtures.task_product import (
     placed,
     shrunk,
 )
-from leadthrough.models.parameters import Parameter, fitted_again
-from leadthrough.models.place import Place
-from leadthrough.models.unfitted import Unfitted
+from leadthrough.models.protocol import Parameter, Unfitted, fitted_again
+from leadthrough.models.queries import MAX_GAIN, checked_query, fraction_inside
+from leadthrough.models.targets import Place
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, normalised_times
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Shape
@@ -218,7 +216,7 @@ class TaskGMRSkill(FittedSkill, Generic[MotionT_co]):
         model = GMR(self.model.components, self.model.seed, self.model.starts)
         return GMRSkill(model, chart, mixture, self.duration, ends, 1)
 
-    @judged
+    @checked_query
     def generate(
         self,
         *,
@@ -371,7 +369,7 @@ def _limits(way: _Way, positions: Float64Array) -> tuple[float, float]:
     pairs = list(zip(moved, turned, levers, strict=True))
     distance = max(m + t * lever for m, t, lever in pairs)
     angle = max(t + (m / lever if lever > 0.0 else 0.0) for m, t, lever in pairs)
-    return MOST_GAIN * distance, MOST_GAIN * angle
+    return MAX_GAIN * distance, MAX_GAIN * angle
 
 
 def _within(changes: Float64Array, fractions: Float64Array, limit: float) -> Float64Array:

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.models.asked_times import asked_times
+from leadthrough.models.queries import asked_times
 
 # A time may lie this fraction of the duration outside the motion, by rounding: evenly spaced times
 # up to the duration may end an ulp beyond it.

@@ -14,8 +14,8 @@ import numpy as np
 from leadthrough import _core, check, events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.models.chart import Chart, turned_by
-from leadthrough.models.many import checked_threads, mapped
 from leadthrough.models.promp.basis import Basis
+from leadthrough.models.queries import checked_threads, mapped
 from leadthrough.motion import (
     JointTrajectory,
     MotionT_co,

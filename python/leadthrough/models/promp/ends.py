@@ -20,12 +20,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from leadthrough.check import Float64Array
-from leadthrough.models.bounded import MOST_GAIN, fraction_inside
 from leadthrough.models.chart import Chart
-from leadthrough.models.place import Place
 from leadthrough.models.promp import observation
 from leadthrough.models.promp.gaussian import CERTAIN, Gaussian
 from leadthrough.models.promp.prior import inner_prior, lines
+from leadthrough.models.queries import MAX_GAIN, fraction_inside
+from leadthrough.models.targets import Place
 from leadthrough.motion import MotionT
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def moved(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> ProMPSkill[Moti
     shown = min(1.0, _USUAL / max(novelty(skill, asked), _USUAL))
     rows = _rows(skill)
     for group in _groups(skill):
-        limit = MOST_GAIN * _moved_by(skill, asked, offsets, group)
+        limit = MAX_GAIN * _moved_by(skill, asked, offsets, group)
         inside = fraction_inside(rows @ shift[group].T, rows @ learned[group].T, limit)
         shift[group] += min(shown, inside) * learned[group]
     mean = skill.free.mean + shift.ravel()

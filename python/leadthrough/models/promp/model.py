@@ -21,8 +21,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput
 from leadthrough.models import archive
 from leadthrough.models.chart import Chart, chart_of, scales
-from leadthrough.models.demonstrated import Demonstrations, motions_of
-from leadthrough.models.out_of_step import warn_of_others_timing
+from leadthrough.models.demonstrations import Demonstrations, motions_of, warn_of_misalignment
 from leadthrough.models.promp import limits
 from leadthrough.models.promp.basis import KINDS, LEAST, Basis, BasisKind
 from leadthrough.models.promp.belief import Experience
@@ -31,7 +30,7 @@ from leadthrough.models.promp.estimation import LEAST_COVERED, Shown
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.least_squares import least_squares
 from leadthrough.models.promp.skill import ProMPSkill
-from leadthrough.models.unfitted import Unfitted
+from leadthrough.models.protocol import Unfitted
 from leadthrough.motion import Motion, MotionT, normalised_times
 
 Estimator: TypeAlias = Literal["least_squares", "em"]
@@ -103,7 +102,7 @@ class ProMP(Unfitted):
                 for its estimator, or none shows some part of the motion.
 
         Warns:
-            OutOfStep: if demonstrations show the same at other times and no phases are given.
+            MisalignmentWarning: if demonstrations are misaligned in time and no phases are given.
         """
         motions = motions_of(demonstrations)
         at = (
@@ -113,7 +112,7 @@ class ProMP(Unfitted):
         )
         chart = chart_of(motions, at)
         if phases is None:
-            warn_of_others_timing(motions)
+            warn_of_misalignment(motions)
         columns = [
             chart.columns(motion, u, f"demonstrations[{i}]")
             for i, (motion, u) in enumerate(zip(motions, at, strict=True))

@@ -16,12 +16,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.chart import Chart
-from leadthrough.models.demonstrated import Demonstrations
-from leadthrough.models.even_times import even_times
-from leadthrough.models.judged import judged
-from leadthrough.models.many import checked_threads
-from leadthrough.models.parameters import Parameter, whole_number
-from leadthrough.models.place import Place
+from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.promp import dense, ends, limits, observation, resolution, task_space
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.belief import Experience
@@ -31,6 +26,9 @@ from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.saved import taken_apart
 from leadthrough.models.promp.task_space import TaskMap
 from leadthrough.models.promp.truncation import Truncated
+from leadthrough.models.protocol import Parameter, whole_number
+from leadthrough.models.queries import checked_query, checked_threads, even_times
+from leadthrough.models.targets import Place
 from leadthrough.motion import Motion, MotionT_co, normalised_times
 from leadthrough.shapes import Shape
 
@@ -107,7 +105,7 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
         covariance = dense.product(pairs, blocks.reshape(count**2, size**2))
         return rows @ self.weights.mean.reshape(size, count).T, covariance.reshape(-1, size, size)
 
-    @judged
+    @checked_query
     def generate(
         self,
         *,

@@ -6,7 +6,7 @@ import pytest
 import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.io import lasa
-from leadthrough.models import OutOfStep
+from leadthrough.models import MisalignmentWarning
 
 U = np.linspace(0.0, 1.0, 100)
 # What a motion may deviate by, in multiples of what its ends are moved by.
@@ -66,7 +66,7 @@ def test_a_plane_drawing_is_raised_as_a_whole(recordings):
     shown = lt.read_demonstrations(
         [recordings / "panda_symbol" / "symbol17.mat"], rate=1000.0, columns={"positions": ["pos"]}
     )
-    with pytest.warns(OutOfStep):  # the hand pauses at different places
+    with pytest.warns(MisalignmentWarning):  # the hand pauses at different places
         skill = lt.ProMP().fit(shown)
     before = skill.generate()
     goal = before.positions[-1] + [0.0, 0.0, 0.02]

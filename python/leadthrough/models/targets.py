@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.models.place import Place
 from leadthrough.repr import ShortRepr
 
 _ROUNDING = 1e-9  # m or rad, by which a place may lie outside
@@ -143,3 +142,7 @@ class Places(ShortRepr):
         )
         turned = f", turned by up to {self.turn:.3g} rad" if self.turn else ""
         return f"{', '.join(sides)}{turned}"
+
+
+# A point or joints (d,); of poses a position (3,), or (position (3,), orientation (4,) w, x, y, z).
+Place: TypeAlias = ArrayLike | tuple[ArrayLike, ArrayLike]

@@ -8,7 +8,7 @@ import pytest
 import leadthrough as lt
 from leadthrough.arm.recorded_joints import warn_of_another_arm
 from leadthrough.errors import IkFailure, InvalidInput
-from leadthrough.plausible import Suspicious
+from leadthrough.sanity import ImplausibleInputWarning
 
 T = np.linspace(0.0, 3.0, 150)
 WAY = lt.trajectories.minimum_jerk_time_scaling(T / 3.0)
@@ -41,7 +41,9 @@ def test_a_place_in_millimetres_is_refused(skill, name):
 
 def test_an_obstacle_in_millimetres_is_warned_of():
     skill = lt.DMP().fit([reach()])
-    with pytest.warns(Suspicious, match=r"obstacles\[1\]: lies at .* \(m, not mm\)") as told:
+    with pytest.warns(
+        ImplausibleInputWarning, match=r"obstacles\[1\]: lies at .* \(m, not mm\)"
+    ) as told:
         skill.generate(obstacles=[table(), lt.Sphere(80.0, (0.0, 0.0, 400.0))])
     assert told[0].filename == __file__
 
@@ -51,7 +53,9 @@ def table():
 
 
 def test_a_quaternion_in_the_other_order_is_warned_of(skill):
-    with pytest.warns(Suspicious, match=r"goal: the orientation .* give quaternions as w, x, y, z"):
+    with pytest.warns(
+        ImplausibleInputWarning, match=r"goal: the orientation .* give quaternions as w, x, y, z"
+    ):
         skill.generate(goal=(GOAL, DOWN[[1, 2, 3, 0]]))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -67,7 +71,7 @@ def test_joints_in_degrees_are_refused(panda):
     degrees = lt.JointTrajectory(T, np.degrees(turn), joint_names=panda.joint_names)
     with pytest.raises(InvalidInput, match=r"panda_joint\d goes to .*angles='degrees'"):
         panda.poses(degrees)
-    with pytest.warns(Suspicious, match="angles='degrees'"):
+    with pytest.warns(ImplausibleInputWarning, match="angles='degrees'"):
         panda.joints_of(degrees)
     panda.poses(lt.JointTrajectory(T, turn + 0.1, joint_names=panda.joint_names))
 
@@ -80,7 +84,7 @@ def test_a_step_longer_than_the_motion_is_refused(skill):
 def test_times_in_milliseconds_are_warned_of():
     shown = reach()
     in_ms = lt.PoseTrajectory(20.0 * np.arange(len(T)), shown.positions, shown.orientations)
-    with pytest.warns(Suspicious, match=r"demonstrations\[0\]: one sample in 20 s"):
+    with pytest.warns(ImplausibleInputWarning, match=r"demonstrations\[0\]: one sample in 20 s"):
         lt.DMP().fit([in_ms])
 
 
@@ -108,7 +112,7 @@ def test_an_unreachable_goal_names_the_joint_whose_limit_is_in_the_way(panda):
 def test_an_obstacle_in_millimetres_is_warned_of_by_the_arm(panda):
     home = [[0, 0, 0, -1.5, 0, 1.5, 0]]
     for wrong in (lt.Sphere(0.1, (400.0, 0.0, 300.0)), lt.Sphere(80.0, (0.4, 0.0, 0.3))):
-        with pytest.warns(Suspicious, match=r"obstacles\[0\]: .* in m, not mm"):
+        with pytest.warns(ImplausibleInputWarning, match=r"obstacles\[0\]: .* in m, not mm"):
             panda.check(home, [wrong])
     assert panda.check(home, [table()]).ok
 
@@ -120,5 +124,5 @@ def test_another_arm_than_the_one_shown_is_warned_of(panda):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warn_of_another_arm(panda._chain, lt.DMP().fit([shown]).generate())
-    with pytest.warns(Suspicious, match="robot: .* tip is up to 0.2 m from its demonstrated"):
+    with pytest.warns(ImplausibleInputWarning, match="robot: .* tip is up to 0.2 m from"):
         warn_of_another_arm(longer._chain, shown)

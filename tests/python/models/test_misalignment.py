@@ -1,4 +1,4 @@
-"""Demonstrations that show the same at other times: a warning names them, and the cure."""
+"""Demonstrations misaligned in time: a warning names them and the remedy."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from kinds import kind
 from motions import motion_of
 
 import leadthrough as lt
-from leadthrough.models import OutOfStep
+from leadthrough.models import MisalignmentWarning
 from leadthrough.preprocess import align_by_time_warping
 
 T = np.linspace(0.0, 3.0, 300)
@@ -37,14 +37,14 @@ def test_a_warning_names_the_demonstrations_and_the_cure_once_and_here(learner):
     model = learner.build()
     shown = [demonstration(at, learner.motion) for at in (0.5, 0.5, 0.5, 0.9, 0.5)]
     cure = r"demonstrations \[3\]: .* preprocess.align_by_time_warping"
-    with pytest.warns(OutOfStep, match=cure) as told:
+    with pytest.warns(MisalignmentWarning, match=cure) as told:
         model.fit(shown)
     assert [warning.filename for warning in told] == [__file__]
     model.fit(align_by_time_warping(shown))  # warnings are errors: this one has none
 
 
 def test_demonstrations_that_all_differ_are_all_named():
-    with pytest.warns(OutOfStep, match=r"demonstrations \[0, 2\]: .* 22% of the duration"):
+    with pytest.warns(MisalignmentWarning, match=r"\[0, 2\]: .* 22% of the duration"):
         lt.ProMP().fit([demonstration(at) for at in (0.2, 0.5, 0.8)])
 
 

@@ -1,4 +1,4 @@
-"""The one door by which demonstrations come into the models, with one wording of each error."""
+"""Demonstrations as models take them: checked once, with one wording of each error."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from leadthrough import plausible
+from leadthrough import sanity
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput
 from leadthrough.motion import (
@@ -18,13 +18,20 @@ from leadthrough.motion import (
     PoseTrajectory,
     Trajectory,
 )
+from leadthrough.preprocess.align import lateness
 
-# What every `fit` takes: demonstrations, or the motions alone.
+# Argument of every `fit`: demonstrations, or the motions alone.
 Demonstrations: TypeAlias = Sequence[Demonstration[MotionT] | MotionT]
 
 KINDS = (Trajectory, PoseTrajectory, JointTrajectory)
 # Products of numbers beyond this overflow.
-LARGEST = 1e100
+MAX_NUMBER = 1e100
+# Demonstrations that are late by this fraction of the latest one are named.
+_NAMED = 0.6
+
+
+class MisalignmentWarning(UserWarning):
+    """Demonstrations are misaligned in time: the message names them and the remedy."""
 
 
 def motions_of(
@@ -47,7 +54,7 @@ def motions_of(
     _refuse_mixed(motions)
     for i, motion in enumerate(motions):
         _refuse_unfit(motion, f"demonstrations[{i}]")
-        plausible.clock(motion.times, f"demonstrations[{i}]")
+        sanity.clock(motion.times, f"demonstrations[{i}]")
     return motions
 
 
@@ -63,7 +70,7 @@ def _motion(demonstration: object, index: int, kinds: tuple[type[Motion], ...]) 
 
 
 def _poses_of(motion: object, kinds: tuple[type[Motion], ...]) -> str:
-    """How to go on where joints were given to a model of poses."""
+    """Remedy for joints given to a model of poses."""
     wanted = isinstance(motion, JointTrajectory) and PoseTrajectory in kinds
     return "; arm.poses(motion) makes poses of joints" if wanted else ""
 
@@ -85,9 +92,23 @@ def _refuse_unfit(motion: Motion, name: str) -> None:
     turns = isinstance(motion, PoseTrajectory) and not _is_still(motion.orientations)
     if _is_still(motion.positions) and not turns:
         raise FitError(f"{name}: does not move; leave it out")
-    if np.abs(motion.positions).max() > LARGEST:
-        raise FitError(f"{name}: has numbers beyond {LARGEST:.0e}; use another unit")
+    if np.abs(motion.positions).max() > MAX_NUMBER:
+        raise FitError(f"{name}: has numbers beyond {MAX_NUMBER:.0e}; use another unit")
 
 
 def _is_still(rows: Float64Array) -> bool:
     return bool((rows == rows[0]).all())
+
+
+def warn_of_misalignment(motions: Sequence[Motion]) -> None:
+    """Warns of demonstrations with the same path at different times, which a mean blurs."""
+    late = lateness(motions)
+    if not late.any():
+        return
+    named = [i for i, each in enumerate(late) if each >= _NAMED * late.max()]
+    sanity.warn(
+        f"demonstrations {named}: misaligned, up to {late.max():.0%} of the duration ahead of or "
+        "behind the mean timing of all, so that the fit blurs them; align them with "
+        "preprocess.align_by_time_warping, or leave them out",
+        MisalignmentWarning,
+    )

@@ -1,0 +1,180 @@
+"""Queries of a skill: checked against its demonstrations, sampled in time, many at once."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import wraps
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leadthrough import check, sanity
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.models.protocol import Generator
+from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory, Trajectory
+from leadthrough.shapes import Shape
+
+_Generate = TypeVar("_Generate", bound=Callable[..., Any])
+_Value = TypeVar("_Value")
+_Result = TypeVar("_Result")
+# More samples than this come from a wrong unit of dt or of the duration.
+MAX_SAMPLES = 10_000_000
+# A duration of n steps of dt has n steps, whatever the quotient rounds to.
+_ROUNDING = 1e-9
+# Shorter steps have few digits left, and times would not rise.
+_MIN_STEP = sys.float_info.min  # s
+# Covariances of more times would take gigabytes.
+_MAX_TIMES = 1_000_000
+_MAX_THREADS = 256
+# Factor by which a moved end moves the motion at any phase, at most.
+MAX_GAIN = 1.45
+
+
+def checked_query(generate: _Generate) -> _Generate:
+    """The method `generate` of a skill, after a check that rejects implausible queries."""
+
+    @wraps(generate)
+    def checked(self: Any, **query: Any) -> Any:
+        ends = {name: query[name] for name in ("start", "goal") if query.get(name) is not None}
+        shapes = query.get("obstacles")
+        if ends or (isinstance(shapes, Sequence) and len(shapes) > 0):
+            demonstrated = self._own_motion
+            for name, end in ends.items() if demonstrated is not None else ():
+                _check_end(end, demonstrated, name)
+            _check_obstacles(shapes or (), demonstrated)
+        return generate(self, **query)
+
+    return checked  # type: ignore[return-value]  # of the same signature, as wraps states
+
+
+def _check_end(end: Any, demonstrated: Motion, name: str) -> None:
+    is_pose = isinstance(demonstrated, PoseTrajectory)
+    oriented = is_pose and isinstance(end, tuple | list) and len(end) == 2
+    position = _numbers(end[0] if oriented else end, demonstrated.positions.shape[1])
+    if position is not None:
+        compare = sanity.joints if isinstance(demonstrated, JointTrajectory) else sanity.position
+        compare(position, demonstrated.positions, name)
+    quaternion = _numbers(end[1], 4) if oriented else None
+    if quaternion is not None and isinstance(demonstrated, PoseTrajectory):
+        own = demonstrated.orientations[0 if name == "start" else -1]
+        sanity.orientation(quaternion, demonstrated.orientations, own, name)
+
+
+def _check_obstacles(shapes: Sequence[Any], demonstrated: Motion | None) -> None:
+    if isinstance(demonstrated, Trajectory | PoseTrajectory):
+        known = [shape for shape in shapes if isinstance(shape, Shape)]
+        sanity.obstacles(known, demonstrated.positions)
+
+
+def _numbers(value: Any, count: int) -> Float64Array | None:
+    """The finite numbers (count,) of a position or quaternion; None if it is malformed."""
+    try:
+        numbers = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        return None
+    if numbers.shape != (count,) or not all(map(math.isfinite, numbers.tolist())):
+        return None
+    return numbers
+
+
+def even_times(duration: float, dt: float) -> Float64Array:
+    """Evenly spaced times (n,) from 0 to a duration, s."""
+    return duration * even_phases(duration, dt)
+
+
+def even_phases(duration: float, dt: float) -> Float64Array:
+    """Those times as fractions (n,) of the duration, from 0 to 1; arguments as in `even_times`."""
+    if not duration / dt <= MAX_SAMPLES:
+        raise InvalidInput(
+            f"dt: expected at most {MAX_SAMPLES:.0e} samples in {duration:.6g} s, got steps of "
+            f"{dt} s; check the units of dt and duration"
+        )
+    sanity.step(dt, duration)
+    steps = max(math.ceil(duration / dt - _ROUNDING), 1)
+    if duration / steps < _MIN_STEP:
+        raise InvalidInput(
+            f"duration: expected at least {_MIN_STEP:.3g} s a step, got {duration} s in {steps}"
+        )
+    return np.arange(steps + 1) / steps
+
+
+def asked_times(times: ArrayLike, name: str, *, at_least: int = 1) -> Float64Array:
+    """Times (n,) of a distribution, s, neither too few nor too many."""
+    checked = check.array(times, name, shape=("n",))
+    if not at_least <= len(checked) <= _MAX_TIMES:
+        raise InvalidInput(
+            f"{name}: expected {at_least} to {_MAX_TIMES:,} times, got {len(checked):,}"
+        )
+    return checked
+
+
+def fraction_inside(base: Float64Array, more: Float64Array, limit: float) -> float:
+    """The largest fraction in [0, 1] with |base + fraction more| <= limit in every row."""
+    squared = (more**2).sum(axis=1)
+    mixed = (base * more).sum(axis=1)
+    room = np.maximum(limit**2 - (base**2).sum(axis=1), 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        largest = (np.sqrt(mixed**2 + squared * room) - mixed) / squared
+    return float(np.where(squared > 0.0, largest, 1.0).min(initial=1.0))
+
+
+def generate_all(
+    skill: Generator[MotionT], queries: Sequence[Mapping[str, Any]], *, threads: int = 1
+) -> list[MotionT]:
+    """The motion of a skill for each of several queries.
+
+    Threads help where the compiled core computes, which lets other threads run: past obstacles and
+    along many samples. Short plans without obstacles are mostly Python.
+
+    Args:
+        skill: any skill.
+        queries: the keyword arguments of `generate`, for each motion.
+        threads: number of threads, 1 to 256; does not change the answers.
+
+    Raises:
+        InvalidInput: if a query is wrong or no mapping.
+        UnsupportedQuery: for a part of a query that the skill does not support.
+        NoPath: where obstacles leave no path. The first query without an answer raises.
+    """
+    for i, query in enumerate(queries):
+        if not isinstance(query, Mapping):
+            raise InvalidInput(
+                f"queries[{i}]: expected the arguments of generate by name, as in "
+                f"{{'goal': (0.4, 0.1, 0.2)}}, got {type(query).__name__}"
+            )
+    return mapped(lambda query: skill.generate(**query), queries, threads)
+
+
+def checked_threads(threads: int) -> int:
+    """The number of threads, if it is 1 to 256."""
+    return check.integer(threads, "threads", at_least=1, at_most=_MAX_THREADS)
+
+
+def mapped(
+    function: Callable[[_Value], _Result], values: Iterable[_Value], threads: int
+) -> list[_Result]:
+    """The function's results, in the order of the values, on that many threads."""
+    count = checked_threads(threads)
+    every = list(values)
+    if count == 1:
+        return [function(value) for value in every]
+    runs = _runs(every, count)
+    with ThreadPoolExecutor(count) as pool:
+        done = pool.map(lambda run: [function(value) for value in run], runs)
+        return [result for run in done for result in run]
+
+
+def _runs(values: Sequence[_Value], threads: int) -> list[Sequence[_Value]]:
+    """The values in consecutive runs: a task costs some tens of microseconds."""
+    runs = []
+    first = 0
+    while first < len(values):
+        size = max(1, (len(values) - first) // (2 * threads))
+        runs.append(values[first : first + size])
+        first += size
+    return runs

@@ -1,0 +1,133 @@
+"""Sanity of inputs: units, frames and orders that contradict the demonstrations.
+
+Impossible input raises `InvalidInput`; implausible input is an `ImplausibleInputWarning`. Both name
+the argument and the remedy. No other part of the package guesses units.
+"""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Sequence
+
+import numpy as np
+
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.repr import numbers_text
+from leadthrough.shapes import Shape
+
+_PACKAGE = "leadthrough."
+# A position this many times as far away as a motion or an arm is large is in another unit: a
+# thousand times in mm. No task stretches a motion a hundred times.
+_FAR = 100.0
+# Joints, rad: no query is more than two turns from a demonstrated joint position; degrees are.
+_TURNS = 4.0 * np.pi
+# rad: an orientation farther than the first from all demonstrated ones, and with its components in
+# another order nearer than the second to the demonstrated end, was given in that order. One
+# rotation in five thousand is as near by chance.
+_MAX_ROTATED, _SAME = 1.6, 0.15
+_CLEARLY_NEAR = 0.75  # more than the cosine of half of the former
+# s between samples: no recording of a hand is slower, but ms read as s are; of whole numbers less
+# is enough.
+_MAX_STEP, _MAX_WHOLE_STEP = 20.0, 2.0
+_RECORDED = 20  # samples from which on a motion was recorded, not typed
+
+
+class ImplausibleInputWarning(UserWarning):
+    """Implausible input, such as a wrong unit; the message names the remedy."""
+
+
+def warn(message: str, category: type[UserWarning] = ImplausibleInputWarning) -> None:
+    """Warns, by default of implausible input, at the line of the user's program."""
+    level, frame = 1, sys._getframe(0)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith(_PACKAGE):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, category, stacklevel=level)
+
+
+def position(wanted: Float64Array, demonstrated: Float64Array, name: str) -> None:
+    """Refuses a position (d,) at a hundred times the extent of the demonstrated ones (n, d)."""
+    if _is_near(wanted.tolist(), demonstrated[0].tolist(), demonstrated[-1].tolist()):
+        return  # quick answer for most queries
+    size = max(float(np.ptp(demonstrated, axis=0).max()), float(np.abs(demonstrated).max()))
+    away = float(np.abs(demonstrated - wanted).max(axis=1).min())
+    if size > 0.0 and away > _FAR * size:
+        raise InvalidInput(
+            f"{name}: {numbers_text(wanted)} lies {away:.4g} from a motion that keeps within "
+            f"{size:.3g} of the origin; give it in the unit of the demonstrations (m, not mm)"
+        )
+
+
+def _is_near(wanted: list[float], first: list[float], last: list[float]) -> bool:
+    """Whether a position is near the first one, by the size that the motion's ends imply."""
+    size = max(*map(abs, first), *(abs(b - a) for a, b in zip(first, last, strict=True)))
+    return all(abs(b - a) <= _FAR * size for a, b in zip(first, wanted, strict=True))
+
+
+def joints(wanted: Float64Array, demonstrated: Float64Array, name: str) -> None:
+    """Refuses joint positions (d,) that are turns away from all demonstrated ones (n, d), rad."""
+    away = np.abs(demonstrated - wanted).min(axis=0)
+    farthest = int(np.argmax(away))
+    if away[farthest] > _TURNS:
+        raise InvalidInput(
+            f"{name}: number {farthest + 1} is {wanted[farthest]:.4g} rad, more than two turns "
+            "from the demonstrated ones; give joints in radians, not degrees"
+        )
+
+
+def orientation(
+    wanted: Float64Array, demonstrated: Float64Array, end: Float64Array, name: str
+) -> None:
+    """Warns of an orientation that seems to be given as x, y, z, w."""
+    if abs(float(wanted @ end)) > _CLEARLY_NEAR:
+        return  # quick answer for most queries
+    away = _nearest(wanted, demonstrated)
+    x, y, z, w = wanted
+    if away > _MAX_ROTATED and _nearest(np.array([w, x, y, z]), end[None]) < _SAME:
+        warn(
+            f"{name}: the orientation {numbers_text(wanted)} is {away:.3g} rad from all that were "
+            "demonstrated, and as shown if it is x, y, z, w; give quaternions as w, x, y, z"
+        )
+
+
+def obstacles(shapes: Sequence[Shape], demonstrated: Float64Array) -> None:
+    """Warns of obstacles in another unit than positions (n, d)."""
+    if not shapes:
+        return
+    size = max(float(np.ptp(demonstrated, axis=0).max()), float(np.abs(demonstrated).max()))
+    for i, shape in enumerate(shapes):
+        farthest = float(np.abs(shape.middle).max())
+        if size > 0.0 and farthest > _FAR * size:
+            warn(
+                f"obstacles[{i}]: lies at {numbers_text(shape.middle)}, while the motion keeps "
+                f"within {size:.3g} of the origin; give it in the same unit (m, not mm)"
+            )
+
+
+def clock(times: Float64Array, name: str) -> None:
+    """Warns of a recording's times (n,) that are hardly in s."""
+    if len(times) < _RECORDED:
+        return
+    step = float(np.median(np.diff(times)))
+    whole = bool((times == np.round(times)).all())
+    if step > (_MAX_WHOLE_STEP if whole else _MAX_STEP):
+        warn(
+            f"{name}: one sample in {step:.4g} s; times are in s, so divide those in ms by 1000, "
+            "or leave them out of the columns and set rate"
+        )
+
+
+def step(dt: float, duration: float) -> None:
+    """Refuses a sampling step that is longer than the motion, s."""
+    if dt > duration:
+        raise InvalidInput(
+            f"dt: expected at most the motion's duration, {duration:.4g} s, got {dt:g} s; dt is "
+            "the time between samples in s, not ms"
+        )
+
+
+def _nearest(wanted: Float64Array, demonstrated: Float64Array) -> float:
+    """The least angle between an orientation (4,) and others (n, 4), rad."""
+    cosine = min(1.0, float(np.abs(demonstrated @ wanted).max()))
+    return 2.0 * float(np.arccos(cosine))
