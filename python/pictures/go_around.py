@@ -16,7 +16,9 @@ from PIL import Image
 from playwright.sync_api import sync_playwright
 
 import leadthrough as lt
-from leadthrough.show import page, scene
+from leadthrough.show import page
+from leadthrough.show.animation import Animation
+from leadthrough.show.arm_scene import arm_scene
 
 SIZE = {"width": 800, "height": 500}
 CAMERA = {"azimuth": -0.62, "elevation": 0.34, "distance": 2.0, "target": [0.3, 0.0, 0.3]}
@@ -51,7 +53,7 @@ class Camera:
         self._tab, self._file = tab, folder / "scene.html"
         self.frames: list[Image.Image] = []
 
-    def take(self, title: str, shown: scene.Scene, times: Iterable[float]) -> None:
+    def take(self, title: str, shown: Animation, times: Iterable[float]) -> None:
         page.write_page(self._file, title, page.scene(shown), whole=True)
         self._tab.goto(self._file.as_uri())
         self._tab.wait_for_function("leadthrough.scenes.length > 0")
@@ -69,12 +71,12 @@ def main(out: Path) -> None:
     arm, shown = lt.Arm.load("panda"), shown_by_hand()
     skill = lt.FastMarching().fit(shown)
 
-    def drawn(box: lt.Box | None) -> scene.Scene:
+    def drawn(box: lt.Box | None) -> Animation:
         obstacles = [] if box is None else [box]
         planned = lt.plan_motion(skill, arm, obstacles=obstacles, margin=0.02)
         joints = lt.retime(planned.joints, arm.limits, path_tolerance=1e-3)
         assert arm.check(joints, obstacles).ok
-        return scene.arm_scene(arm, joints, demonstrations=shown, obstacles=obstacles)
+        return arm_scene(arm, joints, demonstrations=shown, obstacles=obstacles)
 
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         browser = playwright.chromium.launch(

@@ -82,7 +82,7 @@ def validate(
     from leadthrough.cli import errors, parse, reading
     from leadthrough.cli import robot as robots
     from leadthrough.shapes import Scene
-    from leadthrough.show.validation_page import write_validation
+    from leadthrough.show.reports import write_validation
     from leadthrough.simulation import ComputedTorque
     from leadthrough.validation import validate as validated
 
@@ -204,7 +204,7 @@ def reach(
     from leadthrough.cli import parse, reading
     from leadthrough.cli import robot as robots
     from leadthrough.reachability import reach_map
-    from leadthrough.show.reach_picture import reach_figure
+    from leadthrough.show.plot import reach_figure
 
     reading.check_skill_output(out)
     arm = robots.load(robot, details)
@@ -257,7 +257,7 @@ def _place(  # an option each
     from leadthrough.errors import InvalidInput
     from leadthrough.io.atomic import replacing
     from leadthrough.reachability import place_base
-    from leadthrough.show.reach_picture import placement_figure
+    from leadthrough.show.plot import placement_figure
 
     if skill is None or area is None:
         missing, given = ("--area", "--skill") if area is None else ("--skill", "--area")

@@ -1,9 +1,8 @@
 from . import plot
-from .inline import InlineScene, inline
-from .reach_picture import placement_figure, reach_figure
-from .simulated import simulation_page, simulation_parts
-from .validation_page import write_validation
-from .viewing import open_view, view
+from .page import InlineScene
+from .plot import placement_figure, reach_figure
+from .reports import simulation_page, simulation_parts, write_validation
+from .viewing import inline, open_view, view
 
 __all__ = [
     "InlineScene",

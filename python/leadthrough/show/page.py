@@ -8,6 +8,7 @@ import json
 import re
 import zlib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
@@ -17,13 +18,36 @@ from numpy.typing import ArrayLike, NDArray
 from leadthrough.check import Float64Array
 from leadthrough.drawing import palette
 from leadthrough.io.atomic import StrPath, replacing
-from leadthrough.show.creases import creased
-from leadthrough.show.scene import Animation
+from leadthrough.repr import ShortRepr
+from leadthrough.show.animation import Animation
+from leadthrough.show.surfaces import creased
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _SCRIPTS = ("vectors.js", "shaders.js", "painter.js", "pace.js", "scene.js")
+
+
+@dataclass(frozen=True, eq=False)
+class InlineScene(ShortRepr):
+    """A page that a notebook shows where it is the result of a cell.
+
+    Attributes:
+        title: of the scene.
+        document: the page's HTML.
+        height: px.
+    """
+
+    title: str
+    document: str = field(repr=False)
+    height: int = 420
+
+    def _repr_html_(self) -> str:
+        return (
+            f'<iframe title="{html.escape(self.title, quote=True)}" '
+            f'style="width: 100%; height: {self.height}px; border: 0" '
+            f'srcdoc="{html.escape(self.document, quote=True)}"></iframe>'
+        )
 
 
 def write_page(

@@ -23,7 +23,7 @@ from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTraje
 from leadthrough.motion_planning import Query, plan_motion
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Scene, SceneLike, as_scene
-from leadthrough.show.scene import tip_path
+from leadthrough.show.arm_scene import tip_path
 
 # Sampling of a preview and of a plan, s.
 _PREVIEW_STEP = 0.04

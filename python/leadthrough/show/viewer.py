@@ -4,25 +4,24 @@ from __future__ import annotations
 
 import threading
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import viser
 
 from leadthrough import check
 from leadthrough.check import Float64Array
+from leadthrough.drawing import palette
+from leadthrough.drawing.palette import Colour
 from leadthrough.errors import LeadthroughError
 from leadthrough.models.protocol import Parameter
-from leadthrough.show import scene
+from leadthrough.show.animation import GOAL, OBSTACLES, PATH, SPREAD, Animation, Item
+from leadthrough.show.arm_scene import goal_item, obstacle_item, path_item, spread_items
 from leadthrough.show.private_server import PrivateServer
 from leadthrough.show.replanner import Answer, Replanner
-from leadthrough.show.scene import Animation
-from leadthrough.show.stage import Stage
-
-if TYPE_CHECKING:
-    import viser
 
 _FRAME = 1.0 / 40.0  # s
 # A plan in full is made when nothing has been dragged for this long, s.
@@ -41,7 +40,7 @@ class LiveView:
         self._server = self._private.server
         self._shown, self._planner = shown, replanner
         if replanner is not None:
-            dragged = (scene.OBSTACLES, scene.GOAL)
+            dragged = (OBSTACLES, GOAL)
             kept = tuple(item for item in shown.items if item.layer not in dragged)
             self._stage = Stage(self._server, replace(shown, items=kept))
         else:
@@ -145,12 +144,12 @@ class LiveView:
     def _drag_handles(self, planner: Replanner) -> None:
         if planner.has_goal:
             self._handle("goal", planner.goal_position, planner.goal_orientation, planner.move_goal)
-            self._stage.draw(scene.goal_item(np.zeros(3)), under="/goal")
+            self._stage.draw(goal_item(np.zeros(3)), under="/goal")
         for i, shape in enumerate(planner.obstacles):
             name = f"obstacle {i}"
             turned = getattr(shape, "orientation", None)
             self._handle(name, shape.position, turned, partial(planner.move_obstacle, i))
-            item = replace(scene.obstacle_item(shape, i), mesh=shape.surface())
+            item = replace(obstacle_item(shape, i), mesh=shape.surface())
             self._stage.draw(item, under=f"/{name}")
 
     def _handle(
@@ -209,16 +208,103 @@ class LiveView:
 
     def _show(self, planner: Replanner, answer: Answer) -> None:
         if answer.path is not None:
-            self._stage.redraw(scene.PATH, [scene.path_item(answer.path)])
+            self._stage.redraw(PATH, [path_item(answer.path)])
         if answer.joints is not None:
             self._shown = self._shown.with_motion(planner.arm, answer.joints)
             self._time.max = self._end()
             self._stage.pose(self._shown, self._time.value)
         if not answer.trouble:
-            spread = scene.spread_items(planner.arm, planner.asked_skill())
-            self._stage.redraw(scene.SPREAD, spread)
+            spread = spread_items(planner.arm, planner.asked_skill())
+            self._stage.redraw(SPREAD, spread)
         kind = "planned" if answer.verdict else "previewed"
         head = f"**{kind} in {1e3 * answer.seconds:.0f} ms**"
         told = [head, answer.trouble or answer.verdict, *self._shown.remarks]
         self._told.content = "\n\n".join(told)
         self._answer = answer
+
+
+_GRID_CELL = (232, 235, 239)
+_GRID_SECTION = (205, 211, 218)
+
+
+class Stage:
+    """The nodes of a scene on a viser server, by layer."""
+
+    def __init__(self, server: viser.ViserServer, shown: Animation) -> None:
+        self._server = server
+        self._nodes: dict[str, list[viser.MeshHandle]] = {}
+        self._hidden: set[str] = set()
+        self._set_up(shown)
+        self._links = shown.links
+        self._frames = [
+            server.scene.add_frame(f"/arm/{link}", show_axes=False) for link in shown.links
+        ]
+        for item in shown.items:
+            self.draw(item)
+        self.pose(shown, 0.0)
+
+    def draw(self, item: Item, *, under: str | None = None) -> None:
+        """Adds a surface below its link, or below the node `under`."""
+        if under is None:
+            under = "" if item.link is None else f"/arm/{self._links[item.link]}"
+        # The browser computes normals itself, smooth where faces share a vertex.
+        mesh = item.shaded
+        node = self._server.scene.add_mesh_simple(
+            f"{under}/{item.layer}/{item.name}",
+            mesh.vertices.astype(np.float32),
+            mesh.faces.astype(np.uint32),
+            color=to_bytes(item.colour),
+            opacity=None if item.opacity == 1.0 else item.opacity,
+            visible=item.layer not in self._hidden,
+        )
+        self._nodes.setdefault(item.layer, []).append(node)
+
+    def redraw(self, layer: str, items: Iterable[Item]) -> None:
+        """Replaces all surfaces of a layer by these."""
+        with self._server.atomic():
+            for node in self._nodes.pop(layer, []):
+                node.remove()
+            for item in items:
+                self.draw(item)
+
+    def show(self, layer: str, visible: bool) -> None:
+        """Shows or hides a layer."""
+        (self._hidden.discard if visible else self._hidden.add)(layer)
+        for node in self._nodes.get(layer, []):
+            node.visible = visible
+
+    def pose(self, shown: Animation, time: float) -> None:
+        """Moves the links to their poses at a time, s."""
+        positions, orientations = shown.poses_at(time)
+        with self._server.atomic():
+            for frame, position, turned in zip(self._frames, positions, orientations, strict=True):
+                frame.position, frame.wxyz = position, turned
+
+    def _set_up(self, shown: Animation) -> None:
+        server = self._server
+        server.gui.configure_theme(
+            show_logo=False,
+            show_share_button=False,
+            brand_color=to_bytes(palette.rgb(palette.PATH)),
+        )
+        server.gui.main_panel.dock_right()
+        server.scene.set_up_direction("+z")
+        server.scene.world_axes.visible = False
+        # Light from an image and shadows take a computer without a graphics card half of its time
+        # for each frame, and seconds to prepare.
+        server.scene.configure_environment_map(hdri=None)
+        server.scene.configure_default_lights(cast_shadow=False)
+        server.scene.add_grid(
+            "/ground", width=4.0, height=4.0, cell_size=0.1, section_size=0.5, plane="xy",
+            cell_color=_GRID_CELL, section_color=_GRID_SECTION, shadow_opacity=0.0,
+        )  # fmt: skip
+        centre, radius = shown.ball()
+        server.initial_camera.position = tuple(centre + radius * np.array([2.0, -2.0, 1.3]))
+        server.initial_camera.look_at = tuple(centre)
+        server.initial_camera.fov = 0.7
+
+
+def to_bytes(colour: Colour) -> tuple[int, int, int]:
+    """A colour as three bytes."""
+    red, green, blue = (round(255.0 * part) for part in colour)
+    return red, green, blue

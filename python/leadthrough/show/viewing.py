@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
+from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.arm.arm import check_arm
 from leadthrough.check import Float64Array
@@ -13,8 +15,9 @@ from leadthrough.models.protocol import Place, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.show import page
+from leadthrough.show.animation import Animation
+from leadthrough.show.arm_scene import arm_scene
 from leadthrough.show.replanner import Replanner, parted
-from leadthrough.show.scene import Animation, arm_scene
 from leadthrough.show.viewer import LiveView
 
 
@@ -54,8 +57,8 @@ def view(
     """
     shown = list(demonstrations)
     if html is not None:
-        made = whole_scene(arm, motion, demonstrations=shown, skill=skill, goal=goal, scene=scene)
-        page.write_page(html, title or arm.robot.name, page.scene(made), whole=True)
+        drawn = page.scene(_Content(arm, motion, shown, skill, goal, as_scene(scene)).animation())
+        page.write_page(html, title or arm.robot.name, drawn, whole=True)
         return
     live = open_view(
         arm, motion, demonstrations=shown, skill=skill, goal=goal, scene=scene, port=port
@@ -92,61 +95,94 @@ def open_view(
         MissingDependency: if the extra `view` is not installed.
     """
     check_arm(arm)
-    shown, around = list(demonstrations), as_scene(scene)
-    planner = None
-    if skill is not None:
-        planner = Replanner(arm, skill, goal=goal, scene=around, demonstrations=shown)
-    path = None
-    if motion is None and planner is not None:
-        # Without a motion the page opens all the same: it tells why, and the goal can be moved.
-        answer = planner.plan()
-        motion, path = answer.joints, answer.path
-    made = _scene(arm, motion, path, demonstrations=shown, skill=skill, goal=goal, scene=around)
-    return LiveView(made, planner, port=port)
+    content = _Content(arm, motion, list(demonstrations), skill, goal, as_scene(scene))
+    planner = content.replanner(content.demonstrations)
+    if motion is not None or planner is None:
+        return LiveView(content.drawn(motion), planner, port=port)
+    # Without a motion the page opens all the same: it says why, and the goal can be moved.
+    answer = planner.plan()
+    return LiveView(content.drawn(answer.joints, answer.path), planner, port=port)
 
 
-def whole_scene(
+def inline(
     arm: Arm,
-    motion: Motion | None,
+    motion: Motion | None = None,
     *,
-    demonstrations: Iterable[Demonstration],
-    skill: Skill | None,
-    goal: Place | None,
-    scene: SceneLike,
-) -> Animation:
-    """The scene of `view`, from its arguments."""
-    check_arm(arm)
-    around = as_scene(scene)
-    if motion is None and skill is not None:
-        answer = Replanner(arm, skill, goal=goal, scene=around).plan()
+    demonstrations: Iterable[Demonstration] = (),
+    skill: Skill | None = None,
+    goal: Place | None = None,
+    scene: SceneLike = (),
+    title: str = "",
+    height: int = 420,
+) -> page.InlineScene:
+    """The scene of `view` for a notebook, which shows it as the result of a cell.
+
+    Args:
+        arm: the arm to show.
+        motion: of the joints, or of the tip, which the arm then follows; without it the skill's
+            own motion is planned and shown.
+        demonstrations: recordings to draw.
+        skill: its uncertainty is drawn as a tube.
+        goal: of the skill, as `view` takes it.
+        scene: obstacles in the arm's base frame, and the margins of what is planned.
+        title: of the scene, by default the robot's name.
+        height: px, >= 100.
+
+    Raises:
+        InvalidInput: if an argument is wrong, or the skill plans no motion that the arm can follow.
+        IkFailure: if the arm cannot follow the motion of the tip.
+    """
+    tall = check.integer(height, "height", at_least=100)
+    content = _Content(arm, motion, list(demonstrations), skill, goal, as_scene(scene))
+    drawn, name = page.scene(content.animation()), title or arm.robot.name
+    return page.InlineScene(name, page.document(name, drawn, whole=True), tall)
+
+
+@dataclass(frozen=True, eq=False)
+class _Content:
+    """The arguments of a view."""
+
+    arm: Arm
+    motion: Motion | None
+    demonstrations: Sequence[Demonstration]
+    skill: Skill | None
+    goal: Place | None
+    scene: Scene
+
+    def replanner(self, demonstrations: Sequence[Demonstration] = ()) -> Replanner | None:
+        """Plans anew for the skill; None without one."""
+        if self.skill is None:
+            return None
+        return Replanner(
+            self.arm, self.skill, goal=self.goal, scene=self.scene, demonstrations=demonstrations
+        )
+
+    def animation(self) -> Animation:
+        """The arm on the motion, or on the one that the skill plans."""
+        check_arm(self.arm)
+        planner = self.replanner() if self.motion is None else None
+        if planner is None:
+            return self.drawn(self.motion)
+        answer = planner.plan()
         if answer.joints is None:
             raise InvalidInput(f"skill: no motion that the arm can follow: {answer.trouble}")
-        motion = answer.joints
-    return _scene(
-        arm, motion, None, demonstrations=demonstrations, skill=skill, goal=goal, scene=around
-    )
+        return self.drawn(answer.joints)
 
-
-def _scene(
-    arm: Arm,
-    motion: Motion | None,
-    path: Float64Array | None,
-    *,
-    demonstrations: Iterable[Demonstration],
-    skill: Skill | None,
-    goal: Place | None,
-    scene: Scene,
-) -> Animation:
-    joints = motion if motion is None or isinstance(motion, JointTrajectory) else arm.follow(motion)
-    position = None if goal is None else parted(goal)[0]
-    if position is None and skill is not None and joints is not None:
-        position = arm.forward_kinematics(joints.positions[-1])[0]
-    return arm_scene(
-        arm,
-        joints,
-        demonstrations=demonstrations,
-        path=path,
-        skill=skill,
-        obstacles=scene.shapes,
-        goal=position,
-    )
+    def drawn(self, motion: Motion | None, path: Float64Array | None = None) -> Animation:
+        """The arm on a motion, which it follows if it is one of the tip."""
+        if motion is None or isinstance(motion, JointTrajectory):
+            joints = motion
+        else:
+            joints = self.arm.follow(motion)
+        position = None if self.goal is None else parted(self.goal)[0]
+        if position is None and self.skill is not None and joints is not None:
+            position = self.arm.forward_kinematics(joints.positions[-1])[0]
+        return arm_scene(
+            self.arm,
+            joints,
+            demonstrations=self.demonstrations,
+            path=path,
+            skill=self.skill,
+            obstacles=self.scene.shapes,
+            goal=position,
+        )

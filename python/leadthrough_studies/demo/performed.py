@@ -9,7 +9,8 @@ from leadthrough.check import Float64Array
 from leadthrough.models import ProMPSkill
 from leadthrough.motion import Demonstration, JointTrajectory
 from leadthrough.shapes import Shape
-from leadthrough.show import scene
+from leadthrough.show.animation import Animation
+from leadthrough.show.arm_scene import arm_scene
 from leadthrough.timing import LimitsReport
 
 
@@ -54,9 +55,9 @@ class Performed:
         """Whether the motion keeps all limits and the whole arm is clear."""
         return self.limits.ok and self.clearance.ok
 
-    def drawn(self) -> scene.Animation:
+    def drawn(self) -> Animation:
         """The scene to look at."""
-        return scene.arm_scene(
+        return arm_scene(
             self.arm,
             self.joints,
             demonstrations=self.demonstrations,

@@ -13,7 +13,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import leadthrough as lt
-from leadthrough.show import open_view, page, scene
+from leadthrough.show import open_view, page
+from leadthrough.show.arm_scene import arm_scene
 
 BOX = lt.Box((0.1, 0.1, 0.3), (0.55, 0.0, 0.15))
 SIZE = {"width": 640, "height": 400}
@@ -67,7 +68,7 @@ def opened(browser):
 @pytest.fixture(scope="module")
 def moving(panda, shown):
     motion = lt.DMP().fit(shown).generate(dt=0.05)
-    return scene.arm_scene(
+    return arm_scene(
         panda,
         panda.follow(motion),
         demonstrations=shown,

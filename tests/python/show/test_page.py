@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 import leadthrough as lt
 from leadthrough.drawing import palette
 from leadthrough.errors import InvalidInput
-from leadthrough.show import page, scene, view
+from leadthrough.show import page, view
+from leadthrough.show.arm_scene import arm_scene
 
 
 def unpacked(text):
@@ -31,7 +32,7 @@ def unpacked(text):
 def made(panda):
     times = np.linspace(0.0, 1.0, 30)
     q = np.outer(times, 0.3 * np.ones(7)) + np.array([0, 0, 0, -1.5, 0, 1.5, 0])
-    return scene.arm_scene(panda, lt.JointTrajectory(times, q), goal=(0.5, 0, 0.5))
+    return arm_scene(panda, lt.JointTrajectory(times, q), goal=(0.5, 0, 0.5))
 
 
 def test_page_holds_the_scene(made, tmp_path):

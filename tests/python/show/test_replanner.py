@@ -8,8 +8,8 @@ from kinds import kind
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
+from leadthrough.show.arm_scene import distribution_of
 from leadthrough.show.replanner import Replanner
-from leadthrough.show.scene import distribution_of
 
 BOX = lt.Box((0.1, 0.1, 0.3), (0.55, 0.0, 0.15))
 MODELS = {

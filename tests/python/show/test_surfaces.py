@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 import leadthrough as lt
 from leadthrough.shapes import surface
-from leadthrough.show import tubes
-from leadthrough.show.creases import creased
+from leadthrough.show import surfaces
+from leadthrough.show.surfaces import creased
 
 
 def volume(mesh):
@@ -33,7 +33,7 @@ SOLIDS = {
     "cylinder": (surface.cylinder(0.5, 2.0), np.pi * 0.25 * 2.0),
     "sphere": (surface.sphere(0.5), 4.0 / 3.0 * np.pi * 0.125),
     "capsule": (surface.capsule(0.5, 2.0), np.pi * 0.5 + 4.0 / 3.0 * np.pi * 0.125),
-    "tube": (tubes.tube(LINE, 0.1, sides=60), np.pi * 0.01 * 2.0),
+    "tube": (surfaces.tube(LINE, 0.1, sides=60), np.pi * 0.01 * 2.0),
 }
 
 
@@ -64,26 +64,26 @@ def test_tube_keeps_its_radius_around_a_knot():
     knot = np.column_stack(
         [np.sin(t) + 2 * np.sin(2 * t), np.cos(t) - 2 * np.cos(2 * t), -np.sin(3 * t)]
     )
-    mesh = tubes.tube(knot, 0.05)
+    mesh = surfaces.tube(knot, 0.05)
     away = np.linalg.norm(mesh.vertices[:-2, None] - knot[None], axis=2).min(axis=1)
     assert np.allclose(away, 0.05, atol=2e-3)
 
 
 def test_tube_of_a_path_that_stands_still_is_a_ball():
-    mesh = tubes.tube(np.tile([1.0, 2.0, 3.0], (5, 1)), 0.1)
+    mesh = surfaces.tube(np.tile([1.0, 2.0, 3.0], (5, 1)), 0.1)
     assert np.allclose(np.linalg.norm(mesh.vertices - (1.0, 2.0, 3.0), axis=1), 0.1)
 
 
 def test_cross_sections_of_a_path_that_turns_back_stay_unit_and_across():
     path = np.array([[0.0, 0, 0], [1, 0, 0], [0, 0, 0], [0, 0, 0], [0, 1, 0]])
-    frames = tubes.cross_sections(path)
+    frames = surfaces.cross_sections(path)
     assert np.allclose(np.linalg.norm(frames, axis=2), 1.0)
     assert np.allclose(np.einsum("ni,ni->n", frames[:, 0], frames[:, 1]), 0.0)
 
 
 def test_uncertainty_tube_has_two_standard_deviations_across_the_path():
     covariance = np.diag([0.01, 0.04, 0.09])
-    mesh = tubes.uncertainty_tube(LINE, np.tile(covariance, (len(LINE), 1, 1)))
+    mesh = surfaces.uncertainty_tube(LINE, np.tile(covariance, (len(LINE), 1, 1)))
     reach = np.abs(mesh.vertices).max(axis=0)
     assert reach[:2] == pytest.approx([0.2, 0.4], rel=0.01)
     assert reach[2] == pytest.approx(2.0)  # along the path nothing is added
@@ -110,6 +110,6 @@ def test_creases_keep_the_surface():
 
 def test_path_is_thinned_evenly_and_keeps_its_ends():
     path = np.column_stack([np.linspace(0.0, 1.0, 1000) ** 3, np.zeros(1000), np.zeros(1000)])
-    thin = tubes.thinned(path, 11)
+    thin = surfaces.thinned(path, 11)
     assert np.allclose(thin[:, 0], np.linspace(0.0, 1.0, 11))
-    assert tubes.thinned(path[:5], 11) is not None
+    assert surfaces.thinned(path[:5], 11) is not None

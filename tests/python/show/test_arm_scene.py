@@ -5,7 +5,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
-from leadthrough.show import scene
+from leadthrough.show.arm_scene import arm_scene, distribution_of
 
 STICKS = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/>
 <joint name="one" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
@@ -23,7 +23,7 @@ def swing(arm, duration=2.0, count=50):
 
 def test_tip_of_the_scene_goes_where_the_arm_goes(panda):
     joints = swing(panda)
-    made = scene.arm_scene(panda, joints)
+    made = arm_scene(panda, joints)
     for time in (0.0, 0.7, 1.234, 2.0):
         q = [np.interp(time, joints.times, column) for column in joints.positions.T]
         position, _ = panda.forward_kinematics(np.array(q))
@@ -32,14 +32,14 @@ def test_tip_of_the_scene_goes_where_the_arm_goes(panda):
 
 
 def test_poses_are_held_before_and_after_the_motion(panda):
-    made = scene.arm_scene(panda, swing(panda))
+    made = arm_scene(panda, swing(panda))
     assert np.array_equal(made.poses_at(-1.0)[0], made.positions[0])
     assert np.array_equal(made.poses_at(9.0)[0], made.positions[-1])
 
 
 def test_each_kind_of_thing_has_its_layer(panda, shown):
     skill = lt.ProMP().fit(shown)
-    made = scene.arm_scene(
+    made = arm_scene(
         panda,
         swing(panda),
         demonstrations=shown,
@@ -56,7 +56,7 @@ def test_each_kind_of_thing_has_its_layer(panda, shown):
 
 
 def test_arm_without_a_motion_stands_in_the_middle_of_its_ranges(panda):
-    made = scene.arm_scene(panda, None)
+    made = arm_scene(panda, None)
     middle = 0.5 * (panda.limits.lower + panda.limits.upper)
     wanted, _ = panda.forward_kinematics(middle)
     assert np.allclose(made.positions[0, made.links.index(panda.tip)], wanted)
@@ -65,27 +65,27 @@ def test_arm_without_a_motion_stands_in_the_middle_of_its_ranges(panda):
 
 def test_joint_without_bounds_stands_at_zero():
     arm = lt.Arm.load("ur3")  # its last joint turns without an end
-    made = scene.arm_scene(arm, None)
+    made = arm_scene(arm, None)
     wanted, _ = arm.forward_kinematics(np.zeros(6))
     assert np.allclose(made.positions[0, made.links.index(arm.tip)], wanted)
 
 
 def test_arm_without_geometry_is_drawn_as_rods():
     arm = lt.Arm.from_urdf(STICKS)
-    made = scene.arm_scene(arm, None)
+    made = arm_scene(arm, None)
     reach = max(item.mesh.vertices[:, 0].max() for item in made.items)
     assert reach == pytest.approx(0.5, abs=0.05)
 
 
 def test_long_motion_is_shown_in_no_more_pictures_than_one_can_see(panda):
-    made = scene.arm_scene(panda, swing(panda, 100.0, 100_000))
+    made = arm_scene(panda, swing(panda, 100.0, 100_000))
     assert len(made.times) <= 1200
     assert made.times[-1] == 100.0
 
 
 def test_held_object_is_drawn_at_the_tip(panda):
     arm = panda.with_attached(lt.Box((0.1, 0.1, 0.1), (0, 0, 0.05)))
-    names = [item.name for item in scene.arm_scene(arm, None).items]
+    names = [item.name for item in arm_scene(arm, None).items]
     assert "attached 0" in names
 
 
@@ -99,7 +99,7 @@ def test_spread_of_joints_is_brought_to_the_tip(panda):
         )
         for _ in range(20)
     ]  # fmt: skip
-    mean, covariance = scene.distribution_of(panda, lt.ProMP().fit(shown))
+    mean, covariance = distribution_of(panda, lt.ProMP().fit(shown))
     tips = np.array([panda.forward_kinematics(each.motion.positions[0])[0] for each in shown])
     assert np.allclose(mean[0], tips.mean(axis=0), atol=0.01)
     spread, wanted = np.sqrt(np.diag(covariance[0])), tips.std(axis=0)
@@ -119,4 +119,4 @@ def test_spread_of_joints_is_brought_to_the_tip(panda):
 )
 def test_wrong_arguments_are_named(panda, arguments, said):
     with pytest.raises(InvalidInput, match=said):
-        scene.arm_scene(panda, **{"joints": None, **arguments})
+        arm_scene(panda, **{"joints": None, **arguments})

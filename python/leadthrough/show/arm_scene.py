@@ -1,0 +1,167 @@
+"""The animation of an arm on a motion, with what the motion was made from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import cycle
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leadthrough import check
+from leadthrough.arm import Arm
+from leadthrough.check import Float64Array
+from leadthrough.drawing import palette
+from leadthrough.drawing.palette import Colour
+from leadthrough.errors import InvalidInput
+from leadthrough.models.protocol import Distributed, Skill
+from leadthrough.motion import Demonstration, JointTrajectory, Motion
+from leadthrough.shapes import Shape, check_shapes
+from leadthrough.shapes.surface import Surface, merged, sphere
+from leadthrough.show.animation import (
+    ARM,
+    DEMONSTRATIONS,
+    GOAL,
+    OBSTACLES,
+    PATH,
+    SPREAD,
+    Animation,
+    Item,
+    link_motion,
+    sampled,
+)
+from leadthrough.show.surfaces import thinned, tube, uncertainty_tube
+from leadthrough.show.urdf_geometry import Part, parts_by_link
+
+# Radius of the tubes around paths, m: thin enough that drawings of a hand's size stay legible.
+_PATH_RADIUS = 0.004
+_PATH_FRACTION = 0.01  # of the path's extent
+_DEMONSTRATION_FRACTION = 0.5  # of a path's radius
+_GOAL_RADIUS = 0.014
+_PATH_POINTS = 200
+_DEMONSTRATION_POINTS = 100
+_SPREAD_POINTS = 80
+# Without any geometry an arm is drawn as rods from joint to joint.
+_ROD_RADIUS = 0.02
+
+
+def arm_scene(
+    arm: Arm,
+    joints: JointTrajectory | None,
+    *,
+    demonstrations: Iterable[Demonstration] = (),
+    path: ArrayLike | None = None,
+    skill: Skill | None = None,
+    obstacles: Iterable[Shape] = (),
+    goal: ArrayLike | None = None,
+) -> Animation:
+    """The scene of an arm on a motion of its joints, with what the motion was made from."""
+    frames = sampled(arm, joints)
+    links, positions, orientations = link_motion(arm, frames.positions)
+    if path is None and joints is not None:
+        path, _ = arm.forward_kinematics(frames.positions)
+    parts, remarks = parts_by_link(arm.document, arm.mesh_folders)
+    items = [*arm_items(arm, links, parts), *demonstration_items(arm, demonstrations)]
+    if path is not None:
+        items.append(path_item(check.array(path, "path", shape=("n", 3))))
+    items += spread_items(arm, skill)
+    items += [obstacle_item(shape, i) for i, shape in enumerate(check_shapes(obstacles))]
+    if goal is not None:
+        items.append(goal_item(check.array(goal, "goal", shape=(3,))))
+    times = frames.times - frames.times[0]
+    return Animation(links, times, positions, orientations, tuple(items), remarks)
+
+
+def tip_path(arm: Arm, motion: Motion) -> Float64Array:
+    """The tip's path (n, 3) along a motion; a two-dimensional drawing lies at z = 0."""
+    if isinstance(motion, JointTrajectory):
+        return arm.forward_kinematics(motion.positions)[0]
+    width = motion.positions.shape[1]
+    if width not in (2, 3):
+        raise InvalidInput(f"motion: expected points in 2-D or 3-D, got {width}-D")
+    return np.pad(motion.positions, ((0, 0), (0, 3 - width)))
+
+
+def arm_items(
+    arm: Arm, links: Sequence[str], parts: Mapping[str, Sequence[Part]]
+) -> Iterator[Item]:
+    """The arm's surfaces; links without a colour of their own get one of two in turn."""
+    parts = parts or _rods(arm)
+    colours = cycle((palette.rgb(palette.SHELL), palette.rgb(palette.JOINT)))
+    for (link, own), usual in zip(parts.items(), colours, strict=False):
+        by_colour: dict[Colour, list[Surface]] = {}
+        for part in own:
+            by_colour.setdefault(part.colour or usual, []).append(part.mesh)
+        for i, (colour, meshes) in enumerate(by_colour.items()):
+            name = f"{link} {i}" if i else link
+            yield Item(name, ARM, merged(meshes), colour, link=links.index(link))
+    for i, shape in enumerate(arm.attached):
+        mesh = shape.placed_surface()
+        yield Item(f"attached {i}", ARM, mesh, palette.rgb(palette.TOOL), link=links.index(arm.tip))
+
+
+def demonstration_items(arm: Arm, demonstrations: Iterable[Demonstration]) -> Iterator[Item]:
+    """A thin tube for each demonstration."""
+    for i, demonstration in enumerate(demonstrations):
+        if not isinstance(demonstration, Demonstration):
+            got = type(demonstration).__name__
+            raise InvalidInput(f"demonstrations[{i}]: expected a Demonstration, got {got}")
+        points = thinned(tip_path(arm, demonstration.motion), _DEMONSTRATION_POINTS)
+        mesh = tube(points, _DEMONSTRATION_FRACTION * _radius(points), sides=6)
+        name = demonstration.name or f"demonstration {i + 1}"
+        yield Item(name, DEMONSTRATIONS, mesh, palette.rgb(palette.DEMONSTRATION))
+
+
+def path_item(path: Float64Array) -> Item:
+    """The planned path (n, 3)."""
+    mesh = tube(thinned(path, _PATH_POINTS), _radius(path))
+    return Item("path", PATH, mesh, palette.rgb(palette.PATH))
+
+
+def spread_items(arm: Arm, skill: Skill | None) -> Iterator[Item]:
+    """The tube of two standard deviations about a skill's mean path, if it has one."""
+    distribution = distribution_of(arm, skill)
+    if distribution is not None:
+        mesh = uncertainty_tube(*distribution)
+        yield Item("two standard deviations", SPREAD, mesh, palette.rgb(palette.SKY), opacity=0.35)
+
+
+def distribution_of(arm: Arm, skill: Skill | None) -> tuple[Float64Array, Float64Array] | None:
+    """Mean (n, 3), m, and covariance (n, 3, 3) of the tip's position; None if there is none."""
+    if not isinstance(skill, Distributed):
+        return None
+    mean, covariance = skill.distribution(np.linspace(0.0, skill.duration, _SPREAD_POINTS))
+    if skill.chart.kind == "joints":
+        jacobian = arm.jacobian(mean)[:, :3]
+        covariance = jacobian @ covariance @ jacobian.transpose(0, 2, 1)
+        return arm.forward_kinematics(mean)[0], covariance
+    return (mean[:, :3], covariance[:, :3, :3]) if skill.chart.size == 3 else None
+
+
+def obstacle_item(shape: Shape, index: int) -> Item:
+    """An obstacle at its own pose."""
+    colour = palette.rgb(palette.OBSTACLE)
+    return Item(f"obstacle {index}", OBSTACLES, shape.placed_surface(), colour, opacity=0.85)
+
+
+def goal_item(goal: Float64Array) -> Item:
+    """A ball at the goal (3,)."""
+    mesh = sphere(_GOAL_RADIUS).moved(goal)
+    return Item("goal", GOAL, mesh, palette.rgb(palette.GOAL))
+
+
+def _radius(path: Float64Array) -> float:
+    extent = float(np.ptp(path, axis=0).max())
+    return min(_PATH_RADIUS, _PATH_FRACTION * extent) or _PATH_RADIUS
+
+
+def _rods(arm: Arm) -> dict[str, list[Part]]:
+    """A capsule from each link's frame to its children's."""
+    rods: dict[str, list[Part]] = {}
+    for joint in arm.robot.tree:
+        length = float(np.linalg.norm(joint.position))
+        mesh = sphere(1.5 * _ROD_RADIUS)
+        if length > 0.0:
+            mesh = tube(np.linspace(0.0, 1.0, 2)[:, None] * joint.position, _ROD_RADIUS)
+        rods.setdefault(arm.robot.links[joint.parent], []).append(Part(mesh))
+    return rods
