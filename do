@@ -24,7 +24,7 @@ usage: ./do COMMAND [OPTIONS]
   docs       the documentation, build/docs/index.html
   wheel      the sources and a wheel that runs without the Debian packages, for each Python named,
              in dist/; with --aarch64 first, wheels for that processor too
-  lint       ruff, mypy and clang-format
+  lint       ruff, mypy, clang-format, and sentences that open with a clause
   format     let ruff and clang-format rewrite the code
 TEXT
 }
@@ -242,6 +242,7 @@ main() {
       .venv/bin/ruff check .
       .venv/bin/ruff format --check .
       .venv/bin/mypy
+      .venv/bin/python python/lint/sentences.py
       cpp_files | xargs .venv/bin/clang-format --dry-run -Werror
       ;;
     format)
