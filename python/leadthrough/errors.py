@@ -122,7 +122,7 @@ class InvalidRobot(LeadthroughError, ValueError):
 
     Attributes:
         where: element at fault.
-        why: what is wrong with it.
+        why: the fault.
     """
 
     def __init__(self, where: str, why: str) -> None:

@@ -85,7 +85,7 @@ class Sampled(Drawn):
         return [span, *self._way(), *([f"events {', '.join(names)}"] if names else [])]
 
     def _way(self) -> list[str]:
-        """What is told of the columns."""
+        """Summary of the columns."""
         first, last = (numbers_text(row) for row in self.positions[[0, -1]])
         return [f"{first} to {last}"]
 
@@ -131,7 +131,7 @@ class Trajectory(Sampled):
         )
 
     def at(self, time: ArrayLike) -> Float64Array:
-        """Where the motion is at a time; between samples it moves straight.
+        """Position at a time, linear between samples.
 
         Args:
             time: s, or several times (m,), not before the first sample or after the last.
@@ -197,7 +197,7 @@ class PoseTrajectory(Sampled):
         )
 
     def at(self, time: ArrayLike) -> tuple[Float64Array, Float64Array]:
-        """Where the motion is at a time, as skills take a start or goal.
+        """Pose at a time, as skills take a start or goal.
 
         Between samples it moves straight and turns at constant velocity.
 
@@ -345,7 +345,7 @@ class Demonstration(Drawn, Generic[MotionT_co]):
     """One motion that was shown to the robot, such as a `Demonstration[JointTrajectory]`.
 
     Attributes:
-        motion: what was shown; `joints` that are given become the motion's own.
+        motion: the demonstrated motion; `joints` that are given become the motion's own.
         name: for messages and files.
 
     Raises:

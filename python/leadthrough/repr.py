@@ -1,4 +1,4 @@
-"""Short texts for objects: what a person sees who types a name at the prompt."""
+"""Short representations of objects, as the prompt shows them."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class ShortRepr:
             cls.__repr__ = _short_repr  # type: ignore[method-assign, assignment]
 
     def _repr_parts(self) -> Sequence[str]:
-        """What stands between the parentheses."""
+        """Texts between the parentheses."""
         if not is_dataclass(self):
             return ()
         shown = (each.name for each in fields(self) if each.repr and each.name[0] != "_")

@@ -47,7 +47,7 @@ class Speeds:
 
     linear: Float64Array  # (n,) m/s, or the unit of the positions per second
     angular: Float64Array  # (n,) rad/s; 0 if the motion is not of poses
-    noise: Float64Array  # what noise alone does not exceed of both, (n, 2)
+    noise: Float64Array  # bounds of noise alone in both, (n, 2)
 
     def thresholds(self) -> Thresholds:
         """The thresholds that follow from the noise and from the usual speed."""
@@ -177,11 +177,11 @@ def trim(
     The motion goes from where one of its speeds exceeds half its threshold for the first time to
     where it does so for the last time, provided that it exceeds the threshold itself in between.
     Speeds are slopes over 0.2 s, of noisy recordings over up to 0.5 s: some 0.1 s of rest may stay.
-    Times are as recorded; events before and after come with the first and the last sample. What
-    never moves stays whole.
+    Times are as recorded; events before and after come with the first and the last sample. A
+    motion that never moves stays whole.
 
     Args:
-        demonstration: what was shown; a motion stands for a demonstration of it.
+        demonstration: one to trim; a motion stands for a demonstration of it.
         rest: s of standing still to keep before and after, >= 0; infinite keeps all of it.
         speed: threshold, > 0, m/s, or the unit of the positions per second; of joints the norm over
             all of them, rad/s. By default it follows from the recording: twice what its noise

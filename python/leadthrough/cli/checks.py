@@ -123,7 +123,7 @@ def _approach(clearance: Clearance, as_json: bool) -> object:
 
 
 class ControllerName(StrEnum):
-    """What --controller takes."""
+    """Values of --controller."""
 
     COMPUTED_TORQUE = "computed-torque"
     POSITION_SERVO = "position-servo"
@@ -288,7 +288,7 @@ def _push(text: str) -> Push:
 
 
 def _simulation_facts(report: SimulationReport, *, as_json: bool) -> dict[str, object]:
-    """What a simulation showed, by its names."""
+    """Results of a simulation, by name."""
     joint = int(report.torque_fractions.argmax())
     worst = int(abs(report.errors).max(axis=0).argmax())
     name, fraction = report.arm.joint_names[joint], float(report.torque_fractions[joint])

@@ -24,7 +24,7 @@ from leadthrough.errors import InvalidInput, LeadthroughError
 
 # Typer's root of what is wrong with the words of a command line.
 _UsageError: Any = typer.BadParameter.__bases__[0]
-# What --help calls the values of these types.
+# Names of these types' values in --help.
 _KINDS = {"path": "FILE", "Path": "FILE", "str": "TEXT", "float": "NUMBER", "int": "NUMBER"}
 _JSON = "leadthrough.json"
 PROFILE = "leadthrough.toml"
@@ -34,7 +34,7 @@ OF_THE_ROBOT = PROFILE_KEYS[1:]
 
 
 def words(ctx: Any) -> dict[str, str]:
-    """What the user wrote for the library's arguments: the option, or the profile's key."""
+    """The library's arguments in the user's words: the option, or the profile's key."""
     found: dict[str, str] = {}
     for parameter in ctx.command.params:
         option = parameter.opts[0]
@@ -159,7 +159,7 @@ def _wants_json(ctx: Any) -> bool:
 
 
 def _source(ctx: Any, name: str) -> str | None:
-    """Where a parameter's value comes from: "COMMANDLINE", "DEFAULT_MAP" (the profile), ..."""
+    """Source of a parameter's value: "COMMANDLINE", "DEFAULT_MAP" (the profile), ..."""
     source = ctx.get_parameter_source(name)
     return None if source is None else source.name
 

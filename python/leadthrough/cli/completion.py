@@ -1,4 +1,4 @@
-"""What the shell offers for the values of options: names, and files of the right type.
+"""Shell completion of options' values: names, and files of the right type.
 
 Nothing here computes, so that the shell answers at once. Whatever goes wrong offers nothing.
 """
@@ -69,7 +69,7 @@ def recordings(incomplete: str) -> list[str]:
 
 
 def anything(incomplete: str) -> list[str]:
-    """What `leadthrough info` describes: files of recordings, skills and URDFs, and folders."""
+    """Inputs of `leadthrough info`: files of recordings, skills and URDFs, and folders."""
     return _files(incomplete, (*_readable(), *_URDF))
 
 

@@ -166,7 +166,7 @@ def model_of(name: str, parameters: dict[str, Any]) -> Model:
 
 
 def _as_names(demonstrations: list[Demonstration]) -> dict[str, str]:
-    """What the recordings call the demonstrations that errors name by their index."""
+    """The recordings' names of the demonstrations that errors name by index."""
     return {f"demonstrations[{i}]": each.name for i, each in enumerate(demonstrations)}
 
 

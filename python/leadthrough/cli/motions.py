@@ -118,7 +118,7 @@ def _limited_by(bindings: Sequence[Binding]) -> dict[str, float]:
 
 
 def _fractions(limited: Mapping[str, float]) -> list[str]:
-    """Which limits bind and for which fraction of the time, the longest first."""
+    """Binding limits and their fractions of the time, the longest first."""
     total = sum(limited.values())
     ranked = sorted(limited.items(), key=lambda item: -item[1])
     return [f"{name} {length / total:.0%}" for name, length in ranked if length > 0.005 * total]

@@ -159,8 +159,8 @@ FaultTable = Annotated[
     Path | None,
     typer.Option(
         "--table",
-        help="CSV file to write with the faults of each recording. What cannot be read or cleaned "
-        "is then left out instead of ending the command, and data sets are read piece by piece.",
+        help="CSV file to write with the faults of each recording. Faulty recordings that "
+        "cannot be read or cleaned are then skipped, and data sets are read piece by piece.",
     ),
 ]
 On = Annotated[
@@ -244,5 +244,5 @@ def flattened(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def of_model(model: object) -> dict[str, str]:
-    """What the command line calls the parameters of a model, by their names."""
+    """The command line's words for a model's parameters."""
     return {name: f"--set {name}" for name in getattr(type(model), "__dataclass_fields__", ())}

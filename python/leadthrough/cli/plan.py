@@ -113,7 +113,7 @@ def plan(
         "obstacles": parse.obstacles(obstacle) or None,
         "duration": duration,
     }
-    # What a skill has no say in is left out, so that it need not refuse it.
+    # Unset values are left out, as a skill may not support them.
     asked = {name: value for name, value in asked.items() if value is not None}
     if robot is None:
         only = {"posture": posture, "tolerance": tolerance, "free_axis": free_axis}

@@ -113,7 +113,7 @@ def _arm(ctx: typer.Context, file: Path, given: Mapping[str, Path | str | None])
 def _arm_options(
     ctx: typer.Context, file: Path, given: Mapping[str, Path | str | None]
 ) -> dict[str, str]:
-    """What was typed; for the robot of the profile, what the profile states besides."""
+    """The typed options; for the profile's robot, also the profile's."""
     typed = {name: str(value) for name, value in given.items() if value is not None}
     if file.suffix.lower() not in _URDF or ctx.find_root().params["no_profile"]:
         return typed

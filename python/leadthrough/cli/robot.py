@@ -112,7 +112,7 @@ class Followed:
     """A joint motion, and what there is to tell of it."""
 
     joints: JointTrajectory  # of the arm
-    facts: dict[str, Any]  # what to print, by name
+    facts: dict[str, Any]  # to print, by name
 
 
 def generated(skill: Skill[Motion], query: dict[str, Any]) -> Motion:
@@ -152,7 +152,7 @@ def kept_clear(
 def _compared(
     arm: Arm, motion: Any, joints: JointTrajectory, how: dict[str, Any]
 ) -> dict[str, Any]:
-    """What the arm does otherwise than its tip was planned and its joints were shown."""
+    """Deviations of the arm from the planned tip and the demonstrated joints."""
     report = arm.path_report(joints, motion)
     options = how["options"]
     default = options.free is None and options.tolerances == FollowOptions().tolerances

@@ -162,7 +162,7 @@ def demo(
 
 
 def _missing() -> str:
-    """What to install for the handwriting; empty if it is there."""
+    """Missing packages for the handwriting, as a message; empty if there are none."""
     from leadthrough.errors import MissingDependency
     from leadthrough.io import lasa
 

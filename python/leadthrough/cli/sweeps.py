@@ -250,7 +250,7 @@ def _place(  # an option each
     *,
     as_json: bool,
 ) -> None:
-    """Where the arm must stand for a skill; exits with code 1 where there is no such place."""
+    """Base positions from which an arm can run a skill; exits with code 1 if there are none."""
     import numpy as np
 
     from leadthrough.cli import parse, reading

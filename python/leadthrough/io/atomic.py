@@ -74,7 +74,7 @@ def _writing(target: Path) -> Iterator[None]:
 
 
 def _names(path: StrPath) -> tuple[Path, Path]:
-    """What the path names, behind any links, and an unused name in the same folder."""
+    """The path's target behind any links, and an unused name in the same folder."""
     if not isinstance(path, str | os.PathLike):
         raise InvalidInput(f"path: expected a path, got {path!r}")
     try:

@@ -30,7 +30,7 @@ Columns = tuple[str, ...]
 AngleUnit = Literal["radians", "degrees", "percent"]
 QuaternionOrder = Literal["wxyz", "xyzw"]
 
-# What the name of a joint's column adds to the joint's own name.
+# Suffixes of a joint's columns.
 JOINT_SUFFIXES = {"positions": "", "velocities": "_velocity", "accelerations": "_acceleration"}
 
 _TIME = {"time", "times", "t", "timestamp", "stamp"}

@@ -1,8 +1,8 @@
 """Episodes of LeRobot data sets: Parquet with `timestamp`, `episode_index`, `observation.state`.
 
 The path is that of the data set's folder (`meta/info.json`, `data/**/*.parquet`) or of one of its
-files. Where `meta/info.json` names the numbers of a state, each becomes a column. A state holds
-joints unless its names say otherwise. Where they end in ".pos", as those of motors do, their unit
+files. The numbers of a state that `meta/info.json` names each become a column. A state holds
+joints unless its names say otherwise. If they end in ".pos", as those of motors do, their unit
 may be percent, and a gripper that opens or closes is an event. Needs the extra `lerobot`.
 """
 
@@ -102,7 +102,7 @@ def of_motors(table: ArrayTable, extents: Mapping[str, Extent]) -> ArrayTable:
 def _opening(
     times: Float64Array, numbers: Float64Array, name: str, extent: Extent
 ) -> Iterator[Event]:
-    """Where a gripper, whose numbers grow as it opens, passes the middle of its way."""
+    """Events at which a gripper, whose numbers grow as it opens, passes half its range."""
     least, most = extent
     if most - least < _MIN_OPENING:
         return

@@ -147,7 +147,7 @@ def _ply(content: bytes, limits: ReadLimits) -> NDArray[Any]:
                 order = form
             case ["element", name, number]:
                 if count >= 0:
-                    break  # what comes after the vertices need not be known
+                    break  # elements after the vertices are skipped
                 if name != "vertex":
                     raise InvalidInput(f"expected the vertices first, got {name!r}")
                 count = int(number)

@@ -239,7 +239,7 @@ def serve() -> None:
     """Answers questions from standard input on standard output, until that is closed."""
     questions = sys.stdin.buffer
     answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # what libraries print must not get among the answers
+    os.dup2(2, 1)  # libraries' prints must not get among the answers
     bound_memory()
     send(answers, {})
     while True:
@@ -254,7 +254,7 @@ def serve() -> None:
 
 
 def answered(question: Mapping[str, Any]) -> tuple[dict[str, Any], list[NDArray[Any]]]:
-    """What a reader finds, or its error, as values and arrays for `send`."""
+    """A reader's result or error, as values and arrays for `send`."""
     try:
         read = getattr(import_module(question["module"]), question["function"])
         path, request = Path(question["path"]), question["request"]

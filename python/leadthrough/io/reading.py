@@ -54,7 +54,7 @@ def read_demonstrations(
 
     Args:
         paths: one file or folder, or several.
-        columns: which columns, arrays or fields to read, any of {"time": name, "positions":
+        columns: columns, arrays or fields to read, any of {"time": name, "positions":
             [names], "orientations": [names], "joints": [names]}.
         rate: Hz, > 0, for files without time; their first sample is then at 0 s.
         angles: unit of joints whose names don't state it, by default radians. Joints that stay
@@ -93,7 +93,7 @@ def read_motion(
 
     Args:
         path: a file or folder.
-        columns: which columns, arrays or fields to read, by role.
+        columns: columns, arrays or fields to read, by role.
         rate: Hz, > 0, for files without time.
         angles: unit of joints whose names don't state it.
         quaternions: order of four numbers whose names don't state it.
@@ -134,7 +134,7 @@ def read_recordings(
 
     Args:
         paths: one file or folder, or several.
-        columns: which columns, arrays or fields to read, by role.
+        columns: columns, arrays or fields to read, by role.
         rate: Hz, > 0, for files without time.
         angles: unit of joints whose names don't state it.
         quaternions: order of four numbers whose names don't state it.
@@ -249,7 +249,7 @@ def stream_recordings(
 
     Args:
         paths: one file or folder, or several.
-        columns: which columns, arrays or fields to read, by role.
+        columns: columns, arrays or fields to read, by role.
         rate: Hz, > 0, for files without time.
         angles: unit of joints whose names don't state it.
         quaternions: order of four numbers whose names don't state it.
@@ -278,7 +278,7 @@ def stream_recordings(
 
 @dataclass(frozen=True)
 class _Part:
-    """What is read at a time."""
+    """A part of a file or folder that is read at a time."""
 
     file: Path  # the file or folder
     names: tuple[str, ...] = ()
@@ -287,7 +287,7 @@ class _Part:
 
 
 def _parts(path: Path) -> list[_Part]:
-    """What of a file or folder is read one after the other."""
+    """The parts of a file or folder, to be read one after the other."""
     name = formats.of_file(path).name
     if name == "lerobot" and path.is_dir():
         reader_process.require("pyarrow.parquet", extra="lerobot")

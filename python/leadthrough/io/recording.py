@@ -81,7 +81,7 @@ class Recording(ShortRepr):
 
     @property
     def kind(self) -> Literal["joints", "poses", "points"]:
-        """What moves."""
+        """Kind of the positions."""
         if self.joint_names is not None:
             return "joints"
         return "points" if self.orientations is None else "poses"

@@ -43,7 +43,7 @@ class Table(ABC):
 
     @abstractmethod
     def place(self, row: int) -> str:
-        """Where a sample stands in the file, for messages."""
+        """Position of a sample in the file, for messages."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -71,7 +71,7 @@ def align_by_time_warping(
     orientations are compared, each in units of its extent; events follow. Velocities and
     accelerations of joints are left out, as they no longer fit.
 
-    Differences in timing stay where taking them away gains nothing beyond chance: where warping
+    Differences in timing stay where taking them away gains nothing beyond chance: if warping
     leaves more than half of the spread, and the mean of the others predicts a left-out
     demonstration no better after it. Demonstrations that also share their times come back as they
     are.

@@ -239,7 +239,7 @@ def _as_recording(recording: Recording | Demonstration | Motion) -> Recording:
 
 
 def _rate(motion: Motion, asked: float | None, window: float | None) -> float | None:
-    """Hz to sample at: what is asked for, or what smoothing needs."""
+    """Sampling rate, Hz: the requested one, or that of smoothing."""
     if asked is None and window is not None and len(motion.times) > 1:
         return 1.0 / float(np.median(np.diff(motion.times)))
     return asked
@@ -348,7 +348,7 @@ def _shortened(motion: MotionT, pauses: Sequence[Span], longest: float) -> Motio
 
 
 def _spikes(values: Float64Array, factor: float) -> NDArray[np.bool_]:
-    """Which rows (n,) of values (n, d) jump away from their neighbours."""
+    """Flags (n,) of the rows (n, d) that jump away from their neighbours."""
     if len(values) <= _SPIKE_WINDOW:
         return np.zeros(len(values), dtype=bool)
     centre = _ranked(values, _SPIKE_WINDOW, 50)

@@ -1,8 +1,8 @@
 """White noise of recorded paths: how strong it is, and the path without it.
 
 A length summed over noisy samples grows with their number, not with the motion. The second
-differences of white noise alternate in sign, those of a motion sampled finely enough do not: what
-does not alternate is kept to the bit.
+differences of white noise alternate in sign, those of a motion sampled finely enough do not:
+these stay to the bit.
 """
 
 from __future__ import annotations

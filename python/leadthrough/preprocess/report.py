@@ -135,7 +135,7 @@ class RecordingSummary(ShortRepr):
     upper: tuple[float, ...]  # largest value of each position
     events: tuple[str, ...]  # their names, in order
     report: CleaningReport | None
-    remarks: tuple[str, ...]  # what looks wrong
+    remarks: tuple[str, ...]  # suspected faults
 
     @property
     def has_faults(self) -> bool:

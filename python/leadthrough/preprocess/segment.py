@@ -93,7 +93,7 @@ def _pieces(times: Float64Array, moving: Float64Array, pause: float) -> list[sli
 def join(motions: Sequence[MotionT]) -> MotionT:
     """One motion of several, each starting where and when the one before ended.
 
-    The first motion keeps its times. Where two meet, the last sample of the first stays. Velocities
+    The first motion keeps its times. Of two samples that meet, the first stays. Velocities
     and accelerations of joints are kept if all motions have them.
 
     Args:

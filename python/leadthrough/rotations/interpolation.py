@@ -98,7 +98,7 @@ def squad_controls(times: Float64Array, q: Float64Array) -> tuple[Float64Array, 
     velocities = angular_velocity(times, q)
     turns = _core.so3_log(_core.so3_compose(q[1:], q[:-1] * [1.0, -1.0, -1.0, -1.0]))
     steps = np.diff(times)[:, None]
-    with np.errstate(over="ignore"):  # what is not finite is refused below
+    with np.errstate(over="ignore"):  # infinite results are refused below
         outwards = _core.so3_exp(0.5 * (steps * velocities[:-1] - turns))
         inwards = _core.so3_exp(0.5 * (turns - steps * velocities[1:]))
     if not (np.isfinite(outwards).all() and np.isfinite(inwards).all()):

@@ -111,7 +111,7 @@ class Cluster:
         self._client.close(timeout=_LOOK)
 
     def _reported(self, key: str, future: Any) -> Report:
-        """What a future says; the future is let go."""
+        """The report of a future, which is released."""
         del self._futures[key]
         error = future.exception(timeout=_PATIENCE)
         if error is None:

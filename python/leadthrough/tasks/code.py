@@ -1,7 +1,7 @@
-"""Which source files a function depends on, read off their imports, and a digest of them.
+"""Source files that a function depends on, read off their imports, and a digest of them.
 
 An edit of any other file leaves the digest as it is. Packages that load their names lazily from a
-stub are followed name by name. What only displays results is left out, and so is this engine.
+stub are followed name by name. Display of results is left out, and so is this engine.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ _WITHOUT_INFLUENCE = (
     *(f"leadthrough.{name}" for name in ("cli", "drawing", "show", "tasks")),
     *(f"leadthrough_studies.{name}" for name in ("results", "study")),
 )
-# Where the robots' descriptions are read.
+# The module that reads the robots' descriptions.
 _READS_ROBOTS = "leadthrough.arm.robot_files"
 _LIBRARIES = ("numpy", "scipy")
 _CORE = "_core"
-# Where a statement has statements in it; expressions, which are most of a source, import nothing.
+# Fields of statements inside a statement; expressions, most of a source, import nothing.
 _BLOCKS = ("body", "handlers", "orelse", "finalbody", "cases")
 
 
@@ -208,7 +208,7 @@ def _running(block: ast.AST) -> Iterator[ast.AST]:
 
 
 def _taken(tree: ast.Module, alias: str) -> list[str]:
-    """What a source takes from a module by dots, such as "models.DMP" of `lt.models.DMP`."""
+    """Names that a source takes from a module by dots, such as "models.DMP" of `lt.models.DMP`."""
     chains = (_chain(node) for node in ast.walk(tree) if isinstance(node, ast.Attribute))
     return sorted({".".join(chain[1:]) for chain in chains if chain[:1] == [alias]})
 

@@ -64,7 +64,7 @@ def run(
     If the caller stops early, running tasks are dropped.
 
     Args:
-        tasks: what to do.
+        tasks: the tasks.
         store: takes the rows.
         on: "local:N" for N processes of this machine, the address of a Dask scheduler such as
             "tcp://host:8786" or the .json file that it wrote; None for this process, where a task
@@ -152,7 +152,7 @@ def with_progress(outcomes: Iterable[Outcome], total: int, label: str) -> Iterat
         known = failed = 0
         for each in outcomes:
             known, failed = known + each.known, failed + (each.failure is not None)
-            # What was known before took no time, so that it says nothing of the rest.
+            # Known tasks took no time and say nothing of the rest.
             progress.update(bar, total=total - known, advance=0 if each.known else 1)
             progress.update(bar, description=_described(label, known, failed))
             yield each
@@ -168,7 +168,7 @@ def with_manifest(outcomes: Iterable[Outcome], folder: Path) -> Iterator[Outcome
 
     Args:
         outcomes: of a run.
-        folder: where to write it, made if missing.
+        folder: folder of the manifest, made if missing.
 
     Raises:
         InvalidInput: if it cannot be written.

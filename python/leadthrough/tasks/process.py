@@ -84,7 +84,7 @@ class Process:
                     env=environment | {"PYTHONPATH": os.pathsep.join(folders)},
                     pass_fds=[theirs.fileno()],
                     stdin=subprocess.DEVNULL,
-                    stdout=2,  # what a task prints must not get among a command's results
+                    stdout=2,  # a task's prints must not get among a command's results
                 )
         return self._line
 
