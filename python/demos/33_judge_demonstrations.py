@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import leadthrough as lt
-from leadthrough.validation import Places
+from leadthrough.validation import TargetRegion
 
 plt.style.use("leadthrough.drawing.figures")
 shown = lt.io.lasa.load("Spoon")
@@ -20,7 +20,7 @@ phase = np.linspace(0.0, 1.0, len(spoiled))[:, None]
 bump = 12.0 * np.sin(np.pi * phase) ** 2 * [1.0, -1.0]  # mm
 shown[2] = replace(shown[2], motion=lt.Trajectory(spoiled.times, spoiled.positions + bump))
 
-found = lt.judge_demonstrations(shown, goals=Places([-10.0, -10.0], [10.0, 10.0]))
+found = lt.judge_demonstrations(shown, goals=TargetRegion([-10.0, -10.0], [10.0, 10.0]))
 for verdict in found.verdicts:
     told = ", ".join(verdict.faults) or "no fault"
     print(f"{verdict.name}: {told}, suspicion {verdict.suspicion:.1f}, worth {verdict.worth:+.0%}")

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 import leadthrough as lt
-from leadthrough.validation import Places
+from leadthrough.validation import TargetRegion
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 ur3 = lt.Arm.load("ur3")
@@ -26,7 +26,7 @@ home = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])
 shown = lt.JointTrajectory(3.0 * phase[:, 0], home + phase * [0.5, 0.3, 0, 0.3, 0, 0.1, 0.2])
 poses = panda.poses(shown)
 there = lt.PoseTrajectory(poses.times, poses.positions, poses.orientations)  # no Panda's joints
-area = Places([-0.2, -0.4, 0.2], [0.4, 0.4, 0.2])
+area = TargetRegion([-0.2, -0.4, 0.2], [0.4, 0.4, 0.2])
 stand = lt.reachability.place_base(there, ur3, area=area, spacing=0.1, yaws=4)
 whole = int((stand.manipulability > 0.0).sum())
 print(f"the whole motion is reached from {whole} of {len(stand.bases)} places")

@@ -10,7 +10,7 @@ import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.models.targets import Place, Places
+from leadthrough.models.targets import Target, TargetRegion
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.shapes import SHAPES, Primitive, RandomObstacle, Shape
 
@@ -82,13 +82,13 @@ def _from_file(kind: str, text: str) -> Shape:
     return read_point_cloud(file, float(number), position=position, orientation=orientation)
 
 
-def place(text: str, name: str) -> Place:
+def place(text: str, name: str) -> Target:
     """A point or joint positions, X,Y,Z, or a pose, X,Y,Z/W,X,Y,Z."""
     position, turned = _place(text, name)
     return position if turned is None else (position, turned)
 
 
-def end(text: str, shown: Motion, index: int, name: str) -> Place:
+def end(text: str, shown: Motion, index: int, name: str) -> Target:
     """A start or a goal, as by `place`."""
     asked = place(text, name)
     if isinstance(asked, tuple) and not isinstance(shown, PoseTrajectory):
@@ -100,7 +100,7 @@ def end(text: str, shown: Motion, index: int, name: str) -> Place:
     return asked, shown.orientations[index]
 
 
-def moved(text: str, shown: Motion, index: int, name: str) -> Place:
+def moved(text: str, shown: Motion, index: int, name: str) -> Target:
     """The first or last place of a motion, moved by an offset; arguments as for `end`."""
     offset = numbers(text, name)
     position = shown.positions[index]
@@ -126,7 +126,7 @@ def columns(given: Sequence[str]) -> dict[str, list[str]] | None:
     return {role: names.split(",") for role, names in _pairs(given, "--column")} or None
 
 
-def places(text: str, middle: Float64Array, name: str) -> Places:
+def places(text: str, middle: Float64Array, name: str) -> TargetRegion:
     """A region: distances to both sides of a place, or two corners, with /ANGLE for poses."""
     sides, _, angle = text.partition("/")
     corners = [numbers(part, name) for part in sides.split(":")]
@@ -137,13 +137,13 @@ def places(text: str, middle: Float64Array, name: str) -> Places:
     turn = float(numbers(angle, name)[0]) if angle else 0.0
     try:
         if len(corners) == 1:
-            return Places.around(middle, corners[0], turn=turn)
-        return Places(corners[0], corners[1], turn)
+            return TargetRegion.around(middle, corners[0], turn=turn)
+        return TargetRegion(corners[0], corners[1], turn)
     except InvalidInput as error:
         raise InvalidInput(f"{name}: {error}") from None
 
 
-def corners(text: str, name: str) -> Places:
+def corners(text: str, name: str) -> TargetRegion:
     """The region between two corners X,Y,Z:X,Y,Z."""
     if text.count(":") != 1:
         raise InvalidInput(f"{name}: expected two corners such as 0,0,0:1,1,1, got {text!r}")

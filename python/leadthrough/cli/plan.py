@@ -12,7 +12,7 @@ from leadthrough.cli import completion, options, output
 
 if TYPE_CHECKING:
     from leadthrough.arm import Arm
-    from leadthrough.models.protocol import Place, Skill
+    from leadthrough.models.protocol import Skill, Target
     from leadthrough.motion import Motion
 
 # Standard deviations of the demonstrated ends from which on an end is new.
@@ -212,7 +212,7 @@ def _write(motion: Motion, out: Path, format: str | None, *, moves_arm: bool) ->
 
 def _end(
     learned: Skill, given: str | None, moved: str | None, name: str, index: int
-) -> Place | None:
+) -> Target | None:
     from leadthrough.cli import parse
     from leadthrough.errors import InvalidInput
 
@@ -255,7 +255,7 @@ def _certified(learned: Skill, asked: dict[str, Any], arm: Arm | None) -> str:
     motion = learned.generate()
     ends = {}
     for name, index in (("start", 0), ("goal", -1)):
-        place: Place = motion.positions[index]
+        place: Target = motion.positions[index]
         if isinstance(motion, PoseTrajectory):
             place = (motion.positions[index], motion.orientations[index])
         ends[name] = asked.get(name, place)

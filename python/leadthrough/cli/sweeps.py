@@ -13,7 +13,7 @@ from leadthrough.cli import completion, options, output
 if TYPE_CHECKING:
     from leadthrough.arm import Arm
     from leadthrough.models.protocol import Skill
-    from leadthrough.models.targets import Places
+    from leadthrough.models.targets import TargetRegion
     from leadthrough.validation import Validation
 
 _FORM = (
@@ -136,7 +136,7 @@ def _facts(found: Validation, folder: Path) -> dict[str, object]:
     return {**told, "report": str(folder / "report.html")}
 
 
-def _places(learned: Skill, text: str | None, index: int, name: str) -> Places | None:
+def _places(learned: Skill, text: str | None, index: int, name: str) -> TargetRegion | None:
     """The region that an option states; None where it is left out."""
     from leadthrough.cli import parse
 
@@ -262,7 +262,7 @@ def _place(  # an option each
     if skill is None or area is None:
         missing, given = ("--area", "--skill") if area is None else ("--skill", "--area")
         raise InvalidInput(f"{missing}: needed with {given}")
-    corners: Places = parse.corners(area, "--area")
+    corners: TargetRegion = parse.corners(area, "--area")
     learned = reading.saved_skill(skill)
     found = place_base(learned, arm, area=corners, spacing=spacing, yaws=yaws, seed=seed)
     with replacing(out) as temporary, temporary.open("wb") as file:

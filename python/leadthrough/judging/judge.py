@@ -27,7 +27,7 @@ from leadthrough.judging.traits import TRAITS, Trait, peculiarities, shares_its_
 from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.promp.model import ProMP
 from leadthrough.models.protocol import Model
-from leadthrough.models.targets import Places
+from leadthrough.models.targets import TargetRegion
 from leadthrough.motion import Demonstration, Motion
 from leadthrough.tasks import Store, Task
 
@@ -46,7 +46,7 @@ def judge_demonstrations(
     demonstrations: Demonstrations[Motion],
     *,
     model: Model | None = None,
-    goals: Places | None = None,
+    goals: TargetRegion | None = None,
     seed: int = 0,
     on: str | None = None,
     out: Path | None = None,
@@ -99,7 +99,7 @@ def judge_demonstrations(
     return Judgement(verdicts, before, after, suggestion)
 
 
-def _goals(goals: Places, motions: Sequence[Motion]) -> Places:
+def _goals(goals: TargetRegion, motions: Sequence[Motion]) -> TargetRegion:
     size = motions[0].positions.shape[1]
     if len(goals.lower) != size or goals.orientation is not None:
         raise InvalidInput(f"goals: expected {size} coordinates without an orientation")

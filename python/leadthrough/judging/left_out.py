@@ -14,7 +14,7 @@ import numpy as np
 from leadthrough.check import Float64Array
 from leadthrough.errors import LeadthroughError
 from leadthrough.models.protocol import Model, Skill
-from leadthrough.models.targets import Place, Places
+from leadthrough.models.targets import Target, TargetRegion
 from leadthrough.motion import Motion, PoseTrajectory
 from leadthrough.preprocess.align import features
 from leadthrough.tasks import Row
@@ -35,7 +35,7 @@ class Shown:
 
     model: Model
     motions: tuple[Motion, ...]
-    goals: Places | None
+    goals: TargetRegion | None
 
 
 def errors(*, without: Sequence[int], tested: Sequence[int], shown: Path) -> list[Row]:
@@ -93,7 +93,7 @@ def _learned(common: Shown, without: set[int]) -> Skill[Motion] | None:
             return None
 
 
-def _generated(skill: Skill[Motion], start: Place | None, goal: Place) -> Motion | None:
+def _generated(skill: Skill[Motion], start: Target | None, goal: Target) -> Motion | None:
     asked = {"goal": goal} if start is None else {"start": start, "goal": goal}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -113,7 +113,7 @@ def _error(common: Shown, without: set[int], wanted: Motion) -> float:
     return float(np.linalg.norm(ours - theirs, axis=1).mean())
 
 
-def _spread(skills: Sequence[Skill[Motion]], goal: Place) -> float:
+def _spread(skills: Sequence[Skill[Motion]], goal: Target) -> float:
     """Root mean square distance of the skills' motions from their mean, in their unit."""
     motions = [_generated(skill, None, goal) for skill in skills]
     even = np.linspace(0.0, 1.0, _SAMPLES)
@@ -128,7 +128,7 @@ def _positions(motion: Motion, fractions: Float64Array) -> Float64Array:
     return np.column_stack([np.interp(times, motion.times, c) for c in motion.positions.T])
 
 
-def _end(motion: Motion, index: int) -> Place:
+def _end(motion: Motion, index: int) -> Target:
     position: Float64Array = motion.positions[index]
     return (
         (position, motion.orientations[index]) if isinstance(motion, PoseTrajectory) else position

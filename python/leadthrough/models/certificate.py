@@ -1,4 +1,4 @@
-"""What a validation found of a skill, kept with it in its file: regions, runs and successes."""
+"""The result of a skill's validation, saved in its file: regions, runs and successes."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 
 from leadthrough.errors import InvalidInput
-from leadthrough.models.targets import Place, Places
+from leadthrough.models.targets import Target, TargetRegion
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import MovingObstacle, Obstacle, RandomObstacle, Shape
 
 
 @dataclass(frozen=True)
 class ValidatedObstacle:
-    """An obstacle of a validation, as its certificate knows it."""
+    """An obstacle of a validation: its form and its possible positions."""
 
     form: str  # a text that only shapes of this kind, size and orientation have
     lower: tuple[float, ...]  # (3,) smallest coordinates of its position, m
@@ -41,11 +41,11 @@ class ValidatedObstacle:
 
 @dataclass(frozen=True, eq=False)
 class Certificate(ShortRepr):
-    """How often a skill's motions succeed, for queries drawn at random from stated regions.
+    """Success rate of a skill's motions, for queries drawn at random from stated regions.
 
     Attributes:
-        goals: where the queries' goals lie.
-        starts: where their starts lie.
+        goals: region of the queries' goals.
+        starts: region of their starts.
         obstacles: of every query.
         robot: the arm: its name, base and tip.
         margin: distance that the arm kept from obstacles, m.
@@ -61,8 +61,8 @@ class Certificate(ShortRepr):
         seed: of the random number generator.
     """
 
-    goals: Places
-    starts: Places
+    goals: TargetRegion
+    starts: TargetRegion
     obstacles: tuple[ValidatedObstacle, ...]
     robot: str
     margin: float
@@ -73,7 +73,7 @@ class Certificate(ShortRepr):
     confidence: float
     method: str
     required: float
-    holds: Places | None
+    holds: TargetRegion | None
     seed: int
 
     @property
@@ -82,20 +82,20 @@ class Certificate(ShortRepr):
         return self.successes / self.runs
 
     def outside(
-        self, *, start: Place, goal: Place, obstacles: Sequence[Shape] = (), robot: str = ""
+        self, *, start: Target, goal: Target, obstacles: Sequence[Shape] = (), robot: str = ""
     ) -> tuple[str, ...]:
-        """Why a query is none of those that the certificate speaks of; empty if it is one.
+        """Reasons why the certificate does not cover a query; empty if it does.
 
         Args:
-            start: where the motion starts.
-            goal: where it ends.
+            start: start of the motion.
+            goal: its end.
             obstacles: of the query.
             robot: the arm, as `robot` names it; empty if none is known.
         """
         reasons = [
             f"{name} outside {region}"
-            for name, region, place in (("start", self.starts, start), ("goal", self.goals, goal))
-            if not region.contains(place)
+            for name, region, target in (("start", self.starts, start), ("goal", self.goals, goal))
+            if not region.contains(target)
         ]
         if not _matched(list(obstacles), list(self.obstacles)):
             reasons.append("other obstacles")
@@ -134,11 +134,11 @@ class Certificate(ShortRepr):
                 for each in settings["obstacles"]
             )
             made = {
-                "goals": Places.from_settings(settings["goals"]),
-                "starts": Places.from_settings(settings["starts"]),
+                "goals": TargetRegion.from_settings(settings["goals"]),
+                "starts": TargetRegion.from_settings(settings["starts"]),
                 "obstacles": obstacles,
                 "interval": (float(low), float(high)),
-                "holds": None if holds is None else Places.from_settings(holds),
+                "holds": None if holds is None else TargetRegion.from_settings(holds),
             }
             plain = {each.name: settings[each.name] for each in fields(Certificate)}
             return Certificate(**{**plain, **made})
@@ -156,8 +156,8 @@ class Certificate(ShortRepr):
 def _matched(shapes: list[Shape], known: list[ValidatedObstacle]) -> bool:
     """Whether each shape is one of the known obstacles, and each of these is there once."""
     for shape in shapes:
-        found = next((each for each in known if each.covers(shape)), None)
-        if found is None:
+        match = next((each for each in known if each.covers(shape)), None)
+        if match is None:
             return False
-        known.remove(found)
+        known.remove(match)
     return not known

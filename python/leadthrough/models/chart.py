@@ -22,7 +22,7 @@ from leadthrough.events import Event
 from leadthrough.models.archive import quaternions
 from leadthrough.models.mean_turning import mean_orientations
 from leadthrough.models.posture import Posture, arrays_of, settings_of, shown_posture
-from leadthrough.models.targets import Place
+from leadthrough.models.targets import Target
 from leadthrough.motion import (
     JointTrajectory,
     Motion,
@@ -109,7 +109,7 @@ class Chart(ShortRepr, Generic[MotionT_co]):
             made = PoseTrajectory(times, columns[:, :3], turned, happening, joints)
         return cast(MotionT_co, made)  # of the type that the chart was made for
 
-    def target(self, value: Place, name: str, phase: float) -> Float64Array:
+    def target(self, value: Target, name: str, phase: float) -> Float64Array:
         """A place that a query asks for, in columns."""
         if self.kind != "poses":
             return check.array(value, name, shape=(self.size,))

@@ -43,7 +43,7 @@ from leadthrough.models.protocol import (
     Unfitted,
 )
 from leadthrough.models.registry import entry_of_skill
-from leadthrough.models.targets import Place
+from leadthrough.models.targets import Target
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory
 from leadthrough.shapes import Shape, check_shapes
 
@@ -125,8 +125,8 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
     def generate(
         self,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
@@ -170,8 +170,8 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
     def begin(
         self,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         duration: float | None = None,
         via: Via = (),
         start_velocity: ArrayLike | None = None,
@@ -205,10 +205,10 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
         state: FramedState,
         dt: float,
         *,
-        goal: Place | None = None,
+        goal: Target | None = None,
         coupling: ArrayLike | None = None,
         lag: float = 0.0,
-        measured: Place | None = None,
+        measured: Target | None = None,
         obstacles: Sequence[Shape] = (),
         limits: tuple[ArrayLike, ArrayLike] | None = None,
     ) -> FramedState:
@@ -251,7 +251,7 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
         return FramedState(after, self.frame)
 
     def condition(
-        self, time: float, position: Place, *, covariance: ArrayLike | None = None
+        self, time: float, position: Target, *, covariance: ArrayLike | None = None
     ) -> FramedSkill[MotionT_co]:
         """A skill whose motions pass a via point of the base frame; call it again for more.
 
@@ -277,7 +277,7 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
                 "covariance: expected none for poses; condition the skill inside in its own frame; "
                 "in Python, skill.skill.condition(...)"
             )
-        seen = cast(Place, self._local(position, "position"))
+        seen = cast(Target, self._local(position, "position"))
         uncertain = covariance_seen(self.frame, covariance)
         made = self.skill.condition(check.number(time, "time"), seen, covariance=uncertain)
         return replace(self, skill=cast(Skill[MotionT_co], made))
@@ -358,7 +358,7 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
     def _local_shapes(self, obstacles: Sequence[Shape]) -> list[Shape]:
         return [shape_seen(self.frame, shape) for shape in check_shapes(obstacles)]
 
-    def _local(self, place: Any, name: str) -> Place | None:
+    def _local(self, place: Any, name: str) -> Target | None:
         """A place of the base frame as it is seen from the frame. Raises InvalidInput."""
         return place_seen(self.frame, place, name, poses=self.poses)
 

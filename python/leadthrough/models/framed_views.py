@@ -12,7 +12,7 @@ from leadthrough import check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.frame import Frame
-from leadthrough.models.targets import Place
+from leadthrough.models.targets import Target
 from leadthrough.motion import MotionT
 from leadthrough.shapes import Shape
 
@@ -42,7 +42,7 @@ def motion_seen(frame: Frame, motion: MotionT) -> MotionT:
     return back.base(motion)
 
 
-def place_seen(frame: Frame, place: Any, name: str, *, poses: bool) -> Place | None:
+def place_seen(frame: Frame, place: Any, name: str, *, poses: bool) -> Target | None:
     """A place; None for None."""
     if place is None:
         return None

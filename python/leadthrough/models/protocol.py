@@ -13,7 +13,7 @@ from leadthrough.errors import NotFitted
 from leadthrough.io.atomic import StrPath
 from leadthrough.models.certificate import Certificate
 from leadthrough.models.demonstrations import Demonstrations
-from leadthrough.models.targets import Place
+from leadthrough.models.targets import Target
 from leadthrough.motion import Motion, MotionT, MotionT_co
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape
@@ -29,12 +29,12 @@ __all__ = [
     "Limited",
     "Mapped",
     "Model",
-    "Place",
     "Previewed",
     "Relearned",
     "Skill",
     "State",
     "Stepped",
+    "Target",
 ]
 
 # Names of skills that are asked of models by mistake.
@@ -59,8 +59,8 @@ class Generator(Protocol[MotionT_co]):
     def generate(
         self,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
@@ -175,8 +175,8 @@ class Stepped(Protocol):
     def begin(
         self,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         duration: float | None = None,
         via: Sequence[tuple[float, ArrayLike]] = (),
         start_velocity: ArrayLike | None = None,
@@ -189,10 +189,10 @@ class Stepped(Protocol):
         state: Any,
         dt: float,
         *,
-        goal: Place | None = None,
+        goal: Target | None = None,
         coupling: ArrayLike | None = None,
         lag: float = 0.0,
-        measured: Place | None = None,
+        measured: Target | None = None,
         obstacles: Sequence[Shape] = (),
     ) -> Any:
         """The state dt s later."""
@@ -200,8 +200,8 @@ class Stepped(Protocol):
     def generate(
         self,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
@@ -220,10 +220,10 @@ class Limited(Stepped, Protocol):
         state: Any,
         dt: float,
         *,
-        goal: Place | None = None,
+        goal: Target | None = None,
         coupling: ArrayLike | None = None,
         lag: float = 0.0,
-        measured: Place | None = None,
+        measured: Target | None = None,
         obstacles: Sequence[Shape] = (),
         limits: tuple[ArrayLike, ArrayLike] = ...,
     ) -> Any:
@@ -232,8 +232,8 @@ class Limited(Stepped, Protocol):
     def generate(
         self,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
@@ -278,7 +278,7 @@ class Conditioned(Protocol):
         """Of the motion, s."""
 
     def condition(
-        self, time: ArrayLike, position: Place, *, covariance: ArrayLike | None = None
+        self, time: ArrayLike, position: Target, *, covariance: ArrayLike | None = None
     ) -> Skill:
         """The skill that passes a position at a time, s."""
 

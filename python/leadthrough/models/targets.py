@@ -1,4 +1,4 @@
-"""Boxes of places, from which queries are drawn at random."""
+"""Targets of queries, and the regions that they are drawn from at random."""
 
 from __future__ import annotations
 
@@ -14,18 +14,21 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.repr import ShortRepr
 
-_ROUNDING = 1e-9  # m or rad, by which a place may lie outside
+# A point or joints (d,); of poses a position (3,), or (position (3,), orientation (4,) w, x, y, z).
+Target: TypeAlias = ArrayLike | tuple[ArrayLike, ArrayLike]
+
+_ROUNDING = 1e-9  # m or rad, by which a target may lie outside
 _ROUNDED_ANGLE = 1e-6  # rad; the cosine of an angle near 0 has half of its digits
 
 
 @dataclass(frozen=True, eq=False)
-class Places(ShortRepr):
-    """All places between two corners, for poses with all orientations near one.
+class TargetRegion(ShortRepr):
+    """All positions between two corners, for poses with all orientations near one.
 
     Attributes:
         lower: (d,), smallest coordinates in m (rad).
         upper: (d,), largest coordinates, >= lower.
-        turn: rad, in [0, pi]: how far an orientation of a pose is from the middle one at most.
+        turn: largest angle of a pose's orientation from the middle one, rad, in [0, pi].
         orientation: (4,) w, x, y, z, the middle one; None for the demonstrated one.
     """
 
@@ -48,12 +51,12 @@ class Places(ShortRepr):
             object.__setattr__(self, "orientation", middle)
 
     @staticmethod
-    def around(position: ArrayLike, reach: ArrayLike, *, turn: float = 0.0) -> Places:
-        """The region that extends from a place by the same distance to both sides.
+    def around(position: ArrayLike, reach: ArrayLike, *, turn: float = 0.0) -> TargetRegion:
+        """The region that extends from a position by the same distance to both sides.
 
         Args:
             position: (d,) its middle, m (rad).
-            reach: (d,) or one number, how far it extends along each axis, m (rad), >= 0.
+            reach: (d,) or one number, its extent to each side along each axis, m (rad), >= 0.
             turn: as the attribute.
 
         Raises:
@@ -64,15 +67,15 @@ class Places(ShortRepr):
         half = check.array(given, "reach", shape=middle.shape)
         if (half < 0.0).any():
             raise InvalidInput(f"reach: expected distances >= 0, got {half}")
-        return Places(middle - half, middle + half, turn)
+        return TargetRegion(middle - half, middle + half, turn)
 
     @property
     def middle(self) -> Float64Array:
         """The position in its middle, (d,)."""
         return 0.5 * (self.lower + self.upper)
 
-    def draw(self, rng: np.random.Generator) -> Place:
-        """A place at random: evenly in the box, the turn evenly in the ball of rotation vectors.
+    def draw(self, rng: np.random.Generator) -> Target:
+        """A target at random: uniform in the box, its rotation in a ball of rotation vectors.
 
         Args:
             rng: source of the random numbers.
@@ -82,17 +85,18 @@ class Places(ShortRepr):
             return position
         axis = rng.normal(size=3)
         angle = self.turn * rng.uniform() ** (1.0 / 3.0)
-        turned = rotations.exp((angle * axis / np.linalg.norm(axis))[None])[0]
-        return position, rotations.compose(turned[None], self.orientation[None])[0]
+        rotation = rotations.exp((angle * axis / np.linalg.norm(axis))[None])
+        return position, rotations.compose(rotation, self.orientation[None])[0]
 
-    def contains(self, place: Place) -> bool:
-        """Whether a place, with its orientation if it has one, lies in the region.
+    def contains(self, target: Target) -> bool:
+        """Whether a target, with its orientation if it has one, lies in the region.
 
         Args:
-            place: as skills take it.
+            target: as skills take it.
         """
-        where, quaternion = place if isinstance(place, tuple) and len(place) == 2 else (place, None)
-        position = np.asarray(where, dtype=np.float64)
+        pair = target if isinstance(target, tuple) and len(target) == 2 else (target, None)
+        point, quaternion = pair
+        position = np.asarray(point, dtype=np.float64)
         inside = position.shape == self.lower.shape and bool(
             (position >= self.lower - _ROUNDING).all()
             and (position <= self.upper + _ROUNDING).all()
@@ -103,14 +107,14 @@ class Places(ShortRepr):
         angle = rotations.distance(given, self.orientation[None])[0]
         return bool(angle <= self.turn + _ROUNDED_ANGLE)
 
-    def shrunk(self, factor: float) -> Places:
+    def shrunk(self, factor: float) -> TargetRegion:
         """The region about the same middle, each side times a factor; the turn stays.
 
         Args:
             factor: in [0, 1].
         """
         half = 0.5 * factor * (self.upper - self.lower)
-        return Places(self.middle - half, self.middle + half, self.turn, self.orientation)
+        return TargetRegion(self.middle - half, self.middle + half, self.turn, self.orientation)
 
     def to_settings(self) -> dict[str, Any]:
         """Plain values, as JSON knows them."""
@@ -123,7 +127,7 @@ class Places(ShortRepr):
         }
 
     @staticmethod
-    def from_settings(settings: Mapping[str, Any]) -> Places:
+    def from_settings(settings: Mapping[str, Any]) -> TargetRegion:
         """The region with these plain values.
 
         Args:
@@ -134,15 +138,11 @@ class Places(ShortRepr):
             InvalidInput: if one is wrong.
         """
         names = ("lower", "upper", "turn", "orientation")
-        return Places(**{name: settings[name] for name in names})
+        return TargetRegion(**{name: settings[name] for name in names})
 
     def __str__(self) -> str:
         sides = (
             f"{low:.4g} to {high:.4g}" for low, high in zip(self.lower, self.upper, strict=True)
         )
-        turned = f", turned by up to {self.turn:.3g} rad" if self.turn else ""
-        return f"{', '.join(sides)}{turned}"
-
-
-# A point or joints (d,); of poses a position (3,), or (position (3,), orientation (4,) w, x, y, z).
-Place: TypeAlias = ArrayLike | tuple[ArrayLike, ArrayLike]
+        rotated = f", rotated by up to {self.turn:.3g} rad" if self.turn else ""
+        return f"{', '.join(sides)}{rotated}"

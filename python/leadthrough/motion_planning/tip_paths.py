@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, NoPath
-from leadthrough.models.protocol import Mapped, Place, Skill
+from leadthrough.models.protocol import Mapped, Skill, Target
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
 from leadthrough.motion_planning.blocked_segment import (
     BlockedSegment,
@@ -60,8 +60,8 @@ class Query(ShortRepr):
         dt: s, > 0, upper bound of the sampling step.
     """
 
-    start: Place | None = None
-    goal: Place | None = None
+    start: Target | None = None
+    goal: Target | None = None
     duration: float | None = None
     dt: float = 0.01
 

@@ -11,7 +11,7 @@ from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput
 from leadthrough.models.protocol import Skill
-from leadthrough.models.targets import Places
+from leadthrough.models.targets import TargetRegion
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.reachability.reach_map import reached
 from leadthrough.repr import ShortRepr
@@ -45,7 +45,7 @@ def place_base(
     motion: Skill[Motion] | PoseTrajectory,
     arm: Arm,
     *,
-    area: Places,
+    area: TargetRegion,
     spacing: float = 0.1,
     yaws: int = 8,
     seed: int = 0,
@@ -94,7 +94,7 @@ def place_base(
     return Placement(bases, fraction, least, None, None)
 
 
-def _bases(area: Places, spacing: float, yaws: int) -> Float64Array:
+def _bases(area: TargetRegion, spacing: float, yaws: int) -> Float64Array:
     """All places of a grid with all yaws, (n, 4)."""
     axes = [
         low + spacing * np.arange(int(np.floor((high - low) / spacing + 1e-9)) + 1)

@@ -18,7 +18,7 @@ from leadthrough.arm.arm import check_arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath, replacing
-from leadthrough.models.targets import Places
+from leadthrough.models.targets import TargetRegion
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.tasks import Outcome, Row, Store, Task
@@ -87,7 +87,7 @@ def reach_map(
     arm: Arm,
     scene: SceneLike = (),
     *,
-    volume: Places | None = None,
+    volume: TargetRegion | None = None,
     spacing: float = 0.1,
     orientations: int = 12,
     seed: int = 0,
@@ -171,13 +171,13 @@ def _collected(outcomes: Iterator[Outcome], todo: Sequence[Task], store: Store) 
     return np.array([[row["reached"], row["manipulability"]] for row in rows], dtype=np.float64)
 
 
-def _whole_reach(arm: Arm, spacing: float) -> Places:
+def _whole_reach(arm: Arm, spacing: float) -> TargetRegion:
     """The box around the tips of random configurations, on multiples of the spacing."""
     rng = np.random.default_rng(0)
     shape = (_DRAWN, len(arm.joint_names))
     positions, _ = arm.forward_kinematics(rng.uniform(*ranges(arm), shape))
     lower = np.floor(positions.min(axis=0) / spacing) * spacing
-    return Places(lower, np.ceil(positions.max(axis=0) / spacing) * spacing)
+    return TargetRegion(lower, np.ceil(positions.max(axis=0) / spacing) * spacing)
 
 
 # Solutions of a pose that are looked at: where the first touches, another may be clear.

@@ -18,7 +18,7 @@ from leadthrough.arm.ik_failure import limiting_joints_text
 from leadthrough.arm.recorded_joints import warn_of_another_arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LeadthroughError
-from leadthrough.models.protocol import Conditioned, Generator, Parameter, Place, Previewed, Skill
+from leadthrough.models.protocol import Conditioned, Generator, Parameter, Previewed, Skill, Target
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
 from leadthrough.motion_planning import Query, plan_motion
 from leadthrough.repr import ShortRepr
@@ -51,7 +51,7 @@ class _Query(TypedDict, total=False):
 
     dt: float
     duration: float
-    goal: Place
+    goal: Target
 
 
 class Replanner:
@@ -62,7 +62,7 @@ class Replanner:
         arm: Arm,
         skill: Skill,
         *,
-        goal: Place | None = None,
+        goal: Target | None = None,
         scene: SceneLike = (),
         demonstrations: Sequence[Demonstration] = (),
     ) -> None:
@@ -270,7 +270,7 @@ class Replanner:
         turned = usual.orientations[-1] if isinstance(usual, PoseTrajectory) else None
         return usual.positions[-1].copy(), turned
 
-    def _goal(self) -> Place:
+    def _goal(self) -> Target:
         """The goal in the form that the skill takes."""
         if self.goal_orientation is not None and self._is_of_poses:
             return self.goal_position, self.goal_orientation
@@ -293,7 +293,7 @@ class Replanner:
         return self.skill.preview() if isinstance(self.skill, Previewed) else self.skill
 
 
-def parted(place: Place) -> tuple[ArrayLike, ArrayLike | None]:
+def parted(place: Target) -> tuple[ArrayLike, ArrayLike | None]:
     """Position and orientation of a goal; the latter None for a position alone."""
     if isinstance(place, tuple) and len(place) == 2:
         return place[0], place[1]

@@ -11,7 +11,7 @@ from leadthrough.arm.arm import check_arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath
-from leadthrough.models.protocol import Place, Skill
+from leadthrough.models.protocol import Skill, Target
 from leadthrough.motion import Demonstration, JointTrajectory, Motion
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.show import page
@@ -27,7 +27,7 @@ def view(
     *,
     demonstrations: Iterable[Demonstration] = (),
     skill: Skill | None = None,
-    goal: Place | None = None,
+    goal: Target | None = None,
     scene: SceneLike = (),
     html: StrPath | None = None,
     title: str = "",
@@ -74,7 +74,7 @@ def open_view(
     *,
     demonstrations: Iterable[Demonstration] = (),
     skill: Skill | None = None,
-    goal: Place | None = None,
+    goal: Target | None = None,
     scene: SceneLike = (),
     port: int = 0,
 ) -> LiveView:
@@ -110,7 +110,7 @@ def inline(
     *,
     demonstrations: Iterable[Demonstration] = (),
     skill: Skill | None = None,
-    goal: Place | None = None,
+    goal: Target | None = None,
     scene: SceneLike = (),
     title: str = "",
     height: int = 420,
@@ -146,7 +146,7 @@ class _Content:
     motion: Motion | None
     demonstrations: Sequence[Demonstration]
     skill: Skill | None
-    goal: Place | None
+    goal: Target | None
     scene: Scene
 
     def replanner(self, demonstrations: Sequence[Demonstration] = ()) -> Replanner | None:

@@ -1,7 +1,7 @@
 """How often a skill's motions succeed on an arm, measured on random queries, with its certainty."""
 
 from leadthrough.models.certificate import Certificate
-from leadthrough.models.targets import Places
+from leadthrough.models.targets import TargetRegion
 from leadthrough.validation.validate import validate
 from leadthrough.validation.validation import (
     Failing,
@@ -13,7 +13,7 @@ from leadthrough.validation.validation import (
 __all__ = [
     "Certificate",
     "Failing",
-    "Places",
+    "TargetRegion",
     "Validation",
     "clopper_pearson",
     "confidence_sequence",

@@ -15,7 +15,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LimitsInfeasible, NoPath
 from leadthrough.models import load_skill
 from leadthrough.models.protocol import Skill
-from leadthrough.models.targets import Place, Places
+from leadthrough.models.targets import Target, TargetRegion
 from leadthrough.motion import JointTrajectory, Motion
 from leadthrough.motion_planning import Query, plan_motion
 from leadthrough.shapes import Scene
@@ -32,8 +32,8 @@ class Setup:
     """What all queries of a validation have in common."""
 
     arm: Arm  # that is to move
-    goals: Places  # of the queries
-    starts: Places  # of the queries
+    goals: TargetRegion  # of the queries
+    starts: TargetRegion  # of the queries
     scene: Scene  # with the obstacles whose position is drawn
     rate: float  # of the motion that is checked, Hz
     controller: Controller | None  # of the simulated arm; None for no simulation
@@ -99,7 +99,7 @@ def _told(asked: Query) -> dict[str, Any]:
     return {"start": _numbers(asked.start), "goal": _numbers(asked.goal)}
 
 
-def _numbers(place: Place) -> list[float]:
+def _numbers(place: Target) -> list[float]:
     """A place as numbers: (d,), or position and orientation one after the other."""
     parts = place if isinstance(place, tuple) else (place,)
     flat: Float64Array = np.concatenate([np.asarray(part, dtype=np.float64) for part in parts])

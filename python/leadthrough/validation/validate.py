@@ -18,7 +18,7 @@ from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import replacing
 from leadthrough.models.certificate import Certificate, ValidatedObstacle
 from leadthrough.models.protocol import Skill
-from leadthrough.models.targets import Places
+from leadthrough.models.targets import TargetRegion
 from leadthrough.motion import Motion, PoseTrajectory
 from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation import Controller
@@ -36,8 +36,8 @@ def validate(
     arm: Arm,
     scene: SceneLike = (),
     *,
-    goals: Places | None = None,
-    starts: Places | None = None,
+    goals: TargetRegion | None = None,
+    starts: TargetRegion | None = None,
     runs: int = 1000,
     width: float | None = None,
     required: float = 0.95,
@@ -127,11 +127,13 @@ def validate(
     return findings.validation(certificate)
 
 
-def _places(skill: Skill[Motion], asked: Places | None, name: str, index: int) -> Places:
+def _places(
+    skill: Skill[Motion], asked: TargetRegion | None, name: str, index: int
+) -> TargetRegion:
     """A region with the orientation in its middle, for a skill of poses."""
     motion = skill.generate()
     position = motion.positions[index]
-    region = Places(position, position) if asked is None else asked
+    region = TargetRegion(position, position) if asked is None else asked
     if region.lower.shape != position.shape:
         raise InvalidInput(
             f"{name}: expected {len(position)} coordinates, as the skill's, got {len(region.lower)}"
@@ -145,7 +147,7 @@ def _places(skill: Skill[Motion], asked: Places | None, name: str, index: int) -
             raise InvalidInput(f"{name}: expected no turn for a skill of {type(motion).__name__}")
         return region
     turned = motion.orientations[index] if region.orientation is None else region.orientation
-    return Places(region.lower, region.upper, region.turn, turned)
+    return TargetRegion(region.lower, region.upper, region.turn, turned)
 
 
 def _todo(skill: Skill[Motion], setup: Setup, folder: Path, runs: int, seed: int) -> list[Task]:

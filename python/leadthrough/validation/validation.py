@@ -15,7 +15,7 @@ from scipy.special import betaincinv, betaln, xlog1py, xlogy
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.models.certificate import Certificate
-from leadthrough.models.targets import Places
+from leadthrough.models.targets import TargetRegion
 from leadthrough.repr import ShortRepr
 from leadthrough.tasks import Row
 
@@ -80,7 +80,7 @@ _PARTS = np.linspace(1.0, 0.1, 10)
 class Findings:
     """What was found until now."""
 
-    def __init__(self, goals: Places, confidence: float) -> None:
+    def __init__(self, goals: TargetRegion, confidence: float) -> None:
         """Nothing found yet."""
         self._goals = goals
         self._confidence = confidence
@@ -122,7 +122,7 @@ class Findings:
         """Bounds of the fraction that succeeds, where one stops as they are narrow enough."""
         return confidence_sequence(self.successes, self.runs, confidence=self._confidence)
 
-    def largest_part(self, required: float) -> Places | None:
+    def largest_part(self, required: float) -> TargetRegion | None:
         """The largest part of the goals, about their middle, in which enough queries succeed."""
         each = 1.0 - (1.0 - self._confidence) / len(_PARTS)
         positions = _stacked(self._places)[:, : len(self._goals.lower)]

@@ -9,7 +9,7 @@ from sklearn.metrics import roc_auc_score
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
 from leadthrough.judging.traits import TRAITS, peculiarities
-from leadthrough.validation import Places
+from leadthrough.validation import TargetRegion
 from leadthrough_studies.robotasks.study import read
 
 FAULTS = {
@@ -78,7 +78,7 @@ def test_what_lies_far_from_all_shown_is_to_be_shown_next(lasa):
         lt.Trajectory(each.times, each.positions + np.linspace(0, 1, 50)[:, None] * [5.0 * i, 0])
         for i, each in enumerate(thinned(lasa["Line"]))
     ]
-    goals = Places([0.0, -1.0], [90.0, 1.0])  # shown: from 0 to 30
+    goals = TargetRegion([0.0, -1.0], [90.0, 1.0])  # shown: from 0 to 30
     found = lt.judge_demonstrations(motions, goals=goals)
     assert found.next.goal[0] > 75.0
     assert found.next.uncertainty > 0.0

@@ -8,7 +8,7 @@ import leadthrough as lt
 from leadthrough.errors import InvalidInput
 from leadthrough.reachability import place_base, reach_map, spread_orientations
 from leadthrough.reachability.reach_map import reached
-from leadthrough.validation import Places
+from leadthrough.validation import TargetRegion
 
 
 @pytest.fixture(scope="module")
@@ -51,9 +51,9 @@ def test_poses_of_clear_configurations_are_reached_and_others_are_not(panda):
 
 
 def test_a_map_is_the_same_on_processes_and_ends_at_the_reach(panda, tmp_path):
-    half = reach_map(panda, volume=Places([0.0, -1.2, 0.0], [1.2, 1.2, 0.4]), spacing=0.4)
+    half = reach_map(panda, volume=TargetRegion([0.0, -1.2, 0.0], [1.2, 1.2, 0.4]), spacing=0.4)
     same = reach_map(
-        panda, volume=Places([0.0, -1.2, 0.0], [1.2, 1.2, 0.4]), spacing=0.4, on="local:1"
+        panda, volume=TargetRegion([0.0, -1.2, 0.0], [1.2, 1.2, 0.4]), spacing=0.4, on="local:1"
     )
     assert (half.fraction == same.fraction).all()
     assert (half.manipulability == same.manipulability).all()
@@ -68,7 +68,7 @@ def test_a_map_is_the_same_on_processes_and_ends_at_the_reach(panda, tmp_path):
 
 
 def test_the_arm_runs_the_motion_from_where_it_is_to_stand(panda, poses):
-    area = Places([-0.5, 0.0, 0.0], [1.0, 0.5, 0.0])
+    area = TargetRegion([-0.5, 0.0, 0.0], [1.0, 0.5, 0.0])
     found = place_base(poses, panda, area=area, spacing=0.5, yaws=4)
     assert len(found.bases) == 4 * 2 * 4
     home = np.flatnonzero((found.bases == 0.0).all(axis=1))
@@ -78,7 +78,7 @@ def test_the_arm_runs_the_motion_from_where_it_is_to_stand(panda, poses):
     turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
     flat = tips.positions[:, :2] @ turn.T + [x, y]
     assert np.abs(flat[[0, -1]] - poses.positions[[0, -1], :2]).max() < 1e-4
-    far = place_base(poses, panda, area=Places([3.0, 0.0, 0.0], [3.0, 0.0, 0.0]), yaws=1)
+    far = place_base(poses, panda, area=TargetRegion([3.0, 0.0, 0.0], [3.0, 0.0, 0.0]), yaws=1)
     assert far.best is None and far.fraction.tolist() == [0.0]
 
 

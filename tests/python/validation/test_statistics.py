@@ -5,10 +5,10 @@ import pytest
 from scipy import stats
 
 from leadthrough.errors import InvalidInput
-from leadthrough.validation import Places, clopper_pearson, confidence_sequence
+from leadthrough.validation import TargetRegion, clopper_pearson, confidence_sequence
 from leadthrough.validation.validation import Findings
 
-GOALS = Places([0.0, 0.0, 0.0], [1.0, 1.0, 1.0])
+GOALS = TargetRegion([0.0, 0.0, 0.0], [1.0, 1.0, 1.0])
 REPETITIONS = 200
 
 

@@ -10,7 +10,7 @@ from cli.command_line import facts
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
 from leadthrough.shapes import RandomObstacle
-from leadthrough.validation import Places
+from leadthrough.validation import TargetRegion
 
 SPHERE = lt.Sphere(0.06, (0.45, 0.15, 0.55))
 WORLD = RandomObstacle(SPHERE, (0.05, 0.15, 0.05))
@@ -19,7 +19,7 @@ RUNS = 24
 
 @pytest.fixture(scope="module")
 def goals(reach):
-    return Places.around(reach.generate().positions[-1], (0.3, 0.3, 0.1), turn=0.2)
+    return TargetRegion.around(reach.generate().positions[-1], (0.3, 0.3, 0.1), turn=0.2)
 
 
 @pytest.fixture(scope="module")
@@ -89,11 +89,11 @@ def test_the_certificate_knows_its_queries(validation):
 
 def test_wrong_regions_are_refused(reach, panda):
     with pytest.raises(InvalidInput, match="goals: expected 3 coordinates"):
-        lt.validate(reach, panda, goals=Places([0.0], [1.0]))
+        lt.validate(reach, panda, goals=TargetRegion([0.0], [1.0]))
     with pytest.raises(InvalidInput, match="goal"):
-        lt.validate(reach, panda, goals=Places.around([400.0, 0.0, 300.0], 10.0))
+        lt.validate(reach, panda, goals=TargetRegion.around([400.0, 0.0, 300.0], 10.0))
     with pytest.raises(InvalidInput, match="upper"):
-        Places([1.0], [0.0])
+        TargetRegion([1.0], [0.0])
 
 
 def test_the_command_writes_a_report_and_a_certified_skill(reach, tmp_path):

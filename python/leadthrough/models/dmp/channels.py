@@ -28,7 +28,7 @@ from leadthrough.models.dmp.progress import (
 )
 from leadthrough.models.dmp.query import Query, check_channels, course_through
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem
-from leadthrough.models.targets import Place
+from leadthrough.models.targets import Target
 from leadthrough.motion import JointTrajectory, Motion, Trajectory, computed
 
 # A goal nearer than this fraction of the motion's size to the one before is the same.
@@ -71,11 +71,11 @@ class Channels(Generic[StateT]):
         """Factor >= 1 by which a motion from its start on must last longer than demonstrated."""
 
     @abstractmethod
-    def redirected(self, state: StateT, goal: Place) -> StateT:
+    def redirected(self, state: StateT, goal: Target) -> StateT:
         """The state on its way to another goal."""
 
     @abstractmethod
-    def moved(self, state: StateT, measured: Place) -> StateT:
+    def moved(self, state: StateT, measured: Target) -> StateT:
         """The state at another position, or pose."""
 
     @abstractmethod
@@ -198,13 +198,13 @@ class PointChannels(Channels[_core.PointState]):
         _, slopes = self.ahead(state, COARSE_PHASES)
         return self._replay.lengthening(self._replay.measure.peak(slopes), duration)
 
-    def redirected(self, state: _core.PointState, goal: Place) -> _core.PointState:
+    def redirected(self, state: _core.PointState, goal: Target) -> _core.PointState:
         """The state on its way to another goal (d,)."""
         wanted = check_channels(goal, "goal", len(self.system.ends.goal))
         course = self.course_to(state, wanted)
         return _core.PointState(course, state.value, state.slope, state.phase, state.duration)
 
-    def moved(self, state: _core.PointState, measured: Place) -> _core.PointState:
+    def moved(self, state: _core.PointState, measured: Target) -> _core.PointState:
         """The state at another position (d,)."""
         value = check_channels(measured, "measured", len(self.system.ends.goal))
         return _core.PointState(state.course, value, state.slope, state.phase, state.duration)

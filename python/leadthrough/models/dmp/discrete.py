@@ -34,7 +34,7 @@ from leadthrough.models.dmp.query import (
     check_step,
 )
 from leadthrough.models.dmp.transformation import enough_weights
-from leadthrough.models.protocol import Place, Skill, Unfitted
+from leadthrough.models.protocol import Skill, Target, Unfitted
 from leadthrough.models.queries import checked_query, even_phases
 from leadthrough.motion import Motion, MotionT, MotionT_co
 from leadthrough.shapes import Shape
@@ -156,8 +156,8 @@ class DMPSkill(Primitive[MotionT_co]):
     def generate(
         self,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
@@ -213,8 +213,8 @@ class DMPSkill(Primitive[MotionT_co]):
     def begin(
         self,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         duration: float | None = None,
         via: Via = (),
         start_velocity: ArrayLike | None = None,
@@ -246,10 +246,10 @@ class DMPSkill(Primitive[MotionT_co]):
         state: Any,
         dt: float,
         *,
-        goal: Place | None = None,
+        goal: Target | None = None,
         coupling: ArrayLike | None = None,
         lag: float = 0.0,
-        measured: Place | None = None,
+        measured: Target | None = None,
         obstacles: Sequence[Shape] = (),
         limits: tuple[ArrayLike, ArrayLike] | None = None,
     ) -> Any:
@@ -300,7 +300,7 @@ class DMPSkill(Primitive[MotionT_co]):
         constraints = self._constraints(obstacles, limits)
         return step_within(self.system, state, span, push, constraints=constraints, size=self.size)
 
-    def default_duration(self, *, start: Place | None = None, goal: Place | None = None) -> float:
+    def default_duration(self, *, start: Target | None = None, goal: Target | None = None) -> float:
         """Default duration of a motion, s: as demonstrated, or longer.
 
         A start or goal that is moved along the motion's own direction makes the motion quicker. It

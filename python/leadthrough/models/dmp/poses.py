@@ -33,7 +33,7 @@ from leadthrough.models.dmp.progress import (
 )
 from leadthrough.models.dmp.query import Query, as_pose, check_channels, pose_acceleration
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem, end_of, scaled_by
-from leadthrough.models.targets import Place
+from leadthrough.models.targets import Target
 from leadthrough.motion import JointTrajectory, PoseTrajectory, computed
 
 _POSITION, _ORIENTATION = slice(3), slice(3, 6)
@@ -140,7 +140,7 @@ class PoseChannels(Channels[_core.PoseState]):
         """A coupling (3,) or (6,) as linear and angular acceleration (6,)."""
         return pose_acceleration(coupling)
 
-    def redirected(self, state: _core.PoseState, goal: Place) -> _core.PoseState:
+    def redirected(self, state: _core.PoseState, goal: Target) -> _core.PoseState:
         """The state on its way to another position, and orientation if there is one."""
         position, q = as_pose(goal, "goal")
         wanted = np.concatenate([check_channels(position, "goal", 3), self.system.ends.goal[3:]])
@@ -161,7 +161,7 @@ class PoseChannels(Channels[_core.PoseState]):
             course = scaled_by(course, _ORIENTATION, wanted[3:] - self._started(state, offset))
         return self._without_spin(self._with(state, course, value, slope, offset))
 
-    def moved(self, state: _core.PoseState, measured: Place) -> _core.PoseState:
+    def moved(self, state: _core.PoseState, measured: Target) -> _core.PoseState:
         """The state at another position, and orientation if there is one."""
         position, given = as_pose(measured, "measured")
         q = state.orientation if given is None else given

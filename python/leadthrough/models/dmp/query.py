@@ -15,7 +15,7 @@ from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.demonstrations import MAX_NUMBER
 from leadthrough.models.dmp import transformation
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem
-from leadthrough.models.targets import Place
+from leadthrough.models.targets import Target
 
 # Steps this many durations long come from a wrong unit of dt.
 _MAX_STEP = 1000.0
@@ -51,7 +51,7 @@ def check_channels(value: Any, name: str, count: int) -> Float64Array:
     return given
 
 
-def as_pose(value: Place | None, name: str) -> tuple[Any, Float64Array | None]:
+def as_pose(value: Target | None, name: str) -> tuple[Any, Float64Array | None]:
     """Position, not checked yet, and orientation (4,) of a query; None where left out."""
     if isinstance(value, tuple | list) and len(value) == 2:
         return value[0], check.quaternions(value[1], name, shape=(4,))
@@ -70,8 +70,8 @@ def pose_acceleration(coupling: ArrayLike) -> Float64Array:
 class Query:
     """Ends and via points that a discrete primitive is asked for; None is as demonstrated."""
 
-    start: Place | None = None
-    goal: Place | None = None
+    start: Target | None = None
+    goal: Target | None = None
     via: Via = ()
     start_velocity: ArrayLike | None = None
     final_velocity: ArrayLike | None = None
@@ -81,7 +81,9 @@ class Query:
         """Whether the velocities at both ends are those of the demonstration."""
         return self.start_velocity is None and self.final_velocity is None
 
-    def ends(self, learned: Ends, start: Place | None, goal: Place | None, duration: float) -> Ends:
+    def ends(
+        self, learned: Ends, start: Target | None, goal: Target | None, duration: float
+    ) -> Ends:
         """Ends with another start and goal, and the velocities of a motion of a duration, s."""
 
         def slope(value: ArrayLike | None, name: str, nominal: Float64Array) -> Float64Array:
@@ -97,12 +99,12 @@ class Query:
         )
 
 
-def moved_ends(learned: Ends, start: Place | None, goal: Place | None) -> Ends:
+def moved_ends(learned: Ends, start: Target | None, goal: Target | None) -> Ends:
     """Ends with another start and goal."""
     return learned.moved(_or(start, "start", learned.start), _or(goal, "goal", learned.goal))
 
 
-def _or(value: Place | None, name: str, nominal: Float64Array) -> Float64Array:
+def _or(value: Target | None, name: str, nominal: Float64Array) -> Float64Array:
     return nominal if value is None else check_channels(value, name, len(nominal))
 
 

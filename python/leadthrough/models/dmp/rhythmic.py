@@ -33,7 +33,7 @@ from leadthrough.models.dmp.query import (
     pose_acceleration,
 )
 from leadthrough.models.dmp.transformation import RHYTHMIC, Ends
-from leadthrough.models.protocol import Place, Unfitted
+from leadthrough.models.protocol import Target, Unfitted
 from leadthrough.models.queries import checked_query, even_times
 from leadthrough.motion import (
     JointTrajectory,
@@ -108,8 +108,8 @@ class RhythmicDMPSkill(Primitive[MotionT_co]):
     def generate(
         self,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
@@ -152,8 +152,8 @@ class RhythmicDMPSkill(Primitive[MotionT_co]):
     def begin(
         self,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         period: float | None = None,
         amplitude: float = 1.0,
     ) -> Any:
@@ -258,7 +258,9 @@ def from_archive(settings: dict[str, Any], arrays: Arrays) -> RhythmicDMPSkill:
     return RhythmicDMPSkill(model=model, period=period, **parts)
 
 
-def _cycle_ends(learned: Ends, start: Place | None, centre: Place | None, amplitude: float) -> Ends:
+def _cycle_ends(
+    learned: Ends, start: Target | None, centre: Target | None, amplitude: float
+) -> Ends:
     """Start and centre that a query asks for; left out, the start lies on the cycle."""
     asked = moved_ends(learned, start, centre)
     on_cycle: Float64Array = asked.goal + amplitude * (learned.start - learned.goal)

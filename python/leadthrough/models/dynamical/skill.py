@@ -24,7 +24,7 @@ from leadthrough.models.dynamical.rollout import (
 from leadthrough.models.protocol import Parameter, fitted_again
 from leadthrough.models.queries import checked_query, even_times
 from leadthrough.models.registry import entry_of_class
-from leadthrough.models.targets import Place
+from leadthrough.models.targets import Target
 from leadthrough.motion import Motion, MotionT_co, normalised_times
 from leadthrough.shapes import Shape
 
@@ -60,7 +60,7 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
     kind: ClassVar[str] = "dynamical"
     supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration"})
 
-    def policy(self, position: ArrayLike, *, goal: Place | None = None) -> Float64Array:
+    def policy(self, position: ArrayLike, *, goal: Target | None = None) -> Float64Array:
         """The velocity that leads from a place to the goal.
 
         Args:
@@ -91,8 +91,8 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
     def generate(
         self,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
@@ -192,7 +192,7 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
         """A duration of the system in s."""
         return duration * self.demonstrated_duration / self.pace
 
-    def _situation(self, start: Place | None, goal: Place | None) -> Situation[MotionT_co]:
+    def _situation(self, start: Target | None, goal: Target | None) -> Situation[MotionT_co]:
         return situation(self.chart, self.ends, self.scale, start, goal)
 
     def _nearest_to_demonstrations(self, x: Float64Array) -> Float64Array:
@@ -201,7 +201,7 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
         places = [np.concatenate([x[:3], turn / self.scale[3:]]) for turn in turns]
         return min(places, key=lambda each: float(((self.positions - each) ** 2).sum(axis=1).min()))
 
-    def _pose(self, place: Any) -> Place:
+    def _pose(self, place: Any) -> Target:
         if not isinstance(place, tuple | list) or len(place) != 2:
             raise InvalidInput(
                 "position: expected (position (3,), orientation (4,)) of a skill of poses"
@@ -254,8 +254,8 @@ def situation(
     chart: Chart[MotionT_co],
     ends: Float64Array,
     scale: Float64Array,
-    start: Place | None,
-    goal: Place | None,
+    start: Target | None,
+    goal: Target | None,
 ) -> Situation[MotionT_co]:
     """The situation that a query describes; what it leaves open is as demonstrated."""
     size = chart.size

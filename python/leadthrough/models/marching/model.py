@@ -36,7 +36,7 @@ from leadthrough.models.marching.route import LiveMap, Query, Route, query_of, s
 from leadthrough.models.marching.time_law import TIMINGS, timed
 from leadthrough.models.protocol import Parameter, Unfitted
 from leadthrough.models.queries import checked_query
-from leadthrough.models.targets import Place
+from leadthrough.models.targets import Target
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, Trajectory
 from leadthrough.planning.grid import Grid
 from leadthrough.preprocess.resample import arc_length
@@ -254,8 +254,8 @@ class FastMarchingSkill(FittedSkill, Generic[MotionT_co]):
     def generate(
         self,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
@@ -282,8 +282,8 @@ class FastMarchingSkill(FittedSkill, Generic[MotionT_co]):
         self,
         route: Route,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         duration: float | None = None,
         dt: float = 0.01,
     ) -> MotionT_co:
@@ -319,8 +319,8 @@ class FastMarchingSkill(FittedSkill, Generic[MotionT_co]):
     def plan(
         self,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         obstacles: Sequence[Shape] = (),
     ) -> Route:
         """The path of `generate`, without a time law, and how it was planned.
@@ -345,8 +345,8 @@ class FastMarchingSkill(FittedSkill, Generic[MotionT_co]):
     def query(
         self,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         obstacles: Sequence[Shape] = (),
     ) -> Query:
         """Positions and obstacles as `plan` takes them, with what is left out.
@@ -546,8 +546,8 @@ class Preview(Generic[MotionT_co]):
     def generate(
         self,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         duration: float | None = None,
         dt: float = 0.04,
         obstacles: Sequence[Shape] = (),

@@ -32,7 +32,7 @@ from leadthrough.models.marching.maps import (
     with_detours,
     with_obstacles,
 )
-from leadthrough.models.targets import Place
+from leadthrough.models.targets import Target
 from leadthrough.planning.arrival import arrival_times
 from leadthrough.planning.descent import descend
 from leadthrough.planning.grid import Grid
@@ -104,8 +104,8 @@ class Route(ShortRepr):
 
 def query_of(
     demonstrated: Sequence[Experience],
-    start: Place | None,
-    goal: Place | None,
+    start: Target | None,
+    goal: Target | None,
     obstacles: tuple[Shape, ...] = (),
 ) -> Query:
     """The query of a user, completed by the means of the demonstrations' ends."""

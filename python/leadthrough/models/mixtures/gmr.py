@@ -36,7 +36,7 @@ from leadthrough.models.mixtures.phases import (
 )
 from leadthrough.models.protocol import Parameter, Unfitted, fitted_again
 from leadthrough.models.queries import asked_times, checked_query, even_times
-from leadthrough.models.targets import Place
+from leadthrough.models.targets import Target
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Shape
@@ -166,8 +166,8 @@ class GMRSkill(FittedSkill, Generic[MotionT_co]):
     def generate(
         self,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
@@ -307,7 +307,7 @@ def _units(mixture: Mixture, *, poses: bool) -> Units:
 
 
 def wanted_ends(
-    chart: Chart, ends: Float64Array, start: Place | None, goal: Place | None
+    chart: Chart, ends: Float64Array, start: Target | None, goal: Target | None
 ) -> Float64Array:
     """Start and goal (2, d), where a query leaves them open those of the demonstrations."""
     wanted = ends.copy()

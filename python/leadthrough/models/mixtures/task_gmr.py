@@ -38,7 +38,7 @@ from leadthrough.models.mixtures.task_product import (
 )
 from leadthrough.models.protocol import Parameter, Unfitted, fitted_again
 from leadthrough.models.queries import MAX_GAIN, checked_query, fraction_inside
-from leadthrough.models.targets import Place
+from leadthrough.models.targets import Target
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, normalised_times
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Shape
@@ -220,8 +220,8 @@ class TaskGMRSkill(FittedSkill, Generic[MotionT_co]):
     def generate(
         self,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
@@ -311,7 +311,7 @@ class TaskGMRSkill(FittedSkill, Generic[MotionT_co]):
         return settings, arrays
 
 
-def _place(motion: Motion, row: int) -> Place:
+def _place(motion: Motion, row: int) -> Target:
     """A sample of a motion, as a skill is asked for it."""
     position: Float64Array = motion.positions[row]
     return (position, motion.orientations[row]) if isinstance(motion, PoseTrajectory) else position

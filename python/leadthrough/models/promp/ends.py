@@ -25,7 +25,7 @@ from leadthrough.models.promp import observation
 from leadthrough.models.promp.gaussian import CERTAIN, Gaussian
 from leadthrough.models.promp.prior import inner_prior, lines
 from leadthrough.models.queries import MAX_GAIN, fraction_inside
-from leadthrough.models.targets import Place
+from leadthrough.models.targets import Target
 from leadthrough.motion import MotionT
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ class Asked:
     values: Float64Array  # the first columns (p,) there
 
 
-def asked(chart: Chart, start: Place | None, goal: Place | None) -> list[Asked]:
+def asked(chart: Chart, start: Target | None, goal: Target | None) -> list[Asked]:
     """The ends that a query asks for, in the chart's columns."""
     return [
         Asked(name, phase, chart.target(place, name, phase))

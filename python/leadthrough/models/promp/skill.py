@@ -28,7 +28,7 @@ from leadthrough.models.promp.task_space import TaskMap
 from leadthrough.models.promp.truncation import Truncated
 from leadthrough.models.protocol import Parameter, whole_number
 from leadthrough.models.queries import checked_query, checked_threads, even_times
-from leadthrough.models.targets import Place
+from leadthrough.models.targets import Target
 from leadthrough.motion import Motion, MotionT_co, normalised_times
 from leadthrough.shapes import Shape
 
@@ -109,8 +109,8 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
     def generate(
         self,
         *,
-        start: Place | None = None,
-        goal: Place | None = None,
+        start: Target | None = None,
+        goal: Target | None = None,
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
@@ -151,7 +151,7 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
         times = even_times(skill.duration, dt)
         return skill._motion(skill.weights.mean, times)
 
-    def novelty(self, *, start: Place | None = None, goal: Place | None = None) -> float:
+    def novelty(self, *, start: Target | None = None, goal: Target | None = None) -> float:
         """How far a start and a goal lie from what was shown, in standard deviations.
 
         The largest deviation along any principal axis of the distribution of these ends. From
@@ -173,7 +173,7 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
     def condition(
         self,
         time: ArrayLike,
-        position: Place,
+        position: Target,
         *,
         covariance: ArrayLike | None = None,
         order: int = 0,
