@@ -7,6 +7,7 @@ from leadthrough.arm.differential_ik import DifferentialIk, JointState
 from leadthrough.arm.following import FollowOptions
 from leadthrough.arm.inverse_kinematics import IkBatch, IkOptions, IkResult
 from leadthrough.arm.limits import JointLimits, read_limits
+from leadthrough.arm.model import ArmModel
 from leadthrough.arm.path_report import PathReport
 from leadthrough.arm.task_stack import StackRun, StackSolution, TaskReport, TaskStack, resolve
 from leadthrough.arm.tasks import (
@@ -22,6 +23,7 @@ from leadthrough.arm.tasks import (
 
 __all__ = [
     "Arm",
+    "ArmModel",
     "ArmTask",
     "Clearance",
     "ClosestPair",

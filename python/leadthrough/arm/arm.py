@@ -12,15 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough.arm import collision, following, inverse_kinematics, recorded_joints, robot_files
+from leadthrough.arm.clearing import CollisionTest
 from leadthrough.arm.collision import CollisionPairs, CollisionReport
-from leadthrough.arm.following import FollowOptions
+from leadthrough.arm.following import FollowOptions, OnRateLimit
 from leadthrough.arm.inverse_kinematics import IkBatch, IkOptions, IkResult
 from leadthrough.arm.limits import JointLimits, checked_values
 from leadthrough.arm.model import ArmModel
 from leadthrough.arm.path_report import PathReport, path_report
-from leadthrough.arm.tracking import OnRateLimit
 from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
 from leadthrough.shapes import SceneLike
 
@@ -291,6 +290,7 @@ class Arm(ArmModel):
 
         Source: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for the slowing.
         """
+        test = None if scene is None else CollisionTest.of(self._collision, scene)
         return following.follow_reachable(
             self,
             motion,
@@ -298,7 +298,7 @@ class Arm(ArmModel):
             on_rate_limit=on_rate_limit,
             deviation=deviation,
             options=options,
-            scene=scene,
+            around=test,
         )
 
     def path_report(
@@ -483,9 +483,3 @@ class Arm(ArmModel):
             MissingDependency: if a mesh's format needs a package that is not installed.
         """
         return collision.pairs_of(self._collision)
-
-
-def check_arm(arm: object) -> None:
-    """Raises InvalidInput unless `arm` is an Arm."""
-    if not isinstance(arm, Arm):
-        raise InvalidInput(f"arm: expected an Arm, got {arm!r}; in Python, lt.Arm.load loads one")

@@ -18,7 +18,7 @@ from leadthrough.arm.inverse_kinematics import all_axes, free_axes
 from leadthrough.arm.tip_path import TipPath
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
-from leadthrough.shapes import Scene, compiled
+from leadthrough.shapes import Scene, SceneLike, as_scene, compiled
 from leadthrough.shapes.scene import PLANNING_TOLERANCE
 
 # A hit between samples that is deeper than this isn't missed, m. The other half of the planning
@@ -41,6 +41,11 @@ class CollisionTest:
     model: _core.CollisionModel  # the arm's own shapes
     scene: Scene  # with the margins to keep
     max_attempts: int = _MAX_ATTEMPTS
+
+    @staticmethod
+    def of(model: _core.CollisionModel, scene: SceneLike) -> CollisionTest:
+        """The test that planning uses: it keeps the planning tolerance beyond the margins."""
+        return CollisionTest(model, as_scene(scene).for_planning())
 
     def clear_along(self, q: Float64Array) -> bool:
         """Whether straight motions from row to row of q (n, joints) keep the margins."""

@@ -23,13 +23,9 @@ from numpy.typing import ArrayLike
 from leadthrough import _core, check
 from leadthrough.arm.inverse_kinematics import (
     IkBatch,
-    IkResult,
     batch_of_results,
-    first_of,
     many_poses,
     many_starts,
-    one_pose,
-    one_start,
     tolerance,
 )
 from leadthrough.arm.model import ArmModel
@@ -102,54 +98,6 @@ class DampedPath(Drawn):
 
 def damped_inverse_kinematics(
     arm: ArmModel,
-    position: ArrayLike,
-    orientation: ArrayLike | None = None,
-    *,
-    q0: ArrayLike | None = None,
-    settings: DampedLeastSquares | None = None,
-    position_tolerance: float = 1e-6,
-    orientation_tolerance: float = 1e-6,
-    max_iterations: int = 2000,
-) -> IkResult:
-    """The configuration in which damped least-squares steps from q0 end.
-
-    This is a reference for studies of singularities; `Arm.inverse_kinematics` reaches more poses
-    and is faster. Each iteration is a step of one second.
-
-    Args:
-        arm: the arm.
-        position: (3,) in m, base frame.
-        orientation: (4,) w, x, y, z; None leaves it free.
-        q0: configuration (joints,) where the steps start; by default the middle of the
-            joints' ranges.
-        settings: those of the method; by default `DampedLeastSquares()`.
-        position_tolerance: error in m that counts as reached, > 0.
-        orientation_tolerance: error in rad that counts as reached, > 0.
-        max_iterations: budget of steps.
-
-    Raises:
-        InvalidInput: if an argument has another type or shape, or is out of its range.
-
-    Source: Yang, Liu and Pears, equations 3 to 7.
-    """
-    target, rotation = one_pose(position, orientation)
-    start = one_start(arm._chain, q0)[None]
-    allowed = tolerance(position_tolerance, orientation_tolerance)
-    targets = target[None], rotation.reshape(-1, 4)
-    batch = _solve(
-        arm,
-        targets,
-        start,
-        settings=settings,
-        allowed=allowed,
-        max_iterations=max_iterations,
-        threads=1,
-    )
-    return first_of(arm.joint_names, batch)
-
-
-def damped_inverse_kinematics_batch(
-    arm: ArmModel,
     positions: ArrayLike,
     orientations: ArrayLike | None = None,
     *,
@@ -160,14 +108,17 @@ def damped_inverse_kinematics_batch(
     orientation_tolerance: float = 1e-6,
     max_iterations: int = 2000,
 ) -> IkBatch:
-    """Configurations for many poses at once, each as by `damped_inverse_kinematics`.
+    """The configurations in which damped least-squares steps towards poses end.
+
+    This is a reference for studies of singularities; `Arm.inverse_kinematics` reaches more poses
+    and is faster. Each iteration is a step of one second.
 
     Args:
         arm: the arm.
         positions: (m, 3) in m, base frame.
         orientations: (m, 4) w, x, y, z; None leaves them free.
-        q0: configurations (m, joints) where the steps start, or (joints,) for all of them;
-            by default the middle of the joints' ranges.
+        q0: configurations (m, joints) where the steps start, or (joints,) for all of them; by
+            default the middle of the joints' ranges.
         threads: number of threads, 1 to 256; does not change the answer.
         settings: those of the method; by default `DampedLeastSquares()`.
         position_tolerance: error in m that counts as reached, > 0.
@@ -179,19 +130,20 @@ def damped_inverse_kinematics_batch(
 
     Raises:
         InvalidInput: if an argument has another type or shape, or is out of its range.
+
+    Source: Yang, Liu and Pears, equations 3 to 7.
     """
     targets = many_poses(positions, orientations)
-    starts = many_starts(arm._chain, q0, len(targets[0]))
-    allowed = tolerance(position_tolerance, orientation_tolerance)
-    return _solve(
-        arm,
-        targets,
-        starts,
-        settings=settings,
-        allowed=allowed,
-        max_iterations=max_iterations,
-        threads=threads,
+    columns = _core.solve_yang(
+        arm._chain,
+        *targets,
+        many_starts(arm._chain, q0, len(targets[0])),
+        tolerance(position_tolerance, orientation_tolerance),
+        check.integer(max_iterations, "max_iterations", at_least=1, at_most=10**9),
+        _checked(settings).compiled(),
+        check.integer(threads, "threads", at_least=1, at_most=256),
     )
+    return batch_of_results(columns)
 
 
 def follow_path(
@@ -218,28 +170,6 @@ def follow_path(
         path.times, q, joint_names=tuple(chain.joint_names), events=motion.events
     )
     return DampedPath(joints, *columns)
-
-
-def _solve(
-    arm: ArmModel,
-    targets: tuple[Float64Array, Float64Array],
-    starts: Float64Array,
-    *,
-    settings: DampedLeastSquares | None,
-    allowed: _core.IkTolerance,
-    max_iterations: int,
-    threads: int,
-) -> IkBatch:
-    columns = _core.solve_yang(
-        arm._chain,
-        *targets,
-        starts,
-        allowed,
-        check.integer(max_iterations, "max_iterations", at_least=1, at_most=10**9),
-        _checked(settings).compiled(),
-        check.integer(threads, "threads", at_least=1, at_most=256),
-    )
-    return batch_of_results(columns)
 
 
 def _steps(times: Float64Array) -> Float64Array:

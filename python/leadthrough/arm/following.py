@@ -9,9 +9,9 @@ Sources: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for 
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
-from typing import get_args
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,10 +23,9 @@ from leadthrough.arm.inverse_kinematics import Axis, free_axes, tolerance
 from leadthrough.arm.limits import JointLimits, known_acceleration
 from leadthrough.arm.model import ArmModel
 from leadthrough.arm.recorded_joints import demonstrated_joints
-from leadthrough.arm.tip_path import TipPath, tube_around
+from leadthrough.arm.tip_path import TipPath, Track, tube_around
 from leadthrough.arm.tracking import (
-    IN_TIME,
-    OnRateLimit,
+    Start,
     Tracker,
     axes_to_try,
     best_track,
@@ -37,8 +36,9 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, LimitsInfeasible
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory, normalised_times
 from leadthrough.repr import ShortRepr
-from leadthrough.shapes import SceneLike, as_scene
 
+OnRateLimit = Literal["slow", "deviate", "raise", "exceed_limits"]
+_IN_TIME: tuple[OnRateLimit, ...] = ("deviate", "raise")
 # Default rates, 1/s, of the motion in the null space: towards a posture, and along demonstrated
 # joints, which a slower one would trail behind.
 _RATE, _DEMONSTRATED_RATE = 1.0, 10.0
@@ -100,7 +100,7 @@ def follow_reachable(
     on_rate_limit: OnRateLimit,
     deviation: tuple[ArrayLike, ArrayLike] | None,
     options: FollowOptions | None,
-    scene: SceneLike | None,
+    around: CollisionTest | None,
 ) -> JointTrajectory:
     """See `Arm.follow`; an unreachable motion is refused before its samples are solved."""
     chosen = _checked(options)
@@ -110,14 +110,11 @@ def follow_reachable(
     ends = (None, None) if joints is None else tuple(joints.positions[[0, -1]])
     near = (ends[0] if start is None else start, ends[1])
     require_reachable(arm, path, free=chosen.free, tolerances=chosen.tolerances, near=near)
-    if scene is not None and on_rate_limit in IN_TIME:
+    if around is not None and on_rate_limit in _IN_TIME:
         raise InvalidInput(
             f"scene: not used together with on_rate_limit={on_rate_limit!r}; use 'slow' or "
             "'exceed_limits'"
         )
-    around = None
-    if scene is not None:
-        around = CollisionTest(arm._collision, as_scene(scene).for_planning())
     return follow(
         arm,
         motion,
@@ -140,7 +137,7 @@ def follow(
     around: CollisionTest | None = None,
 ) -> JointTrajectory:
     """Joints along a motion whose ends can be reached."""
-    chain, limits = arm._chain, arm.limits
+    chain = arm._chain
     tip = TipPath.of(motion)
     joints = demonstrated_joints(chain, motion) if options.posture is None else None
     preferred = options.posture if joints is None else joints
@@ -148,9 +145,9 @@ def follow(
     if around is not None and deviation is not None:
         path = replace(path, tube=tube_around(path, deviation))
     near = path.postures[0] if q0 is None and isinstance(preferred, JointTrajectory) else q0
-    tracker = Tracker(chain, path, limits, options.tolerances, options.max_step)
+    tracker = Tracker(chain, path, arm.limits, options.tolerances, options.max_step)
     check.choice(on_rate_limit, "on_rate_limit", get_args(OnRateLimit))
-    in_time = on_rate_limit in IN_TIME
+    in_time = on_rate_limit in _IN_TIME
     freedoms = axes_to_try(path, options.free, joints=chain.joints, in_time=in_time)
     allowed = _deviation(deviation if around is None else None, on_rate_limit, options.tolerances)
     default = _RATE if joints is None else _DEMONSTRATED_RATE
@@ -159,31 +156,51 @@ def follow(
     for axes in freedoms:
         freed = replace(tracker, path=replace(path, free=axes))
         initial = starts(freed, near, rate, others=joints is not None and q0 is None)
-        tracks.append(best_track(freed, initial, on_rate_limit, allowed))
+        track_from = _track_function(freed, on_rate_limit, allowed)
+        tracks.append(best_track(freed, initial, track_from, allowed))
         if tracks[-1].reached == len(path) and not axes:
             break
     track = least_rotated(chain, path, tracks)
     q = track.q
-    if track.reached < len(path) or (around is not None and not around.clear_along(q)):
-        followed = replace(path, free=freedoms[tracks.index(track)])
+    if track.reached < len(path) or (around is not None and not around.clear_along(track.q)):
+        free = freedoms[tracks.index(track)]
         # An arm of few joints goes around obstacles by turning its tip away.
-        ahead = replace(tracker, path=replace(path, free=followed.free or freedoms[-1]))
+        ahead = replace(tracker, path=replace(path, free=free or freedoms[-1]))
         searched = None if in_time else ahead.searched(q0, around)
         if searched is None:
+            followed = replace(path, free=free)
             status = "too_fast" if in_time else "jump"
-            raise failure(chain, limits, followed, track, otherwise=status)
+            raise failure(chain, arm.limits, followed, track, otherwise=status)
         q = searched
-    times = slowed(chain, path.times, q, limits) if on_rate_limit == "slow" else path.times
+    return _timed(arm, motion, q, on_rate_limit)
+
+
+def _track_function(
+    tracker: Tracker, on_rate_limit: OnRateLimit, allowed: tuple[float, float]
+) -> Callable[[Start], Track]:
+    """How to follow a path from a start."""
+    if on_rate_limit == "raise":
+        return lambda start: tracker.in_time(start, 0.0, allowed)
+    if on_rate_limit == "deviate":
+        return lambda start: tracker.deviating(start, allowed)
+    return tracker.along
+
+
+def _timed(
+    arm: ArmModel,
+    motion: Trajectory | PoseTrajectory,
+    q: Float64Array,
+    on_rate_limit: OnRateLimit,
+) -> JointTrajectory:
+    """Joints (n, joints) with times, velocities and the motion's events."""
+    times = motion.times
+    if on_rate_limit == "slow":
+        times = slowed(arm._chain, times, q, arm.limits)
     velocities = velocities_of(times, q)
     if on_rate_limit != "exceed_limits":
         velocities[[0, -1]] = 0.0
-    return JointTrajectory(
-        times,
-        q,
-        velocities,
-        joint_names=tuple(chain.joint_names),
-        events=events.moved(motion.events, path.times, times),
-    )
+    moved = events.moved(motion.events, motion.times, times)
+    return JointTrajectory(times, q, velocities, joint_names=arm.joint_names, events=moved)
 
 
 def _checked(options: FollowOptions | None) -> FollowOptions:

@@ -297,20 +297,6 @@ def batch_of_results(columns: Columns) -> IkBatch:
     )
 
 
-def first_of(joint_names: tuple[str, ...], batch: IkBatch) -> IkResult:
-    """The first row of a batch as a result of its own."""
-    barring = zip(joint_names, batch.limiting_joints[0], strict=True)
-    return IkResult(
-        batch.q[0],
-        bool(batch.success[0]),
-        STATUSES[STATUSES.index(batch.status[0])],
-        float(batch.position_error[0]),
-        float(batch.orientation_error[0]),
-        int(batch.iterations[0]),
-        tuple(name for name, bars in barring if bars),
-    )
-
-
 def one_pose(
     position: ArrayLike, orientation: ArrayLike | None
 ) -> tuple[Float64Array, Float64Array]:

@@ -25,7 +25,7 @@ _NO_INERTIA = ((0.0, 0.0, 0.0),) * 3
 
 @dataclass(frozen=True, eq=False)
 class ArmModel(Drawn):
-    """The fields of an `Arm`, with its kinematics and dynamics."""
+    """The chain of joints that an `Arm` is made of: its fields, kinematics and dynamics."""
 
     document: str = field(repr=False)
     base: str
@@ -319,3 +319,9 @@ class ArmModel(Drawn):
             InvalidRobot: if the URDF states no masses.
         """
         return dynamics.mass_matrix(self._chain, q)
+
+
+def check_arm(arm: object) -> None:
+    """Raises InvalidInput unless `arm` is an Arm."""
+    if not isinstance(arm, ArmModel):
+        raise InvalidInput(f"arm: expected an Arm, got {arm!r}; in Python, lt.Arm.load loads one")

@@ -119,21 +119,6 @@ class TaskStack(ShortRepr):
         before = _UNKNOWN if qd is None else self._joints(qd, "qd")
         return _solution(*self._stack.velocity(now, before, magnitudes.interval(dt)))
 
-    def velocity(
-        self, q: ArrayLike, *, qd: ArrayLike | None = None, dt: float = 1e-3
-    ) -> Float64Array:
-        """Velocities (joints,) in rad/s (m/s) for the next interval: the motion of `solve`.
-
-        Args:
-            q: configuration (joints,) in rad (m).
-            qd: present velocities (joints,) in rad/s (m/s).
-            dt: the interval in s.
-
-        Raises:
-            InvalidInput: if an argument has another shape or is out of its range.
-        """
-        return self.solve(q, qd=qd, dt=dt).motion
-
     def solve_acceleration(self, q: ArrayLike, qd: ArrayLike, *, dt: float = 1e-3) -> StackSolution:
         """Accelerations for the next interval, with a report on each task.
 
@@ -147,19 +132,6 @@ class TaskStack(ShortRepr):
         """
         state = (self._joints(q, "q"), self._joints(qd, "qd"))
         return _solution(*self._stack.acceleration(*state, magnitudes.interval(dt)))
-
-    def acceleration(self, q: ArrayLike, qd: ArrayLike, *, dt: float = 1e-3) -> Float64Array:
-        """Accelerations (joints,) in rad/s^2 (m/s^2): the motion of `solve_acceleration`.
-
-        Args:
-            q: configuration (joints,) in rad (m).
-            qd: present velocities (joints,) in rad/s (m/s).
-            dt: the interval in s.
-
-        Raises:
-            InvalidInput: if an argument has another shape or is out of its range.
-        """
-        return self.solve_acceleration(q, qd, dt=dt).motion
 
     def run(
         self,

@@ -12,10 +12,9 @@ rotations about the tip's axes that give the smallest orientation error.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Literal
 
 import numpy as np
 
@@ -27,9 +26,6 @@ from leadthrough.arm.limits import JointLimits, known_acceleration, margins
 from leadthrough.arm.tip_path import TipPath, Track, solve_sample
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput
-
-OnRateLimit = Literal["slow", "deviate", "raise", "exceed_limits"]
-IN_TIME: tuple[OnRateLimit, ...] = ("deviate", "raise")
 
 _SAMPLE_ITERATIONS = 60
 # Damping to try where the arm may leave the path, m^2 per rad^2: from none to (0.1 m per rad)^2,
@@ -142,18 +138,13 @@ def starts(
 def best_track(
     tracker: Tracker,
     starts: Iterable[Start],
-    on_rate_limit: OnRateLimit,
+    track_from: Callable[[Start], Track],
     deviation: tuple[float, float],
 ) -> Track:
     """The first track that reaches the end and stays on the path, else the best one."""
     best: Track | None = None
     for start in starts:
-        if on_rate_limit in ("exceed_limits", "slow"):
-            track = tracker.along(start)
-        elif on_rate_limit == "raise":
-            track = tracker.in_time(start, 0.0, deviation)
-        else:
-            track = tracker.deviating(start, deviation)
+        track = track_from(start)
         if best is None or _rank(track, deviation) < _rank(best, deviation):
             best = track
         if best.reached == len(tracker.path) and _distance(best, tracker.allowed) <= 1.0:

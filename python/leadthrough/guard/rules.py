@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.arm import Arm, JointLimits
-from leadthrough.arm.arm import check_arm
+from leadthrough.arm.model import check_arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.guard.admission import CommandedState

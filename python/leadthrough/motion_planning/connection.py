@@ -21,8 +21,8 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, optional
 from leadthrough.arm import Arm
-from leadthrough.arm.arm import check_arm
 from leadthrough.arm.clearing import CollisionTest
+from leadthrough.arm.model import check_arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.shapes import SceneLike, as_scene

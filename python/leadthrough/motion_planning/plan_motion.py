@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.arm import Arm, FollowOptions
-from leadthrough.arm.arm import check_arm
 from leadthrough.arm.inverse_kinematics import Axis
+from leadthrough.arm.model import check_arm
 from leadthrough.errors import IkFailure, InvalidInput
 from leadthrough.models.protocol import Distributed, Skill
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory, normalised_times

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from leadthrough import check, tasks
 from leadthrough.arm import Arm, IkOptions
-from leadthrough.arm.arm import check_arm
+from leadthrough.arm.model import check_arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath, replacing

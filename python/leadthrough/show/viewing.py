@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from leadthrough import check
 from leadthrough.arm import Arm
-from leadthrough.arm.arm import check_arm
+from leadthrough.arm.model import check_arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import StrPath

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, optional, rotations
 from leadthrough.arm import Arm
-from leadthrough.arm.arm import check_arm
 from leadthrough.arm.dynamics import GRAVITY
 from leadthrough.arm.limits import known_acceleration
+from leadthrough.arm.model import check_arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, LimitsInfeasible, NoPath
 from leadthrough.events import Event

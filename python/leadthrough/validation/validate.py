@@ -13,7 +13,7 @@ import numpy as np
 
 from leadthrough import check, optional, tasks
 from leadthrough.arm import Arm
-from leadthrough.arm.arm import check_arm
+from leadthrough.arm.model import check_arm
 from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import replacing
 from leadthrough.models.certificate import Certificate, ValidatedObstacle

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 import leadthrough as lt
 from leadthrough.arm.damped_least_squares import (
     damped_inverse_kinematics,
-    damped_inverse_kinematics_batch,
 )
 from leadthrough.errors import InvalidInput
 
@@ -90,7 +89,7 @@ def test_iterations_are_a_budget(arm, posture):
 def test_threads_do_not_change_a_bit_in_any_mode(arm, random_configurations, options):
     targets = arm.forward_kinematics(random_configurations(arm, 20, 7))
     if options == "damped":
-        solve = partial(damped_inverse_kinematics_batch, arm, *targets, max_iterations=300)
+        solve = partial(damped_inverse_kinematics, arm, *targets, max_iterations=300)
     else:
         chosen = lt.arm.IkOptions(max_iterations=300, **options)
         solve = partial(arm.inverse_kinematics_batch, *targets, options=chosen)
@@ -161,7 +160,7 @@ def test_huge_targets_end_with_a_verdict_in_every_mode(arm, axes, size):
     for result in (
         arm.inverse_kinematics(*target, options=lt.arm.IkOptions(**axes)),
         arm.inverse_kinematics(*target, options=lt.arm.IkOptions(mode="closest", **axes)),
-        damped_inverse_kinematics(arm, *target, max_iterations=20),
+        damped_inverse_kinematics(arm, *([part] for part in target), max_iterations=20),
     ):
         assert result.status == "unreachable"
         assert np.isfinite(result.q).all()

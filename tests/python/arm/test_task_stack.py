@@ -75,7 +75,7 @@ def test_closed_loops_of_accelerations_never_leave_the_limits(seed, scheme):
     q, qd = rng.uniform(arm.limits.lower, arm.limits.upper), np.zeros(7)
     rows = [(q, qd)]
     for _ in range(200):
-        qd = qd + dt * stack.acceleration(q, qd, dt=dt)
+        qd = qd + dt * stack.solve_acceleration(q, qd, dt=dt).motion
         q = q + dt * qd
         rows.append((q, qd))
     q, qd = (np.array(part) for part in zip(*rows, strict=True))
@@ -170,7 +170,7 @@ def test_other_arms_take_stacks_as_well(name):
 def test_a_stack_survives_pickling_and_is_deterministic(panda):
     stack = TaskStack(panda, [PostureTask(HOME + 0.1)], scheme="reverse")
     again = pickle.loads(pickle.dumps(stack))
-    np.testing.assert_array_equal(again.velocity(HOME), stack.velocity(HOME))
+    np.testing.assert_array_equal(again.solve(HOME).motion, stack.solve(HOME).motion)
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
@@ -185,10 +185,12 @@ def test_the_largest_numbers_give_motions_inside_the_limits(panda, scheme):
         JointLimitTask(margin=huge, gain=huge),
     ):
         stack = TaskStack(panda, [task, PostureTask(HOME)], scheme=scheme)
-        assert (np.abs(stack.velocity(HOME)) <= panda.limits.velocity).all()
+        assert (np.abs(stack.solve(HOME).motion) <= panda.limits.velocity).all()
         at_rest = np.zeros(7)
-        assert (np.abs(stack.acceleration(HOME, at_rest)) <= panda.limits.acceleration).all()
-        assert np.isfinite(stack.velocity(np.full(7, huge))).all()
+        assert (
+            np.abs(stack.solve_acceleration(HOME, at_rest).motion) <= panda.limits.acceleration
+        ).all()
+        assert np.isfinite(stack.solve(np.full(7, huge)).motion).all()
 
 
 @pytest.mark.parametrize(
@@ -202,13 +204,13 @@ def test_the_largest_numbers_give_motions_inside_the_limits(panda, scheme):
         (lambda arm: TaskStack(arm, [JointLimitTask()], scheme="best"), "scheme"),
         (lambda arm: TaskStack(arm, [ElbowTask("no_link", 0.5)]), "link"),
         (lambda arm: TaskStack(arm, [ElbowTask("panda_link0", 0.5)]), "link"),
-        (lambda arm: TaskStack(arm, [JointLimitTask()]).velocity([0.0]), "q"),
-        (lambda arm: TaskStack(arm, [JointLimitTask()]).velocity(HOME, dt=0.0), "dt"),
-        (lambda arm: TaskStack(arm, [JointLimitTask()]).acceleration(HOME, HOME[:2]), "qd"),
+        (lambda arm: TaskStack(arm, [JointLimitTask()]).solve([0.0]), "q"),
+        (lambda arm: TaskStack(arm, [JointLimitTask()]).solve(HOME, dt=0.0), "dt"),
+        (lambda arm: TaskStack(arm, [JointLimitTask()]).solve_acceleration(HOME, HOME[:2]), "qd"),
         (lambda arm: TaskStack(arm, [JointLimitTask()]).run(HOME, duration=-1.0), "duration"),
         (lambda arm: TaskStack(arm, [JointLimitTask()]).run(HOME, duration=1e9), "dt"),
-        (lambda arm: TaskStack(arm, [JointLimitTask()]).velocity(HOME + 1e30), "q"),
-        (lambda arm: TaskStack(arm, [JointLimitTask()]).velocity(HOME, dt=1e-9), "dt"),
+        (lambda arm: TaskStack(arm, [JointLimitTask()]).solve(HOME + 1e30), "q"),
+        (lambda arm: TaskStack(arm, [JointLimitTask()]).solve(HOME, dt=1e-9), "dt"),
     ],
 )
 def test_stacks_that_make_no_sense_are_refused(panda, call, name):

@@ -91,7 +91,7 @@ def test_accelerations_take_the_bias_into_account():
     task = PoseTask(
         position + np.array([0.02, 0.0, 0.01]), orientation, gain=2.0, damping_ratio=0.7
     )
-    qdd = TaskStack(PANDA, [task]).acceleration(HOME, qd)
+    qdd = TaskStack(PANDA, [task]).solve_acceleration(HOME, qd).motion
     model = pin.buildModelFromXML(PANDA.document)
     data = model.createData()
     full = np.concatenate([HOME, np.zeros(model.nq - 7)])
@@ -179,5 +179,5 @@ def test_links_behind_joints_that_mimic_or_are_held_are_moved_as_they_move():
         used = slice(len(upper.joint_names))
         height = lambda q, upper=upper, used=used: upper.forward_kinematics(q[used])[0][2]  # noqa: E731
         task = ElbowTask(link or "d", height(q) + 0.01)
-        qd = TaskStack(arm, [task]).velocity(q)
+        qd = TaskStack(arm, [task]).solve(q).motion
         assert numerical_derivative(height, q, qd) == pytest.approx(0.05, abs=1e-6)

@@ -23,7 +23,6 @@ from leadthrough.arm import (
 )
 from leadthrough.arm.damped_least_squares import (
     damped_inverse_kinematics,
-    damped_inverse_kinematics_batch,
     follow_path,
 )
 
@@ -85,10 +84,10 @@ def test_postures_are_found_and_reach(panda, poses):
     one = panda.inverse_kinematics(position, orientation, q0=HOME + 0.1)
     assert one.success
     assert panda.inverse_kinematics_all(position, orientation).success.all()
-    assert damped_inverse_kinematics(panda, position, orientation, q0=HOME).success
+    assert damped_inverse_kinematics(panda, [position], [orientation], q0=HOME).success.all()
     many = poses.positions[::10], poses.orientations[::10]
     assert panda.inverse_kinematics_batch(*many, threads=2).success.all()
-    assert damped_inverse_kinematics_batch(panda, *many, q0=HOME).q.shape == (4, 7)
+    assert damped_inverse_kinematics(panda, *many, q0=HOME).q.shape == (4, 7)
     slowed = panda.follow(poses, q0=HOME)
     assert slowed.duration >= poses.duration
     strayed = panda.follow(poses, q0=HOME, on_rate_limit="deviate", deviation=(0.01, 0.05))
