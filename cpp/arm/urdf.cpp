@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "arm/mimics.hpp"
-#include "arm/urdf_collisions.hpp"
+#include "arm/urdf_geometry.hpp"
 #include "arm/urdf_structure.hpp"
 #include "base/constants.hpp"
 
@@ -94,6 +94,10 @@ Joint to_joint(const ::urdf::Joint& source) {
   const bool bounded = has_bounds(joint.type) && limited;
   joint.lower = bounded ? source.limits->lower : joint.type == JointType::kFixed ? 0.0 : -kInfinity;
   joint.upper = bounded ? source.limits->upper : joint.type == JointType::kFixed ? 0.0 : kInfinity;
+  if (source.dynamics) {
+    joint.friction = source.dynamics->friction;
+    joint.damping = source.dynamics->damping;
+  }
   if (source.mimic)
     joint.mimic = Mimic{source.mimic->joint_name, source.mimic->multiplier, source.mimic->offset};
   return joint;
@@ -146,15 +150,18 @@ std::variant<Robot, Error> parse(const std::string& document) {
   const auto& elements = std::get<xml::Elements>(scanned);
   if (auto error = check_structure(elements)) return *error;
   try {
-    auto collisions = read_collisions(elements);
-    if (const auto* error = std::get_if<Error>(&collisions)) return *error;
+    auto geometry = read_geometry(elements);
+    if (const auto* error = std::get_if<Error>(&geometry)) return *error;
     const ::urdf::ModelInterfaceSharedPtr model = ::urdf::parseURDF(without_capsules(document));
     if (!model || !model->getRoot())
       return Error{"robot", "urdfdom cannot read it; its reason is on standard error"};
     auto robot = to_robot(*model);
     if (auto* read = std::get_if<Robot>(&robot))
-      for (Link& link : read->links)
-        link.collisions = std::move(std::get<Collisions>(collisions)[link.name]);
+      for (Link& link : read->links) {
+        LinkGeometry& own = std::get<GeometryByLink>(geometry)[link.name];
+        link.collisions = std::move(own.collisions);
+        link.visuals = std::move(own.visuals);
+      }
     return robot;
   } catch (const std::exception& error) {
     return Error{"robot", error.what()};

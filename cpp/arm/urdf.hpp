@@ -38,6 +38,8 @@ struct Joint {
   double upper = 0.0;
   double velocity = 0.0;
   double effort = 0.0;
+  double friction = 0.0;       // N m or N
+  double damping = 0.0;        // N m s/rad or N s/m
   std::optional<Mimic> mimic;  // of a joint that mimics none
 };
 
@@ -47,23 +49,26 @@ struct Inertia {
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();  // kg m^2 about the centre, link's axes
 };
 
-enum class ShapeType { kBox, kCylinder, kCapsule, kSphere, kMesh };
+enum class GeometryType { kBox, kCylinder, kCapsule, kSphere, kMesh };
 
-// A piece of a link's collision geometry; cylinders and capsules lie along their own z.
-struct Collision {
-  ShapeType type = ShapeType::kBox;
+// A piece of a link's geometry; cylinders and capsules lie along their own z.
+struct Geometry {
+  GeometryType type = GeometryType::kBox;
   Transform T_link_shape;
-  Eigen::Vector3d size = Eigen::Vector3d::Ones();  // a box's edges, m; a mesh's scale
-  double radius = 0.0;                             // m
-  double length = 0.0;  // m; of a capsule, between the centres of its end balls
-  std::string file;     // of a mesh, as written
+  Eigen::Vector3d angles = Eigen::Vector3d::Zero();  // roll, pitch and yaw of T_link_shape, rad
+  Eigen::Vector3d size = Eigen::Vector3d::Ones();    // a box's edges, m; a mesh's scale
+  double radius = 0.0;                               // m
+  double length = 0.0;                    // m; of a capsule, between the centres of its end balls
+  std::string file;                       // of a mesh, as written
+  std::optional<Eigen::Vector3d> colour;  // red, green, blue in [0, 1], of a visual
 };
 
 struct Link {
   std::string name;
   int parent_joint = -1;  // -1 for the root
   Inertia inertia;
-  std::vector<Collision> collisions;
+  std::vector<Geometry> collisions;
+  std::vector<Geometry> visuals;  // sizes as written
 };
 
 // A tree. links[0] is the root; every joint's parent stands before its child.

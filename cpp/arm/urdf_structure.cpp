@@ -76,6 +76,7 @@ int number_count(std::string_view element, std::string_view attribute) {
     return attribute == "xyz" || attribute == "rpy" ? 3 : 0;
   if (element == "limit") return among(kLimits) ? 1 : 0;
   if (element == "inertia") return among(kMoments) ? 1 : 0;
+  if (element == "dynamics") return attribute == "damping" || attribute == "friction" ? 1 : 0;
   if (element == "mass") return attribute == "value" ? 1 : 0;
   if (element == "mimic") return attribute == "multiplier" || attribute == "offset" ? 1 : 0;
   if (element == "box") return attribute == "size" ? 3 : 0;
@@ -97,8 +98,9 @@ std::optional<Error> check_numbers(const Elements& elements) {
     for (const auto& [name, value] : element.attributes) {
       const int count = number_count(element.name, name);
       // Some robots say by a vast limit that they have none; mimics are bounded with those they
-      // lead.
-      const bool is_free = element.name == "limit" || element.name == "mimic";
+      // lead, and a vast friction holds a joint.
+      const bool is_free =
+          element.name == "limit" || element.name == "mimic" || element.name == "dynamics";
       const double largest = is_free ? kLargestFinite : kLargest;
       if (count == 0 || are_numbers(value, count, largest)) continue;
       const Element* part = owner(elements, element);

@@ -91,6 +91,64 @@ const char* kind(const urdf::Joint& joint) {
   return "";
 }
 
+const char* geometry_kind(const urdf::Geometry& geometry) {
+  switch (geometry.type) {
+    case urdf::GeometryType::kBox:
+      return "box";
+    case urdf::GeometryType::kCylinder:
+      return "cylinder";
+    case urdf::GeometryType::kCapsule:
+      return "capsule";
+    case urdf::GeometryType::kSphere:
+      return "sphere";
+    case urdf::GeometryType::kMesh:
+      return "mesh";
+  }
+  return "";
+}
+
+// A box's edges or a mesh's scale; a radius; a radius and a length.
+Eigen::VectorXd sizes(const urdf::Geometry& geometry) {
+  switch (geometry.type) {
+    case urdf::GeometryType::kBox:
+    case urdf::GeometryType::kMesh:
+      return geometry.size;
+    case urdf::GeometryType::kSphere:
+      return Eigen::VectorXd::Constant(1, geometry.radius);
+    case urdf::GeometryType::kCylinder:
+    case urdf::GeometryType::kCapsule:
+      return Eigen::Vector2d(geometry.radius, geometry.length);
+  }
+  return {};
+}
+
+// The pieces of a link, "visual" or "collision".
+std::vector<urdf::Geometry> geometry_of(const urdf::Robot& robot, const std::string& name,
+                                        const std::string& role) {
+  require(role == "visual" || role == "collision");
+  for (const urdf::Link& link : robot.links)
+    if (link.name == name) return role == "visual" ? link.visuals : link.collisions;
+  return {};
+}
+
+using Colour = std::tuple<double, double, double>;
+
+std::optional<Colour> colour(const urdf::Geometry& geometry) {
+  if (!geometry.colour) return std::nullopt;
+  const Eigen::Vector3d& rgb = *geometry.colour;
+  return Colour(rgb.x(), rgb.y(), rgb.z());
+}
+
+using MassProperties = std::tuple<double, Eigen::Vector3d, Eigen::Matrix3d>;
+
+// Mass, its centre and the moments about it, by link.
+std::map<std::string, MassProperties> inertias(const urdf::Robot& robot) {
+  std::map<std::string, MassProperties> bodies;
+  for (const auto& [name, parent_joint, inertia, collisions, visuals] : robot.links)
+    bodies[name] = {inertia.mass, inertia.center, inertia.moments};
+  return bodies;
+}
+
 std::map<std::string, std::size_t> collisions(const urdf::Robot& robot) {
   std::map<std::string, std::size_t> counts;
   for (const urdf::Link& link : robot.links)
@@ -113,8 +171,8 @@ std::vector<std::tuple<std::string, std::string, Eigen::Vector3d>> meshes(
     const urdf::Robot& robot) {
   std::vector<std::tuple<std::string, std::string, Eigen::Vector3d>> found;
   for (const urdf::Link& link : robot.links)
-    for (const urdf::Collision& collision : link.collisions)
-      if (collision.type == urdf::ShapeType::kMesh)
+    for (const urdf::Geometry& collision : link.collisions)
+      if (collision.type == urdf::GeometryType::kMesh)
         found.emplace_back(link.name, collision.file, collision.size);
   return found;
 }
@@ -136,11 +194,22 @@ void bind_chain(py::module_& module) {
       .def_readonly("axis", &urdf::Joint::axis)
       .def_readonly("lower", &urdf::Joint::lower)
       .def_readonly("upper", &urdf::Joint::upper)
+      .def_readonly("friction", &urdf::Joint::friction)
+      .def_readonly("damping", &urdf::Joint::damping)
       .def_property_readonly("position",
                              [](const urdf::Joint& joint) { return joint.T_parent_child.position; })
       .def_property_readonly("rotation", [](const urdf::Joint& joint) {
         return Eigen::Matrix3d(joint.T_parent_child.rotation);
       });
+
+  py::class_<urdf::Geometry>(module, "Geometry")
+      .def_property_readonly("kind", &geometry_kind)
+      .def_property_readonly("sizes", &sizes)
+      .def_property_readonly(
+          "position", [](const urdf::Geometry& shape) { return shape.T_link_shape.position; })
+      .def_readonly("angles", &urdf::Geometry::angles)
+      .def_readonly("file", &urdf::Geometry::file)
+      .def_property_readonly("colour", &colour);
 
   py::class_<urdf::Robot>(module, "Robot")
       .def(py::init(&parse), py::arg("document"))
@@ -151,6 +220,8 @@ void bind_chain(py::module_& module) {
       .def_property_readonly("leaves", &leaf_names)
       .def_property_readonly("collisions", &collisions)
       .def_property_readonly("meshes", &meshes)
+      .def_property_readonly("inertias", &inertias)
+      .def("geometry", &geometry_of, py::arg("link"), py::arg("role"))
       .def("path", &path, py::arg("base"), py::arg("tip"))
       .def("hold", &hold, py::arg("values"));
 

@@ -28,8 +28,8 @@ CollisionModel make_model(const urdf::Robot& robot, const Chain& chain, const st
                           const std::vector<Shape>& attached) {
   std::size_t asked = 0;
   for (const urdf::Link& link : robot.links)
-    for (const urdf::Collision& collision : link.collisions)
-      asked += collision.type == urdf::ShapeType::kMesh ? 1 : 0;
+    for (const urdf::Geometry& collision : link.collisions)
+      asked += collision.type == urdf::GeometryType::kMesh ? 1 : 0;
   require(meshes.size() == asked);
   const auto between = make_chain(robot, base, tip);
   require(std::holds_alternative<Chain>(between) &&

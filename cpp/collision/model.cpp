@@ -67,17 +67,20 @@ std::vector<Place> places(const Robot& robot, const std::vector<bool>& among) {
   return result;
 }
 
-Convex to_convex(const urdf::Collision& collision) {
+Convex to_convex(const urdf::Geometry& collision) {
   switch (collision.type) {
-    case urdf::ShapeType::kBox:
+    case urdf::GeometryType::kBox:
       return box(collision.size);
-    case urdf::ShapeType::kCylinder:
+    case urdf::GeometryType::kCylinder:
       return cylinder(collision.radius, collision.length);
-    case urdf::ShapeType::kCapsule:
+    case urdf::GeometryType::kCapsule:
       return capsule(collision.radius, collision.length);
-    default:
+    case urdf::GeometryType::kSphere:
       return sphere(collision.radius);
+    case urdf::GeometryType::kMesh:
+      break;  // its hull is given
   }
+  return {};
 }
 
 void add_shape(CollisionModel& model, const Convex& convex, const Pose& T_frame_shape) {
@@ -261,9 +264,9 @@ CollisionModel make_collision_model(const Robot& robot, const Chain& chain, cons
     if (link.collisions.empty()) continue;
     body_of_link[i] = static_cast<int>(model.bodies.size());
     model.bodies.push_back({link.name, joints_of(i)});
-    for (const urdf::Collision& collision : link.collisions) {
+    for (const urdf::Geometry& collision : link.collisions) {
       const Pose pose = compose(in_frame(i), to_pose(collision.T_link_shape));
-      if (collision.type == urdf::ShapeType::kMesh)
+      if (collision.type == urdf::GeometryType::kMesh)
         add_hull(model, hulls[hull_index++], pose);
       else
         add_shape(model, to_convex(collision), pose);

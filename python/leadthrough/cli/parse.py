@@ -12,12 +12,12 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.targets import Target, TargetRegion
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
-from leadthrough.shapes import SHAPES, Primitive, RandomObstacle, Shape
+from leadthrough.shapes import RandomObstacle, Shape
+from leadthrough.shapes.kinds import PRIMITIVES
 
-_PRIMITIVES = {shape.__name__.lower(): shape for shape in SHAPES if issubclass(shape, Primitive)}
 # The forms of --obstacle.
 FORMS = (
-    *(f"{kind}:{shape.size_names}@X,Y,Z" for kind, shape in _PRIMITIVES.items()),
+    *(f"{kind}:{shape.size_names}@X,Y,Z" for kind, shape in PRIMITIVES.items()),
     "mesh:FILE[,SCALE][@X,Y,Z]",
     "cloud:FILE,R[@X,Y,Z]",
 )
@@ -52,9 +52,9 @@ def _shape(text: str) -> Shape:
     if kind in ("mesh", "cloud"):
         return _from_file(kind, rest)
     size_text, _, where = rest.partition("@")
-    if kind not in _PRIMITIVES or not size_text or not where:
+    if kind not in PRIMITIVES or not size_text or not where:
         raise InvalidInput(f"expected {', '.join(FORMS[:-1])} or {FORMS[-1]}")
-    shape, sizes = _PRIMITIVES[kind], numbers(size_text, "size")
+    shape, sizes = PRIMITIVES[kind], numbers(size_text, "size")
     expected = shape.size_names.count(",") + 1
     if len(sizes) != expected:
         raise InvalidInput(f"expected {expected} sizes for a {kind}, got {len(sizes)}")

@@ -9,9 +9,12 @@ from leadthrough.errors import InvalidInput
 from leadthrough.shapes.cloud import PointCloud
 from leadthrough.shapes.mesh import Mesh
 from leadthrough.shapes.primitives import Box, Capsule, Cylinder, Sphere
-from leadthrough.shapes.shape import Shape
+from leadthrough.shapes.shape import Primitive, Shape
 
 SHAPES: tuple[type[Shape], ...] = (Box, Sphere, Capsule, Cylinder, Mesh, PointCloud)
+PRIMITIVES: dict[str, type[Primitive]] = {
+    shape.__name__.lower(): shape for shape in SHAPES if issubclass(shape, Primitive)
+}
 
 
 def names_of(kind: type[Shape]) -> str:

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, link_geometry
+from leadthrough.arm.link_geometry import LinkSurface
 from leadthrough.check import Float64Array
 from leadthrough.drawing import palette
 from leadthrough.drawing.palette import Colour
@@ -31,7 +32,6 @@ from leadthrough.show.animation import (
     sampled,
 )
 from leadthrough.show.surfaces import thinned, tube, uncertainty_tube
-from leadthrough.show.urdf_geometry import Part, parts_by_link
 
 # Radius of the tubes around paths, m: thin enough that drawings of a hand's size stay legible.
 _PATH_RADIUS = 0.004
@@ -60,7 +60,7 @@ def arm_scene(
     links, positions, orientations = link_motion(arm, frames.positions)
     if path is None and joints is not None:
         path, _ = arm.forward_kinematics(frames.positions)
-    parts, remarks = parts_by_link(arm.document, arm.mesh_folders)
+    parts, remarks = link_geometry.surfaces(arm.robot, arm.mesh_folders)
     items = [*arm_items(arm, links, parts), *demonstration_items(arm, demonstrations)]
     if path is not None:
         items.append(path_item(check.array(path, "path", shape=("n", 3))))
@@ -83,7 +83,7 @@ def tip_path(arm: Arm, motion: Motion) -> Float64Array:
 
 
 def arm_items(
-    arm: Arm, links: Sequence[str], parts: Mapping[str, Sequence[Part]]
+    arm: Arm, links: Sequence[str], parts: Mapping[str, Sequence[LinkSurface]]
 ) -> Iterator[Item]:
     """The arm's surfaces; links without a colour of their own get one of two in turn."""
     parts = parts or _rods(arm)
@@ -91,7 +91,7 @@ def arm_items(
     for (link, own), usual in zip(parts.items(), colours, strict=False):
         by_colour: dict[Colour, list[Surface]] = {}
         for part in own:
-            by_colour.setdefault(part.colour or usual, []).append(part.mesh)
+            by_colour.setdefault(part.colour or usual, []).append(part.surface)
         for i, (colour, meshes) in enumerate(by_colour.items()):
             name = f"{link} {i}" if i else link
             yield Item(name, ARM, merged(meshes), colour, link=links.index(link))
@@ -155,13 +155,13 @@ def _radius(path: Float64Array) -> float:
     return min(_PATH_RADIUS, _PATH_FRACTION * extent) or _PATH_RADIUS
 
 
-def _rods(arm: Arm) -> dict[str, list[Part]]:
+def _rods(arm: Arm) -> dict[str, list[LinkSurface]]:
     """A capsule from each link's frame to its children's."""
-    rods: dict[str, list[Part]] = {}
+    rods: dict[str, list[LinkSurface]] = {}
     for joint in arm.robot.tree:
         length = float(np.linalg.norm(joint.position))
         mesh = sphere(1.5 * _ROD_RADIUS)
         if length > 0.0:
             mesh = tube(np.linspace(0.0, 1.0, 2)[:, None] * joint.position, _ROD_RADIUS)
-        rods.setdefault(arm.robot.links[joint.parent], []).append(Part(mesh))
+        rods.setdefault(arm.robot.links[joint.parent], []).append(LinkSurface(mesh))
     return rods

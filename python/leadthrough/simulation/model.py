@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +12,8 @@ from numpy.typing import NDArray
 from leadthrough import _core, optional, rotations
 from leadthrough.arm import Arm
 from leadthrough.arm.attachment import Load
+from leadthrough.arm.link_geometry import convex_parts
 from leadthrough.arm.link_poses import link_poses
-from leadthrough.arm.robot_files import hull_vertices
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidRobot
 from leadthrough.shapes import Shape
@@ -25,8 +24,6 @@ LINK = "link "  # before the names of links, of which one may be "world", as MuJ
 # MuJoCo refuses moving bodies without a mass, kg and kg m^2: too little to be felt.
 _LEAST = 1e-13
 # Entries of a URDF's inertia tensor, and the value of an origin that is not stated.
-_MOMENTS = (("ixx", "ixy", "ixz"), ("ixy", "iyy", "iyz"), ("ixz", "iyz", "izz"))
-_ORIGIN = "0 0 0"
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +119,7 @@ def _add_links(mujoco: Any, spec: Any, arm: Arm, bodies: Mapping[str, Load]) -> 
     """All links of the robot: those that the arm moves as bodies of a tree, others stand still."""
     robot = arm.robot
     still = link_poses(arm, arm._chain.middle[None])
-    solids = link_solids(arm)
+    solids = convex_parts(arm.robot, arm.mesh_folders)
     driven = {joint.name for joint in robot.path(arm.base, arm.tip) if joint.kind != "fixed"}
     made: dict[int, Any] = {}
     incoming = {joint.child: joint for joint in robot.tree}
@@ -177,7 +174,23 @@ def _set_inertia(body: Any, load: Load | None, driven: bool) -> None:
 
 def _add_solids(spec: Any, body: Any, solids: Any) -> None:
     for solid in solids:
-        add_part(solid, spec, body)
+        _add_part(solid, spec, body)
+
+
+def _add_part(part: ConvexPart, spec: Any, body: Any) -> None:
+    """Adds a convex part to a body of a MuJoCo model that is being specified."""
+    mujoco = optional.load("mujoco", extra="simulation")
+    geom = body.add_geom(
+        type=getattr(mujoco.mjtGeom, f"mjGEOM_{part.kind.upper()}"),
+        pos=part.position,
+        quat=part.orientation,
+    )
+    geom.size[: len(part.half_sizes)] = part.half_sizes
+    if part.vertices is not None:
+        mesh = spec.add_mesh(name=f"mesh {len(spec.meshes)}")
+        mesh.uservert = part.vertices.ravel()
+        mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
+        geom.meshname = mesh.name
 
 
 def _add_obstacles(spec: Any, obstacles: Sequence[Shape]) -> None:
@@ -243,79 +256,21 @@ def _never_touching(arm: Arm) -> list[tuple[str, str]]:
 
 def _dynamics(arm: Arm) -> tuple[Float64Array, Float64Array]:
     """Friction (joints,), N m (N), and damping, N m s/rad (N s/m), that the URDF states."""
-    joints = {
-        joint.get("name"): joint.find("dynamics")
-        for joint in ElementTree.fromstring(arm.document).findall("joint")
-    }
-    found = [joints[name] for name in arm.joint_names]
-    friction, damping = (
-        np.array([0.0 if each is None else float(each.get(key, "0")) for each in found])
-        for key in ("friction", "damping")
-    )
-    return friction, damping
+    stated = {joint.name: joint for joint in arm.robot.tree}
+    joints = [stated[name] for name in arm.joint_names]
+    return np.array([each.friction for each in joints]), np.array([each.damping for each in joints])
 
 
 def _quaternion(rotation: Float64Array) -> Float64Array:
     return np.asarray(rotations.from_matrix(rotation[None])[0])
 
 
-def add_part(part: ConvexPart, spec: Any, body: Any) -> None:
-    """Adds a convex part to a body of a MuJoCo model that is being specified."""
-    mujoco = optional.load("mujoco", extra="simulation")
-    geom = body.add_geom(
-        type=getattr(mujoco.mjtGeom, f"mjGEOM_{part.kind.upper()}"),
-        pos=part.position,
-        quat=part.orientation,
-    )
-    geom.size[: len(part.half_sizes)] = part.half_sizes
-    if part.vertices is not None:
-        mesh = spec.add_mesh(name=f"mesh {len(spec.meshes)}")
-        mesh.uservert = part.vertices.ravel()
-        mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
-        geom.meshname = mesh.name
-
-
-def link_solids(arm: Arm) -> dict[str, list[ConvexPart]]:
-    """The collision shapes of each link of the arm's robot, in the links' frames."""
-    links = ElementTree.fromstring(arm.document).findall("link")
-    return {
-        link.get("name", ""): [
-            _solid(element, link.get("name", ""), arm.mesh_folders)
-            for element in link.findall("collision")
-        ]
-        for link in links
-    }
-
-
-def _solid(element: ElementTree.Element, link: str, folders: Sequence[str]) -> ConvexPart:
-    origin = element.find("origin")
-    at = _numbers(origin, "xyz", _ORIGIN)
-    angles = _numbers(origin, "rpy", _ORIGIN)
-    turned = rotations.from_euler(angles[None], convention="xyz")[0]
-    shape = next(iter(element.find("geometry") or ()))
-    radius, length = (float(shape.get(name, "0")) for name in ("radius", "length"))
-    if shape.tag == "box":
-        return ConvexPart("box", tuple(0.5 * _numbers(shape, "size", "0 0 0")), at, turned)
-    if shape.tag == "mesh":
-        scale = _numbers(shape, "scale", "1 1 1")
-        vertices = hull_vertices(link, shape.get("filename", ""), scale, folders)
-        return ConvexPart("mesh", (), at, turned, vertices)
-    size = (radius,) if shape.tag == "sphere" else (radius, 0.5 * length)
-    return ConvexPart(shape.tag, size, at, turned)
-
-
-def _numbers(element: ElementTree.Element | None, name: str, usual: str) -> Float64Array:
-    text = usual if element is None else element.get(name, usual)
-    return np.array([float(word) for word in text.split()])
-
-
 def link_inertias(arm: Arm, *, payload: float) -> dict[str, Load]:
     """The rigid bodies, by the links that they are fixed to, that the arm's joints move."""
-    links = ElementTree.fromstring(arm.document).findall("link")
-    stated = {link.get("name", ""): link for link in links}
+    stated = arm.robot.inertias
     found = {}
     for name in _moved_links(arm):
-        bodies = [_stated(stated[name])]
+        bodies = [_load(*stated[name])]
         if name == arm.tip:
             loads = arm.attachment.loads
             bodies += [
@@ -334,22 +289,6 @@ def _moved_links(arm: Arm) -> Iterable[str]:
         if joint.name in moving or (joint.kind == "fixed" and joint.parent in moved):
             moved.add(joint.child)
     return [robot.links[i] for i in sorted(moved)]
-
-
-def _stated(link: ElementTree.Element) -> Load:
-    """The body that a link's <inertial> states; without a mass where there is none."""
-    inertial = link.find("inertial")
-    if inertial is None:
-        return Load(0.0, np.zeros(3), np.zeros((3, 3)))
-    origin, mass, tensor = (inertial.find(tag) for tag in ("origin", "mass", "inertia"))
-    place, angles = (_numbers(origin, name, _ORIGIN) for name in ("xyz", "rpy"))
-    moments = np.zeros((3, 3))
-    if tensor is not None:
-        moments = np.array([[float(tensor.get(key, "0")) for key in row] for row in _MOMENTS])
-    turned = rotations.to_matrix(rotations.from_euler(angles[None], convention="xyz"))[0]
-    return _load(
-        float("0" if mass is None else mass.get("value", "0")), place, turned @ moments @ turned.T
-    )
 
 
 def _load(mass: float, center: Float64Array, inertia: Float64Array) -> Load:

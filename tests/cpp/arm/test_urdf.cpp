@@ -199,28 +199,45 @@ std::string shaped(const std::string& geometry) {
                geometry + "</geometry></collision></link>");
 }
 
-urdf::Collision collision_of(const std::string& geometry) {
+urdf::Geometry collision_of(const std::string& geometry) {
   return std::get<urdf::Robot>(urdf::parse(shaped(geometry))).links[0].collisions.at(0);
 }
 
 }  // namespace
 
 TEST(Urdf, CollisionGeometryIsRead) {
-  const urdf::Collision box = collision_of("<box size='0.1 0.2 0.3'/>");
-  EXPECT_EQ(box.type, urdf::ShapeType::kBox);
+  const urdf::Geometry box = collision_of("<box size='0.1 0.2 0.3'/>");
+  EXPECT_EQ(box.type, urdf::GeometryType::kBox);
   EXPECT_EQ(box.size, Eigen::Vector3d(0.1, 0.2, 0.3));
   EXPECT_EQ(box.T_link_shape.position, Eigen::Vector3d(1, 2, 3));
   EXPECT_NEAR(box.T_link_shape.rotation(1, 0), std::sin(0.5), 1e-15);
   EXPECT_EQ(collision_of("<sphere radius='0.4'/>").radius, 0.4);
   EXPECT_EQ(collision_of("<cylinder radius='0.4' length='2'/>").length, 2.0);
-  const urdf::Collision capsule = collision_of("<capsule radius='0.4' length='2'/>");
-  EXPECT_EQ(capsule.type, urdf::ShapeType::kCapsule);
+  const urdf::Geometry capsule = collision_of("<capsule radius='0.4' length='2'/>");
+  EXPECT_EQ(capsule.type, urdf::GeometryType::kCapsule);
   EXPECT_EQ(capsule.length, 2.0);
   EXPECT_EQ(collision_of("<capsule radius='0.4' length='2'></capsule>").radius, 0.4);
-  const urdf::Collision mesh = collision_of("<mesh filename='a&amp;b.stl' scale='1 2 -3'/>");
+  const urdf::Geometry mesh = collision_of("<mesh filename='a&amp;b.stl' scale='1 2 -3'/>");
   EXPECT_EQ(mesh.file, "a&b.stl");
   EXPECT_EQ(mesh.size, Eigen::Vector3d(1, 2, -3));
   EXPECT_EQ(collision_of("<mesh filename='c.stl'/>").size, Eigen::Vector3d::Ones());
+}
+
+TEST(Urdf, VisualGeometryIsReadWithItsColour) {
+  const auto robot_of = [](const std::string& material) {
+    const std::string visual =
+        "<visual><geometry><box size='1 1 0'/></geometry><material " + material + "</visual>";
+    return std::get<urdf::Robot>(urdf::parse(
+        robot("<material name='sky'><color rgba='.1 .2 .9 1'/></material><link name='a'>" + visual +
+              "</link>")));
+  };
+  const urdf::Geometry shared = robot_of("name='sky'/>").links[0].visuals.at(0);
+  EXPECT_EQ(shared.size, Eigen::Vector3d(1.0, 1.0, 0.0));
+  EXPECT_EQ(shared.colour, Eigen::Vector3d(0.1, 0.2, 0.9));
+  const std::string own = "name='sky'><color rgba='1 0 0 1'/></material>";
+  EXPECT_EQ(robot_of(own).links[0].visuals.at(0).colour, Eigen::Vector3d::UnitX());
+  EXPECT_FALSE(robot_of("name='unknown'/>").links[0].visuals.at(0).colour);
+  EXPECT_FALSE(robot_of("name=''><color rgba='red'/></material>").links[0].visuals.at(0).colour);
 }
 
 TEST(Urdf, CollisionGeometryWithoutASizeIsRefused) {

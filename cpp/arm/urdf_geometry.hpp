@@ -1,0 +1,22 @@
+#pragma once
+
+#include <map>
+
+#include "arm/urdf.hpp"
+#include "arm/xml_scan.hpp"
+
+namespace leadthrough::urdf {
+
+struct LinkGeometry {
+  std::vector<Geometry> collisions, visuals;
+};
+using GeometryByLink = std::map<std::string, LinkGeometry>;
+
+// The geometry of a document whose structure has been checked. Collisions without a size are
+// refused; visuals are not.
+std::variant<GeometryByLink, Error> read_geometry(const xml::Elements& elements);
+
+// The document with cylinders in place of capsules, at which urdfdom refuses the whole robot.
+std::string without_capsules(std::string_view document);
+
+}  // namespace leadthrough::urdf
