@@ -21,8 +21,7 @@ from .mixtures.stiffness import stiffness_profile
 from .mixtures.task_gmr import TaskGMR, TaskGMRSkill
 from .promp.combination import blend, combine
 from .promp.inference import Inference, Region, infer
-from .promp.model import ProMP
-from .promp.skill import ProMPSkill
+from .promp.model import ProMP, ProMPSkill
 from .protocol import Parameter, Skill
 from .queries import generate_all
 from .registry import ModelEntry, model_entry, model_names

@@ -2,19 +2,25 @@
 
 The functions of a basis sum to one at every phase, so that equal weights give a constant.
 
+Prior covariances of the weights describe how motions vary before any is seen. A motion deviates
+from the mean by an offset at its start that fades along a straight line, an offset at its goal that
+grows along one, and a smooth deviation in between. A motion asked to start elsewhere is therefore
+shifted, unless the demonstrations say otherwise.
+
 Source: Paraschos et al. 2018, "Using probabilistic movement primitives in robotics", section 2.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 import numpy as np
 
 from leadthrough import _core
 from leadthrough.check import Float64Array
+from leadthrough.models.promp.dense import product
 from leadthrough.repr import ShortRepr
 
 if TYPE_CHECKING:
@@ -25,7 +31,18 @@ KINDS = get_args(BasisKind)
 
 _DEGREE = 3
 # Fewer functions cannot bend, and a period needs three points.
-LEAST = 4
+MIN_FUNCTIONS = 4
+_LENGTH = 0.25  # correlation length of the deviations in between, in phase
+# Variances relative to those of the ends: of the deviations in between, and of each weight on its
+# own, so that nothing is ruled out.
+_INNER = 0.3
+_ROUGH = 1e-3
+# No phase is taken to vary less than this fraction of the one that varies the most.
+_MIN_PROFILE = 0.1
+# Nor is the kernel in between, which vanishes at the ends, taken to be smaller than this there.
+_MIN_KERNEL = 0.1
+# Fraction of the least spread that is added everywhere, so that nothing is ruled out.
+_EVERYWHERE = 0.1
 
 
 @dataclass(frozen=True)
@@ -105,3 +122,106 @@ class Basis(ShortRepr):
     def _spacings(self) -> float:
         """How many spacings of Gaussian centres the motion is long."""
         return self.count - 1.0 - 2.0 * self.margin
+
+
+def smooth_prior(basis: Basis, spread: Float64Array) -> Float64Array:
+    """Covariance (d k, d k) of the weights of columns that vary alike at all phases."""
+    fit, inner = _fit_and_kernel(basis)
+    one = _INNER * product(product(fit, inner), fit.T) + _ROUGH * np.eye(basis.count)
+    if not basis.is_rhythmic:
+        ends = lines(basis)
+        one += ends @ ends.T
+    return np.asarray(np.kron(np.diag(spread**2), one))
+
+
+def inner_prior(basis: Basis) -> Float64Array:
+    """Covariance (k, k) of the weights of one column's deviations that vanish at both ends."""
+    fit, inner = _fit_and_kernel(basis)
+    free = np.eye(basis.count)
+    if not basis.is_rhythmic:
+        rows = basis(np.array([0.0, 1.0]))
+        free -= np.linalg.pinv(rows) @ rows
+    return np.asarray(product(product(fit, inner), fit.T) + _ROUGH * free)
+
+
+def shaped_prior(basis: Basis, curves: Float64Array) -> Float64Array:
+    """Covariance (d k, d k) with the spread that demonstrations have at each phase."""
+    flat = curves.reshape(-1, basis.count)
+    at_phases = product(flat, basis(_phases(basis)).T).reshape(*curves.shape[:2], -1)
+    variances = (at_phases**2).sum(axis=0) / (len(curves) - 1)
+    profile = _left_between(basis, variances)
+    profile = np.maximum(profile, _MIN_PROFILE * profile.max(axis=1, keepdims=True))
+    return _profiled(basis, variances[:, [0, -1]], profile)
+
+
+def raised(covariance: Float64Array, basis: Basis, least: float) -> Float64Array:
+    """A covariance (d k, d k), raised where some phase of the motion varies too little."""
+    rows, size = basis(_phases(basis)), len(covariance) // basis.count
+    blocks = np.einsum("iaib->iab", covariance.reshape(size, basis.count, size, basis.count))
+    spread = [(product(rows, block) * rows).sum(axis=1) for block in blocks]
+    missing = np.maximum(least**2 - np.array(spread), 0.0)
+    added = _profiled(basis, missing[:, [0, -1]], _left_between(basis, missing))
+    everywhere = smooth_prior(basis, np.full(size, _EVERYWHERE * least))
+    return np.asarray(covariance + added + everywhere)
+
+
+def _left_between(basis: Basis, variances: Float64Array) -> Float64Array:
+    """What deviations in between add to those of the ends, for variances (d, n) in all."""
+    fit, inner = _fit_and_kernel(basis)
+    reached = product(basis(_phases(basis)), fit)
+    own = (product(reached, inner) * reached).sum(axis=1)
+    left = variances
+    if not basis.is_rhythmic:
+        left = variances - variances[:, [0, -1]] @ _ramps(basis) ** 2
+    return np.asarray(np.sqrt(np.maximum(left, 0.0) / np.maximum(own, _MIN_KERNEL)))
+
+
+def _profiled(basis: Basis, ends: Float64Array, profile: Float64Array) -> Float64Array:
+    """Covariance (d k, d k) from variances (d, 2) of the ends and deviations (d, n) in between."""
+    fit, inner = _fit_and_kernel(basis)
+    result = np.zeros((len(ends), basis.count, len(ends), basis.count))
+    ramps = np.zeros((basis.count, 2)) if basis.is_rhythmic else lines(basis)
+    for column, (of_ends, between) in enumerate(zip(ends, profile, strict=True)):
+        reached = fit * between
+        inside = product(product(reached, inner), reached.T)
+        result[column, :, column] = (ramps * of_ends) @ ramps.T + inside
+    return result.reshape(len(ends) * basis.count, -1)
+
+
+@lru_cache(maxsize=16)
+def _fit_and_kernel(basis: Basis) -> tuple[Float64Array, Float64Array]:
+    """The map (k, n) from values at `_phases` to weights, and the kernel (n, n) in between."""
+    u, fit = _phases(basis), _fit(basis)
+    gaps = u[:, None] - u
+    if basis.is_rhythmic:
+        kernel = np.exp(-((np.sin(np.pi * gaps) / (np.pi * _LENGTH)) ** 2) / 2.0)
+    else:
+        kernel = np.exp(-((gaps / _LENGTH) ** 2) / 2.0)
+        known = kernel[:, [0, -1]]  # a deviation in between is zero at both ends
+        kernel -= product(known, np.linalg.solve(known[[0, -1]], known.T))
+        # Neither may its curve deviate there, although the functions cannot follow it everywhere.
+        rows = basis(u[[0, -1]])
+        fit = fit - product(np.linalg.pinv(rows), product(rows, fit))
+    return fit, kernel
+
+
+def _fit(basis: Basis) -> Float64Array:
+    """The map (k, n) from values at `_phases` to the weights of the nearest curve."""
+    return np.asarray(np.linalg.pinv(basis(_phases(basis)), rcond=1e-6))
+
+
+@lru_cache(maxsize=16)
+def lines(basis: Basis) -> Float64Array:
+    """Weights (k, 2) of the lines from 1 to 0 and from 0 to 1, exact at both ends."""
+    fitted = product(_fit(basis), _ramps(basis).T)
+    rows = basis(np.array([0.0, 1.0]))
+    return np.asarray(fitted + np.linalg.pinv(rows) @ (np.eye(2) - rows @ fitted))
+
+
+def _ramps(basis: Basis) -> Float64Array:
+    u = _phases(basis)
+    return np.stack([1.0 - u, u])
+
+
+def _phases(basis: Basis) -> Float64Array:
+    return np.linspace(0.0, 1.0, 8 * basis.count + 1)

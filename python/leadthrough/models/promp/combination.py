@@ -15,16 +15,15 @@ from leadthrough import check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.chart import NODES, Chart, carried
-from leadthrough.models.promp.alike import check_alike
 from leadthrough.models.promp.gaussian import Gaussian, product
-from leadthrough.models.promp.skill import ProMPSkill
+from leadthrough.models.promp.model import ProMPSkill
 from leadthrough.motion import MotionT, normalised_times
 
 # Standard deviation added where a skill has none, as a fraction of the motion's reach: the
 # covariance is inverted.
-_LEAST_DEVIATION = 1e-7
+_MIN_DEVIATION = 1e-7
 # Rotation vectors farther from a reference, rad, are no longer nearly a linear space.
-_FARTHEST = 0.5 * np.pi
+_MAX_ROTATION = 0.5 * np.pi
 
 
 def combine(
@@ -90,7 +89,7 @@ def blend(
     precision, pull = 0.0, 0.0
     for each, activation in zip(skills, active.T, strict=True):
         mean, covariance = each.distribution(phases * each.duration)
-        inverse = np.linalg.inv(covariance + np.diag((_LEAST_DEVIATION * each.scale) ** 2))
+        inverse = np.linalg.inv(covariance + np.diag((_MIN_DEVIATION * each.scale) ** 2))
         weighted = inverse * activation[:, None, None]
         precision = precision + weighted
         pull = pull + weighted @ mean[:, :, None]
@@ -115,7 +114,7 @@ def _about(skill: ProMPSkill[MotionT], chart: Chart[MotionT]) -> ProMPSkill[Moti
     turned = rotations.compose(skill.chart.reference_at(NODES), rotations.exp(own))
     here = chart.tangent(turned, NODES)
     farthest = float(np.linalg.norm(here, axis=1).max())
-    if farthest > _FARTHEST:
+    if farthest > _MAX_ROTATION:
         raise InvalidInput(
             "skills: expected orientations near each other, at most a right angle apart, "
             f"got {farthest:.3g} rad"
@@ -129,3 +128,22 @@ def _about(skill: ProMPSkill[MotionT], chart: Chart[MotionT]) -> ProMPSkill[Moti
     covariance = change @ skill.free.covariance @ change.T
     weights = Gaussian(mean, 0.5 * (covariance + covariance.T))
     return replace(skill, chart=chart, free=weights, experience=None)
+
+
+def check_alike(skills: Sequence[ProMPSkill]) -> None:
+    """Checks that there are skills, and that their columns mean the same."""
+    if not isinstance(skills, Sequence) or len(skills) == 0:
+        raise InvalidInput("skills: expected a sequence of at least one skill")
+    for i, each in enumerate(skills):
+        if not isinstance(each, ProMPSkill):
+            raise InvalidInput(f"skills[{i}]: expected a ProMPSkill, got {type(each).__name__}")
+    kinds = {(each.chart.kind, each.chart.size, each.chart.joint_names) for each in skills}
+    if len(kinds) > 1:
+        got = " and ".join(
+            f"{kind} of {size} columns {list(names) if names else ''}".rstrip()
+            for kind, size, names in sorted(kinds)
+        )
+        raise InvalidInput(
+            "skills: expected all of points of one dimension, all of the same joints or all of "
+            f"poses, got {got}"
+        )

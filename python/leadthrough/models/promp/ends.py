@@ -1,11 +1,11 @@
 """Motions of a ProMP between a new start and a new goal, never farther off than they were moved.
 
-The covariance says how motions vary inside what was shown. Where all demonstrations share an end,
-it says next to nothing about another one, and conditioning alone would throw the motion: the gain
-from the end to the middle is a covariance over a vanishing variance. So the motion is carried in
-two ways, conditioned on the new ends, and shifted as a whole by offsets that fade from end to end.
-It is the conditioned one as far as the ends lie within what was shown, and as far as no phase
-moves by much more than the ends do; the rest is shifted.
+The covariance describes the variation inside the demonstrations. Where all of them share an end, it
+says next to nothing about another one, and conditioning alone would distort the motion: the gain
+from the end to the middle is a covariance over a vanishing variance. So the motion is moved by a
+mixture of two: conditioned on the new ends, and shifted as a whole by offsets that fade from end to
+end. It is conditioned as far as the ends lie within the demonstrations' spread, and as far as no
+phase moves by much more than the ends do; the rest is shifted.
 
 Source: Zhou, Gao and Asfour 2019, "Learning via-movement primitives with inter- and extrapolation
 capabilities", for the shift.
@@ -15,24 +15,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.models.chart import Chart
-from leadthrough.models.promp import observation
+from leadthrough.models.promp.basis import inner_prior, lines
+from leadthrough.models.promp.conditioning import Primitive, PrimitiveT, of_values
 from leadthrough.models.promp.gaussian import CERTAIN, Gaussian
-from leadthrough.models.promp.prior import inner_prior, lines
 from leadthrough.models.queries import MAX_GAIN, fraction_inside
 from leadthrough.models.targets import Target
-from leadthrough.motion import MotionT
 
-if TYPE_CHECKING:
-    from leadthrough.models.promp.skill import ProMPSkill
-
-# Standard deviations up to which ends count as shown.
-_USUAL = 3.0
+# Standard deviations up to which ends count as demonstrated.
+_MAX_DEVIATIONS = 3.0
 _PHASES_PER_WEIGHT = 4
 _ROUNDING = 1e-9  # fraction of the reach that counts as nothing
 
@@ -55,29 +50,29 @@ def asked(chart: Chart, start: Target | None, goal: Target | None) -> list[Asked
     ]
 
 
-def moved(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> ProMPSkill[MotionT]:
+def moved(skill: PrimitiveT, asked: Sequence[Asked]) -> PrimitiveT:
     """The skill whose mean motion has the ends asked for."""
     conditioned = skill
     for each in asked:
-        conditioned = observation.of_values(
+        conditioned = of_values(
             conditioned, np.array([each.phase]), each.values[None], name=each.name
         )
     size = skill.chart.width
     offsets = _offsets(skill, asked)
     shift = _shift(skill, asked, offsets)
     learned = (conditioned.free.mean - skill.free.mean).reshape(size, -1) - shift
-    shown = min(1.0, _USUAL / max(novelty(skill, asked), _USUAL))
+    known = min(1.0, _MAX_DEVIATIONS / max(novelty(skill, asked), _MAX_DEVIATIONS))
     rows = _rows(skill)
     for group in _groups(skill):
         limit = MAX_GAIN * _moved_by(skill, asked, offsets, group)
         inside = fraction_inside(rows @ shift[group].T, rows @ learned[group].T, limit)
-        shift[group] += min(shown, inside) * learned[group]
+        shift[group] += min(known, inside) * learned[group]
     mean = skill.free.mean + shift.ravel()
     return skill.with_weights(Gaussian(mean, conditioned.free.covariance))
 
 
-def novelty(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> float:
-    """How far ends lie from what was shown."""
+def novelty(skill: Primitive, asked: Sequence[Asked]) -> float:
+    """Distance of ends from the demonstrated ones, in standard deviations."""
     offsets = _offsets(skill, asked)
     selection, surprise = [], []
     for each, offset in zip(asked, offsets, strict=True):
@@ -95,8 +90,8 @@ def novelty(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> float:
     return float(np.where(along < _ROUNDING, 0.0, deviations).max())
 
 
-def _offsets(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> list[Float64Array]:
-    """What each end is moved by, (d,); 0 in columns that were not asked for."""
+def _offsets(skill: Primitive, asked: Sequence[Asked]) -> list[Float64Array]:
+    """Offset (d,) of each end; 0 in columns that were not asked for."""
     curves = skill.free.mean.reshape(skill.chart.width, -1)
     offsets = []
     for each in asked:
@@ -108,7 +103,7 @@ def _offsets(skill: ProMPSkill[MotionT], asked: Sequence[Asked]) -> list[Float64
 
 
 def _shift(
-    skill: ProMPSkill[MotionT], asked: Sequence[Asked], offsets: Sequence[Float64Array]
+    skill: Primitive, asked: Sequence[Asked], offsets: Sequence[Float64Array]
 ) -> Float64Array:
     """Weights (d, k) of the shift; where the motion is fixed, at via points, it does not move."""
     # A rhythmic motion ends where it starts: all of it is shifted.
@@ -124,14 +119,14 @@ def _shift(
     return shift
 
 
-def _groups(skill: ProMPSkill[MotionT]) -> list[slice]:
+def _groups(skill: Primitive) -> list[slice]:
     """The columns that share a unit: points or joints; a pose's position and its rotation."""
     size, width = skill.chart.size, skill.chart.width
     return [slice(0, size)] if size == width else [slice(0, size), slice(size, width)]
 
 
 def _moved_by(
-    skill: ProMPSkill[MotionT],
+    skill: Primitive,
     asked: Sequence[Asked],
     offsets: Sequence[Float64Array],
     group: slice,
@@ -144,5 +139,5 @@ def _moved_by(
     return float(reach) * max(float(np.linalg.norm(offset[position])) for offset in offsets)
 
 
-def _rows(skill: ProMPSkill[MotionT]) -> Float64Array:
+def _rows(skill: Primitive) -> Float64Array:
     return skill.basis(np.linspace(0.0, 1.0, _PHASES_PER_WEIGHT * skill.basis.count + 1))

@@ -1,21 +1,63 @@
-"""What the estimators of a ProMP's weights take and return."""
+"""Weight distributions of ProMPs from demonstrations: by least squares, and by EM.
+
+Least squares: a curve is fitted to each demonstration. The covariance of their weights is shrunk
+towards a prior, with the strength that minimises the expected squared error, so that it has full
+rank with fewer demonstrations than weights, even with one.
+
+EM, for noisy and partial demonstrations. Expectation: the weights of each demonstration given its
+samples. Maximisation: their mean and covariance, with an inverse-Wishart prior, and the samples'
+noise.
+
+Sources: Schaefer and Strimmer 2005, "A shrinkage approach to large-scale covariance matrix
+estimation", eq. 8; Lazaric and Ghavamzadeh 2010, "Bayesian multi-task reinforcement learning";
+Gomez-Gonzalez et al. 2020, "Adaptation and robust learning of probabilistic movement primitives",
+section III.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leadthrough import check
 from leadthrough.check import Float64Array
+from leadthrough.errors import FitError, InvalidInput
+from leadthrough.models.promp.basis import Basis, raised, shaped_prior, smooth_prior
+from leadthrough.models.promp.dense import (
+    inverse_definite,
+    log_determinant,
+    product,
+    solve_definite,
+)
 from leadthrough.models.promp.gaussian import Gaussian
+from leadthrough.motion import Motion
 
 # The least standard deviation that a motion is believed to have, as a fraction of its reach.
-LEAST_SPREAD = 3e-2
+MIN_SPREAD = 3e-2
 # A curve fitted to a smaller part of the phases than this is free to do anything in the rest.
-LEAST_COVERED = 0.9
+MIN_COVERED = 0.9
+# One demonstration says nothing about the spread of others: a tenth of its reach is assumed.
+_UNKNOWN_SPREAD = 0.1
+# The prior counts as at least this many demonstrations: the estimate knows nothing of it where two
+# demonstrations deviate from their mean in opposite ways, as any two do.
+_MIN_SHRINKAGE = 0.5
+_MIN_NOISE = 1e-6  # standard deviation as a fraction of the reach
+# The prior counts as much as this many demonstrations.
+_PRIOR_COUNT = 0.1
+_FIRST_NOISE = 0.01  # variance, of columns scaled to reach one
+_MIN_EM_NOISE = 1e-5  # standard deviation as a fraction of the reach
+_MAX_ITERATIONS = 200
+# Gain in log posterior density, per observed number, below which the iteration ends.
+_TOLERANCE = 1e-6
+# Longest stretch of phases without a sample; beyond it only the prior would shape the motion.
+_MAX_GAP = 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Shown:
+class Samples:
     """Demonstrations as columns over phases.
 
     Attributes:
@@ -31,9 +73,261 @@ class Shown:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """What an estimator found."""
+    """Result of an estimator."""
 
     weights: Gaussian  # distribution of the weights (d k,), one column after the other
     noise: Float64Array  # variances (d,) of the samples about their curves
     curves: Float64Array  # weights (m, d k) of the m demonstrations that show the whole motion
     history: tuple[float, ...] = ()
+
+
+def least_squares(basis: Basis, samples: Samples, regularization: float) -> Fit:
+    """The distribution of the weights of curves fitted to each motion."""
+    curves, residuals = [], []
+    known: dict[bytes, CurveFit] = {}
+    for at, values in zip(samples.phases, samples.columns, strict=True):
+        key = at.tobytes()
+        if key not in known:
+            known[key] = CurveFit(basis, at, regularization)
+        fit = known[key]
+        curves.append(fit.weights(values))
+        residuals.append(((values - product(fit.values, curves[-1])) ** 2).sum(axis=0))
+    count = sum(len(at) for at in samples.phases)
+    free = max(count - len(curves) * basis.count, 1)
+    noise = np.sum(residuals, axis=0) / free + (_MIN_NOISE * samples.scale) ** 2
+    stacked = np.stack([curve.T.ravel() for curve in curves])
+    return Fit(shrunk(stacked, basis, samples.scale), noise, stacked)
+
+
+class CurveFit:
+    """Least-squares curves through values at the same phases, exact at both ends."""
+
+    def __init__(self, basis: Basis, phases: Float64Array, regularization: float) -> None:
+        self.values = basis(phases)
+        normal = product(self.values.T, self.values)
+        unit = float(np.trace(normal)) / basis.count
+        normal += regularization * unit * basis.roughness
+        normal[np.diag_indices(basis.count)] += 1e-12 * unit
+        self._solved = solve_definite(normal, self.values.T)
+        ends = [0] if basis.is_rhythmic else [0, -1]
+        self._ends = ends
+        influence = solve_definite(normal, self.values[ends].T)
+        self._to_ends = product(influence, np.linalg.pinv(self.values[ends] @ influence))
+
+    def weights(self, values: Float64Array) -> Float64Array:
+        """The weights (k, d) of curves through values."""
+        middle = values.mean(axis=0)  # adds to all weights alike, as the functions sum to one
+        free = product(self._solved, values - middle)
+        missed = values[self._ends] - middle - self.values[self._ends] @ free
+        return np.asarray(free + product(self._to_ends, missed) + middle)
+
+
+def shrunk(stacked: Float64Array, basis: Basis, scale: Float64Array) -> Gaussian:
+    """Mean and shrunk covariance of weight vectors."""
+    count = len(stacked)
+    mean = stacked.mean(axis=0)
+    if count == 1:
+        return Gaussian(mean, smooth_prior(basis, _UNKNOWN_SPREAD * scale))
+    unit = np.repeat(scale, basis.count)  # makes the result independent of the columns' units
+    centred = (stacked - mean) / unit
+    sample = product(centred.T, centred) / (count - 1)
+    target = shaped_prior(basis, centred.reshape(count, len(scale), basis.count))
+    distance = float(((sample - target) ** 2).sum())
+    shrinkage = _MIN_SHRINKAGE / count
+    if distance > 0.0:
+        shrinkage = max(shrinkage, min(_variance_of_sample(centred) / distance, 1.0))
+    covariance = (1.0 - shrinkage) * sample + shrinkage * target
+    covariance = raised(covariance, basis, MIN_SPREAD)
+    return Gaussian(mean, covariance * unit * unit[:, None])
+
+
+def _variance_of_sample(centred: Float64Array) -> float:
+    """Estimated expected squared error of the sample covariance of rows (m, p)."""
+    count = len(centred)
+    gram = product(centred, centred.T)
+    fourth = float((np.diag(gram) ** 2).sum())
+    total = fourth - float((gram**2).sum()) / count
+    return count / (count - 1) ** 3 * total
+
+
+@dataclass(frozen=True, eq=False)
+class Sums:
+    """A demonstration, reduced to what EM needs of it."""
+
+    squares: Float64Array  # sums (k, k) of the products of basis functions
+    products: Float64Array  # sums (k, d) of basis functions times values
+    values: Float64Array  # sums (d,) of squared values
+    count: int  # number of samples
+
+    @staticmethod
+    def of(rows: Float64Array, values: Float64Array) -> Sums:
+        """The sums of samples with basis functions (n, k) and values (n, d)."""
+        return Sums(
+            product(rows.T, rows), product(rows.T, values), (values**2).sum(axis=0), len(values)
+        )
+
+
+def expectation_maximisation(basis: Basis, samples: Samples) -> Fit:
+    """The distribution of weights and the noise under which the motions are the most probable."""
+    _refuse_gaps(samples.phases, basis)
+    pooled, scale = np.concatenate(samples.columns), samples.scale
+    middle = pooled.mean(axis=0)
+    sums = [
+        Sums.of(basis(at), (values - middle) / scale)
+        for at, values in zip(samples.phases, samples.columns, strict=True)
+    ]
+    size = len(scale)
+    base = smooth_prior(basis, np.ones(size)) * _spread_of(sums, basis) ** 2
+    first = Gaussian(_common_curve(sums, basis), base)
+    weights, noise, history = _iterated(sums, first, base, _TOLERANCE * len(pooled) * size)
+    estimates, _ = expectation(sums, weights, noise)
+    unit = np.repeat(scale, basis.count)
+    offset = np.repeat(middle, basis.count)
+    mean = weights.mean * unit + offset
+    covariance = raised(weights.covariance, basis, MIN_SPREAD) * unit * unit[:, None]
+    whole = [
+        each.mean * unit + offset
+        for each, u in zip(estimates, samples.phases, strict=True)
+        if u[-1] - u[0] >= MIN_COVERED
+    ]
+    curves = np.reshape(whole, (len(whole), len(mean)))
+    return Fit(Gaussian(mean, covariance), noise * scale**2, curves, history)
+
+
+def _iterated(
+    sums: Sequence[Sums], weights: Gaussian, base: Float64Array, tolerance: float
+) -> tuple[Gaussian, Float64Array, tuple[float, ...]]:
+    """Weights, noise (d,) and history after EM from `weights` on, with the prior's `base`."""
+    noise = np.full(len(sums[0].values), _FIRST_NOISE)
+    history: list[float] = []
+    for _ in range(_MAX_ITERATIONS):
+        estimates, likelihood = expectation(sums, weights, noise)
+        history.append(likelihood + log_prior(weights.covariance, base))
+        if len(history) > 1 and history[-1] - history[-2] < tolerance:
+            break
+        weights, noise = maximisation(sums, estimates, base)
+    return weights, noise, tuple(history)
+
+
+def _common_curve(sums: Sequence[Sums], basis: Basis) -> Float64Array:
+    """The weights (d k,) of the smooth curve through all demonstrations."""
+    squares = np.sum([each.squares for each in sums], axis=0)
+    products = np.sum([each.products for each in sums], axis=0)
+    unit = float(np.trace(squares)) / basis.count
+    smooth = squares + 1e-4 * unit * basis.roughness + 1e-9 * unit * np.eye(basis.count)
+    return solve_definite(smooth, products).T.ravel()
+
+
+def _spread_of(sums: Sequence[Sums], basis: Basis) -> float:
+    """Root mean square distance of the demonstrations from their common curve."""
+    curve = _common_curve(sums, basis).reshape(-1, basis.count)
+    squared = sum(
+        float(each.values.sum() - 2.0 * (curve.T * each.products).sum())
+        + float(np.einsum("dk,kl,dl->", curve, each.squares, curve))
+        for each in sums
+    )
+    total = sum(each.count for each in sums) * len(curve)
+    return max(float(np.sqrt(max(squared / total, 0.0))), 0.01)
+
+
+def expectation(
+    sums: Sequence[Sums], weights: Gaussian, noise: Float64Array
+) -> tuple[list[Gaussian], float]:
+    """The weights of each demonstration, and the log-likelihood of all."""
+    precision = inverse_definite(weights.covariance)
+    pulled = _times(precision, weights.mean)
+    prior_volume = log_determinant(weights.covariance)
+    known: dict[bytes, tuple[Float64Array, float]] = {}
+    estimates, likelihood = [], 0.0
+    for each in sums:
+        key = each.squares.tobytes()  # demonstrations at the same phases share their covariance
+        if key not in known:
+            added = precision + np.kron(np.diag(1.0 / noise), each.squares)
+            known[key] = inverse_definite(added), log_determinant(added)
+        covariance, log_volume = known[key]
+        right = pulled + (each.products / noise).T.ravel()
+        mean = _times(covariance, right)
+        estimates.append(Gaussian(mean, covariance))
+        squared = float(
+            (each.values / noise).sum() + (weights.mean * pulled).sum() - (right * mean).sum()
+        )
+        log_noise = each.count * float(np.log(2.0 * np.pi * noise).sum())
+        likelihood -= 0.5 * (squared + log_noise + prior_volume + log_volume)
+    return estimates, likelihood
+
+
+def _times(matrix: Float64Array, vector: Float64Array) -> Float64Array:
+    return product(matrix, vector[:, None])[:, 0]
+
+
+def maximisation(
+    sums: Sequence[Sums], estimates: Sequence[Gaussian], base: Float64Array
+) -> tuple[Gaussian, Float64Array]:
+    """The distribution of the weights and the noise (d,) that the estimates make most probable."""
+    means = np.stack([each.mean for each in estimates])
+    mean = means.mean(axis=0)
+    centred = means - mean
+    total = product(centred.T, centred) + np.sum([each.covariance for each in estimates], axis=0)
+    covariance = (total + _PRIOR_COUNT * base) / (len(means) + _PRIOR_COUNT)
+    size = len(sums[0].values)
+    squared = np.zeros(size)
+    for each, estimate in zip(sums, estimates, strict=True):
+        curve = estimate.mean.reshape(size, -1)
+        blocks = estimate.covariance.reshape(size, -1, size, curve.shape[1])
+        second = np.einsum("dkdl->dkl", blocks) + curve[:, :, None] * curve[:, None, :]
+        squared += each.values - 2.0 * (curve.T * each.products).sum(axis=0)
+        squared += np.einsum("kl,dkl->d", each.squares, second)
+    noise = squared / sum(each.count for each in sums)
+    return Gaussian(mean, covariance), np.maximum(noise, _MIN_EM_NOISE**2)
+
+
+def log_prior(covariance: Float64Array, base: Float64Array) -> float:
+    """Log density, up to a constant, of the inverse-Wishart prior that the maximisation follows."""
+    trace = float(np.trace(solve_definite(covariance, base)))
+    return -0.5 * _PRIOR_COUNT * (log_determinant(covariance) + trace)
+
+
+def _refuse_gaps(phases: Sequence[Float64Array], basis: Basis) -> None:
+    everything = np.sort(np.concatenate(phases) % 1.0 if basis.is_rhythmic else np.hstack(phases))
+    gaps = np.diff(np.concatenate([[0.0], everything, [1.0]]))
+    if gaps.max() > _MAX_GAP:
+        at = float(np.concatenate([[0.0], everything])[int(np.argmax(gaps))])
+        raise FitError(
+            f"demonstrations: none shows the phases {at:.3g} to {at + gaps.max():.3g}; "
+            "add one that shows this part"
+        )
+
+
+def checked_phases(
+    phases: Sequence[ArrayLike], motions: Sequence[Motion], *, rhythmic: bool
+) -> list[Float64Array]:
+    """A user's phases of the samples of motions, increasing and in [0, 1] unless rhythmic."""
+    if not isinstance(phases, Sequence) or len(phases) != len(motions):
+        got = len(phases) if isinstance(phases, Sequence) else type(phases).__name__
+        raise InvalidInput(
+            f"phases: expected one array per demonstration, {len(motions)}, got {got}"
+        )
+    checked = []
+    for i, (given, motion) in enumerate(zip(phases, motions, strict=True)):
+        name = f"phases[{i}]"
+        u = check.array(given, name, shape=(len(motion.times),))
+        if (np.diff(u) <= 0).any():
+            at = int(np.argmax(np.diff(u) <= 0))
+            raise InvalidInput(
+                f"{name}: expected strictly increasing phases, "
+                f"got {u[at]:.6g} then {u[at + 1]:.6g} at samples {at} and {at + 1}"
+            )
+        if not rhythmic and not (u[0] >= 0.0 and u[-1] <= 1.0):
+            raise InvalidInput(f"{name}: expected phases in [0, 1], got {u[0]:.6g} to {u[-1]:.6g}")
+        checked.append(u)
+    return checked
+
+
+def refuse_parts(phases: Sequence[Float64Array]) -> None:
+    """Refuses motions that cover too small a part for least squares."""
+    for i, u in enumerate(phases):
+        if u[-1] - u[0] < MIN_COVERED:
+            raise FitError(
+                f"demonstrations[{i}]: covers only the phases {u[0]:.3g} to {u[-1]:.3g}; "
+                'set estimator="em", which takes parts of a motion'
+            )

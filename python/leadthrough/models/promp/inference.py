@@ -1,7 +1,9 @@
-"""Which motion has begun, how fast it goes and how it will go on, from its first samples.
+"""Probability, duration and continuation of a motion that has begun, from its first samples.
 
-The weights of a motion have a t distribution (`belief`), whose scale the left-out demonstrations
-correct; its duration is uncertain too. What comes out is a mixture over the durations.
+The weights of a motion have a t distribution (`predictive`), whose scale the left-out
+demonstrations correct. Given the factor of its covariance, all is normal; the factor itself, one
+number, is integrated over a grid. The duration is uncertain too: the result is a mixture over the
+durations.
 
 Sources: Maeda et al. 2017, "Phase estimation for fast action recognition and trajectory generation
 in human-robot collaboration"; Murphy 2012, "Machine learning: a probabilistic perspective",
@@ -12,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Generic
 
 import numpy as np
@@ -21,13 +24,37 @@ from leadthrough import check
 from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.models.promp import observation
-from leadthrough.models.promp.alike import check_alike
-from leadthrough.models.promp.belief import common_noise
-from leadthrough.models.promp.durations import Continuation
-from leadthrough.models.promp.skill import ProMPSkill
+from leadthrough.models.promp.basis import Basis
+from leadthrough.models.promp.combination import check_alike
+from leadthrough.models.promp.conditioning import check_seen
+from leadthrough.models.promp.gaussian import Gaussian
+from leadthrough.models.promp.model import ProMPSkill
+from leadthrough.models.promp.predictive import Experience, PosteriorPredictive, common_noise
 from leadthrough.motion import Motion, MotionT, MotionT_co
 from leadthrough.repr import ShortRepr
+
+# More samples add nothing: neighbours are not independent.
+_MAX_SAMPLES = 50
+# Logarithms of durations that are tried, over the skill's.
+_PACES = np.log(np.geomspace(0.4, 2.5, 37))
+# People's durations: standard deviation of the logarithm where nothing is known, and the
+# fraction of motions that go at another pace than the demonstrations.
+_PACE_SPREAD = 0.25
+_UNUSUAL = 0.1
+# The power of what the samples tell of the duration: their deviations are not independent.
+_TEMPERED = 0.3
+# Demonstrations of one duration: the least standard deviation, which counts as one of them.
+_MIN_PACE_SPREAD = 0.03
+_STEPS = np.linspace(-3.0, 3.0, 13)  # paces tried about the demonstrated ones, in deviations
+_REFINED = 9  # paces tried between the best one's neighbours, twice
+# Durations less probable than this, relative to the best one, are left out of the mixture.
+_MIN_PROBABILITY = 1e-3
+# Where left-out forecasts are judged, as fractions of the part that was not seen.
+_JUDGED = np.array([0.4, 0.7, 1.0])
+# Logarithms of the factors that the covariance is tried with.
+_FACTORS = np.linspace(-3.0, 5.5, 86)
+# Directions of which the samples tell less than this, relative to what is told most, are unseen.
+_UNSEEN = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +170,7 @@ def infer(
             differ in type, or if the prior is negative or all 0.
     """
     check_alike(skills)
-    observation.check_seen(observed, "observed")
+    check_seen(observed, "observed")
     before = _prior(prior, len(skills))
     noise = common_noise([each.noise for each in skills], [each.scale for each in skills])
     found = [Continuation(observed, skill, noise) for skill in skills]
@@ -171,3 +198,192 @@ def _prior(value: ArrayLike | None, size: int) -> Float64Array:
     if (prior < 0.0).any() or not prior.any():
         raise InvalidInput(f"prior: expected numbers >= 0, not all 0, got {prior}")
     return np.asarray(prior / prior.sum())
+
+
+class Continuation:
+    """A motion that has begun, under one skill."""
+
+    def __init__(self, observed: Motion, skill: ProMPSkill, noise: Float64Array) -> None:
+        from scipy.special import logsumexp
+
+        chosen = np.unique(np.linspace(0, len(observed.times) - 1, _MAX_SAMPLES).round())
+        self._rows = chosen.astype(int)
+        self._observed, self._skill, self._noise = observed, skill, noise
+        experience = skill.experience
+        self._predictive = (
+            PosteriorPredictive(skill.free) if experience is None else experience.predictive
+        )
+        self._nominal = _nominal_pace(experience)
+        paces = self._first_paces()
+        seen = [self._seen(pace) for pace in paces]
+        for _ in range(2):
+            paces, seen = self._refined(paces, seen)
+        steps = np.gradient(paces) if len(paces) > 1 else np.ones(1)
+        told, believed = np.array([each.evidence for each in seen]), self._log_prior(paces)
+        # The probability of the skill is that of all its durations together.
+        self.evidence = float(logsumexp(told + believed, b=steps))
+        scores = _TEMPERED * told + believed
+        likely = np.exp(scores - scores.max()) * steps
+        likely = np.where(likely > _MIN_PROBABILITY * likely.max(), likely, 0.0)
+        self._paces, self._likely, self._all = paces, likely / likely.sum(), seen
+        self.duration = skill.duration * float(np.exp(self._likely @ paces))
+
+    def forecast(self) -> Forecast:
+        """Mean and covariance of the mixture over the durations, with the scale corrected."""
+        parts = [each.forecast() for each, p in zip(self._all, self._likely, strict=True) if p > 0]
+        likely = self._likely[self._likely > 0.0]
+        means = np.stack([each.weights.mean for each in parts])
+        mean = likely @ means
+        apart = (means - mean) * np.sqrt(likely)[:, None]
+        covariance = self._correction() * np.einsum(
+            "i,ijk->jk", likely, np.stack([each.weights.covariance for each in parts])
+        )
+        heavy = float(likely @ [1.0 / each.freedom for each in parts])
+        freedom = 1.0 / heavy if heavy > 0.0 else np.inf
+        return Forecast(Gaussian(mean, covariance + apart.T @ apart), freedom)
+
+    def _correction(self) -> float:
+        """Mean squared error of left-out demonstrations in variances of the forecast."""
+        experience = self._skill.experience
+        end = min(self._observed.duration / self.duration, 1.0)
+        if experience is None or end == 1.0 or not experience.left_out:
+            return 1.0
+        basis, size = self._skill.basis, len(self._noise)
+        phases = np.linspace(0.0, end, min(len(self._rows), _MAX_SAMPLES))
+        ahead = basis(end + (1.0 - end) * _JUDGED)
+        rows = basis(phases)
+        off = []
+        for curve, predictive in experience.left_out:
+            values = rows @ curve.reshape(size, -1).T
+            found = Seen(predictive, basis, phases, values, self._noise).forecast().weights
+            off.append(_squared_error(curve - found.mean, found.covariance, ahead, self._noise))
+        # The mean of a variance after as many squared errors, if nothing was known before.
+        return float(np.sum(off) / (len(off) - 2))
+
+    def _first_paces(self) -> Float64Array:
+        """A grid over all durations that can be, finer about the demonstrated ones."""
+        least = float(np.log(self._observed.duration / self._skill.duration))
+        mean, spread = self._nominal
+        paces = np.concatenate([_PACES, mean + spread * _STEPS])
+        return np.unique(np.maximum(paces, max(least, _PACES[0])))
+
+    def _refined(self, paces: Float64Array, seen: list[Seen]) -> tuple[Float64Array, list[Seen]]:
+        """The grid with more paces between the neighbours of the best one."""
+        told = _TEMPERED * np.array([each.evidence for each in seen])
+        top = int(np.argmax(told + self._log_prior(paces)))
+        first, last = max(top - 1, 0), min(top + 1, len(paces) - 1)
+        between = np.linspace(paces[first], paces[last], _REFINED + 2)[1:-1]
+        added = between[~np.isin(between, paces)]
+        more = [*seen, *(self._seen(pace) for pace in added)]
+        order = np.argsort(np.concatenate([paces, added]))
+        return np.concatenate([paces, added])[order], [more[i] for i in order]
+
+    def _log_prior(self, paces: Float64Array) -> Float64Array:
+        """Log density (n,) of paces before anything is seen."""
+        mean, spread = self._nominal
+        usual = np.exp(-0.5 * ((paces - mean) / spread) ** 2) / spread
+        other = np.exp(-0.5 * (paces / _PACE_SPREAD) ** 2) / _PACE_SPREAD
+        return np.asarray(np.log((1.0 - _UNUSUAL) * usual + _UNUSUAL * other))
+
+    def _seen(self, pace: float) -> Seen:
+        duration = self._skill.duration * float(np.exp(pace))
+        phases = np.minimum((self._observed.times - self._observed.times[0]) / duration, 1.0)
+        values = self._skill.chart.columns(self._observed, phases, "observed")
+        return Seen(
+            self._predictive, self._skill.basis, phases[self._rows], values[self._rows], self._noise
+        )
+
+
+def _nominal_pace(experience: Experience | None) -> tuple[float, float]:
+    """Mean and standard deviation of the logarithms of durations, over the skill's."""
+    if experience is None or len(experience.paces) == 1:
+        return 0.0, _PACE_SPREAD
+    paces = experience.paces
+    squared = float(((paces - paces.mean()) ** 2).sum()) + _MIN_PACE_SPREAD**2
+    return float(paces.mean()), float(np.sqrt(squared / len(paces)))
+
+
+def _squared_error(
+    missed: Float64Array, covariance: Float64Array, rows: Float64Array, noise: Float64Array
+) -> float:
+    """Mean squared error of curves at phases, per column, in variances of the forecast."""
+    size = len(noise)
+    errors = rows @ missed.reshape(size, -1).T
+    blocks = covariance.reshape(size, rows.shape[1], size, rows.shape[1])
+    spread = np.einsum("nk,ikjl,nl->nij", rows, blocks, rows) + np.diag(noise)
+    squared = errors * np.linalg.solve(spread, errors[:, :, None])[:, :, 0]
+    return float(squared.sum() / errors.size)
+
+
+@dataclass(frozen=True, eq=False)
+class Forecast(ShortRepr):
+    """What is expected of the weights of a motion that has been seen in part."""
+
+    weights: Gaussian  # mean and covariance of the weights (d k,)
+    freedom: float  # degrees of freedom, > 4, of the t distribution with these moments
+
+
+class Seen:
+    """Samples of a motion at supposed phases, under a predictive about its weights."""
+
+    def __init__(
+        self,
+        predictive: PosteriorPredictive,
+        basis: Basis,
+        phases: Float64Array,
+        values: Float64Array,
+        noise: Float64Array,
+    ) -> None:
+        self._predictive = predictive
+        size, rows, root = len(noise), basis(phases), predictive.spread.root
+        residual = (values - rows @ predictive.spread.mean.reshape(size, -1).T) / np.sqrt(noise)
+        # Few functions reach far into the part that was seen: as few rows tell as much.
+        across, lengths, along = np.linalg.svd(rows, full_matrices=False)
+        told = lengths > 1e-9 * lengths[0]
+        few = lengths[told, None] * along[told]
+        blocks = root.reshape(size, basis.count, -1) / np.sqrt(noise)[:, None, None]
+        self._reached = np.matmul(few, blocks).reshape(-1, root.shape[1])
+        # In the coordinates z, weights = mean + root reached.T axes z, each is told on its own.
+        precisions, axes = np.linalg.eigh(self._reached @ self._reached.T)
+        seen = precisions > _UNSEEN * precisions[-1]
+        self._precisions, self._axes = precisions[seen], axes[:, seen]
+        pulled = self._axes.T @ (across[:, told].T @ residual).T.ravel()
+        self._pulled = pulled * np.sqrt(self._precisions)
+        self._factors, believed = _log_prior(predictive.freedom)
+        # Variance (factors, z) of each z after the samples.
+        self._variances = 1.0 / (1.0 / self._factors[:, None] + self._precisions)
+        gained = self._variances @ self._pulled**2
+        volume = np.log1p(self._factors[:, None] * self._precisions).sum(axis=1)
+        scores = believed + 0.5 * (gained - volume)
+        likely = np.exp(scores - scores.max())
+        constant = (residual**2).sum() + len(values) * np.log(2.0 * np.pi * noise).sum()
+        self.evidence = float(scores.max() + np.log(likely.sum()) - 0.5 * constant)
+        self._likely = likely / likely.sum()
+
+    def forecast(self) -> Forecast:
+        """The distribution of the weights, its first two moments those of the mixture."""
+        factor = float(self._likely @ self._factors)
+        gain = self._likely @ self._variances
+        varied = (self._variances - gain) * self._pulled
+        root = self._predictive.spread.root
+        seen = root @ (self._reached.T @ (self._axes / np.sqrt(self._precisions)))
+        within = np.diag(gain - factor) + (varied.T * self._likely) @ varied
+        covariance = factor * (root @ root.T) + seen @ within @ seen.T
+        mean = self._predictive.spread.mean + seen @ (gain * self._pulled)
+        return Forecast(Gaussian(mean, 0.5 * (covariance + covariance.T)), self._freedom(factor))
+
+    def _freedom(self, factor: float) -> float:
+        """Of the inverse gamma distribution with the factor's mean and variance."""
+        variance = float(self._likely @ (self._factors - factor) ** 2)
+        return 4.0 + 2.0 * factor**2 / variance if variance > 0.0 else np.inf
+
+
+@lru_cache(maxsize=64)  # every pace that is tried asks for those of the same skill
+def _log_prior(freedom: float) -> tuple[Float64Array, Float64Array]:
+    """Factors (n,) of the covariance, and the logs of their prior probabilities."""
+    from scipy.special import logsumexp
+
+    if np.isinf(freedom):
+        return np.ones(1), np.zeros(1)
+    log_density = -0.5 * freedom * (_FACTORS + np.exp(-_FACTORS) - 1.0)
+    return np.exp(_FACTORS), log_density - logsumexp(log_density)

@@ -9,8 +9,9 @@ Source: Paraschos et al. 2013, "Probabilistic movement primitives".
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias, get_args
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from typing import Any, ClassVar, Generic, Literal, TypeAlias, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,27 +19,37 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array
-from leadthrough.errors import FitError, InvalidInput
-from leadthrough.models import archive
+from leadthrough.errors import InvalidInput, UnsupportedQuery
+from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.chart import Chart, chart_of, scales
 from leadthrough.models.demonstrations import Demonstrations, motions_of, warn_of_misalignment
-from leadthrough.models.promp import limits
-from leadthrough.models.promp.basis import KINDS, LEAST, Basis, BasisKind
-from leadthrough.models.promp.belief import Experience
-from leadthrough.models.promp.em import expectation_maximisation
-from leadthrough.models.promp.estimation import LEAST_COVERED, Shown
+from leadthrough.models.promp import conditioning, dense, ends, limits
+from leadthrough.models.promp.basis import KINDS, MIN_FUNCTIONS, Basis, BasisKind
+from leadthrough.models.promp.conditioning import TaskMap
+from leadthrough.models.promp.drawing import Drawing, phases_at
+from leadthrough.models.promp.estimation import (
+    Samples,
+    checked_phases,
+    expectation_maximisation,
+    least_squares,
+    refuse_parts,
+)
 from leadthrough.models.promp.gaussian import Gaussian
-from leadthrough.models.promp.least_squares import least_squares
-from leadthrough.models.promp.skill import ProMPSkill
-from leadthrough.models.protocol import Unfitted
-from leadthrough.motion import Motion, MotionT, normalised_times
+from leadthrough.models.promp.limits import Truncated
+from leadthrough.models.promp.predictive import Experience
+from leadthrough.models.protocol import Parameter, Unfitted, whole_number
+from leadthrough.models.queries import checked_query, checked_threads, even_times
+from leadthrough.models.targets import Target
+from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
+from leadthrough.shapes import Shape
 
 Estimator: TypeAlias = Literal["least_squares", "em"]
 
 # Margins of the basis: of files which do not say, and of fewer functions than these, which cannot
 # be spared outside the motion.
-_EARLIER_MARGIN, _LEAST_MARGIN = 1.0, 0.25
+_EARLIER_MARGIN, _SMALL_MARGIN = 1.0, 0.25
 _FEW = 15
+_MIN_WEIGHTS, _MAX_WEIGHTS = 5, 40  # the range worth trying on a slider
 
 
 @dataclass(frozen=True)
@@ -73,7 +84,7 @@ class ProMP(Unfitted):
     margin: float | None = None
 
     def __post_init__(self) -> None:
-        check.integer(self.weights, "weights", at_least=LEAST, at_most=10_000)
+        check.integer(self.weights, "weights", at_least=MIN_FUNCTIONS, at_most=10_000)
         check.choice(self.basis, "basis", KINDS)
         check.number(self.width, "width", at_least=0.3, at_most=3.0)
         check.choice(self.estimator, "estimator", get_args(Estimator))
@@ -108,7 +119,7 @@ class ProMP(Unfitted):
         at = (
             [normalised_times(motion.times) for motion in motions]
             if phases is None
-            else _checked_phases(phases, motions, rhythmic=self.basis == "rhythmic")
+            else checked_phases(phases, motions, rhythmic=self.basis == "rhythmic")
         )
         chart = chart_of(motions, at)
         if phases is None:
@@ -117,33 +128,418 @@ class ProMP(Unfitted):
             chart.columns(motion, u, f"demonstrations[{i}]")
             for i, (motion, u) in enumerate(zip(motions, at, strict=True))
         ]
-        shown = Shown(at, columns, scales(columns, chart))
+        samples = Samples(at, columns, scales(columns, chart))
         basis = _basis_of(self)
         if self.estimator == "em":
-            fit = expectation_maximisation(basis, shown)
+            fit = expectation_maximisation(basis, samples)
         else:
-            _refuse_parts(at)
-            fit = least_squares(basis, shown, self.regularization)
+            refuse_parts(at)
+            fit = least_squares(basis, samples, self.regularization)
         whole = [m.duration / float(u[-1] - u[0]) for m, u in zip(motions, at, strict=True)]
         duration = float(np.median(whole))
         experience = None
         if len(fit.curves) > 0:
             paces = np.log(np.divide(whole, duration))
-            experience = Experience(basis, fit.curves, paces, fit.noise, shown.scale)
+            experience = Experience(basis, fit.curves, paces, fit.noise, samples.scale)
         return ProMPSkill(
             self,
             basis,
             chart,
             fit.weights,
             fit.noise,
-            shown.scale,
+            samples.scale,
             duration,
             experience=experience,
         )
 
 
-# Any: settings are whatever JSON holds.
-def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> ProMPSkill:
+@dataclass(frozen=True, eq=False)
+class ProMPSkill(FittedSkill, Generic[MotionT_co]):
+    """A normal distribution of motions; made by `ProMP.fit`.
+
+    Attributes:
+        model: the settings that it was fitted with.
+        basis: the k basis functions of the phase.
+        chart: what the d columns are: the coordinates of points, the joints, or for poses the
+            position and a rotation vector from a reference orientation.
+        free: distribution of the weights (d k,), one column after the other, before the limits.
+        noise: variances (d,) of the demonstrations about their curves.
+        scale: reach (d,) of the motion.
+        duration: duration of the motion, s.
+        bounds: lower and upper limits (d,) each, or None.
+        experience: the demonstrations, as long as the skill is as it was fitted.
+    """
+
+    model: ProMP
+    basis: Basis
+    chart: Chart[MotionT_co]
+    free: Gaussian
+    noise: Float64Array
+    scale: Float64Array
+    duration: float
+    bounds: limits.Bounds | None = None
+    experience: Experience | None = None
+
+    kind: ClassVar[str] = "promp"
+
+    @cached_property
+    def weights(self) -> Gaussian:
+        """Mean and covariance of the weights (d k,), inside the limits; `free` without limits."""
+        return self.free if self.bounds is None else self._truncated.moments
+
+    @property
+    def supports(self) -> frozenset[str]:
+        """Parts of a query that it honours; a rhythmic motion has no goal."""
+        parts = {"start", "goal", "duration"}
+        return frozenset(parts - {"goal"} if self.basis.is_rhythmic else parts)
+
+    def distribution(
+        self, times: ArrayLike, *, order: int = 0
+    ) -> tuple[Float64Array, Float64Array]:
+        """Mean and covariance of the columns, without the noise of the demonstrations.
+
+        They are those of `weights`, which an estimator found: that few demonstrations tell mean
+        and covariance only roughly is not part of them, nor of `sample` and `condition`. The
+        skills that `infer` returns have covariances of which it is part.
+
+        Args:
+            times: times (n,), s, in [0, duration]; of a rhythmic motion any.
+            order: 0 for positions, 1 for velocities, per s, 2 for accelerations, per s^2.
+
+        Returns:
+            Mean (n, d) and covariance (n, d, d).
+
+        Raises:
+            InvalidInput: if there is no time, one lies outside the motion or order is not 0, 1, 2.
+        """
+        check.integer(order, "order", at_least=0, at_most=2)
+        rows = self.basis(self._phases(times, "times", at_least=1), order) * self.duration**-order
+        size, count = self.chart.width, self.basis.count
+        blocks = self.weights.covariance.reshape(size, count, size, count).transpose(1, 3, 0, 2)
+        pairs = (rows[:, :, None] * rows[:, None, :]).reshape(len(rows), -1)
+        covariance = dense.product(pairs, blocks.reshape(count**2, size**2))
+        return rows @ self.weights.mean.reshape(size, count).T, covariance.reshape(-1, size, size)
+
+    @checked_query
+    def generate(
+        self,
+        *,
+        start: Target | None = None,
+        goal: Target | None = None,
+        duration: float | None = None,
+        dt: float = 0.01,
+        obstacles: Sequence[Shape] = (),
+    ) -> MotionT_co:
+        """The mean motion, or one between a start and a goal.
+
+        Inside what was shown it is conditioned on them. Farther off it is shifted, and no phase
+        moves by more than one and a half times what the ends are moved by.
+
+        Args:
+            start: columns (d,) at the start; for poses (position (3,), orientation (4,) as
+                w, x, y, z) or the position alone. By default the mean.
+            goal: the same at the end; a rhythmic motion has none.
+            duration: duration, s, > 0; by default the skill's own.
+            dt: largest time between samples, s, > 0.
+            obstacles: must be empty.
+
+        Returns:
+            A motion of the type that was demonstrated; joints with velocities and accelerations.
+
+        Raises:
+            InvalidInput: if an argument is wrong, or if the motion is fixed to something else at
+                its start or its goal.
+            UnsupportedQuery: for obstacles, or a goal of a rhythmic motion.
+        """
+        if len(obstacles) > 0:
+            raise UnsupportedQuery(
+                "obstacles: a ProMP cannot avoid them; leave them out or use FastMarching"
+            )
+        if goal is not None and self.basis.is_rhythmic:
+            raise UnsupportedQuery(
+                "goal: a rhythmic motion has none, it ends where it starts; leave it out"
+            )
+        check.number(dt, "dt", above=0.0)
+        skill = self if duration is None else self.lasting(duration)
+        asked = ends.asked(self.chart, start, goal)
+        skill = ends.moved(skill, asked) if asked else skill
+        times = even_times(skill.duration, dt)
+        return skill._motion(skill.weights.mean, times)
+
+    def novelty(self, *, start: Target | None = None, goal: Target | None = None) -> float:
+        """How far a start and a goal lie from what was samples, in standard deviations.
+
+        The largest deviation along any principal axis of the distribution of these ends. From
+        about 3 on, the motion is an extrapolation: `generate` shifts it there.
+
+        Args:
+            start: as in `generate`.
+            goal: as in `generate`.
+
+        Returns:
+            0 for the mean ends; infinite where the motion is fixed to something else.
+
+        Raises:
+            InvalidInput: if an argument is wrong.
+        """
+        asked = ends.asked(self.chart, start, goal)
+        return ends.novelty(self, asked) if asked else 0.0
+
+    def condition(
+        self,
+        time: ArrayLike,
+        position: Target,
+        *,
+        covariance: ArrayLike | None = None,
+        order: int = 0,
+        columns: Sequence[int] | None = None,
+    ) -> ProMPSkill[MotionT_co]:
+        """A skill whose motions pass one or several via points; call it again for more.
+
+        The covariance of `weights` counts as known: see `distribution`.
+
+        Args:
+            time: time of the via point, s, in [0, duration]; (m,) for several.
+            position: the values (p,) there, for poses as in `generate`; (m, p) for several.
+            covariance: covariance (p, p) of the values at each via point; by default the motion
+                passes through them exactly.
+            order: what the values are: 0 positions, 1 velocities, per s, 2 accelerations, per s^2.
+            columns: indices of the p columns that the values are for; by default all; for poses
+                those of the position or of the position and the orientation.
+
+        Raises:
+            InvalidInput: if an argument is wrong, if several via points are given for poses, if
+                the motion is already fixed to something else at that time, or if exact via points
+                are so close to each other that the basis can only throw the motion elsewhere.
+        """
+        plain = columns is None and covariance is not None and type(order) is int and order == 0
+        if plain and self.bounds is None:
+            observed = conditioning.quickly(self, time, position, covariance)
+            if observed is not None:
+                return self._with_free(observed)
+        check.integer(order, "order", at_least=0, at_most=2)
+        several = isinstance(time, list | tuple) or getattr(time, "ndim", 0) > 0
+        phases = self._phases(time if several else [cast(float, time)], "time", at_least=1)
+        if columns is None and order == 0 and self.chart.kind == "poses":
+            if several:
+                raise InvalidInput("time: expected one time for a pose; call again for more")
+            chosen = None
+            values = self.chart.target(position, "position", float(phases[0]))[None]
+        else:
+            chosen = conditioning.chosen(columns, self.chart)
+            shape = (len(phases), len(chosen)) if several else (len(chosen),)
+            values = check.array(position, "position", shape=shape).reshape(-1, len(chosen))
+        skill = conditioning.of_values(
+            self, phases, values, covariance, columns=chosen, order=order, name="position"
+        )
+        if covariance is None and order == 0:
+            columns_of = self.chart.every[: values.shape[1]] if chosen is None else chosen
+            conditioning.refuse_too_close(self, skill, phases, values, columns_of)
+        return skill
+
+    def condition_task(
+        self,
+        time: float,
+        value: ArrayLike,
+        task: TaskMap,
+        *,
+        covariance: ArrayLike | None = None,
+    ) -> ProMPSkill[MotionT_co]:
+        """A skill whose motions pass a via point in a task space, such as a tool's position.
+
+        Args:
+            time: time of the via point, s, in [0, duration].
+            value: value (p,) in the task space.
+            task: takes columns (d,), returns their value (p,) in the task space and its Jacobian
+                (p, d); for joints an arm's kinematics.
+            covariance: covariance (p, p) of the value; by default the mean motion passes exactly.
+
+        Raises:
+            InvalidInput: if an argument is wrong or the mean motion cannot reach the value.
+
+        Source: Gomez-Gonzalez et al. 2020, "Adaptation and robust learning of probabilistic
+        movement primitives", section IV-D, iterated.
+        """
+        rows = np.asarray(
+            np.kron(np.eye(self.chart.width), self.basis(self._phases([time], "time")))
+        )
+        noise = conditioning.noise_of(covariance, np.size(value))
+        return self.with_weights(conditioning.through(self, rows, value, task, noise))
+
+    def lasting(self, duration: float) -> ProMPSkill[MotionT_co]:
+        """The same motion at another speed.
+
+        Args:
+            duration: new duration, s, > 0.
+
+        Raises:
+            InvalidInput: if the duration is not positive.
+        """
+        return replace(self, duration=check.number(duration, "duration", above=0.0))
+
+    @one_blas_thread
+    def within(self, lower: ArrayLike, upper: ArrayLike) -> ProMPSkill[MotionT_co]:
+        """A skill whose mean and samples keep limits.
+
+        Its distribution is that of the motions that keep the limits, cut off where they do not:
+        `distribution` gives its mean and covariance, to a few hundredths of the standard deviation,
+        `generate` its mean, `sample` draws from it. Via points stay. `condition` and `generate`
+        with a start or goal observe first and cut off then, in whatever order they are called.
+
+        Args:
+            lower: lower limits (d,), -inf where there is none.
+            upper: upper limits (d,), > lower, inf where there is none.
+
+        Raises:
+            InvalidInput: if the limits are wrong, or if via points lie outside them.
+        """
+        bounds = limits.checked(lower, upper, self.chart.width)
+        bounded = replace(self, bounds=bounds).with_weights(self.free)
+        return replace(bounded, experience=self.experience)
+
+    def sample(
+        self, count: int, *, seed: int, dt: float = 0.01, threads: int = 1
+    ) -> list[MotionT_co]:
+        """Random motions, inside the limits, from `distribution`.
+
+        Args:
+            count: number of motions, >= 1.
+            seed: seed of the random number generator, >= 0.
+            dt: largest time between samples, s, > 0.
+            threads: number of threads, 1 to 256; does not change the motions.
+
+        Raises:
+            InvalidInput: if an argument is out of range.
+        """
+        times = even_times(self.duration, check.number(dt, "dt", above=0.0))
+        check.affordable_count(count, "count", each=len(times) * self.chart.width)
+        checked_threads(threads)
+        drawing = Drawing(self.chart, self.basis, times, self.duration)
+        return drawing.motions(self.sample_weights(count, seed=seed), threads)
+
+    def sample_weights(self, count: int, *, seed: int) -> Float64Array:
+        """Random weight vectors, inside the limits.
+
+        Args:
+            count: number of vectors, >= 1.
+            seed: seed of the random number generator, >= 0.
+
+        Returns:
+            Weights (count, d k), one column after the other.
+
+        Raises:
+            InvalidInput: if an argument is out of range.
+        """
+        size = check.affordable_count(count, "count", each=len(self.free.mean))
+        rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
+        return (self.free if self.bounds is None else self._truncated).draw(size, rng)
+
+    def log_likelihood(self, trajectory: Motion) -> float:
+        """Log density of a motion whose samples are as noisy as the demonstrations'.
+
+        Args:
+            trajectory: a motion of the type that was demonstrated, at least two samples. Its
+                duration does not matter: it is compared over normalised time.
+
+        Raises:
+            InvalidInput: if the motion has another type or fewer than two samples.
+        """
+        conditioning.check_seen(trajectory, "trajectory")
+        phases = normalised_times(trajectory.times)
+        values = self.chart.columns(trajectory, phases, "trajectory")
+        return conditioning.log_density(self, phases, values)
+
+    def parameters(
+        self, demonstrations: Demonstrations[Motion] = ()
+    ) -> Sequence[Parameter[MotionT_co]]:
+        """The number of weights, if there are demonstrations to fit again.
+
+        The skill fitted again has the same settings, duration and limits, but no via points.
+
+        Args:
+            demonstrations: the demonstrations that the skill was fitted to.
+        """
+        if len(demonstrations) == 0:
+            return []
+
+        def fitted(weights: int) -> ProMPSkill[MotionT_co]:
+            made = replace(self.model, weights=weights).fit(demonstrations)
+            again = cast(ProMPSkill[MotionT_co], made).lasting(self.duration)
+            return again if self.bounds is None else again.within(*self.bounds)
+
+        least, most = _MIN_WEIGHTS, _MAX_WEIGHTS
+        return [whole_number("weights", self.basis.count, least=least, most=most, apply=fitted)]
+
+    def to_archive(self) -> tuple[dict[str, Any], Arrays]:
+        """Settings and arrays that `from_archive` turns into the skill again."""
+        settings = {
+            "model": asdict(self.model),
+            "duration": self.duration,
+            **self.chart.settings(),
+        }
+        arrays = {
+            "mean": self.free.mean,
+            "covariance": self.free.covariance,
+            "noise": self.noise,
+            "scale": self.scale,
+            **self.chart.arrays(),
+        }
+        if self.bounds is not None:
+            arrays["lower"], arrays["upper"] = self.bounds
+            settings["truncated"] = True
+        if self.experience is not None:
+            arrays["curves"], arrays["paces"] = self.experience.curves, self.experience.paces
+        return settings, arrays
+
+    def with_weights(self, weights: Gaussian) -> ProMPSkill[MotionT_co]:
+        """The skill with another distribution of the weights, before the limits.
+
+        Args:
+            weights: distribution of the weights (d k,), one column after the other.
+
+        Raises:
+            InvalidInput: if the limits cannot be kept.
+        """
+        if self.bounds is not None:
+            limits.moved_inside(weights, self.basis, self.bounds, self.scale)
+        # Spelled out, as `replace` takes longer and controllers condition in a loop.
+        same = self.noise, self.scale, self.duration, self.bounds
+        return ProMPSkill(self.model, self.basis, self.chart, weights, *same)
+
+    def _with_free(self, weights: Gaussian) -> ProMPSkill[MotionT_co]:
+        """As `with_weights` without limits, in half the time that the constructor takes."""
+        made = object.__new__(type(self))
+        vars(made).update(
+            model=self.model,
+            basis=self.basis,
+            chart=self.chart,
+            free=weights,
+            noise=self.noise,
+            scale=self.scale,
+            duration=self.duration,
+            bounds=None,
+            experience=None,
+        )
+        return made
+
+    @cached_property
+    def _truncated(self) -> Truncated:
+        assert self.bounds is not None
+        return Truncated(self.free, self.basis, self.bounds, self.scale)
+
+    def _phases(self, times: ArrayLike, name: str, at_least: int = 0) -> Float64Array:
+        cyclic = self.basis.is_rhythmic
+        return phases_at(times, name, duration=self.duration, repeats=cyclic, at_least=at_least)
+
+    def _motion(self, weights: Float64Array, times: Float64Array) -> MotionT_co:
+        phases = times / self.duration
+        curves = weights.reshape(self.chart.width, -1).T
+        orders = (0, 1, 2) if self.chart.kind == "joints" else (0,)
+        values = [self.basis(phases, each) @ curves * self.duration**-each for each in orders]
+        return self.chart.motion(times, phases, *values)
+
+
+def from_archive(settings: dict[str, Any], arrays: Arrays) -> ProMPSkill:
     """The skill from the settings and arrays that `ProMPSkill.to_archive` returned."""
     model = _model_of(settings)
     basis, chart = _basis_of(model), Chart.from_archive(settings, arrays)
@@ -182,38 +578,5 @@ def _model_of(settings: dict[str, Any]) -> ProMP:
 def _basis_of(model: ProMP) -> Basis:
     margin = model.margin
     if margin is None:
-        margin = _EARLIER_MARGIN if model.weights >= _FEW else _LEAST_MARGIN
+        margin = _EARLIER_MARGIN if model.weights >= _FEW else _SMALL_MARGIN
     return Basis(model.basis, model.weights, float(model.width), float(margin))
-
-
-def _checked_phases(
-    phases: Sequence[ArrayLike], motions: Sequence[Motion], *, rhythmic: bool
-) -> list[Float64Array]:
-    if not isinstance(phases, Sequence) or len(phases) != len(motions):
-        got = len(phases) if isinstance(phases, Sequence) else type(phases).__name__
-        raise InvalidInput(
-            f"phases: expected one array per demonstration, {len(motions)}, got {got}"
-        )
-    checked = []
-    for i, (given, motion) in enumerate(zip(phases, motions, strict=True)):
-        name = f"phases[{i}]"
-        u = check.array(given, name, shape=(len(motion.times),))
-        if (np.diff(u) <= 0).any():
-            at = int(np.argmax(np.diff(u) <= 0))
-            raise InvalidInput(
-                f"{name}: expected strictly increasing phases, "
-                f"got {u[at]:.6g} then {u[at + 1]:.6g} at samples {at} and {at + 1}"
-            )
-        if not rhythmic and not (u[0] >= 0.0 and u[-1] <= 1.0):
-            raise InvalidInput(f"{name}: expected phases in [0, 1], got {u[0]:.6g} to {u[-1]:.6g}")
-        checked.append(u)
-    return checked
-
-
-def _refuse_parts(phases: Sequence[Float64Array]) -> None:
-    for i, u in enumerate(phases):
-        if u[-1] - u[0] < LEAST_COVERED:
-            raise FitError(
-                f"demonstrations[{i}]: covers only the phases {u[0]:.3g} to {u[-1]:.3g}; "
-                'set estimator="em", which takes parts of a motion'
-            )

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 import leadthrough as lt
-from leadthrough.models.promp.basis import KINDS, Basis
+from leadthrough.models.promp.basis import KINDS, Basis, lines, raised
 from leadthrough.models.promp.model import from_archive
-from leadthrough.models.promp.prior import lines, raised
 
 PHASES = np.linspace(0.0, 1.0, 301)
 

@@ -8,14 +8,14 @@ import leadthrough as lt
 from leadthrough.errors import FitError
 from leadthrough.models.chart import Chart, scales
 from leadthrough.models.promp.basis import Basis
-from leadthrough.models.promp.em import (
+from leadthrough.models.promp.estimation import (
+    Samples,
     Sums,
     expectation,
     expectation_maximisation,
     log_prior,
     maximisation,
 )
-from leadthrough.models.promp.estimation import Shown
 from leadthrough.models.promp.gaussian import Gaussian
 
 BASIS = Basis("gaussian", 8)
@@ -38,7 +38,7 @@ def test_posterior_density_never_falls():
     phases = [u[:40], u[20:], u, u[10:50], u, u]
     columns = [noisy[0][:40], noisy[1][20:], noisy[2], noisy[3][10:50], noisy[4], noisy[5]]
     scale = scales(columns, Chart("points", 2))
-    history = expectation_maximisation(BASIS, Shown(phases, columns, scale)).history
+    history = expectation_maximisation(BASIS, Samples(phases, columns, scale)).history
     assert len(history) > 3
     assert np.diff(history).min() > -1e-6
 

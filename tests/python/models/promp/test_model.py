@@ -5,8 +5,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.errors import FitError, InvalidInput
-from leadthrough.models.promp.basis import Basis
-from leadthrough.models.promp.prior import smooth_prior
+from leadthrough.models.promp.basis import Basis, smooth_prior
 
 TIMES = np.linspace(0.0, 2.0, 200)
 

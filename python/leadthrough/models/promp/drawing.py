@@ -1,4 +1,4 @@
-"""Motions of many weights at the same times: what they share is made once.
+"""Motions of many weights at the same times, which share their basis functions, events and joints.
 
 New memory takes longer to get than its numbers to compute, and threads wait for one another there:
 several motions lie in one block.
@@ -10,12 +10,14 @@ from collections.abc import Iterator
 from typing import Any, Generic, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, events, rotations
 from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
 from leadthrough.models.chart import Chart, turned_by
 from leadthrough.models.promp.basis import Basis
-from leadthrough.models.queries import checked_threads, mapped
+from leadthrough.models.queries import asked_times, checked_threads, mapped
 from leadthrough.motion import (
     JointTrajectory,
     MotionT_co,
@@ -29,6 +31,9 @@ from leadthrough.motion import (
 # asked for anew each time by the usual C library.
 _BLOCK = 32 * 2**20
 _NAMES = ("positions", "velocities", "accelerations")
+# A time may lie this fraction of the duration outside the motion, by rounding: evenly spaced times
+# up to the duration may end an ulp beyond it.
+_ROUNDING = 1e-9
 
 
 class Drawing(Generic[MotionT_co]):
@@ -100,3 +105,23 @@ def _refuse_infinite(block: Float64Array) -> None:
     for values in block:
         for rows, name in zip(values, _NAMES, strict=False):
             check.array(rows, name, shape=rows.shape)
+
+
+def phases_at(
+    times: ArrayLike, name: str, *, duration: float, repeats: bool, at_least: int = 0
+) -> Float64Array:
+    """Phases (n,) at times of a motion."""
+    phases = asked_times(times, name, at_least=at_least) / duration
+    if repeats or len(phases) == 0:
+        return phases
+    if len(phases) == 1:  # the quick way: via points come one at a time
+        first = last = float(phases[0])
+    else:
+        first, last = float(phases.min()), float(phases.max())
+    if first < -_ROUNDING or last > 1.0 + _ROUNDING:
+        outside = (first if first < -_ROUNDING else last) * duration
+        raise InvalidInput(
+            f"{name}: expected times in [0, {duration:.6g}] s, the motion's duration, "
+            f"got {outside:.6g} s"
+        )
+    return phases if first >= 0.0 and last <= 1.0 else np.clip(phases, 0.0, 1.0)

@@ -1,4 +1,4 @@
-"""What demonstrations tell of the next motion: a Student t distribution of its weights.
+"""Posterior predictive distribution of the next motion's weights: a Student t distribution.
 
 A few demonstrations leave both the mean and the covariance of the weights uncertain. Under a
 normal-inverse-Wishart prior, the weights of the next motion have a t distribution: a normal one
@@ -22,15 +22,15 @@ from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.repr import ShortRepr
 
-# What is tried: demonstrations that the prior counts as, and its correlation lengths, in phase.
+# Candidates: demonstrations that the prior counts as, and its correlation lengths, in phase.
 _STRENGTHS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 _LENGTHS = (0.08, 0.15, 0.3, 0.6)
 _PRIORS = [(strength, length) for length in _LENGTHS for strength in _STRENGTHS]
-# What is taken where there are too few demonstrations to leave one out.
-_USUAL = (4.0, 0.15)
-_LEAST_COUNT = 3
+# The choice where there are too few demonstrations to leave one out.
+_NOMINAL = (4.0, 0.15)
+_MIN_COUNT = 3
 # More demonstrations than these are not left out in turn, so that the time stays bounded.
-_MOST_LEFT_OUT = 12
+_MAX_LEFT_OUT = 12
 # Phases that count as the beginning, and those of the rest that are judged.
 _BEGINNING = np.linspace(0.0, 0.3, 16)
 _REST = np.array([0.5, 0.7, 0.85, 1.0])
@@ -38,14 +38,14 @@ _REST = np.array([0.5, 0.7, 0.85, 1.0])
 _UNKNOWN_SPREAD = 0.1
 # Fractions of the reach: the least standard deviation of a motion, and the noise that samples are
 # taken to have besides their own.
-_LEAST_SPREAD = 1e-2
-_LEAST_NOISE = 1e-2
+_MIN_SPREAD = 1e-2
+_MIN_NOISE = 1e-2
 # Variance of each weight on its own, relative to the kernel's, so that nothing is ruled out.
 _ROUGH = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Belief(ShortRepr):
+class PosteriorPredictive(ShortRepr):
     """A t distribution of the weights of a motion."""
 
     spread: Gaussian  # location and scale matrix of the weights (d k,)
@@ -54,7 +54,7 @@ class Belief(ShortRepr):
 
 @dataclass(frozen=True, eq=False)
 class Experience(ShortRepr):
-    """The demonstrations of a skill, and what they tell of another motion."""
+    """The demonstrations of a skill, and the distribution of another motion that they imply."""
 
     basis: Basis  # the k basis functions
     curves: Float64Array  # weights (m, d k) of the demonstrations, one column after the other
@@ -63,14 +63,14 @@ class Experience(ShortRepr):
     scale: Float64Array  # reach (d,) of the motions
 
     @cached_property
-    def belief(self) -> Belief:
+    def predictive(self) -> PosteriorPredictive:
         """The distribution of the next motion's weights."""
         return self._of(self.curves, self._chosen(self._scores.sum(axis=0)))
 
     @cached_property
-    def left_out(self) -> Sequence[tuple[Float64Array, Belief]]:
-        """Weights (d k,) of demonstrations, each with what the others tell of it."""
-        if len(self.curves) < _LEAST_COUNT:
+    def left_out(self) -> Sequence[tuple[Float64Array, PosteriorPredictive]]:
+        """Weights (d k,) of demonstrations, each with its predictive given the others."""
+        if len(self.curves) < _MIN_COUNT:
             return ()
         # Nor does a demonstration say which prior it is judged by.
         others = self._scores.sum(axis=0) - self._scores
@@ -79,8 +79,8 @@ class Experience(ShortRepr):
             for (i, rest), scores in zip(_splits(self.curves), others, strict=True)
         ]
 
-    def _of(self, curves: Float64Array, prior_choice: tuple[float, float]) -> Belief:
-        """The belief after curves (m, d k)."""
+    def _of(self, curves: Float64Array, prior_choice: tuple[float, float]) -> PosteriorPredictive:
+        """The predictive distribution after curves (m, d k)."""
         strength, length = prior_choice
         count = len(curves)
         mean = curves.mean(axis=0)
@@ -88,18 +88,20 @@ class Experience(ShortRepr):
         prior = np.kron(np.diag(self._variance(centred)), _kernel(self.basis, length))
         freedom = count - 1 + strength
         scatter = centred.T @ centred + strength * prior
-        return Belief(Gaussian(mean, scatter * ((1.0 + 1.0 / count) / freedom)), freedom)
+        return PosteriorPredictive(
+            Gaussian(mean, scatter * ((1.0 + 1.0 / count) / freedom)), freedom
+        )
 
     @cached_property
     def _scores(self) -> Float64Array:
         """Log densities (n, candidates) of the rests of left-out demonstrations."""
-        if len(self.curves) < _LEAST_COUNT:
+        if len(self.curves) < _MIN_COUNT:
             return np.zeros((0, len(_PRIORS)))
         return np.array([self._scores_of(i, rest) for i, rest in _splits(self.curves)])
 
     def _chosen(self, scores: Float64Array) -> tuple[float, float]:
         """Strength and length of the best prior by scores (candidates,)."""
-        return _PRIORS[int(scores.argmax())] if len(self._scores) > 0 else _USUAL
+        return _PRIORS[int(scores.argmax())] if len(self._scores) > 0 else _NOMINAL
 
     def _scores_of(self, i: int, others: Float64Array) -> list[float]:
         """Log densities of the rest of demonstration i, one for each candidate."""
@@ -110,7 +112,7 @@ class Experience(ShortRepr):
         centred = _values(others - mean, rows, size)
         missed = _values((self.curves[i] - mean)[None], rows, size)[0]
         scatter, variance = centred.T @ centred, self._variance(others - mean)
-        noise = np.diag(np.tile(self.noise + (_LEAST_NOISE * self.scale) ** 2, len(rows)))
+        noise = np.diag(np.tile(self.noise + (_MIN_NOISE * self.scale) ** 2, len(rows)))
         priors = {
             length: np.kron(rows @ _kernel(self.basis, length) @ rows.T, np.diag(variance))
             for length in _LENGTHS
@@ -130,19 +132,19 @@ class Experience(ShortRepr):
         rows = self.basis(np.linspace(0.0, 1.0, 4 * self.basis.count + 1))
         deviations = _values(centred, rows, size).reshape(count, len(rows), size)
         pooled = (deviations**2).mean(axis=1).sum(axis=0) / (count - 1)
-        return np.asarray(pooled + (_LEAST_SPREAD * self.scale) ** 2)
+        return np.asarray(pooled + (_MIN_SPREAD * self.scale) ** 2)
 
 
 def common_noise(noises: Sequence[Float64Array], scales: Sequence[Float64Array]) -> Float64Array:
     """Variances (d,) of samples about any of several motions."""
     reach = np.mean(scales, axis=0)
-    return np.asarray(np.mean(noises, axis=0) + (_LEAST_NOISE * reach) ** 2)
+    return np.asarray(np.mean(noises, axis=0) + (_MIN_NOISE * reach) ** 2)
 
 
 def _splits(curves: Float64Array) -> Iterator[tuple[int, Float64Array]]:
     """Indices of left-out demonstrations, and the weights (m - 1, d k) of the others."""
     count = len(curves)
-    for i in np.linspace(0, count - 1, min(count, _MOST_LEFT_OUT)).round().astype(int):
+    for i in np.linspace(0, count - 1, min(count, _MAX_LEFT_OUT)).round().astype(int):
         yield int(i), np.delete(curves, i, axis=0)
 
 

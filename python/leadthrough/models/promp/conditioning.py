@@ -1,0 +1,304 @@
+"""Weights of a ProMP after observations: of columns, of noisy samples, of a value in a task space.
+
+A task space, such as the position of an arm's tool, is a function of the columns with a Jacobian.
+Exact via points are refused where they lie too close for the basis: few functions cannot bend from
+one to the next.
+
+Sources: Gomez-Gonzalez et al. 2020, "Adaptation and robust learning of probabilistic movement
+primitives", section IV-D, for task spaces, iterated as by Bell and Cathey 1993, "The iterated
+Kalman filter update as a Gauss-Newton method".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol, Self, TypeAlias, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from leadthrough import _core, check
+from leadthrough.check import Float64Array
+from leadthrough.errors import InvalidInput
+from leadthrough.models.chart import Chart
+from leadthrough.models.promp.basis import Basis
+from leadthrough.models.promp.dense import log_determinant, product, solve_definite
+from leadthrough.models.promp.gaussian import Gaussian
+from leadthrough.motion import Motion
+
+# Standard deviations, as fractions of the scale, of which a Cholesky root loses nothing that
+# matters.
+_SURELY_UNCERTAIN = 1e-5
+# Takes the columns (d,) of a motion, returns their value (p,) in the task space and the Jacobian
+# (p, d) of that value.
+TaskMap: TypeAlias = Callable[[Float64Array], tuple[ArrayLike, ArrayLike]]
+_MAX_STEPS = 50
+# The iteration ends when no column moves by more than this fraction of its reach.
+_REACHED = 1e-9
+# A row of the Jacobian counts as at least this fraction of the largest.
+_MIN_ROW = 1e-6
+# Elsewhere a motion may move this many times as far as its via points do, relative to its reach.
+_MAX_GAIN = 5.0
+# Via points farther apart than this many spacings of the basis functions are resolved.
+_RESOLVED = 2.0
+# Fraction of a via point's row, squared, that points fixed before may determine.
+_MAX_DETERMINED = 0.5
+_PHASES_PER_WEIGHT = 4
+_ROUNDING = 1e-6  # fraction of the reach that counts as no move
+
+
+class Primitive(Protocol):
+    """Attributes of a ProMP's skill that observations need."""
+
+    @property
+    def basis(self) -> Basis:
+        """The k basis functions."""
+
+    @property
+    def chart(self) -> Chart[Any]:
+        """Meaning of the d columns."""
+
+    @property
+    def free(self) -> Gaussian:
+        """Distribution of the weights (d k,) before the limits."""
+
+    @property
+    def weights(self) -> Gaussian:
+        """Distribution of the weights (d k,) inside the limits."""
+
+    @property
+    def noise(self) -> Float64Array:
+        """Variances (d,) of the demonstrations about their curves."""
+
+    @property
+    def scale(self) -> Float64Array:
+        """Reach (d,) of the motion."""
+
+    @property
+    def duration(self) -> float:
+        """Duration of the motion, s."""
+
+    def with_weights(self, weights: Gaussian) -> Self:
+        """The skill with another distribution of the weights."""
+
+
+PrimitiveT = TypeVar("PrimitiveT", bound=Primitive)
+
+
+def quickly(
+    skill: Primitive, time: object, position: object, covariance: object
+) -> Gaussian | None:
+    """The weights after noisy via points, as `of_values`, in one call: controllers ask in a loop.
+
+    None where it takes the longer path.
+    """
+    basis, weights = skill.basis, skill.free
+    if basis.kind == "bspline" or skill.chart.kind == "poses":
+        return None
+    observed = _core.condition_at(
+        weights.mean,
+        weights.covariance,
+        basis.centres,
+        basis.sharpness,
+        basis.is_rhythmic,
+        skill.scale,
+        skill.duration,
+        time,
+        position,
+        covariance,
+        _SURELY_UNCERTAIN,
+    )
+    return None if observed is None else Gaussian(*observed)
+
+
+def of_values(
+    skill: PrimitiveT,
+    phases: Float64Array,
+    values: Float64Array,
+    covariance: ArrayLike | None = None,
+    *,
+    columns: NDArray[np.int64] | None = None,
+    order: int = 0,
+    name: str,
+) -> PrimitiveT:
+    """The skill after observing values at one or several phases."""
+    chosen = skill.chart.every[: values.shape[1]] if columns is None else columns
+    noise = noise_of(covariance, len(chosen))
+    rows, scale = skill.basis(phases, order), skill.scale[chosen]
+    if order > 0:
+        pace = skill.duration**-order
+        rows, scale = rows * pace, scale * pace
+    return skill.with_weights(
+        of_columns(skill.free, rows, chosen, values, noise, scale=scale, name=name)
+    )
+
+
+def chosen(columns: Sequence[int] | None, chart: Chart) -> NDArray[np.int64]:
+    """A user's choice of columns."""
+    if columns is None:
+        return chart.every
+    most = chart.width - 1
+    result = [check.integer(each, "columns", at_least=0, at_most=most) for each in columns]
+    if not result or len(set(result)) != len(result):
+        raise InvalidInput(
+            f"columns: expected at least one of 0 to {most}, each once, got {list(columns)}"
+        )
+    return np.array(result)
+
+
+def of_columns(
+    weights: Gaussian,
+    rows: Float64Array,
+    columns: NDArray[np.int64],
+    values: Float64Array,
+    noise: Float64Array | None,
+    *,
+    scale: Float64Array,
+    name: str,
+) -> Gaussian:
+    """The weights after observing some columns at one or several phases."""
+    certain, mean, covariance = _core.condition_weights(
+        weights.mean,
+        weights.covariance,
+        rows,
+        columns,
+        values,
+        np.zeros((len(columns), len(columns))) if noise is None else noise,
+        scale,
+        _SURELY_UNCERTAIN,
+    )
+    if not certain:
+        return Gaussian(mean, covariance)
+    # The slower way, which takes the directions apart, only where some are certain already.
+    picked = np.eye(len(weights.mean) // rows.shape[1])[columns]
+    return weights.observe(
+        np.concatenate([np.kron(picked, row) for row in rows]),
+        values.ravel(),
+        None if noise is None else np.asarray(np.kron(np.eye(len(rows)), noise)),
+        scale=np.tile(scale, len(rows)),
+        name=name,
+    )
+
+
+def noise_of(covariance: ArrayLike | None, size: int) -> Float64Array | None:
+    """A user's covariance (size, size) of an observation, or None for an exact one."""
+    if covariance is None:
+        return None
+    result = check.array(covariance, "covariance", shape=(size, size))
+    if not _core.is_covariance(result):
+        raise InvalidInput("covariance: expected a symmetric positive semi-definite matrix")
+    return result
+
+
+def check_seen(motion: Motion, name: str) -> None:
+    """Checks that an observation is a motion with samples enough to have a duration."""
+    samples = len(motion.times) if isinstance(motion, Motion) else 0
+    if samples < 2:
+        got = "one sample" if samples else type(motion).__name__
+        raise InvalidInput(f"{name}: expected a motion of at least two samples, got {got}")
+
+
+def log_density(skill: Primitive, phases: Float64Array, values: Float64Array) -> float:
+    """Log density of noisy samples under a skill."""
+    evidence = _Evidence(skill, phases, values)
+    log_noise = len(values) * float(np.log(2.0 * np.pi * skill.noise).sum())
+    squared = float((evidence.residual**2 / skill.noise).sum()) - evidence.explained
+    return -0.5 * (squared + log_noise + log_determinant(evidence.precision, least=1.0))
+
+
+class _Evidence:
+    """Noisy samples, by the matrix inversion lemma in z with weights = mean + root z."""
+
+    def __init__(self, skill: Primitive, phases: Float64Array, values: Float64Array) -> None:
+        size, count = values.shape[1], skill.basis.count
+        rows = skill.basis(phases)
+        self.residual = values - product(rows, skill.weights.mean.reshape(size, count).T)
+        root = skill.weights.steady_root
+        scaled = root.reshape(size, count, -1) / np.sqrt(skill.noise)[:, None, None]
+        reached = np.concatenate([product(rows, each) for each in scaled])
+        self.precision = product(reached.T, reached)
+        self.precision[np.diag_indices(len(self.precision))] += 1.0
+        seen = product(reached.T, (self.residual / np.sqrt(skill.noise)).T.reshape(-1, 1))
+        self.explained = float((seen * solve_definite(self.precision, seen)).sum())
+
+
+def through(
+    skill: Primitive,
+    rows: Float64Array,
+    value: ArrayLike,
+    task: TaskMap,
+    noise: Float64Array | None,
+) -> Gaussian:
+    """The weights after observing a value in a task space, by Gauss-Newton steps."""
+    wanted = check.array(value, "value", shape=("p",))
+    if len(wanted) == 0:
+        raise InvalidInput("value: expected at least one number, got none")
+    q = rows @ skill.free.mean
+    for _ in range(_MAX_STEPS):
+        reached, jacobian = _evaluated(task, q, len(wanted))
+        scale = np.linalg.norm(jacobian * skill.scale, axis=1)
+        scale = np.maximum(scale, _MIN_ROW * float(scale.max()))
+        if not scale.max() > 0.0:
+            raise InvalidInput("task: expected a Jacobian that is not zero")
+        linear = wanted - reached + jacobian @ q
+        weights = skill.free.observe(jacobian @ rows, linear, noise, scale=scale, name="value")
+        step = rows @ weights.mean - q
+        q = q + step
+        if np.abs(step / skill.scale).max() < _REACHED:
+            return weights
+    raise InvalidInput(
+        f"value: expected a value that the motion can reach, got {wanted}; "
+        f"the last step reached {reached}"
+    )
+
+
+def _evaluated(task: TaskMap, q: Float64Array, size: int) -> tuple[Float64Array, Float64Array]:
+    reached, jacobian = task(q)
+    return (
+        check.array(reached, "task's value", shape=(size,)),
+        check.array(jacobian, "task's Jacobian", shape=(size, len(q))),
+    )
+
+
+def refuse_too_close(
+    before: Primitive,
+    after: Primitive,
+    phases: Float64Array,
+    values: Float64Array,
+    columns: NDArray[np.int64],
+) -> None:
+    """Refuses exact via points that the basis can only pass by throwing the motion elsewhere."""
+    size, count = before.chart.width, before.basis.count
+    curves = before.free.mean.reshape(size, count)
+    asked = np.abs(values - before.basis(phases) @ curves[columns].T) / before.scale[columns]
+    rows = before.basis(np.linspace(0.0, 1.0, _PHASES_PER_WEIGHT * count + 1))
+    change = rows @ (after.free.mean.reshape(size, count) - curves).T / before.scale
+    if np.abs(change).max() <= _MAX_GAIN * float(asked.max()) + _ROUNDING:
+        return
+    spacing = float(np.diff(before.basis.centres).max())  # B-splines stand closer at the ends
+    advice = (
+        f"the {count} weights tell times apart from {_RESOLVED * spacing * before.duration:.3g} s "
+        "on; move them apart, let their values lie on a smooth curve, give a covariance, or fit "
+        "with more weights"
+    )
+    times = np.sort(phases) * before.duration
+    gaps = np.diff(np.sort(phases))
+    if len(gaps) > 0 and gaps.min() < _RESOLVED * spacing:
+        first = int(gaps.argmin())
+        raise InvalidInput(
+            f"time: expected via points that the motion can pass one after the other, got ones at "
+            f"{times[first]:.6g} s and {times[first + 1]:.6g} s; {advice}"
+        )
+    if _is_determined(before, phases, columns):
+        raise InvalidInput(
+            f"time: expected via points that the motion can pass one after the other, got one at "
+            f"{times[0]:.6g} s right beside a point fixed before; {advice}"
+        )
+
+
+def _is_determined(skill: Primitive, phases: Float64Array, columns: NDArray[np.int64]) -> bool:
+    """Whether points fixed before, close by, leave a via point little freedom."""
+    picked = np.eye(skill.chart.width)[columns]
+    rows = np.concatenate([np.kron(picked, row) for row in skill.basis(phases)])
+    known = ((rows @ skill.free.certain) ** 2).sum(axis=1)
+    return bool((known > _MAX_DETERMINED * (rows**2).sum(axis=1)).any())
