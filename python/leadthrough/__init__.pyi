@@ -1,9 +1,9 @@
 from . import (
     arm,
+    demonstration_quality,
     errors,
     guard,
     io,
-    judging,
     models,
     motion_planning,
     planning,
@@ -19,6 +19,7 @@ from . import (
     validation,
 )
 from .arm import Arm, DifferentialIk
+from .demonstration_quality import judge_demonstrations
 from .events import Event
 from .guard import Admission, Guard, connect
 from .io import (
@@ -28,7 +29,6 @@ from .io import (
     read_point_cloud,
     write_motion,
 )
-from .judging import judge_demonstrations
 from .models import (
     DMP,
     GMR,
@@ -79,12 +79,12 @@ __all__ = [
     "arrival_times",
     "check_limits",
     "connect",
+    "demonstration_quality",
     "differentiate",
     "errors",
     "guard",
     "io",
     "judge_demonstrations",
-    "judging",
     "load_skill",
     "models",
     "motion_planning",

@@ -18,8 +18,8 @@ from leadthrough.errors import InvalidInput
 from leadthrough.io.atomic import replacing
 
 if TYPE_CHECKING:
+    from leadthrough.demonstration_quality import Judgement
     from leadthrough.io import Episode, Recording
-    from leadthrough.judging import Judgement
     from leadthrough.motion import Demonstration
     from leadthrough.preprocess import CleaningReport
     from leadthrough.show.info import FileInfo
@@ -357,8 +357,8 @@ def judge(
 
     from leadthrough.cli import errors, parse, reading
     from leadthrough.cli.learn import model_of
+    from leadthrough.demonstration_quality import judge_demonstrations
     from leadthrough.io import read_demonstrations
-    from leadthrough.judging import judge_demonstrations
 
     recordings = reading.listed(files)
     reading.refuse_skills(recordings)

@@ -1,4 +1,4 @@
-"""What sets a demonstration apart from the others: its shape, timing, smoothness and pauses."""
+"""Traits in which a demonstration may differ: its shape, timing, tremor and pauses."""
 
 from __future__ import annotations
 
@@ -12,31 +12,31 @@ from leadthrough.motion import Motion
 from leadthrough.preprocess.align import features
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 
-Trait = Literal["shape", "step", "jerk", "stall"]
+Trait = Literal["shape", "timing", "jerk", "stall"]
 TRAITS: tuple[Trait, ...] = get_args(Trait)
 
 _SAMPLES = 200
-_WINDOW = 11  # samples, of a twentieth of the duration: what is quicker is tremor
+_WINDOW = 11  # samples, of a twentieth of the duration: quicker movements are tremor
 _ALONG = 100  # points of a path at which shapes are compared
-_STILL = 0.1  # of the mean speed: slower is standing still
-# What demonstrations of the same differ by anyway: of shapes in their extent, of timing in the
-# duration, of tremor in powers of ten, of standing still in the duration.
-_USUAL: dict[Trait, float] = {"shape": 0.03, "step": 0.05, "jerk": 0.12, "stall": 0.03}
+_STILL = 0.1  # of the mean speed: slower is a rest
+# Usual differences of demonstrations of one task: of shapes in extents, of timing in durations, of
+# tremor in powers of ten, of rests in durations.
+_USUAL: dict[Trait, float] = {"shape": 0.03, "timing": 0.05, "jerk": 0.12, "stall": 0.03}
 _SHARED = 0.5  # of the distance from the middle path: nearer than this is the same path
-_LEAST_TREMOR = 1e-4  # of the extent
+_MIN_TREMOR = 1e-4  # of the extent
 
 
 def peculiarities(motions: Sequence[Motion]) -> dict[Trait, Float64Array]:
-    """How many usual differences each motion is from the others, by trait (m,)."""
+    """Difference (m,) of each motion from the others by trait, in usual differences."""
     curves = features(motions, _SAMPLES)
     smooth = [_smoothed(curve) for curve in curves]
-    found: dict[Trait, Float64Array] = {
+    values: dict[Trait, Float64Array] = {
         "shape": _unlike([_carried(by_arc_length(curve, _ALONG), smooth) for curve in smooth]),
-        "step": _unlike([_progress(curve)[:, None] for curve in smooth], largest=True),
+        "timing": _unlike([_progress(curve)[:, None] for curve in smooth], largest=True),
         "jerk": np.array([_tremor(*pair) for pair in zip(curves, smooth, strict=True)]),
         "stall": np.array([_longest_stall(curve) for curve in curves]),
     }
-    return {trait: _apart(values, _USUAL[trait]) for trait, values in found.items()}
+    return {trait: _z_scores(each, _USUAL[trait]) for trait, each in values.items()}
 
 
 def _smoothed(curve: Float64Array) -> Float64Array:
@@ -50,11 +50,11 @@ def _smoothed(curve: Float64Array) -> Float64Array:
 
 def _tremor(curve: Float64Array, smooth: Float64Array) -> float:
     rough = float(np.sqrt(((curve - smooth) ** 2).sum(axis=1).mean()))
-    return float(np.log10(max(rough, _LEAST_TREMOR)))
+    return float(np.log10(max(rough, _MIN_TREMOR)))
 
 
 def _longest_stall(curve: Float64Array) -> float:
-    """The longest standing still between the ends, as a fraction of the duration."""
+    """The longest rest between the ends, as a fraction of the duration."""
     speeds = np.linalg.norm(np.diff(curve, axis=0), axis=1)
     still = np.concatenate([[False], speeds < _STILL * speeds.mean(), [False]])
     edges = np.flatnonzero(np.diff(still.astype(int)))
@@ -89,8 +89,8 @@ def _unlike(curves: Sequence[Float64Array], *, largest: bool = False) -> Float64
     )
 
 
-def _apart(values: Float64Array, usual: float) -> Float64Array:
-    """How far each value is above the middle of the others, in what these differ by."""
+def _z_scores(values: Float64Array, usual: float) -> Float64Array:
+    """Robust z-scores: offset from the others' median over their scaled MAD."""
     apart = np.empty(len(values))
     for i, value in enumerate(values):
         others = np.delete(values, i)

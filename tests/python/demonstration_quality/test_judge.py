@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 from cli.command_line import facts
-from judging.spoiled import WAYS, copies
+from demonstration_quality import spoiled as spoiling
+from demonstration_quality.spoiled import copies
 from sklearn.metrics import roc_auc_score
 
 import leadthrough as lt
+from leadthrough.demonstration_quality.traits import TRAITS, peculiarities
 from leadthrough.errors import InvalidInput
-from leadthrough.judging.traits import TRAITS, peculiarities
 from leadthrough.validation import TargetRegion
 from leadthrough_studies.robotasks.study import read
 
@@ -17,7 +18,7 @@ FAULTS = {
     "stalled": {"stalled"},
     "outlier": {"outlier"},
     "other_mode": {"outlier", "another mode"},
-    "out_of_step": {"out of step"},
+    "misaligned": {"misaligned"},
 }
 
 
@@ -50,21 +51,24 @@ def thinned(motions, every=20):
     return [lt.Trajectory(each.times[::every], each.positions[::every]) for each in motions]
 
 
-@pytest.mark.parametrize("way", range(len(WAYS)), ids=[way.__name__ for way in WAYS])
-def test_the_fault_has_a_name_and_leaving_it_out_never_harms(lasa, way):
+FAULTY = {fault.__name__: i for i, fault in enumerate(spoiling.FAULTS)}
+
+
+@pytest.mark.parametrize("fault", FAULTY)
+def test_the_fault_has_a_name_and_leaving_it_out_never_harms(lasa, fault):
     sets = {name: thinned(lasa[name]) for name in ("Spoon", "Worm")}
-    name, motions, spoiled = list(copies(sets, 1))[way]
-    found = lt.judge_demonstrations(motions, model=lt.ProMP(weights=10))
-    verdict = found.verdicts[spoiled]
+    name, motions, spoiled = list(copies(sets, 1))[FAULTY[fault]]
+    judgement = lt.judge_demonstrations(motions, model=lt.ProMP(weights=10))
+    verdict = judgement.verdicts[spoiled]
     assert FAULTS[name] & set(verdict.faults)
-    assert found.error_without <= found.error
-    assert all(found.verdicts[i].faults for i in found.remove)
+    assert judgement.error_without <= judgement.error
+    assert all(judgement.verdicts[i].faults for i in judgement.remove)
     if name in ("outlier", "other_mode"):
-        assert found.remove == (spoiled,)
-        assert verdict.worth < 0.0 and found.error_without < found.error
+        assert judgement.remove == (spoiled,)
+        assert verdict.worth < 0.0 and judgement.error_without < judgement.error
 
 
-def test_two_that_go_another_way_are_another_mode(lasa):
+def test_two_on_another_path_are_another_mode(lasa):
     motions = thinned(lasa["Sine"])
     for i in (1, 4):
         path = motions[i].positions * [1.0, -1.0]
@@ -73,12 +77,12 @@ def test_two_that_go_another_way_are_another_mode(lasa):
     assert [i for i, each in enumerate(verdicts) if "another mode" in each.faults] == [1, 4]
 
 
-def test_what_lies_far_from_all_shown_is_to_be_shown_next(lasa):
+def test_a_goal_far_from_all_demonstrated_ones_is_suggested_next(lasa):
     motions = [
         lt.Trajectory(each.times, each.positions + np.linspace(0, 1, 50)[:, None] * [5.0 * i, 0])
         for i, each in enumerate(thinned(lasa["Line"]))
     ]
-    goals = TargetRegion([0.0, -1.0], [90.0, 1.0])  # shown: from 0 to 30
+    goals = TargetRegion([0.0, -1.0], [90.0, 1.0])  # demonstrated: from 0 to 30
     found = lt.judge_demonstrations(motions, goals=goals)
     assert found.next.goal[0] > 75.0
     assert found.next.uncertainty > 0.0

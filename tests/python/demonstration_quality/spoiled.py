@@ -23,8 +23,8 @@ def sampled(motion, at):
     if not isinstance(motion, PoseTrajectory):
         return replace(motion, positions=positions)
     inside = np.clip(times, *motion.times[[0, -1]])
-    turned = rotations.interpolate(motion.times, motion.orientations, inside)
-    return replace(motion, positions=positions, orientations=turned)
+    orientations = rotations.interpolate(motion.times, motion.orientations, inside)
+    return replace(motion, positions=positions, orientations=orientations)
 
 
 def jerky(motion, others, rng):
@@ -38,13 +38,13 @@ def jerky(motion, others, rng):
 
 
 def stalled(motion, others, rng):
-    """Stands still for a quarter of the time or more."""
+    """Rests for a quarter of the time or more."""
     phase, when, long = fractions(motion), rng.uniform(0.3, 0.7), rng.uniform(0.25, 0.4)
     begin = when * (1 - long)
     return sampled(motion, np.interp(phase, [0, begin, begin + long, 1], [0, when, when, 1]))
 
 
-def out_of_step(motion, others, rng):
+def misaligned(motion, others, rng):
     return sampled(motion, fractions(motion) ** rng.choice([2.5, 0.4]))
 
 
@@ -67,11 +67,11 @@ def other_mode(motion, others, rng):
     return replace(motion, positions=path + (1 - rise) * ends[0] + rise * ends[1])
 
 
-WAYS = (jerky, stalled, outlier, other_mode, out_of_step)
+FAULTS = (jerky, stalled, outlier, other_mode, misaligned)
 
 
 def copies(sets, seed):
-    """For each set and way: the motions, and the index of the spoiled one.
+    """For each set and fault: the motions, and the index of the spoiled one.
 
     Args:
         sets: motions by name, all of one type and size.
@@ -80,8 +80,8 @@ def copies(sets, seed):
     rng = np.random.default_rng(seed)
     for name, motions in sets.items():
         others = [each[0] for other, each in sets.items() if other != name]
-        for way in WAYS:
+        for fault in FAULTS:
             spoiled = int(rng.integers(len(motions)))
             copy = list(motions)
-            copy[spoiled] = way(motions[spoiled], others, rng)
-            yield way.__name__, copy, spoiled
+            copy[spoiled] = fault(motions[spoiled], others, rng)
+            yield fault.__name__, copy, spoiled
