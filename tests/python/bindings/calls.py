@@ -8,6 +8,15 @@ import numpy as np
 
 from leadthrough import _core as core
 
+# Arguments that may be None; some answer with None to whatever is not plainly right.
+OPTIONAL = {
+    "IkOptions": ("axes", "reference", "posture"),
+    "TrackOptions": ("axes",),
+    "clear_path": ("axes", "model", "start"),
+    "condition_at": ("time", "position", "noise"),
+    "pose": ("q",),
+    "jacobian_of_one": ("q",),
+}
 CALLS: list[tuple[Callable[..., Any], dict[str, Any], Any]] = []
 MADE: list[Any] = []
 
@@ -362,3 +371,163 @@ OTHERS = [
     core.DmpPath(BREAKS, np.zeros((6, 2))),
     core.DmpCurve(rows(1, 0, 0, 0, count=5), np.zeros((4, 3)), BREAKS, BREAKS, False, False),
 ]
+
+# Calls of what computes in some cells of a map only.
+CELLS = make(core.Cells, shape=[3, 4], spacing=[2.0, 1.0], first=[10.0, 20.0])
+PATH = np.array([[10.0, 20.0], [10.0, 20.5]])
+TUBE = make(core.tube_speeds, cells=CELLS, saturation=0.5, paths=[PATH], weights=[1.0], radius=1.0)
+call(TUBE.at, [0.75, 0.5], cells=np.array([1, 4]))
+call(TUBE.fastest, [1.0, 0.5], level=1, blocks=np.array([0, 3]))
+WALLS = make(
+    core.Walls,
+    cells=CELLS,
+    margin=0.5,
+    shapes=[core.sphere_shape(0.1, np.array([10.0, 20.0, 0.0]))],
+    middles=np.array([[10.0, 20.0, 0.0]]),
+    half_extents=np.full((1, 3), 0.1),
+)
+call(WALLS.distances, [0.0, 1.0, 1.5], cells=np.array([0, 1, 2]), most=1.5)
+SOME = {"cells": np.array([0, 1, 2])}
+GIVEN = make(core.given_speeds, cells=CELLS, outside=0.0, speeds=np.arange(12.0).reshape(3, 4))
+call(GIVEN.at, [0.0, 1.0, 2.0], **SOME)
+call(GIVEN.fastest, [5.0, 7.0, 9.0, 11.0], level=1, blocks=np.arange(4))
+call(GIVEN.quickest, "found", start=[10.0, 22.0], goal=[14.0, 23.0])
+EXPERIENCE = make(core.experience_speeds, cells=CELLS, saturation=0.5, paths=[PATH], radius=1.0)
+call(EXPERIENCE.at, [1.0, 0.5], cells=np.array([0, 3]))
+HINDERED = make(core.hindered_speeds, free=GIVEN, walls=WALLS, reach=2.0)
+call(HINDERED.at, [0.0, 0.5, 2.0], **SOME)
+SATURATED = make(core.saturated_speeds, free=GIVEN, walls=WALLS, reach=2.0, saturation=0.6)
+call(SATURATED.at, [0.0, 0.5, 2.0], **SOME)
+PASSABLE = make(core.passable_speeds, free=TUBE, walls=WALLS, band=1.0, reach=3.0)
+call(PASSABLE.at, [0.0, 1.0, 0.5], **SOME)
+
+# Calls of what evaluates and makes curves.
+call(
+    core.so3_slerp_through,
+    [ONE[0], QUARTER[0]],
+    times=np.array([0.0, 1.0]),
+    quaternions=np.vstack([ONE[0], QUARTER[0]]),
+    at=np.array([0.0, 1.0]),
+)
+call(
+    core.polynomial_values,
+    [[3.0], [5.0]],
+    knots=np.array([0.0, 1.0]),
+    coefficients=np.array([[1.0], [1.0], [1.0]]),
+    times=np.array([1.0, 2.0]),
+    order=1,
+)
+call(
+    core.bezier_values,
+    [[0.5, 1.0]],
+    points=np.array([[0.0, 2.0], [1.0, 0.0]]),
+    fractions=np.array([0.5]),
+)
+call(
+    core.cubic_through,
+    [[0.0], [1.0], [0.0], [0.0]],
+    parameters=np.array([0.0, 2.0]),
+    q=np.array([[0.0], [2.0]]),
+)
+
+# Calls of the guard: limits per sample of 1, 0.1 and 0.01 rad, two joints.
+ROOMY = np.full(2, 10.0)
+limits = make(
+    core.StepLimits,
+    lower=-ROOMY,
+    upper=ROOMY,
+    step=np.ones(2),
+    bend=np.full(2, 0.1),
+    twist=np.full(2, 0.01),
+)
+REST = np.zeros((3, 2))
+SLOW = 0.005 * np.ones((6, 2)) * np.minimum(np.arange(6), 1.0)[:, None]
+JUMP = np.array([[0.0, 0.0], [0.0, 2.0]])
+SMALL = {"limits": limits, "history": REST}
+
+call(core.first_excess, 1, **SMALL, samples=JUMP)  # the order of the difference
+call(core.brake, np.zeros((0, 2)), **SMALL)
+call(core.bridge_to_start, SLOW[1:1], **SMALL, target=SLOW, most_steps=10)
+call(core.bridge_on_time, SLOW[1:1], **SMALL, target=SLOW, most_steps=10)
+call(core.slowed, SLOW, limits=limits, path=SLOW, most_samples=60)
+call(core.stopped, None, **SMALL, path=SLOW)
+around = make(core.Surroundings, model=model, obstacles=[], growth=[], margin=0.0, self_margin=0.0)
+call(core.first_contact, None, around=around, start=np.zeros(2), samples=SLOW, age=0.0)
+
+# Calls of what learns from demonstrations: alignment, Gaussians, basis functions.
+X, Y = np.tile([1.0, 0.0, 0.0], (2, 1)), np.tile([0.0, 1.0, 0.0], (2, 1))
+
+call(core.dtw_distance, 2.0, a=X, b=0 * X)
+call(core.dtw_path, [[0, 0], [1, 1]], a=np.vstack([X[0], Y[0]]), b=np.vstack([X[0], Y[0]]))
+call(core.frechet_distance, 1.0, a=X, b=0 * X)
+CORNER = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
+MOVED = np.array([3.0, 4.0])
+call(core.rms_apart, 5.0 * (1 - np.eye(2)), curves=np.stack([CORNER, CORNER + MOVED]))
+call(core.arc_lengths, [0.0, 1.0, 2.0], points=CORNER)
+call(core.by_arc_length, [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], points=CORNER, count=3)
+call(core.all_finite, True, values=np.arange(3.0))
+call(core.is_covariance, True, matrix=np.eye(2))
+call(
+    core.normalised_bells,
+    [[0.5, 0.5]],
+    phases=np.array([0.5]),
+    centres=np.array([0.0, 1.0]),
+    sharpness=2.0,
+    periodic=False,
+    order=0,
+)
+MOTIONS = {"weights": np.array([[2.0, 4.0, 1.0, 3.0]]), "most": 1, "threads": 1}  # two curves each
+call(
+    core.curves_over,
+    [[[[[3.0, 2.0]], [[-2.0, -2.0]]]]],
+    basis=np.array([[0.5, 0.5], [1.0, -1.0]]),
+    bases=2,
+    **MOTIONS,
+)
+call(
+    core.curves_over_bells,
+    [[[[[3.0, 2.0]]]]],
+    phases=np.array([0.5]),
+    centres=np.array([0.0, 1.0]),
+    sharpness=2.0,
+    periodic=False,
+    factors=np.ones(1),
+    **MOTIONS,
+)
+call(core.product, [[2.0, 3.0]], left=np.ones((1, 2)), right=np.array([[1.0, 1.0], [1.0, 2.0]]))
+call(core.solve_definite, [[0.5], [2.0]], matrix=2.0 * np.eye(2), right=np.array([[1.0], [4.0]]))
+call(
+    core.bounced,
+    [[0.0, 2.0]],
+    walls=np.eye(2),
+    limits=np.full(2, 5.0),
+    start=np.ones(2),
+    velocities=np.array([[0.0, 2.0]]),
+)
+call(
+    core.condition_weights,
+    False,
+    mean=np.zeros(4),
+    covariance=np.eye(4),
+    basis=np.array([[1.0, 0.0]]),
+    columns=np.array([0, 1]),
+    values=np.ones((1, 2)),
+    noise=np.zeros((2, 2)),
+    scale=np.ones(2),
+    least=1e-9,
+)
+call(
+    core.condition_at,
+    [0.5, 0.5],
+    mean=np.zeros(2),
+    covariance=np.eye(2),
+    centres=np.array([0.0, 1.0]),
+    sharpness=2.0,
+    periodic=False,
+    scale=np.ones(1),
+    duration=2.0,
+    time=1.0,
+    position=np.array([1.0]),
+    noise=np.array([[0.5]]),
+    least=1e-9,
+)

@@ -4,12 +4,9 @@ from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
-import bindings.calls_of_cells
-import bindings.calls_of_curves
-import bindings.calls_of_guard
-import bindings.calls_of_learning  # noqa: F401, all note their calls
+import numpy as np
 import pytest
-from bindings.calls import CALLS, MADE, OTHERS
+from bindings.calls import CALLS, MADE, OPTIONAL, OTHERS
 
 from leadthrough import _core as core
 
@@ -38,14 +35,26 @@ def label(function: Callable[..., Any]) -> str:
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """Parametrizes tests over the calls, and over their arguments where a test asks for `name`."""
+    """Parametrizes tests over the calls whose result is known, or over arguments of a type."""
     if "expected" in metafunc.fixturenames:
-        each = [pytest.param(*noted, id=label(noted[0])) for noted in CALLS]
+        known = [noted for noted in CALLS if noted[2] is not None]
+        each = [pytest.param(*noted, id=label(noted[0])) for noted in known]
         metafunc.parametrize(("function", "arguments", "expected"), each)
-    if "name" in metafunc.fixturenames:
-        each = [
-            pytest.param(function, arguments, name, id=f"{label(function)}-{name}")
-            for function, arguments, _ in CALLS
-            for name in arguments
-        ]
-        metafunc.parametrize(("function", "arguments", "name"), each)
+    for kind, wanted in (("sized", is_array), ("needed", is_needed)):
+        if kind in metafunc.fixturenames:
+            each = [
+                pytest.param(function, arguments, name, id=f"{label(function)}-{name}")
+                for function, arguments, _ in CALLS
+                for name, value in arguments.items()
+                if wanted(function, name, value)
+            ]
+            metafunc.parametrize(("function", "arguments", kind), each)
+
+
+def is_array(_function: Callable[..., Any], _name: str, value: object) -> bool:
+    return isinstance(value, np.ndarray)
+
+
+def is_needed(function: Callable[..., Any], name: str, value: object) -> bool:
+    """Whether None cannot stand for the argument; to a flag None is False."""
+    return not isinstance(value, bool) and name not in OPTIONAL.get(function.__name__, ())

@@ -1,4 +1,4 @@
-"""Every binding called with damaged arguments, drawn with a fixed seed: it answers or raises.
+"""Every binding called, and called with damaged arguments of a fixed seed: it answers or raises.
 
 `./do sanitize` runs this with AddressSanitizer, which ends the run if a binding leaves its arrays.
 """
@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from bindings.calls import CALLS, OPTIONAL
 
 ROUNDS = 20
 NUMBERS = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e-30, 1e30)
@@ -47,30 +48,40 @@ def damaged(value: Any, rng: np.random.Generator, made: list[Any]) -> Any:
     return alike[rng.integers(len(alike))] if alike else value
 
 
-def test_damaged_arguments_raise_or_are_computed_with(
-    function: Callable[..., Any], arguments: dict[str, Any], expected: Any, made: list[Any]
-) -> None:
-    rng = np.random.default_rng(15)
-    for _ in range(ROUNDS):
-        names = [name for name in arguments if rng.random() < 1.5 / len(arguments)]
-        changed = {name: damaged(arguments[name], rng, made) for name in names}
-        print(function.__name__, changed)  # seen where the call ends the process, by pytest -s
-        try:
-            function(**arguments | changed)
-        except (TypeError, ValueError, IndexError):
-            continue
+def test_calls_and_their_optional_arguments_are_computed_with(made: list[Any]) -> None:
+    for function, arguments, _ in CALLS:
+        function(**arguments)
+        for name in set(arguments) & set(OPTIONAL.get(function.__name__, ())):
+            function(**arguments | {name: None})
+    for thing in made:
+        for name, value in vars(type(thing)).items():
+            if isinstance(value, property):
+                getattr(thing, name)
 
 
-def test_none_of_something_raises_or_is_computed_with(
-    function: Callable[..., Any], arguments: dict[str, Any], expected: Any
-) -> None:
+def test_damaged_arguments_raise_or_are_computed_with(made: list[Any]) -> None:
+    for function, arguments, _ in CALLS:
+        rng = np.random.default_rng(15)
+        for _ in range(ROUNDS):
+            names = [name for name in arguments if rng.random() < 1.5 / len(arguments)]
+            changed = {name: damaged(arguments[name], rng, made) for name in names}
+            answered(function, arguments | changed)
+
+
+def test_none_of_something_raises_or_is_computed_with() -> None:
     """No joints, points or columns: every axis of one length has none of it."""
-    arrays = {name: value for name, value in arguments.items() if isinstance(value, np.ndarray)}
-    for length in sorted({size for value in arrays.values() for size in value.shape}):
-        without = {
-            name: np.resize(value, [size * (size != length) for size in value.shape])
-            for name, value in arrays.items()
-        }
-        print(function.__name__, length)
-        with contextlib.suppress(TypeError, ValueError, IndexError):
-            function(**arguments | without)
+    for function, arguments, _ in CALLS:
+        arrays = {name: value for name, value in arguments.items() if isinstance(value, np.ndarray)}
+        for length in sorted({size for value in arrays.values() for size in value.shape}):
+            without = {
+                name: np.resize(value, [size * (size != length) for size in value.shape])
+                for name, value in arrays.items()
+            }
+            answered(function, arguments | without)
+
+
+def answered(function: Callable[..., Any], arguments: dict[str, Any]) -> None:
+    """Calls a function, which may refuse its arguments."""
+    print(function.__name__, arguments)  # seen where the call ends the process, by pytest -s
+    with contextlib.suppress(TypeError, ValueError, IndexError):
+        function(**arguments)
