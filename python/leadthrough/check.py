@@ -47,7 +47,7 @@ def array_of_rank(
         if len(shape) == result.ndim:
             return _checked(result, name, shape)
     wanted = " or ".join(_shape_text(shape) for shape in shapes)
-    raise InvalidInput(f"{name}: expected shape {wanted}, got {result.shape}")
+    raise refused(name, f"shape {wanted}", result.shape)
 
 
 def frozen(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Array:
@@ -62,17 +62,18 @@ def times(value: object, name: str) -> Float64Array:
     """`value` as at least one strictly increasing time, (n,) s; a read-only copy."""
     result = frozen(value, name, shape=("n",))
     if len(result) == 0:
-        raise InvalidInput(f"{name}: expected at least one sample, got none")
+        raise refused(name, "at least one sample", "none")
     with np.errstate(over="ignore"):  # an infinite duration is refused below
         steps = np.diff(result)
     if (steps <= 0).any():
         i = int(np.argmax(steps <= 0))
-        raise InvalidInput(
-            f"{name}: expected strictly increasing times, "
-            f"got {result[i]} s then {result[i + 1]} s at samples {i} and {i + 1}"
+        raise refused(
+            name,
+            "strictly increasing times",
+            f"{result[i]} s then {result[i + 1]} s at samples {i} and {i + 1}",
         )
     if not math.isfinite(float(result[-1]) - float(result[0])):
-        raise InvalidInput(f"{name}: expected a finite duration, got {result[0]} to {result[-1]} s")
+        raise refused(name, "a finite duration", f"{result[0]} to {result[-1]} s")
     return result
 
 
@@ -86,9 +87,7 @@ def quaternions(value: object, name: str, *, shape: Sequence[int | str]) -> Floa
         length = np.sqrt(np.einsum("...i,...i", result, result))[..., None]
         worst = max(length.min(initial=1.0), length.max(initial=1.0), key=lambda x: abs(x - 1.0))
     if abs(worst - 1.0) > UNIT_LENGTH_TOLERANCE:
-        raise InvalidInput(
-            f"{name}: expected unit quaternions w, x, y, z, got one of length {worst:.6g}"
-        )
+        raise refused(name, "unit quaternions w, x, y, z", f"one of length {worst:.6g}")
     if result.ndim == 1:
         return np.array((w / length, x / length, y / length, z / length))
     return np.asarray(result / length)
@@ -105,11 +104,11 @@ def number(
 ) -> float:
     """`value` as a finite float within bounds."""
     if isinstance(value, (bool, np.bool_, str, bytes)):
-        raise InvalidInput(f"{name}: expected a number, got {_short(value)}")
+        raise refused(name, "a number", _short(value), value)
     try:
         result = float(value)  # type: ignore[arg-type]  # whether it can be one is the question
     except (TypeError, ValueError, OverflowError):
-        raise InvalidInput(f"{name}: expected a number, got {_short(value)}") from None
+        raise refused(name, "a number", _short(value), value) from None
     if not (
         math.isfinite(result)
         and (above is None or result > above)
@@ -119,20 +118,18 @@ def number(
     ):
         bounds = (("> ", above), (">= ", at_least), ("< ", below), ("<= ", at_most))
         wanted = " and ".join(f"{sign}{bound}" for sign, bound in bounds if bound is not None)
-        raise InvalidInput(
-            f"{name}: expected a finite number {wanted}".rstrip() + f", got {_short(value)}"
-        )
+        raise refused(name, f"a finite number {wanted}".rstrip(), _short(value), value)
     return result
 
 
 def integer(value: object, name: str, *, at_least: int, at_most: int | None = None) -> int:
     """`value` as an int within bounds; a float is refused, even a whole one."""
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)):
-        raise InvalidInput(f"{name}: expected an integer, got {_short(value)}")
+        raise refused(name, "an integer", _short(value), value)
     result = int(value)
     if result < at_least or (at_most is not None and result > at_most):
         upper = "" if at_most is None else f" and <= {at_most}"
-        raise InvalidInput(f"{name}: expected an integer >= {at_least}{upper}, got {result}")
+        raise refused(name, f"an integer >= {at_least}{upper}", result, result)
     return result
 
 
@@ -140,9 +137,11 @@ def affordable_count(value: object, name: str, *, each: int) -> int:
     """`value` as a count >= 1 of things that together take no more than `MAX_NUMBERS` numbers."""
     count = integer(value, name, at_least=1)
     if count * each > MAX_NUMBERS:
-        raise InvalidInput(
-            f"{name}: expected at most {MAX_NUMBERS // each:,}, got {count:,}, which would take "
-            f"{count * each * 8 / 2**30:,.1f} GiB"
+        raise refused(
+            name,
+            f"at most {MAX_NUMBERS // each:,}",
+            f"{count:,}, which would take {count * each * 8 / 2**30:,.1f} GiB",
+            count,
         )
     return count
 
@@ -163,23 +162,29 @@ def choice(value: object, name: str, options: Collection[Text]) -> Text:
             if option == value:
                 return option
     names = ", ".join(repr(option) for option in options)
-    raise InvalidInput(f"{name}: expected one of {names}, got {_short(value)}")
+    raise refused(name, f"one of {names}", _short(value), value)
 
 
 def names(value: Sequence[str], name: str, *, count: int) -> tuple[str, ...]:
     """The names of columns, one for each, or none at all."""
     if isinstance(value, str) or not isinstance(value, Sequence):
-        raise InvalidInput(f"{name}: expected a sequence of names, got {_short(value)}")
+        raise refused(name, "a sequence of names", _short(value), value)
     if not all(isinstance(each, str) for each in value):
-        raise InvalidInput(f"{name}: expected names as text, got {_short(value)}")
+        raise refused(name, "names as text", _short(value))
     if value and len(value) != count:
-        raise InvalidInput(f"{name}: expected {count} names, one per column, got {len(value)}")
+        raise refused(name, f"{count} names, one per column", len(value))
     return tuple(value)
+
+
+def refused(name: str, expected: str, got: object, value: object = None) -> InvalidInput:
+    """The error of an argument: the expected value and the given one."""
+    message = f"{name}: expected {expected}, got {got}"
+    return InvalidInput(message, argument=name, value=value)
 
 
 def _of_shape(result: Float64Array, name: str, shape: Sequence[int | str]) -> Float64Array:
     if result.shape != shape and not _fits(result.shape, shape):
-        raise InvalidInput(f"{name}: expected shape {_shape_text(shape)}, got {result.shape}")
+        raise refused(name, f"shape {_shape_text(shape)}", result.shape)
     return result
 
 
@@ -188,7 +193,7 @@ def _checked(result: Float64Array, name: str, shape: Sequence[int | str]) -> Flo
     if not _core.all_finite(result):
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(result))[0])
         position = f" at index {where if len(where) > 1 else where[0]}" if where else ""
-        raise InvalidInput(f"{name}: expected finite numbers, got {result[where]}{position}")
+        raise refused(name, "finite numbers", f"{result[where]}{position}")
     return result
 
 
@@ -199,15 +204,14 @@ def _numeric(value: object, name: str) -> Float64Array:
     try:
         raw = np.asarray(value)
     except InvalidInput:  # of one of our own types, which is asked for its parts
-        raise InvalidInput(f"{name}: expected numbers, got a {type(value).__name__}") from None
+        raise refused(name, "numbers", f"a {type(value).__name__}") from None
     except ValueError:
-        raise InvalidInput(
-            f"{name}: expected a regular array of numbers, got ragged rows"
-        ) from None
+        raise refused(name, "a regular array of numbers", "ragged rows") from None
     if raw.dtype.kind not in "fiu":
         # Booleans, complex numbers, strings and objects would be turned into something plausible.
-        got = f"{_short(value)} of dtype {raw.dtype}{part_to_give(value)}"
-        raise InvalidInput(f"{name}: expected numbers, got {got}")
+        raise refused(
+            name, "numbers", f"{_short(value)} of dtype {raw.dtype}{part_to_give(value)}", value
+        )
     with enough_memory(f"{name}: an array of shape {raw.shape}"):
         return np.ascontiguousarray(raw, dtype=np.float64).reshape(raw.shape)
 

@@ -29,7 +29,21 @@ class LeadthroughError(Exception):
 
 
 class InvalidInput(LeadthroughError, ValueError):
-    """An argument is wrong; the message names it, what is right and what came."""
+    """An argument is wrong; the message names it, the expected and the given value.
+
+    Attributes:
+        argument: name of the argument, such as "rate"; None if no single one is at fault.
+        value: the given value, if it is a number or a text; else None.
+    """
+
+    def __init__(self, message: str, *, argument: str | None = None, value: object = None) -> None:
+        super().__init__(message)
+        self._argument = argument
+        self.value = value if isinstance(value, str | int | float) else None
+
+    @property
+    def argument(self) -> str | None:
+        return super().argument if self._argument is None else self._argument
 
 
 class UnsupportedQuery(InvalidInput):

@@ -122,22 +122,3 @@ def test_one_rotation_is_its_own_mean_and_no_columns_give_no_means():
     q = rotations.exp([[0.3, -2.0, 0.1]])
     np.testing.assert_allclose(rotations.mean(q), q[0], atol=1e-15)
     assert rotations.mean(np.zeros((3, 0, 4))).shape == (0, 4)
-
-
-@pytest.mark.parametrize(
-    ("quaternions", "weights", "message"),
-    [
-        (np.zeros((0, 4)), None, "quaternions: expected at least one rotation"),
-        ([1.0, 0, 0, 0], None, r"quaternions: expected shape \(k, n, 4\)"),
-        ([[1.0, 0, 0, 0], [1.0]], None, "quaternions: .* ragged rows"),
-        ([[1.0, 0, 0, np.nan]], None, "quaternions: expected finite"),
-        (np.eye(4)[:2], [1.0], r"weights: expected shape \(2,\)"),
-        (np.eye(4)[:2], [1.0, -1.0], "weights: expected numbers >= 0"),
-        (np.eye(4)[:2], [0.0, 0.0], "weights: .* not all 0"),
-        (np.eye(4), None, "within a quarter turn"),
-        (np.eye(4)[:2, None], None, "degrees away in mean 0"),
-    ],
-)
-def test_what_has_no_mean_is_refused(quaternions, weights, message):
-    with pytest.raises(InvalidInput, match=message):
-        rotations.mean(quaternions, weights=weights)

@@ -116,36 +116,3 @@ def test_huge_vectors_have_finite_jacobians():
 def test_empty_batches_stay_empty():
     assert rotations.left_jacobian(np.zeros((0, 3))).shape == (0, 3, 3)
     assert rotations.left_jacobian_inverse(np.zeros((0, 3))).shape == (0, 3, 3)
-
-
-QUARTERS = rotations.exp([[0, 0, 0], [0, 0, 1.6], [0, 0, 3.2], [0, 0, 4.8]])
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: rotations.angular_velocity([0, 1], QUARTERS), "quaternions: expected shape"),
-        (lambda: rotations.angular_velocity([0], QUARTERS[:1]), "times: expected at least 2"),
-        (lambda: rotations.angular_acceleration([0, 1], QUARTERS[:2]), "times: .* at least 3"),
-        (lambda: rotations.angular_velocity([0, 0], QUARTERS[:2]), "times: expected strictly"),
-        (
-            lambda: rotations.angular_velocity([0, 1, 2, 3], QUARTERS),
-            "less than half a turn from sample 0 to 2, got 183.3 degrees",
-        ),
-        (
-            lambda: rotations.angular_velocity([0, 1e-320], QUARTERS[:2]),
-            "times: expected longer steps",
-        ),
-        (lambda: rotations.integrate([0, 1], [[1, 0, 0]], [1, 0, 0, 0]), "angular_velocities: exp"),
-        (lambda: rotations.integrate([0], [[1, 0, 0]], [1, 0, 0]), "start: expected shape"),
-        (
-            lambda: rotations.integrate([0, 1e200], [[1e200, 0, 0]] * 2, [1, 0, 0, 0]),
-            "angular_velocities: expected turns of finite size",
-        ),
-        (lambda: rotations.left_jacobian([1, 2, 3]), "rotation_vectors: expected shape"),
-        (lambda: rotations.left_jacobian_inverse([[np.nan, 0, 0]]), "rotation_vectors: .* finite"),
-    ],
-)
-def test_bad_motions_are_refused(call, message):
-    with pytest.raises(InvalidInput, match=message):
-        call()

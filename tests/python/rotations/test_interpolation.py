@@ -8,7 +8,6 @@ from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation, Slerp
 
 from leadthrough import rotations, trajectories
-from leadthrough.errors import InvalidInput
 
 unit_quaternions = (
     arrays(float, (4,), elements=st.floats(-1, 1))
@@ -43,20 +42,6 @@ def test_slerp_of_half_a_turn_takes_the_way_to_b_as_given():
     np.testing.assert_allclose(
         rotations.slerp(a, np.negative(b), [0.5]), [[half, 0, 0, -half]], atol=1e-15
     )
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ((np.eye(4)[:1], np.eye(4)[:1], [[0.5]]), r"fractions: expected shape \(1,\)"),
-        ((np.eye(4)[:1], np.eye(4)[:1], [np.inf]), "fractions: expected finite"),
-        ((np.eye(4)[:1], np.eye(4)[:1], [1.5]), "fractions: expected numbers from 0 to 1"),
-        ((np.eye(4)[:1], np.eye(4)[:2], [0.5]), "b: expected as many rotations as a"),
-    ],
-)
-def test_bad_slerps_are_refused(arguments, message):
-    with pytest.raises(InvalidInput, match=message):
-        rotations.slerp(*arguments)
 
 
 def curve(times):
@@ -141,27 +126,3 @@ def test_two_samples_are_joined_by_slerp():
     for between in (rotations.interpolate, rotations.squad):
         np.testing.assert_allclose(between([1, 5], q, at), expected, atol=1e-14)
         assert between([1, 5], q, []).shape == (0, 4)
-
-
-@pytest.mark.parametrize("between", [rotations.interpolate, rotations.squad])
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (([0, 1], np.eye(4)[:2], [1.5]), r"at: expected times from 0.0 s to 1.0 s, got 1.5 s"),
-        (([0, 1], np.eye(4)[:2], [np.nan]), "at: expected finite"),
-        (([0, 1], np.eye(4)[:2], 0.5), r"at: expected shape \(m,\)"),
-        (([0, 1], np.eye(4)[:3], [0.5]), r"quaternions: expected shape \(2, 4\)"),
-        (([0], np.eye(4)[:1], [0.0]), "times: expected at least 2"),
-        (([1, 0], np.eye(4)[:2], [0.5]), "times: expected strictly increasing"),
-    ],
-)
-def test_bad_curves_are_refused(between, arguments, message):
-    with pytest.raises(InvalidInput, match=message):
-        between(*arguments)
-
-
-def test_squad_refuses_steps_that_are_too_uneven_to_carry_a_velocity_over():
-    times = [-2e250, -1e250, 0.0, 1e-100, 1e250, 2e250]
-    q = rotations.exp(np.outer(np.arange(6), [0.1, 0.3, 0.2]))
-    with pytest.raises(InvalidInput, match="times: expected steps of similar length"):
-        rotations.squad(times, q, [1.0])

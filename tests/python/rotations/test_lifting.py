@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 import leadthrough as lt
 from leadthrough import rotations
-from leadthrough.errors import InvalidInput, NoContinuousLogarithm
+from leadthrough.errors import NoContinuousLogarithm
 
 # Motions of 40 samples from the identity, at most 5.2 rad away from it.
 gentle = arrays(float, (3, 3), elements=st.floats(-1, 1)).map(
@@ -150,16 +150,3 @@ def test_recorded_orientations_are_lifted(recordings):
 def test_nothing_lifts_to_nothing():
     assert rotations.lift(np.zeros((0, 4))).shape == (0, 3)
     assert rotations.lift(np.zeros((0, 4)), anchor="goal").shape == (0, 3)
-
-
-@pytest.mark.parametrize(
-    ("quaternions", "anchor", "message"),
-    [
-        ([1.0, 0, 0, 0], "start", r"quaternions: expected shape \(n, 4\)"),
-        ([[np.nan, 0, 0, 0]], "start", "quaternions: expected finite"),
-        (np.eye(4)[:1], "middle", "anchor: expected one of 'start', 'goal'"),
-    ],
-)
-def test_bad_motions_are_refused(quaternions, anchor, message):
-    with pytest.raises(InvalidInput, match=message):
-        rotations.lift(quaternions, anchor=anchor)
