@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array
-from leadthrough.drawing.panels import Drawn, of_joints, of_points, of_poses
+from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing.panels import of_joints, of_points, of_poses
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event, Events, within
 from leadthrough.events import checked as checked_events

@@ -18,7 +18,8 @@ from leadthrough.arm.kinematics import joint_rows
 from leadthrough.arm.robot_files import hull_vertices
 from leadthrough.check import Float64Array
 from leadthrough.drawing import palette
-from leadthrough.drawing.panels import Drawn, Line, Panel
+from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing.panels import Line, Panel
 from leadthrough.errors import InvalidInput, InvalidRobot
 from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr

@@ -15,7 +15,7 @@ from leadthrough.arm.attachment import Attachment, Load
 from leadthrough.arm.collision import collision_model
 from leadthrough.arm.limits import JointLimits, checked_values, require_inside, require_unlocked
 from leadthrough.check import Float64Array
-from leadthrough.drawing.panels import Drawn
+from leadthrough.drawing.drawn import Drawn
 from leadthrough.errors import InvalidInput
 from leadthrough.shapes import Shape, Solid
 

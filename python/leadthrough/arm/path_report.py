@@ -11,7 +11,8 @@ from leadthrough.arm import kinematics
 from leadthrough.arm.limits import JointLimits, margins
 from leadthrough.arm.tip_path import TipPath
 from leadthrough.check import Float64Array
-from leadthrough.drawing.panels import Drawn, Panel, over
+from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing.panels import Panel, over
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
 

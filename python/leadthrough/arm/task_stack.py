@@ -30,7 +30,8 @@ from leadthrough.arm.arm import Arm
 from leadthrough.arm.limits import known_acceleration
 from leadthrough.arm.tasks import ArmTask, JointLimitTask, PostureTask
 from leadthrough.check import Float64Array
-from leadthrough.drawing.panels import Drawn, Panel, over
+from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing.panels import Panel, over
 from leadthrough.errors import InvalidInput, InvalidRobot
 from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr

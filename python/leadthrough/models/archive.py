@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.drawing.panels import Drawn
+from leadthrough.drawing.drawn import Drawn
 from leadthrough.errors import InvalidInput
 from leadthrough.io import npz
 from leadthrough.io.atomic import StrPath, replacing

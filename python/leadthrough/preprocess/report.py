@@ -6,7 +6,8 @@ import textwrap
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from leadthrough.drawing.panels import Drawn, Panel, spans_over_time
+from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing.panels import Panel, spans_over_time
 from leadthrough.errors import InvalidInput
 from leadthrough.repr import ShortRepr
 

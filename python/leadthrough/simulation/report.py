@@ -11,7 +11,8 @@ import numpy as np
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.drawing import palette
-from leadthrough.drawing.panels import Drawn, Line, Panel, over
+from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing.panels import Line, Panel, over
 from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape

@@ -15,7 +15,8 @@ import numpy as np
 
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array
-from leadthrough.drawing.panels import Drawn, Panel, bars
+from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing.panels import Panel, bars
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr

@@ -1,4 +1,4 @@
-"""Speed maps of demonstrations: their lengths, their grid, and how obstacles enter them."""
+"""Speed maps of demonstrations: lengths, grid and obstacles, and paths beside their walls."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.planning.grid import Grid
+from leadthrough.planning import Grid
 from leadthrough.planning.obstacles import Walls
 from leadthrough.planning.speed_map import (
     FreeField,
@@ -25,8 +25,11 @@ from leadthrough.planning.speed_map import (
     add_passable_obstacles,
     add_saturated_obstacles,
     experience_map,
+    quickest,
+    speeds_at,
 )
 from leadthrough.preprocess.resample import arc_length, by_arc_length
+from leadthrough.preprocess.smooth import smooth_path
 from leadthrough.shapes import Shape
 
 OBSTACLE_MAPS = ("product", "minimum")
@@ -55,6 +58,11 @@ _BAND = 0.5
 # Reach of detours around an obstacle in a tube, in clearances: the tube continues beside small
 # boxes, but not along a whole table that it touches.
 _REACH = 2.0
+# Length of the segment outside the map that is smoothed with the path inside, in knots: its corner
+# at the map's border then vanishes.
+_KNOTS = 6.0
+# Points outside are farther apart by this factor: the path is straight there.
+_SPARSER = 3.0
 # Maximum number of points at which the map is looked up; two per cell otherwise.
 _MAX_LOOKUPS = 100_000
 
@@ -182,6 +190,13 @@ def tube_field(
     return obstacle_field(free, obstacles, scales, band=1.0)
 
 
+def quickest_in_tube(
+    path: Float64Array, grid: Grid, obstacles: Sequence[Shape], scales: Scales
+) -> Float64Array:
+    """The quickest path (n, d) between the ends of a path, in a tube around it."""
+    return quickest(tube_field(path, grid, obstacles, scales), path[0], path[-1])
+
+
 def slowed_at(
     path: Float64Array, grid: Grid, obstacles: Sequence[Shape], scales: Scales
 ) -> NDArray[np.bool_]:
@@ -197,6 +212,42 @@ def min_distance(path: Float64Array, obstacles: Sequence[Shape]) -> float:
     points = np.zeros((len(path), 3))
     points[:, : path.shape[1]] = path
     return min((float(each.distance(points).min()) for each in obstacles), default=np.inf)
+
+
+def clear_outside(
+    path: Float64Array, grid: Grid, obstacles: Sequence[Shape], clearance: float
+) -> bool:
+    """Whether a path (n, d) keeps a clearance from obstacles outside a grid."""
+    inside = grid.contains(path[[0, -1]])
+    segments = [(path[0], path[1])] * (not inside[0]) + [(path[-1], path[-2])] * (not inside[1])
+    return all(_is_clear(*each, obstacles, clearance) for each in segments)
+
+
+def smooth_between_walls(
+    path: Float64Array, field: SpeedField, knot_spacing: float
+) -> Float64Array:
+    """A path (n, d) made smooth as far as no wall is touched."""
+    grid = field.grid
+    inside = grid.contains(path[[0, -1]])
+    if not inside[1]:
+        return smooth_between_walls(path[::-1], field, knot_spacing)[::-1]
+
+    def is_free(points: Float64Array) -> bool:
+        cells = grid.cells_of(points[grid.contains(points)])
+        return bool(speeds_at(field, cells).all())
+
+    if inside[0]:
+        return smooth_path(path, knot_spacing=knot_spacing, accept=is_free)
+    ahead = path[1] - path[0]
+    straight = max(1.0 - _KNOTS * knot_spacing / float(np.linalg.norm(ahead)), 0.0)
+    turn = path[0] + straight * ahead
+    rest = smooth_path(
+        np.concatenate([turn[None], path[1:]]), knot_spacing=knot_spacing, accept=is_free
+    )
+    step = float(arc_length(rest)[-1]) / (len(rest) - 1)
+    count = int(np.ceil(float(np.linalg.norm(turn - path[0])) / (_SPARSER * step)))
+    outside = path[0] + np.linspace(0.0, 1.0, count, endpoint=False)[:, None] * (turn - path[0])
+    return np.concatenate([outside, rest])
 
 
 def mean_speed(path: Float64Array, grid: Grid, speed: Float64Array, outside: float) -> float:
@@ -240,3 +291,19 @@ def _obstacle_corners(
             corners.append(np.maximum(centre - reach, lower - extent))
             corners.append(np.minimum(centre + reach, upper + extent))
     return corners
+
+
+def _is_clear(
+    start: Float64Array, end: Float64Array, obstacles: Sequence[Shape], clearance: float
+) -> bool:
+    """Whether a segment keeps the clearance, in steps as long as the free distance."""
+    length = float(np.linalg.norm(end - start))
+    at = 0.0
+    while obstacles and at < length:
+        point = np.zeros((1, 3))
+        point[0, : len(start)] = start + (at / length) * (end - start)
+        free = min(float(each.distance(point)[0]) for each in obstacles)
+        if free < clearance:
+            return False
+        at += max(free - 0.5 * clearance, 0.5 * clearance)
+    return True

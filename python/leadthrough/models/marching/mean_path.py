@@ -24,11 +24,17 @@ from leadthrough import _core
 from leadthrough.check import Float64Array
 from leadthrough.errors import NoPath
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.marching.maps import Scales, grid_over, min_distance, slowed_at, tube_field
+from leadthrough.models.marching.maps import (
+    Scales,
+    grid_over,
+    min_distance,
+    quickest_in_tube,
+    slowed_at,
+    tube_field,
+)
 from leadthrough.models.marching.route import CELLS_PER_KNOT, Query, Route, route_along
 from leadthrough.models.queries import MAX_GAIN, fraction_inside
-from leadthrough.planning.grid import Grid
-from leadthrough.planning.speed_map import quickest
+from leadthrough.planning import Grid
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.shapes import Shape
 
@@ -286,7 +292,7 @@ def _with_detours(
         ]
     except NoPath:
         # An end of a detour may be enclosed although start and goal are not.
-        parts = [quickest(tube_field(mean, grid, obstacles, scales), mean[0], mean[-1])]
+        parts = [quickest_in_tube(mean, grid, obstacles, scales)]
     return np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
 
 
@@ -296,7 +302,7 @@ def _detour(
     """The quickest path from end to end of a stretch."""
     # As wide a tube as the detour may become: it leaves and rejoins the path gently.
     wide = replace(scales, radius=0.5 * float(arc_length(stretch)[-1]))
-    return quickest(tube_field(stretch, grid, obstacles, wide), stretch[0], stretch[-1])
+    return quickest_in_tube(stretch, grid, obstacles, wide)
 
 
 def _stretches(

@@ -38,7 +38,7 @@ from leadthrough.models.protocol import Parameter, Unfitted
 from leadthrough.models.queries import checked_query
 from leadthrough.models.targets import Target
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, Trajectory
-from leadthrough.planning.grid import Grid
+from leadthrough.planning import Grid
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Shape, check_shapes
 

@@ -19,15 +19,15 @@ from leadthrough.errors import InvalidInput, NoPath
 from leadthrough.models import phase
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.maps import Scales, grid_over, speeds_along, with_detours
-from leadthrough.planning.arrival import ArrivalField, FloatArray, arrival_times
-from leadthrough.planning.descent import direction
-from leadthrough.planning.grid import Grid
+from leadthrough.planning import ArrivalField, Grid, arrival_times, direction
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape, check_shapes
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
+
+Times = NDArray[np.float32] | Float64Array
 
 # Room for a policy around its goal, as a fraction of the demonstrations' extent.
 _PUSHED = 1.25
@@ -56,7 +56,7 @@ class Policy(ShortRepr):
     """Velocities that lead to a goal from wherever the tool was pushed."""
 
     grid: Grid  # cells of the field
-    arrival: FloatArray  # times in each cell, marched from the goal
+    arrival: Times  # times in each cell, marched from the goal
     goal: Float64Array  # (d,) where the tool comes to rest
     speeds: DemonstratedSpeeds  # speeds that the demonstrations teach
     slowing: float
@@ -128,14 +128,14 @@ class _PolicyMap:
         self._free: NDArray[np.float32] | None = None
         self._field: ArrivalField | None = None
 
-    def arrival(self, obstacles: Sequence[Shape]) -> FloatArray:
+    def arrival(self, obstacles: Sequence[Shape]) -> Times:
         """Arrival times of second order, marched anew."""
         speed = with_detours(self._speed, self._grid, obstacles, self._scales)
         self._check_goal(speed)
         source = self._grid.cells_of(self._goal[None])
         return arrival_times(speed, source, spacing=self._grid.spacing)
 
-    def until(self, obstacles: Sequence[Shape], position: Float64Array) -> FloatArray:
+    def until(self, obstacles: Sequence[Shape], position: Float64Array) -> Times:
         """Arrival times of first order, marched no farther than to a position (d,)."""
         speed = self._around(obstacles)
         source, stop = self._grid.cells_of(np.stack([self._goal, position]))
@@ -149,7 +149,7 @@ class _PolicyMap:
             )
         return times
 
-    def repaired(self, obstacles: Sequence[Shape]) -> FloatArray:
+    def repaired(self, obstacles: Sequence[Shape]) -> Times:
         """Arrival times of first order, marched anew only where obstacles have moved."""
         speed = self._around(obstacles)
         if self._field is None:
@@ -165,7 +165,7 @@ class _PolicyMap:
         self._check_goal(speed)
         return speed
 
-    def _check_goal(self, speed: FloatArray) -> None:
+    def _check_goal(self, speed: Times) -> None:
         if speed[tuple(self._grid.cells_of(self._goal[None])[0])] == 0.0:
             raise NoPath(f"goal: {self._goal} lies in an obstacle", reason="goal_in_wall")
 

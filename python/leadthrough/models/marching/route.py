@@ -24,18 +24,18 @@ from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.maps import (
     MAX_CELLS_FROM_AFAR,
     Scales,
+    clear_outside,
     covered_ends,
     detour_field,
     grid_over,
     map_of,
     obstacle_field,
+    smooth_between_walls,
     with_detours,
     with_obstacles,
 )
 from leadthrough.models.targets import Target
-from leadthrough.planning.arrival import arrival_times
-from leadthrough.planning.descent import descend
-from leadthrough.planning.grid import Grid
+from leadthrough.planning import Grid, arrival_times, descend
 from leadthrough.planning.speed_map import (
     ExperienceField,
     FreeField,
@@ -46,7 +46,6 @@ from leadthrough.planning.speed_map import (
     speeds_at,
 )
 from leadthrough.preprocess.resample import arc_length
-from leadthrough.preprocess.smooth import smooth_path
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape, check_shapes
 
@@ -58,11 +57,6 @@ CELLS_PER_KNOT = 8.0
 
 # Width of the weights over the demonstrations' starts, in their mean distance from each other.
 _START_WIDTH = 0.25
-# Length of the segment outside the map that is smoothed with the path inside, in knots: its corner
-# at the map's border then vanishes.
-_KNOTS = 6.0
-# Points outside are farther apart by this factor: the path is straight there.
-_SPARSER = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +168,7 @@ def route_along(
 ) -> Route:
     """A path made smooth where obstacles allow, with the map's speed along it."""
     spacing = knot_spacing or CELLS_PER_KNOT * float(field.grid.spacing.max())
-    smoothed = _smooth_between_walls(path, field, spacing)
+    smoothed = smooth_between_walls(path, field, spacing)
     if region is not None:
         smoothed = np.clip(smoothed, *region)
     return Route(smoothed, _between_cells(field, smoothed), used, weights, method)
@@ -227,7 +221,7 @@ def _through(
             path, field = _quickest_on(free(grid, own), query, own)
         except NoPath:  # beyond the grid there may be a path
             break
-        if _clear_outside(path, grid, query.obstacles, own.clearance):
+        if clear_outside(path, grid, query.obstacles, own.clearance):
             return path, field
     grid, own = grid_over([*paths, everything], query.obstacles, scales)
     return _quickest_on(free(grid, own), query, own)
@@ -267,58 +261,6 @@ def _nearness(starts: Float64Array, start: Float64Array) -> Float64Array:
     squared = ((starts - start) ** 2).sum(axis=1)
     width = _START_WIDTH * float(pairs.mean())
     return np.asarray(np.exp(-(squared - squared.min()) / (2.0 * width**2)))
-
-
-def _clear_outside(
-    path: Float64Array, grid: Grid, obstacles: Sequence[Shape], clearance: float
-) -> bool:
-    """Whether a path (n, d) keeps a clearance from obstacles outside a grid."""
-    inside = grid.contains(path[[0, -1]])
-    segments = [(path[0], path[1])] * (not inside[0]) + [(path[-1], path[-2])] * (not inside[1])
-    return all(_is_clear(*each, obstacles, clearance) for each in segments)
-
-
-def _is_clear(
-    start: Float64Array, end: Float64Array, obstacles: Sequence[Shape], clearance: float
-) -> bool:
-    """Whether a segment keeps the clearance, in steps as long as the free distance."""
-    length = float(np.linalg.norm(end - start))
-    at = 0.0
-    while obstacles and at < length:
-        point = np.zeros((1, 3))
-        point[0, : len(start)] = start + (at / length) * (end - start)
-        free = min(float(each.distance(point)[0]) for each in obstacles)
-        if free < clearance:
-            return False
-        at += max(free - 0.5 * clearance, 0.5 * clearance)
-    return True
-
-
-def _smooth_between_walls(
-    path: Float64Array, field: SpeedField, knot_spacing: float
-) -> Float64Array:
-    """A path (n, d) made smooth as far as no wall is touched."""
-    grid = field.grid
-    inside = grid.contains(path[[0, -1]])
-    if not inside[1]:
-        return _smooth_between_walls(path[::-1], field, knot_spacing)[::-1]
-
-    def is_free(points: Float64Array) -> bool:
-        cells = grid.cells_of(points[grid.contains(points)])
-        return bool(speeds_at(field, cells).all())
-
-    if inside[0]:
-        return smooth_path(path, knot_spacing=knot_spacing, accept=is_free)
-    ahead = path[1] - path[0]
-    straight = max(1.0 - _KNOTS * knot_spacing / float(np.linalg.norm(ahead)), 0.0)
-    turn = path[0] + straight * ahead
-    rest = smooth_path(
-        np.concatenate([turn[None], path[1:]]), knot_spacing=knot_spacing, accept=is_free
-    )
-    step = float(arc_length(rest)[-1]) / (len(rest) - 1)
-    count = int(np.ceil(float(np.linalg.norm(turn - path[0])) / (_SPARSER * step)))
-    outside = path[0] + np.linspace(0.0, 1.0, count, endpoint=False)[:, None] * (turn - path[0])
-    return np.concatenate([outside, rest])
 
 
 def _quickest(

@@ -21,17 +21,14 @@ from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.chart import Chart
 from leadthrough.models.demonstrations import Demonstrations, motions_of
-from leadthrough.models.gaussians.em import LEAST_VARIANCE, Blocks, Steps, bounded, sums_of
 from leadthrough.models.gaussians.fitting import FittedMixture
 from leadthrough.models.gaussians.mixture import Mixture
-from leadthrough.models.gaussians.units import Units, phase_units
 from leadthrough.models.mixtures.phases import (
     SAMPLES,
-    WIDE,
+    adapted,
     choose_phases,
     fit_phases,
     sampled,
-    thinner,
     timed_columns,
 )
 from leadthrough.models.protocol import Parameter, Unfitted, fitted_again
@@ -80,11 +77,11 @@ class GMR(Unfitted):
             FitError: if there is none, one does not move, or the orientations of poses have no
                 mean.
         """
-        shown = sampled(demonstrations)
-        fit = self._fitted(shown.points, poses=shown.chart.kind == "poses")
+        samples = sampled(demonstrations)
+        fit = self._fitted(samples.points, poses=samples.chart.kind == "poses")
         model = replace(self, components=fit.mixture.count)
         return GMRSkill(
-            model, shown.chart, fit.mixture, shown.duration, shown.ends, len(shown.motions)
+            model, samples.chart, fit.mixture, samples.duration, samples.ends, len(samples.motions)
         )
 
     def _fitted(self, points: Float64Array, *, poses: bool) -> FittedMixture:
@@ -108,7 +105,7 @@ def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> GMRSkill:
     return GMRSkill(model, chart, mixture, duration, ends, int(settings["shown"]))
 
 
-MOST_COMPONENTS = 20  # worth trying on a slider
+MAX_COMPONENTS = 20  # worth trying on a slider
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +113,7 @@ class GMRSkill(FittedSkill, Generic[MotionT_co]):
     """A mixture over time and the columns of a motion; made by `GMR.fit`.
 
     Attributes:
-        model: the settings that it was fitted with; `components` is the number that was found.
+        model: the settings that it was fitted with; `components` is the number that was fitted.
         chart: what the d columns are: the coordinates of points, the joints, or for poses the
             position and a rotation vector from a reference orientation.
         mixture: mixture of 1 + d columns, the time first, s.
@@ -217,8 +214,23 @@ class GMRSkill(FittedSkill, Generic[MotionT_co]):
             InvalidInput: if the demonstrations are of another type.
             FitError: if there is none, or one does not move.
         """
-        mixture, ends, count = learned(self, demonstrations)
-        return replace(self, mixture=mixture, ends=ends, demonstration_count=count)
+        motions, before = motions_of(demonstrations), self.demonstration_count
+        phases = [normalised_times(motion.times) for motion in motions]
+        samples = timed_columns(motions, phases, self.chart, self.duration)
+        points, count = np.concatenate(samples), before + len(motions)
+        mixture = adapted(
+            self.mixture,
+            points,
+            len(points) / len(motions) * before,
+            poses=self.chart.kind == "poses",
+        )
+        ends = np.sum([each[[0, -1], 1:] for each in samples], axis=0)
+        return replace(
+            self,
+            mixture=mixture,
+            ends=(self.ends * before + ends) / count,
+            demonstration_count=count,
+        )
 
     def component_orientations(self) -> Float64Array:
         """Mean orientations (k, 4) of the components of a skill of poses, w, x, y, z.
@@ -233,9 +245,9 @@ class GMRSkill(FittedSkill, Generic[MotionT_co]):
             )
         phases = np.clip(self.mixture.means[:, 0] / self.duration, 0.0, 1.0)
         order = np.argsort(phases, kind="stable")
-        turned = self.chart.orientations(self.mixture.means[order, 4:], phases[order])
-        result = np.empty_like(turned)
-        result[order] = turned
+        orientations = self.chart.orientations(self.mixture.means[order, 4:], phases[order])
+        result = np.empty_like(orientations)
+        result[order] = orientations
         return result
 
     def parameters(
@@ -246,7 +258,7 @@ class GMRSkill(FittedSkill, Generic[MotionT_co]):
         Args:
             demonstrations: the demonstrations that the skill was fitted to.
         """
-        return fitted_again(self, "components", demonstrations, least=1, most=MOST_COMPONENTS)
+        return fitted_again(self, "components", demonstrations, least=1, most=MAX_COMPONENTS)
 
     # Any: settings are whatever JSON holds.
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
@@ -265,45 +277,6 @@ class GMRSkill(FittedSkill, Generic[MotionT_co]):
             **self.chart.arrays(),
         }
         return settings, arrays
-
-
-_MOST_ITERATIONS = 200
-
-
-def learned(
-    skill: GMRSkill, demonstrations: Demonstrations[Motion]
-) -> tuple[Mixture, Float64Array, int]:
-    """What a skill becomes with further demonstrations."""
-    motions = motions_of(demonstrations)
-    phases = [normalised_times(motion.times) for motion in motions]
-    samples = timed_columns(motions, phases, skill.chart, skill.duration)
-    total = skill.demonstration_count + len(motions)
-    points = np.concatenate(samples)
-    before = len(points) / len(motions) * skill.demonstration_count
-    mixture = _adapted(skill.mixture, points, before, poses=skill.chart.kind == "poses")
-    ends = np.sum([each[[0, -1], 1:] for each in samples], axis=0)
-    return mixture, (skill.ends * skill.demonstration_count + ends) / total, total
-
-
-def _adapted(mixture: Mixture, points: Float64Array, before: float, *, poses: bool) -> Mixture:
-    """The mixture of new points (n, d) and of the `before` old ones that it stands for."""
-    units = _units(mixture, poses=poses)
-    covariances = units.scaled_covariances(mixture.covariances)
-    old = Blocks(mixture.weights, (units.scaled(mixture.means),), (covariances,))
-    blocks, sums = [units.scaled(points)], sums_of(old, before)
-    steps = Steps(blocks, sums, least=WIDE)
-    wide = replace(old, covariances=(bounded(covariances, WIDE),))
-    found, _ = steps.run(wide, _MOST_ITERATIONS)
-    new, _ = thinner(found, steps, LEAST_VARIANCE)
-    return Mixture(new.weights, units.means(new.means[0]), units.covariances(new.covariances[0]))
-
-
-def _units(mixture: Mixture, *, poses: bool) -> Units:
-    """Units of the points that a mixture stands for."""
-    middle = mixture.weights @ mixture.means
-    variances = np.einsum("kii->ki", mixture.covariances) + (mixture.means - middle) ** 2
-    own = Units(middle, np.sqrt(mixture.weights @ variances))
-    return phase_units(own, mixture.count, poses=poses)
 
 
 def wanted_ends(

@@ -10,7 +10,7 @@ sample does. From there, a single step each with lower bounds leads to thin comp
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Generic
 
 import numpy as np
@@ -18,36 +18,48 @@ import numpy as np
 from leadthrough.check import Float64Array
 from leadthrough.models.chart import Chart, chart_of
 from leadthrough.models.demonstrations import Demonstrations, motions_of, warn_of_misalignment
-from leadthrough.models.gaussians.em import LEAST_VARIANCE, Blocks, Steps, fit_blocks
+from leadthrough.models.gaussians.em import (
+    LEAST_VARIANCE,
+    Blocks,
+    Steps,
+    bounded,
+    fit_blocks,
+    sums_of,
+)
 from leadthrough.models.gaussians.fitting import FittedMixture, in_order, least_criterion
+from leadthrough.models.gaussians.mixture import Mixture
 from leadthrough.models.gaussians.units import Units, own_units, phase_units
 from leadthrough.models.mean_turning import mean_orientations
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
+
+# Points of each demonstration, so that all count the same and the work is bounded.
+SAMPLES = 200
 
 # The least variance of a component in any direction until EM has converged, in phase units, and in
 # the single steps from there. Three steps without these bounds instead let a sample move the motion
 # of joints seven times as far.
 WIDE = 0.05
 _THINNER = (0.03, 0.01, 0.003, 0.001)
-_MOST_COMPONENTS = 15
+_MAX_COMPONENTS = 15
+_MAX_ITERATIONS = 200
 
 
 def fit_phases(
     points: Float64Array, components: int, *, poses: bool, seed: int, starts: int
 ) -> FittedMixture:
     """The mixture of times and columns whose components follow phases."""
-    found, history = phase_blocks(
+    fitted, history = phase_blocks(
         [points], components, poses=poses, seed=seed, starts=starts, least=LEAST_VARIANCE
     )
-    return FittedMixture(in_order(found), tuple(history))
+    return FittedMixture(in_order(fitted), tuple(history))
 
 
 def choose_phases(points: Float64Array, *, poses: bool, seed: int, starts: int) -> FittedMixture:
-    """What `choose_components` is for `fit_mixture`, for `fit_phases`."""
+    """The mixture of `fit_phases` with the least Bayesian information criterion."""
     return least_criterion(
         lambda count: fit_phases(points, count, poses=poses, seed=seed, starts=starts),
         len(points),
-        _MOST_COMPONENTS,
+        _MAX_COMPONENTS,
     )
 
 
@@ -66,10 +78,35 @@ def phase_blocks(
     wide, history = fit_blocks(
         scaled, scaled[0][:, :1], count, seed=seed, starts=starts, least=WIDE
     )
-    found, more = thinner(wide, Steps(scaled), least)
+    thin, more = thinner(wide, Steps(scaled), least)
     history += more
     volume = sum(own.log_volume for own in units)
-    return _unscaled(found, units), [value - volume for value in history]
+    return _unscaled(thin, units), [value - volume for value in history]
+
+
+def adapted(mixture: Mixture, points: Float64Array, before: float, *, poses: bool) -> Mixture:
+    """The mixture of new points (n, d) and of the `before` old ones that it stands for.
+
+    Source: Calinon and Billard 2007, "Incremental learning of gestures by imitation in a humanoid
+    robot", direct method: the old mixture stands for the sums of its points.
+    """
+    units = _units_of(mixture, poses=poses)
+    covariances = units.scaled_covariances(mixture.covariances)
+    old = Blocks(mixture.weights, (units.scaled(mixture.means),), (covariances,))
+    blocks, sums = [units.scaled(points)], sums_of(old, before)
+    steps = Steps(blocks, sums, least=WIDE)
+    wide = replace(old, covariances=(bounded(covariances, WIDE),))
+    converged, _ = steps.run(wide, _MAX_ITERATIONS)
+    new, _ = thinner(converged, steps, LEAST_VARIANCE)
+    return Mixture(new.weights, units.means(new.means[0]), units.covariances(new.covariances[0]))
+
+
+def _units_of(mixture: Mixture, *, poses: bool) -> Units:
+    """Units of the points that a mixture stands for."""
+    middle = mixture.weights @ mixture.means
+    variances = np.einsum("kii->ki", mixture.covariances) + (mixture.means - middle) ** 2
+    own = Units(middle, np.sqrt(mixture.weights @ variances))
+    return phase_units(own, mixture.count, poses=poses)
 
 
 def thinner(components: Blocks, steps: Steps, least: float) -> tuple[Blocks, list[float]]:
@@ -83,17 +120,13 @@ def thinner(components: Blocks, steps: Steps, least: float) -> tuple[Blocks, lis
     return components, history
 
 
-def _unscaled(found: Blocks, units: Sequence[Units]) -> Blocks:
+def _unscaled(scaled: Blocks, units: Sequence[Units]) -> Blocks:
     """Components in their columns' own units."""
     return Blocks(
-        found.weights,
-        tuple(own.means(each) for each, own in zip(found.means, units, strict=True)),
-        tuple(own.covariances(each) for each, own in zip(found.covariances, units, strict=True)),
+        scaled.weights,
+        tuple(own.means(each) for each, own in zip(scaled.means, units, strict=True)),
+        tuple(own.covariances(each) for each, own in zip(scaled.covariances, units, strict=True)),
     )
-
-
-# Points of each demonstration, so that all count the same and the work is bounded.
-SAMPLES = 200
 
 
 @dataclass(frozen=True, eq=False)

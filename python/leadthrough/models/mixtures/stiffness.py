@@ -1,6 +1,6 @@
 """Stiffness along a motion, from how much its demonstrations vary.
 
-Where, and along which axes, demonstrations vary little, the task constrains the motion and the arm
+Along axes in which demonstrations vary little, the task constrains the motion and the arm
 should be stiff; where they vary much, it may be compliant.
 
 Source: Calinon, Sardellitti and Caldwell 2010, "Learning-based control strategy for safe
@@ -18,7 +18,7 @@ from leadthrough.errors import InvalidInput
 
 # No variance counts as less than this fraction of the largest; below zero by more than it, a
 # covariance is refused.
-_LEAST_VARIANCE = 1e-9
+_MIN_VARIANCE = 1e-9
 # Logarithms of variances that span less than this are all the same.
 _ALIKE = 1e-9
 
@@ -48,9 +48,9 @@ def stiffness_profile(covariances: ArrayLike, *, softest: float, stiffest: float
         raise InvalidInput("covariances: expected at least one matrix, all symmetric")
     variances, axes = np.linalg.eigh(given)
     largest = float(variances.max())
-    if not largest > 0.0 or variances.min() < -_LEAST_VARIANCE * largest:
+    if not largest > 0.0 or variances.min() < -_MIN_VARIANCE * largest:
         raise InvalidInput("covariances: expected positive semi-definite matrices, not all zero")
-    spread = np.log(np.maximum(variances, _LEAST_VARIANCE * largest))
+    spread = np.log(np.maximum(variances, _MIN_VARIANCE * largest))
     low, reach = spread.min(), np.ptp(spread)
     softness = (spread - low) / reach if reach > _ALIKE else np.zeros_like(spread)
     stiffness = most * (least / most) ** softness

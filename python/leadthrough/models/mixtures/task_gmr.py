@@ -15,10 +15,10 @@ from typing import Any, ClassVar, Generic
 
 import numpy as np
 
-from leadthrough import check, rotations
+from leadthrough import check
 from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, NoContinuousLogarithm, UnsupportedQuery
+from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.chart import Chart, chart_of
@@ -27,9 +27,10 @@ from leadthrough.models.frame import Frame
 from leadthrough.models.gaussians.em import Blocks
 from leadthrough.models.gaussians.mixture import Mixture
 from leadthrough.models.mean_turning import middle_orientations
-from leadthrough.models.mixtures.gmr import GMR, MOST_COMPONENTS, GMRSkill, wanted_ends
+from leadthrough.models.mixtures.gmr import GMR, MAX_COMPONENTS, GMRSkill, wanted_ends
 from leadthrough.models.mixtures.phases import SAMPLES, phase_blocks, sampled, timed_columns
-from leadthrough.models.mixtures.task_product import (
+from leadthrough.models.mixtures.task_frames import (
+    bounded,
     checked_frames,
     common_chart,
     multiplied,
@@ -37,15 +38,14 @@ from leadthrough.models.mixtures.task_product import (
     shrunk,
 )
 from leadthrough.models.protocol import Parameter, Unfitted, fitted_again
-from leadthrough.models.queries import MAX_GAIN, checked_query, fraction_inside
+from leadthrough.models.queries import checked_query
 from leadthrough.models.targets import Target
-from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, normalised_times
-from leadthrough.preprocess.resample import arc_length
+from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory
 from leadthrough.shapes import Shape
 
 # A deviation of 5 % of a column's: frames are not weighed by finer agreement than that, which few
 # demonstrations show by chance.
-_LEAST_VARIANCE = 3e-3
+_MIN_VARIANCE = 3e-3
 
 
 @dataclass(frozen=True)
@@ -91,30 +91,35 @@ class TaskGMR(Unfitted):
             FitError: if there is no demonstration, one does not move, or the orientations of poses
                 fall into two groups.
         """
-        shown = sampled(demonstrations, middle=middle_orientations)
+        samples = sampled(demonstrations, middle=middle_orientations)
         seen_from = (
-            [(Frame.of_sample(motion, 0), Frame.of_sample(motion, -1)) for motion in shown.motions]
+            [
+                (Frame.of_sample(motion, 0), Frame.of_sample(motion, -1))
+                for motion in samples.motions
+            ]
             if frames is None
-            else checked_frames(frames, len(shown.motions), shown.chart)
+            else checked_frames(frames, len(samples.motions), samples.chart)
         )
         charts, seen = [], []
         for own in zip(*seen_from, strict=True):
-            local = [frame.local(motion) for frame, motion in zip(own, shown.motions, strict=True)]
-            charts.append(chart_of(local, shown.phases, middle=middle_orientations))
-            rows = timed_columns(local, shown.phases, charts[-1], shown.duration)
+            local = [
+                frame.local(motion) for frame, motion in zip(own, samples.motions, strict=True)
+            ]
+            charts.append(chart_of(local, samples.phases, middle=middle_orientations))
+            rows = timed_columns(local, samples.phases, charts[-1], samples.duration)
             seen.append(np.concatenate(rows))
-        poses = shown.chart.kind == "poses"
+        poses = samples.chart.kind == "poses"
         components = _fitted(
             seen,
             self.components,
-            demonstrations=len(shown.motions),
+            demonstrations=len(samples.motions),
             poses=poses,
             seed=self.seed,
             starts=self.starts,
         )
         at_ends = frames is None
         return TaskGMRSkill(
-            self, shown.chart, tuple(charts), components, shown.duration, shown.ends, at_ends
+            self, samples.chart, tuple(charts), components, samples.duration, samples.ends, at_ends
         )
 
 
@@ -156,11 +161,11 @@ def _fitted(
     starts: int,
 ) -> Blocks:
     """Components of the times and columns (n, 1 + d) seen from each frame."""
-    found, _ = phase_blocks(
-        seen, count, poses=poses, seed=seed, starts=starts, least=_LEAST_VARIANCE
+    fitted, _ = phase_blocks(
+        seen, count, poses=poses, seed=seed, starts=starts, least=_MIN_VARIANCE
     )
-    rounder = tuple(shrunk(each, demonstrations, poses=poses) for each in found.covariances)
-    return replace(found, covariances=rounder)
+    rounder = tuple(shrunk(each, demonstrations, poses=poses) for each in fitted.covariances)
+    return replace(fitted, covariances=rounder)
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,7 +234,7 @@ class TaskGMRSkill(FittedSkill, Generic[MotionT_co]):
         """The mean motion from a start to a goal.
 
         The frames carry it as far as the demonstrations support that, and no phase farther than
-        1.45 times the way of the ends; a turned end counts as the way of the motion's farthest
+        1.45 times the move of the ends; a rotated end counts as the move of the motion's farthest
         point about it.
 
         Args:
@@ -253,16 +258,16 @@ class TaskGMRSkill(FittedSkill, Generic[MotionT_co]):
                 "frames: this skill was fitted with frames of its own and needs those of the "
                 "situation, in Python skill.at(frames).generate()"
             )
-        usual = self._between(self.ends, duration, dt, obstacles)
+        nominal = self._between(self.ends, duration, dt, obstacles)
         if start is None and goal is None:
-            return usual
+            return nominal
         ends = wanted_ends(self.chart, self.ends, start, goal)
-        return bounded(self._between(ends, duration, dt, obstacles), usual)
+        return bounded(self._between(ends, duration, dt, obstacles), nominal)
 
     def _between(
         self, ends: Float64Array, duration: float | None, dt: float, obstacles: Sequence[Shape]
     ) -> MotionT_co:
-        """What the frames make of a start and a goal (2, d), in the columns of `chart`."""
+        """The motion between a start and a goal (2, d), in `chart`'s columns, by the frames."""
         placed_at = self.chart.motion(np.array([0.0, 1.0]), np.array([0.0, 1.0]), ends)
         frames = [Frame.of_sample(placed_at, row) for row in (0, -1)]
         return self.at(frames).generate(
@@ -285,7 +290,7 @@ class TaskGMRSkill(FittedSkill, Generic[MotionT_co]):
         """
         if not self.at_ends:
             return []
-        return fitted_again(self, "components", demonstrations, least=1, most=MOST_COMPONENTS)
+        return fitted_again(self, "components", demonstrations, least=1, most=MAX_COMPONENTS)
 
     # Any: settings are whatever JSON holds.
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
@@ -315,65 +320,3 @@ def _place(motion: Motion, row: int) -> Target:
     """A sample of a motion, as a skill is asked for it."""
     position: Float64Array = motion.positions[row]
     return (position, motion.orientations[row]) if isinstance(motion, PoseTrajectory) else position
-
-
-def bounded(carried: MotionT, usual: MotionT) -> MotionT:
-    """A motion between moved ends, no farther from the usual one than the bound."""
-    way = _way(carried, usual)
-    limits = _limits(way, usual.positions)
-    offsets = _within(way.offsets, way.fractions, limits[0])
-    positions = usual.positions + offsets
-    if not isinstance(carried, PoseTrajectory) or not isinstance(usual, PoseTrajectory):
-        return replace(carried, positions=positions)
-    turns = rotations.exp(_within(way.turns, way.fractions, limits[1]))
-    turned = rotations.align_signs(rotations.compose(usual.orientations, turns))
-    return replace(carried, positions=positions, orientations=turned)
-
-
-@dataclass(frozen=True, eq=False)
-class _Way:
-    """How far a motion is from the usual one."""
-
-    offsets: Float64Array  # (n, d) of the positions
-    turns: Float64Array
-    fractions: Float64Array  # (n,) of the usual path covered
-
-
-def _way(carried: MotionT, usual: MotionT) -> _Way:
-    covered = arc_length(usual.positions)
-    total = float(covered[-1])
-    fractions = covered / total if total > 0.0 else normalised_times(usual.times)
-    offsets = carried.positions - usual.positions
-    turns = np.zeros((len(offsets), 3))
-    if isinstance(carried, PoseTrajectory) and isinstance(usual, PoseTrajectory):
-        turns = _turns(usual.orientations, carried.orientations, fractions)
-    return _Way(offsets, turns, fractions)
-
-
-def _turns(usual: Float64Array, carried: Float64Array, fractions: Float64Array) -> Float64Array:
-    """Rotation vectors (n, 3) from usual orientations (n, 4) to carried ones."""
-    between = rotations.compose(rotations.inverse(usual), carried)
-    try:
-        return rotations.lift(between)
-    except NoContinuousLogarithm:
-        ends = rotations.log(between[[0, -1]])
-        return np.outer(1.0 - fractions, ends[0]) + np.outer(fractions, ends[1])
-
-
-def _limits(way: _Way, positions: Float64Array) -> tuple[float, float]:
-    """The largest distance and the largest turn, rad, from the usual motion."""
-    ends = [0, -1]
-    levers = [float(np.linalg.norm(positions - positions[i], axis=1).max()) for i in ends]
-    moved = [float(np.linalg.norm(way.offsets[i])) for i in ends]
-    turned = [float(np.linalg.norm(way.turns[i])) for i in ends]
-    pairs = list(zip(moved, turned, levers, strict=True))
-    distance = max(m + t * lever for m, t, lever in pairs)
-    angle = max(t + (m / lever if lever > 0.0 else 0.0) for m, t, lever in pairs)
-    return MAX_GAIN * distance, MAX_GAIN * angle
-
-
-def _within(changes: Float64Array, fractions: Float64Array, limit: float) -> Float64Array:
-    """Changes (n, d) with those of the ends, drawn to their fade as far as the limit asks."""
-    fade = np.outer(1.0 - fractions, changes[0]) + np.outer(fractions, changes[-1])
-    more = changes - fade
-    return np.asarray(fade + fraction_inside(fade, more, limit) * more)

@@ -10,7 +10,7 @@ from models.mixtures.test_moved import MODELS, family, farthest
 import leadthrough as lt
 from leadthrough.models import TaskGMR
 from leadthrough.models.mixtures.phases import fit_phases, sampled
-from leadthrough.models.mixtures.task_product import shrunk
+from leadthrough.models.mixtures.task_frames import shrunk
 
 # Families of which another maximum of the likelihood moved motions by up to 303 mm (rad / 1000).
 FAMILIES = [("points", 2, 0), ("points", 3, 1), ("joints", 2, 1), ("joints", 5, 0), ("poses", 3, 1)]

@@ -1,12 +1,25 @@
-"""Frames that move with a task, and motions and distributions seen from them.
+"""Frames that move with a task: distributions seen from them, their product, and moved ends.
 
 Seen from a frame, points and joints are shifted and rotated. Orientations of poses are rotated too,
 and written as rotation vectors in the tangent spaces along the frame's own reference. For the
 frames of a new situation these references are averaged, and each frame's Gaussians are carried into
 the tangent spaces of the mean reference to first order.
 
+A product of Gaussians that are thin in nearly the same direction lies where they cross, which may
+be far from all of them: with few demonstrations a frame rotated by a milliradian moved the mean by
+metres. So the weights of the frames' means come from covariances that are mixed with round ones,
+as much as it takes to keep the mean near the frames' means. Covariances of few demonstrations are
+shrunk towards round ones as well: samples of one demonstration deviate together and count once.
+
+A mixture may still conclude far more than a moved end allows. The motion is therefore the nominal
+one with the offsets of its ends faded into each other, and as much of the frames' difference from
+that as keeps every phase within 1.45 times the move of the ends; a rotated frame counts as the
+move of the motion's farthest point from it.
+
 Source: Zeestraten et al. 2017, "An approach for imitation learning on Riemannian manifolds",
-section III-C.
+section III-C; Calinon 2016, "A tutorial on task-parameterized movement learning and retrieval",
+sections 2 to 4, where the time counts once and not once per frame; shrinkage: Murphy 2012,
+"Machine learning: a probabilistic perspective", section 4.6.2.
 """
 
 from __future__ import annotations
@@ -24,10 +37,20 @@ from leadthrough.models.frame import Frame
 from leadthrough.models.gaussians.em import Blocks
 from leadthrough.models.gaussians.mixture import Mixture
 from leadthrough.models.mean_turning import mean_orientations
-from leadthrough.motion import MotionT
+from leadthrough.models.queries import MAX_GAIN, fraction_inside
+from leadthrough.motion import MotionT, PoseTrajectory, normalised_times
+from leadthrough.preprocess.resample import arc_length
 
 # Half the span of phases over which a drift is measured by finite differences.
 _AROUND = 2.5e-3
+# Weight of a round covariance, in demonstrations: that of a single one.
+_ROUND_COUNTS = 1.0
+# A frame that moves shifts the mean by at most this many times its own move.
+_MAX_FRAME_GAIN = 1.2
+# Fractions of round covariances to try, the least that keeps the gain. Round ones alone give every
+# frame a weight between 0 and 1.
+_ROUND = (0.0, 0.01, 0.03, 0.1, 0.2, 0.4, 0.7, 1.0)
+_ROTATION = 3  # columns at the end of those of poses
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +77,7 @@ def common_chart(
     predicted = [_predicted(each, frame, NODES) for each, frame in zip(own, frames, strict=True)]
     try:
         return replace(chart, reference=mean_orientations(predicted))
-    except FitError:  # frames turned against each other, which a situation may ask for
+    except FitError:  # frames rotated against each other, which a situation may ask for
         return replace(chart, reference=_between(predicted))
 
 
@@ -68,8 +91,8 @@ def placed(frame: Frame, own: Chart, common: Chart, means: Float64Array, duratio
         return Placed(moved, maps, np.zeros_like(moved))
 
     def tangent(at: Float64Array) -> Float64Array:
-        turned = rotations.compose(_predicted(own, frame, at), rotations.exp(means[:, 3:]))
-        return common.tangent(turned, at)
+        seen = rotations.compose(_predicted(own, frame, at), rotations.exp(means[:, 3:]))
+        return common.tangent(seen, at)
 
     here = tangent(phases)
     before, after = np.maximum(phases - _AROUND, 0.0), np.minimum(phases + _AROUND, 1.0)
@@ -121,10 +144,6 @@ def _predicted(own: Chart, frame: Frame, phases: Float64Array) -> Float64Array:
     return rotations.compose(frame.orientations(len(phases)), own.reference_at(phases))
 
 
-# What a round covariance counts for, in demonstrations: as little as any.
-_ROUND_COUNTS = 1.0
-
-
 def shrunk(covariances: Float64Array, demonstrations: int, *, poses: bool) -> Float64Array:
     """Covariances of the time and the columns, those of the columns given the time made rounder."""
     fraction = _ROUND_COUNTS / (demonstrations - 1.0 + _ROUND_COUNTS)
@@ -150,14 +169,6 @@ def round_ones(covariances: Float64Array, *, poses: bool) -> Float64Array:
             variances = covariances[:, group, group].mean(axis=1)
             even[:, group, group] = variances[:, None]
     return even
-
-
-# A frame that moves takes the mean along by no more than this many times its own way.
-_MOST_GAIN = 1.2
-# Fractions of round covariances to try, the least that keeps the gain. Round ones alone give every
-# frame a weight between 0 and 1.
-_ROUND = (0.0, 0.01, 0.03, 0.1, 0.2, 0.4, 0.7, 1.0)
-_ROTATION = 3  # columns at the end of those of poses
 
 
 def multiplied(components: Blocks, seen: Sequence[Placed], *, poses: bool) -> Mixture:
@@ -195,7 +206,7 @@ def _weights(
         ]
         tried = _products(mixed)
         gains = np.max([np.linalg.norm(each, ord=2, axis=(1, 2)) for each in tried], axis=0)
-        fits = ~done & ((gains <= _MOST_GAIN) | (fraction == 1.0))
+        fits = ~done & ((gains <= _MAX_FRAME_GAIN) | (fraction == 1.0))
         for each, better in zip(chosen, tried, strict=True):
             each[fits] = better[fits]
         done |= fits
@@ -231,3 +242,65 @@ def _combined(weights: Sequence[Float64Array], vectors: Sequence[Float64Array]) 
 def _applied(matrices: Float64Array, vectors: Float64Array) -> Float64Array:
     """Products (k, d) of matrices (k, d, d) with vectors (k, d)."""
     return np.asarray(np.einsum("kij,kj->ki", matrices, vectors))
+
+
+def bounded(adapted: MotionT, nominal: MotionT) -> MotionT:
+    """A motion between moved ends, drawn to the nominal one until it is within the bound."""
+    deviation = _deviation(adapted, nominal)
+    limits = _limits(deviation, nominal.positions)
+    offsets = _within(deviation.offsets, deviation.fractions, limits[0])
+    positions = nominal.positions + offsets
+    if not isinstance(adapted, PoseTrajectory) or not isinstance(nominal, PoseTrajectory):
+        return replace(adapted, positions=positions)
+    turns = rotations.exp(_within(deviation.turns, deviation.fractions, limits[1]))
+    rotated = rotations.align_signs(rotations.compose(nominal.orientations, turns))
+    return replace(adapted, positions=positions, orientations=rotated)
+
+
+@dataclass(frozen=True, eq=False)
+class _Deviation:
+    """Deviation of a motion from the nominal one."""
+
+    offsets: Float64Array  # (n, d) of the positions
+    turns: Float64Array
+    fractions: Float64Array  # (n,) of the nominal path covered
+
+
+def _deviation(adapted: MotionT, nominal: MotionT) -> _Deviation:
+    covered = arc_length(nominal.positions)
+    total = float(covered[-1])
+    fractions = covered / total if total > 0.0 else normalised_times(nominal.times)
+    offsets = adapted.positions - nominal.positions
+    turns = np.zeros((len(offsets), 3))
+    if isinstance(adapted, PoseTrajectory) and isinstance(nominal, PoseTrajectory):
+        turns = _turns(nominal.orientations, adapted.orientations, fractions)
+    return _Deviation(offsets, turns, fractions)
+
+
+def _turns(nominal: Float64Array, adapted: Float64Array, fractions: Float64Array) -> Float64Array:
+    """Rotation vectors (n, 3) from nominal orientations (n, 4) to adapted ones."""
+    between = rotations.compose(rotations.inverse(nominal), adapted)
+    try:
+        return rotations.lift(between)
+    except NoContinuousLogarithm:
+        ends = rotations.log(between[[0, -1]])
+        return np.outer(1.0 - fractions, ends[0]) + np.outer(fractions, ends[1])
+
+
+def _limits(deviation: _Deviation, positions: Float64Array) -> tuple[float, float]:
+    """The largest distance and the largest rotation, rad, from the nominal motion."""
+    ends = [0, -1]
+    levers = [float(np.linalg.norm(positions - positions[i], axis=1).max()) for i in ends]
+    moved = [float(np.linalg.norm(deviation.offsets[i])) for i in ends]
+    rotated = [float(np.linalg.norm(deviation.turns[i])) for i in ends]
+    pairs = list(zip(moved, rotated, levers, strict=True))
+    distance = max(m + t * lever for m, t, lever in pairs)
+    angle = max(t + (m / lever if lever > 0.0 else 0.0) for m, t, lever in pairs)
+    return MAX_GAIN * distance, MAX_GAIN * angle
+
+
+def _within(changes: Float64Array, fractions: Float64Array, limit: float) -> Float64Array:
+    """Changes (n, d) with those of the ends, drawn to their fade as far as the limit asks."""
+    fade = np.outer(1.0 - fractions, changes[0]) + np.outer(fractions, changes[-1])
+    more = changes - fade
+    return np.asarray(fade + fraction_inside(fade, more, limit) * more)
