@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from motions import arm as robot_of_package
 
 import leadthrough as lt
 from leadthrough.arm.robot_files import find_robot
@@ -46,6 +47,11 @@ def arm(robot):
 @pytest.fixture
 def posture(robot):
     return robot[3]
+
+
+@pytest.fixture(scope="session")
+def panda():
+    return robot_of_package("panda")
 
 
 @pytest.fixture

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 import leadthrough as lt
-from leadthrough.arm.attachment import Attachment
 from leadthrough.errors import InvalidInput
 
 TURN = np.array([0.8, 0.0, 0.6, 0.0])
@@ -18,11 +17,6 @@ positions = st.tuples(lengths, lengths, lengths)
 orientations = st.tuples(lengths, lengths, lengths).map(
     lambda vector: lt.rotations.exp([vector])[0]
 )
-
-
-@pytest.fixture(scope="module")
-def panda():
-    return lt.Arm.load("panda")
 
 
 def matrix(position, orientation):
@@ -80,7 +74,7 @@ def test_an_attached_object_stays_on_the_link_when_the_tool_moves(panda):
     ],
     ids=["box", "sphere", "capsule", "ball", "cylinder"],
 )
-def test_an_attached_object_weighs_as_a_solid_body(shape):
+def test_an_attached_object_weighs_as_a_solid_body(panda, shape):
     """Against sums over many small pieces of it."""
     steps = np.linspace(-0.28, 0.28, 80)
     samples = shape.position + np.stack(np.meshgrid(steps, steps, steps), axis=-1).reshape(-1, 3)
@@ -88,7 +82,7 @@ def test_an_attached_object_weighs_as_a_solid_body(shape):
     mean = inside.mean(axis=0)
     offsets = inside - mean
     squares = offsets.T @ offsets / len(inside)
-    (load,) = Attachment().with_shape(shape, 2.0).loads
+    (load,) = panda.with_attached(shape, 2.0).attachment.loads
     assert load.mass == 2.0
     np.testing.assert_allclose(load.center, mean, atol=1e-3)
     expected = 2.0 * (np.trace(squares) * np.eye(3) - squares)
@@ -118,7 +112,7 @@ def test_a_loaded_arm_travels_between_processes(panda):
 
 
 @pytest.mark.parametrize("bad", [np.nan, "here", None, (0, 0), [[0], [0, 1]], (0, np.inf, 0)])
-def test_places_that_are_none_are_refused(panda, bad):
+def test_bad_positions_and_orientations_are_refused(panda, bad):
     with pytest.raises(InvalidInput, match="position"):
         panda.with_tool(bad)
     with pytest.raises(InvalidInput, match="orientation"):
@@ -128,7 +122,7 @@ def test_places_that_are_none_are_refused(panda, bad):
 
 
 @pytest.mark.parametrize("bad", [-1.0, np.nan, np.inf, "heavy", None])
-def test_masses_that_are_none_are_refused(panda, bad):
+def test_bad_masses_are_refused(panda, bad):
     with pytest.raises(InvalidInput, match="mass"):
         panda.with_payload(bad)
     with pytest.raises(InvalidInput, match="mass"):
@@ -152,7 +146,7 @@ def test_inertias_that_no_body_has_are_refused(panda, bad):
 
 
 @pytest.mark.parametrize("bad", [None, "box", (0, 0, 0), lt.Box])
-def test_what_is_no_shape_is_refused(panda, bad):
+def test_other_things_than_shapes_are_refused(panda, bad):
     with pytest.raises(InvalidInput, match="shape"):
         panda.with_attached(bad)
 

@@ -23,11 +23,6 @@ def bundled(request):
     return arm, CoalArm(arm)
 
 
-@pytest.fixture(scope="module")
-def panda():
-    return lt.Arm.load("panda")
-
-
 def configurations(arm, count, seed):
     lower = np.maximum(arm.limits.lower, -np.pi)
     upper = np.minimum(arm.limits.upper, np.pi)

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from urdfs import one_joint
 
 import leadthrough as lt
 
@@ -24,25 +25,21 @@ def test_every_joint_stands_in_a_line_with_its_limits(name):
     assert max(map(len, text.splitlines())) <= 130
 
 
-def test_positions_are_also_told_in_degrees_where_they_are_angles():
+def test_positions_are_also_given_in_degrees_where_they_are_angles():
     text = lt.Arm.load("tiago").describe()
     assert "(157.5)" in line_of(text, "arm_1_joint")
     assert "(" not in line_of(text, "torso_lift_joint")
 
 
-def test_what_is_unknown_or_endless_is_called_so():
-    document = (
-        '<robot name="one"><link name="a"/><link name="b"/><joint name="j" type="continuous">'
-        '<parent link="a"/><child link="b"/></joint></robot>'
-    )
-    text = lt.Arm.from_urdf(document).describe()
+def test_unknown_and_missing_limits_are_called_so():
+    text = lt.Arm.from_urdf(one_joint()).describe()
     line = line_of(text, "j")
     assert '"j" = { velocity = ?, acceleration = ?, jerk = ? }' in text
     assert line.split().count("none") == 4
     assert line.split().count("unknown") == 2
 
 
-def test_what_is_held_and_carried_is_told():
+def test_locked_joints_and_loads_are_listed():
     arm = (
         lt.Arm.load("tiago")
         .lock_joints({"torso_lift_joint": 0.125})
@@ -57,7 +54,7 @@ def test_what_is_held_and_carried_is_told():
     assert "holds: Box at (0, 0, 0.75) m" in text
 
 
-def test_a_joint_that_mimics_tells_how():
+def test_a_joint_that_mimics_shows_how():
     document = (
         '<robot name="two"><link name="a"/><link name="b"/><link name="c"/>'
         '<joint name="one" type="continuous"><parent link="a"/><child link="b"/></joint>'

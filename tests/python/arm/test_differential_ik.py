@@ -13,11 +13,6 @@ from leadthrough.errors import InvalidInput
 HOME = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])
 
 
-@pytest.fixture(scope="module")
-def panda():
-    return lt.Arm.load("panda")
-
-
 def assert_step_inside_limits(arm, before, after, dt):
     limits = arm.limits
     assert (after.q >= limits.lower).all()

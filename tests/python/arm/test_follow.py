@@ -1,10 +1,19 @@
+"""Following a motion: without a jump, near a posture, with free axes, and why it fails."""
+
 import numpy as np
 import pytest
+import so101
 
 import leadthrough as lt
+from leadthrough.arm import FollowOptions, IkOptions
 from leadthrough.errors import IkFailure, InvalidInput
 
+PANDA = lt.Arm.load("panda")
+FIVE = lt.Arm.from_urdf(so101.URDF, tip=so101.TIP)
+HOME = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])
 TIMES = np.linspace(0.0, 4.0, 400)
+U = np.linspace(0.0, 1.0, 80)[:, None]
+OUT_AND_BACK = np.sin(np.pi * U)
 
 
 def loop(arm, posture, size=0.05):
@@ -28,11 +37,11 @@ def assert_follows(arm, motion, joints):
     assert (joints.positions <= arm.limits.upper).all()
 
 
-@pytest.mark.parametrize("seeded", [True, False])
-def test_a_smooth_path_is_followed_without_a_jump(arm, posture, seeded):
+@pytest.mark.parametrize("given", [True, False])
+def test_a_smooth_path_is_followed_without_a_jump(arm, posture, given):
     motion = loop(arm, posture)
-    seed = posture if seeded else None
-    joints = arm.follow(motion, q0=seed, on_rate_limit="exceed_limits")
+    q0 = posture if given else None
+    joints = arm.follow(motion, q0=q0, on_rate_limit="exceed_limits")
     assert_follows(arm, motion, joints)
     assert np.abs(np.diff(joints.positions, axis=0)).max() < 0.05
     assert joints.joint_names == arm.joint_names
@@ -46,10 +55,8 @@ def test_points_leave_the_orientation_free(arm, posture):
     assert_follows(arm, motion, joints)
 
 
-def test_a_seed_keeps_its_posture(arm, posture):
-    joints = arm.follow(
-        loop(arm, posture), q0=posture, options=lt.arm.FollowOptions(nullspace_gain=0.0)
-    )
+def test_a_start_keeps_its_posture(arm, posture):
+    joints = arm.follow(loop(arm, posture), q0=posture, options=FollowOptions(nullspace_gain=0.0))
     np.testing.assert_allclose(joints.positions[0], posture, atol=1e-4)
 
 
@@ -64,7 +71,7 @@ def test_velocities_are_the_positions_derivative(arm, posture):
 def test_the_pull_moves_a_redundant_arm_and_not_the_tool(arm, posture):
     motion = loop(arm, posture, size=0.0)
     still = lt.PoseTrajectory(TIMES, motion.positions, np.tile(motion.orientations[0], (400, 1)))
-    joints = arm.follow(still, q0=posture, options=lt.arm.FollowOptions(nullspace_gain=0.5))
+    joints = arm.follow(still, q0=posture, options=FollowOptions(nullspace_gain=0.5))
     reached, _ = arm.forward_kinematics(joints.positions)
     assert np.linalg.norm(reached - still.positions, axis=1).max() < 1.1e-6
     middle = 0.5 * (arm.limits.lower + arm.limits.upper)
@@ -88,9 +95,7 @@ def test_a_motion_that_is_too_fast_is_followed_and_left_to_be_slowed(arm, postur
     assert failure.value.status == "too_fast"
 
 
-def test_unless_told_otherwise_a_motion_that_is_too_fast_is_slowed_and_every_step_bounded(
-    arm, posture
-):
+def test_by_default_a_motion_that_is_too_fast_is_slowed_and_every_step_bounded(arm, posture):
     motion = loop(arm, posture)
     fast = lt.PoseTrajectory(TIMES / 20, motion.positions, motion.orientations)
     joints = arm.follow(fast, q0=posture)
@@ -132,7 +137,7 @@ def test_a_path_with_a_jump_is_refused_as_one(arm, posture):
     position, _ = arm.forward_kinematics(there)
     motion = lt.Trajectory([0.0, 1.0], [here, position])
     with pytest.raises(IkFailure) as failure:
-        arm.follow(motion, q0=posture, options=lt.arm.FollowOptions(max_step=0.01))
+        arm.follow(motion, q0=posture, options=FollowOptions(max_step=0.01))
     assert failure.value.index == 1
     assert failure.value.status == "jump"
 
@@ -158,44 +163,43 @@ def test_other_motions_are_refused(arm, motion):
 
 
 @pytest.mark.parametrize(
-    "options",
-    [{"max_step": 0.0}, {"nullspace_gain": np.nan}, {"position_tolerance": 0.0}],
+    "options", [{"max_step": 0.0}, {"nullspace_gain": np.nan}, {"position_tolerance": 0.0}]
 )
 def test_bad_options_are_refused(options):
     with pytest.raises(InvalidInput, match=next(iter(options))):
-        lt.arm.FollowOptions(**options)
+        FollowOptions(**options)
 
 
 def test_options_of_another_kind_are_refused(arm, posture):
     with pytest.raises(InvalidInput, match="options: expected FollowOptions"):
-        arm.follow(loop(arm, posture), options=lt.arm.IkOptions())
+        arm.follow(loop(arm, posture), options=IkOptions())
 
 
-def shown_to_swing(arm, posture):
+def swing(arm, posture):
     """Joints that bring a redundant arm elsewhere while the tool goes round, and their poses."""
-    swing = 0.15 * np.sin(np.pi * TIMES / TIMES[-1]) ** 2
-    q = posture + np.outer(swing, np.linspace(1.0, -1.0, len(posture)))
+    bow = 0.15 * np.sin(np.pi * TIMES / TIMES[-1]) ** 2
+    q = posture + np.outer(bow, np.linspace(1.0, -1.0, len(posture)))
     return lt.JointTrajectory(TIMES, q), lt.PoseTrajectory(TIMES, *arm.forward_kinematics(q))
 
 
-def test_a_redundant_arm_stands_as_it_was_shown_to(arm, posture):
-    shown, motion = shown_to_swing(arm, posture)
-    joints = arm.follow(motion, options=lt.arm.FollowOptions(posture=shown, nullspace_gain=20.0))
+def test_a_redundant_arm_takes_the_demonstrated_posture(arm, posture):
+    shown, motion = swing(arm, posture)
+    joints = arm.follow(motion, options=FollowOptions(posture=shown, nullspace_gain=20.0))
     assert_follows(arm, motion, joints)
     np.testing.assert_allclose(joints.positions, shown.positions, atol=0.02)
     # Another pace is no matter, and names are the arm's where there are any.
     slow = lt.JointTrajectory(3.0 * TIMES + 1.0, shown.positions, joint_names=arm.joint_names)
-    again = arm.follow(motion, options=lt.arm.FollowOptions(posture=slow, nullspace_gain=20.0))
+    again = arm.follow(motion, options=FollowOptions(posture=slow, nullspace_gain=20.0))
     np.testing.assert_allclose(again.positions, joints.positions, atol=1e-9)
 
 
 @pytest.mark.parametrize("too_fast", ["exceed_limits", "raise"])
 def test_a_posture_keeps_a_redundant_arm_nearer_to_it_than_the_middle(arm, posture, too_fast):
-    shown, motion = shown_to_swing(arm, posture)
+    shown, motion = swing(arm, posture)
     slow = lt.PoseTrajectory(5.0 * TIMES, motion.positions, motion.orientations)
     away = [
         np.abs(arm.follow(slow, **near, on_rate_limit=too_fast).positions - shown.positions).max()
-        for near in ({"options": lt.arm.FollowOptions(posture=shown)}, {"q0": posture})
+        for near in ({"options": FollowOptions(posture=shown)}, {"q0": posture})
     ]
     assert away[0] < 0.25
     assert away[0] <= away[1] + 1e-6
@@ -207,13 +211,147 @@ def test_a_redundant_arm_goes_to_a_posture(arm, posture):
         5.0 * TIMES, np.tile(position, (400, 1)), np.tile(turned, (len(TIMES), 1))
     )
     begun = arm.inverse_kinematics(
-        position, turned, q0=posture, options=lt.arm.IkOptions(nullspace_gain=1.0)
+        position, turned, q0=posture, options=IkOptions(nullspace_gain=1.0)
     ).q
-    joints = arm.follow(still, q0=begun, options=lt.arm.FollowOptions(posture=posture))
+    joints = arm.follow(still, q0=begun, options=FollowOptions(posture=posture))
     np.testing.assert_allclose(joints.positions[-1], posture, atol=1e-3)
 
 
 @pytest.mark.parametrize("wrong", [np.zeros(3), "up", lt.JointTrajectory([0, 1], np.zeros((2, 3)))])
 def test_a_posture_of_other_joints_is_refused(arm, posture, wrong):
     with pytest.raises(InvalidInput, match="posture"):
-        arm.follow(loop(arm, posture), options=lt.arm.FollowOptions(posture=wrong))
+        arm.follow(loop(arm, posture), options=FollowOptions(posture=wrong))
+
+
+def excursion(offset=(0.0, 0.0, 0.0), spin=0.0):
+    """Poses that leave those of HOME by an offset and a spin of the tool, and come back."""
+    position, turned = PANDA.forward_kinematics(HOME)
+    spun = lt.rotations.exp(OUT_AND_BACK * [0.0, 0.0, spin])
+    orientations = lt.rotations.compose(np.tile(turned, (80, 1)), spun)
+    return lt.PoseTrajectory(
+        4.0 * U[:, 0], position + OUT_AND_BACK * np.array(offset), orientations
+    )
+
+
+def failure_of(motion, **options):
+    with pytest.raises(IkFailure) as failure:
+        PANDA.follow(motion, **options)
+    assert 0 < failure.value.index < len(motion) - 1
+    return failure.value
+
+
+def test_the_joints_whose_limits_keep_the_tip_from_a_pose_are_named():
+    position, _ = PANDA.forward_kinematics(HOME)
+    error = failure_of(excursion(-position))
+    assert error.status == "limits"
+    assert error.limiting_joints
+    for name in error.limiting_joints:
+        j = PANDA.joint_names.index(name)
+        side = "lower" if error.q[j] < 0.0 else "upper"
+        limit = getattr(PANDA.limits, side)[j]
+        assert error.q[j] == pytest.approx(limit, abs=1e-3)
+        assert f"{name} at its {side} limit {limit:.4g}" in str(error)
+
+
+def test_a_pose_beyond_the_reach_is_reported_with_how_far_the_motion_goes():
+    motion = excursion((0.45, 0.0, 0.0))  # within the length of the arm, and not with this tool
+    error = failure_of(motion)
+    assert error.status == "unreachable"
+    reported = str(error).split("the motion goes up to ")[1].split()
+    farthest = PANDA.inverse_kinematics(motion.positions[40], motion.orientations[40])
+    assert float(reported[0]) == pytest.approx(farthest.position_error, rel=0.02)
+    assert float(reported[3]) == pytest.approx(farthest.orientation_error, rel=0.02)
+
+
+def test_the_joint_at_its_limit_is_named_where_the_arm_would_have_to_jump():
+    error = failure_of(excursion(spin=5.5), q0=HOME)
+    assert error.status == "jump"
+    assert error.limiting_joints
+    assert f"{error.limiting_joints[0]} at its" in str(error)
+
+
+def test_the_joint_that_would_have_to_leap_is_named():
+    position, _ = PANDA.forward_kinematics(HOME)
+    there, _ = PANDA.forward_kinematics(HOME + np.array([0.0, 0.4, 0.0, 0.9, 0.0, 0.0, 0.0]))
+    motion = lt.Trajectory([0.0, 1.0, 2.0], [position, there, position])
+    error = failure_of(motion, q0=HOME, options=FollowOptions(max_step=0.01))
+    assert error.status == "jump"
+    assert error.limiting_joints == ()
+    name, _, rest = str(error).partition(" would have to move by ")
+    assert name.split()[-1] in PANDA.joint_names
+    assert float(rest.split()[0]) > 0.1
+
+
+def moved(offset):
+    """A path that the five joints can follow at first, and less and less the farther it goes."""
+    ((q, _),) = so101.motions(1, samples=80)
+    shown = FIVE.poses(lt.JointTrajectory(3.0 * U[:, 0], q, joint_names=so101.JOINTS))
+    positions = shown.positions + U * offset
+    return lt.PoseTrajectory(shown.times, positions, shown.orientations, joints=shown.joints)
+
+
+@pytest.mark.parametrize("offset", [(0.0, 0.02, 0.0), (0.0, -0.02, 0.0), (0.02, 0.0, -0.01)])
+def test_five_joints_keep_the_position_and_have_the_least_orientation_error(offset):
+    motion = moved(offset)
+    report = FIVE.path_report(FIVE.follow(motion), motion)
+    assert report.position_error.max() < 1e-5
+    errors = []
+    for axis in ("rx", "ry", "rz"):
+        try:
+            made = FIVE.follow(motion, options=FollowOptions(free=[axis]))
+        except IkFailure:
+            continue
+        errors.append(FIVE.path_report(made, motion).orientation_error.max())
+    assert report.orientation_error.max() == pytest.approx(min(errors), abs=1e-9)
+    assert report.orientation_error.max() < 0.05
+
+
+def test_a_path_within_five_joints_is_followed_with_no_axis_free():
+    motion = moved((0.0, 0.0, 0.0))
+    report = FIVE.path_report(FIVE.follow(motion), motion)
+    assert report.orientation_error.max() < 1e-5
+
+
+def test_with_no_axis_free_the_pose_is_out_of_reach():
+    with pytest.raises(IkFailure):
+        FIVE.follow(moved((0.0, 0.02, 0.0)), options=FollowOptions(free=()))
+
+
+def test_a_tool_that_may_spin_keeps_its_axis():
+    home = np.array([0.0, -0.4, 0.0, -2.2, 0.0, 1.8, 0.8])
+    position, turned = PANDA.forward_kinematics(home)
+    # Turned by more than the last joint can: only with the spin free the path can be followed.
+    spin = lt.rotations.exp(np.outer(U[:, 0] * 5.5, [0.0, 0.0, 1.0]))
+    orientations = lt.rotations.compose(np.tile(turned, (80, 1)), spin)
+    way = position + U * [0.0, 0.1, 0.0]
+    motion = lt.PoseTrajectory(4.0 * U[:, 0], way, orientations)
+    with pytest.raises(IkFailure):
+        PANDA.follow(motion, q0=home)
+    made = PANDA.follow(motion, q0=home, options=FollowOptions(free=["rz"]))
+    reached = PANDA.poses(made)
+    assert np.abs(reached.positions - way).max() < 1e-5
+    asked = lt.rotations.to_matrix(orientations)[:, :, 2]
+    assert np.abs(lt.rotations.to_matrix(reached.orientations)[:, :, 2] - asked).max() < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("free", "more", "says"),
+    [
+        (["spin"], {}, "free: expected one of"),
+        ("rz", {}, "free: expected a collection"),
+        (["x", "y", "z", "rx", "ry", "rz"], {}, "at least one axis"),
+        (["rz"], {"on_rate_limit": "raise"}, "free: not used with on_rate_limit"),
+    ],
+)
+def test_axes_that_cannot_be_free_are_refused(free, more, says):
+    with pytest.raises(InvalidInput, match=says):
+        FIVE.follow(moved((0.0, 0.0, 0.0)), options=FollowOptions(free=free), **more)
+
+
+def test_points_leave_no_rotation_to_free():
+    motion = moved((0.0, 0.0, 0.0))
+    points = lt.Trajectory(motion.times, motion.positions)
+    with pytest.raises(InvalidInput, match="free: expected one or two of 'x', 'y', 'z'"):
+        FIVE.follow(points, options=FollowOptions(free=["rz"]))
+    made = FIVE.follow(points, options=FollowOptions(free=["z"]))
+    assert np.abs(FIVE.poses(made).positions - motion.positions)[:, :2].max() < 1e-5

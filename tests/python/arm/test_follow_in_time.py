@@ -6,6 +6,7 @@ from motions import minimum_jerk
 from scipy.interpolate import CubicSpline
 
 import leadthrough as lt
+from leadthrough.arm import FollowOptions
 from leadthrough.errors import IkFailure, InvalidInput, LimitsInfeasible
 
 PANDA, UR3, TIAGO = (lt.Arm.load(name) for name in ("panda", "ur3", "tiago"))
@@ -233,7 +234,7 @@ def test_one_pose_or_the_same_one_twice_stands_still(arm, too_fast, count):
     times = [0.0, 1e-3][:count]
     motion = lt.PoseTrajectory(times, [position] * count, [orientation] * count)
     joints = arm.follow(
-        motion, q0=q, options=lt.arm.FollowOptions(nullspace_gain=0.0), on_rate_limit=too_fast
+        motion, q0=q, options=FollowOptions(nullspace_gain=0.0), on_rate_limit=too_fast
     )
     np.testing.assert_allclose(joints.positions, np.tile(q, (count, 1)), atol=1e-5)
     np.testing.assert_allclose(joints.velocities, 0.0, atol=1e-2)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import leadthrough as lt
+from leadthrough.arm import IkOptions
 from leadthrough.errors import InvalidInput
 
 UR3 = lt.Arm.load("ur3")
@@ -92,7 +93,7 @@ def test_all_postures_of_a_ur3_are_those_of_its_closed_form():
 def test_all_postures_come_by_their_distance_and_are_distinct(arm, posture):
     position, orientation = arm.forward_kinematics(posture)
     found = arm.inverse_kinematics_all(
-        position, orientation, options=lt.arm.IkOptions(posture=posture), count=5
+        position, orientation, options=IkOptions(posture=posture), count=5
     )
     distances = np.linalg.norm(found.q - posture, axis=1)
     assert 1 <= len(found) <= 5
@@ -123,7 +124,7 @@ def test_the_closest_solution_of_a_ur3_is_that_of_its_closed_form():
         result = UR3.inverse_kinematics(
             position,
             orientation,
-            options=lt.arm.IkOptions(
+            options=IkOptions(
                 mode="closest", posture=reference, max_restarts=400, max_iterations=10_000
             ),
         )
@@ -138,7 +139,7 @@ def test_the_closest_of_a_redundant_arm_cannot_be_moved_closer():
         q, reference = rng.uniform(PANDA.limits.lower, PANDA.limits.upper, (2, 7))
         pose = PANDA.forward_kinematics(q)
         result = PANDA.inverse_kinematics(
-            *pose, options=lt.arm.IkOptions(mode="closest", posture=reference)
+            *pose, options=IkOptions(mode="closest", posture=reference)
         )
         assert result.success
         many = PANDA.inverse_kinematics_batch(
@@ -154,13 +155,11 @@ def test_the_closest_of_a_redundant_arm_cannot_be_moved_closer():
         assert room.min() < 1e-3 or np.linalg.norm(rest) < 0.2
 
 
-def test_the_reference_is_the_seed_and_the_seed_the_reference(arm, posture, random_configurations):
+def test_the_posture_is_the_start_and_the_start_the_posture(arm, posture, random_configurations):
     pose = arm.forward_kinematics(random_configurations(arm, 1, 5)[0])
-    by_seed = arm.inverse_kinematics(*pose, options=lt.arm.IkOptions(mode="closest"), q0=posture)
-    by_reference = arm.inverse_kinematics(
-        *pose, options=lt.arm.IkOptions(mode="closest", posture=posture)
-    )
-    np.testing.assert_array_equal(by_seed.q, by_reference.q)
+    by_start = arm.inverse_kinematics(*pose, options=IkOptions(mode="closest"), q0=posture)
+    by_posture = arm.inverse_kinematics(*pose, options=IkOptions(mode="closest", posture=posture))
+    np.testing.assert_array_equal(by_start.q, by_posture.q)
 
 
 @pytest.mark.parametrize("options", [{"count": 0}, {"count": 65}, {"separation": 0.0}])

@@ -1,44 +1,64 @@
+"""Poses, Jacobians, their derivatives and measures of dexterity, against Pinocchio and formulas."""
+
 import numpy as np
 import pinocchio as pin
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from motions import arm as robot_arm
 from scipy.spatial.transform import Rotation
+from urdfs import one_joint
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
 
+ANGLES = st.lists(st.floats(-3.0, 3.0), min_size=7, max_size=7)
 
-def pinocchio_tip(arm, path, q):
-    """Pose and Jacobian of the tip in the base's frame, by Pinocchio."""
-    model = pin.buildModelFromUrdf(str(path))
-    data = model.createData()
-    full = pin.neutral(model)
-    columns = []
-    for name, value in zip(arm.joint_names, q, strict=True):
-        joint = model.joints[model.getJointId(name)]
-        columns.append(joint.idx_v)
-        if joint.nq == 2:
-            full[joint.idx_q : joint.idx_q + 2] = np.cos(value), np.sin(value)
-        else:
-            full[joint.idx_q] = value
-    pin.computeJointJacobians(model, data, full)
-    pin.updateFramePlacements(model, data)
-    tip, base = model.getFrameId(arm.tip), model.getFrameId(arm.base)
-    T_base_tip = data.oMf[base].actInv(data.oMf[tip])
-    world = pin.getFrameJacobian(model, data, tip, pin.LOCAL_WORLD_ALIGNED)[:, columns]
-    turn = np.kron(np.eye(2), data.oMf[base].rotation.T)
-    return T_base_tip, turn @ world
+
+class Peer:
+    """Pinocchio's model of a robot, its joints at q and moving at qd."""
+
+    def __init__(self, arm, path, q, qd=None):
+        self.model = pin.buildModelFromUrdf(str(path))
+        self.data, full = self.model.createData(), pin.neutral(self.model)
+        speed, self.columns = np.zeros(self.model.nv), []
+        self.tip, self.base = self.model.getFrameId(arm.tip), self.model.getFrameId(arm.base)
+        for i, name in enumerate(arm.joint_names):
+            joint = self.model.joints[self.model.getJointId(name)]
+            self.columns.append(joint.idx_v)
+            speed[joint.idx_v] = 0.0 if qd is None else qd[i]
+            value = q[i] if joint.nq == 1 else (np.cos(q[i]), np.sin(q[i]))
+            full[joint.idx_q : joint.idx_q + joint.nq] = value
+        pin.computeJointJacobiansTimeVariation(self.model, self.data, full, speed)
+        pin.computeJointJacobians(self.model, self.data, full)
+        pin.updateFramePlacements(self.model, self.data)
+
+    def pose(self):
+        """Of the tip in the base's frame."""
+        return self.data.oMf[self.base].actInv(self.data.oMf[self.tip])
+
+    def jacobian(self):
+        frame = (self.tip, pin.LOCAL_WORLD_ALIGNED)
+        world = pin.getFrameJacobian(self.model, self.data, *frame)[:, self.columns]
+        return np.kron(np.eye(2), self.data.oMf[self.base].rotation.T) @ world
+
+    def jacobian_derivative(self):
+        """In time; the robots' bases are not rotated."""
+        frame = (self.tip, pin.LOCAL_WORLD_ALIGNED)
+        return pin.getFrameJacobianTimeVariation(self.model, self.data, *frame)[:, self.columns]
 
 
 def test_kinematics_agree_with_pinocchio(robot, random_configurations):
     _, arm, path, _ = robot
     for q in random_configurations(arm, 20, 1):
-        truth, jacobian = pinocchio_tip(arm, path, q)
+        peer = Peer(arm, path, q)
+        truth = peer.pose()
         position, (w, x, y, z) = arm.forward_kinematics(q)
         np.testing.assert_allclose(position, truth.translation, atol=1e-12)
         np.testing.assert_allclose(
             Rotation.from_quat([x, y, z, w]).as_matrix(), truth.rotation, atol=1e-12
         )
-        np.testing.assert_allclose(arm.jacobian(q), jacobian, atol=1e-12)
+        np.testing.assert_allclose(arm.jacobian(q), peer.jacobian(), atol=1e-12)
 
 
 def test_a_batch_is_its_rows_one_by_one(arm, random_configurations):
@@ -73,15 +93,157 @@ def test_the_jacobian_is_the_derivative_of_the_pose(arm, posture):
         )
 
 
-@pytest.mark.parametrize("bad", [np.zeros(3), np.zeros((2, 3)), "q", None, np.zeros((2, 2, 2))])
+@pytest.mark.parametrize(
+    "bad",
+    [np.zeros(3), np.zeros((2, 3)), "q", None, np.zeros((2, 2, 2)), [[1.0], [1.0, 2.0]], np.nan],
+)
 def test_a_wrong_configuration_is_refused(arm, bad):
-    with pytest.raises(InvalidInput):
-        arm.forward_kinematics(bad)
-    with pytest.raises(InvalidInput):
-        arm.jacobian(bad)
+    for ask in (arm.forward_kinematics, arm.jacobian, arm.condition_number, arm.manipulability):
+        with pytest.raises(InvalidInput, match="q: "):
+            ask(bad)
 
 
 def test_nan_is_refused(arm, posture):
     posture[2] = np.nan
     with pytest.raises(InvalidInput, match="finite"):
         arm.forward_kinematics(posture)
+
+
+def random_motion(arm, seed, rows=()):
+    rng = np.random.default_rng(seed)
+    return rng.uniform(-2.0, 2.0, (3, *rows, len(arm.joint_names)))
+
+
+def slope(function, step):
+    """Derivative at 0 by central differences of eighth order."""
+    weights = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
+    return sum(w * function(k * step) for w, k in zip(weights, range(-4, 5), strict=True)) / step
+
+
+def test_the_derivative_agrees_with_pinocchio(robot):
+    _, arm, path, _ = robot
+    for seed in range(20):
+        q, qd, _ = random_motion(arm, seed)
+        expected = Peer(arm, path, q, qd).jacobian_derivative()
+        np.testing.assert_allclose(arm.jacobian_derivative(q, qd), expected, atol=1e-12)
+
+
+def test_the_derivatives_are_those_of_a_motion_in_time(arm):
+    q, qd, qdd = random_motion(arm, 1)
+
+    def at(t):
+        return q + t * qd + 0.5 * t**2 * qdd, qd + t * qdd
+
+    np.testing.assert_allclose(
+        arm.jacobian_derivative(q, qd), slope(lambda t: arm.jacobian(at(t)[0]), 1e-2), atol=1e-9
+    )
+    np.testing.assert_allclose(
+        arm.jacobian_second_derivative(q, qd, qdd),
+        slope(lambda t: arm.jacobian_derivative(*at(t)), 1e-2),
+        atol=1e-9,
+    )
+
+
+def test_they_give_the_acceleration_and_the_jerk_of_the_tip(arm):
+    q, qd, qdd = random_motion(arm, 2)
+
+    def velocity(t):
+        return arm.jacobian(q + t * qd + 0.5 * t**2 * qdd) @ (qd + t * qdd)
+
+    def acceleration(t):
+        now = q + t * qd + 0.5 * t**2 * qdd
+        derivative = arm.jacobian_derivative(now, qd + t * qdd)
+        return arm.jacobian(now) @ qdd + derivative @ (qd + t * qdd)
+
+    np.testing.assert_allclose(acceleration(0.0), slope(velocity, 1e-2), atol=1e-9)
+    jerk = (
+        2 * arm.jacobian_derivative(q, qd) @ qdd + arm.jacobian_second_derivative(q, qd, qdd) @ qd
+    )
+    np.testing.assert_allclose(jerk, slope(acceleration, 1e-2), atol=1e-8)
+
+
+def test_a_batch_of_matrices_is_its_rows_one_by_one(arm):
+    q, qd, qdd = random_motion(arm, 3, rows=(4,))
+    batches = (
+        arm.jacobian(q),
+        arm.jacobian_derivative(q, qd),
+        arm.jacobian_second_derivative(q, qd, qdd),
+    )
+    for i in range(4):
+        rows = (
+            arm.jacobian(q[i]),
+            arm.jacobian_derivative(q[i], qd[i]),
+            arm.jacobian_second_derivative(q[i], qd[i], qdd[i]),
+        )
+        for batch, row in zip(batches, rows, strict=True):
+            assert batch.shape == (4, 6, len(arm.joint_names))
+            np.testing.assert_array_equal(batch[i], row)
+
+
+def test_no_rows_give_no_matrices(arm):
+    none = np.empty((0, len(arm.joint_names)))
+    assert arm.jacobian_derivative(none, none).shape == (0, 6, len(arm.joint_names))
+
+
+@pytest.mark.parametrize("bad", [np.zeros(3), "q", None, np.zeros((2, 2, 2)), [[1.0], [1.0, 2.0]]])
+def test_rates_that_do_not_fit_are_refused_by_name(arm, posture, bad):
+    with pytest.raises(InvalidInput, match="qd"):
+        arm.jacobian_derivative(posture, bad)
+    with pytest.raises(InvalidInput, match="qdd"):
+        arm.jacobian_second_derivative(posture, posture, bad)
+
+
+def test_rates_too_large_to_compute_with_are_refused(arm, posture):
+    with pytest.raises(InvalidInput, match="too large"):
+        arm.jacobian_second_derivative(posture, 1e200 * np.ones_like(posture), posture)
+
+
+def test_manipulability_is_the_volume_of_the_velocities(arm, posture):
+    jacobian = arm.jacobian(posture)
+    volume = np.sqrt(np.linalg.det(jacobian @ jacobian.T))
+    np.testing.assert_allclose(arm.manipulability(posture), volume, rtol=1e-9)
+
+
+def test_the_condition_number_weighs_rotations(arm, posture):
+    jacobian = arm.jacobian(posture)
+    weighted = np.diag([1, 1, 1, 0.3, 0.3, 0.3]) @ jacobian
+    np.testing.assert_allclose(arm.condition_number(posture), np.linalg.cond(weighted))
+    np.testing.assert_allclose(
+        arm.condition_number(posture, rotation_weight=1.0), np.linalg.cond(jacobian)
+    )
+
+
+@given(ANGLES)
+def test_both_measures_hold_at_any_configuration(q):
+    assert robot_arm("panda").manipulability(q) >= 0.0
+    assert robot_arm("panda").condition_number(q) >= 1.0
+
+
+def test_at_a_singularity_the_one_is_zero_and_the_other_infinite():
+    ur3 = robot_arm("ur3")
+    straight = [0.3, -1.0, 0.0, -0.4, 0.0, 0.2]  # elbow stretched, wrist aligned
+    assert ur3.manipulability(straight) < 1e-15
+    assert ur3.condition_number(straight) == np.inf
+
+
+def test_an_arm_of_one_joint_is_as_well_conditioned_as_can_be():
+    one = lt.Arm.from_urdf(one_joint())
+    assert one.condition_number([0.2]) == 1.0
+    assert one.manipulability([0.2]) == 1.0
+
+
+def test_measures_of_a_batch_are_those_of_its_rows(arm, random_configurations):
+    q = random_configurations(arm, 5, 1)
+    np.testing.assert_allclose(
+        arm.condition_number(q), [arm.condition_number(row) for row in q], rtol=1e-9
+    )
+    np.testing.assert_allclose(
+        arm.manipulability(q), [arm.manipulability(row) for row in q], rtol=1e-9
+    )
+    assert arm.condition_number(q[:0]).shape == (0,)
+
+
+@pytest.mark.parametrize("weight", [0.0, -1.0, np.nan, np.inf, "heavy", None])
+def test_a_weight_that_is_none_is_refused(arm, posture, weight):
+    with pytest.raises(InvalidInput):
+        arm.condition_number(posture, rotation_weight=weight)

@@ -2,6 +2,7 @@ import pickle
 
 import numpy as np
 import pytest
+from urdfs import one_joint
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput, InvalidRobot
@@ -100,10 +101,7 @@ def test_one_joint_stays_and_none_is_locked_twice(tiago):
 
 
 def test_a_robot_all_of_whose_joints_are_locked_is_no_arm():
-    document = (
-        '<robot name="one"><link name="a"/><link name="b"/><joint name="j" type="continuous">'
-        '<parent link="a"/><child link="b"/></joint></robot>'
-    )
+    document = one_joint()
     with pytest.raises(InvalidRobot, match="no joint moves"):
         lt.Arm.from_urdf(document, locked_joints={"j": 0.1})
     with pytest.raises(InvalidInput, match="j"):

@@ -7,9 +7,9 @@ import coal
 import numpy as np
 import pinocchio as pin
 import pytest
+from urdfs import CUBE, with_mesh
 
 import leadthrough as lt
-from leadthrough.arm.robot_files import find_mesh
 from leadthrough.errors import InvalidInput, InvalidRobot
 
 
@@ -61,18 +61,6 @@ def test_meshes_are_found_beside_the_urdf_and_count_as_their_hulls():
     assert arm.check(0.1 * rows, [lt.Box((0.1, 0.1, 0.1), (0, 0, 5))]).obstacles.first is None
 
 
-CUBE = "".join(f"v {x} {y} {z}\n" for x in (0, 1) for y in (0, 1) for z in (0, 1))
-
-
-def carried(mesh):
-    return (
-        '<robot name="r"><link name="a"/><link name="b"><collision><geometry>'
-        f'<mesh filename="{mesh}" scale="0.1 0.1 -0.1"/></geometry></collision></link>'
-        '<joint name="j" type="continuous"><parent link="a"/><child link="b"/>'
-        '<axis xyz="0 0 1"/></joint></robot>'
-    )
-
-
 @pytest.mark.parametrize(
     "name", ["package://parts/meshes/cube.obj", "meshes/cube.obj", "file://{folder}/cube.obj"]
 )
@@ -80,14 +68,14 @@ def test_a_mesh_is_scaled_and_found_by_package_path_or_address(tmp_path, name):
     folder = tmp_path / "parts" / "meshes"
     folder.mkdir(parents=True)
     (folder / "cube.obj").write_text(CUBE)
-    document = carried(name.format(folder=folder))
+    document = with_mesh(name.format(folder=folder), scale="0.1 0.1 -0.1")
     arm = lt.Arm.from_urdf(document, mesh_folders=[tmp_path / "parts"])
     below = lt.Sphere(0.1, (0.05, 0.05, -0.4))
     assert arm.distance([0.0], [below]) == pytest.approx(0.2)
 
 
 def test_a_mesh_that_is_missing_is_named_when_it_is_needed(tmp_path):
-    arm = lt.Arm.from_urdf(carried("package://parts/gone.stl"), mesh_folders=[tmp_path])
+    arm = lt.Arm.from_urdf(with_mesh("package://parts/gone.stl"), mesh_folders=[tmp_path])
     assert arm.forward_kinematics([0.0])[0] is not None
     with pytest.raises(InvalidRobot, match=r"link 'b': mesh 'package://parts/gone.stl'"):
         arm.check([[0.0]])
@@ -96,7 +84,7 @@ def test_a_mesh_that_is_missing_is_named_when_it_is_needed(tmp_path):
 @pytest.mark.parametrize("content", ["v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n", "v 0 0 0\n", "x"])
 def test_a_mesh_without_a_volume_is_refused(tmp_path, content):
     (tmp_path / "flat.obj").write_text(content)
-    arm = lt.Arm.from_urdf(carried("flat.obj"), mesh_folders=[tmp_path])
+    arm = lt.Arm.from_urdf(with_mesh("flat.obj"), mesh_folders=[tmp_path])
     with pytest.raises(InvalidRobot, match="link 'b'"):
         arm.self_distance([0.0])
 
@@ -104,9 +92,4 @@ def test_a_mesh_without_a_volume_is_refused(tmp_path, content):
 @pytest.mark.parametrize("folders", ["here", 3, [3], None])
 def test_wrong_folders_are_refused(folders):
     with pytest.raises(InvalidInput, match="mesh_folders"):
-        lt.Arm.from_urdf(carried("a.stl"), mesh_folders=folders)
-
-
-def test_names_of_no_file_find_nothing(tmp_path):
-    for name in ("http://example.org/a.stl", "package://", "", "package://../../a.stl"):
-        assert find_mesh(name, [str(tmp_path)]) is None
+        lt.Arm.from_urdf(with_mesh("a.stl"), mesh_folders=folders)

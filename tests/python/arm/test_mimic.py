@@ -27,14 +27,7 @@ FREE = ("turn", "lift", "lead", "wrist")
 LIMIT = '<limit lower="-1.5" upper="1.2" velocity="2" effort="50"/>'
 # Values of all joints from those of the free ones: SPREAD q + OFFSET.
 SPREAD = np.array(
-    [
-        [1, 0, 0, 0],
-        [0, 0, -0.25, 0],
-        [0, 1, 0, 0],
-        [0, 0, 1, 0],
-        [0, 0, 1.5, 0],
-        [0, 0, 0, 1],
-    ]
+    [[1, 0, 0, 0], [0, 0, -0.25, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1.5, 0], [0, 0, 0, 1]]
 )
 OFFSET = np.array([0, 0.05, 0, 0, 0, 0])
 Q = np.random.default_rng(1).uniform(-0.7, 0.7, (20, 3, 4))

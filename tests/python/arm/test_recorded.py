@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import leadthrough as lt
+from leadthrough.arm import FollowOptions, IkOptions
 from leadthrough.errors import InvalidInput
 
 ARM = lt.Arm.load("panda")
@@ -88,10 +89,10 @@ def test_poses_of_joints_are_followed_in_the_posture_that_was_shown():
 def test_a_posture_that_is_asked_for_goes_before_the_shown_one():
     shown = ARM.poses(lt.JointTrajectory(TIMES, Q, joint_names=ARM.joint_names))
     other = ARM.inverse_kinematics_all(
-        shown.positions[0], shown.orientations[0], options=lt.arm.IkOptions(posture=Q[0])
+        shown.positions[0], shown.orientations[0], options=IkOptions(posture=Q[0])
     )
     far = other.q[np.argmax(np.abs(other.q - Q[0]).max(axis=1))]
-    held = ARM.follow(shown, q0=far, options=lt.arm.FollowOptions(posture=far))
+    held = ARM.follow(shown, q0=far, options=FollowOptions(posture=far))
     assert np.abs(held.positions[0] - Q[0]).max() > 0.3
 
 

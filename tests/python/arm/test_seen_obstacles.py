@@ -22,11 +22,6 @@ def arm(request):
     return lt.Arm.load(request.param)
 
 
-@pytest.fixture(scope="module")
-def panda():
-    return lt.Arm.load("panda")
-
-
 def configurations(arm, count, seed):
     lower, upper = np.maximum(arm.limits.lower, -3.0), np.minimum(arm.limits.upper, 3.0)
     return np.random.default_rng(seed).uniform(lower, upper, (count, len(lower)))
@@ -119,10 +114,7 @@ def test_the_elbow_goes_around_a_cloud_and_a_mesh_while_the_tip_keeps_its_path(p
     box = surface.box(np.array([0.1, 0.4, 0.2])).moved(np.array([-0.15, 0.0, 0.65]))
     steps = np.linspace(-0.5, 0.5, 21)
     grid = np.stack(np.meshgrid(steps, steps, steps), axis=-1).reshape(-1, 3) * (0.1, 0.4, 0.2)
-    for there in (
-        lt.Mesh(box.vertices, box.faces),
-        lt.PointCloud(grid, 0.012, (-0.15, 0.0, 0.65)),
-    ):
+    for there in (lt.Mesh(box.vertices, box.faces), lt.PointCloud(grid, 0.012, (-0.15, 0.0, 0.65))):
         assert not panda.check(blind, [there]).ok
         around = panda.follow(motion, scene=lt.Scene([there], 0.01), q0=seed)
         assert panda.check(around, lt.Scene([there], 0.005)).ok

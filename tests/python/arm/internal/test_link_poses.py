@@ -56,7 +56,7 @@ def test_joint_that_mimics_moves_its_link():
     assert np.allclose(local, [[0.0, 0.25, 0.0], [0.0, 0.75, 0.0]])
 
 
-def test_held_joint_stays_at_its_value():
+def test_locked_joint_stays_at_its_value():
     arm = lt.Arm.from_urdf(MIMICRY, tip="c", locked_joints={"slide": 0.4})
     _, position = link_poses(arm, np.zeros((1, 1)))["b"]
     assert np.allclose(position, [[0.1 + 0.4 * np.sin(0.5), 0.0, 0.4 * np.cos(0.5)]])
