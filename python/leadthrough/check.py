@@ -93,6 +93,12 @@ def quaternions(value: object, name: str, *, shape: Sequence[int | str]) -> Floa
     return np.asarray(result / length)
 
 
+def unit_quaternions(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Array:
+    """`value` as unit quaternions w, x, y, z, to the bit as they were; a read-only copy."""
+    quaternions(value, name, shape=shape)
+    return frozen(value, name, shape=shape)
+
+
 def number(
     value: object,
     name: str,

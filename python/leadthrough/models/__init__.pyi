@@ -9,8 +9,7 @@ from .dynamical.rollout import StabilityReport
 from .dynamical.seds import SEDS
 from .dynamical.skill import DynamicalSkill
 from .frame import Frame
-from .framed import Framed, FramedSkill
-from .framed_state import FramedState
+from .framed import Framed, FramedSkill, FramedState
 from .gaussians.fitting import FittedMixture, choose_components, fit_mixture, trace_mixture
 from .gaussians.kmeans import Clusters, kmeans
 from .gaussians.mixture import Mixture

@@ -15,8 +15,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import check
-from leadthrough.check import Float64Array
 from leadthrough.drawing.drawn import Drawn
 from leadthrough.errors import InvalidInput
 from leadthrough.io import npz
@@ -196,9 +194,3 @@ def read_certified(
     found = head.get(_CERTIFICATE)
     certificate = None if found is None else Certificate.from_settings(found)
     return kind, settings, arrays, certificate
-
-
-def quaternions(arrays: Arrays, name: str, *, shape: Sequence[int | str]) -> Float64Array:
-    """Unit quaternions of a file, as they were to the bit."""
-    check.quaternions(arrays[name], name, shape=shape)
-    return check.frozen(arrays[name], name, shape=shape)

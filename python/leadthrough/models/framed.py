@@ -1,37 +1,25 @@
-"""Any model in the frame of its task: shown in one place, followed in another, turned or moved.
+"""Any model in the frame of its task: demonstrated in one pose of an object, followed in another.
 
 The demonstrations are seen from a frame that is given with each of them, at an object or a table.
-The skill that is learned there is followed in the frame where the object is now. What a query says,
-start, goal and obstacles, is in the base frame. For several frames at once: `TaskGMR`.
+The skill that is learned there is followed in the frame where the object is now. Queries, with
+start, goal and obstacles, are in the base frame. For several frames at once: `TaskGMR`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Generic, cast
+from typing import Any, ClassVar, Generic, TypedDict, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check
+from leadthrough import check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.frame import Frame
-from leadthrough.models.framed_state import FramedState
-from leadthrough.models.framed_views import (
-    Beyond,
-    Limits,
-    Via,
-    beyond_seen,
-    covariance_seen,
-    limits_seen,
-    motion_seen,
-    place_seen,
-    shape_seen,
-)
 from leadthrough.models.protocol import (
     Conditioned,
     Guided,
@@ -46,6 +34,25 @@ from leadthrough.models.registry import entry_of_skill
 from leadthrough.models.targets import Target
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory
 from leadthrough.shapes import Shape, check_shapes
+
+Via = Sequence[tuple[float, ArrayLike]]
+
+# Largest difference of an axis from an axis of the base frame that passes for rounding.
+_ALIGNED = 1e-9
+
+
+class _EndsAndVia(TypedDict, total=False):
+    """Parts of a query that only some skills take."""
+
+    via: Via
+    start_velocity: ArrayLike
+    final_velocity: ArrayLike
+
+
+class _Limits(TypedDict, total=False):
+    """Part of a query that only skills with limits take."""
+
+    limits: tuple[ArrayLike, ArrayLike]
 
 
 @dataclass(frozen=True)
@@ -83,8 +90,8 @@ class Framed(Unfitted):
             raise InvalidInput(f"frames: expected one per demonstration, {len(motions)} in all")
         poses = isinstance(motions[0], PoseTrajectory)
         given = [_the_frame(each, len(motions[0].positions[0]), poses) for each in frames]
-        seen = [motion_seen(frame, motion) for frame, motion in zip(given, motions, strict=True)]
-        learned = cast(Skill[MotionT], self.model.fit(seen))  # of the type that was shown
+        seen = [_motion_seen(frame, motion) for frame, motion in zip(given, motions, strict=True)]
+        learned = cast(Skill[MotionT], self.model.fit(seen))  # of the demonstrated type
         return FramedSkill(self, learned, given[0], poses)
 
 
@@ -135,7 +142,7 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
         final_velocity: ArrayLike | None = None,
         limits: tuple[ArrayLike, ArrayLike] | None = None,
     ) -> MotionT_co:
-        """A motion in the base frame; what is left out is as shown, seen from the frame.
+        """A motion in the base frame; parts left out are as demonstrated, seen from the frame.
 
         Args:
             start: in the base frame.
@@ -165,7 +172,7 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
         moved = cast(Limited, self._stepped()).generate(
             start=start, goal=goal, duration=duration, dt=dt, obstacles=shapes, **beyond, **inside
         )
-        return cast(MotionT_co, self.frame.base(moved))  # of the type that was shown
+        return cast(MotionT_co, self.frame.base(moved))  # of the demonstrated type
 
     def begin(
         self,
@@ -278,7 +285,7 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
                 "in Python, skill.skill.condition(...)"
             )
         seen = cast(Target, self._local(position, "position"))
-        uncertain = covariance_seen(self.frame, covariance)
+        uncertain = _covariance_seen(self.frame, covariance)
         made = self.skill.condition(check.number(time, "time"), seen, covariance=uncertain)
         return replace(self, skill=cast(Skill[MotionT_co], made))
 
@@ -307,7 +314,7 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
         self,
         demonstrations: Demonstrations[Motion] = (),  # noqa: ARG002 (there is no new fit)
     ) -> Sequence[Parameter[MotionT_co]]:
-        """None: the demonstrations do not tell where their frames were.
+        """None: the frames of the demonstrations are not known.
 
         Args:
             demonstrations: those that it was fitted to.
@@ -333,9 +340,9 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
 
     def _beyond(
         self, via: Via, start_velocity: ArrayLike | None, final_velocity: ArrayLike | None
-    ) -> Beyond:
+    ) -> _EndsAndVia:
         """Parts of a query that only some skills take. Raises InvalidInput, UnsupportedQuery."""
-        found = beyond_seen(self.frame, via, start_velocity, final_velocity)
+        found = _beyond_seen(self.frame, via, start_velocity, final_velocity)
         for name in found:
             if name not in self.supports:
                 raise UnsupportedQuery(
@@ -344,23 +351,72 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
                 )
         return found
 
-    def _limits(self, limits: tuple[ArrayLike, ArrayLike] | None) -> Limits:
-        """Limits seen from the frame. Raises InvalidInput and UnsupportedQuery."""
+    def _limits(self, limits: tuple[ArrayLike, ArrayLike] | None) -> _Limits:
+        """_Limits seen from the frame. Raises InvalidInput and UnsupportedQuery."""
         if limits is None:
-            return Limits()
+            return _Limits()
         if "limits" not in self.supports:
             raise UnsupportedQuery(
                 f"limits: a skill of kind {self.skill.kind!r} takes none; in Python, fit "
                 "Framed(DMP())"
             )
-        return Limits(limits=limits_seen(self.frame, limits))
+        return _Limits(limits=_limits_seen(self.frame, limits))
 
     def _local_shapes(self, obstacles: Sequence[Shape]) -> list[Shape]:
-        return [shape_seen(self.frame, shape) for shape in check_shapes(obstacles)]
+        return [_shape_seen(self.frame, shape) for shape in check_shapes(obstacles)]
 
     def _local(self, place: Any, name: str) -> Target | None:
         """A place of the base frame as it is seen from the frame. Raises InvalidInput."""
-        return place_seen(self.frame, place, name, poses=self.poses)
+        return _place_seen(self.frame, place, name, poses=self.poses)
+
+
+@dataclass(frozen=True, eq=False)
+class FramedState:
+    """A state in the base frame; made by `FramedSkill.begin` and `FramedSkill.step`.
+
+    Attributes:
+        inside: the state as the skill in the frame has it.
+        frame: of the task, in the base frame.
+    """
+
+    inside: Any
+    frame: Frame
+
+    @property
+    def phase(self) -> float:
+        """From 0 at the start on; 1 is the end."""
+        return float(self.inside.phase)
+
+    @property
+    def duration(self) -> float:
+        """Of the whole motion, s."""
+        return float(self.inside.duration)
+
+    @property
+    def position(self) -> Float64Array:
+        """Of shape (d,)."""
+        return np.asarray(self.inside.position @ self.frame.axes.T + self.frame.origin)
+
+    @property
+    def velocity(self) -> Float64Array:
+        """Of shape (d,), per second."""
+        return np.asarray(self.inside.velocity @ self.frame.axes.T)
+
+    @property
+    def orientation(self) -> Float64Array:
+        """Orientation (4,) of a pose, w, x, y, z."""
+        own = self._of_pose("orientation")
+        return np.asarray(rotations.compose(self.frame.orientations(1), own[None])[0])
+
+    @property
+    def angular_velocity(self) -> Float64Array:
+        """Angular velocity (3,) of a pose, rad/s."""
+        return np.asarray(self._of_pose("angular_velocity") @ self.frame.axes.T)
+
+    def _of_pose(self, name: str) -> Float64Array:
+        if not hasattr(self.inside, name):
+            raise UnsupportedQuery(f"{name}: the motion is not one of poses; use position")
+        return np.asarray(getattr(self.inside, name))
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> FramedSkill:
@@ -385,3 +441,92 @@ def _the_frame(frames: Sequence[Frame], size: int, poses: bool) -> Frame:
     if poses and np.linalg.det(given[0].axes) < 0.0:
         raise InvalidInput("frames: expected right-handed axes for poses")
     return given[0]
+
+
+def _motion_seen(frame: Frame, motion: MotionT) -> MotionT:
+    """A motion with its events."""
+    back = Frame(-frame.origin @ frame.axes, frame.axes.T)
+    return back.base(motion)
+
+
+def _place_seen(frame: Frame, place: Any, name: str, *, poses: bool) -> Target | None:
+    """A place; None for None."""
+    if place is None:
+        return None
+    turned = poses and isinstance(place, tuple | list) and len(place) == 2
+    given = place[0] if turned else place
+    position = check.array(given, name, shape=(len(frame.origin),))
+    seen: Float64Array = (position - frame.origin) @ frame.axes
+    if not turned:
+        return seen
+    q = check.quaternions(place[1], name, shape=(4,))
+    back = rotations.inverse(frame.orientations(1))
+    return seen, rotations.compose(back, q[None])[0]
+
+
+def _shape_seen(frame: Frame, shape: Shape) -> Shape:
+    """A shape; a frame of two dimensions lies in the plane z = 0."""
+    size = len(frame.origin)
+    origin, axes = np.zeros(3), np.eye(3)
+    origin[:size], axes[:size, :size] = frame.origin, frame.axes
+    position = (np.asarray(shape.position) - origin) @ axes
+    back = rotations.inverse(rotations.from_matrix(axes[None]))
+    return shape.at(position, rotations.compose(back, shape.orientation[None])[0])
+
+
+def _limits_seen(
+    frame: Frame, limits: tuple[ArrayLike, ArrayLike]
+) -> tuple[Float64Array, Float64Array]:
+    """_Limits of each column, where the frame's axes are those of the base frame, in any order."""
+    if not isinstance(limits, Sequence) or len(limits) != 2:
+        raise InvalidInput(f"limits: expected a pair (lower, upper), got {limits!r}")
+    size = len(frame.origin)
+    corners = np.stack([check.array(side, "limits", shape=(size,)) for side in limits])
+    if not (corners[0] < corners[1]).all():
+        raise InvalidInput(f"limits: expected lower < upper, got {corners[0]} and {corners[1]}")
+    if np.abs(np.abs(frame.axes).max(axis=0) - 1.0).max() > _ALIGNED:
+        raise UnsupportedQuery(
+            "limits: base-frame limits are not axis-aligned in a rotated task frame; give walls as "
+            "obstacles, or ask the skill inside for limits in its own frame; in Python, "
+            "skill.skill.generate(limits=...)"
+        )
+    turned = (corners - frame.origin) @ np.round(frame.axes)
+    return turned.min(axis=0), turned.max(axis=0)
+
+
+def _covariance_seen(frame: Frame, covariance: ArrayLike | None) -> Float64Array | None:
+    """A covariance (d, d) of a position; None for None."""
+    if covariance is None:
+        return None
+    size = len(frame.origin)
+    given = check.array(covariance, "covariance", shape=(size, size))
+    return np.asarray(frame.axes.T @ given @ frame.axes)
+
+
+def _beyond_seen(
+    frame: Frame,
+    via: Via,
+    start_velocity: ArrayLike | None,
+    final_velocity: ArrayLike | None,
+) -> _EndsAndVia:
+    """Via points and velocities, those that are given."""
+    found = _EndsAndVia()
+    if not isinstance(via, Sequence):
+        raise InvalidInput(f"via: expected a sequence of (phase, point), got {via!r}")
+    if len(via) > 0:
+        if not all(isinstance(pair, tuple | list) and len(pair) == 2 for pair in via):
+            raise InvalidInput(f"via: expected pairs (phase, point), got {via!r}")
+        points = [check.array(point, "via", shape=frame.origin.shape) for _, point in via]
+        found["via"] = [
+            (pair[0], (point - frame.origin) @ frame.axes)
+            for pair, point in zip(via, points, strict=True)
+        ]
+    if start_velocity is not None:
+        found["start_velocity"] = _rotated(frame, start_velocity, "start_velocity")
+    if final_velocity is not None:
+        found["final_velocity"] = _rotated(frame, final_velocity, "final_velocity")
+    return found
+
+
+def _rotated(frame: Frame, velocity: ArrayLike, name: str) -> Float64Array:
+    return np.asarray(check.array(velocity, name, shape=frame.origin.shape) @ frame.axes)

@@ -21,8 +21,8 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
-from leadthrough.models.mean_turning import mean_orientations
-from leadthrough.models.posture import shown_posture
+from leadthrough.models.mean_orientation import mean_orientations
+from leadthrough.models.posture import demonstrated_posture
 from leadthrough.models.protocol import Relearned, Skill
 from leadthrough.motion import (
     JointTrajectory,
@@ -315,7 +315,9 @@ def _mean(motions: Sequence[Motion], weights: Float64Array) -> Motion:
     happening = events.moved(events.agreed(happened, weights), (0.0, 1.0), times[[0, -1]])
     if isinstance(first, JointTrajectory):
         return JointTrajectory(times, positions, joint_names=first.joint_names, events=happening)
-    posture = shown_posture(motions, [normalised_times(each.times) for each in motions], weights)
+    posture = demonstrated_posture(
+        motions, [normalised_times(each.times) for each in motions], weights
+    )
     joints = None if posture is None else posture.along(times, normalised_times(times))
     if isinstance(first, PoseTrajectory):
         poses = [motion for motion in motions if isinstance(motion, PoseTrajectory)]

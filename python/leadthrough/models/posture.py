@@ -1,8 +1,8 @@
-"""The joints that an arm was shown with, by phase: which of its postures the tip's motion means.
+"""The arm's joints beside demonstrations of its tip, by phase: the demonstrated posture.
 
 A redundant arm has many postures for a pose, and most arms several. The joints of several
-demonstrations are averaged where they agree; another elbow or wrist is another posture, and of
-those the one that was shown most often is kept.
+demonstrations are averaged where they agree; another elbow or wrist is another posture, and the
+most frequent one is taken.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Posture:
         return JointTrajectory(times, rows, joint_names=self.names)
 
     def every_round(self, times: Float64Array, rounds: Float64Array) -> JointTrajectory:
-        """The joints of a motion that repeats: they go round as well, with whole turns if shown."""
+        """Joints of a motion that repeats: they repeat too, with whole turns if demonstrated."""
         gap = self.rows[-1] - self.rows[0]
         turns = _TURN * np.round(gap / _TURN)
         closed = self.rows - np.outer(NODES, gap - turns)
@@ -72,7 +72,7 @@ def arrays_of(posture: Posture | None) -> dict[str, Float64Array]:
     return {} if posture is None else {"posture": posture.rows}
 
 
-def shown_posture(
+def demonstrated_posture(
     motions: Sequence[Motion], phases: Sequence[Float64Array], weights: ArrayLike | None = None
 ) -> Posture | None:
     """The joints that went along with motions of the tip; None where none has any."""
@@ -92,7 +92,7 @@ def agreed(postures: Sequence[Posture | None], weights: ArrayLike | None = None)
         raise InvalidInput(f"joints: expected the same joints in all demonstrations, got {got}")
     layers = np.array([each.rows for _, each in known])
     own_weights = np.array([own for own, _ in known])
-    around = [_turned_to(layers, middle) for middle in layers]
+    around = [_unwound_to(layers, middle) for middle in layers]
     near = [np.abs(a - m).max(axis=(1, 2)) <= _APART for a, m in zip(around, layers, strict=True)]
     chosen = int(np.argmax([own_weights[alike].sum() for alike in near]))
     alike = near[chosen]
@@ -100,7 +100,7 @@ def agreed(postures: Sequence[Posture | None], weights: ArrayLike | None = None)
     return Posture(first.names, mean)
 
 
-def _turned_to(layers: Float64Array, middle: Float64Array) -> Float64Array:
+def _unwound_to(layers: Float64Array, middle: Float64Array) -> Float64Array:
     """Joints (m, 201, joints) with the whole turns left out by which they differ from others."""
     offsets = (layers - middle).mean(axis=1, keepdims=True)
     return np.asarray(layers - _TURN * np.round(offsets / _TURN))

@@ -19,7 +19,7 @@ from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape
 
 if TYPE_CHECKING:
-    from leadthrough.models.chart import Chart
+    from leadthrough.models.coordinates import Coordinates
 
 __all__ = [
     "Conditioned",
@@ -140,7 +140,7 @@ class Distributed(Protocol):
     """A skill that knows how its demonstrations spread about the mean motion."""
 
     @property
-    def chart(self) -> Chart:
+    def coordinates(self) -> Coordinates:
         """Coordinates of its columns."""
 
     @property

@@ -188,8 +188,8 @@ def allowed_deviation(
             "deviation: not used together with standard_deviations; give one of the two"
         )
     count = check.number(standard_deviations, "standard_deviations", above=0.0)
-    chart = skill.chart if isinstance(skill, Distributed) else None
-    if chart is None or chart.kind == "joints" or chart.size != _SPACE:
+    coordinates = skill.coordinates if isinstance(skill, Distributed) else None
+    if coordinates is None or coordinates.kind == "joints" or coordinates.size != _SPACE:
         raise InvalidInput(
             "standard_deviations: this skill has no covariance of the tip's positions; use a "
             "ProMP or GMR of poses or points in 3-D, or state deviation=(m, rad)"

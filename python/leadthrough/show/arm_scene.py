@@ -131,11 +131,11 @@ def distribution_of(arm: Arm, skill: Skill | None) -> tuple[Float64Array, Float6
     if not isinstance(skill, Distributed):
         return None
     mean, covariance = skill.distribution(np.linspace(0.0, skill.duration, _SPREAD_POINTS))
-    if skill.chart.kind == "joints":
+    if skill.coordinates.kind == "joints":
         jacobian = arm.jacobian(mean)[:, :3]
         covariance = jacobian @ covariance @ jacobian.transpose(0, 2, 1)
         return arm.forward_kinematics(mean)[0], covariance
-    return (mean[:, :3], covariance[:, :3, :3]) if skill.chart.size == 3 else None
+    return (mean[:, :3], covariance[:, :3, :3]) if skill.coordinates.size == 3 else None
 
 
 def obstacle_item(shape: Shape, index: int) -> Item:

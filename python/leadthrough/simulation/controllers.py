@@ -347,11 +347,11 @@ class CartesianImpedance(Controller):
                 f"{type(skill).__name__}"
             )
         mean, covariance = skill.distribution(np.linspace(0.0, skill.duration, _SAMPLES))
-        if skill.chart.kind == "joints":
+        if skill.coordinates.kind == "joints":
             jacobian = arm.jacobian(mean)[:, :3]
             covariance = jacobian @ covariance @ jacobian.transpose(0, 2, 1)
             mean, _ = arm.forward_kinematics(mean)
-        elif skill.chart.size != 3:
+        elif skill.coordinates.size != 3:
             raise InvalidInput("skill: expected one of places in 3-D or of joints")
         profile = stiffness_profile(covariance[:, :3, :3], softest=softest, stiffest=stiffest)
         gone = np.linalg.norm(np.diff(mean[:, :3], axis=0), axis=1).cumsum()

@@ -8,7 +8,7 @@ from motions import arm, minimum_jerk
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
 from leadthrough.models import Framed
-from leadthrough.models.posture import Posture, agreed, shown_posture
+from leadthrough.models.posture import Posture, agreed, demonstrated_posture
 from leadthrough.preprocess import (
     align_by_arc_length,
     align_by_time_warping,
@@ -117,7 +117,7 @@ def test_a_library_blends_the_joints_of_the_targets_around():
 def test_whole_turns_between_demonstrations_make_no_difference():
     turned = shown(HOME + np.array([0, 0, 0, 0, 2.0 * np.pi, 0, 0]))
     given = [lt.Trajectory(2.0 * U, np.outer(U, [1, 0, 0]), joints=j) for j in (shown(), turned)]
-    stood = shown_posture(given, [U, U])
+    stood = demonstrated_posture(given, [U, U])
     np.testing.assert_allclose(stood.rows[0], HOME, atol=1e-12)
 
 
@@ -126,7 +126,7 @@ def test_another_elbow_is_not_averaged_and_the_usual_one_is_kept():
     given = [
         lt.Trajectory(2.0 * U, np.outer(U, [1, 0, 0]), joints=j) for j in (other, shown(), shown())
     ]
-    np.testing.assert_allclose(shown_posture(given, [U] * 3).rows[0], HOME, atol=1e-12)
+    np.testing.assert_allclose(demonstrated_posture(given, [U] * 3).rows[0], HOME, atol=1e-12)
 
 
 def test_a_rhythm_goes_on_turning_where_it_was_shown_to():

@@ -12,8 +12,8 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
 from leadthrough.events import Event
 from leadthrough.models.demonstrations import Demonstrations, motions_of, warn_of_misalignment
-from leadthrough.models.mean_turning import mean_orientations
-from leadthrough.models.posture import Posture, shown_posture
+from leadthrough.models.mean_orientation import mean_orientations
+from leadthrough.models.posture import Posture, demonstrated_posture
 from leadthrough.motion import (
     JointTrajectory,
     Motion,
@@ -55,7 +55,7 @@ def mean_motion(demonstrations: Demonstrations[Motion]) -> MeanMotion:
         [events.moved(each.events, each.times[[0, -1]], (0.0, 1.0)) for each in motions]
     )
     phases = [normalised_times(motion.times) for motion in motions]
-    posture = shown_posture(motions, phases)
+    posture = demonstrated_posture(motions, phases)
     if len(motions) == 1:
         q = first.orientations if isinstance(first, PoseTrajectory) else None
         return MeanMotion(phases[0], first.positions, q, first.duration, names, happened, posture)

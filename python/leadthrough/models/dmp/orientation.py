@@ -33,7 +33,6 @@ import numpy as np
 from leadthrough import _core, check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput, NoContinuousLogarithm
-from leadthrough.models.archive import quaternions
 from leadthrough.models.dmp.progress import running_mean
 from leadthrough.repr import ShortRepr
 
@@ -136,15 +135,15 @@ class OrientationCoordinates(ShortRepr):
         representation: str, arrays: Mapping[str, Any], *, rhythmic: bool = False
     ) -> OrientationCoordinates:
         """The coordinates of which a file has the `arrays`."""
-        controls = quaternions(arrays, "controls", shape=("n", 4))
+        controls = check.unit_quaternions(arrays["controls"], "controls", shape=("n", 4))
         if len(controls) < 4:
             raise InvalidInput(f"controls: expected at least 4, got {len(controls)}")
         return OrientationCoordinates(
             representation,
             controls,
             check.frozen(arrays["speeds"], "speeds", shape=(_INTERVALS + 1,)),
-            quaternions(arrays, "start_orientation", shape=(4,)),
-            quaternions(arrays, "goal_orientation", shape=(4,)),
+            check.unit_quaternions(arrays["start_orientation"], "start_orientation", shape=(4,)),
+            check.unit_quaternions(arrays["goal_orientation"], "goal_orientation", shape=(4,)),
             check.number(arrays["angle"], "angle", at_least=0.0),
             rhythmic,
         )

@@ -50,7 +50,7 @@ class DynamicalModel(Unfitted, ABC):
         field = self.learn(samples)
         return DynamicalSkill(
             self,
-            samples.chart,
+            samples.coordinates,
             field,
             samples.scale,
             samples.ends,

@@ -12,9 +12,9 @@ from scipy.ndimage import gaussian_filter1d
 from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
-from leadthrough.models.chart import Chart, chart_of
+from leadthrough.models.coordinates import Coordinates, coordinates_of
 from leadthrough.models.demonstrations import Demonstrations, motions_of
-from leadthrough.models.mean_turning import mean_orientations
+from leadthrough.models.mean_orientation import mean_orientations
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, normalised_times
 from leadthrough.preprocess.noise import without_noise
 
@@ -36,18 +36,17 @@ class Samples(Generic[MotionT_co]):
     """Demonstrations about their goals, normalised.
 
     Attributes:
-        chart: coordinates of the d columns; of poses the position and a rotation vector from the
-            goal.
+        coordinates: of the d columns; of poses the position and a rotation vector from the goal.
         scale: divisors (d,) of the columns; the same for all positions, joints or rotations.
         duration: median duration of the demonstrations, s, the unit of time.
-        ends: mean start and goal (2, d) in the chart's columns.
+        ends: mean start and goal (2, d) in the columns of `coordinates`.
         positions: positions (n, d) of each demonstration, normalised.
         velocities: velocities (n, d) of each demonstration, normalised.
         approaches: time of each one, in durations, from its first sample until it is within a
             tenth of its size of the goal for good.
     """
 
-    chart: Chart[MotionT_co]
+    coordinates: Coordinates[MotionT_co]
     scale: Float64Array
     duration: float
     ends: Float64Array
@@ -70,20 +69,20 @@ def samples_about_goals(demonstrations: Demonstrations[MotionT]) -> Samples[Moti
     """Samples of demonstrations, each about its own goal."""
     motions = motions_of(demonstrations)
     phases = [normalised_times(motion.times) for motion in motions]
-    chart = chart_of(motions, phases, middle=_goal)
+    coordinates = coordinates_of(motions, phases, middle=_goal)
     columns = [_about_goal(motion) for motion in motions]
     duration = float(np.median([motion.duration for motion in motions]))
-    scale = _reach(columns, chart)
+    scale = _reach(columns, coordinates)
     starts = np.mean([each[0] for each in columns], axis=0)
     goals = np.mean([motion.positions[-1] for motion in motions], axis=0)
-    goal = np.concatenate([goals, np.zeros(chart.width - chart.size)])
+    goal = np.concatenate([goals, np.zeros(coordinates.width - coordinates.size)])
     durations = np.array([motion.duration for motion in motions]) / duration
     parts = [
         _moving_part(normalised_times(motion.times), each / scale, float(lasting))
         for motion, each, lasting in zip(motions, columns, durations, strict=True)
     ]
     return Samples(
-        chart,
+        coordinates,
         scale,
         duration,
         np.array([goal + starts, goal]),
@@ -116,10 +115,10 @@ def _about_goal(motion: Motion) -> Float64Array:
     return np.asarray(np.hstack([offsets, vectors]))
 
 
-def _reach(columns: Sequence[Float64Array], chart: Chart) -> Float64Array:
+def _reach(columns: Sequence[Float64Array], coordinates: Coordinates) -> Float64Array:
     """The mean distance (d,) of the farthest samples from the goal, in each group of columns."""
-    scale = np.empty(chart.width)
-    for group in (slice(0, chart.size), slice(chart.size, chart.width)):
+    scale = np.empty(coordinates.width)
+    for group in (slice(0, coordinates.size), slice(coordinates.size, coordinates.width)):
         far = [np.linalg.norm(each[:, group], axis=1).max() for each in columns]
         scale[group] = max(float(np.mean(far)), _MIN_REACH if group.start else 0.0) or 1.0
     return scale

@@ -13,7 +13,7 @@ from leadthrough import check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Arrays, FittedSkill
-from leadthrough.models.chart import NODES, Chart
+from leadthrough.models.coordinates import NODES, Coordinates
 from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.dynamical.field import Field
 from leadthrough.models.dynamical.rollout import (
@@ -37,8 +37,8 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
 
     Attributes:
         model: the settings that it was fitted with.
-        chart: coordinates of the d columns: of points, joints, or for poses the position and a
-            rotation vector from the goal's orientation.
+        coordinates: of the d columns: of points, joints, or for poses the position and a rotation
+            vector from the goal's orientation.
         field: the system, in normalised columns about the goal and durations.
         scale: divisors (d,) of the columns.
         ends: mean start and goal (2, d) of the demonstrations.
@@ -49,7 +49,7 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
     """
 
     model: Any  # one of the models of this family, whose settings differ
-    chart: Chart[MotionT_co]
+    coordinates: Coordinates[MotionT_co]
     field: Field
     scale: Float64Array
     ends: Float64Array
@@ -75,14 +75,16 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
         Raises:
             InvalidInput: if an argument is of another shape.
         """
-        if self.chart.kind == "poses":
+        if self.coordinates.kind == "poses":
             here = self._situation(self._pose(position), goal)
             x = self._nearest_to_demonstrations(here.start)[None]
             columns = self._velocities(x)
             vectors = x[:, 3:] * self.scale[3:]
-            return np.concatenate([columns[0, :3], twist(here.chart, vectors, columns[:, 3:])[0]])
+            return np.concatenate(
+                [columns[0, :3], twist(here.coordinates, vectors, columns[:, 3:])[0]]
+            )
         there = self._situation(None, goal).goal
-        size = self.chart.size
+        size = self.coordinates.size
         given = check.array_of_rank(position, "position", shapes=((size,), ("n", size)))
         rows = (np.atleast_2d(given) - there) / self.scale
         return self._velocities(rows).reshape(given.shape)
@@ -131,7 +133,7 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
         times = even_times(total, dt)
         phases = normalised_times(times)
         columns = here.columns(path.at(phases))
-        return here.chart.motion(times, phases, columns)
+        return here.coordinates.motion(times, phases, columns)
 
     @property
     def duration(self) -> float:
@@ -153,7 +155,7 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
         Raises:
             InvalidInput: if an argument is out of range.
         """
-        check.affordable_count(starts, "starts", each=8 * self.chart.width)
+        check.affordable_count(starts, "starts", each=8 * self.coordinates.width)
         check.number(around, "around", at_least=0.0)
         rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
         return stability_report(self.field, self.positions, starts, around, rng)
@@ -178,11 +180,11 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
             "field": self.field.name,
             "duration": self.demonstrated_duration,
             "pace": self.pace,
-            **self.chart.settings(),
+            **self.coordinates.settings(),
         }
         own = {f"field_{name}": value for name, value in self.field.arrays().items()}
         arrays = {"scale": self.scale, "ends": self.ends, "positions": self.positions}
-        return settings, {**arrays, **own, **self.chart.arrays()}
+        return settings, {**arrays, **own, **self.coordinates.arrays()}
 
     def _velocities(self, x: Float64Array) -> Float64Array:
         """Velocities (n, d) of the columns, per second, at normalised positions (n, d)."""
@@ -193,7 +195,7 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
         return duration * self.demonstrated_duration / self.pace
 
     def _situation(self, start: Target | None, goal: Target | None) -> Situation[MotionT_co]:
-        return situation(self.chart, self.ends, self.scale, start, goal)
+        return situation(self.coordinates, self.ends, self.scale, start, goal)
 
     def _nearest_to_demonstrations(self, x: Float64Array) -> Float64Array:
         """The same pose (6,), its rotation vector on the sheet nearest to a demonstration."""
@@ -212,7 +214,7 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
 # Any: settings are whatever JSON holds.
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> DynamicalSkill:
     """The skill from the settings and arrays that `DynamicalSkill.to_archive` returned."""
-    chart = Chart.from_archive(settings, arrays)
+    coordinates = Coordinates.from_archive(settings, arrays)
     kind = entry_of_class(settings["name"]).load()
     own = {
         name.removeprefix("field_"): check.frozen(value, name, shape=value.shape)
@@ -220,17 +222,17 @@ def from_archive(settings: dict[str, Any], arrays: Arrays) -> DynamicalSkill:
         if name.startswith("field_")
     }
     field = kind.system.from_arrays(own)
-    if field.size != chart.width:
-        raise InvalidInput(f"field: expected {chart.width} columns, got {field.size}")
+    if field.size != coordinates.width:
+        raise InvalidInput(f"field: expected {coordinates.width} columns, got {field.size}")
     return DynamicalSkill(
         kind(**settings["model"]),
-        chart,
+        coordinates,
         field,
-        check.frozen(arrays["scale"], "scale", shape=(chart.width,)),
-        check.frozen(arrays["ends"], "ends", shape=(2, chart.width)),
+        check.frozen(arrays["scale"], "scale", shape=(coordinates.width,)),
+        check.frozen(arrays["ends"], "ends", shape=(2, coordinates.width)),
         check.number(settings["duration"], "duration", above=0.0),
         check.number(settings["pace"], "pace", above=0.0),
-        check.frozen(arrays["positions"], "positions", shape=("n", chart.width)),
+        check.frozen(arrays["positions"], "positions", shape=("n", coordinates.width)),
     )
 
 
@@ -238,47 +240,49 @@ def from_archive(settings: dict[str, Any], arrays: Arrays) -> DynamicalSkill:
 class Situation(Generic[MotionT_co]):
     """A goal, and where a motion starts."""
 
-    chart: Chart[MotionT_co]  # of motions to this goal
+    coordinates: Coordinates[MotionT_co]  # of motions to this goal
     goal: Float64Array  # position or joints (m,) of the goal
     start: Float64Array  # the start (d,) in normalised columns about the goal
     scale: Float64Array  # divisors (d,) of the columns
 
     def columns(self, x: Float64Array) -> Float64Array:
-        """The chart's columns (n, d) of normalised positions (n, d)."""
+        """Columns (n, d) of normalised positions (n, d)."""
         columns = x * self.scale
-        columns[:, : self.chart.size] += self.goal
+        columns[:, : self.coordinates.size] += self.goal
         return columns
 
 
 def situation(
-    chart: Chart[MotionT_co],
+    coordinates: Coordinates[MotionT_co],
     ends: Float64Array,
     scale: Float64Array,
     start: Target | None,
     goal: Target | None,
 ) -> Situation[MotionT_co]:
     """The situation that a query describes; what it leaves open is as demonstrated."""
-    size = chart.size
+    size = coordinates.size
     position = ends[1, :size]
     if goal is not None:
-        target = chart.target(goal, "goal", 1.0)
+        target = coordinates.target(goal, "goal", 1.0)
         position = target[:size]
         if len(target) > size:
-            chart = _about(chart, chart.orientations(target[None, size:], np.ones(1))[0])
+            coordinates = _about(
+                coordinates, coordinates.orientations(target[None, size:], np.ones(1))[0]
+            )
     demonstrated = ends[0].copy()
     if start is not None:
-        given = chart.target(start, "start", 0.0)
+        given = coordinates.target(start, "start", 0.0)
         if len(given) > size:
             given = np.concatenate(
                 [given[:size], _nearest_sheet(given[size:], demonstrated[size:])]
             )
         demonstrated[: len(given)] = given
     demonstrated[:size] -= position
-    return Situation(chart, position, demonstrated / scale, scale)
+    return Situation(coordinates, position, demonstrated / scale, scale)
 
 
-def _about(chart: Chart[MotionT_co], goal: Float64Array) -> Chart[MotionT_co]:
-    return replace(chart, reference=np.tile(goal, (len(NODES), 1)))
+def _about(coordinates: Coordinates[MotionT_co], goal: Float64Array) -> Coordinates[MotionT_co]:
+    return replace(coordinates, reference=np.tile(goal, (len(NODES), 1)))
 
 
 def _nearest_sheet(vector: Float64Array, other: Float64Array) -> Float64Array:
@@ -293,8 +297,8 @@ def sheets(turn: Float64Array, axis: Float64Array) -> list[Float64Array]:
     return [(angle + 2.0 * np.pi * k) * own for k in (0, -1, 1)]
 
 
-def twist(chart: Chart, vectors: Float64Array, rate: Float64Array) -> Float64Array:
+def twist(coordinates: Coordinates, vectors: Float64Array, rate: Float64Array) -> Float64Array:
     """Angular velocities (n, 3) in the base frame of rotation vectors from the goal."""
     local = (rotations.left_jacobian(vectors) @ rate[:, :, None])[:, :, 0]
-    assert chart.reference is not None
-    return np.asarray(local @ rotations.to_matrix(chart.reference[:1])[0].T)
+    assert coordinates.reference is not None
+    return np.asarray(local @ rotations.to_matrix(coordinates.reference[:1])[0].T)

@@ -15,7 +15,7 @@ from leadthrough.errors import FitError, InvalidInput
 from leadthrough.events import Event
 from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.phase import SAMPLES, progress_of
-from leadthrough.models.posture import Posture, agreed, shown_posture
+from leadthrough.models.posture import Posture, agreed, demonstrated_posture
 from leadthrough.motion import MotionT, PoseTrajectory, Trajectory
 from leadthrough.preprocess.noise import is_random_walk, without_noise
 from leadthrough.preprocess.resample import arc_length
@@ -143,7 +143,7 @@ def _experience(motion: Trajectory | PoseTrajectory) -> Experience:
         progress_of(motion.times, motion.positions),
         motion.orientations if isinstance(motion, PoseTrajectory) else None,
         events.moved(motion.events, motion.times, covered / covered[-1]),
-        shown_posture([motion], [covered / covered[-1]]),
+        demonstrated_posture([motion], [covered / covered[-1]]),
     )
 
 

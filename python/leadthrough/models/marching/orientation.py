@@ -10,7 +10,7 @@ from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.mean_turning import groups_of, mean_orientations
+from leadthrough.models.mean_orientation import groups_of, mean_orientations
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.trajectories import minimum_jerk_time_scaling
 

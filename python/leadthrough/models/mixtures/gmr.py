@@ -19,7 +19,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
-from leadthrough.models.chart import Chart
+from leadthrough.models.coordinates import Coordinates
 from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.gaussians.fitting import FittedMixture
 from leadthrough.models.gaussians.mixture import Mixture
@@ -78,10 +78,15 @@ class GMR(Unfitted):
                 mean.
         """
         samples = sampled(demonstrations)
-        fit = self._fitted(samples.points, poses=samples.chart.kind == "poses")
+        fit = self._fitted(samples.points, poses=samples.coordinates.kind == "poses")
         model = replace(self, components=fit.mixture.count)
         return GMRSkill(
-            model, samples.chart, fit.mixture, samples.duration, samples.ends, len(samples.motions)
+            model,
+            samples.coordinates,
+            fit.mixture,
+            samples.duration,
+            samples.ends,
+            len(samples.motions),
         )
 
     def _fitted(self, points: Float64Array, *, poses: bool) -> FittedMixture:
@@ -94,15 +99,15 @@ class GMR(Unfitted):
 # Any: settings are whatever JSON holds.
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> GMRSkill:
     """The skill from the settings and arrays that `GMRSkill.to_archive` returned."""
-    chart = Chart.from_archive(settings, arrays)
+    coordinates = Coordinates.from_archive(settings, arrays)
     mixture = Mixture(arrays["weights"], arrays["means"], arrays["covariances"])
-    if mixture.size != chart.width + 1:
-        raise InvalidInput(f"means: expected {chart.width + 1} columns, got {mixture.size}")
+    if mixture.size != coordinates.width + 1:
+        raise InvalidInput(f"means: expected {coordinates.width + 1} columns, got {mixture.size}")
     # A file of version 0.1 has no model; its mixture tells the number of components.
     model = GMR(**settings.get("model", {"components": mixture.count}))
-    ends = check.frozen(arrays["ends"], "ends", shape=(2, chart.width))
+    ends = check.frozen(arrays["ends"], "ends", shape=(2, coordinates.width))
     duration = check.number(settings["duration"], "duration", above=0.0)
-    return GMRSkill(model, chart, mixture, duration, ends, int(settings["shown"]))
+    return GMRSkill(model, coordinates, mixture, duration, ends, int(settings["shown"]))
 
 
 MAX_COMPONENTS = 20  # worth trying on a slider
@@ -114,7 +119,7 @@ class GMRSkill(FittedSkill, Generic[MotionT_co]):
 
     Attributes:
         model: the settings that it was fitted with; `components` is the number that was fitted.
-        chart: what the d columns are: the coordinates of points, the joints, or for poses the
+        coordinates: meaning of the d columns: points, joints, or for poses the
             position and a rotation vector from a reference orientation.
         mixture: mixture of 1 + d columns, the time first, s.
         duration: duration of the motion, s.
@@ -123,7 +128,7 @@ class GMRSkill(FittedSkill, Generic[MotionT_co]):
     """
 
     model: GMR
-    chart: Chart[MotionT_co]
+    coordinates: Coordinates[MotionT_co]
     mixture: Mixture
     duration: float
     ends: Float64Array
@@ -197,10 +202,10 @@ class GMRSkill(FittedSkill, Generic[MotionT_co]):
         times = even_times(check.number(total, "duration", above=0.0), dt)
         phases = normalised_times(times)
         columns, _ = self.regress(phases * self.duration)
-        length = arc_length(columns[:, : self.chart.size])
+        length = arc_length(columns[:, : self.coordinates.size])
         covered = length / length[-1] if length[-1] > 0.0 else phases
-        columns = shifted(columns, covered, wanted_ends(self.chart, self.ends, start, goal))
-        return self.chart.motion(times, phases, columns)
+        columns = shifted(columns, covered, wanted_ends(self.coordinates, self.ends, start, goal))
+        return self.coordinates.motion(times, phases, columns)
 
     def updated(self, demonstrations: Demonstrations[Motion]) -> GMRSkill[MotionT_co]:
         """A skill that has learned further demonstrations; the earlier ones are not needed.
@@ -216,13 +221,13 @@ class GMRSkill(FittedSkill, Generic[MotionT_co]):
         """
         motions, before = motions_of(demonstrations), self.demonstration_count
         phases = [normalised_times(motion.times) for motion in motions]
-        samples = timed_columns(motions, phases, self.chart, self.duration)
+        samples = timed_columns(motions, phases, self.coordinates, self.duration)
         points, count = np.concatenate(samples), before + len(motions)
         mixture = adapted(
             self.mixture,
             points,
             len(points) / len(motions) * before,
-            poses=self.chart.kind == "poses",
+            poses=self.coordinates.kind == "poses",
         )
         ends = np.sum([each[[0, -1], 1:] for each in samples], axis=0)
         return replace(
@@ -238,14 +243,14 @@ class GMRSkill(FittedSkill, Generic[MotionT_co]):
         Raises:
             UnsupportedQuery: if the skill is not of poses.
         """
-        if self.chart.kind != "poses":
+        if self.coordinates.kind != "poses":
             raise UnsupportedQuery(
                 "component_orientations: expected a skill of poses, this is one of "
-                f"{self.chart.kind}"
+                f"{self.coordinates.kind}"
             )
         phases = np.clip(self.mixture.means[:, 0] / self.duration, 0.0, 1.0)
         order = np.argsort(phases, kind="stable")
-        orientations = self.chart.orientations(self.mixture.means[order, 4:], phases[order])
+        orientations = self.coordinates.orientations(self.mixture.means[order, 4:], phases[order])
         result = np.empty_like(orientations)
         result[order] = orientations
         return result
@@ -267,26 +272,26 @@ class GMRSkill(FittedSkill, Generic[MotionT_co]):
             "model": asdict(self.model),
             "duration": self.duration,
             "shown": self.demonstration_count,  # the name in files
-            **self.chart.settings(),
+            **self.coordinates.settings(),
         }
         arrays = {
             "weights": self.mixture.weights,
             "means": self.mixture.means,
             "covariances": self.mixture.covariances,
             "ends": self.ends,
-            **self.chart.arrays(),
+            **self.coordinates.arrays(),
         }
         return settings, arrays
 
 
 def wanted_ends(
-    chart: Chart, ends: Float64Array, start: Target | None, goal: Target | None
+    coordinates: Coordinates, ends: Float64Array, start: Target | None, goal: Target | None
 ) -> Float64Array:
     """Start and goal (2, d), where a query leaves them open those of the demonstrations."""
     wanted = ends.copy()
     for row, (place, name) in enumerate(((start, "start"), (goal, "goal"))):
         if place is not None:
-            given = chart.target(place, name, float(row))
+            given = coordinates.target(place, name, float(row))
             wanted[row, : len(given)] = given
     return wanted
 

@@ -16,7 +16,7 @@ from typing import Generic
 import numpy as np
 
 from leadthrough.check import Float64Array
-from leadthrough.models.chart import Chart, chart_of
+from leadthrough.models.coordinates import Coordinates, coordinates_of
 from leadthrough.models.demonstrations import Demonstrations, motions_of, warn_of_misalignment
 from leadthrough.models.gaussians.em import (
     LEAST_VARIANCE,
@@ -29,7 +29,7 @@ from leadthrough.models.gaussians.em import (
 from leadthrough.models.gaussians.fitting import FittedMixture, in_order, least_criterion
 from leadthrough.models.gaussians.mixture import Mixture
 from leadthrough.models.gaussians.units import Units, own_units, phase_units
-from leadthrough.models.mean_turning import mean_orientations
+from leadthrough.models.mean_orientation import mean_orientations
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
 
 # Points of each demonstration, so that all count the same and the work is bounded.
@@ -136,14 +136,14 @@ class Sampled(Generic[MotionT_co]):
     Attributes:
         motions: the demonstrated motions.
         phases: normalised times (n,) of each motion's samples.
-        chart: what the d columns mean.
+        coordinates: meaning of the d columns.
         duration: median duration of the motions, s, to which all are stretched.
         rows: points (200, 1 + d) of each motion, the time first, s.
     """
 
     motions: Sequence[MotionT_co]
     phases: Sequence[Float64Array]
-    chart: Chart[MotionT_co]
+    coordinates: Coordinates[MotionT_co]
     duration: float
     rows: Sequence[Float64Array]
 
@@ -166,22 +166,29 @@ def sampled(
     """Demonstrations, resampled at evenly spaced times."""
     motions = motions_of(demonstrations)
     phases = [normalised_times(motion.times) for motion in motions]
-    chart = chart_of(motions, phases, middle=middle)
+    coordinates = coordinates_of(motions, phases, middle=middle)
     warn_of_misalignment(motions)
     duration = float(np.median([motion.duration for motion in motions]))
     return Sampled(
-        motions, phases, chart, duration, timed_columns(motions, phases, chart, duration)
+        motions,
+        phases,
+        coordinates,
+        duration,
+        timed_columns(motions, phases, coordinates, duration),
     )
 
 
 def timed_columns(
-    motions: Sequence[Motion], phases: Sequence[Float64Array], chart: Chart, duration: float
+    motions: Sequence[Motion],
+    phases: Sequence[Float64Array],
+    coordinates: Coordinates,
+    duration: float,
 ) -> list[Float64Array]:
     """Times, s, and columns (200, 1 + d) of each motion."""
     even = np.linspace(0.0, 1.0, SAMPLES)
     result = []
     for i, (motion, at) in enumerate(zip(motions, phases, strict=True)):
-        columns = chart.columns(motion, at, f"demonstrations[{i}]")
+        columns = coordinates.columns(motion, at, f"demonstrations[{i}]")
         values = [np.interp(even, at, column) for column in columns.T]
         result.append(np.column_stack([even * duration, *values]))
     return result

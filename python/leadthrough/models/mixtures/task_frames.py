@@ -32,11 +32,11 @@ import numpy as np
 from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, InvalidInput, NoContinuousLogarithm
-from leadthrough.models.chart import NODES, Chart, carried
+from leadthrough.models.coordinates import NODES, Coordinates, carried
 from leadthrough.models.frame import Frame
 from leadthrough.models.gaussians.em import Blocks
 from leadthrough.models.gaussians.mixture import Mixture
-from leadthrough.models.mean_turning import mean_orientations
+from leadthrough.models.mean_orientation import mean_orientations
 from leadthrough.models.queries import MAX_GAIN, fraction_inside
 from leadthrough.motion import MotionT, PoseTrajectory, normalised_times
 from leadthrough.preprocess.resample import arc_length
@@ -68,20 +68,22 @@ class Placed:
     drift: Float64Array
 
 
-def common_chart(
-    chart: Chart[MotionT], own: Sequence[Chart], frames: Sequence[Frame]
-) -> Chart[MotionT]:
-    """A chart whose reference is the mean of the frames' own, seen from the base frame."""
-    if chart.kind != "poses":
-        return chart
+def common_coordinates(
+    coordinates: Coordinates[MotionT], own: Sequence[Coordinates], frames: Sequence[Frame]
+) -> Coordinates[MotionT]:
+    """A coordinates whose reference is the mean of the frames' own, seen from the base frame."""
+    if coordinates.kind != "poses":
+        return coordinates
     predicted = [_predicted(each, frame, NODES) for each, frame in zip(own, frames, strict=True)]
     try:
-        return replace(chart, reference=mean_orientations(predicted))
+        return replace(coordinates, reference=mean_orientations(predicted))
     except FitError:  # frames rotated against each other, which a situation may ask for
-        return replace(chart, reference=_between(predicted))
+        return replace(coordinates, reference=_between(predicted))
 
 
-def placed(frame: Frame, own: Chart, common: Chart, means: Float64Array, duration: float) -> Placed:
+def placed(
+    frame: Frame, own: Coordinates, common: Coordinates, means: Float64Array, duration: float
+) -> Placed:
     """A frame's Gaussians, carried from its own columns into the common ones."""
     size, count = own.size, len(means)
     means, phases = means[:, 1:], np.clip(means[:, 0] / duration, 0.0, 1.0)
@@ -104,7 +106,7 @@ def placed(frame: Frame, own: Chart, common: Chart, means: Float64Array, duratio
 
 
 def checked_frames(
-    frames: Sequence[Sequence[Frame]], count: int, chart: Chart
+    frames: Sequence[Sequence[Frame]], count: int, coordinates: Coordinates
 ) -> list[tuple[Frame, ...]]:
     """The frames of each of several demonstrations."""
     if not isinstance(frames, Sequence) or len(frames) != count:
@@ -114,10 +116,12 @@ def checked_frames(
         )
     given = [tuple(each) for each in frames]
     for frame in (frame for each in given for frame in each):
-        if not isinstance(frame, Frame) or len(frame.origin) != chart.size:
+        if not isinstance(frame, Frame) or len(frame.origin) != coordinates.size:
             got = len(frame.origin) if isinstance(frame, Frame) else type(frame).__name__
-            raise InvalidInput(f"frames: expected frames of {chart.size} dimensions, got {got}")
-        if chart.kind == "poses" and np.linalg.det(frame.axes) < 0.0:
+            raise InvalidInput(
+                f"frames: expected frames of {coordinates.size} dimensions, got {got}"
+            )
+        if coordinates.kind == "poses" and np.linalg.det(frame.axes) < 0.0:
             raise InvalidInput("frames: expected right-handed axes for poses")
     if len({len(each) for each in given}) != 1 or not given[0]:
         numbers = sorted({len(each) for each in given})
@@ -139,7 +143,7 @@ def _between(predicted: Sequence[Float64Array]) -> Float64Array:
     return rotations.align_signs(rotations.compose(predicted[0], middle))
 
 
-def _predicted(own: Chart, frame: Frame, phases: Float64Array) -> Float64Array:
+def _predicted(own: Coordinates, frame: Frame, phases: Float64Array) -> Float64Array:
     """A frame's reference orientation (n, 4) in the base frame."""
     return rotations.compose(frame.orientations(len(phases)), own.reference_at(phases))
 

@@ -21,18 +21,18 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
-from leadthrough.models.chart import Chart, chart_of
+from leadthrough.models.coordinates import Coordinates, coordinates_of
 from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.frame import Frame
 from leadthrough.models.gaussians.em import Blocks
 from leadthrough.models.gaussians.mixture import Mixture
-from leadthrough.models.mean_turning import middle_orientations
+from leadthrough.models.mean_orientation import middle_orientations
 from leadthrough.models.mixtures.gmr import GMR, MAX_COMPONENTS, GMRSkill, wanted_ends
 from leadthrough.models.mixtures.phases import SAMPLES, phase_blocks, sampled, timed_columns
 from leadthrough.models.mixtures.task_frames import (
     bounded,
     checked_frames,
-    common_chart,
+    common_coordinates,
     multiplied,
     placed,
     shrunk,
@@ -98,17 +98,19 @@ class TaskGMR(Unfitted):
                 for motion in samples.motions
             ]
             if frames is None
-            else checked_frames(frames, len(samples.motions), samples.chart)
+            else checked_frames(frames, len(samples.motions), samples.coordinates)
         )
-        charts, seen = [], []
+        frame_coordinates, seen = [], []
         for own in zip(*seen_from, strict=True):
             local = [
                 frame.local(motion) for frame, motion in zip(own, samples.motions, strict=True)
             ]
-            charts.append(chart_of(local, samples.phases, middle=middle_orientations))
-            rows = timed_columns(local, samples.phases, charts[-1], samples.duration)
+            frame_coordinates.append(
+                coordinates_of(local, samples.phases, middle=middle_orientations)
+            )
+            rows = timed_columns(local, samples.phases, frame_coordinates[-1], samples.duration)
             seen.append(np.concatenate(rows))
-        poses = samples.chart.kind == "poses"
+        poses = samples.coordinates.kind == "poses"
         components = _fitted(
             seen,
             self.components,
@@ -119,7 +121,13 @@ class TaskGMR(Unfitted):
         )
         at_ends = frames is None
         return TaskGMRSkill(
-            self, samples.chart, tuple(charts), components, samples.duration, samples.ends, at_ends
+            self,
+            samples.coordinates,
+            tuple(frame_coordinates),
+            components,
+            samples.duration,
+            samples.ends,
+            at_ends,
         )
 
 
@@ -135,20 +143,20 @@ def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> TaskGMRSki
         tuple(each.means for each in mixtures),
         tuple(each.covariances for each in mixtures),
     )
-    chart = Chart.from_archive(settings, arrays)
-    charts = tuple(
-        Chart.from_archive(
-            replace(chart, posture=None).settings(),
-            {"reference": arrays[f"reference_{i}"]} if chart.reference is not None else {},
+    coordinates = Coordinates.from_archive(settings, arrays)
+    frame_coordinates = tuple(
+        Coordinates.from_archive(
+            replace(coordinates, posture=None).settings(),
+            {"reference": arrays[f"reference_{i}"]} if coordinates.reference is not None else {},
         )
         for i in range(len(mixtures))
     )
     # A file of version 0.1 has no model; its mixtures tell the number of components.
     model = TaskGMR(**settings.get("model", {"components": len(components.weights)}))
     duration = check.number(settings["duration"], "duration", above=0.0)
-    ends = check.frozen(arrays["ends"], "ends", shape=(2, chart.width))
+    ends = check.frozen(arrays["ends"], "ends", shape=(2, coordinates.width))
     at_ends = bool(settings["at_ends"])
-    return TaskGMRSkill(model, chart, charts, components, duration, ends, at_ends)
+    return TaskGMRSkill(model, coordinates, frame_coordinates, components, duration, ends, at_ends)
 
 
 def _fitted(
@@ -174,17 +182,17 @@ class TaskGMRSkill(FittedSkill, Generic[MotionT_co]):
 
     Attributes:
         model: the settings that it was fitted with.
-        chart: what the d columns are in the base frame.
-        charts: what they are in each frame.
+        coordinates: meaning of the d columns in the base frame.
+        frame_coordinates: their meaning in each frame.
         components: components of the time, s, and the columns in each frame.
         duration: duration of the motion, s.
-        ends: mean start and goal (2, d) of the demonstrations, in the columns of `chart`.
+        ends: mean start and goal (2, d) of the demonstrations, in the columns of `coordinates`.
         at_ends: whether the frames are two, at the start and at the goal.
     """
 
     model: TaskGMR
-    chart: Chart[MotionT_co]
-    charts: tuple[Chart, ...]
+    coordinates: Coordinates[MotionT_co]
+    frame_coordinates: tuple[Coordinates, ...]
     components: Blocks
     duration: float
     ends: Float64Array
@@ -206,20 +214,22 @@ class TaskGMRSkill(FittedSkill, Generic[MotionT_co]):
         Raises:
             InvalidInput: if their number or dimensions differ from those that it was fitted with.
         """
-        (given,) = checked_frames([frames], 1, self.chart)
+        (given,) = checked_frames([frames], 1, self.coordinates)
         if len(given) != len(self.components.means):
             raise InvalidInput(
                 f"frames: expected {len(self.components.means)} frames, got {len(given)}"
             )
-        chart = common_chart(self.chart, self.charts, given)
+        coordinates = common_coordinates(self.coordinates, self.frame_coordinates, given)
         seen = [
-            placed(frame, own, chart, means, self.duration)
-            for frame, own, means in zip(given, self.charts, self.components.means, strict=True)
+            placed(frame, own, coordinates, means, self.duration)
+            for frame, own, means in zip(
+                given, self.frame_coordinates, self.components.means, strict=True
+            )
         ]
-        mixture = multiplied(self.components, seen, poses=chart.kind == "poses")
+        mixture = multiplied(self.components, seen, poses=coordinates.kind == "poses")
         ends, _ = mixture.regress([[0.0], [self.duration]], inputs=[0])
         model = GMR(self.model.components, self.model.seed, self.model.starts)
-        return GMRSkill(model, chart, mixture, self.duration, ends, 1)
+        return GMRSkill(model, coordinates, mixture, self.duration, ends, 1)
 
     @checked_query
     def generate(
@@ -261,14 +271,14 @@ class TaskGMRSkill(FittedSkill, Generic[MotionT_co]):
         nominal = self._between(self.ends, duration, dt, obstacles)
         if start is None and goal is None:
             return nominal
-        ends = wanted_ends(self.chart, self.ends, start, goal)
+        ends = wanted_ends(self.coordinates, self.ends, start, goal)
         return bounded(self._between(ends, duration, dt, obstacles), nominal)
 
     def _between(
         self, ends: Float64Array, duration: float | None, dt: float, obstacles: Sequence[Shape]
     ) -> MotionT_co:
-        """The motion between a start and a goal (2, d), in `chart`'s columns, by the frames."""
-        placed_at = self.chart.motion(np.array([0.0, 1.0]), np.array([0.0, 1.0]), ends)
+        """The motion between a start and a goal (2, d) in `coordinates`, by the frames."""
+        placed_at = self.coordinates.motion(np.array([0.0, 1.0]), np.array([0.0, 1.0]), ends)
         frames = [Frame.of_sample(placed_at, row) for row in (0, -1)]
         return self.at(frames).generate(
             start=_place(placed_at, 0),
@@ -300,17 +310,17 @@ class TaskGMRSkill(FittedSkill, Generic[MotionT_co]):
             "duration": self.duration,
             "at_ends": self.at_ends,
             "frames": len(self.components.means),
-            **self.chart.settings(),
+            **self.coordinates.settings(),
         }
         arrays = {
             "weights": self.components.weights,
             "ends": self.ends,
-            **self.chart.arrays(),
+            **self.coordinates.arrays(),
         }
         for i, means in enumerate(self.components.means):
             arrays[f"means_{i}"] = means
             arrays[f"covariances_{i}"] = self.components.covariances[i]
-            reference = self.charts[i].reference
+            reference = self.frame_coordinates[i].reference
             if reference is not None:
                 arrays[f"reference_{i}"] = reference
         return settings, arrays

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.models.chart import NODES, Chart, carried
+from leadthrough.models.coordinates import NODES, Coordinates, carried
 from leadthrough.models.promp.gaussian import Gaussian, product
 from leadthrough.models.promp.model import ProMPSkill
 from leadthrough.motion import MotionT, normalised_times
@@ -45,7 +45,7 @@ def combine(
             angle apart, or if an activation is not positive.
     """
     check_alike(skills)
-    skills = [_about(each, skills[0].chart) for each in skills]
+    skills = [_about(each, skills[0].coordinates) for each in skills]
     if len({each.basis for each in skills}) > 1:
         raise InvalidInput(
             "skills: expected the same basis, width and number of weights in all; "
@@ -69,14 +69,14 @@ def blend(
 
     Returns:
         Mean (n, d) and covariance (n, d, d). For poses, the columns are those of
-        `skills[0].chart`, whose `motion` turns them into a trajectory.
+        `skills[0].coordinates`, whose `motion` turns them into a trajectory.
 
     Raises:
         InvalidInput: if the skills differ in type, if orientations are more than a right angle
             apart, or if the times or the activations are not as described.
     """
     check_alike(skills)
-    skills = [_about(each, skills[0].chart) for each in skills]
+    skills = [_about(each, skills[0].coordinates) for each in skills]
     at = check.times(times, "times")
     active = check.array(activations, "activations", shape=(len(at), len(skills)))
     if (active < 0.0).any() or (active.sum(axis=1) == 0.0).any():
@@ -105,14 +105,14 @@ def _powers(activations: ArrayLike, count: int) -> Float64Array:
     return powers
 
 
-def _about(skill: ProMPSkill[MotionT], chart: Chart[MotionT]) -> ProMPSkill[MotionT]:
-    """The skill about another chart's reference orientation, to first order in its spread."""
-    if skill.chart.kind != "poses" or skill.chart is chart:
+def _about(skill: ProMPSkill[MotionT], coordinates: Coordinates[MotionT]) -> ProMPSkill[MotionT]:
+    """The skill about another reference orientation, to first order in its spread."""
+    if skill.coordinates.kind != "poses" or skill.coordinates is coordinates:
         return skill
     rows, count = skill.basis(NODES), skill.basis.count
     own = rows @ skill.free.mean.reshape(-1, count)[3:].T
-    turned = rotations.compose(skill.chart.reference_at(NODES), rotations.exp(own))
-    here = chart.tangent(turned, NODES)
+    turned = rotations.compose(skill.coordinates.reference_at(NODES), rotations.exp(own))
+    here = coordinates.tangent(turned, NODES)
     farthest = float(np.linalg.norm(here, axis=1).max())
     if farthest > _MAX_ROTATION:
         raise InvalidInput(
@@ -127,7 +127,7 @@ def _about(skill: ProMPSkill[MotionT], chart: Chart[MotionT]) -> ProMPSkill[Moti
     mean[3 * count :] = (fit @ here).T.ravel()
     covariance = change @ skill.free.covariance @ change.T
     weights = Gaussian(mean, 0.5 * (covariance + covariance.T))
-    return replace(skill, chart=chart, free=weights, experience=None)
+    return replace(skill, coordinates=coordinates, free=weights, experience=None)
 
 
 def check_alike(skills: Sequence[ProMPSkill]) -> None:
@@ -137,7 +137,10 @@ def check_alike(skills: Sequence[ProMPSkill]) -> None:
     for i, each in enumerate(skills):
         if not isinstance(each, ProMPSkill):
             raise InvalidInput(f"skills[{i}]: expected a ProMPSkill, got {type(each).__name__}")
-    kinds = {(each.chart.kind, each.chart.size, each.chart.joint_names) for each in skills}
+    kinds = {
+        (each.coordinates.kind, each.coordinates.size, each.coordinates.joint_names)
+        for each in skills
+    }
     if len(kinds) > 1:
         got = " and ".join(
             f"{kind} of {size} columns {list(names) if names else ''}".rstrip()

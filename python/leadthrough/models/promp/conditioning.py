@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.models.chart import Chart
+from leadthrough.models.coordinates import Coordinates
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.dense import log_determinant, product, solve_definite
 from leadthrough.models.promp.gaussian import Gaussian
@@ -55,7 +55,7 @@ class Primitive(Protocol):
         """The k basis functions."""
 
     @property
-    def chart(self) -> Chart[Any]:
+    def coordinates(self) -> Coordinates[Any]:
         """Meaning of the d columns."""
 
     @property
@@ -93,7 +93,7 @@ def quickly(
     None where it takes the longer path.
     """
     basis, weights = skill.basis, skill.free
-    if basis.kind == "bspline" or skill.chart.kind == "poses":
+    if basis.kind == "bspline" or skill.coordinates.kind == "poses":
         return None
     observed = _core.condition_at(
         weights.mean,
@@ -122,7 +122,7 @@ def of_values(
     name: str,
 ) -> PrimitiveT:
     """The skill after observing values at one or several phases."""
-    chosen = skill.chart.every[: values.shape[1]] if columns is None else columns
+    chosen = skill.coordinates.every[: values.shape[1]] if columns is None else columns
     noise = noise_of(covariance, len(chosen))
     rows, scale = skill.basis(phases, order), skill.scale[chosen]
     if order > 0:
@@ -133,11 +133,11 @@ def of_values(
     )
 
 
-def chosen(columns: Sequence[int] | None, chart: Chart) -> NDArray[np.int64]:
+def chosen(columns: Sequence[int] | None, coordinates: Coordinates) -> NDArray[np.int64]:
     """A user's choice of columns."""
     if columns is None:
-        return chart.every
-    most = chart.width - 1
+        return coordinates.every
+    most = coordinates.width - 1
     result = [check.integer(each, "columns", at_least=0, at_most=most) for each in columns]
     if not result or len(set(result)) != len(result):
         raise InvalidInput(
@@ -268,7 +268,7 @@ def refuse_too_close(
     columns: NDArray[np.int64],
 ) -> None:
     """Refuses exact via points that the basis can only pass by throwing the motion elsewhere."""
-    size, count = before.chart.width, before.basis.count
+    size, count = before.coordinates.width, before.basis.count
     curves = before.free.mean.reshape(size, count)
     asked = np.abs(values - before.basis(phases) @ curves[columns].T) / before.scale[columns]
     rows = before.basis(np.linspace(0.0, 1.0, _PHASES_PER_WEIGHT * count + 1))
@@ -298,7 +298,7 @@ def refuse_too_close(
 
 def _is_determined(skill: Primitive, phases: Float64Array, columns: NDArray[np.int64]) -> bool:
     """Whether points fixed before, close by, leave a via point little freedom."""
-    picked = np.eye(skill.chart.width)[columns]
+    picked = np.eye(skill.coordinates.width)[columns]
     rows = np.concatenate([np.kron(picked, row) for row in skill.basis(phases)])
     known = ((rows @ skill.free.certain) ** 2).sum(axis=1)
     return bool((known > _MAX_DETERMINED * (rows**2).sum(axis=1)).any())

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from leadthrough import _core, check, events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.models.chart import Chart, turned_by
+from leadthrough.models.coordinates import Coordinates, rotated_by
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.queries import asked_times, checked_threads, mapped
 from leadthrough.motion import (
@@ -40,22 +40,30 @@ class Drawing(Generic[MotionT_co]):
     """Makes motions of weights."""
 
     def __init__(
-        self, chart: Chart[MotionT_co], basis: Basis, times: Float64Array, duration: float
+        self,
+        coordinates: Coordinates[MotionT_co],
+        basis: Basis,
+        times: Float64Array,
+        duration: float,
     ) -> None:
-        self._chart, self._basis, self._times = chart, basis, times
+        self._coordinates, self._basis, self._times = coordinates, basis, times
         self._phases = phases = times / duration
-        orders = 3 if chart.kind == "joints" else 1
+        orders = 3 if coordinates.kind == "joints" else 1
         self._paces = duration ** -np.arange(orders, dtype=np.float64)
-        self._together = max(1, _BLOCK // (8 * orders * len(times) * chart.width))
-        self._events = events.moved(chart.events, phases, times)
-        self._joints = None if chart.posture is None else chart.posture.along(times, phases)
-        self._reference = None if chart.reference is None else chart.reference_at(phases)
+        self._together = max(1, _BLOCK // (8 * orders * len(times) * coordinates.width))
+        self._events = events.moved(coordinates.events, phases, times)
+        self._joints = (
+            None if coordinates.posture is None else coordinates.posture.along(times, phases)
+        )
+        self._reference = (
+            None if coordinates.reference is None else coordinates.reference_at(phases)
+        )
 
     def motions(self, weights: Float64Array, threads: int) -> list[MotionT_co]:
         """A motion for each of several weights."""
         checked_threads(threads)
-        made: list[Any]  # of the type that the chart was made for
-        if self._chart.kind == "joints":
+        made: list[Any]  # of the type that the coordinates was made for
+        if self._coordinates.kind == "joints":
             made = [self._joint_motion(values) for values in self._curves(weights, threads)]
         elif self._reference is None:
             made = [self._points(values) for values in self._curves(weights, threads)]
@@ -77,7 +85,7 @@ class Drawing(Generic[MotionT_co]):
             yield from block
 
     def _joint_motion(self, values: Float64Array) -> JointTrajectory:
-        names = self._chart.joint_names
+        names = self._coordinates.joint_names
         return computed_joints(self._times, *values, joint_names=names, events=self._events)
 
     def _points(self, values: Float64Array) -> Trajectory:
@@ -95,7 +103,7 @@ class Drawing(Generic[MotionT_co]):
             PoseTrajectory,
             times=self._times,
             positions=values[0, :, :3].copy(),
-            orientations=rotations.align_signs(turned_by(self._reference, values[0, :, 3:])),
+            orientations=rotations.align_signs(rotated_by(self._reference, values[0, :, 3:])),
             events=self._events,
             joints=self._joints,
         )

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from leadthrough.check import Float64Array
-from leadthrough.models.chart import Chart
+from leadthrough.models.coordinates import Coordinates
 from leadthrough.models.promp.basis import inner_prior, lines
 from leadthrough.models.promp.conditioning import Primitive, PrimitiveT, of_values
 from leadthrough.models.promp.gaussian import CERTAIN, Gaussian
@@ -41,10 +41,10 @@ class Asked:
     values: Float64Array  # the first columns (p,) there
 
 
-def asked(chart: Chart, start: Target | None, goal: Target | None) -> list[Asked]:
-    """The ends that a query asks for, in the chart's columns."""
+def asked(coordinates: Coordinates, start: Target | None, goal: Target | None) -> list[Asked]:
+    """The ends that a query asks for, in the columns of the coordinates."""
     return [
-        Asked(name, phase, chart.target(place, name, phase))
+        Asked(name, phase, coordinates.target(place, name, phase))
         for name, place, phase in (("start", start, 0.0), ("goal", goal, 1.0))
         if place is not None
     ]
@@ -57,7 +57,7 @@ def moved(skill: PrimitiveT, asked: Sequence[Asked]) -> PrimitiveT:
         conditioned = of_values(
             conditioned, np.array([each.phase]), each.values[None], name=each.name
         )
-    size = skill.chart.width
+    size = skill.coordinates.width
     offsets = _offsets(skill, asked)
     shift = _shift(skill, asked, offsets)
     learned = (conditioned.free.mean - skill.free.mean).reshape(size, -1) - shift
@@ -79,7 +79,7 @@ def novelty(skill: Primitive, asked: Sequence[Asked]) -> float:
         count = len(each.values)
         row = skill.basis(np.array([each.phase]))[0]
         unit = 1.0 / skill.scale[:count]
-        selection.append(np.kron(np.eye(skill.chart.width)[:count] * unit[:, None], row))
+        selection.append(np.kron(np.eye(skill.coordinates.width)[:count] * unit[:, None], row))
         surprise.append(offset[:count] * unit)
     rows = np.concatenate(selection)
     variances, axes = np.linalg.eigh(rows @ skill.free.covariance @ rows.T)
@@ -92,7 +92,7 @@ def novelty(skill: Primitive, asked: Sequence[Asked]) -> float:
 
 def _offsets(skill: Primitive, asked: Sequence[Asked]) -> list[Float64Array]:
     """Offset (d,) of each end; 0 in columns that were not asked for."""
-    curves = skill.free.mean.reshape(skill.chart.width, -1)
+    curves = skill.free.mean.reshape(skill.coordinates.width, -1)
     offsets = []
     for each in asked:
         offset = np.zeros(len(curves))
@@ -108,7 +108,7 @@ def _shift(
     """Weights (d, k) of the shift; where the motion is fixed, at via points, it does not move."""
     # A rhythmic motion ends where it starts: all of it is shifted.
     fading = np.ones((skill.basis.count, 1)) if skill.basis.is_rhythmic else lines(skill.basis)
-    shift = np.zeros((skill.chart.width, skill.basis.count))
+    shift = np.zeros((skill.coordinates.width, skill.basis.count))
     for each, offset in zip(asked, offsets, strict=True):
         shift += np.outer(offset, fading[:, int(each.phase)])
     fixed = skill.free.certain
@@ -121,7 +121,7 @@ def _shift(
 
 def _groups(skill: Primitive) -> list[slice]:
     """The columns that share a unit: points or joints; a pose's position and its rotation."""
-    size, width = skill.chart.size, skill.chart.width
+    size, width = skill.coordinates.size, skill.coordinates.width
     return [slice(0, size)] if size == width else [slice(0, size), slice(size, width)]
 
 
@@ -134,7 +134,7 @@ def _moved_by(
     """The largest offset of the ends in a group of columns, in its unit."""
     if any(len(each.values) >= group.stop for each in asked):
         return max(float(np.linalg.norm(offset[group])) for offset in offsets)
-    position = slice(0, skill.chart.size)
+    position = slice(0, skill.coordinates.size)
     reach = np.linalg.norm(skill.scale[group]) / np.linalg.norm(skill.scale[position])
     return float(reach) * max(float(np.linalg.norm(offset[position])) for offset in offsets)
 

@@ -78,7 +78,7 @@ class Region(ShortRepr):
         """Whether each of n points (n, d) lies in its ellipsoid, (n,).
 
         Args:
-            columns: points (n, d); for poses as `Chart.columns` gives them.
+            columns: points (n, d); for poses as `Coordinates.columns` gives them.
 
         Raises:
             InvalidInput: if there is not one point per ellipsoid.
@@ -288,7 +288,7 @@ class Continuation:
     def _seen(self, pace: float) -> Seen:
         duration = self._skill.duration * float(np.exp(pace))
         phases = np.minimum((self._observed.times - self._observed.times[0]) / duration, 1.0)
-        values = self._skill.chart.columns(self._observed, phases, "observed")
+        values = self._skill.coordinates.columns(self._observed, phases, "observed")
         return Seen(
             self._predictive, self._skill.basis, phases[self._rows], values[self._rows], self._noise
         )

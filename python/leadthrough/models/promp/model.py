@@ -21,7 +21,7 @@ from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Arrays, FittedSkill
-from leadthrough.models.chart import Chart, chart_of, scales
+from leadthrough.models.coordinates import Coordinates, coordinates_of, scales
 from leadthrough.models.demonstrations import Demonstrations, motions_of, warn_of_misalignment
 from leadthrough.models.promp import conditioning, dense, ends, limits
 from leadthrough.models.promp.basis import KINDS, MIN_FUNCTIONS, Basis, BasisKind
@@ -121,14 +121,14 @@ class ProMP(Unfitted):
             if phases is None
             else checked_phases(phases, motions, rhythmic=self.basis == "rhythmic")
         )
-        chart = chart_of(motions, at)
+        coordinates = coordinates_of(motions, at)
         if phases is None:
             warn_of_misalignment(motions)
         columns = [
-            chart.columns(motion, u, f"demonstrations[{i}]")
+            coordinates.columns(motion, u, f"demonstrations[{i}]")
             for i, (motion, u) in enumerate(zip(motions, at, strict=True))
         ]
-        samples = Samples(at, columns, scales(columns, chart))
+        samples = Samples(at, columns, scales(columns, coordinates))
         basis = _basis_of(self)
         if self.estimator == "em":
             fit = expectation_maximisation(basis, samples)
@@ -144,7 +144,7 @@ class ProMP(Unfitted):
         return ProMPSkill(
             self,
             basis,
-            chart,
+            coordinates,
             fit.weights,
             fit.noise,
             samples.scale,
@@ -160,7 +160,7 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
     Attributes:
         model: the settings that it was fitted with.
         basis: the k basis functions of the phase.
-        chart: what the d columns are: the coordinates of points, the joints, or for poses the
+        coordinates: meaning of the d columns: points, joints, or for poses the
             position and a rotation vector from a reference orientation.
         free: distribution of the weights (d k,), one column after the other, before the limits.
         noise: variances (d,) of the demonstrations about their curves.
@@ -172,7 +172,7 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
 
     model: ProMP
     basis: Basis
-    chart: Chart[MotionT_co]
+    coordinates: Coordinates[MotionT_co]
     free: Gaussian
     noise: Float64Array
     scale: Float64Array
@@ -214,7 +214,7 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
         """
         check.integer(order, "order", at_least=0, at_most=2)
         rows = self.basis(self._phases(times, "times", at_least=1), order) * self.duration**-order
-        size, count = self.chart.width, self.basis.count
+        size, count = self.coordinates.width, self.basis.count
         blocks = self.weights.covariance.reshape(size, count, size, count).transpose(1, 3, 0, 2)
         pairs = (rows[:, :, None] * rows[:, None, :]).reshape(len(rows), -1)
         covariance = dense.product(pairs, blocks.reshape(count**2, size**2))
@@ -261,7 +261,7 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
             )
         check.number(dt, "dt", above=0.0)
         skill = self if duration is None else self.lasting(duration)
-        asked = ends.asked(self.chart, start, goal)
+        asked = ends.asked(self.coordinates, start, goal)
         skill = ends.moved(skill, asked) if asked else skill
         times = even_times(skill.duration, dt)
         return skill._motion(skill.weights.mean, times)
@@ -282,7 +282,7 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
         Raises:
             InvalidInput: if an argument is wrong.
         """
-        asked = ends.asked(self.chart, start, goal)
+        asked = ends.asked(self.coordinates, start, goal)
         return ends.novelty(self, asked) if asked else 0.0
 
     def condition(
@@ -320,20 +320,20 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
         check.integer(order, "order", at_least=0, at_most=2)
         several = isinstance(time, list | tuple) or getattr(time, "ndim", 0) > 0
         phases = self._phases(time if several else [cast(float, time)], "time", at_least=1)
-        if columns is None and order == 0 and self.chart.kind == "poses":
+        if columns is None and order == 0 and self.coordinates.kind == "poses":
             if several:
                 raise InvalidInput("time: expected one time for a pose; call again for more")
             chosen = None
-            values = self.chart.target(position, "position", float(phases[0]))[None]
+            values = self.coordinates.target(position, "position", float(phases[0]))[None]
         else:
-            chosen = conditioning.chosen(columns, self.chart)
+            chosen = conditioning.chosen(columns, self.coordinates)
             shape = (len(phases), len(chosen)) if several else (len(chosen),)
             values = check.array(position, "position", shape=shape).reshape(-1, len(chosen))
         skill = conditioning.of_values(
             self, phases, values, covariance, columns=chosen, order=order, name="position"
         )
         if covariance is None and order == 0:
-            columns_of = self.chart.every[: values.shape[1]] if chosen is None else chosen
+            columns_of = self.coordinates.every[: values.shape[1]] if chosen is None else chosen
             conditioning.refuse_too_close(self, skill, phases, values, columns_of)
         return skill
 
@@ -361,7 +361,7 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
         movement primitives", section IV-D, iterated.
         """
         rows = np.asarray(
-            np.kron(np.eye(self.chart.width), self.basis(self._phases([time], "time")))
+            np.kron(np.eye(self.coordinates.width), self.basis(self._phases([time], "time")))
         )
         noise = conditioning.noise_of(covariance, np.size(value))
         return self.with_weights(conditioning.through(self, rows, value, task, noise))
@@ -393,7 +393,7 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
         Raises:
             InvalidInput: if the limits are wrong, or if via points lie outside them.
         """
-        bounds = limits.checked(lower, upper, self.chart.width)
+        bounds = limits.checked(lower, upper, self.coordinates.width)
         bounded = replace(self, bounds=bounds).with_weights(self.free)
         return replace(bounded, experience=self.experience)
 
@@ -412,9 +412,9 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
             InvalidInput: if an argument is out of range.
         """
         times = even_times(self.duration, check.number(dt, "dt", above=0.0))
-        check.affordable_count(count, "count", each=len(times) * self.chart.width)
+        check.affordable_count(count, "count", each=len(times) * self.coordinates.width)
         checked_threads(threads)
-        drawing = Drawing(self.chart, self.basis, times, self.duration)
+        drawing = Drawing(self.coordinates, self.basis, times, self.duration)
         return drawing.motions(self.sample_weights(count, seed=seed), threads)
 
     def sample_weights(self, count: int, *, seed: int) -> Float64Array:
@@ -446,7 +446,7 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
         """
         conditioning.check_seen(trajectory, "trajectory")
         phases = normalised_times(trajectory.times)
-        values = self.chart.columns(trajectory, phases, "trajectory")
+        values = self.coordinates.columns(trajectory, phases, "trajectory")
         return conditioning.log_density(self, phases, values)
 
     def parameters(
@@ -475,14 +475,14 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
         settings = {
             "model": asdict(self.model),
             "duration": self.duration,
-            **self.chart.settings(),
+            **self.coordinates.settings(),
         }
         arrays = {
             "mean": self.free.mean,
             "covariance": self.free.covariance,
             "noise": self.noise,
             "scale": self.scale,
-            **self.chart.arrays(),
+            **self.coordinates.arrays(),
         }
         if self.bounds is not None:
             arrays["lower"], arrays["upper"] = self.bounds
@@ -504,7 +504,7 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
             limits.moved_inside(weights, self.basis, self.bounds, self.scale)
         # Spelled out, as `replace` takes longer and controllers condition in a loop.
         same = self.noise, self.scale, self.duration, self.bounds
-        return ProMPSkill(self.model, self.basis, self.chart, weights, *same)
+        return ProMPSkill(self.model, self.basis, self.coordinates, weights, *same)
 
     def _with_free(self, weights: Gaussian) -> ProMPSkill[MotionT_co]:
         """As `with_weights` without limits, in half the time that the constructor takes."""
@@ -512,7 +512,7 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
         vars(made).update(
             model=self.model,
             basis=self.basis,
-            chart=self.chart,
+            coordinates=self.coordinates,
             free=weights,
             noise=self.noise,
             scale=self.scale,
@@ -533,34 +533,36 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
 
     def _motion(self, weights: Float64Array, times: Float64Array) -> MotionT_co:
         phases = times / self.duration
-        curves = weights.reshape(self.chart.width, -1).T
-        orders = (0, 1, 2) if self.chart.kind == "joints" else (0,)
+        curves = weights.reshape(self.coordinates.width, -1).T
+        orders = (0, 1, 2) if self.coordinates.kind == "joints" else (0,)
         values = [self.basis(phases, each) @ curves * self.duration**-each for each in orders]
-        return self.chart.motion(times, phases, *values)
+        return self.coordinates.motion(times, phases, *values)
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> ProMPSkill:
     """The skill from the settings and arrays that `ProMPSkill.to_archive` returned."""
     model = _model_of(settings)
-    basis, chart = _basis_of(model), Chart.from_archive(settings, arrays)
-    size = chart.width * basis.count
+    basis, coordinates = _basis_of(model), Coordinates.from_archive(settings, arrays)
+    size = coordinates.width * basis.count
     weights = Gaussian(
         check.frozen(arrays["mean"], "mean", shape=(size,)),
         check.frozen(arrays["covariance"], "covariance", shape=(size, size)),
     )
     noise, scale = (
-        check.frozen(arrays[name], name, shape=(chart.width,)) for name in ("noise", "scale")
+        check.frozen(arrays[name], name, shape=(coordinates.width,)) for name in ("noise", "scale")
     )
     bounds = None
     if "lower" in arrays:
-        bounds = limits.checked(arrays["lower"], arrays["upper"], chart.width)
+        bounds = limits.checked(arrays["lower"], arrays["upper"], coordinates.width)
     experience = None
     if "curves" in arrays:
         curves = check.frozen(arrays["curves"], "curves", shape=("m", size))
         paces = check.frozen(arrays["paces"], "paces", shape=("n",))
         experience = Experience(basis, curves, paces, noise, scale)
     duration = float(settings["duration"])
-    skill = ProMPSkill(model, basis, chart, weights, noise, scale, duration, bounds, experience)
+    skill = ProMPSkill(
+        model, basis, coordinates, weights, noise, scale, duration, bounds, experience
+    )
     if bounds is not None and "truncated" not in settings:
         # An earlier version wrote the distribution that it had already moved inside the limits.
         vars(skill)["weights"] = weights

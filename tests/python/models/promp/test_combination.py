@@ -62,13 +62,15 @@ def test_poses_about_another_reference_are_distributed_as_before(turning):
     """Blended alone, the second skill is seen about the first one's reference."""
     times = np.array([0.4, 1.0, 1.6])
     mean, covariance = blend(turning, [0.0, *times, 2.0], np.tile([0.0, 1.0], (5, 1)))
-    chart = turning[0].chart
+    coordinates = turning[0].coordinates
     phases, other = times / 2.0, turning[1]
     weights = other.sample_weights(4000, seed=0).reshape(4000, 6, -1)
     columns = np.einsum("nk,mdk->mnd", other.basis(phases), weights)
     at = np.tile(phases, 4000)
-    turned = other.chart.orientations(columns[..., 3:].reshape(-1, 3), at)
-    seen = np.concatenate([columns[..., :3], chart.tangent(turned, at).reshape(4000, 3, 3)], axis=2)
+    turned = other.coordinates.orientations(columns[..., 3:].reshape(-1, 3), at)
+    seen = np.concatenate(
+        [columns[..., :3], coordinates.tangent(turned, at).reshape(4000, 3, 3)], axis=2
+    )
     np.testing.assert_allclose(seen.mean(axis=0), mean[1:4], atol=0.01)
     for i in range(3):
         wanted = covariance[1 + i]

@@ -6,7 +6,7 @@ from scipy.stats import multivariate_normal
 
 import leadthrough as lt
 from leadthrough.errors import FitError
-from leadthrough.models.chart import Chart, scales
+from leadthrough.models.coordinates import Coordinates, scales
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.estimation import (
     Samples,
@@ -37,7 +37,7 @@ def test_posterior_density_never_falls():
     u, noisy, _ = curves(6, seed=1)
     phases = [u[:40], u[20:], u, u[10:50], u, u]
     columns = [noisy[0][:40], noisy[1][20:], noisy[2], noisy[3][10:50], noisy[4], noisy[5]]
-    scale = scales(columns, Chart("points", 2))
+    scale = scales(columns, Coordinates("points", 2))
     history = expectation_maximisation(BASIS, Samples(phases, columns, scale)).history
     assert len(history) > 3
     assert np.diff(history).min() > -1e-6

@@ -115,7 +115,7 @@ def test_skill_with_limits_and_joints_is_saved(skill, tmp_path):
     limited = skill.within([-9.0] * 3, [1.0, np.inf, 9.0])
     limited.save(tmp_path / "skill.npz")
     loaded = lt.load_skill(tmp_path / "skill.npz")
-    assert loaded.chart.joint_names == ("a", "b", "c")
+    assert loaded.coordinates.joint_names == ("a", "b", "c")
     assert loaded.generate().positions.tobytes() == limited.generate().positions.tobytes()
     for a, b in zip(loaded.bounds, limited.bounds, strict=True):
         np.testing.assert_array_equal(a, b)

@@ -24,7 +24,7 @@ def kept(skill, lower, upper, least=5000):
     while sum(map(len, inside)) < least:
         normal = rng.standard_normal((10_000, len(skill.free.mean)))
         weights = skill.free.mean + normal @ skill.free.root.T
-        values = np.matmul(rows, weights.reshape(len(weights), skill.chart.width, -1).mT)
+        values = np.matmul(rows, weights.reshape(len(weights), skill.coordinates.width, -1).mT)
         inside.append(values[((values >= lower) & (values <= upper)).all(axis=(1, 2)), ::2])
     return np.concatenate(inside)
 

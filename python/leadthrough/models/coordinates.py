@@ -2,7 +2,7 @@
 
 Points and joints stand for themselves. Orientations are rotation vectors in the tangent spaces
 along a reference: log(reference(phase)^-1 q), in the reference's own frame. They stay small where
-the demonstrations stay near each other, however far all of them turn.
+the demonstrations stay near each other, however far all of them rotate.
 """
 
 from __future__ import annotations
@@ -19,9 +19,8 @@ from leadthrough import check, events, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event
-from leadthrough.models.archive import quaternions
-from leadthrough.models.mean_turning import mean_orientations
-from leadthrough.models.posture import Posture, arrays_of, settings_of, shown_posture
+from leadthrough.models.mean_orientation import mean_orientations
+from leadthrough.models.posture import Posture, arrays_of, demonstrated_posture, settings_of
 from leadthrough.models.targets import Target
 from leadthrough.motion import (
     JointTrajectory,
@@ -36,14 +35,14 @@ from leadthrough.repr import ShortRepr
 # Phases of the reference orientation.
 NODES = np.linspace(0.0, 1.0, 201)
 # Columns that vary less than this fraction of the widest are as good as constant.
-_LEAST_FRACTION = 1e-3
+_MIN_FRACTION = 1e-3
 # Reach where all positions, or all orientations, are the same: a millimetre, a milliradian.
 _STILL = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Chart(ShortRepr, Generic[MotionT_co]):
-    """What the columns of a model are, and how they become motions again."""
+class Coordinates(ShortRepr, Generic[MotionT_co]):
+    """Meaning of the columns of a model, which become motions again."""
 
     kind: str  # "points", "joints" or "poses"
     size: int  # number of columns of a point, of the joints, or of a pose's position
@@ -79,7 +78,7 @@ class Chart(ShortRepr, Generic[MotionT_co]):
 
     def orientations(self, tangent: Float64Array, phases: Float64Array) -> Float64Array:
         """The orientations (n, 4) that rotation vectors (n, 3) stand for at phases (n,)."""
-        return turned_by(self.reference_at(phases), tangent)
+        return rotated_by(self.reference_at(phases), tangent)
 
     def reference_at(self, phases: Float64Array) -> Float64Array:
         """The reference orientation (n, 4) at phases (n,) in [0, 1]."""
@@ -95,7 +94,7 @@ class Chart(ShortRepr, Generic[MotionT_co]):
         velocities: Float64Array | None = None,
         accelerations: Float64Array | None = None,
     ) -> MotionT_co:
-        """A motion of the chart's type."""
+        """A motion of the demonstrated type."""
         happening = events.moved(self.events, phases, times)
         joints = None if self.posture is None else self.posture.along(times, phases)
         made: Motion
@@ -105,19 +104,19 @@ class Chart(ShortRepr, Generic[MotionT_co]):
             names = self.joint_names
             made = JointTrajectory(times, columns, velocities, accelerations, names, happening)
         else:
-            turned = self.orientations(columns[:, 3:], phases)
-            made = PoseTrajectory(times, columns[:, :3], turned, happening, joints)
-        return cast(MotionT_co, made)  # of the type that the chart was made for
+            given = self.orientations(columns[:, 3:], phases)
+            made = PoseTrajectory(times, columns[:, :3], given, happening, joints)
+        return cast(MotionT_co, made)  # of the type that the coordinates was made for
 
     def target(self, value: Target, name: str, phase: float) -> Float64Array:
-        """A place that a query asks for, in columns."""
+        """A target of a query, in columns."""
         if self.kind != "poses":
             return check.array(value, name, shape=(self.size,))
         if not isinstance(value, tuple | list) or len(value) != 2:
             return check.array(value, name, shape=(3,))
         position = check.array(value[0], name, shape=(3,))
-        turned = check.quaternions(value[1], name, shape=(4,))
-        return np.concatenate([position, self.tangent(turned[None], np.array([phase]))[0]])
+        given = check.quaternions(value[1], name, shape=(4,))
+        return np.concatenate([position, self.tangent(given[None], np.array([phase]))[0]])
 
     def arrays(self) -> dict[str, Any]:
         """Its arrays by name, for a file."""
@@ -135,14 +134,16 @@ class Chart(ShortRepr, Generic[MotionT_co]):
         }
 
     @staticmethod
-    def from_archive(settings: dict[str, Any], arrays: Any) -> Chart:
-        """The chart that `settings` and `arrays` took apart."""
+    def from_archive(settings: dict[str, Any], arrays: Any) -> Coordinates:
+        """The coordinates that `settings` and `arrays` took apart."""
         shape = (len(NODES), 4)
-        return Chart(
+        return Coordinates(
             check.choice(settings["chart"], "chart", _TYPES),
             check.integer(settings["size"], "size", at_least=1),
             tuple(settings["joint_names"]),
-            quaternions(arrays, "reference", shape=shape) if "reference" in arrays else None,
+            check.unit_quaternions(arrays["reference"], "reference", shape=shape)
+            if "reference" in arrays
+            else None,
             events.from_plain(settings.get("events", ())),
             Posture.from_archive(dict(settings), arrays),
         )
@@ -155,13 +156,13 @@ _TYPES: dict[str, type] = {
 }
 
 
-def chart_of(
+def coordinates_of(
     motions: Sequence[MotionT],
     phases: Sequence[Float64Array],
     *,
     middle: Callable[[Sequence[Float64Array]], Float64Array] = mean_orientations,
-) -> Chart[MotionT]:
-    """The chart in which motions are near each other."""
+) -> Coordinates[MotionT]:
+    """The coordinates in which motions are near each other."""
     kind = next(kind for kind, each in _TYPES.items() if isinstance(motions[0], each))
     names = motions[0].joint_names if isinstance(motions[0], JointTrajectory) else ()
     poses = [motion for motion in motions if isinstance(motion, PoseTrajectory)]
@@ -172,17 +173,17 @@ def chart_of(
         for each in events.by_round(events.moved(motion.events, motion.times, u), u[0], u[-1])
     ]
     size = motions[0].positions.shape[1]
-    posture = shown_posture(motions, phases)
-    return Chart(kind, size, names, reference, events.agreed(happened), posture)
+    posture = demonstrated_posture(motions, phases)
+    return Coordinates(kind, size, names, reference, events.agreed(happened), posture)
 
 
-def scales(columns: Sequence[Float64Array], chart: Chart) -> Float64Array:
+def scales(columns: Sequence[Float64Array], coordinates: Coordinates) -> Float64Array:
     """The reach of the columns of motions, (width,) > 0, in their units."""
     reach = np.sqrt(np.mean([each.var(axis=0) for each in columns], axis=0))
-    wide = np.ones(chart.width)
-    for group in (slice(0, chart.size), slice(chart.size, chart.width)):
-        wide[group] = reach[group].max(initial=0.0) or _STILL / _LEAST_FRACTION
-    return np.asarray(np.maximum(reach, _LEAST_FRACTION * wide))
+    wide = np.ones(coordinates.width)
+    for group in (slice(0, coordinates.size), slice(coordinates.size, coordinates.width)):
+        wide[group] = reach[group].max(initial=0.0) or _STILL / _MIN_FRACTION
+    return np.asarray(np.maximum(reach, _MIN_FRACTION * wide))
 
 
 def _at_nodes(
@@ -195,7 +196,7 @@ def _at_nodes(
     ]
 
 
-def turned_by(reference: Float64Array, tangent: Float64Array) -> Float64Array:
+def rotated_by(reference: Float64Array, tangent: Float64Array) -> Float64Array:
     """The orientations (n, 4) that rotation vectors (n, 3) stand for from a reference (n, 4)."""
     return rotations.align_signs(rotations.compose(reference, rotations.exp(tangent)))
 
