@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+import leadthrough as lt
 from leadthrough.cli import completion, options, output
-
-if TYPE_CHECKING:
-    from leadthrough.arm import Arm, Clearance
-    from leadthrough.simulation import Controller, Push, SimulationReport
-    from leadthrough.timing import Peak
 
 
 def check(
@@ -40,21 +36,17 @@ def check(
     """
     from leadthrough.cli import parse
     from leadthrough.cli import robot as robots
-    from leadthrough.shapes import Scene
-    from leadthrough.timing import check_limits
 
     arm = robots.load(robot, details)
     joints = robots.joints_in(arm, motion)
-    scene = Scene(parse.obstacles(obstacle), margin)
-    kept = check_limits(joints, arm.limits)
+    scene = lt.Scene(parse.obstacles(obstacle), margin)
+    kept = lt.check_limits(joints, arm.limits)
     with output.busy("checking"):
         clearance = arm.check(joints, scene)
     simulated = None
     if physics:
-        from leadthrough.simulation import simulate
-
         with output.busy("simulating"):
-            simulated = simulate(arm, joints, scene)
+            simulated = lt.simulate(arm, joints, scene)
     quantities = ("position", "velocity", "acceleration", "jerk")
     found = {
         "ok": kept.ok and clearance.ok and (simulated is None or simulated.ok),
@@ -100,18 +92,18 @@ def _hint_after_check(
         )
 
 
-def _simulated(report: SimulationReport, as_json: bool) -> object:
+def _simulated(report: lt.SimulationReport, as_json: bool) -> object:
 
     return _simulation_facts(report, as_json=True) if as_json else str(report)
 
 
-def _peak(peak: Peak | None, as_json: bool) -> object:
+def _peak(peak: lt.timing.Peak | None, as_json: bool) -> object:
     if as_json:
         return peak and {"ratio": peak.ratio, "joint": peak.joint, "time": peak.time}
     return "not checked, the limit is not known" if peak is None else str(peak)
 
 
-def _approach(clearance: Clearance, as_json: bool) -> object:
+def _approach(clearance: lt.arm.Clearance, as_json: bool) -> object:
     nearest = clearance.closest
     if as_json:
         return nearest and {
@@ -192,8 +184,6 @@ def simulate(
     """
     from leadthrough.cli import errors, parse
     from leadthrough.cli import robot as robots
-    from leadthrough.show import simulation_page
-    from leadthrough.simulation import simulate as run
 
     arm = robots.load(robot, details)
     joints = robots.joints_in(arm, motion)
@@ -203,7 +193,7 @@ def simulate(
         robots.refuse("--mass", payload=payload)
     made = _controller(arm, controller.value, frequency=frequency, stiffness=stiffness, skill=skill)
     with output.busy("simulating"), errors.naming(state="--start"):
-        report = run(
+        report = lt.simulate(
             arm,
             joints,
             parse.obstacles(obstacle),
@@ -219,7 +209,7 @@ def simulate(
         )
     if html is not None:
         with errors.naming(path="--html", html="--html"):
-            simulation_page(report, html)
+            lt.show.simulation_page(report, html)
     units = {"tip_error": "mm", "joint_error": "mrad", "energy": "J", "duration": "s"}
     output.facts(_simulation_facts(report, as_json=as_json), as_json=as_json, units=units)
     if not as_json:
@@ -229,7 +219,7 @@ def simulate(
 
 
 def _hint_after_simulation(
-    ctx: typer.Context, motion: Path, report: SimulationReport, html: Path | None
+    ctx: typer.Context, motion: Path, report: lt.SimulationReport, html: Path | None
 ) -> None:
     kinds = {each.kind for each in report.findings}
     arm = output.arm_words(ctx)
@@ -246,15 +236,14 @@ def _hint_after_simulation(
 
 
 def _controller(
-    arm: Arm,
+    arm: lt.Arm,
     name: str,
     *,
     frequency: float | None,
     stiffness: float | None,
     skill: Path | None,
-) -> Controller:
+) -> lt.simulation.Controller:
     """The controller that is named, with the gains that were typed."""
-    from leadthrough import simulation
     from leadthrough.cli import reading
     from leadthrough.cli import robot as robots
 
@@ -263,31 +252,29 @@ def _controller(
         robots.refuse("--controller cartesian-impedance", skill=skill)
     if name == "computed-torque":
         robots.refuse("another --controller", stiffness=stiffness)
-        return simulation.ComputedTorque(**paced)
+        return lt.simulation.ComputedTorque(**paced)
     if name == "position-servo":
-        return simulation.PositionServo(stiffness, **paced)
+        return lt.simulation.PositionServo(stiffness, **paced)
     if name == "joint-impedance":
-        return simulation.JointImpedance(stiffness, **paced)
+        return lt.simulation.JointImpedance(stiffness, **paced)
     robots.refuse("another --controller", frequency=frequency)
     if skill is not None:
         robots.refuse("a --controller without --skill", stiffness=stiffness)
-        return simulation.CartesianImpedance.of_skill(reading.saved_skill(skill), arm)
-    return simulation.CartesianImpedance(*([] if stiffness is None else [stiffness]))
+        return lt.simulation.CartesianImpedance.of_skill(reading.saved_skill(skill), arm)
+    return lt.simulation.CartesianImpedance(*([] if stiffness is None else [stiffness]))
 
 
-def _push(text: str) -> Push:
+def _push(text: str) -> lt.simulation.Push:
     from leadthrough.cli import errors, parse
-    from leadthrough.errors import InvalidInput
-    from leadthrough.simulation import Push
 
     values = parse.numbers(text, "--push")
     if len(values) != 4:
-        raise InvalidInput(f"--push: expected TIME,FX,FY,FZ, got {text!r}")
+        raise lt.errors.InvalidInput(f"--push: expected TIME,FX,FY,FZ, got {text!r}")
     with errors.naming(time="--push", force="--push"):
-        return Push(float(values[0]), values[1:])
+        return lt.simulation.Push(float(values[0]), values[1:])
 
 
-def _simulation_facts(report: SimulationReport, *, as_json: bool) -> dict[str, object]:
+def _simulation_facts(report: lt.SimulationReport, *, as_json: bool) -> dict[str, object]:
     """Results of a simulation, by name."""
     joint = int(report.torque_fractions.argmax())
     worst = int(abs(report.errors).max(axis=0).argmax())

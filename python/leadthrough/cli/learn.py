@@ -15,14 +15,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import leadthrough as lt
 from leadthrough.cli import completion, options, output
-from leadthrough.errors import InvalidInput
-from leadthrough.models.registry import MODELS, model_entry, model_names
+from leadthrough.models.registry import MODELS
 
 if TYPE_CHECKING:
-    from leadthrough.arm import Arm
     from leadthrough.models.protocol import Model
-    from leadthrough.motion import Demonstration
 
 _NAMES = {"PoseTrajectory": "poses", "Trajectory": "points", "JointTrajectory": "joints"}
 
@@ -96,11 +94,10 @@ def learn(
     from leadthrough import check
     from leadthrough.cli import errors, parse, reading
     from leadthrough.cli import robot as robots
-    from leadthrough.io import read_demonstrations
 
     reading.check_skill_output(out)
     if model is not None:
-        check.choice(model, "--model", model_names())
+        check.choice(model, "--model", lt.models.model_names())
     arm = None if robot is None else robots.load(robot, details)
     if arm is None:
         only = {"joints": as_joints or None}
@@ -110,7 +107,7 @@ def learn(
     how = layout.arguments() | {"joints": None if arm is None else robots.ranges(arm)}
     if table is None:
         # Both ends stay: `reading.trimmed` has the options for them.
-        read = reading.cleaned if clean else partial(read_demonstrations, rest=math.inf)
+        read = reading.cleaned if clean else partial(lt.read_demonstrations, rest=math.inf)
         demonstrations = read(recordings, **how)
     else:
         most = check.integer(samples, "samples", at_least=10)
@@ -138,16 +135,16 @@ def learn(
 
 def _streamed(
     recordings: list[Path], how: dict[str, Any], table: Path, samples: int
-) -> list[Demonstration]:
+) -> list[lt.Demonstration]:
     """The recordings that can be cleaned, each thinned out as it comes, with a table of faults."""
-    from leadthrough.cli.recordings import check_table, cleaned_episodes, thinned
-    from leadthrough.io import stream_recordings
-    from leadthrough.preprocess import clean
+    from leadthrough.cli import reading
 
-    check_table(table)
+    reading.check_table(table)
     return [
-        thinned(shown, samples)
-        for _, shown, _ in cleaned_episodes(stream_recordings(recordings, **how), clean, table)
+        reading.thinned(shown, samples)
+        for _, shown, _ in reading.cleaned_episodes(
+            lt.io.stream_recordings(recordings, **how), lt.preprocess.clean, table
+        )
     ]
 
 
@@ -155,41 +152,40 @@ def model_of(name: str, parameters: dict[str, Any]) -> Model:
     """A model by its name on the command line; no other family is loaded."""
     from leadthrough import check
 
-    kind = model_entry(check.choice(name, "--model", model_names())).load()
+    kind = lt.models.model_entry(check.choice(name, "--model", lt.models.model_names())).load()
     for key in parameters:
         check.choice(key, "--set", kind.__dataclass_fields__)
     try:
         made: Model = kind(**parameters)
-    except InvalidInput as error:
-        raise InvalidInput(f"--set {error}") from None
+    except lt.errors.InvalidInput as error:
+        raise lt.errors.InvalidInput(f"--set {error}") from None
     return made
 
 
-def _as_names(demonstrations: list[Demonstration]) -> dict[str, str]:
+def _as_names(demonstrations: list[lt.Demonstration]) -> dict[str, str]:
     """The recordings' names of the demonstrations that errors name by index."""
     return {f"demonstrations[{i}]": each.name for i, each in enumerate(demonstrations)}
 
 
-def _refuse_other_kinds(model: str, demonstrations: list[Demonstration]) -> None:
+def _refuse_other_kinds(model: str, demonstrations: list[lt.Demonstration]) -> None:
     """Refuses demonstrations that are not of the type of motion that a model learns."""
-    entry = model_entry(model)
+    entry = lt.models.model_entry(model)
     for each in demonstrations:
         kind = _NAMES[type(each.motion).__name__]
         if kind not in entry.motions:
             instead = f"; use {entry.otherwise}" if entry.otherwise else ""
-            raise InvalidInput(
+            raise lt.errors.InvalidInput(
                 f"--model: {model} learns {' or '.join(entry.motions)}, and {each.name} has {kind}"
                 f"{instead}"
             )
 
 
 @contextmanager
-def _told(demonstrations: list[Demonstration]) -> Iterator[None]:
+def _told(demonstrations: list[lt.Demonstration]) -> Iterator[None]:
     """Prints warnings of misaligned demonstrations on stderr, with the recordings' names."""
-    from leadthrough.models import MisalignmentWarning
 
     with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", MisalignmentWarning)
+        warnings.simplefilter("always", lt.models.MisalignmentWarning)
         yield
     for each in caught:
         text = re.sub(
@@ -200,22 +196,27 @@ def _told(demonstrations: list[Demonstration]) -> Iterator[None]:
         print(f"warning: {text}", file=sys.stderr)
 
 
-def _chosen(demonstrations: list[Demonstration], numbers: list[int] | None) -> list[Demonstration]:
+def _chosen(
+    demonstrations: list[lt.Demonstration], numbers: list[int] | None
+) -> list[lt.Demonstration]:
     count = len(demonstrations)
     for number in numbers or ():
         if not 1 <= number <= count:
-            raise InvalidInput(f"--motion: expected a number from 1 to {count}, got {number}")
+            raise lt.errors.InvalidInput(
+                f"--motion: expected a number from 1 to {count}, got {number}"
+            )
     return [demonstrations[number - 1] for number in numbers or range(1, count + 1)]
 
 
-def _of_the_arm(arm: Arm, shown: Demonstration, *, as_joints: bool) -> Demonstration:
+def _of_the_arm(arm: lt.Arm, shown: lt.Demonstration, *, as_joints: bool) -> lt.Demonstration:
     """The demonstration with the arm's own joints, or the poses of its tip."""
     from leadthrough.cli import robot as robots
-    from leadthrough.motion import JointTrajectory
 
-    if not isinstance(shown.motion, JointTrajectory):
+    if not isinstance(shown.motion, lt.JointTrajectory):
         if as_joints:
-            raise InvalidInput(f"--joints: expected recordings of joints, {shown.name} has none")
+            raise lt.errors.InvalidInput(
+                f"--joints: expected recordings of joints, {shown.name} has none"
+            )
         return shown
     own = robots.own_joints(arm, shown.motion, shown.name)
     return replace(shown, motion=own if as_joints else arm.poses(own))

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+import leadthrough as lt
 from leadthrough.cli import options, output
-
-if TYPE_CHECKING:
-    from leadthrough.timing import Binding
 
 _NO_LIMIT = "no limit"
 _ROUNDED = 1e-2  # rad (m), the tolerance of a path that is free of a hand's tremor
@@ -57,10 +55,8 @@ def retime(
 
     leadthrough retime motion.csv --robot ur5.urdf --limits ur5.toml --rate 500 -o timed.script
     """
-    from leadthrough import timing
     from leadthrough.cli import errors, parse, reading
     from leadthrough.cli import robot as robots
-    from leadthrough.guard import connect
 
     reading.check_output(out, format)
     if start is None:
@@ -69,7 +65,7 @@ def retime(
     arm = robots.load(robot, details)
     path = robots.joints_in(arm, motion)
     with output.busy("timing"):
-        timed = timing.retime(
+        timed = lt.timing.retime(
             path,
             arm.limits,
             rate=rate,
@@ -79,10 +75,10 @@ def retime(
             jacobian=None if tip_speed is None else arm.jacobian,
             inverse_dynamics=arm.inverse_dynamics if torques else None,
         )
-    limited = _limited_by(timing.binding_limits(timed, arm.limits))
+    limited = _limited_by(lt.timing.binding_limits(timed, arm.limits))
     if start is not None:
         with errors.naming(state="--start"):
-            timed = connect(parse.numbers(start, "--start"), timed, arm, around)
+            timed = lt.connect(parse.numbers(start, "--start"), timed, arm, around)
     reading.write_motion(timed, out, format)
     found = {
         "motion": str(out),
@@ -108,7 +104,7 @@ def retime(
             output.advise(f"run {out} on the robot")
 
 
-def _limited_by(bindings: Sequence[Binding]) -> dict[str, float]:
+def _limited_by(bindings: Sequence[lt.timing.Binding]) -> dict[str, float]:
     """How long each limit binds, or none does, s."""
     lengths: dict[str, float] = {}
     for each in bindings:
@@ -159,17 +155,15 @@ def guard(
 
     from leadthrough.cli import errors, parse, reading
     from leadthrough.cli import robot as robots
-    from leadthrough.guard import Guard
     from leadthrough.guard.admission import from_state
-    from leadthrough.shapes import Scene
 
     reading.check_output(out, format)
     arm = robots.load(robot, details)
     joints = robots.joints_in(arm, motion)
-    scene = Scene(parse.obstacles(obstacle), margin)
+    scene = lt.Scene(parse.obstacles(obstacle), margin)
     shown = 1.0 / float(np.diff(joints.times).min(initial=1.0))
     per_second = shown if rate is None else rate
-    admits = Guard(arm, scene, rate=per_second)
+    admits = lt.Guard(arm, scene, rate=per_second)
     if start is not None:
         here, chunk = parse.numbers(start, "--start"), joints
     else:

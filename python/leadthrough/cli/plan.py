@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import leadthrough as lt
 from leadthrough.cli import completion, options, output
 
 if TYPE_CHECKING:
-    from leadthrough.arm import Arm
-    from leadthrough.models.protocol import Skill, Target
+    from leadthrough.models.protocol import Target
     from leadthrough.motion import Motion
 
 # Standard deviations of the demonstrated ends from which on an end is new.
@@ -102,7 +102,6 @@ def plan(
     from leadthrough.arm.recorded_joints import warn_of_another_arm
     from leadthrough.cli import errors, parse, reading
     from leadthrough.cli import robot as robots
-    from leadthrough.io import formats
     from leadthrough.motion import joints_with
 
     reading.check_output(out, format)
@@ -138,7 +137,7 @@ def plan(
                 followed = robots.followed(arm, robots.generated(learned, query), how)
             motion, told = followed.joints, followed.facts
     _write(motion, out, format, moves_arm=robot is not None)
-    if joints_with(motion) is not None and formats.to_write(out, format).name not in _KEEPING:
+    if joints_with(motion) is not None and lt.io.formats.to_write(out, format).name not in _KEEPING:
         output.note(
             f"{out} does not keep the joints that the skill was shown with, so an arm that "
             "follows it has a posture of its own; plan with --robot, or to .csv or .npz, to keep "
@@ -199,25 +198,22 @@ def _limits_first(
 
 def _write(motion: Motion, out: Path, format: str | None, *, moves_arm: bool) -> None:
     from leadthrough.cli import reading
-    from leadthrough.errors import InvalidInput
-    from leadthrough.motion import JointTrajectory
 
     try:
         reading.write_motion(motion, out, format)
-    except InvalidInput as error:
-        if moves_arm or isinstance(motion, JointTrajectory):
+    except lt.errors.InvalidInput as error:
+        if moves_arm or isinstance(motion, lt.JointTrajectory):
             raise
-        raise InvalidInput(f"{error}; with --robot, plan writes joints") from None
+        raise lt.errors.InvalidInput(f"{error}; with --robot, plan writes joints") from None
 
 
 def _end(
-    learned: Skill, given: str | None, moved: str | None, name: str, index: int
+    learned: lt.models.Skill, given: str | None, moved: str | None, name: str, index: int
 ) -> Target | None:
     from leadthrough.cli import parse
-    from leadthrough.errors import InvalidInput
 
     if given is not None and moved is not None:
-        raise InvalidInput(f"--{name}: use --{name} or --move-{name}, got both")
+        raise lt.errors.InvalidInput(f"--{name}: use --{name} or --move-{name}, got both")
     if given is not None:
         return parse.end(given, learned.generate(), index, f"--{name}")
     if moved is not None:
@@ -225,7 +221,7 @@ def _end(
     return None
 
 
-def _warn_of_novelty(learned: Skill, asked: dict[str, Any]) -> None:
+def _warn_of_novelty(learned: lt.models.Skill, asked: dict[str, Any]) -> None:
     """Says on stderr which end lies far from those that the skill was shown."""
     novelty = getattr(learned, "novelty", None)
     if novelty is None:
@@ -245,9 +241,8 @@ def _warn_of_novelty(learned: Skill, asked: dict[str, Any]) -> None:
             )
 
 
-def _certified(learned: Skill, asked: dict[str, Any], arm: Arm | None) -> str:
+def _certified(learned: lt.models.Skill, asked: dict[str, Any], arm: lt.Arm | None) -> str:
     """Whether the query is one of those that the skill's certificate speaks of."""
-    from leadthrough.motion import PoseTrajectory
     from leadthrough.validation.validate import name_of
 
     certificate = learned.certificate
@@ -256,7 +251,7 @@ def _certified(learned: Skill, asked: dict[str, Any], arm: Arm | None) -> str:
     ends = {}
     for name, index in (("start", 0), ("goal", -1)):
         place: Target = motion.positions[index]
-        if isinstance(motion, PoseTrajectory):
+        if isinstance(motion, lt.PoseTrajectory):
             place = (motion.positions[index], motion.orientations[index])
         ends[name] = asked.get(name, place)
     reasons = certificate.outside(
@@ -268,11 +263,10 @@ def _certified(learned: Skill, asked: dict[str, Any], arm: Arm | None) -> str:
     return f"inside: {low:.1%} to {high:.1%} of {certificate.runs} such queries succeed"
 
 
-def _lengthened(learned: Skill, asked: dict[str, Any]) -> str | None:
+def _lengthened(learned: lt.models.Skill, asked: dict[str, Any]) -> str | None:
     """Why a primitive takes longer than demonstrated, if it does."""
-    from leadthrough.models.dmp.discrete import DMPSkill
 
-    if not isinstance(learned, DMPSkill) or "duration" in asked:
+    if not isinstance(learned, lt.models.DMPSkill) or "duration" in asked:
         return None
     ends = {name: asked[name] for name in ("start", "goal") if name in asked}
     needed = learned.default_duration(**ends)

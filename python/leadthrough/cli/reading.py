@@ -2,25 +2,35 @@
 
 from __future__ import annotations
 
+import csv
 import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import leadthrough as lt
 from leadthrough import io, preprocess
 from leadthrough.cli import errors
 from leadthrough.cli.options import RestOptions
-from leadthrough.errors import InvalidInput
-from leadthrough.io import formats
-from leadthrough.models import archive, load_skill
-from leadthrough.models.protocol import Skill
-from leadthrough.motion import Demonstration, Motion
+from leadthrough.io.atomic import replacing
+from leadthrough.models import archive
+from leadthrough.motion import Motion
 
 _REPORTED = 0.1  # s; shorter rests are left out silently
 _EACH = 8  # recordings that are reported one by one
 
 _SKILL = ".npz"
+_TABLE = ".csv"
+# Of the table of faults.
+_COLUMNS = (
+    *("episode", "used", "samples", "left", "duration_s", "faults", "missing", "spikes"),
+    *("unordered", "repeated", "flipped", "unnormalised", "longest_gap_s", "problem"),
+)
+
+
+_Clean = Callable[[io.Recording], tuple[lt.Demonstration, preprocess.CleaningReport]]
 
 
 def listed(paths: Sequence[Path], *, also: Sequence[str] = ()) -> list[Path]:
@@ -39,7 +49,7 @@ def listed(paths: Sequence[Path], *, also: Sequence[str] = ()) -> list[Path]:
     for path in paths:
         found = _inside(path, also) if path.is_dir() and not can_read(path) else [path]
         if not found:
-            raise InvalidInput(
+            raise lt.errors.InvalidInput(
                 f"{path}: nothing to read in this folder; name one with recordings, such as .csv, "
                 ".npz or .mcap files"
             )
@@ -59,13 +69,13 @@ def _inside(folder: Path, also: Sequence[str]) -> list[Path]:
 def can_read(path: Path) -> bool:
     """Whether a file or folder is there whose format can be read."""
     try:
-        formats.of_file(path)
-    except InvalidInput:
+        lt.io.formats.of_file(path)
+    except lt.errors.InvalidInput:
         return False
     return True
 
 
-def cleaned(files: Sequence[Path], **how: Any) -> list[Demonstration]:
+def cleaned(files: Sequence[Path], **how: Any) -> list[lt.Demonstration]:
     """The recordings in files, cleaned; stderr reports the samples that were removed."""
     demonstrations = []
     recordings = io.read_recordings(files, **how)
@@ -79,8 +89,8 @@ def cleaned(files: Sequence[Path], **how: Any) -> list[Demonstration]:
 
 
 def cut(
-    recordings: Sequence[Demonstration], resting: RestOptions, *, pause: float | None
-) -> list[Demonstration]:
+    recordings: Sequence[lt.Demonstration], resting: RestOptions, *, pause: float | None
+) -> list[lt.Demonstration]:
     """The motions between the recordings' pauses, listed on stderr."""
     shortest: dict[str, Any] = {} if pause is None else {"pause": pause}
     motions = [
@@ -94,18 +104,18 @@ def cut(
         first, last = shown.motion.times[[0, -1]]
         print(f"motion {number}: {shown.name}, {first:.2f} to {last:.2f} s", file=sys.stderr)
     if not motions:
-        raise InvalidInput("--cut: found no motion in these recordings")
+        raise lt.errors.InvalidInput("--cut: found no motion in these recordings")
     return motions
 
 
-def trimmed(recordings: Sequence[Demonstration], resting: RestOptions) -> list[Demonstration]:
+def trimmed(recordings: Sequence[lt.Demonstration], resting: RestOptions) -> list[lt.Demonstration]:
     """The recordings without the rest at both ends; stderr reports how long it was."""
     kept = [preprocess.trim(each, **vars(resting)) for each in recordings]
     _report_rests(recordings, kept)
     return kept
 
 
-def _report_rests(recordings: Sequence[Demonstration], kept: Sequence[Demonstration]) -> None:
+def _report_rests(recordings: Sequence[lt.Demonstration], kept: Sequence[lt.Demonstration]) -> None:
     """Prints on stderr how long each recording stood still; of many, only the longest."""
     rests = []
     for whole, shown in zip(recordings, kept, strict=True):
@@ -132,24 +142,24 @@ def one_motion(file: Path, *, joints: Mapping[str, tuple[float, float]] | None =
     return io.read_motion(file, joints=joints)
 
 
-def saved_skill(file: Path) -> Skill:
+def saved_skill(file: Path) -> lt.models.Skill:
     """The skill in a file."""
     if not file.is_file():
-        raise InvalidInput(f"{file}: no such file")
+        raise lt.errors.InvalidInput(f"{file}: no such file")
     if file.suffix.lower() != _SKILL:
-        raise InvalidInput(
+        raise lt.errors.InvalidInput(
             f"{file}: expected a skill, a {_SKILL} that `leadthrough learn` wrote, "
             f"got {file.suffix or 'a file without a suffix'}"
         )
     with errors.naming(path=str(file)):
-        return load_skill(file)
+        return lt.load_skill(file)
 
 
 def refuse_skills(files: Sequence[Path]) -> None:
     """Refuses skills where recordings or motions are due."""
     for file in files:
         if file.suffix.lower() == _SKILL and file.is_file() and _is_skill(file):
-            raise InvalidInput(
+            raise lt.errors.InvalidInput(
                 f"{file}: expected recordings or a motion, got a skill; `leadthrough plan {file}` "
                 "makes a motion of it"
             )
@@ -158,13 +168,13 @@ def refuse_skills(files: Sequence[Path]) -> None:
 def check_skill_output(out: Path, option: str = "--out") -> None:
     """Refuses a file that no skill would be read from again, before anything is computed."""
     if out.suffix.lower() != _SKILL:
-        raise InvalidInput(f"{option}: expected a name that ends in {_SKILL}, got {out}")
+        raise lt.errors.InvalidInput(f"{option}: expected a name that ends in {_SKILL}, got {out}")
 
 
 def _is_skill(file: Path) -> bool:
     try:
         archive.read(file)
-    except InvalidInput:
+    except lt.errors.InvalidInput:
         return False
     return True
 
@@ -172,10 +182,73 @@ def _is_skill(file: Path) -> bool:
 def check_output(out: Path, format: str | None = None) -> None:
     """Refuses a file that no motion can be written to, before anything is computed."""
     with errors.naming(path="--out"):
-        formats.to_write(out, format)
+        lt.io.formats.to_write(out, format)
 
 
 def write_motion(motion: Motion, out: Path, format: str | None) -> None:
     """Writes a motion to the file of --out."""
     with errors.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
         io.write_motion(motion, out, format=format)
+
+
+def check_table(table: Path) -> None:
+    """Refuses a table's name before anything is read."""
+    if table.suffix.lower() != _TABLE:
+        raise lt.errors.InvalidInput(f"--table: expected a name that ends in {_TABLE}, got {table}")
+
+
+def cleaned_episodes(
+    episodes: Iterable[io.Episode], clean: _Clean, table: Path
+) -> Iterator[tuple[int, lt.Demonstration, preprocess.CleaningReport]]:
+    """The episodes that can be cleaned, one after the other, with their numbers, counted from 1."""
+    used, problem = 0, "--table: there are no episodes"
+    with replacing(table) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, _COLUMNS, restval="", lineterminator="\n")
+        writer.writeheader()
+        for number, episode in enumerate(episodes, start=1):
+            found = None
+            problem = episode.problem
+            if episode.recording is not None:
+                try:
+                    found = clean(episode.recording)
+                except lt.errors.InvalidInput as error:
+                    problem = f"{episode.name}: {error}"
+            writer.writerow(_row(episode.name, found, problem))
+            if found is not None:
+                used += 1
+                yield number, *found
+    if not used:
+        raise lt.errors.InvalidInput(problem)
+
+
+def _row(
+    name: str, found: tuple[lt.Demonstration, preprocess.CleaningReport] | None, problem: str
+) -> dict[str, object]:
+    if found is None:
+        return {"episode": name, "used": "no", "problem": problem}
+    shown, report = found
+    return {
+        "episode": name,
+        "used": "yes",
+        "samples": report.read,
+        "left": report.left,
+        "duration_s": round(shown.motion.duration, 6),
+        "faults": report.faults,
+        "missing": len(report.invalid),
+        "spikes": len(report.spikes),
+        "unordered": report.unordered,
+        "repeated": report.repeated,
+        "flipped": report.flipped,
+        "unnormalised": report.unnormalised,
+        "longest_gap_s": round(max((end - start for start, end in report.gaps), default=0.0), 6),
+    }
+
+
+def thinned(shown: lt.Demonstration, samples: int) -> lt.Demonstration:
+    """The demonstration at no more than a number of evenly spaced times."""
+    motion = shown.motion
+    if len(motion) <= samples or motion.duration <= 0.0:
+        return shown
+    # A little more than needed, as the last sample comes no later than the old one.
+    rate = (samples - 1) / motion.duration * (1.0 - 1e-12)
+    return replace(shown, motion=preprocess.sample_evenly(shown, rate=rate).motion)

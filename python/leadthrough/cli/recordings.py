@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,24 +11,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
+import leadthrough as lt
 from leadthrough.cli import completion, options, output
 from leadthrough.cli.command import OF_THE_ROBOT, read_profile
-from leadthrough.errors import InvalidInput
-from leadthrough.io.atomic import replacing
 
 if TYPE_CHECKING:
-    from leadthrough.demonstration_quality import Judgement
-    from leadthrough.io import Episode, Recording
-    from leadthrough.motion import Demonstration
-    from leadthrough.preprocess import CleaningReport
     from leadthrough.show.info import FileInfo
 
 _URDF = (".urdf", ".xml")
-_COLUMNS = (
-    *("episode", "used", "samples", "left", "duration_s", "faults", "missing", "spikes"),
-    *("unordered", "repeated", "flipped", "unnormalised", "longest_gap_s", "problem"),
-)
-_SUFFIX = ".csv"
 
 
 def info(
@@ -123,17 +112,20 @@ def _arm_options(
 
 
 def _write_limits(ctx: typer.Context, files: Sequence[Path], target: Path) -> Path:
-    from leadthrough.arm import Arm
     from leadthrough.arm.description import limits_file
 
     if len(files) != 1 or files[0].suffix.lower() not in _URDF:
-        raise InvalidInput(f"--write-limits: expected one URDF, got {', '.join(map(str, files))}")
+        raise lt.errors.InvalidInput(
+            f"--write-limits: expected one URDF, got {', '.join(map(str, files))}"
+        )
     if target.exists():
-        raise InvalidInput(f"--write-limits: {target} is there already; name another file")
+        raise lt.errors.InvalidInput(
+            f"--write-limits: {target} is there already; name another file"
+        )
     links = _arm_options(ctx, files[0], {name: ctx.params[name] for name in ("base", "tip")})
     base, tip = links.get("base"), links.get("tip")
     # Not the profile's limits, which may be the ones to write.
-    arm = Arm.from_urdf(files[0], base=base, tip=tip, limits=ctx.params["limits"])
+    arm = lt.Arm.from_urdf(files[0], base=base, tip=tip, limits=ctx.params["limits"])
     target.write_text(limits_file(arm), encoding="utf-8")
     return target
 
@@ -206,14 +198,14 @@ def clean(
     import json
     from functools import partial
 
-    from leadthrough import check, io, preprocess
+    from leadthrough import check
     from leadthrough.cli import reading
 
     reading.check_output(out)
     if new_rate is not None:
         check.number(new_rate, "--new-rate", above=0.0)
     cleaned = partial(
-        preprocess.clean,
+        lt.preprocess.clean,
         **({} if pause is None else {"pause": pause}),
         longest_gap=longest_gap,
         longest_pause=longest_pause,
@@ -222,11 +214,11 @@ def clean(
         smoothing=smoothing,
     )
     if table is not None:
-        check_table(table)
-        stream = io.stream_recordings(reading.listed(files), **layout.arguments())
-        results = cleaned_episodes(stream, cleaned, table)
+        reading.check_table(table)
+        stream = lt.io.stream_recordings(reading.listed(files), **layout.arguments())
+        results = reading.cleaned_episodes(stream, cleaned, table)
     else:
-        recordings = io.read_recordings(reading.listed(files), **layout.arguments())
+        recordings = lt.io.read_recordings(reading.listed(files), **layout.arguments())
         done = [cleaned(each) for each in recordings]
         results = ((number, *each) for number, each in enumerate(done, start=1))
     several = table is not None or len(done) > 1
@@ -234,7 +226,7 @@ def clean(
     found = []
     for number, shown, report in results:
         path = out.with_name(f"{out.stem}_{number}{out.suffix}") if several else out
-        io.write_motion(shown.motion, path)
+        lt.io.write_motion(shown.motion, path)
         files_written.append(path)
         if as_json:
             told = {"recording": shown.name, "file": str(path), "report": report.as_dict()}
@@ -247,74 +239,6 @@ def clean(
         print(f"{len(files_written)} recordings cleaned; faults: {table}")
     else:
         output.hint(ctx, "leadthrough", "learn", *files_written, "-o", "skill.npz")
-
-
-Cleaned = Callable[["Recording"], "tuple[Demonstration, CleaningReport]"]
-
-
-def check_table(table: Path) -> None:
-    """Refuses a table's name before anything is read."""
-    if table.suffix.lower() != _SUFFIX:
-        raise InvalidInput(f"--table: expected a name that ends in {_SUFFIX}, got {table}")
-
-
-def cleaned_episodes(
-    episodes: Iterable[Episode], clean: Cleaned, table: Path
-) -> Iterator[tuple[int, Demonstration, CleaningReport]]:
-    """The episodes that can be cleaned, one after the other, with their numbers, counted from 1."""
-    used, problem = 0, "--table: there are no episodes"
-    with replacing(table) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, _COLUMNS, restval="", lineterminator="\n")
-        writer.writeheader()
-        for number, episode in enumerate(episodes, start=1):
-            found = None
-            problem = episode.problem
-            if episode.recording is not None:
-                try:
-                    found = clean(episode.recording)
-                except InvalidInput as error:
-                    problem = f"{episode.name}: {error}"
-            writer.writerow(_row(episode.name, found, problem))
-            if found is not None:
-                used += 1
-                yield number, *found
-    if not used:
-        raise InvalidInput(problem)
-
-
-def _row(
-    name: str, found: tuple[Demonstration, CleaningReport] | None, problem: str
-) -> dict[str, object]:
-    if found is None:
-        return {"episode": name, "used": "no", "problem": problem}
-    shown, report = found
-    return {
-        "episode": name,
-        "used": "yes",
-        "samples": report.read,
-        "left": report.left,
-        "duration_s": round(shown.motion.duration, 6),
-        "faults": report.faults,
-        "missing": len(report.invalid),
-        "spikes": len(report.spikes),
-        "unordered": report.unordered,
-        "repeated": report.repeated,
-        "flipped": report.flipped,
-        "unnormalised": report.unnormalised,
-        "longest_gap_s": round(max((end - start for start, end in report.gaps), default=0.0), 6),
-    }
-
-
-def thinned(shown: Demonstration, samples: int) -> Demonstration:
-    """The demonstration at no more than a number of evenly spaced times."""
-    from leadthrough.preprocess import sample_evenly
-
-    motion = shown.motion
-    if len(motion) <= samples or motion.duration <= 0.0:
-        return shown
-    # A little more than needed, as the last sample comes no later than the old one.
-    rate = (samples - 1) / motion.duration * (1.0 - 1e-12)
-    return replace(shown, motion=sample_evenly(shown, rate=rate).motion)
 
 
 def judge(
@@ -357,16 +281,14 @@ def judge(
 
     from leadthrough.cli import errors, parse, reading
     from leadthrough.cli.learn import model_of
-    from leadthrough.demonstration_quality import judge_demonstrations
-    from leadthrough.io import read_demonstrations
 
     recordings = reading.listed(files)
     reading.refuse_skills(recordings)
-    shown = read_demonstrations(recordings, **layout.arguments(), rest=math.inf)
+    shown = lt.read_demonstrations(recordings, **layout.arguments(), rest=math.inf)
     shown = reading.trimmed(shown, resting)
     middle = np.mean([each.motion.positions[-1] for each in shown], axis=0)
     with output.busy("judging"), errors.naming(demonstrations="RECORDINGS"):
-        found = judge_demonstrations(
+        found = lt.judge_demonstrations(
             shown,
             model=model_of(model or "promp", parse.parameters(parameter or [])),
             goals=None if goals is None else parse.places(goals, middle, "--goals"),
@@ -378,7 +300,7 @@ def judge(
     _print(found, as_json=as_json)
 
 
-def _print(found: Judgement, *, as_json: bool) -> None:
+def _print(found: lt.demonstration_quality.Judgement, *, as_json: bool) -> None:
 
     rows = [
         {

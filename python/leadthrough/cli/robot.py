@@ -10,18 +10,13 @@ from typing import Any
 
 import numpy as np
 
+import leadthrough as lt
 from leadthrough import check
-from leadthrough.arm import Arm, FollowOptions, PathReport
 from leadthrough.arm.inverse_kinematics import AXES
 from leadthrough.arm.robot_files import find_robot
 from leadthrough.cli import errors, parse, reading
 from leadthrough.cli.options import ArmDetails
-from leadthrough.errors import InvalidInput
-from leadthrough.models.protocol import Skill
-from leadthrough.motion import JointTrajectory, Motion, joints_with
-from leadthrough.motion_planning import Query, plan_motion
-from leadthrough.shapes import Scene
-from leadthrough.timing import differentiate
+from leadthrough.motion import Motion, joints_with
 
 # m or rad; the tip is this near to a path that is followed without tolerances.
 _AS_PLANNED = 2e-5
@@ -36,21 +31,21 @@ UNITS = {
 _ELSEWHERE = 0.3
 
 
-def load(name: str, details: ArmDetails) -> Arm:
+def load(name: str, details: ArmDetails) -> lt.Arm:
     """The arm of a robot, by its name, or of a URDF, by its path."""
     named: Any = {"base": details.base, "tip": details.tip, "limits": details.limits}
     with errors.naming(name="--robot", path_or_xml="--robot"):
         if _is_path(name):
             folders = mesh_folders(details.mesh_folder)
-            return Arm.from_urdf(Path(name), **named, mesh_folders=folders)
+            return lt.Arm.from_urdf(Path(name), **named, mesh_folders=folders)
         refuse("--robot FILE.urdf", mesh_folder=details.mesh_folder)
-        return Arm.load(name, **named)
+        return lt.Arm.load(name, **named)
 
 
 def mesh_folders(given: Path | None) -> list[Path]:
     """The folder of --mesh-folder as a list, which is empty if none was given."""
     if given is not None and not given.is_dir():
-        raise InvalidInput(f"mesh_folder: expected a folder, got {given}")
+        raise lt.errors.InvalidInput(f"mesh_folder: expected a folder, got {given}")
     return [] if given is None else [given]
 
 
@@ -63,7 +58,7 @@ def _is_path(name: str) -> bool:
     return "/" in name or name.lower().endswith((".urdf", ".xml"))
 
 
-def ranges(arm: Arm) -> dict[str, tuple[float, float]]:
+def ranges(arm: lt.Arm) -> dict[str, tuple[float, float]]:
     """The lower and upper limit of each joint, rad (m), as `read_demonstrations` takes them."""
     limits = arm.limits
     pairs = zip(limits.lower.tolist(), limits.upper.tolist(), strict=True)
@@ -75,25 +70,27 @@ def refuse(need: str, **given: object) -> None:
     for option, value in given.items():
         if value is not None:
             name = option.replace("_", "-")
-            raise InvalidInput(f"--{name}: only used with {need}; add it or leave --{name} out")
+            raise lt.errors.InvalidInput(
+                f"--{name}: only used with {need}; add it or leave --{name} out"
+            )
 
 
-def joints_in(arm: Arm, file: Path) -> JointTrajectory:
+def joints_in(arm: lt.Arm, file: Path) -> lt.JointTrajectory:
     """The arm's joints of the only motion in a file."""
     return own_joints(arm, reading.one_motion(file, joints=ranges(arm)), str(file))
 
 
-def own_joints(arm: Arm, motion: Motion, name: str) -> JointTrajectory:
+def own_joints(arm: lt.Arm, motion: Motion, name: str) -> lt.JointTrajectory:
     """The arm's joints of a motion, by their names; by their order if no name is the arm's."""
-    if not isinstance(motion, JointTrajectory):
-        raise InvalidInput(
+    if not isinstance(motion, lt.JointTrajectory):
+        raise lt.errors.InvalidInput(
             f"{name}: expected a joint motion, got a {type(motion).__name__}; "
             "`leadthrough plan --robot` makes joint motions of a skill's poses"
         )
     recorded = motion.joint_names
     strangers = not set(recorded) & set(arm.joint_names)
     if recorded and strangers and len(recorded) < len(arm.joint_names):
-        raise InvalidInput(
+        raise lt.errors.InvalidInput(
             f"{name}: has {len(recorded)} joints, and the arm from {arm.base} to {arm.tip} has "
             f"{len(arm.joint_names)}: {', '.join(arm.joint_names)}; if it ends in a gripper, give "
             "the last link before it as --tip (`leadthrough info` lists the links)"
@@ -111,37 +108,37 @@ def own_joints(arm: Arm, motion: Motion, name: str) -> JointTrajectory:
 class Followed:
     """A joint motion, and what there is to tell of it."""
 
-    joints: JointTrajectory  # of the arm
+    joints: lt.JointTrajectory  # of the arm
     facts: dict[str, Any]  # to print, by name
 
 
-def generated(skill: Skill[Motion], query: dict[str, Any]) -> Motion:
+def generated(skill: lt.models.Skill[Motion], query: dict[str, Any]) -> Motion:
     """The skill's motion; of joints with their velocities and accelerations."""
     motion = skill.generate(**query)
-    return differentiate(motion) if isinstance(motion, JointTrajectory) else motion
+    return lt.differentiate(motion) if isinstance(motion, lt.JointTrajectory) else motion
 
 
-def followed(arm: Arm, motion: Motion, how: dict[str, Any]) -> Followed:
+def followed(arm: lt.Arm, motion: Motion, how: dict[str, Any]) -> Followed:
     """The arm's joints along a motion; a motion of joints is the arm's already."""
-    if isinstance(motion, JointTrajectory):
+    if isinstance(motion, lt.JointTrajectory):
         return Followed(own_joints(arm, motion, "the skill"), {})
     joints = arm.follow(motion, **how)
     return Followed(joints, _compared(arm, motion, joints, how))
 
 
 def kept_clear(
-    arm: Arm,
-    skill: Skill[Motion],
+    arm: lt.Arm,
+    skill: lt.models.Skill[Motion],
     query: dict[str, Any],
     margin: float | None,
     how: dict[str, Any],
 ) -> Followed:
     """The arm's joints along a skill's motion, the whole arm clear of the obstacles."""
     asked = {name: value for name, value in query.items() if name != "obstacles"}
-    scene = Scene(query["obstacles"])
+    scene = lt.Scene(query["obstacles"])
     if margin is not None:
-        scene = Scene(query["obstacles"], margin)
-    planned = plan_motion(skill, arm, scene, Query(**asked), **how)
+        scene = lt.Scene(query["obstacles"], margin)
+    planned = lt.plan_motion(skill, arm, scene, lt.Query(**asked), **how)
     facts = _compared(arm, planned.tip, planned.joints, how)
     facts["clearance"] = planned.clearance
     if planned.reasons:
@@ -150,28 +147,30 @@ def kept_clear(
 
 
 def _compared(
-    arm: Arm, motion: Any, joints: JointTrajectory, how: dict[str, Any]
+    arm: lt.Arm, motion: Any, joints: lt.JointTrajectory, how: dict[str, Any]
 ) -> dict[str, Any]:
     """Deviations of the arm from the planned tip and the demonstrated joints."""
     report = arm.path_report(joints, motion)
     options = how["options"]
-    default = options.free is None and options.tolerances == FollowOptions().tolerances
+    default = options.free is None and options.tolerances == lt.arm.FollowOptions().tolerances
     off = _off_the_path(report, always=not default)
     chosen = {} if options.free is not None else _freed(report, options)
     return chosen | off | _beside_shown(arm, motion, joints)
 
 
 def options_of(
-    arm: Arm, posture: str | None, tolerance: str | None, free_axes: Sequence[str] | None
+    arm: lt.Arm, posture: str | None, tolerance: str | None, free_axes: Sequence[str] | None
 ) -> dict[str, Any]:
     """The arguments of `Arm.follow` that the command's options make."""
-    options = FollowOptions()
+    options = lt.arm.FollowOptions()
     if tolerance is not None:
         given = check.array(parse.numbers(tolerance, "--tolerance"), "--tolerance", shape=(2,))
         position, orientation = (
             check.number(each, "--tolerance", above=0.0) for each in given.tolist()
         )
-        options = FollowOptions(position_tolerance=position, orientation_tolerance=orientation)
+        options = lt.arm.FollowOptions(
+            position_tolerance=position, orientation_tolerance=orientation
+        )
     if free_axes is not None:
         free = [check.choice(axis, "--free-axis", AXES) for axis in free_axes]
         options = replace(options, free=free)
@@ -185,7 +184,7 @@ def options_of(
     return {"q0": q, "options": replace(options, posture=q)}
 
 
-def _freed(report: PathReport, options: FollowOptions) -> dict[str, list[str]]:
+def _freed(report: lt.arm.PathReport, options: lt.arm.FollowOptions) -> dict[str, list[str]]:
     """The axes that the arm left free by itself, because it has fewer than six joints."""
     asked = max(options.orientation_tolerance, _AS_PLANNED)
     turned = np.abs(report.turn).max(axis=0).tolist()
@@ -193,7 +192,7 @@ def _freed(report: PathReport, options: FollowOptions) -> dict[str, list[str]]:
     return {"free_axes": axes} if axes else {}
 
 
-def _off_the_path(report: PathReport, *, always: object) -> dict[str, float]:
+def _off_the_path(report: lt.arm.PathReport, *, always: object) -> dict[str, float]:
     """How far the tip is from what was planned, where that is not by rounding alone."""
     errors = {
         "position_error": float(report.position_error.max()),
@@ -202,7 +201,7 @@ def _off_the_path(report: PathReport, *, always: object) -> dict[str, float]:
     return errors if always or max(errors.values()) > _AS_PLANNED else {}
 
 
-def _beside_shown(arm: Arm, motion: Motion, joints: JointTrajectory) -> dict[str, Any]:
+def _beside_shown(arm: lt.Arm, motion: Motion, joints: lt.JointTrajectory) -> dict[str, Any]:
     """How far the arm starts from where it was shown, with a warning if that is far."""
     shown = joints_with(motion)
     if shown is None:

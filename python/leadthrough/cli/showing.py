@@ -13,12 +13,11 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
+import leadthrough as lt
 from leadthrough.cli import completion, options, output
 from leadthrough.cli.command import PROFILE
-from leadthrough.errors import InvalidInput
 
 if TYPE_CHECKING:
-    from leadthrough.motion import Demonstration
     from leadthrough_studies.demo.performed import Performed
     from leadthrough_studies.handwriting.demo import Handwriting
 
@@ -81,21 +80,19 @@ def view(
     from leadthrough import check
     from leadthrough.cli import errors, parse, reading
     from leadthrough.cli import robot as robots
-    from leadthrough.io import read_demonstrations
-    from leadthrough.motion import JointTrajectory
     from leadthrough.show import viewing
 
     check.integer(port, "port", at_least=0, at_most=65535)
     arm = robots.load(robot, details)
     asked = None if motion is None else reading.one_motion(motion, joints=robots.ranges(arm))
-    if isinstance(asked, JointTrajectory):
+    if isinstance(asked, lt.JointTrajectory):
         asked = robots.own_joints(arm, asked, str(motion))
     shown = []
     if not demonstrations:
         robots.refuse("--demonstrations", **vars(layout))
     else:
         files, known = reading.listed(demonstrations), robots.ranges(arm)
-        shown = read_demonstrations(files, **layout.arguments(), joints=known, rest=math.inf)
+        shown = lt.read_demonstrations(files, **layout.arguments(), joints=known, rest=math.inf)
     with errors.naming(path="--html"):
         viewing.view(
             arm,
@@ -163,12 +160,10 @@ def demo(
 
 def _missing() -> str:
     """Missing packages for the handwriting, as a message; empty if there are none."""
-    from leadthrough.errors import MissingDependency
-    from leadthrough.io import lasa
 
     try:
-        lasa.motions()
-    except MissingDependency as error:
+        lt.io.lasa.motions()
+    except lt.errors.MissingDependency as error:
         return str(error)
     return ""
 
@@ -198,32 +193,33 @@ def example(
 
     leadthrough example reach first-steps
     """
-    from leadthrough import check, io
+    from leadthrough import check
 
     check.choice(name, "NAME", NAMES)
     files = _reach(check.integer(seed, "seed", at_least=0))
     for path in files:
         if (folder / path).exists():
-            raise InvalidInput(f"FOLDER: {folder / path} is there already; name another folder")
+            raise lt.errors.InvalidInput(
+                f"FOLDER: {folder / path} is there already; name another folder"
+            )
     for path, content in files.items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         if isinstance(content, str):
             (folder / path).write_text(content, encoding="utf-8")
         else:
-            io.write_motion(content.motion, folder / path)
+            lt.io.write_motion(content.motion, folder / path)
     output.facts({"folder": str(folder), "files": list(files)}, as_json=as_json)
     if not as_json:
         here = () if folder.resolve() == Path.cwd() else ("cd", folder, "&&")
         output.hint(ctx, *here, "leadthrough", "info", "shown")
 
 
-def _reach(seed: int) -> dict[str, str | Demonstration]:
+def _reach(seed: int) -> dict[str, str | lt.Demonstration]:
     """The files' contents by their paths in the folder."""
-    from leadthrough.arm import Arm
     from leadthrough.arm.robot_files import find_robot
     from leadthrough_studies.example import ROBOT, reaches
 
-    arm, files = Arm.load(ROBOT), find_robot(ROBOT)
+    arm, files = lt.Arm.load(ROBOT), find_robot(ROBOT)
     assert files.limits is not None  # the package's own have one
     recordings = reaches(arm.joint_names, seed=seed)
     return {

@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
+import leadthrough as lt
 from leadthrough.cli import completion, options, output
 
 if TYPE_CHECKING:
-    from leadthrough.arm import Arm
-    from leadthrough.models.protocol import Skill
     from leadthrough.models.targets import TargetRegion
-    from leadthrough.validation import Validation
 
 _FORM = (
     "the distances DX,DY,DZ to both sides of the demonstrated one, or two corners X,Y,Z:X,Y,Z (m, "
@@ -78,13 +76,8 @@ def validate(
 
     leadthrough validate pour.npz --robot panda --goals 0.1,0.1,0.05 --runs 5000 --on local:4
     """
-    from leadthrough import tasks
     from leadthrough.cli import errors, parse, reading
     from leadthrough.cli import robot as robots
-    from leadthrough.shapes import Scene
-    from leadthrough.show.reports import write_validation
-    from leadthrough.simulation import ComputedTorque
-    from leadthrough.validation import validate as validated
 
     if certify is not None:
         reading.check_skill_output(certify, "--certify")
@@ -93,23 +86,23 @@ def validate(
     drawn = [parse.random_obstacle(text) for text in random_obstacle or ()]
     folder = out or skill.with_name(f"{skill.stem}-validation")
     with errors.interruptible():
-        found = validated(
+        found = lt.validate(
             learned,
             robots.load(robot, details),
-            Scene([*fixed, *drawn], margin),
+            lt.Scene([*fixed, *drawn], margin),
             goals=_places(learned, goals, -1, "--goals"),
             starts=_places(learned, starts, 0, "--starts"),
             runs=runs,
             width=width,
             required=0.95 if required is None else required,
-            controller=ComputedTorque() if physics else None,
+            controller=lt.simulation.ComputedTorque() if physics else None,
             seed=seed,
             on=on,
             out=folder,
             task_timeout=task_timeout,
-            progress=tasks.with_progress,
+            progress=lt.tasks.with_progress,
         )
-    write_validation(folder, found)
+    lt.show.write_validation(folder, found)
     if certify is not None:
         learned.certified(found.certificate).save(certify)
     output.facts(_facts(found, folder), as_json=as_json, units={"margin": "m"})
@@ -118,7 +111,7 @@ def validate(
         raise typer.Exit(1)
 
 
-def _facts(found: Validation, folder: Path) -> dict[str, object]:
+def _facts(found: lt.validation.Validation, folder: Path) -> dict[str, object]:
     certificate = found.certificate
     causes = [f"{count} {cause}" for cause, count in certificate.causes.items()]
     told: dict[str, object] = {
@@ -136,7 +129,9 @@ def _facts(found: Validation, folder: Path) -> dict[str, object]:
     return {**told, "report": str(folder / "report.html")}
 
 
-def _places(learned: Skill, text: str | None, index: int, name: str) -> TargetRegion | None:
+def _places(
+    learned: lt.models.Skill, text: str | None, index: int, name: str
+) -> TargetRegion | None:
     """The region that an option states; None where it is left out."""
     from leadthrough.cli import parse
 
@@ -200,11 +195,8 @@ def reach(
 
     leadthrough reach --robot ur3 --skill pour.npz --area=-0.5,-0.5,0:0.5,0.5,0 -o stand.npz
     """
-    from leadthrough import tasks
     from leadthrough.cli import parse, reading
     from leadthrough.cli import robot as robots
-    from leadthrough.reachability import reach_map
-    from leadthrough.show.plot import reach_figure
 
     reading.check_skill_output(out)
     arm = robots.load(robot, details)
@@ -212,7 +204,7 @@ def reach(
         _place(arm, skill, area, out, spacing, yaws, seed, as_json=as_json)
         return
     corners = None if volume is None else parse.corners(volume, "--volume")
-    found = reach_map(
+    found = lt.reachability.reach_map(
         arm,
         volume=corners,
         spacing=spacing,
@@ -222,11 +214,11 @@ def reach(
         on=on,
         out=folder,
         task_timeout=task_timeout,
-        progress=tasks.with_progress,
+        progress=lt.tasks.with_progress,
     )
     found.save(out)
     picture = out.with_suffix(".png")
-    reach_figure(found).savefig(picture)
+    lt.show.reach_figure(found).savefig(picture)
     told = {
         "map": str(out),
         "picture": str(picture),
@@ -240,7 +232,7 @@ def reach(
 
 
 def _place(  # an option each
-    arm: Arm,
+    arm: lt.Arm,
     skill: Path | None,
     area: str | None,
     out: Path,
@@ -254,17 +246,16 @@ def _place(  # an option each
     import numpy as np
 
     from leadthrough.cli import parse, reading
-    from leadthrough.errors import InvalidInput
     from leadthrough.io.atomic import replacing
-    from leadthrough.reachability import place_base
-    from leadthrough.show.plot import placement_figure
 
     if skill is None or area is None:
         missing, given = ("--area", "--skill") if area is None else ("--skill", "--area")
-        raise InvalidInput(f"{missing}: needed with {given}")
+        raise lt.errors.InvalidInput(f"{missing}: needed with {given}")
     corners: TargetRegion = parse.corners(area, "--area")
     learned = reading.saved_skill(skill)
-    found = place_base(learned, arm, area=corners, spacing=spacing, yaws=yaws, seed=seed)
+    found = lt.reachability.place_base(
+        learned, arm, area=corners, spacing=spacing, yaws=yaws, seed=seed
+    )
     with replacing(out) as temporary, temporary.open("wb") as file:
         np.savez_compressed(
             file,
@@ -274,7 +265,7 @@ def _place(  # an option each
             manipulability=found.manipulability,
         )
     picture = out.with_suffix(".png")
-    placement_figure(found).savefig(picture)
+    lt.show.placement_figure(found).savefig(picture)
     told: dict[str, object] = {
         "map": str(out),
         "picture": str(picture),
